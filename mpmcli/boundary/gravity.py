@@ -1,0 +1,24 @@
+"""Gravity: the same acceleration everywhere."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from mpmcli.boundary.base import LOADS, LoadModel, check_length
+from mpmcli.core.model import field_of
+
+_Acceleration: Any = field_of("acceleration", ("t",))
+
+
+@LOADS.register
+class Gravity(LoadModel):
+    """Accelerates all particles alike."""
+
+    kind: Literal["gravity"] = "gravity"
+    """Kind of load."""
+    acceleration: tuple[_Acceleration, ...]
+    """Acceleration, one number or expression of t per axis."""
+
+    def problems(self, dimensions: int) -> list[tuple[str, str]]:
+        """What does not fit an analysis with so many axes."""
+        return check_length("acceleration", self.acceleration, dimensions)

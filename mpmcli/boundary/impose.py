@@ -1,0 +1,172 @@
+"""Imposing velocities on grid nodes (serial kernels: held nodes are few).
+
+Arrays of the grid: ``mp`` (n, 1+d) mass and momentum, ``f`` (n, d) force, ``v`` (n, ≥d) velocity in the first
+d columns. Nodes without mass are passed over. ``impulse`` (nb,) collects the momentum change of each entry
+along its direction.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from mpmcli.core.kernel import inline
+
+Array = np.ndarray
+
+
+class Entries(NamedTuple):
+    """Held velocity components, sorted by node and then by condition.
+
+    Directions at one node are orthogonal or equal to each other. ``repeated`` marks those whose direction an
+    earlier entry of the node has: their values add up [nairn2026, Table 2].
+    """
+
+    node: Array
+    """(nb,) node index."""
+    direction: Array
+    """(nb, d) unit vector; zero where the entry adds nothing."""
+    value: Array
+    """(nb,) velocity along the direction [velocity]."""
+    repeated: Array
+    """(nb,) bool."""
+    owner: Array
+    """(nb,) index of the condition; -1 for the mirror image of another entry, which counts for nobody."""
+
+
+@inline
+def impose_on_momentum(entries: Entries, mp: Array, f: Array | None, dt: float, impulse: Array) -> None:
+    """Give held nodes the momentum m v_b along each direction: p += Δp, f += Δp/Δt [nairn2026, Eq. 11].
+
+    Parameters
+    ----------
+    entries
+        Held components.
+    mp
+        (n, 1+d) mass and updated momentum p + f Δt; momentum is overwritten.
+    f
+        (n, d) total force, to which the reaction is added; None leaves forces alone.
+    dt
+        Time step [time].
+    impulse
+        (nb,) Δp along the directions is added [momentum].
+    """
+    d = mp.shape[1] - 1
+    for b in range(entries.node.shape[0]):
+        i = entries.node[b]
+        m = mp[i, 0]
+        if m > 0.0:
+            change = m * entries.value[b]
+            if not entries.repeated[b]:
+                for a in range(d):
+                    change -= mp[i, 1 + a] * entries.direction[b, a]
+            for a in range(d):
+                mp[i, 1 + a] += change * entries.direction[b, a]
+            if f is not None:
+                for a in range(d):
+                    f[i, a] += change / dt * entries.direction[b, a]
+            impulse[b] += change
+
+
+@inline
+def zero_increment(entries: Entries, dv: Array, mp: Array, impulse: Array) -> None:
+    """Take the held components out of a velocity increment [nairn2026, Table 2, lower half].
+
+    Parameters
+    ----------
+    entries
+        Held components.
+    dv
+        (n, d) increment Δv(ℓ); overwritten at held nodes.
+    mp
+        (n, 1+d) mass and momentum.
+    impulse
+        (nb,) m Δv along the directions is added [momentum].
+    """
+    d = mp.shape[1] - 1
+    for b in range(entries.node.shape[0]):
+        i = entries.node[b]
+        m = mp[i, 0]
+        if m > 0.0 and not entries.repeated[b]:
+            change = 0.0
+            for a in range(d):
+                change -= dv[i, a] * entries.direction[b, a]
+            for a in range(d):
+                dv[i, a] += change * entries.direction[b, a]
+            impulse[b] += m * change
+
+
+@inline
+def impose_on_velocity(entries: Entries, v: Array, mp: Array, impulse: Array) -> None:
+    """Give held nodes the velocity v_b along each direction (methods ``velocity`` and ``combined``).
+
+    Parameters
+    ----------
+    entries
+        Held components.
+    v
+        (n, ≥d) velocity in the first d columns; overwritten at held nodes.
+    mp
+        (n, 1+d) mass and momentum.
+    impulse
+        (nb,) m Δv along the directions is added [momentum].
+    """
+    d = mp.shape[1] - 1
+    for b in range(entries.node.shape[0]):
+        i = entries.node[b]
+        m = mp[i, 0]
+        if m > 0.0:
+            change = entries.value[b]
+            if not entries.repeated[b]:
+                for a in range(d):
+                    change -= v[i, a] * entries.direction[b, a]
+            for a in range(d):
+                v[i, a] += change * entries.direction[b, a]
+            impulse[b] += m * change
+
+
+@inline
+def sum_reactions(entries: Entries, impulse: Array, dt: float, reactions: Array) -> None:
+    """Add each condition's force on the bodies, Σ impulse e/Δt, to ``reactions`` (conditions, d) [force]."""
+    for b in range(entries.node.shape[0]):
+        owner = entries.owner[b]
+        if owner >= 0:
+            for a in range(reactions.shape[1]):
+                reactions[owner, a] += impulse[b] / dt * entries.direction[b, a]
+
+
+@inline
+def held_speeds(entries: Entries, mp: Array, speed: Array) -> None:
+    """Velocity p/m of held nodes along each entry's direction into ``speed`` (nb,) [velocity]."""
+    for b in range(entries.node.shape[0]):
+        i = entries.node[b]
+        total = 0.0
+        if mp[i, 0] > 0.0:
+            for a in range(mp.shape[1] - 1):
+                total += mp[i, 1 + a] * entries.direction[b, a]
+            total /= mp[i, 0]
+        speed[b] = total
+
+
+@inline
+def sum_work(entries: Entries, impulse: Array, start_speed: Array, v: Array) -> float:
+    """Work done on the bodies, Σ impulse ½ (v + v⁺)·e [energy].
+
+    Parameters
+    ----------
+    entries, impulse
+        Held components and their momentum changes in the step.
+    start_speed
+        (nb,) velocity along the directions at the start of the step (``held_speeds``).
+    v
+        (n, ≥d) velocity v⁺ in the first d columns.
+    """
+    work = 0.0
+    for b in range(entries.node.shape[0]):
+        if entries.owner[b] >= 0:
+            end = 0.0
+            for a in range(entries.direction.shape[1]):
+                end += v[entries.node[b], a] * entries.direction[b, a]
+            work += impulse[b] * 0.5 * (start_speed[b] + end)
+    return work

@@ -1,0 +1,53 @@
+"""A force shared by particles."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import model_validator
+
+from mpmcli.boundary.base import LOADS, LoadModel, check_length
+from mpmcli.boundary.place import Box, Region, check_box
+from mpmcli.core.model import Model, field_of
+
+_Force: Any = field_of("force", ("t",))
+
+
+class Target(Model):
+    """Particles of a body, in a box or in a region; with more than one, those that are in all of them."""
+
+    body: str | None = None
+    """Name of the body."""
+    box: Box | None = None
+    """Particles that are in this box at the start of the simulation."""
+    region: Region = None
+    """Particles that are in this region at the start of the simulation."""
+
+    @model_validator(mode="after")
+    def _some_place(self) -> Target:
+        if self.body is None and self.box is None and self.region is None:
+            raise ValueError("give body, box or region")
+        return self
+
+
+@LOADS.register
+class ParticleForce(LoadModel):
+    """Pushes particles with a force: one total shared in proportion to mass, or the same on each."""
+
+    kind: Literal["particle_force"] = "particle_force"
+    """Kind of load."""
+    on: Target
+    """Which particles."""
+    force: tuple[_Force, ...]
+    """Force, one number or expression of t per axis (axisymmetric: on the full ring)."""
+    per: Literal["total", "particle"] = "total"
+    """Whether the force is the total, shared in proportion to mass, or that on each particle."""
+
+    def problems(self, dimensions: int) -> list[tuple[str, str]]:
+        """What does not fit an analysis with so many axes."""
+        found = check_length("force", self.force, dimensions)
+        return found if self.on.box is None else found + check_box("on.box", self.on.box, dimensions)
+
+    def bodies(self) -> list[tuple[str, str]]:
+        """The body that it acts on, if it is one."""
+        return [] if self.on.body is None else [("on.body", self.on.body)]

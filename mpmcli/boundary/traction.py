@@ -1,0 +1,76 @@
+"""Force per area on the surface of a body, through the faces of its particles."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import model_validator
+
+from mpmcli.boundary.base import LOADS, LoadModel, check_length
+from mpmcli.boundary.place import Face, check_axis
+from mpmcli.boundary.velocity import check_variables
+from mpmcli.core.expressions import Expression
+from mpmcli.core.model import Model, field_of
+
+_Traction: Any = field_of("pressure")
+
+
+class Surface(Model):
+    """A face of a body."""
+
+    body: str
+    """Name of the body."""
+    face: Face
+    """Which of its faces."""
+
+
+@LOADS.register
+class Traction(LoadModel):
+    """Loads a face of a body, dead (by initial area and axes) or following its deformed particle faces."""
+
+    kind: Literal["traction"] = "traction"
+    """Kind of load."""
+    on: Surface
+    """Body and face."""
+    traction: tuple[_Traction, ...] | None = None
+    """Force per area, one number or expression of x, y, z (of the face at the start) and t per axis."""
+    pressure: _Traction | None = None
+    """Instead of ``traction``: pressure on the face, positive inwards."""
+    follower: bool | None = None
+    """Whether area and direction follow the deformed face; by default pressures do and tractions do not."""
+
+    @model_validator(mode="after")
+    def _traction_or_pressure(self) -> Traction:
+        if (self.traction is None) == (self.pressure is None):
+            raise ValueError("give traction or pressure")
+        return self
+
+    @property
+    def follows(self) -> bool:
+        """Whether area and direction follow the deformed face."""
+        return self.pressure is not None if self.follower is None else self.follower
+
+    def components(self, dimensions: int) -> tuple[tuple[Expression, float], ...]:
+        """Traction along each axis as expression and factor (a pressure acts against the outward normal)."""
+        if self.traction is not None:
+            return tuple((component, 1.0) for component in self.traction)
+        nothing = Expression.constant(0.0)
+        pressure: Any = self.pressure
+        face = self.on.face
+        return tuple(
+            (pressure, float(-face.sign)) if a == face.index else (nothing, 0.0) for a in range(dimensions)
+        )
+
+    def problems(self, dimensions: int) -> list[tuple[str, str]]:
+        """What does not fit an analysis with so many axes."""
+        found = check_axis("on.face", self.on.face, dimensions)
+        if self.pressure is not None:
+            return found + check_variables("pressure", self.pressure, dimensions)
+        found += check_length("traction", self.traction, dimensions)
+        for a, component in enumerate(self.traction or ()):
+            found += check_variables(f"traction.{a}", component, dimensions)
+        return found
+
+    def bodies(self) -> list[tuple[str, str]]:
+        """The loaded body."""
+        return [("on.body", self.on.body)]

@@ -1,0 +1,87 @@
+"""Velocity given at nodes: on a plane, in a box or region, or at the surface of a body."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import Any, Literal
+
+import numpy as np
+
+from mpmcli.boundary.base import CONDITIONS, Array, ConditionModel, Nodes, SurfaceNodes
+from mpmcli.boundary.place import AXES, Direction, Place, check_direction, unit_vector
+from mpmcli.core.expressions import Expression
+from mpmcli.core.model import field_of
+
+
+@CONDITIONS.register
+class Velocity(ConditionModel):
+    """Holds one component of the velocity of grid nodes at a value."""
+
+    kind: Literal["velocity"] = "velocity"
+    """Kind of condition."""
+    on: Place
+    """Where: nodes on a plane and beyond it, in a box or region, or seen by a body's surface particles."""
+    direction: Direction
+    """Direction of the component, an axis or a vector."""
+    value: field_of("velocity")  # type: ignore[valid-type]
+    """Velocity in that direction, a number or an expression of x, y, z (of the node) and t."""
+
+    def problems(self, dimensions: int) -> list[tuple[str, str]]:
+        """What does not fit an analysis with so many axes."""
+        found = self.on.problems(dimensions) + check_direction("direction", self.direction, dimensions)
+        return found + check_variables("value", self.value, dimensions)
+
+    def bodies(self) -> list[tuple[str, str]]:
+        """The body whose surface is held, if any."""
+        return [] if self.on.body is None else [("on.body", self.on.body)]
+
+    def holder(self, grid: Nodes, surface_nodes: SurfaceNodes | None) -> VelocityHolder:
+        """The condition on a grid."""
+        return VelocityHolder(self, grid, surface_nodes)
+
+
+class VelocityHolder:
+    """A velocity condition on a grid."""
+
+    def __init__(self, condition: Velocity, grid: Nodes, surface_nodes: SurfaceNodes | None):
+        self._place = condition.on
+        self._grid = grid
+        self._surface_nodes = surface_nodes
+        self._value: Any = condition.value
+        self._seen = np.empty(0, dtype=np.int64)
+        self._changes = 0
+        self.direction = unit_vector(condition.direction, len(grid.shape))
+        self.varies = "t" in condition.value.variables
+
+    def key(self, time: float) -> Hashable:
+        """Constant, except on body surfaces, where it counts how often the seen nodes changed."""
+        if self._place.face is not None and self._surface_nodes is not None:
+            seen = np.unique(self._surface_nodes(str(self._place.body), self._place.face))
+            if not np.array_equal(seen, self._seen):
+                self._seen = seen
+                self._changes += 1
+        return self._changes
+
+    def nodes(self, time: float, active: Array) -> Array:
+        """The held nodes among ``active``."""
+        return self._place.nodes(self._grid, active, self._surface_nodes)
+
+    def values(self, time: float, coordinates: Array) -> Array | float:
+        """Velocity along ``direction`` at the nodes."""
+        return evaluate(self._value, coordinates, time)
+
+
+def evaluate(expression: Expression, points: Array, time: float) -> Any:
+    """An expression at points (d, n): a number if it does not vary in space, else (n,)."""
+    if expression.variables <= {"t"}:
+        return expression(t=time)
+    x, y, z = (*points, 0.0, 0.0)[:3]
+    return expression(x, y, z, time)
+
+
+def check_variables(key: str, expression: Expression, dimensions: int) -> list[tuple[str, str]]:
+    """The problem, if any, that an expression uses a coordinate that the analysis does not have."""
+    absent = sorted(expression.variables & set(AXES[dimensions:]))
+    if not absent:
+        return []
+    return [(key, f"'{absent[0]}' does not exist in this analysis, which has {', '.join(AXES[:dimensions])}")]

@@ -1,0 +1,138 @@
+"""A moving wall: holds the nodes with mass behind it, and those in front of it to a depth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable
+from typing import Any, Literal
+
+import numpy as np
+
+from mpmcli.boundary.base import (
+    CONDITIONS,
+    TOLERANCE,
+    Array,
+    ConditionModel,
+    Nodes,
+    SurfaceNodes,
+    check_length,
+)
+from mpmcli.boundary.place import Direction, axis_index, check_direction, last_index, unit_vector
+from mpmcli.core.model import field_of, quantity
+
+_Coordinate: Any = field_of("length", ("t",))
+
+
+@CONDITIONS.register
+class Wall(ConditionModel):
+    """A plane that moves through the grid and pushes or pulls the material at it.
+
+    It sets v_i = v + ∇v (x_i − x_wall) along its normal on all nodes with mass behind it, and on those in the
+    material to ``depth`` cells; nodes are chosen anew every step [nairn2026, section 3.1].
+    """
+
+    kind: Literal["wall"] = "wall"
+    """Kind of condition."""
+    normal: Direction
+    """Normal of the wall, pointing into the material: an axis or a vector."""
+    position: _Coordinate | tuple[_Coordinate, ...]  # type: ignore[valid-type]
+    """Coordinate along the axis of the normal, an expression of t; for an oblique normal a point."""
+    velocity: field_of("velocity", ("t",))  # type: ignore[valid-type]
+    """Velocity along the positive axis of the normal (oblique: along the normal), an expression of t."""
+    gradient: field_of("1/time", ("t",)) = 0.0  # type: ignore[valid-type]
+    """Gradient of the velocity along that axis, an expression of t."""
+    depth: quantity("1", ge=0) = 1.0  # type: ignore[valid-type]
+    """How far into the material nodes are held, in cells."""
+
+    model_config = {"validate_default": True}
+
+    def problems(self, dimensions: int) -> list[tuple[str, str]]:
+        """What does not fit an analysis with so many axes."""
+        found = check_direction("normal", self.normal, dimensions)
+        if isinstance(self.position, tuple):
+            found += check_length("position", self.position, dimensions)
+        elif not found and along_axis(unit_vector(self.normal, dimensions)) is None:
+            found.append(("position", "a wall whose normal is along no axis needs a point, such as [0, 0]"))
+        return found
+
+    def holder(self, grid: Nodes, surface_nodes: SurfaceNodes | None) -> AxisWall | ObliqueWall:
+        """The wall on a grid."""
+        axis = along_axis(unit_vector(self.normal, len(grid.shape)))
+        return ObliqueWall(self, grid) if axis is None else AxisWall(self, grid, axis)
+
+
+def along_axis(normal: Array) -> int | None:
+    """Number of the axis that a unit vector (d,) is along, or None."""
+    axis = int(np.argmax(np.abs(normal)))
+    return axis if abs(normal[axis]) == 1.0 else None
+
+
+class AxisWall:
+    """A wall across an axis; which nodes it holds changes only when its reach passes a grid line."""
+
+    def __init__(self, wall: Wall, grid: Nodes, axis: int):
+        position: Any = wall.position
+        self._position = position[axis] if isinstance(position, tuple) else position
+        self._velocity: Any = wall.velocity
+        self._gradient: Any = wall.gradient
+        self._axis = axis
+        self._sign = unit_vector(wall.normal, len(grid.shape))[axis]
+        self._reach = float(wall.depth) * grid.cell[axis] * self._sign
+        self._grid = grid
+        self.direction = np.eye(len(grid.shape))[axis]
+        uniform = self._gradient.is_constant and self._gradient() == 0.0
+        self.varies = not (self._velocity.is_constant and (uniform or self._position.is_constant))
+
+    def key(self, time: float) -> Hashable:
+        """Index of the innermost held grid line."""
+        reach = self._position(t=time) + self._reach
+        return last_index(self._grid, self._axis, reach, lower=self._sign > 0)
+
+    def nodes(self, time: float, active: Array) -> Array:
+        """The nodes of ``active`` behind the wall and to its depth."""
+        index = axis_index(self._grid, active, self._axis)
+        k = self.key(time)
+        return active[index <= k if self._sign > 0 else index >= k]
+
+    def values(self, time: float, coordinates: Array) -> Array | float:
+        """v + ∇v (x_i − x_wall) along the positive axis."""
+        speed = self._velocity(t=time)
+        gradient = self._gradient(t=time)
+        if gradient == 0.0:
+            return speed
+        return speed + gradient * (coordinates[self._axis] - self._position(t=time))
+
+
+class ObliqueWall:
+    """A wall whose normal is along no axis; its nodes are looked for at every time."""
+
+    def __init__(self, wall: Wall, grid: Nodes):
+        if not isinstance(wall.position, tuple):
+            raise ValueError(f"wall '{wall.name}' is along no axis, so its position must be a point")
+        self._point: Any = wall.position
+        self._velocity: Any = wall.velocity
+        self._gradient: Any = wall.gradient
+        self._grid = grid
+        self.direction = unit_vector(wall.normal, len(grid.shape))
+        height = math.sqrt(float(np.sum((self.direction * grid.cell) ** 2)))
+        self._reach = (float(wall.depth) + TOLERANCE) * height
+        self._still = all(c.is_constant for c in self._point)
+        self.varies = not (self._still and self._velocity.is_constant and self._gradient.is_constant)
+
+    def key(self, time: float) -> Hashable:
+        """The wall's point along the normal."""
+        return 0.0 if self._still else self._offset(time)
+
+    def nodes(self, time: float, active: Array) -> Array:
+        """The nodes of ``active`` behind the wall and to its depth."""
+        return active[self._distance(time, self._grid.coordinates(active)) <= self._reach]
+
+    def values(self, time: float, coordinates: Array) -> Array | float:
+        """v + ∇v (x_i − x_wall)·n along the normal."""
+        return self._velocity(t=time) + self._gradient(t=time) * self._distance(time, coordinates)
+
+    def _offset(self, time: float) -> float:
+        return float(sum(n * c(t=time) for n, c in zip(self.direction, self._point, strict=True)))
+
+    def _distance(self, time: float, coordinates: Array) -> Array:
+        return self.direction @ coordinates - self._offset(time)

@@ -1,0 +1,26 @@
+"""``mpmcli compare A B``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command("compare")
+@click.argument("a", type=click.Path(path_type=Path))
+@click.argument("b", type=click.Path(path_type=Path))
+@click.option("--rtol", type=click.FloatRange(min=0), default=1e-9, show_default=True, help="Relative tolerance.")
+@click.option("--atol", type=click.FloatRange(min=0), default=0.0, show_default=True, help="Absolute tolerance.")
+@click.option("--columns", metavar="NAME,…", multiple=True, help="Compare these only; * stands for any text.")
+def command(a: Path, b: Path, rtol: float, atol: float, columns: tuple[str, ...]) -> int:
+    """Compare two tables, or all tables of two results folders; exit code 1 if they differ."""
+    from mpmcli.study.compare import compare
+
+    names = [name.strip() for text in columns for name in text.split(",") if name.strip()]
+    differences = compare(a, b, rtol=rtol, atol=atol, columns=names or None)
+    for difference in differences:
+        click.echo(str(difference))
+    if not differences:
+        click.echo(f"{a} and {b} agree")
+    return 1 if differences else 0

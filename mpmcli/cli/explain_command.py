@@ -1,0 +1,33 @@
+"""``mpmcli explain SCENE``."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+from mpmcli.cli.options import load_checked, scene_options, show_warnings
+
+
+@click.command("explain")
+@click.argument("scene", type=click.Path(path_type=str))
+@click.option("--json", "as_object", is_flag=True, help="Print a JSON object.")
+@scene_options
+def command(
+    scene: str, as_object: bool, sets: tuple[str, ...], defines: tuple[str, ...], allow_outside_files: bool
+) -> None:
+    """Tell what SCENE will model and what not, its time step, memory and cost."""
+    loaded = load_checked(scene, sets, defines, allow_outside_files)
+    show_warnings(loaded)
+    from mpmcli.core.errors import SceneError
+    from mpmcli.solver.explain import explain
+
+    try:
+        report = explain(loaded)
+    except SceneError as error:
+        raise loaded.locate(error) from None
+    if as_object:
+        contents = {key: value for key, value in report.items() if key != "text"}
+        click.echo(json.dumps(contents, indent=1, ensure_ascii=False))
+    else:
+        click.echo(report["text"])

@@ -1,0 +1,85 @@
+"""``mpmcli list KIND``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import click
+
+KINDS = ("materials", "shapes", "regions", "conditions", "loads", "transfers", "updates", "analyses", "quantities")
+
+
+@click.command("list")
+@click.argument("kind", type=click.Choice(KINDS))
+def command(kind: str) -> None:
+    """List what a scene can name, with parameters and their defaults."""
+    for line in lines(kind):
+        click.echo(line)
+
+
+def lines(kind: str) -> Iterator[str]:
+    """The lines that ``list`` prints."""
+    if kind == "shapes":
+        from mpmcli.shapes import SHAPES
+
+        yield from (f"{name:<14}{entry.description} [{entry.reference}]" for name, entry in SHAPES.items())
+    elif kind == "updates":
+        from mpmcli.scene.method import UPDATES
+
+        yield from (f"{name:<14}{words}" for name, words in UPDATES.items())
+    elif kind == "quantities":
+        yield from _quantities()
+    else:
+        for model in _models(kind):
+            yield from _describe(model)
+
+
+def _models(kind: str) -> list[Any]:
+    from typing import get_args
+
+    from mpmcli.scene import method, models
+
+    registries = {
+        "materials": models.MATERIALS,
+        "regions": models.REGIONS,
+        "conditions": models.CONDITIONS,
+        "loads": models.LOADS,
+    }
+    if kind in registries:
+        return registries[kind].models()
+    union = method.Transfer if kind == "transfers" else models.AnalysisKind
+    return list(get_args(get_args(union)[0]))
+
+
+def _describe(model: Any) -> Iterator[str]:
+    """Name, meaning and parameters of a model."""
+    from typing import get_args
+
+    kinds = ", ".join(get_args(model.model_fields["kind"].annotation))
+    yield f"{kinds}: {_first_line(model.__doc__)}"
+    if hasattr(model, "analyses"):
+        yield f"    for {', '.join(sorted(model.analyses))}"
+    for name, field in model.model_fields.items():
+        if name != "kind":
+            yield f"    {field.alias or name:<16}{_default(field):<14}{_first_line(field.description)}"
+    yield ""
+
+
+def _default(field: Any) -> str:
+    if field.is_required():
+        return "(needed)"
+    value = field.get_default(call_default_factory=True)
+    return "-" if value is None or value == () else str(value)
+
+
+def _first_line(text: str | None) -> str:
+    return " ".join((text or "").strip().split("\n\n")[0].split())
+
+
+def _quantities() -> Iterator[str]:
+    from mpmcli.output import columns
+
+    for quantity in columns.QUANTITIES:
+        place = f"{quantity.rank}, {quantity.where}"
+        yield f"{quantity.name:<24}{place:<18}{quantity.dimension:<14}{quantity.description}"

@@ -1,0 +1,113 @@
+"""The command ``mpmcli``: finds the command asked for, and ends with the exit code that fits."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+
+import click
+
+from mpmcli import __version__
+from mpmcli.core.errors import MpmcliError
+from mpmcli.core.suggest import nearest
+
+# name: (one line for the list of commands); the command lives in mpmcli.cli.<name>, imported when it is called
+COMMANDS = {
+    "run": "Run a scene.",
+    "resume": "Continue a run from its last checkpoint.",
+    "validate": "Report every problem of scenes.",
+    "explain": "Tell what a scene will model and what it costs.",
+    "schema": "Print the JSON Schema of scenes.",
+    "list": "List what scenes can name, with parameters.",
+    "new": "Print or write a commented scene to start from.",
+    "compare": "Compare two tables or results folders as numbers.",
+    "info": "Tell what a results folder holds.",
+}
+
+OUR_BUG = 70
+INTERRUPTED = 130
+
+
+class Commands(click.Group):
+    """Commands that are imported when they are called, so that help comes at once."""
+
+    def list_commands(self, context: click.Context) -> list[str]:
+        """Names of the commands, in the order of their use."""
+        return list(COMMANDS)
+
+    def get_command(self, context: click.Context, name: str) -> click.Command | None:
+        """The command of this name."""
+        if name not in COMMANDS:
+            return None
+        command: click.Command = importlib.import_module(f"mpmcli.cli.{name}_command").command
+        return command
+
+    def format_commands(self, context: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the list of commands without importing them."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+    def resolve_command(
+        self, context: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """As click does, with the nearest name if there is no such command."""
+        if args and not args[0].startswith("-") and args[0] not in COMMANDS:
+            name = nearest(args[0], COMMANDS)
+            hint = f" Did you mean '{name}'?" if name else f" There are {', '.join(COMMANDS)}."
+            raise click.UsageError(f"There is no command '{args[0]}'.{hint}", context)
+        return super().resolve_command(context, args)
+
+
+def _print_version(context: click.Context, _option: click.Parameter, asked: bool) -> None:
+    if asked and not context.resilient_parsing:
+        click.echo(f"mpmcli {__version__}")
+        context.exit()
+
+
+@click.command(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.option(
+    "--version", is_flag=True, expose_value=False, is_eager=True, callback=_print_version, help="Show the version."
+)
+def mpmcli() -> None:
+    """Simulate solids with the material point method, from one YAML file.
+
+    Start with "mpmcli new -o scene.yaml", then "mpmcli run scene.yaml".
+    """
+
+
+def call(args: Sequence[str] | None = None) -> int:
+    """Run a command line and return the exit code; every error becomes a message in words on stderr."""
+    try:
+        code = mpmcli.main(args=args, prog_name="mpmcli", standalone_mode=False)
+        sys.stdout.flush()
+        return code if isinstance(code, int) else 0
+    except click.exceptions.Exit as end:
+        return end.exit_code
+    except click.ClickException as error:
+        error.show()
+        return 2
+    except MpmcliError as error:
+        click.echo(str(error), err=True)
+        return error.exit_code
+    except (KeyboardInterrupt, click.Abort):
+        click.echo("interrupted", err=True)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # whoever read our output has seen enough; keep the interpreter from complaining at its end
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception as error:
+        if os.environ.get("MPMCLI_DEBUG") == "1":
+            traceback.print_exc()
+        name = type(error).__name__
+        click.echo(f"mpmcli has a fault of its own ({name}: {error}); please report it.", err=True)
+        click.echo("Set MPMCLI_DEBUG=1 to see where.", err=True)
+        return OUR_BUG
+
+
+def main() -> None:
+    """Entry point of the program."""
+    sys.exit(call())

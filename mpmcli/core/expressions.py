@@ -1,0 +1,371 @@
+"""Arithmetic in a scene: text such as ``"-v*sin(2*pi*t/T)"`` becomes a function of x, y, z and t.
+
+The text is parsed to a syntax tree, and a new tree is built from the few kinds of node listed here; anything else is
+refused. Nothing in a scene can therefore run code, and as every number is a float, nothing can grow without bound.
+
+Operators: ``+ - * / **``, signs, and comparisons, which give 1 where true and 0 where not (``(t < 1)*v``).
+The constant is ``pi``. Functions:
+
+===================================  =================================================================
+``sin cos tan asin acos atan``       angles in radians; ``atan2(y, x)``
+``sinh cosh tanh exp log log10``     ``log`` is the natural logarithm
+``sqrt abs sign floor ceil erf``
+``min(a, b, …)``, ``max(a, b, …)``
+``ramp(t, t0, t1)``                  0 before t0, 1 after t1, linear between; a step at t0 if t1 = t0
+``box(t, t0, t1)``                   1 where t0 ≤ t < t1, else 0
+``where(condition, a, b)``           a where the condition is not 0, else b
+===================================  =================================================================
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import warnings
+from collections.abc import Callable, Mapping
+from functools import reduce
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.suggest import did_you_mean
+
+VARIABLES = ("x", "y", "z", "t")
+MAX_LENGTH = 2000
+MAX_DEPTH = 60
+MAX_EXPONENT = 1000.0
+
+
+def _ramp(t: Any, t0: Any, t1: Any) -> Any:
+    width = np.subtract(t1, t0)
+    rising = np.clip(np.subtract(t, t0) / np.where(width == 0, 1.0, width), 0.0, 1.0)
+    return np.where(width == 0, np.greater_equal(t, t0) * 1.0, rising)
+
+
+def _box(t: Any, t0: Any, t1: Any) -> Any:
+    return np.greater_equal(t, t0) * np.less(t, t1) * 1.0
+
+
+_erf = np.vectorize(math.erf, otypes=[np.float64])
+
+# name: (function, least number of arguments, largest number)
+FUNCTIONS: dict[str, tuple[Callable[..., Any], int, int]] = {
+    "sin": (np.sin, 1, 1),
+    "cos": (np.cos, 1, 1),
+    "tan": (np.tan, 1, 1),
+    "asin": (np.arcsin, 1, 1),
+    "acos": (np.arccos, 1, 1),
+    "atan": (np.arctan, 1, 1),
+    "atan2": (np.arctan2, 2, 2),
+    "sinh": (np.sinh, 1, 1),
+    "cosh": (np.cosh, 1, 1),
+    "tanh": (np.tanh, 1, 1),
+    "exp": (np.exp, 1, 1),
+    "log": (np.log, 1, 1),
+    "log10": (np.log10, 1, 1),
+    "sqrt": (np.sqrt, 1, 1),
+    "abs": (np.abs, 1, 1),
+    "sign": (np.sign, 1, 1),
+    "min": (lambda *args: reduce(np.minimum, args), 2, 50),
+    "max": (lambda *args: reduce(np.maximum, args), 2, 50),
+    "floor": (np.floor, 1, 1),
+    "ceil": (np.ceil, 1, 1),
+    "erf": (_erf, 1, 1),
+    "ramp": (_ramp, 3, 3),
+    "box": (_box, 3, 3),
+    "where": (lambda condition, a, b: np.where(np.not_equal(condition, 0), a, b), 3, 3),
+}
+CONSTANTS = {"pi": math.pi}
+RESERVED = frozenset(FUNCTIONS) | frozenset(CONSTANTS) | frozenset(VARIABLES)
+
+_COMPARE: dict[type[ast.cmpop], str] = {
+    ast.Lt: "less",
+    ast.LtE: "less_equal",
+    ast.Gt: "greater",
+    ast.GtE: "greater_equal",
+    ast.Eq: "equal",
+    ast.NotEq: "not_equal",
+}
+_SCOPE: dict[str, Any] = {"__builtins__": {}, "_float": np.float64}
+_SCOPE |= {f"_{name}": entry[0] for name, entry in FUNCTIONS.items()}
+_SCOPE |= {f"_{name}": getattr(np, name) for name in _COMPARE.values()}
+_OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
+
+
+class Expression:
+    """A checked expression of x, y, z and t; made by ``parse`` or ``Expression.constant``, never changed.
+
+    Attributes
+    ----------
+    source : str
+        The text as written.
+    variables : frozenset of str
+        Those of x, y, z, t that occur in it.
+    """
+
+    __slots__ = ("_code", "_constants", "_value", "source", "variables")
+    source: str
+    variables: frozenset[str]
+
+    def __init__(self, source: str, constants: Mapping[str, float], variables: tuple[str, ...]):
+        builder = _Builder(constants, variables)
+        tree = ast.Expression(builder.build(_syntax(source)))
+        put = object.__setattr__
+        put(self, "source", source)
+        put(self, "variables", frozenset(builder.used_variables))
+        put(self, "_constants", tuple(sorted(builder.used_constants.items())))
+        put(self, "_code", compile(ast.fix_missing_locations(tree), "<expression>", "eval"))
+        put(self, "_value", None)
+        if not self.variables:
+            value = self._evaluate(0.0, 0.0, 0.0, 0.0)
+            if not np.isfinite(value):
+                raise ValueError(f"'{source}' gives {float(value)}: a finite number is needed")
+            put(self, "_value", float(value))
+
+    @classmethod
+    def constant(cls, value: float) -> Expression:
+        """The expression that is the same number everywhere and always."""
+        if not math.isfinite(value):
+            raise ValueError(f"{value} is no finite number")
+        return cls(repr(float(value)), {}, ())
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether no variable occurs in it."""
+        return self._value is not None
+
+    def __call__(self, x: Any = 0.0, y: Any = 0.0, z: Any = 0.0, t: Any = 0.0) -> Any:
+        """The value at points (x, y, z) and time t.
+
+        Numbers give a float; with arrays among the arguments the result is a new float64 array of their common
+        (broadcast) shape. Where the expression is not defined the value is not finite; no warning is given.
+        """
+        shape = np.broadcast_shapes(np.shape(x), np.shape(y), np.shape(z), np.shape(t))
+        if self._value is not None:
+            return np.full(shape, self._value) if shape else self._value
+        value = self._evaluate(*(v if shape else np.float64(v) for v in (x, y, z, t)))
+        return np.array(np.broadcast_to(value, shape), dtype=np.float64) if shape else float(value)
+
+    def _evaluate(self, x: Any, y: Any, z: Any, t: Any) -> Any:
+        arguments = {"x": x, "y": y, "z": z, "t": t}
+        used = {f"_{name}": np.asarray(arguments[name], dtype=np.float64)[()] for name in self.variables}
+        with np.errstate(all="ignore"):
+            return eval(self._code, _SCOPE, used)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError("an expression does not change")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError("an expression does not change")
+
+    def _identity(self) -> tuple[Any, ...]:
+        return self.source, self._constants, tuple(sorted(self.variables))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Expression) and self._identity() == other._identity()
+
+    def __hash__(self) -> int:
+        return hash(self._identity())
+
+    def __reduce__(self) -> Any:
+        return Expression, (self.source, dict(self._constants), tuple(sorted(self.variables)))
+
+    def __copy__(self) -> Expression:
+        return self
+
+    def __deepcopy__(self, memo: Any) -> Expression:
+        return self
+
+    def __repr__(self) -> str:
+        return f"Expression({self.source!r})"
+
+    def __str__(self) -> str:
+        return self.source
+
+    def as_number_or_text(self) -> float | str:
+        """The number if it is constant, else the text."""
+        return self.source if self._value is None else self._value
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        return core_schema.is_instance_schema(
+            cls, serialization=core_schema.plain_serializer_function_ser_schema(cls.as_number_or_text)
+        )
+
+
+def parse(text: str, constants: Mapping[str, float], variables: tuple[str, ...]) -> Expression:
+    """Read an expression.
+
+    Parameters
+    ----------
+    text : str
+        The expression.
+    constants : mapping of str to float
+        Names with values.
+    variables : tuple of str
+        Those of x, y, z, t that may occur.
+
+    Raises
+    ------
+    ValueError
+        With words for the user: bad syntax, an unknown name, anything that is not arithmetic, a constant
+        expression that is not finite.
+    """
+    return Expression(text, constants, variables)
+
+
+def _syntax(text: str) -> ast.expr:
+    if not text.strip():
+        raise ValueError("an expression is needed, not empty text")
+    if len(text) > MAX_LENGTH:
+        raise ValueError(f"the expression is too long ({len(text)} characters; {MAX_LENGTH} are allowed)")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return ast.parse(text.strip(), mode="eval").body
+    except SyntaxError as error:
+        if "too many nested" in str(error):
+            raise ValueError("the expression is nested too deeply") from None
+        hint = f": {error.msg}" if error.msg and error.msg != "invalid syntax" else ""
+        raise ValueError(f"'{text}' is no number and no expression{hint}") from None
+    except (RecursionError, MemoryError):
+        raise ValueError("the expression is nested too deeply") from None
+    except ValueError:
+        raise ValueError(f"{text!r} is no number and no expression") from None
+
+
+class _Builder:
+    """Builds a new tree from the allowed kinds of node, with constants replaced by their values."""
+
+    def __init__(self, constants: Mapping[str, float], variables: tuple[str, ...]):
+        self.constants = constants
+        self.variables = variables
+        self.used_variables: set[str] = set()
+        self.used_constants: dict[str, float] = {}
+
+    def build(self, node: ast.expr, depth: int = 0) -> ast.expr:
+        if depth > MAX_DEPTH:
+            raise ValueError("the expression is nested too deeply")
+        if isinstance(node, ast.Constant):
+            return _number(node.value)
+        if isinstance(node, ast.Name):
+            return self._name(node.id)
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.UAdd | ast.USub):
+            return ast.UnaryOp(node.op, self.build(node.operand, depth + 1))
+        if isinstance(node, ast.BinOp) and isinstance(node.op, _OPERATORS):
+            left, right = self.build(node.left, depth + 1), self.build(node.right, depth + 1)
+            if isinstance(node.op, ast.Pow):
+                _check_power(left, right)
+            return ast.BinOp(left, node.op, right)
+        if isinstance(node, ast.Compare) and all(type(op) in _COMPARE for op in node.ops):
+            return self._compare(node, depth)
+        if isinstance(node, ast.Call):
+            return self._call(node, depth)
+        raise ValueError(_refusal(node))
+
+    def _name(self, name: str) -> ast.expr:
+        if name in self.variables:
+            self.used_variables.add(name)
+            return ast.Name(f"_{name}", ast.Load())
+        if name in CONSTANTS:
+            return _literal(CONSTANTS[name])
+        if name in self.constants:
+            self.used_constants[name] = float(self.constants[name])
+            return _literal(self.used_constants[name])
+        if name in FUNCTIONS:
+            raise ValueError(f"'{name}' is a function: it needs its arguments in brackets")
+        if name in VARIABLES:
+            allowed = f"only {', '.join(self.variables)} may" if self.variables else "x, y, z and t may not"
+            raise ValueError(f"'{name}' is not known here: {allowed} occur in this value")
+        known = [*self.constants, *CONSTANTS, *self.variables]
+        raise ValueError(f"'{name}' is not known{did_you_mean(name, known) or _known_constants(self.constants)}")
+
+    def _compare(self, node: ast.Compare, depth: int) -> ast.expr:
+        terms = [self.build(term, depth + 1) for term in [node.left, *node.comparators]]
+        parts = [
+            _call(f"_{_COMPARE[type(op)]}", [a, b])
+            for op, a, b in zip(node.ops, terms[:-1], terms[1:], strict=True)
+        ]
+        product = reduce(lambda a, b: ast.BinOp(a, ast.Mult(), b), parts)
+        return ast.BinOp(product, ast.Mult(), _literal(1.0))
+
+    def _call(self, node: ast.Call, depth: int) -> ast.expr:
+        if not isinstance(node.func, ast.Name):
+            raise ValueError(_refusal(node.func))
+        name = node.func.id
+        if name not in FUNCTIONS:
+            hint = did_you_mean(name, FUNCTIONS)
+            raise ValueError(f"'{name}' is no function of expressions{hint} ({', '.join(FUNCTIONS)})")
+        if node.keywords or any(isinstance(argument, ast.Starred) for argument in node.args):
+            raise ValueError(f"'{name}' takes plain arguments only")
+        _, least, most = FUNCTIONS[name]
+        if not least <= len(node.args) <= most:
+            needed = str(least) if least == most else f"{least} or more"
+            raise ValueError(f"'{name}' needs {needed} argument{'s' * (needed != '1')}, not {len(node.args)}")
+        return _call(f"_{name}", [self.build(argument, depth + 1) for argument in node.args])
+
+
+def _literal(value: float) -> ast.expr:
+    # numpy floats follow IEEE: 1/0 is infinite instead of an exception
+    return _call("_float", [ast.Constant(value)])
+
+
+def _call(name: str, arguments: list[ast.expr]) -> ast.expr:
+    return ast.Call(ast.Name(name, ast.Load()), arguments, [])
+
+
+def _number(value: Any) -> ast.expr:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"{value!r} may not occur in an expression")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise ValueError("a number in the expression is too large")
+    return _literal(number)
+
+
+def _check_power(base: ast.expr, exponent: ast.expr) -> None:
+    """Refuse powers of plain numbers that are without bound, such as ``9**9**9``."""
+    try:
+        power = float(_fold(exponent))
+    except ValueError:
+        return
+    if abs(power) > MAX_EXPONENT:
+        raise ValueError(f"the exponent {power:g} is too large (at most {MAX_EXPONENT:g})")
+
+
+def _fold(tree: ast.expr) -> Any:
+    """The value of a built tree without variables; ValueError if there are any."""
+    if any(isinstance(n, ast.Name) and n.id[1:] in VARIABLES for n in ast.walk(tree)):
+        raise ValueError
+    code = compile(ast.fix_missing_locations(ast.Expression(tree)), "<expression>", "eval")
+    with np.errstate(all="ignore"):
+        return eval(code, _SCOPE, {})
+
+
+def _refusal(node: ast.AST) -> str:
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitXor):
+        return "'^' may not occur in an expression: powers are written **"
+    if isinstance(node, ast.BoolOp) or (isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not)):
+        return "'and', 'or', 'not' may not occur in an expression: multiply comparisons, or use where(…)"
+    if isinstance(node, ast.IfExp):
+        return "'if' may not occur in an expression: use where(condition, a, b)"
+    words = {
+        ast.Attribute: "a dot between names",
+        ast.Subscript: "square brackets",
+        ast.Lambda: "lambda",
+        ast.Call: "a call of a call",
+        ast.Tuple: "a comma outside brackets",
+        ast.List: "a list",
+        ast.BinOp: "this operator (only + - * / ** are known)",
+        ast.Compare: "this comparison (only < <= > >= == != are known)",
+    }
+    return f"{words.get(type(node), 'this')} may not occur in an expression"
+
+
+def _known_constants(constants: Mapping[str, float]) -> str:
+    return f" (constants of the scene: {', '.join(constants)})" if constants else " (the scene has no constants)"

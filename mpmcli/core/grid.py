@@ -1,0 +1,177 @@
+"""The background grid: a regular lattice with ghost layers, dense arrays, and the list of nodes in use.
+
+Node ``(ix, iy, iz)`` has the flat index ``ix + Nx·(iy + Ny·iz)`` (x fastest) and lies at ``lower + (i − pad)·cell``.
+Arrays are dense but untouched pages cost nothing: only nodes in ``active`` are ever visited.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mpmcli.core.dispatch import generic
+
+
+class GridGeometry(NamedTuple):
+    """What compiled code needs to know of the grid; the length of the tuples is the number of axes."""
+
+    origin: tuple[float, ...]
+    """Coordinate of the first (ghost) node of each axis [length]."""
+    inverse_cell: tuple[float, ...]
+    """1 / cell size [1/length]."""
+    stride: tuple[int, ...]
+    """Distance in memory between neighbours along each axis (unsigned)."""
+    last_base: tuple[int, ...]
+    """Largest index at which a stencil of the current width may begin (unsigned)."""
+    width: int
+    """Nodes per axis that a stencil spans (unsigned)."""
+    field_stride: int
+    """Distance in memory between velocity fields (unsigned)."""
+
+
+class LineGrid(NamedTuple):
+    """``GridGeometry`` of one axis laid flat: parallel loops cannot capture tuples within tuples."""
+
+    origin_x: float
+    inverse_x: float
+    stride_x: int
+    last_x: int
+    width: int
+    field_stride: int
+
+
+class PlaneGrid(NamedTuple):
+    """``GridGeometry`` of two axes laid flat."""
+
+    origin_x: float
+    origin_y: float
+    inverse_x: float
+    inverse_y: float
+    stride_x: int
+    stride_y: int
+    last_x: int
+    last_y: int
+    width: int
+    field_stride: int
+
+
+class SpaceGrid(NamedTuple):
+    """``GridGeometry`` of three axes laid flat."""
+
+    origin_x: float
+    origin_y: float
+    origin_z: float
+    inverse_x: float
+    inverse_y: float
+    inverse_z: float
+    stride_x: int
+    stride_y: int
+    stride_z: int
+    last_x: int
+    last_y: int
+    last_z: int
+    width: int
+    field_stride: int
+
+
+FLAT = {1: LineGrid, 2: PlaneGrid, 3: SpaceGrid}
+
+
+@generic
+def unfold(g: Any) -> Any:
+    """The ``GridGeometry`` of a flat grid tuple."""
+
+
+@unfold.register(LineGrid)
+def _(g):
+    return GridGeometry((g.origin_x,), (g.inverse_x,), (g.stride_x,), (g.last_x,), g.width, g.field_stride)
+
+
+@unfold.register(PlaneGrid)
+def _(g):
+    return GridGeometry(
+        (g.origin_x, g.origin_y),
+        (g.inverse_x, g.inverse_y),
+        (g.stride_x, g.stride_y),
+        (g.last_x, g.last_y),
+        g.width,
+        g.field_stride,
+    )
+
+
+@unfold.register(SpaceGrid)
+def _(g):
+    return GridGeometry(
+        (g.origin_x, g.origin_y, g.origin_z),
+        (g.inverse_x, g.inverse_y, g.inverse_z),
+        (g.stride_x, g.stride_y, g.stride_z),
+        (g.last_x, g.last_y, g.last_z),
+        g.width,
+        g.field_stride,
+    )
+
+
+class Grid:
+    """A regular grid with ``pad`` ghost layers on every side.
+
+    Parameters
+    ----------
+    lower, upper, cell : (d,) corners of the user's grid and cell size [length]
+    pad : ghost layers
+    width : nodes per axis that the shape function's stencil spans
+    """
+
+    def __init__(self, lower: np.ndarray, upper: np.ndarray, cell: np.ndarray, pad: int, width: int):
+        self.lower = np.asarray(lower, dtype=np.float64)
+        self.upper = np.asarray(upper, dtype=np.float64)
+        self.cell = np.asarray(cell, dtype=np.float64)
+        self.pad = pad
+        self.width = width
+        self.cells = np.rint((self.upper - self.lower) / self.cell).astype(np.int64)
+        self.dimensions = len(self.cells)
+        self.shape = tuple(int(n) for n in self.cells + 1 + 2 * pad)
+        self.node_count = int(np.prod(self.shape))
+        self.stride = tuple(int(np.prod(self.shape[:a])) for a in range(self.dimensions))
+        d = self.dimensions
+        self.mp = np.zeros((self.node_count, 1 + d))
+        self.f = np.zeros((self.node_count, d))
+        self.active = np.zeros(0, dtype=np.int64)
+        self.active_version = 0
+
+    @property
+    def geometry(self) -> Any:
+        """The flat tuple that kernels take, for the current stencil width."""
+        return FLAT[self.dimensions](
+            *(float(x) for x in self.lower - self.pad * self.cell),
+            *(float(1 / c) for c in self.cell),
+            *(np.uint64(s) for s in self.stride),
+            *(np.uint64(n - self.width) for n in self.shape),
+            width=np.uint64(self.width),
+            field_stride=np.uint64(self.node_count),
+        )
+
+    def offsets(self) -> np.ndarray:
+        """Flat offsets of the ``width**d`` stencil nodes from the stencil's first node, x fastest, (m,) unsigned."""
+        offsets = np.zeros(1, dtype=np.uint64)
+        for stride in self.stride:
+            steps = np.arange(self.width, dtype=np.uint64) * np.uint64(stride)
+            offsets = (steps[:, None] + offsets[None, :]).ravel()
+        return offsets
+
+    def coordinates(self, nodes: np.ndarray) -> np.ndarray:
+        """Positions (d, n) of nodes given by flat index (n,) [length]."""
+        rest = np.asarray(nodes, dtype=np.int64)
+        out = np.empty((self.dimensions, len(rest)))
+        for a, count in enumerate(self.shape):
+            out[a] = self.lower[a] + (rest % count - self.pad) * self.cell[a]
+            rest = rest // count
+        return out
+
+    def interior(self) -> np.ndarray:
+        """Flat indices of the user's nodes (no ghosts), x fastest."""
+        index = np.zeros(1, dtype=np.int64)
+        for stride, cells in zip(self.stride, self.cells, strict=True):
+            steps = (np.arange(cells + 1) + self.pad) * stride
+            index = (steps[:, None] + index[None, :]).ravel()
+        return index

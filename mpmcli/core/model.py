@@ -1,0 +1,144 @@
+"""The pydantic base of everything a scene can say, and the types of its values.
+
+A value may be a number, a string with a unit (``"1 GPa"``, converted to the scene's units) or an expression of the
+scene's constants. The loader hands the pieces that know units and constants to pydantic as validation context
+(a ``Resolver``); without a context (Python use) only numbers and plain arithmetic are understood.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Any, Protocol
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationInfo,
+    WithJsonSchema,
+    model_validator,
+)
+
+from mpmcli.core.expressions import Expression, parse
+
+
+class Resolver(Protocol):
+    """What turns text of a scene into numbers: the scene's units and constants."""
+
+    constants: dict[str, float]
+
+    def number(self, text: str, dimension: str) -> float:
+        """The value of ``text`` in the scene's units; raises ValueError with words for the user."""
+
+
+_UNIT_FOLLOWS = re.compile(
+    r"\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*((?<=\s)1\s*/\s*)?([^\W\d_]|[%°Å])"
+)
+
+
+def has_unit(text: str) -> bool:
+    """Whether text is a number with something after it that is no arithmetic, as in ``"1.5 GPa"``."""
+    return _UNIT_FOLLOWS.match(text) is not None
+
+
+class Model(BaseModel):
+    """Base of all scene models: unknown keys are errors, values do not change after reading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _keep_kinds_apart(cls, values: Any, info: ValidationInfo) -> Any:
+        """Keep yes/no, whole numbers and text apart, which pydantic would convert into each other."""
+        if not isinstance(values, dict):
+            return values
+        changed = {}
+        for name, field in cls.model_fields.items():
+            key = field.alias or name
+            if key in values and field.annotation in (bool, bool | None):
+                changed[key] = values[key] if isinstance(values[key], bool | None) else Refused(values[key])
+            elif key in values and field.annotation in (int, int | None):
+                changed[key] = _whole_number(values[key], info)
+        return values | changed if changed else values
+
+
+class Refused:
+    """A value that pydantic would convert, but must not."""
+
+    def __init__(self, value: Any):
+        self.value = value
+
+
+def _whole_number(value: Any, info: ValidationInfo) -> Any:
+    if isinstance(value, bool):
+        return Refused(value)
+    if not isinstance(value, str):
+        return value
+    try:
+        return _resolve_number("1")(value, info)
+    except ValueError:
+        return Refused(value)
+
+
+def _resolve_number(dimension: str) -> Any:
+    def resolve(value: Any, info: ValidationInfo) -> Any:
+        if not isinstance(value, str):
+            if isinstance(value, bool):
+                raise ValueError("a number is needed, not true or false")
+            return value
+        if info.context is not None:
+            return info.context.number(value, dimension)
+        return float(parse(value, constants={}, variables=())())
+
+    return resolve
+
+
+def quantity(dimension: str, **constraints: Any) -> Any:
+    """The type of a number with a physical dimension (``"length"``, ``"pressure"``, ``"1"``…).
+
+    Keyword arguments are pydantic constraints (``gt``, ``ge``, ``lt``, ``le``).
+    """
+    bounds = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
+    number: dict[str, Any] = {"type": "number"} | {bounds[k]: v for k, v in constraints.items()}
+    schema = {"anyOf": [number, {"type": "string"}], "x-dimension": dimension}
+    return Annotated[
+        float, Field(**constraints), BeforeValidator(_resolve_number(dimension)), WithJsonSchema(schema)
+    ]
+
+
+def _resolve_field(dimension: str, variables: tuple[str, ...]) -> Any:
+    def resolve(value: Any, info: ValidationInfo) -> Any:
+        if isinstance(value, Expression):
+            return value
+        if isinstance(value, bool) or not isinstance(value, int | float | str):
+            raise ValueError("a number or an expression is needed")
+        if isinstance(value, int | float):
+            if not abs(value) < float("inf"):
+                raise ValueError("must be finite")
+            return Expression.constant(float(value))
+        resolver = info.context
+        if resolver is None:
+            return parse(value, constants={}, variables=variables)
+        if has_unit(value):
+            return Expression.constant(resolver.number(value, dimension))
+        return parse(value, constants=resolver.constants, variables=variables)
+
+    return resolve
+
+
+def field_of(dimension: str, variables: tuple[str, ...] = ("x", "y", "z", "t")) -> Any:
+    """The type of a value that may vary in space and time: a number, a string with unit, or an expression."""
+    schema = {"anyOf": [{"type": "number"}, {"type": "string"}], "x-dimension": dimension}
+    return Annotated[Expression, BeforeValidator(_resolve_field(dimension, variables)), WithJsonSchema(schema)]
+
+
+Number = quantity("1")
+Length = quantity("length")
+PositiveLength = quantity("length", gt=0)
+Pressure = quantity("pressure")
+PositivePressure = quantity("pressure", gt=0)
+Density = quantity("density", gt=0)
+Velocity = quantity("velocity")
+Time = quantity("time")
+PositiveTime = quantity("time", gt=0)

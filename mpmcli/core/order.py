@@ -1,0 +1,159 @@
+"""Sorting particles by cell: bands for deterministic parallel scatters, and the list of nodes in use.
+
+Bands are slabs of H rows of cells along the slowest axis. Since the last sort no particle may have drifted more than
+``MAX_DRIFT`` cells along any axis; then a particle of a band touches at most w − 1 rows of nodes below the band and w
+above it (w: stencil width), and bands of one colour (every second one) never touch the same node if H ≥ 2w − 1.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import prange
+
+from mpmcli.core.grid import Grid
+from mpmcli.core.kernel import inline, kernel
+from mpmcli.core.particles import Particles
+from mpmcli.core.stencil import BLOCK
+
+MAX_DRIFT = 1.0
+"""Cells that a particle may travel between two sorts."""
+
+CHUNKS = 64
+"""Gathers run over at most this many chunks of particles."""
+
+Array = np.ndarray
+
+
+class CellOrder:
+    """Keeps particles sorted by cell (x fastest), with bands, chunks and the grid's active nodes up to date.
+
+    Attributes
+    ----------
+    bands : (n_bands + 1,) first particle of each band and the end, unsigned
+    chunks : (n_chunks + 1,) first particle of each chunk and the end, unsigned
+    drift : largest distance travelled since the last sort [cells]
+    version : counts the sorts
+    """
+
+    def __init__(self, particles: Particles, grid: Grid):
+        self.particles = particles
+        self.grid = grid
+        self.version = 0
+        self.drift = 0.0
+        self._mark = np.zeros(grid.node_count, dtype=np.uint8)
+        self.bands = np.zeros(1, dtype=np.uint64)
+        self.chunks = np.zeros(1, dtype=np.uint64)
+
+    @property
+    def is_stale(self) -> bool:
+        """Whether a particle may have left the reach of its band."""
+        return self.drift > MAX_DRIFT
+
+    def sort(self, parallel: bool) -> None:
+        """Sort all particle arrays by cell and rebuild bands, chunks and active nodes."""
+        particles, grid = self.particles, self.grid
+        d, count = particles.X.shape
+        cell = np.empty((d, count), dtype=np.int64)
+        locate_cells[parallel](particles.X, grid.lower, 1.0 / grid.cell, grid.cells, cell)
+        low, high = cell.min(axis=1), cell.max(axis=1)
+        extent = high - low + 1
+        key = cell[d - 1] - low[d - 1]
+        for a in range(d - 2, -1, -1):
+            key = key * extent[a] + (cell[a] - low[a])
+        starts = np.zeros(int(np.prod(extent)) + 1, dtype=np.int64)
+        order = np.empty(count, dtype=np.int64)
+        _counting_sort(key, starts, order)
+        if not np.array_equal(order, np.arange(count)):
+            for name, array in particles.arrays().items():
+                if array.size:
+                    setattr(particles, name, np.ascontiguousarray(np.take(array, order, axis=-1)))
+        layer = int(np.prod(extent[:-1]))
+        self._divide(starts, layer, int(extent[-1]), count, d)
+        self._activate(starts, low, extent)
+        self.version += 1
+        self.drift = 0.0
+
+    def _divide(self, starts: Array, layer: int, rows: int, count: int, d: int) -> None:
+        height = band_height(rows, 2 * self.grid.width - 1)
+        edges = np.minimum(np.arange(0, rows + height, height), rows)
+        self.bands = starts[edges * layer].astype(np.uint64)
+        blocks = -(-count // BLOCK[d])
+        chunk_count = min(CHUNKS, blocks)
+        self.chunks = np.minimum(
+            np.arange(chunk_count + 1) * blocks // chunk_count * BLOCK[d], count
+        ).astype(np.uint64)
+
+    @property
+    def slots(self) -> int:
+        """How many bands or chunks exist: each needs stencil buffers of its own."""
+        return max(len(self.bands), len(self.chunks)) - 1
+
+    def _activate(self, starts: Array, low: Array, extent: Array) -> None:
+        """List every node that a particle may touch before the next sort."""
+        grid, w = self.grid, self.grid.width
+        below, above = w - 1, w
+        shape = grid.shape[::-1]
+        box_low = np.maximum(low + grid.pad - below, 0)
+        box_high = np.minimum(low + extent + grid.pad + above, np.asarray(grid.shape))
+        box = tuple(slice(int(a), int(b)) for a, b in zip(box_low, box_high, strict=True))[::-1]
+        mark = self._mark.reshape(shape)[box]
+        mark[...] = 0
+        occupied = (np.diff(starts) > 0).reshape(extent[::-1])
+        at = tuple(
+            slice(int(l + grid.pad - b), int(l + grid.pad - b + e))
+            for l, b, e in zip(low, box_low, extent, strict=True)
+        )[::-1]
+        mark[at] = occupied
+        for axis in range(mark.ndim):
+            spread = mark.copy()
+            for shift in range(1, above + 1):
+                _or_shifted(spread, mark, axis, shift)
+            for shift in range(1, below + 1):
+                _or_shifted(spread, mark, axis, -shift)
+            mark[...] = spread
+        inside = np.nonzero(mark)
+        index = np.zeros(len(inside[0]), dtype=np.int64)
+        for axis, (where, start) in enumerate(zip(inside, box, strict=True)):
+            index += (where + start.start) * grid.stride[grid.dimensions - 1 - axis]
+        grid.active = index
+        grid.active_version += 1
+
+
+def band_height(rows: int, least: int) -> int:
+    """Height of the bands: at least ``least`` rows, chosen so that two workers finish together."""
+
+    def rows_in_sequence(height: int) -> int:
+        count = -(-rows // height)
+        return height * (-(-((count + 1) // 2) // 2) + -(-(count // 2) // 2))
+
+    candidates = range(least, max(2 * least, 10))
+    return min(candidates, key=lambda h: (rows_in_sequence(h), h))
+
+
+def _or_shifted(target: Array, source: Array, axis: int, shift: int) -> None:
+    into, out_of = [slice(None)] * target.ndim, [slice(None)] * target.ndim
+    into[axis] = slice(shift, None) if shift > 0 else slice(None, shift)
+    out_of[axis] = slice(None, -shift) if shift > 0 else slice(-shift, None)
+    target[tuple(into)] |= source[tuple(out_of)]
+
+
+@kernel
+def locate_cells(X, lower, inverse_cell, cells, cell):
+    """Cell of each particle along each axis, (d, N); a particle on the upper border belongs to the last cell."""
+    for p in prange(X.shape[1]):
+        for a in range(X.shape[0]):
+            i = np.int64(np.floor((X[a, p] - lower[a]) * inverse_cell[a]))
+            cell[a, p] = min(max(i, 0), cells[a] - 1)
+
+
+@inline
+def _counting_sort(key, starts, order):
+    """Stable counting sort: ``starts`` (n_keys + 1,) zero on entry, ``order`` (N,) old places in new order."""
+    for p in range(key.shape[0]):
+        starts[key[p] + 1] += 1
+    for c in range(1, starts.shape[0]):
+        starts[c] += starts[c - 1]
+    place = starts[:-1].copy()
+    for p in range(key.shape[0]):
+        order[place[key[p]]] = p
+        place[key[p]] += 1

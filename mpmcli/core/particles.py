@@ -1,0 +1,113 @@
+"""The particles: one contiguous row per component of each field."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from mpmcli.core.analysis import F_COMPONENTS, STRESS_COMPONENTS, Analysis, gradient_rows
+
+Array = np.ndarray
+
+
+@dataclass
+class Particles:
+    """State of N particles in d dimensions (arrays are sorted by cell in memory; ``id`` never changes).
+
+    Attributes
+    ----------
+    X, V : (d, N) position [length], velocity [velocity]
+    F : (nF, N) deformation gradient; rows of ``analysis.F_COMPONENTS`` [-]
+    tau : (nT, N) Kirchhoff stress; rows of ``analysis.STRESS_COMPONENTS`` [pressure]
+    L : (nL, N) velocity gradient of the last strain update [1/time]
+    mass, vol0 : (N,) mass and initial volume (thickness and area included; per radian if axisymmetric)
+    size : (d, N) initial half-sizes of the particle's domain along the axes [length]
+    id, body, material, velocity_field : (N,) identity from birth; indices into the scene's lists
+    H : (n_history, N) history variables of the materials (rows named by each material)
+    stress_work : (N,) accumulated work of the stress per particle [energy]
+    viscous_pressure, viscous_work : (N,) or None; only with artificial viscosity [pressure], [energy]
+    """
+
+    X: Array
+    V: Array
+    F: Array
+    tau: Array
+    L: Array
+    mass: Array
+    vol0: Array
+    size: Array
+    id: Array
+    body: Array
+    material: Array
+    velocity_field: Array
+    H: Array
+    stress_work: Array
+    viscous_pressure: Array | None = None
+    viscous_work: Array | None = None
+
+    @property
+    def count(self) -> int:
+        """Number of particles."""
+        return self.mass.shape[0]
+
+    @classmethod
+    def at_rest(
+        cls,
+        analysis: Analysis,
+        X: Array,
+        size: Array,
+        vol0: Array,
+        mass: Array,
+        *,
+        body: Array,
+        material: Array,
+        velocity_field: Array,
+        history_rows: int = 0,
+        artificial_viscosity: bool = False,
+    ) -> Particles:
+        """Undeformed particles without velocity, identities 0…N−1 in the order given."""
+        d, n = X.shape
+        F = np.zeros((len(F_COMPONENTS[d]), n))
+        for row, name in enumerate(F_COMPONENTS[d]):
+            F[row] = float(name[0] == name[1])
+        return cls(
+            X=np.ascontiguousarray(X, dtype=np.float64),
+            V=np.zeros((d, n)),
+            F=F,
+            tau=np.zeros((len(STRESS_COMPONENTS[d]), n)),
+            L=np.zeros((gradient_rows(analysis), n)),
+            mass=np.ascontiguousarray(mass, dtype=np.float64),
+            vol0=np.ascontiguousarray(vol0, dtype=np.float64),
+            size=np.ascontiguousarray(size, dtype=np.float64),
+            id=np.arange(n, dtype=np.int64),
+            body=np.ascontiguousarray(body, dtype=np.int32),
+            material=np.ascontiguousarray(material, dtype=np.int32),
+            velocity_field=np.ascontiguousarray(velocity_field, dtype=np.int32),
+            H=np.zeros((history_rows, n)),
+            stress_work=np.zeros(n),
+            viscous_pressure=np.zeros(n) if artificial_viscosity else None,
+            viscous_work=np.zeros(n) if artificial_viscosity else None,
+        )
+
+    def arrays(self) -> dict[str, Array]:
+        """Every allocated array by name (absent ones are left out)."""
+        return {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) is not None}
+
+    def keep(self, kept: Array) -> None:
+        """Drop all particles but those of the mask ``kept`` (N,)."""
+        for name, array in self.arrays().items():
+            setattr(self, name, np.ascontiguousarray(array[..., kept]))
+
+    def determinant(self) -> Array:
+        """J = det F per particle, shape (N,)."""
+        F = self.F
+        if F.shape[0] == 3:
+            return F[0] * F[1] * F[2]
+        if F.shape[0] == 5:
+            return (F[0] * F[3] - F[1] * F[2]) * F[4]
+        return (
+            F[0] * (F[4] * F[8] - F[5] * F[7])
+            - F[1] * (F[3] * F[8] - F[5] * F[6])
+            + F[2] * (F[3] * F[7] - F[4] * F[6])
+        )

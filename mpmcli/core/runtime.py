@@ -1,0 +1,88 @@
+"""How compiled code runs: thread layer, number of threads and the folder of the compile cache.
+
+Numba reads these settings from the environment when it is first imported, so this module must not import it;
+``mpmcli.core`` calls ``configure`` before any of its modules does.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import os
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+
+import mpmcli
+
+PACKAGE = Path(mpmcli.__file__).parent
+
+
+def available_threads() -> int:
+    """Processors that this process may use: affinity, limited by the container's quota."""
+    count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    try:
+        quota, period = Path("/sys/fs/cgroup/cpu.max").read_text().split()
+        if quota != "max":
+            count = min(count, max(1, int(quota) // int(period)))
+    except (OSError, ValueError):
+        pass
+    return count
+
+
+@cache
+def source_digest() -> str:
+    """Digest of mpmcli's sources and compile flags: compiled code is only valid for these."""
+    digest = hashlib.sha256(f"{mpmcli.__version__} {os.environ.get('MPMCLI_BOUNDSCHECK')}".encode())
+    for path in sorted(PACKAGE.rglob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def cache_folder() -> Path:
+    """The compile cache of this version: in the user's cache folder, or a temporary one if that is not writable."""
+    base = os.environ.get("MPMCLI_CACHE_DIR")
+    if base is None:
+        from platformdirs import user_cache_dir
+
+        base = user_cache_dir("mpmcli")
+    folder = Path(base) / source_digest()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
+    except OSError:
+        return Path(tempfile.gettempdir()) / f"mpmcli-{os.getuid() if hasattr(os, 'getuid') else 0}-{source_digest()}"
+
+
+def is_cold() -> bool:
+    """Whether nothing has been compiled yet for this version: the first step will take some seconds longer."""
+    folder = Path(os.environ.get("NUMBA_CACHE_DIR", ""))
+    return next(folder.rglob("*.nbi"), None) is None
+
+
+def _preload_tbb() -> bool:
+    """Load the TBB library that pip installs, which numba does not find by itself."""
+    for folder in (Path(sys.prefix) / "lib", Path(sys.prefix) / "Library" / "bin"):
+        for name in ("libtbb.so.12", "libtbb.12.dylib", "tbb12.dll"):
+            if (folder / name).exists():
+                try:
+                    ctypes.CDLL(str(folder / name), mode=ctypes.RTLD_GLOBAL)
+                    return True
+                except OSError:
+                    pass
+    return False
+
+
+def configure() -> None:
+    """Set what numba reads at its import; settings that the user made in the environment stay."""
+    if "numba" in sys.modules:
+        return
+    environment = os.environ
+    environment.setdefault("NUMBA_CACHE_DIR", str(cache_folder()))
+    # lets the vectoriser merge the straight-line arithmetic of stencils and small tensors
+    environment.setdefault("NUMBA_SLP_VECTORIZE", "1")
+    environment.setdefault("NUMBA_NUM_THREADS", str(available_threads()))
+    if "NUMBA_THREADING_LAYER" not in environment:
+        environment["NUMBA_THREADING_LAYER"] = "tbb" if _preload_tbb() else "workqueue"

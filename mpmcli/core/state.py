@@ -1,0 +1,61 @@
+"""What a simulation shows to those who look at it (output, probes, watchdogs); looking never changes it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.analysis import Analysis
+from mpmcli.core.particles import Particles
+
+
+@dataclass(frozen=True)
+class GridView:
+    """The grid at the end of a step: node spacing and lazily computed nodal fields.
+
+    ``lower``, ``cell`` (d,) and ``nodes`` (d,) describe the user's grid without ghost layers; ``fields`` maps a name
+    (``mass``, ``velocity``, ``acceleration``) to a function returning an array (n_nodes,) or (n_nodes, d), x fastest.
+    """
+
+    lower: np.ndarray
+    cell: np.ndarray
+    nodes: tuple[int, ...]
+    fields: dict[str, Callable[[], np.ndarray]]
+
+
+@dataclass
+class State:
+    """A running simulation as seen from outside, valid until the next step.
+
+    Attributes
+    ----------
+    step, time, dt : number of finished steps, time of the state, size of the last step (0 before the first)
+    analysis : the analysis tuple of ``core.analysis``
+    full_ring : 2π in axisymmetric analyses, else 1: multiply masses, energies and forces by it for the user
+    particles : the arrays of ``core.particles.Particles``
+    bodies, materials : names in the order of the indices ``particles.body`` and ``particles.material``
+    material_models : the scene's material models in the same order (``density``, ``history``, …)
+    work : accumulated energies by name (``external_work``, ``boundary_work``, ``damping_work``; per radian inside)
+    reactions : force of each boundary condition on the bodies in the last step, by name, (d,)
+    strain_energy_density : function giving the stored energy per initial volume, (N,)
+    grid : the grid, or None before the first step
+    extra : further columns by name, e.g. ``deleted_mass``
+    """
+
+    analysis: Analysis
+    particles: Particles
+    bodies: list[str]
+    materials: list[str]
+    material_models: list[Any]
+    strain_energy_density: Callable[[], np.ndarray]
+    step: int = 0
+    time: float = 0.0
+    dt: float = 0.0
+    full_ring: float = 1.0
+    work: dict[str, float] = field(default_factory=dict)
+    reactions: dict[str, np.ndarray] = field(default_factory=dict)
+    grid: GridView | None = None
+    extra: dict[str, float] = field(default_factory=dict)

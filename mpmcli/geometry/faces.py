@@ -1,0 +1,69 @@
+"""The faces of a body: particles that have no neighbour of the same body on one side."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmcli.geometry.domains import in_a_domain
+
+Array = np.ndarray
+
+
+def surface_faces(X: Array, size: Array, axis: int, side: str, members: Array | None = None) -> Array:
+    """Find the particles that show a face towards one side of an axis.
+
+    A particle has a neighbour if the point one domain further along the axis lies in the domain of another
+    particle of the body. Meant for set-up, where the domains are not deformed.
+
+    Parameters
+    ----------
+    X, size : (d, n) positions and half-sizes of the domains [length]
+    axis : 0, 1 or 2
+    side : ``lower`` or ``upper``
+    members : (n,) mask of the body's particles, or their indices; all particles by default
+
+    Returns
+    -------
+    (m,) indices of the particles, ascending
+    """
+    if side not in ("lower", "upper"):
+        raise ValueError(f"side must be lower or upper, not '{side}'")
+    d, n = X.shape
+    if not 0 <= axis < d:
+        raise ValueError(f"there is no axis {axis} in {d}D")
+    if members is None:
+        members = np.arange(n)
+    elif members.dtype == bool:
+        members = np.flatnonzero(members)
+    if len(members) == 0:
+        return members
+    X, size = X[:, members], size[:, members]
+    lattice = _lattice(X, size)
+    direction = 1 if side == "upper" else -1
+    if lattice is None:
+        beside = X.copy()
+        beside[axis] += direction * 2 * size[axis]
+        alone = ~in_a_domain(beside, X, size)
+    else:
+        key, strides = lattice
+        order = np.sort(key)
+        wanted = key + direction * strides[axis]
+        at = np.minimum(np.searchsorted(order, wanted), len(order) - 1)
+        alone = order[at] != wanted
+    return np.sort(members[alone])
+
+
+def _lattice(X: Array, size: Array) -> tuple[Array, Array] | None:
+    """Key of each particle's place and the keys' distance per axis, if all lie on one lattice."""
+    width = 2 * size[:, 0]
+    if (np.abs(2 * size - width[:, None]) > 1e-6 * width[:, None]).any():
+        return None
+    place = (X - X.min(axis=1, keepdims=True)) / width[:, None]
+    index = np.rint(place)
+    if (np.abs(place - index) > 1e-3).any():
+        return None
+    count = index.max(axis=1) + 3
+    if np.prod(count) > 2**62:
+        return None
+    strides = np.concatenate([[1], np.cumprod(count[:-1])]).astype(np.int64)
+    return strides @ (index.astype(np.int64) + 1), strides

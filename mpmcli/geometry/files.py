@@ -1,0 +1,77 @@
+"""Files that a scene names: found beside the scene, never outside its folder unless that is allowed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, Field, ValidationInfo
+
+from mpmcli.core.suggest import did_you_mean
+
+MAX_BYTES = 512 * 1024**2
+"""Largest file that a region may name."""
+
+
+class SceneFile(str):
+    """The name of a file as the scene writes it; ``path`` is where it lies."""
+
+    path: Path
+
+    def __new__(cls, name: str, path: Path) -> SceneFile:
+        made = super().__new__(cls, name)
+        made.path = path
+        return made
+
+    def __getnewargs__(self) -> Any:
+        return str(self), self.path
+
+
+def path_of(name: str) -> Path:
+    """Where a checked file of a scene lies."""
+    return name.path if isinstance(name, SceneFile) else Path(name)
+
+
+def stamp_of(path: Path) -> tuple[int, int]:
+    """What changes when a file does: time of its last change and its size."""
+    status = path.stat()
+    return status.st_mtime_ns, status.st_size
+
+
+def _find(name: str, info: ValidationInfo) -> SceneFile:
+    """Resolve and check a name; ``info.context`` may say ``base_directory``, ``allow_outside_files``."""
+    base = Path(getattr(info.context, "base_directory", None) or Path.cwd()).resolve()
+    confined = info.context is not None and not getattr(info.context, "allow_outside_files", False)
+    try:
+        path = (base / name).resolve()
+        if confined and not path.is_relative_to(base):
+            raise ValueError(f"'{name}' lies outside the folder of the scene, {base}")
+        if path.is_dir():
+            raise ValueError(f"'{name}' is a folder, not a file")
+        if not path.exists():
+            raise ValueError(f"there is no file '{name}' in {base}{_nearest(path)}")
+        if not path.is_file():
+            raise ValueError(f"'{name}' is not a plain file")
+        size = path.stat().st_size
+        with path.open("rb") as file:
+            file.read(1)
+    except (OSError, RuntimeError) as error:
+        raise ValueError(f"'{name}' cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if size == 0:
+        raise ValueError(f"'{name}' is empty")
+    if size > MAX_BYTES:
+        raise ValueError(
+            f"'{name}' is too large: {size / 1024**2:.0f} MiB, and the limit is {MAX_BYTES >> 20} MiB"
+        )
+    return SceneFile(name, path)
+
+
+def _nearest(path: Path) -> str:
+    """A hint at a file with nearly the same name, or nothing."""
+    if not path.parent.is_dir():
+        return ""
+    return did_you_mean(path.name, (entry.name for entry in path.parent.iterdir()))
+
+
+ReadableFile = Annotated[str, Field(min_length=1), AfterValidator(_find)]
+"""The name of a file that exists and can be read, relative to the scene's folder."""

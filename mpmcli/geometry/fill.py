@@ -1,0 +1,217 @@
+"""Filling regions with particles: one in the middle of each sub-cell whose centre is inside the region.
+
+The lattice of sub-cells is that of the grid: ``particles_per_axis`` k cuts every cell into k parts along each
+axis, and sub-cell s of an axis has its centre at ``lower + (s + ½) cell/k``. Particles are ordered x fastest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from mpmcli.core.analysis import Analysis, Axisymmetric
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.geometry.base import Region
+from mpmcli.geometry.overlap import settle_overlaps
+
+Array = np.ndarray
+
+CHUNK = 1 << 18
+"""Points that are tested at a time."""
+MAX_TESTED = 1 << 30
+"""Sub-cells of one body that may be tested at most."""
+
+
+class BodyRequest(Protocol):
+    """What filling asks of a body of the scene."""
+
+    name: str
+    region: Region
+    particles_per_axis: int | Sequence[int]
+    overlap: str
+
+
+class GridBox(Protocol):
+    """What filling asks of the grid: corners and cell size, (d,) each [length]."""
+
+    lower: Array
+    upper: Array
+    cell: Array
+
+
+@dataclass(frozen=True)
+class BodyParticles:
+    """The particles of one body at set-up.
+
+    Attributes
+    ----------
+    name : the body's
+    X : (d, n) positions [length]
+    size : (d, n) half-sizes of the particles' domains along the axes [length]; read only, may share memory
+    volume : (n,) length, area or volume of a particle (without thickness, area or radius); read only likewise
+    key : (n,) number of each particle's sub-cell, ascending, or None for given particles
+    parts : (d,) sub-cells per cell along each axis, or None for given particles
+    """
+
+    name: str
+    X: Array
+    size: Array
+    volume: Array
+    key: Array | None = None
+    parts: tuple[int, ...] | None = None
+
+    @property
+    def count(self) -> int:
+        """Number of particles."""
+        return self.X.shape[1]
+
+    def only(self, kept: Array) -> BodyParticles:
+        """The particles that the mask ``kept`` (n,) names."""
+        key = None if self.key is None else self.key[kept]
+        return replace(self, X=self.X[:, kept], size=self.size[:, kept], volume=self.volume[kept], key=key)
+
+
+def fill_bodies(bodies: Sequence[BodyRequest], grid: GridBox, analysis: Analysis) -> list[BodyParticles]:
+    """Make the particles of all bodies, in the order of the scene.
+
+    Parameters
+    ----------
+    bodies : objects with ``name``, ``region``, ``particles_per_axis`` (one number, or one per axis), ``overlap``
+    grid : object with ``lower``, ``upper``, ``cell`` (d,) [length]
+    analysis : tuple of ``core.analysis``; in axisymmetric ones the mirror image at r < 0 is left out
+
+    Raises
+    ------
+    SceneError
+        All bodies at once that do not fit the analysis, reach out of the grid, hold no particle, or claim places
+        that an earlier body holds (unless their ``overlap`` is ``replace`` or ``keep``).
+    """
+    problems: list[Problem] = []
+    filled: list[BodyParticles] = []
+    for body in bodies:
+        misfits = list(body.region.misfits(analysis.dimensions))
+        problems += [_problem(body, words, "region", *place) for place, words in misfits]
+        if misfits:
+            continue
+        try:
+            filled.append(_given(body, grid) if body.region.gives_particles else _fill(body, grid, analysis))
+        except ValueError as error:
+            problems.append(_problem(body, str(error), "region"))
+    if not problems:
+        filled, overlaps = settle_overlaps(bodies, filled)
+        problems = [_problem(body, words, *place) for body, words, place in overlaps]
+    if problems:
+        raise SceneError(problems)
+    return filled
+
+
+def _problem(body: BodyRequest, words: str, *place: str | int) -> Problem:
+    path = ".".join(str(part) for part in ("bodies", body.name, *place))
+    return Problem(path=path, message=words, code="geometry")
+
+
+def parts_per_axis(particles_per_axis: int | Sequence[int], d: int) -> tuple[int, ...]:
+    """Sub-cells per cell along each of d axes."""
+    if isinstance(particles_per_axis, int | np.integer):
+        return (int(particles_per_axis),) * d
+    if len(particles_per_axis) != d:
+        raise ValueError(f"particles_per_axis needs {d} numbers, not {len(particles_per_axis)}")
+    return tuple(int(k) for k in particles_per_axis)
+
+
+def _given(body: BodyRequest, grid: GridBox) -> BodyParticles:
+    """The particles that a region of given particles lists."""
+    X, size, volume = body.region.particles(len(grid.lower))  # type: ignore[attr-defined]
+    outside = ((np.c_[grid.lower] > X) | (np.c_[grid.upper] < X)).any(axis=0)
+    if outside.any():
+        raise ValueError(_outside_words(body, int(outside.sum()), X[:, outside][:, 0]))
+    return BodyParticles(body.name, X, size, volume)
+
+
+def _fill(body: BodyRequest, grid: GridBox, analysis: Analysis) -> BodyParticles:
+    """Test the sub-cells within the bounds of a body's region."""
+    d = analysis.dimensions
+    parts = parts_per_axis(body.particles_per_axis, d)
+    step = np.asarray(grid.cell) / parts
+    total = np.rint((np.asarray(grid.upper) - grid.lower) / step).astype(np.int64)
+    first, last = _range(body.region, grid, step, total, isinstance(analysis, Axisymmetric))
+    if (last <= first).any() or (first >= total).any() or (last <= 0).any():
+        raise ValueError(_nothing_words(body, grid))
+    if np.prod((last - first).astype(float)) > MAX_TESTED:
+        lower, upper = body.region.bounds(d)
+        raise ValueError(
+            f"the region of body '{body.name}', from {_point(lower)} to {_point(upper)}, spans "
+            f"{np.prod((last - first).astype(float)):.2g} sub-cells, more than can be tested"
+        )
+    positions, keys, outside, example = [], [], 0, None
+    stride = np.concatenate([[1], np.cumprod(total[:-1])])
+    for index in _chunks(first, last):
+        X = np.stack([low + (i + 0.5) * h for low, i, h in zip(grid.lower, index, step, strict=True)])
+        inside = body.region.contains(X)
+        index, X = index[:, inside], np.ascontiguousarray(X[:, inside])
+        beyond = ((index < 0) | (index >= total[:, None])).any(axis=0)
+        if beyond.any():
+            outside += int(beyond.sum())
+            example = X[:, beyond][:, 0] if example is None else example
+        positions.append(X)
+        keys.append(stride @ index)
+    if example is not None:
+        raise ValueError(_outside_words(body, outside, example))
+    X = np.concatenate(positions, axis=1)
+    n = X.shape[1]
+    if n == 0:
+        raise ValueError(_nothing_words(body, grid))
+    size = np.broadcast_to(0.5 * step[:, None], (d, n))
+    volume = np.broadcast_to(np.prod(step), (n,))
+    return BodyParticles(body.name, X, size, volume, np.concatenate(keys), parts)
+
+
+def _range(region: Region, grid: GridBox, step: Array, total: Array, mirrored: bool) -> tuple[Array, Array]:
+    """First and one past the last sub-cell per axis that may be inside; beyond the grid if the region is."""
+    lower, upper = region.bounds(len(step))
+    lower = np.where(np.isfinite(lower), lower, grid.lower)
+    upper = np.where(np.isfinite(upper), upper, grid.upper)
+    if mirrored:
+        lower[0] = max(lower[0], 0.0)
+    margin = 1e-6
+    first = np.ceil(np.clip((lower - grid.lower) / step - 0.5 - margin, -1e15, 1e15))
+    last = np.floor(np.clip((upper - grid.lower) / step - 0.5 + margin, -1e15, 1e15)) + 1
+    return first.astype(np.int64), last.astype(np.int64)
+
+
+def _chunks(first: Array, last: Array) -> Iterator[Array]:
+    """Indices (d, m) of all sub-cells from ``first`` to ``last``, x fastest, some at a time."""
+    extent = last - first
+    stride = np.concatenate([[1], np.cumprod(extent)])
+    for start in range(0, int(stride[-1]), CHUNK):
+        flat = np.arange(start, min(start + CHUNK, int(stride[-1])))
+        index = np.empty((len(extent), len(flat)), dtype=np.int64)
+        for axis in range(len(extent) - 1, -1, -1):
+            index[axis], flat = np.divmod(flat, stride[axis])
+            index[axis] += first[axis]
+        yield index
+
+
+def _point(x: Array) -> str:
+    return "[" + ", ".join(f"{value:g}" for value in x) + "]"
+
+
+def _outside_words(body: BodyRequest, count: int, example: Array) -> str:
+    what = "1 particle" if count == 1 else f"{count} particles"
+    return f"body '{body.name}' reaches out of the grid: {what} outside, the first at {_point(example)}"
+
+
+def _nothing_words(body: BodyRequest, grid: GridBox) -> str:
+    lower, upper = body.region.bounds(len(grid.lower))
+    if (upper < grid.lower).any() or (lower > grid.upper).any():
+        return (
+            f"body '{body.name}', from {_point(lower)} to {_point(upper)}, lies outside the grid, "
+            f"which spans {_point(grid.lower)} to {_point(grid.upper)}"
+        )
+    return (
+        f"body '{body.name}' has no particles: no centre of a sub-cell is inside its region, which spans "
+        f"{_point(lower)} to {_point(upper)} (cell {_point(grid.cell)})"
+    )

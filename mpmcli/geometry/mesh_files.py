@@ -1,0 +1,234 @@
+"""Reading triangulated surfaces from mesh files; volume meshes give their outer surface."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from functools import lru_cache
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpmcli.geometry.files import stamp_of
+from mpmcli.geometry.surface import Surface
+
+Array = np.ndarray
+
+
+class Unreadable(ValueError):
+    """A file cannot be used, and the message says why."""
+
+
+_VTK_READERS = {".vtp": "vtkXMLPolyDataReader", ".vtu": "vtkXMLUnstructuredGridReader"}
+
+# faces of volume cells by their corners, quadrilaterals as two triangles
+_FACES = {
+    "tetra": ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)),
+    "hexahedron": ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
+    "wedge": ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)),
+    "pyramid": ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)),
+}
+
+
+def read_surface(path: Path) -> Surface:
+    """The surface that a file holds, corners that coincide made one.
+
+    Raises
+    ------
+    ValueError
+        The ending is not known, or the file is damaged or holds no surface.
+    """
+    return _read_version(path, stamp_of(path))
+
+
+@lru_cache(maxsize=4)
+def _read_version(path: Path, stamp: tuple[int, int]) -> Surface:
+    ending = path.suffix.lower()
+    if ending not in _READERS:
+        endings = ", ".join(_READERS)
+        raise ValueError(f"'{path.name}' has an ending that is not known; it should be one of {endings}")
+    try:
+        corners, triangles = _READERS[ending](path)
+    except Unreadable as error:
+        raise ValueError(f"'{path.name}' cannot be read: {error}") from None
+    except (Exception, SystemExit):  # meshio raises whatever comes, and exits on some files
+        raise ValueError(f"'{path.name}' is damaged or no {ending[1:].upper()} file") from None
+    if len(triangles) and not (triangles.min() >= 0 and triangles.max() < len(corners)):
+        raise ValueError(f"'{path.name}' is damaged: a triangle has a corner that does not exist")
+    if len(triangles) == 0:
+        raise ValueError(f"'{path.name}' holds no triangles: it is damaged, or no surface")
+    if not np.isfinite(corners).all():
+        raise ValueError(f"'{path.name}' holds corners that are not finite numbers")
+    surface = _joined(corners, triangles, 0.0)
+    if surface.open_edges:
+        # corners written with few digits: join what is as near as single precision can tell
+        joined = _joined(corners, triangles, 1e-6)
+        surface = joined if joined.open_edges < surface.open_edges else surface
+    return surface
+
+
+def _joined(corners: Array, triangles: Array, tolerance: float) -> Surface:
+    """Make corners one that are equal (within ``tolerance`` times the extent); drop triangles of no area."""
+    place = corners + 0.0
+    if tolerance:
+        place = np.rint((corners - corners.min(axis=0)) / (tolerance * np.ptp(corners, axis=0).max()))
+    order = np.lexsort(place.T)
+    ordered = place[order]
+    new = np.ones(len(order), dtype=bool)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    number = np.empty(len(order), dtype=np.int64)
+    number[order] = np.cumsum(new) - 1
+    t = number[triangles]
+    proper = (t[:, 0] != t[:, 1]) & (t[:, 1] != t[:, 2]) & (t[:, 2] != t[:, 0])
+    return Surface(np.ascontiguousarray(corners[order[new]]), np.ascontiguousarray(t[proper]))
+
+
+def _from_stl(path: Path) -> tuple[Array, Array]:
+    """Binary or text STL: three corners per triangle, without sharing."""
+    content = path.read_bytes()
+    count = int.from_bytes(content[80:84], "little") if len(content) >= 84 else -1
+    if len(content) == 84 + 50 * count:
+        record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("extra", "<u2")])
+        corners = np.frombuffer(content, dtype=record, offset=84)["corners"].reshape(-1, 3).astype(np.float64)
+    elif content.lstrip()[:5].lower() == b"solid" and content.rstrip().rpartition(b"endsolid")[1]:
+        numbers = _VERTEX.findall(content)
+        corners = np.array(numbers, dtype=np.bytes_).astype(np.float64).reshape(-1, 3)
+    else:
+        raise Unreadable("damaged, or no STL file")
+    if len(corners) % 3:
+        raise Unreadable("a triangle is not complete")
+    return corners, np.arange(len(corners)).reshape(-1, 3)
+
+
+_VERTEX = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)")
+
+
+def _from_obj(path: Path) -> tuple[Array, Array]:
+    """Corners and faces of an OBJ file; faces with more corners become fans of triangles."""
+    corners: list[list[str]] = []
+    triangles: list[tuple[int, int, int]] = []
+    with path.open(encoding="utf-8", errors="replace") as file:
+        for line in file:
+            word, *rest = line.split() or [""]
+            if word == "v":
+                corners.append(rest[:3])
+            elif word == "f":
+                face = [int(corner.partition("/")[0]) for corner in rest]
+                face = [k - 1 if k > 0 else len(corners) + k for k in face]
+                triangles += [(face[0], face[k], face[k + 1]) for k in range(1, len(face) - 1)]
+    return np.array(corners, dtype=np.float64).reshape(-1, 3), np.array(triangles, dtype=np.int64).reshape(
+        -1, 3
+    )
+
+
+@contextmanager
+def _quiet_vtk() -> Iterator[None]:
+    """Keep vtk from writing its complaints to the terminal."""
+    from vtkmodules.vtkCommonCore import vtkLogger, vtkOutputWindow, vtkStringOutputWindow
+
+    window, verbosity = vtkOutputWindow.GetInstance(), vtkLogger.GetCurrentVerbosityCutoff()
+    vtkOutputWindow.SetInstance(vtkStringOutputWindow())
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    try:
+        yield
+    finally:
+        vtkLogger.SetStderrVerbosity(verbosity)
+        vtkOutputWindow.SetInstance(window)
+
+
+def read_xml(path: Path) -> Any:
+    """The vtk data set that a VTP or VTU file holds; a ValueError if vtk complains."""
+    from vtkmodules import vtkIOXML
+
+    complaints: list[str] = []
+    with _quiet_vtk():
+        source = getattr(vtkIOXML, _VTK_READERS[path.suffix.lower()])()
+        source.AddObserver("ErrorEvent", lambda caller, event: complaints.append(event))
+        source.SetFileName(str(path))
+        source.Update()
+        output = source.GetOutput()
+    if complaints or output is None:
+        raise Unreadable(f"damaged, or no {path.suffix[1:].upper()} file")
+    return output
+
+
+def _from_vtk(path: Path) -> tuple[Array, Array]:
+    """Triangles of a VTP file, or of the outside of a VTU file's cells."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkFiltersCore import vtkTriangleFilter
+    from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
+
+    mesh = read_xml(path)
+    arrays = [mesh.GetCells()] if path.suffix.lower() == ".vtu" else [mesh.GetPolys(), mesh.GetStrips()]
+    for cells in arrays:
+        if cells.GetNumberOfCells():
+            corner = vtk_to_numpy(cells.GetConnectivityArray())
+            start = vtk_to_numpy(cells.GetOffsetsArray())
+            if (np.diff(start) < 0).any() or start[0] != 0 or start[-1] != len(corner):
+                raise Unreadable("cells of impossible size")
+            if len(corner) and not (corner.min() >= 0 and corner.max() < mesh.GetNumberOfPoints()):
+                raise Unreadable("cells with corners that do not exist")
+    with _quiet_vtk():
+        outside, cut = vtkGeometryFilter(), vtkTriangleFilter()
+        outside.SetInputData(mesh)
+        cut.SetInputConnection(outside.GetOutputPort())
+        cut.PassLinesOff()
+        cut.PassVertsOff()
+        cut.Update()
+        mesh = cut.GetOutput()
+    if mesh.GetNumberOfPoints() == 0 or mesh.GetNumberOfPolys() == 0:
+        return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
+    corners = vtk_to_numpy(mesh.GetPoints().GetData()).astype(np.float64)
+    triangles = vtk_to_numpy(mesh.GetPolys().GetConnectivityArray()).astype(np.int64).reshape(-1, 3)
+    return corners, triangles
+
+
+def _from_meshio(path: Path) -> tuple[Array, Array]:
+    """Triangles of a PLY or MSH file; where it has volume cells, those of their outside."""
+    import meshio
+
+    with redirect_stdout(StringIO()), redirect_stderr(StringIO()), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        mesh = meshio.read(path)
+    corners = np.zeros((len(mesh.points), 3))
+    corners[:, : mesh.points.shape[1]] = mesh.points
+    flat: list[Array] = []
+    faces: list[Array] = []
+    for block in mesh.cells:
+        if block.type == "triangle":
+            flat.append(block.data)
+        elif block.type == "quad":
+            flat += [block.data[:, [0, 1, 2]], block.data[:, [0, 2, 3]]]
+        elif block.type in _FACES:
+            faces += [block.data[:, list(face)] for face in _FACES[block.type]]
+        elif block.dim > 1:
+            raise Unreadable(f"cells of type {block.type}, and only linear ones can be read")
+    pieces = _outer_faces(faces) if faces else flat
+    if not pieces:
+        return corners, np.zeros((0, 3), dtype=np.int64)
+    return corners, np.concatenate(pieces).astype(np.int64)
+
+
+def _outer_faces(faces: list[Array]) -> list[Array]:
+    """The faces that belong to one cell only, cut into triangles."""
+    padded = np.concatenate([np.c_[f, f[:, :1]] if f.shape[1] == 3 else f for f in faces])
+    key = np.sort(
+        np.concatenate([np.c_[f, np.full(len(f), -1)] if f.shape[1] == 3 else f for f in faces]), axis=1
+    )
+    _, place, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
+    outer = padded[count[place.reshape(-1)] == 1]
+    return [outer[:, [0, 1, 2]], outer[:, [0, 2, 3]]]
+
+
+_READERS: dict[str, Callable[[Path], tuple[Array, Array]]] = {
+    ".stl": _from_stl,
+    ".obj": _from_obj,
+    ".ply": _from_meshio,
+    ".msh": _from_meshio,
+    ".vtp": _from_vtk,
+    ".vtu": _from_vtk,
+}

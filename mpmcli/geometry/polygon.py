@@ -1,0 +1,120 @@
+"""Polygons in the plane."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import field_validator
+
+from mpmcli.geometry.base import REGIONS, TOLERANCE, Array, Region
+from mpmcli.geometry.vectors import Count, Point2
+
+
+@REGIONS.register
+class Polygon(Region):
+    """A polygon (2D) given by its corners in order, either way round; its edges must not cross."""
+
+    dimensions = frozenset({2})
+
+    kind: Literal["polygon"]
+    points: Annotated[tuple[Point2, ...], Count(3, 5000, "corners")]
+    """Corners [x, y] in order; the last one is joined to the first."""
+
+    @field_validator("points")
+    @classmethod
+    def _simple(cls, points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+        corners = _without_repeats(np.array(points))
+        if len(corners) < 3 or abs(_area(corners)) <= 1e-12 * np.prod(np.ptp(corners, axis=0)):
+            raise ValueError("the corners enclose no area")
+        crossing = _first_crossing(corners)
+        if crossing is not None:
+            (ax, ay), (bx, by) = (corners[k] for k in crossing)
+            raise ValueError(
+                f"the edge that starts at [{ax:g}, {ay:g}] meets the edge that starts at [{bx:g}, {by:g}]"
+            )
+        return points
+
+    @cached_property
+    def corners(self) -> Array:
+        """Corners (n, 2) without repetitions."""
+        return _without_repeats(np.array(self.points))
+
+    def _inside(self, points: Array) -> Array:
+        # even-odd rule along x; every edge looks only at the points whose y it spans
+        corners = self.corners
+        reach = float(np.ptp(corners, axis=0).max())
+        margin = TOLERANCE * reach
+        order = np.argsort(points[1], kind="stable")
+        x, y = points[0, order], points[1, order]
+        odd = np.zeros(len(x), dtype=bool)
+        near = np.zeros(len(x), dtype=bool)
+        for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+            if ay > by:
+                ax, ay, bx, by = bx, by, ax, ay
+            spanned = slice(*np.searchsorted(y, [ay, by]))
+            if spanned.start < spanned.stop:
+                odd[spanned] ^= x[spanned] < ax + (y[spanned] - ay) * ((bx - ax) / (by - ay))
+            wide = slice(*np.searchsorted(y, [ay - margin, by + margin], side="right"))
+            length = np.hypot(bx - ax, by - ay)
+            tx, ty = (bx - ax) / length, (by - ay) / length
+            along = (x[wide] - ax) * tx + (y[wide] - ay) * ty
+            across = (x[wide] - ax) * ty - (y[wide] - ay) * tx
+            near[wide] |= (np.abs(across) <= margin) & (along >= -margin) & (along <= length + margin)
+        inside = np.empty(len(x), dtype=bool)
+        inside[order] = odd | near
+        return inside
+
+    def _bounds(self, d: int) -> tuple[Array, Array]:
+        return self.corners.min(axis=0), self.corners.max(axis=0)
+
+    def _turned_bounds(self, turn: Array) -> tuple[Array, Array]:
+        corners = self.corners @ turn.T
+        return corners.min(axis=0), corners.max(axis=0)
+
+    def _measure(self, d: int) -> float:
+        return abs(_area(self.corners))
+
+    def _centroid(self, d: int) -> Array:
+        origin = self.corners[0]
+        a = self.corners - origin
+        b = np.roll(a, -1, axis=0)
+        cross = a[:, 0] * b[:, 1] - b[:, 0] * a[:, 1]
+        return origin + ((a + b) * cross[:, None]).sum(axis=0) / (3 * cross.sum())
+
+
+def _without_repeats(corners: Array) -> Array:
+    """Corners (n, 2) that differ from the one before."""
+    return corners[(corners != np.roll(corners, 1, axis=0)).any(axis=1)]
+
+
+def _area(corners: Array) -> float:
+    """Signed area, positive if the corners go from x towards y."""
+    a = corners - corners[0]
+    b = np.roll(a, -1, axis=0)
+    return 0.5 * float((a[:, 0] * b[:, 1] - b[:, 0] * a[:, 1]).sum())
+
+
+def _first_crossing(corners: Array) -> tuple[int, int] | None:
+    """Two edges (by their first corners) that cross or touch without being neighbours, or None."""
+    n = len(corners)
+    start, end = corners, np.roll(corners, -1, axis=0)
+    low, high = np.minimum(start, end), np.maximum(start, end)
+
+    def side(a: Array, b: Array, p: Array) -> Array:
+        """-1, 0, 1: on which side of the line from a to b the points p lie."""
+        return np.sign((b[0] - a[0]) * (p[:, 1] - a[1]) - (b[1] - a[1]) * (p[:, 0] - a[0]))
+
+    for i in range(n - 2):
+        others = np.arange(i + 2, n - (i == 0))
+        boxes_meet = ((low[others] <= high[i]) & (high[others] >= low[i])).all(axis=1)
+        others = others[boxes_meet]
+        if not len(others):
+            continue
+        first = side(start[i], end[i], start[others]) * side(start[i], end[i], end[others])
+        for j in others[first <= 0]:
+            both = side(start[j], end[j], np.array([start[i], end[i]]))
+            if both[0] * both[1] <= 0:
+                return i, int(j)
+    return None

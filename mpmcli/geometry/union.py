@@ -1,0 +1,33 @@
+"""Unions of regions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import numpy as np
+
+from mpmcli.geometry.base import REGIONS, Array, Region
+from mpmcli.geometry.members import Combination
+from mpmcli.geometry.vectors import Count
+
+if TYPE_CHECKING:
+    AnyRegion = Region
+
+
+@REGIONS.register
+class Union(Combination):
+    """The points of any of several regions."""
+
+    kind: Literal["union"]
+    regions: Annotated[tuple[AnyRegion, ...], Count(1, noun="regions")]
+    """The regions to put together; they may overlap."""
+
+    def members(self) -> list[tuple[tuple[str | int, ...], Region]]:
+        return [(("regions", index), region) for index, region in enumerate(self.regions)]
+
+    def _inside(self, points: Array) -> Array:
+        return np.logical_or.reduce([region.contains(points) for region in self.regions])
+
+    def _bounds(self, d: int) -> tuple[Array, Array]:
+        lower, upper = zip(*(region.bounds(d) for region in self.regions), strict=True)
+        return np.min(lower, axis=0), np.max(upper, axis=0)

@@ -1,0 +1,8 @@
+"""Constitutive laws, one per file; importing the room registers them all."""
+
+from mpmcli.core.registry import discover
+from mpmcli.materials.base import MATERIALS, MaterialModel
+
+discover(__name__, __path__)
+
+__all__ = ["MATERIALS", "MaterialModel"]

@@ -1,0 +1,78 @@
+"""What a material is: a pydantic model (the scene's words), a named tuple of numbers, and four scalar functions.
+
+A new material is one new file here: a model registered in ``MATERIALS``, its parameter tuple, and implementations of
+``kirchhoff_stress``, ``strain_energy``, ``wave_speed_squared`` (and ``bulk_speed_squared``, ``absorb_work`` where the
+defaults do not serve), registered for the tuple's class.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, NamedTuple
+
+from mpmcli.core.dispatch import generic
+from mpmcli.core.model import Density, Model
+from mpmcli.core.registry import Registry
+
+MATERIALS = Registry("material")
+
+
+class MaterialModel(Model):
+    """Base of all materials.
+
+    Class attributes declare what the contract tests hold a material to.
+    """
+
+    analyses: ClassVar[frozenset[str]]
+    """Names of the analyses (``core.analysis.ANALYSES``) that the material supports."""
+    history: ClassVar[tuple[str, ...]] = ()
+    """Names of its history variables, in the order of their rows in ``Particles.H``."""
+    properties: ClassVar[frozenset[str]] = frozenset()
+    """Any of ``hyperelastic``, ``isotropic``, ``stress_free_at_rest``, ``fluid``."""
+
+    density: Density
+    """Initial mass density."""
+
+    def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
+        """The numbers that the compiled functions need, for one kind of analysis."""
+        raise TypeError(f"{type(self).__name__} gives no parameters")
+
+    def initial_history(self) -> dict[str, float]:
+        """Start values of history variables that do not start at zero."""
+        return {}
+
+    def initial_wave_speed(self, analysis: str) -> float:
+        """Speed of the fastest wave at rest [velocity]: see the Courant number in the reference."""
+        raise TypeError(f"{type(self).__name__} gives no wave speed")
+
+
+@generic
+def kirchhoff_stress(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
+    """Kirchhoff stress τ = Jσ of particle ``p`` after its deformation gradient became ``F``.
+
+    ``F`` and ``dF`` (F = dF·Fⁿ) are 9-tuples, rows first. ``H`` is the history array (n_history, N); it is read at
+    column ``p`` and written only if ``commit``. Returns the 6-tuple (xx, yy, zz, xy, yz, xz) [pressure].
+    """
+
+
+@generic
+def strain_energy(m: Any, F: Any, H: Any, p: Any) -> Any:
+    """Stored (elastic) energy per unit initial volume [pressure]."""
+
+
+@generic
+def wave_speed_squared(m: Any, F: Any, H: Any, p: Any) -> Any:
+    """Square of the fastest wave's speed in the current state, never below that at rest [velocity²]."""
+
+
+@generic
+def bulk_speed_squared(m: Any, F: Any, H: Any, p: Any) -> Any:
+    """Square of the current bulk wave speed, for artificial viscosity [velocity²]."""
+
+
+@generic
+def absorb_work(m: Any, F: Any, dF: Any, H: Any, p: Any, work: Any, viscous: Any) -> Any:
+    """Update internal energy and temperature after a step, where the material tracks them.
+
+    ``work`` is the stress work of the step per initial volume, artificial viscosity included; ``viscous`` the part
+    of the latter. Called only for materials with a history variable ``internal_energy`` or ``temperature``.
+    """

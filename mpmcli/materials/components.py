@@ -1,0 +1,229 @@
+"""Which components of a particle's tensors each analysis stores, and how a step changes its deformation gradient.
+
+Generic over the analysis, so that the particle loop in ``strain.py`` is written once. Inside, tensors are complete
+(9 or 6 components); the zeros of 1D and 2D analyses are known to the compiler.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mpmcli.core.analysis import Axisymmetric, PlaneStrain, PlaneStress, Solid, UniaxialStrain, UniaxialStress
+from mpmcli.core.dispatch import generic
+from mpmcli.core.tensors import exponential_1d, exponential_2d, exponential_3d, multiply
+from mpmcli.materials.lateral import lateral_stretch, thickness_stretch
+
+ONE_AXIS = (UniaxialStrain, UniaxialStress)
+TWO_AXES = (PlaneStrain, PlaneStress, Axisymmetric)
+
+
+@generic
+def load_gradient(analysis: Any, F: Any, p: Any) -> Any:
+    """The deformation gradient of particle ``p`` as a 9-tuple."""
+
+
+@generic
+def store_gradient(analysis: Any, F: Any, p: Any, F1: Any) -> Any:
+    """Write the components that the analysis stores."""
+
+
+@generic
+def load_stress(analysis: Any, tau: Any, p: Any) -> Any:
+    """The Kirchhoff stress of particle ``p`` as a 6-tuple [pressure]."""
+
+
+@generic
+def store_stress(analysis: Any, tau: Any, p: Any, T: Any) -> Any:
+    """Write the components that the analysis stores."""
+
+
+@generic
+def load_increment(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
+    """dF = exp(L dt) as a 9-tuple; a lateral stretch that the stress decides is still 1."""
+
+
+@generic
+def close_gradient(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
+    """The pair (dF·F, dF), with the lateral stretch that makes the lateral stress of material ``m`` vanish."""
+
+
+@generic
+def rate_of_volume(analysis: Any, L: Any, p: Any) -> Any:
+    """tr D of the velocity gradient [1/time]; without lateral rates that the stress decides."""
+
+
+@generic
+def stress_power(analysis: Any, T: Any, L: Any, p: Any) -> Any:
+    """T:D [pressure/time]."""
+
+
+@generic
+def add_pressure(analysis: Any, T: Any, q: Any) -> Any:
+    """T − q I; directions that are free of stress stay so."""
+
+
+for _analysis in ONE_AXIS:
+
+    @load_gradient.register(_analysis)
+    def _(analysis: Any, F: Any, p: Any) -> Any:
+        return F[0, p], 0.0, 0.0, 0.0, F[1, p], 0.0, 0.0, 0.0, F[2, p]
+
+    @store_gradient.register(_analysis)
+    def _(analysis: Any, F: Any, p: Any, F1: Any) -> Any:
+        F[0, p], F[1, p], F[2, p] = F1[0], F1[4], F1[8]
+
+    @load_stress.register(_analysis)
+    def _(analysis: Any, tau: Any, p: Any) -> Any:
+        return tau[0, p], tau[1, p], tau[2, p], 0.0, 0.0, 0.0
+
+    @store_stress.register(_analysis)
+    def _(analysis: Any, tau: Any, p: Any, T: Any) -> Any:
+        tau[0, p], tau[1, p], tau[2, p] = T[0], T[1], T[2]
+
+    @load_increment.register(_analysis)
+    def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
+        return exponential_1d(L[0, p] * dt), 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
+
+    @rate_of_volume.register(_analysis)
+    def _(analysis: Any, L: Any, p: Any) -> Any:
+        return L[0, p]
+
+    @stress_power.register(_analysis)
+    def _(analysis: Any, T: Any, L: Any, p: Any) -> Any:
+        return T[0] * L[0, p]
+
+
+for _analysis in TWO_AXES:
+
+    @load_gradient.register(_analysis)
+    def _(analysis: Any, F: Any, p: Any) -> Any:
+        return F[0, p], F[1, p], 0.0, F[2, p], F[3, p], 0.0, 0.0, 0.0, F[4, p]
+
+    @store_gradient.register(_analysis)
+    def _(analysis: Any, F: Any, p: Any, F1: Any) -> Any:
+        F[0, p], F[1, p], F[2, p], F[3, p], F[4, p] = F1[0], F1[1], F1[3], F1[4], F1[8]
+
+    @load_stress.register(_analysis)
+    def _(analysis: Any, tau: Any, p: Any) -> Any:
+        return tau[0, p], tau[1, p], tau[2, p], tau[3, p], 0.0, 0.0
+
+    @store_stress.register(_analysis)
+    def _(analysis: Any, tau: Any, p: Any, T: Any) -> Any:
+        tau[0, p], tau[1, p], tau[2, p], tau[3, p] = T[0], T[1], T[2], T[3]
+
+    @load_increment.register(_analysis)
+    def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
+        xx, xy, yx, yy = exponential_2d(L[0, p] * dt, L[1, p] * dt, L[2, p] * dt, L[3, p] * dt)
+        return xx, xy, 0.0, yx, yy, 0.0, 0.0, 0.0, 1.0
+
+    @rate_of_volume.register(_analysis)
+    def _(analysis: Any, L: Any, p: Any) -> Any:
+        return L[0, p] + L[3, p]
+
+    @stress_power.register(_analysis)
+    def _(analysis: Any, T: Any, L: Any, p: Any) -> Any:
+        return T[0] * L[0, p] + T[1] * L[3, p] + T[3] * (L[1, p] + L[2, p])
+
+
+@load_increment.register(Axisymmetric)
+def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
+    xx, xy, yx, yy = exponential_2d(L[0, p] * dt, L[1, p] * dt, L[2, p] * dt, L[3, p] * dt)
+    return xx, xy, 0.0, yx, yy, 0.0, 0.0, 0.0, exponential_1d(L[4, p] * dt)
+
+
+@rate_of_volume.register(Axisymmetric)
+def _(analysis: Any, L: Any, p: Any) -> Any:
+    return L[0, p] + L[3, p] + L[4, p]
+
+
+@stress_power.register(Axisymmetric)
+def _(analysis: Any, T: Any, L: Any, p: Any) -> Any:
+    return T[0] * L[0, p] + T[1] * L[3, p] + T[2] * L[4, p] + T[3] * (L[1, p] + L[2, p])
+
+
+@load_gradient.register(Solid)
+def _(analysis: Any, F: Any, p: Any) -> Any:
+    return F[0, p], F[1, p], F[2, p], F[3, p], F[4, p], F[5, p], F[6, p], F[7, p], F[8, p]
+
+
+@store_gradient.register(Solid)
+def _(analysis: Any, F: Any, p: Any, F1: Any) -> Any:
+    F[0, p], F[1, p], F[2, p] = F1[0], F1[1], F1[2]
+    F[3, p], F[4, p], F[5, p] = F1[3], F1[4], F1[5]
+    F[6, p], F[7, p], F[8, p] = F1[6], F1[7], F1[8]
+
+
+@load_stress.register(Solid)
+def _(analysis: Any, tau: Any, p: Any) -> Any:
+    return tau[0, p], tau[1, p], tau[2, p], tau[3, p], tau[4, p], tau[5, p]
+
+
+@store_stress.register(Solid)
+def _(analysis: Any, tau: Any, p: Any, T: Any) -> Any:
+    tau[0, p], tau[1, p], tau[2, p] = T[0], T[1], T[2]
+    tau[3, p], tau[4, p], tau[5, p] = T[3], T[4], T[5]
+
+
+@load_increment.register(Solid)
+def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
+    return exponential_3d(
+        (
+            L[0, p] * dt,
+            L[1, p] * dt,
+            L[2, p] * dt,
+            L[3, p] * dt,
+            L[4, p] * dt,
+            L[5, p] * dt,
+            L[6, p] * dt,
+            L[7, p] * dt,
+            L[8, p] * dt,
+        )
+    )
+
+
+@rate_of_volume.register(Solid)
+def _(analysis: Any, L: Any, p: Any) -> Any:
+    return L[0, p] + L[4, p] + L[8, p]
+
+
+@stress_power.register(Solid)
+def _(analysis: Any, T: Any, L: Any, p: Any) -> Any:
+    normal = T[0] * L[0, p] + T[1] * L[4, p] + T[2] * L[8, p]
+    return normal + T[3] * (L[1, p] + L[3, p]) + T[4] * (L[5, p] + L[7, p]) + T[5] * (L[2, p] + L[6, p])
+
+
+for _analysis in (UniaxialStrain, PlaneStrain, Axisymmetric, Solid):
+
+    @close_gradient.register(_analysis)
+    def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
+        return multiply(dF, F), dF
+
+    @add_pressure.register(_analysis)
+    def _(analysis: Any, T: Any, q: Any) -> Any:
+        return T[0] - q, T[1] - q, T[2] - q, T[3], T[4], T[5]
+
+
+@close_gradient.register(PlaneStress)
+def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
+    F1 = multiply(dF, F)
+    z = thickness_stretch(m, F1, dF, H, p, dt)
+    F1 = (F1[0], F1[1], 0.0, F1[3], F1[4], 0.0, 0.0, 0.0, z)
+    return F1, (dF[0], dF[1], 0.0, dF[3], dF[4], 0.0, 0.0, 0.0, z / F[8])
+
+
+@close_gradient.register(UniaxialStress)
+def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
+    F1 = multiply(dF, F)
+    z = lateral_stretch(m, F1, dF, H, p, dt)
+    F1 = (F1[0], 0.0, 0.0, 0.0, z, 0.0, 0.0, 0.0, z)
+    return F1, (dF[0], 0.0, 0.0, 0.0, z / F[8], 0.0, 0.0, 0.0, z / F[8])
+
+
+@add_pressure.register(PlaneStress)
+def _(analysis: Any, T: Any, q: Any) -> Any:
+    return T[0] - q, T[1] - q, T[2], T[3], T[4], T[5]
+
+
+@add_pressure.register(UniaxialStress)
+def _(analysis: Any, T: Any, q: Any) -> Any:
+    return T[0] - q, T[1], T[2], T[3], T[4], T[5]

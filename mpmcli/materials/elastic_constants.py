@@ -1,0 +1,71 @@
+"""Isotropic elastic constants, given as one pair, and the wave speeds that follow from them."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar, Self
+
+from pydantic import model_validator
+
+from mpmcli.core.analysis import ANALYSES
+from mpmcli.core.model import quantity
+from mpmcli.materials.base import MaterialModel
+
+
+class ElasticModel(MaterialModel):
+    """Base of the materials that start isotropic and elastic: exactly one pair of constants, E and nu or K and G."""
+
+    analyses: ClassVar[frozenset[str]] = frozenset(ANALYSES)
+
+    E: quantity("pressure", gt=0) | None = None  # type: ignore[valid-type]
+    """Young's modulus; needs nu."""
+    nu: quantity("1", gt=-1, lt=0.5) | None = None  # type: ignore[valid-type]
+    """Poisson's ratio; needs E."""
+    K: quantity("pressure", gt=0) | None = None  # type: ignore[valid-type]
+    """Bulk modulus; needs G."""
+    G: quantity("pressure", gt=0) | None = None  # type: ignore[valid-type]
+    """Shear modulus; needs K."""
+
+    @model_validator(mode="after")
+    def _one_pair(self) -> Self:
+        given = {name for name in ("E", "nu", "K", "G") if getattr(self, name) is not None}
+        if given not in ({"E", "nu"}, {"K", "G"}):
+            found = " and ".join(sorted(given)) or "none of them"
+            raise ValueError(f"the elastic constants are one pair, E and nu or K and G; given: {found}")
+        return self
+
+    @property
+    def shear_modulus(self) -> float:
+        """G [pressure]."""
+        return self.G if self.G is not None else self.E / (2 * (1 + self.nu))
+
+    @property
+    def bulk_modulus(self) -> float:
+        """K [pressure]."""
+        return self.K if self.K is not None else self.E / (3 * (1 - 2 * self.nu))
+
+    @property
+    def lame_modulus(self) -> float:
+        """λ = K − 2G/3 [pressure]; exactly zero for ν = 0."""
+        if self.E is not None:
+            return self.E * self.nu / ((1 + self.nu) * (1 - 2 * self.nu))
+        return self.bulk_modulus - 2 * self.shear_modulus / 3
+
+    def initial_wave_speed(self, analysis: str) -> float:
+        """√((K+4G/3)/ρ); √(E/(ρ(1−ν²))) in plane stress; √(E/ρ) in uniaxial stress [velocity]."""
+        return math.sqrt(wave_modulus(self.lame_modulus, self.shear_modulus, analysis) / self.density)
+
+
+def wave_modulus(lame: float, shear: float, analysis: str) -> float:
+    """Stiffness of the fastest wave at rest [pressure], by the lateral condition of the analysis."""
+    longitudinal = lame + 2 * shear
+    if analysis == "plane_stress":
+        return longitudinal - lame**2 / longitudinal
+    if analysis == "uniaxial_stress":
+        return shear * (3 * lame + 2 * shear) / (lame + shear)
+    return longitudinal
+
+
+def lateral_factor(lame: float, shear: float, analysis: str) -> float:
+    """Wave stiffness of the analysis over that of uniaxial strain."""
+    return wave_modulus(lame, shear, analysis) / (lame + 2 * shear)

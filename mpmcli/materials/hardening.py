@@ -1,0 +1,116 @@
+"""Flow stress of metals against plastic strain, rate and temperature, chosen by ``kind``."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import Field
+
+from mpmcli.core.dispatch import generic
+from mpmcli.core.model import Model, PositivePressure, quantity
+
+
+class LinearHardening(Model):
+    """Linear isotropic hardening: Y = yield_stress + modulus·α, α the equivalent plastic strain."""
+
+    kind: Literal["linear"]
+    yield_stress: PositivePressure
+    """Initial yield stress."""
+    modulus: quantity("pressure", ge=0) = 0.0  # type: ignore[valid-type]
+    """Slope of the flow stress against equivalent plastic strain; 0 is perfectly plastic."""
+
+    def parameters(self) -> Linear:
+        """The numbers of the law."""
+        return Linear(self.yield_stress, self.modulus)
+
+
+class JohnsonCookHardening(Model):
+    """Johnson–Cook: Y = (A + B αⁿ)(1 + C ln(α̇/eps0_dot))(1 − T*ᵐ), T* = (T − T0)/(Tm − T0).
+
+    Rates below eps0_dot count as eps0_dot, temperatures below T0 as T0, and above Tm the flow stress is zero.
+    """
+
+    kind: Literal["johnson_cook"]
+    A: PositivePressure
+    """Initial yield stress."""
+    B: quantity("pressure", ge=0) = 0.0  # type: ignore[valid-type]
+    """Hardening coefficient."""
+    n: quantity("1", gt=0) = 1.0  # type: ignore[valid-type]
+    """Hardening exponent."""
+    C: quantity("1", ge=0) = 0.0  # type: ignore[valid-type]
+    """Rate coefficient."""
+    eps0_dot: quantity("rate", gt=0) = 1.0  # type: ignore[valid-type]
+    """Reference rate of plastic strain."""
+    Tm: quantity("temperature", gt=0) = 1e30  # type: ignore[valid-type]
+    """Melting temperature; without it there is no thermal softening."""
+    T0: quantity("temperature", ge=0) = 300.0  # type: ignore[valid-type]
+    """Reference temperature."""
+    m: quantity("1", gt=0) = 1.0  # type: ignore[valid-type]
+    """Exponent of thermal softening."""
+
+    def parameters(self) -> JohnsonCook:
+        """The numbers of the law."""
+        return JohnsonCook(self.A, self.B, self.n, self.C, self.eps0_dot, self.Tm, self.T0, self.m)
+
+
+Hardening = Annotated[LinearHardening | JohnsonCookHardening, Field(discriminator="kind")]
+
+
+class Linear(NamedTuple):
+    """Numbers of linear hardening."""
+
+    yield_stress: float
+    modulus: float
+
+
+class JohnsonCook(NamedTuple):
+    """Numbers of the Johnson–Cook law, as in the model."""
+
+    A: float
+    B: float
+    n: float
+    C: float
+    rate: float
+    Tm: float
+    T0: float
+    m: float
+
+
+@generic
+def flow_stress(h: Any, alpha: Any, rate: Any, T: Any) -> Any:
+    """Flow stress Y(α, α̇, T) [pressure]."""
+
+
+@generic
+def flow_slope(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
+    """dY/dα of a step in which the rate is Δα/``dt`` [pressure]."""
+
+
+@flow_stress.register(Linear)
+def _(h: Any, alpha: Any, rate: Any, T: Any) -> Any:
+    return h.yield_stress + h.modulus * alpha
+
+
+@flow_slope.register(Linear)
+def _(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
+    return h.modulus
+
+
+@flow_stress.register(JohnsonCook)
+def _(h: Any, alpha: Any, rate: Any, T: Any) -> Any:
+    hardened = h.A + h.B * alpha**h.n
+    hastened = 1.0 + h.C * math.log(max(1.0, rate / h.rate))
+    heated = min(1.0, max(0.0, (T - h.T0) / (h.Tm - h.T0)))
+    return hardened * hastened * (1.0 - heated**h.m)
+
+
+@flow_slope.register(JohnsonCook)
+def _(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
+    hardened = h.A + h.B * alpha**h.n
+    hastened = 1.0 + h.C * math.log(max(1.0, rate / h.rate))
+    heated = min(1.0, max(0.0, (T - h.T0) / (h.Tm - h.T0)))
+    slope = h.B * h.n * max(alpha, 1e-12) ** (h.n - 1.0) * hastened
+    if rate > h.rate:
+        slope += hardened * h.C / (rate * dt)
+    return slope * (1.0 - heated**h.m)

@@ -1,0 +1,145 @@
+"""Neo-Hookean rubber: four energies, by the volumetric part and by how it is split from the shear part."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal, NamedTuple
+
+from mpmcli.core.tensors import determinant, largest_eigenvalue_bound, left_cauchy_green, logarithm
+from mpmcli.materials.base import (
+    MATERIALS,
+    bulk_speed_squared,
+    kirchhoff_stress,
+    strain_energy,
+    wave_speed_squared,
+)
+from mpmcli.materials.defaults import with_defaults
+from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
+from mpmcli.materials.isochoric import isochoric_energy, isochoric_stiffness, isochoric_stress
+from mpmcli.materials.volumetric import (
+    FORMS,
+    volumetric_energy,
+    volumetric_stiffness,
+    volumetric_stress,
+)
+
+
+@MATERIALS.register
+class NeoHookean(ElasticModel):
+    """Neo-Hookean hyperelasticity.
+
+    With b = F Fᵀ and I₁ = tr b, the Kirchhoff stress and the energy per initial volume are
+
+    - ``split: none``: τ = M u' I + G(b − I), W = U + ½G(I₁ − 3 − 2 ln J), where the modulus M of U is λ;
+    - ``split: isochoric``: τ = M u' I + G J^(−2/3) dev b, W = U + ½G(I₁ J^(−2/3) − 3), where M is the bulk modulus K;
+
+    and the volumetric part is
+
+    - ``volumetric: j_minus_inverse``: U = ½M(½(J² − 1) − ln J), M u' = ½M(J² − 1);
+    - ``volumetric: log``: U = ½M ln²J, M u' = M ln J.
+
+    The default is Eq. 14 of Nairn (2026), σ = ½λ(J − 1/J) I + (G/J)(b − I). ``split: isochoric`` gives Eq. 18 of
+    Nairn, Hammerquist & Smith (2020), ``volumetric: log`` the law P = G(F − F⁻ᵀ) + λ ln J F⁻ᵀ.
+    """
+
+    properties: ClassVar[frozenset[str]] = frozenset({"hyperelastic", "isotropic", "stress_free_at_rest"})
+
+    kind: Literal["neo_hookean"]
+    volumetric: Literal["j_minus_inverse", "log"] = "j_minus_inverse"
+    """Energy of a change of volume."""
+    split: Literal["none", "isochoric"] = "none"
+    """Whether the shear part sees the change of volume (none) or only the shape (isochoric)."""
+
+    def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
+        """Moduli, density, and the square of the wave speed at rest."""
+        isochoric = self.split == "isochoric"
+        modulus = self.bulk_modulus if isochoric else self.lame_modulus
+        numbers = (
+            FORMS[self.volumetric](modulus),
+            self.shear_modulus,
+            self.density,
+            self.initial_wave_speed(analysis) ** 2,
+            lateral_factor(self.lame_modulus, self.shear_modulus, analysis),
+        )
+        return IsochoricNeoHookean(*numbers) if isochoric else CoupledNeoHookean(*numbers)
+
+
+@with_defaults
+class CoupledNeoHookean(NamedTuple):
+    """Numbers of a neo-Hookean material, ``split: none``."""
+
+    volumetric: Any
+    """Volumetric form with its modulus λ."""
+    shear: float
+    """G [pressure]."""
+    density: float
+    rest2: float
+    """Square of the wave speed at rest [velocity²]."""
+    lateral: float
+    """Wave stiffness of the analysis over that of uniaxial strain."""
+
+
+@with_defaults
+class IsochoricNeoHookean(NamedTuple):
+    """Numbers of a neo-Hookean material, ``split: isochoric``; as above, the volumetric modulus is K."""
+
+    volumetric: Any
+    shear: float
+    density: float
+    rest2: float
+    lateral: float
+
+
+@kirchhoff_stress.register(CoupledNeoHookean)
+def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
+    b = left_cauchy_green(F)
+    G = m.shear
+    c = volumetric_stress(m.volumetric, determinant(F)) - G
+    return c + G * b[0], c + G * b[1], c + G * b[2], G * b[3], G * b[4], G * b[5]
+
+
+@strain_energy.register(CoupledNeoHookean)
+def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+    b = left_cauchy_green(F)
+    J = determinant(F)
+    return volumetric_energy(m.volumetric, J) + 0.5 * m.shear * (b[0] + b[1] + b[2] - 3.0 - 2.0 * logarithm(J))
+
+
+@wave_speed_squared.register(CoupledNeoHookean)
+def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+    # principal axis i: ρ₀ c² = ∂τᵢ/∂(ln λᵢ) - τᵢ = volumetric + G(λᵢ² + 1)
+    shear = m.shear * (largest_eigenvalue_bound(left_cauchy_green(F)) + 1.0)
+    stiffness = volumetric_stiffness(m.volumetric, determinant(F)) + shear
+    return max(m.rest2, m.lateral * stiffness / m.density)
+
+
+@bulk_speed_squared.register(CoupledNeoHookean)
+def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+    b = left_cauchy_green(F)
+    shear = m.shear * (1.0 - (b[0] + b[1] + b[2]) / 9.0)
+    return max(0.0, (volumetric_stiffness(m.volumetric, determinant(F)) + shear) / m.density)
+
+
+@kirchhoff_stress.register(IsochoricNeoHookean)
+def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
+    J = determinant(F)
+    s = isochoric_stress(m.shear, F, J)
+    mean = volumetric_stress(m.volumetric, J)
+    return mean + s[0], mean + s[1], mean + s[2], s[3], s[4], s[5]
+
+
+@strain_energy.register(IsochoricNeoHookean)
+def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+    J = determinant(F)
+    return volumetric_energy(m.volumetric, J) + isochoric_energy(m.shear, F, J)
+
+
+@wave_speed_squared.register(IsochoricNeoHookean)
+def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+    J = determinant(F)
+    stiffness = volumetric_stiffness(m.volumetric, J) + isochoric_stiffness(m.shear, F, J)
+    return max(m.rest2, m.lateral * stiffness / m.density)
+
+
+@bulk_speed_squared.register(IsochoricNeoHookean)
+def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+    return max(0.0, volumetric_stiffness(m.volumetric, determinant(F)) / m.density)

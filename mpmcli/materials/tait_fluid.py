@@ -1,0 +1,90 @@
+"""Tait fluid: a nearly incompressible liquid, with viscosity if asked."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, ClassVar, Literal, NamedTuple
+
+from mpmcli.core.model import PositivePressure, quantity
+from mpmcli.core.tensors import determinant, exponential_1d, logarithm, multiply
+from mpmcli.materials.base import (
+    MATERIALS,
+    MaterialModel,
+    bulk_speed_squared,
+    kirchhoff_stress,
+    strain_energy,
+    wave_speed_squared,
+)
+from mpmcli.materials.defaults import with_defaults
+
+
+@MATERIALS.register
+class TaitFluid(MaterialModel):
+    """Tait (Murnaghan) fluid: p = (K/n)(J^(−n) − 1), σ = −p I + 2μ dev D, D the rate of deformation.
+
+    Stored energy per initial volume: (K/n)(J^(1−n)/(n − 1) + J − n/(n − 1)).
+    """
+
+    analyses: ClassVar[frozenset[str]] = frozenset({"uniaxial_strain", "plane_strain", "axisymmetric", "3d"})
+    properties: ClassVar[frozenset[str]] = frozenset({"hyperelastic", "isotropic", "stress_free_at_rest", "fluid"})
+
+    kind: Literal["tait_fluid"]
+    K: PositivePressure
+    """Bulk modulus at rest."""
+    exponent: quantity("1", gt=1) = 7.0  # type: ignore[valid-type]
+    """n, slope of the bulk modulus against pressure; 7 for water."""
+    viscosity: quantity("viscosity", ge=0) = 0.0  # type: ignore[valid-type]
+    """Dynamic viscosity μ."""
+
+    def parameters(self, analysis: str, adiabatic: bool) -> Tait:
+        """Modulus, exponent, viscosity and density."""
+        return Tait(self.K, self.exponent, self.viscosity, self.density)
+
+    def initial_wave_speed(self, analysis: str) -> float:
+        """√(K/ρ) [velocity]."""
+        return math.sqrt(self.K / self.density)
+
+
+@with_defaults
+class Tait(NamedTuple):
+    """Numbers of a Tait fluid."""
+
+    bulk: float
+    exponent: float
+    viscosity: float
+    density: float
+
+
+@kirchhoff_stress.register(Tait)
+def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
+    J = determinant(F)
+    mean = -m.bulk / m.exponent * (J * exponential_1d(-m.exponent * logarithm(J)) - J)
+    if m.viscosity == 0.0 or dt == 0.0:
+        return mean, mean, mean, 0.0, 0.0, 0.0
+    # D Δt is the symmetric part of ln dF = E - E²/2 + …, E = dF - I
+    E = (dF[0] - 1.0, dF[1], dF[2], dF[3], dF[4] - 1.0, dF[5], dF[6], dF[7], dF[8] - 1.0)
+    S = multiply(E, E)
+    g = 2.0 * m.viscosity * J / dt
+    xx, yy, zz = E[0] - 0.5 * S[0], E[4] - 0.5 * S[4], E[8] - 0.5 * S[8]
+    third = (xx + yy + zz) / 3.0
+    xy = 0.5 * g * (E[1] + E[3] - 0.5 * (S[1] + S[3]))
+    yz = 0.5 * g * (E[5] + E[7] - 0.5 * (S[5] + S[7]))
+    xz = 0.5 * g * (E[2] + E[6] - 0.5 * (S[2] + S[6]))
+    return mean + g * (xx - third), mean + g * (yy - third), mean + g * (zz - third), xy, yz, xz
+
+
+@strain_energy.register(Tait)
+def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+    J = determinant(F)
+    n = m.exponent
+    return m.bulk / n * (exponential_1d((1.0 - n) * logarithm(J)) / (n - 1.0) + J - n / (n - 1.0))
+
+
+@bulk_speed_squared.register(Tait)
+def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+    return m.bulk * exponential_1d((1.0 - m.exponent) * logarithm(determinant(F))) / m.density
+
+
+@wave_speed_squared.register(Tait)
+def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+    return max(1.0, exponential_1d((1.0 - m.exponent) * logarithm(determinant(F)))) * m.bulk / m.density

@@ -1,0 +1,181 @@
+"""Names in a scene become columns of tables and fields of archives, or errors in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.output import global_quantities, particle_quantities  # noqa: F401  (they fill the registry)
+from mpmcli.output.quantities import QUANTITIES, Context, Quantity
+from mpmcli.output.snapshot import Snapshot
+
+DEFAULT = "default"
+"""The word for "the columns that this scene has by itself" in a list of columns."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of a table: a component of a quantity, for one owner where it has owners."""
+
+    name: str
+    quantity: Quantity
+    row: int | None = None
+    owner: str | None = None
+    aliases: tuple[str, ...] = ()
+
+    @property
+    def dimension(self) -> str:
+        """Physical dimension of its numbers."""
+        return self.quantity.dimension
+
+    def pick(self, values: Any, snapshot: Snapshot) -> float:
+        """Its number among the values of its quantity."""
+        where = self.quantity.where
+        if where == "reaction":
+            force = values.get(self.owner)
+            return 0.0 if force is None else float(force[self.row])
+        if where in ("body", "material"):
+            owners = snapshot.state.bodies if where == "body" else snapshot.state.materials
+            index = owners.index(self.owner)
+            return float(values[index] if self.row is None else values[self.row, index])
+        return float(values if self.row is None else values[self.row])
+
+
+def evaluate(columns: Iterable[Column], snapshot: Snapshot) -> list[float]:
+    """The numbers of one row of a table; each quantity is computed once."""
+    known: dict[int, Any] = {}
+    numbers = []
+    for column in columns:
+        key = id(column.quantity)
+        if key not in known:
+            known[key] = column.quantity.compute(snapshot)
+        numbers.append(column.pick(known[key], snapshot))
+    return numbers
+
+
+def all_columns(context: Context) -> list[Column]:
+    """Every column that a table of this scene can have, in their order."""
+    columns: list[Column] = []
+    for quantity in QUANTITIES.at("global", "material", "body", "reaction"):
+        if quantity.exists(context):
+            columns += _columns_of(quantity, context)
+    columns += [Column(name, _extra(name), aliases=(name,)) for name in context.extra]
+    first: dict[str, Column] = {}
+    for column in columns:
+        first.setdefault(column.name, column)
+    return list(first.values())
+
+
+def _columns_of(quantity: Quantity, context: Context) -> list[Column]:
+    base = quantity.name
+    parts: list[tuple[int | None, str]] = [
+        (i, f"{base}_{row}") for i, row in enumerate(quantity.rows(context))
+    ]
+    parts = parts or [(None, base)]
+    if quantity.where == "global":
+        return [Column(name, quantity, row, None, (base, name)) for row, name in parts]
+    return [
+        Column(f"{name}[{owner}]", quantity, row, owner, (base, name, f"{base}[{owner}]", f"{name}[{owner}]"))
+        for owner in context.owners(quantity.where)
+        for row, name in parts
+    ]
+
+
+def _extra(name: str) -> Quantity:
+    dimension = next((d for d in ("mass", "energy", "time") if name.endswith(d)), "1")
+    return Quantity(
+        name,
+        name,
+        dimension,
+        "scalar",
+        "global",
+        lambda s: s.state.extra.get(name, 0.0),
+        "as named by the solver",
+    )
+
+
+def default_columns(context: Context) -> list[Column]:
+    """The columns that a table has if the scene asks for none in particular: only what the scene uses."""
+    return [column for column in all_columns(context) if column.quantity.is_default(context)]
+
+
+def resolve_columns(
+    names: Iterable[str] | None, context: Context, path: str = "archive.globals.columns"
+) -> list[Column]:
+    """The columns that a list of names stands for.
+
+    A name is a column (``momentum_x``, ``stress_xx[rubber]``), a quantity (``momentum``, ``stress``: all its
+    components and owners), one component of all owners (``stress_xx``), all components of one owner
+    (``stress[rubber]``), or ``default``: the columns without a list. Without names: those as well.
+
+    Raises
+    ------
+    SceneError
+        Listing every name that is no column of this scene, with the nearest one.
+    """
+    if names is None:
+        return default_columns(context)
+    by_alias: dict[str, list[Column]] = {DEFAULT: default_columns(context)}
+    for column in all_columns(context):
+        for alias in dict.fromkeys(column.aliases):
+            by_alias.setdefault(alias, []).append(column)
+    chosen: dict[str, Column] = {}
+    problems = []
+    for index, name in enumerate(names):
+        if name in by_alias:
+            chosen |= {column.name: column for column in by_alias[name]}
+        elif name not in ("step", "time", "dt"):
+            text = unknown_name(name, "column of this scene", by_alias)
+            problems.append(Problem(path=f"{path}.{index}", message=text, code="unknown_column"))
+    if problems:
+        raise SceneError(problems)
+    return list(chosen.values())
+
+
+def unknown_name(name: str, noun: str, names: Iterable[str]) -> str:
+    """``'masss' is no column of this scene; did you mean 'mass'? (…)``."""
+    known = list(names)
+    shown = list(dict.fromkeys(alias.split("[")[0] for alias in known))
+    return f"'{name}' is no {noun}{did_you_mean(name, known)} ({listing(shown)})"
+
+
+def fields_of(context: Context) -> dict[str, Quantity]:
+    """What can be written of this scene's particles, by name, history variables of its materials included."""
+    found = {q.name: q for q in QUANTITIES.at("particle") if q.exists(context)}
+    for name in dict.fromkeys(context.history):
+        found.setdefault(name, _history(name))
+    return found
+
+
+HISTORY_DIMENSIONS = {"temperature": "temperature", "internal_energy": "pressure", "plastic_work": "pressure"}
+
+
+def _history(name: str) -> Quantity:
+    dimension = HISTORY_DIMENSIONS.get(name, "1")
+    text = f"history variable '{name}' of the materials that have it, 0 for the others"
+    return Quantity(
+        name, name, dimension, "scalar", "particle", lambda snapshot: snapshot.history(name), text
+    )
+
+
+def resolve_fields(
+    names: Iterable[str], context: Context, path: str = "archive.particles.fields"
+) -> list[Quantity]:
+    """The quantities of particles with these names, each once; SceneError names all that are unknown."""
+    known = fields_of(context)
+    names = list(names)
+    problems = [
+        Problem(
+            path=f"{path}.{index}",
+            message=unknown_name(name, "field of particles", known),
+            code="unknown_field",
+        )
+        for index, name in enumerate(names)
+        if name not in known
+    ]
+    if problems:
+        raise SceneError(problems)
+    return [known[name] for name in dict.fromkeys(names)]

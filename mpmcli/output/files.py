@@ -1,0 +1,69 @@
+"""Where the files of a run lie, and writing them so that a reader never meets half a file."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from mpmcli.core.errors import ArchiveError
+
+MANIFEST = "run.json"
+LOG = "run.log"
+LOCK = ".mpmcli.lock"
+GLOBALS = "globals.csv"
+FAILED = "failed.vtu"
+OWNED = (GLOBALS, MANIFEST, LOG, FAILED, "particles.pvd", "grid.pvd", "checkpoint.npz", "checkpoint_prev.npz")
+SERIES = {"particles": re.compile(r"particles_\d{6,}\.vtu"), "grid": re.compile(r"grid_\d{6,}\.vtu")}
+
+
+def write_text(path: Path, text: str) -> None:
+    """Replace a file by text in one move: readers see the old or the new file, never a part."""
+    partial = path.with_name(path.name + ".part")
+    try:
+        with open(partial, "w", encoding="utf-8", newline="\n") as stream:
+            stream.write(text)
+        os.replace(partial, path)
+    except OSError as error:
+        partial.unlink(missing_ok=True)
+        raise cannot_write(path, error) from error
+
+
+def cannot_write(path: Path, error: OSError | str) -> ArchiveError:
+    """The error "cannot write PATH: reason"."""
+    reason = error if isinstance(error, str) else (error.strerror or str(error))
+    return ArchiveError(f"cannot write {path}: {reason}")
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder and its parents, or say why not."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise cannot_write(path, error) from error
+
+
+def owned_files(directory: Path) -> Iterator[Path]:
+    """The files in a folder that a run wrote or would write over."""
+    for name in OWNED:
+        if (directory / name).exists():
+            yield directory / name
+    for folder, pattern in SERIES.items():
+        if (directory / folder).is_dir():
+            yield from (p for p in sorted((directory / folder).iterdir()) if pattern.fullmatch(p.name))
+    if (directory / "probes").is_dir():
+        yield from sorted((directory / "probes").glob("*.csv"))
+
+
+def remove_results(directory: Path) -> None:
+    """Remove the files of an earlier run, and nothing else; folders that became empty go too."""
+    try:
+        for path in list(owned_files(directory)):
+            path.unlink()
+        for folder in (*SERIES, "probes"):
+            path = directory / folder
+            if path.is_dir() and not any(path.iterdir()):
+                path.rmdir()
+    except OSError as error:
+        raise cannot_write(directory, error) from error

@@ -1,0 +1,263 @@
+"""Quantities of tables: energies, momenta, averages over bodies and materials, reactions.
+
+Masses, energies, forces and momenta of axisymmetric analyses are those of the full ring.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from mpmcli.output.quantities import AXES, QUANTITIES, Context, Quantity
+from mpmcli.output.snapshot import Snapshot
+
+
+class EnergyBalance:
+    """The history that ``energy_error`` needs; update it at every row of the table.
+
+    energy_error = (K + stress_work + contact_work + damping_work − boundary_work − external_work − its
+    initial value) over the largest K + |stress_work| so far.
+    """
+
+    def __init__(self) -> None:
+        self.initial: float | None = None
+        self.largest = 0.0
+
+    def update(self, snapshot: Snapshot) -> float:
+        """Take one state into account and return its energy error [-]."""
+        kinetic, work = float(snapshot.kinetic_energy.sum()), _stress_work(snapshot)
+        total = kinetic + work + _work(snapshot, "contact_work") + _work(snapshot, "damping_work")
+        total -= _work(snapshot, "boundary_work") + _work(snapshot, "external_work")
+        if self.initial is None:
+            self.initial = total
+        self.largest = max(self.largest, kinetic + abs(work))
+        snapshot.energy_error = (total - self.initial) / self.largest if self.largest > 0.0 else 0.0
+        return snapshot.energy_error
+
+
+def _work(snapshot: Snapshot, name: str) -> float:
+    return snapshot.state.work.get(name, 0.0) * snapshot.full_ring
+
+
+def _stress_work(snapshot: Snapshot) -> float:
+    return float(snapshot.particles.stress_work.sum()) * snapshot.full_ring
+
+
+def _accumulated(name: str) -> Callable[[Snapshot], float]:
+    return lambda snapshot: _work(snapshot, name)
+
+
+def _strain_energy(snapshot: Snapshot) -> float:
+    return (
+        float(np.sum(snapshot.particles.vol0 * snapshot.state.strain_energy_density())) * snapshot.full_ring
+    )
+
+
+def _viscous_work(snapshot: Snapshot) -> float:
+    work = snapshot.particles.viscous_work
+    return 0.0 if work is None else float(work.sum()) * snapshot.full_ring
+
+
+def _history_energy(name: str) -> Callable[[Snapshot], float]:
+    """Total of a history variable that is an energy per initial volume."""
+    return lambda s: float(np.sum(s.particles.vol0 * s.history(name))) * s.full_ring
+
+
+def _momentum(snapshot: Snapshot) -> np.ndarray:
+    return (snapshot.particles.V * snapshot.mass).sum(axis=1)
+
+
+def _angular_momentum(snapshot: Snapshot) -> np.ndarray:
+    """Σ M X × V about the origin: (z,) in 2D, (x, y, z) in 3D."""
+    X, V, mass = snapshot.particles.X, snapshot.particles.V, snapshot.mass
+
+    def about(a: int, b: int) -> float:
+        return float(np.sum(mass * (X[a] * V[b] - X[b] * V[a])))
+
+    return np.array([about(0, 1)] if len(X) == 2 else [about(1, 2), about(2, 0), about(0, 1)])
+
+
+def _largest_speed(snapshot: Snapshot) -> float:
+    V = snapshot.particles.V
+    return float(np.sqrt((V * V).sum(axis=0).max(initial=0.0)))
+
+
+def _body_mean(field: str) -> Callable[[Snapshot], np.ndarray]:
+    return lambda s: s.mean_over("body", getattr(s.particles, field), s.particles.mass)
+
+
+def _average_stress(owner: str) -> Callable[[Snapshot], np.ndarray]:
+    """Average of σ weighted by current volume: Σ σ J V⁰ = Σ τ V⁰, over Σ J V⁰."""
+
+    def average(s: Snapshot) -> np.ndarray:
+        return s.mean_over(owner, s.stress, s.volume)
+
+    return average
+
+
+def _average_strain(owner: str) -> Callable[[Snapshot], np.ndarray]:
+    return lambda s: s.mean_over(owner, s.strain, s.volume)
+
+
+def _reactions(snapshot: Snapshot) -> dict[str, np.ndarray]:
+    return {name: force * snapshot.full_ring for name, force in snapshot.state.reactions.items()}
+
+
+def _when_accumulated(name: str) -> Callable[[Context], bool]:
+    return lambda context: name in context.work
+
+
+def _when_remembered(name: str) -> Callable[[Context], bool]:
+    return lambda context: name in context.history
+
+
+def _never(context: Context) -> bool:
+    return False
+
+
+def _energy(name: str, symbol: str, compute: Callable[[Snapshot], Any], text: str, **when: Any) -> Quantity:
+    return Quantity(name, symbol, "energy", "scalar", "global", compute, text, **when)
+
+
+def _accumulated_energy(name: str, symbol: str, text: str, **when: Any) -> Quantity:
+    return _energy(name, symbol, _accumulated(name), text, is_default=_when_accumulated(name), **when)
+
+
+QUANTITIES.add(
+    _energy("kinetic_energy", "K", lambda s: float(s.kinetic_energy.sum()), "½ Σ M V² of all particles"),
+    _energy("strain_energy", "Ψ", _strain_energy, "stored (elastic) energy"),
+    _energy("stress_work", "W", _stress_work, "work of the stress, Σ V⁰ ½(τⁿ + τⁿ⁺¹):D Δt, accumulated"),
+    _energy(
+        "plastic_work",
+        "W_p",
+        _history_energy("plastic_work"),
+        "work dissipated by plastic flow",
+        is_default=_when_remembered("plastic_work"),
+    ),
+    _energy(
+        "heat_energy",
+        "Q",
+        _history_energy("heat_energy"),
+        "energy turned into heat",
+        is_default=_when_remembered("heat_energy"),
+    ),
+    _energy(
+        "viscous_work",
+        "W_q",
+        _viscous_work,
+        "the part of stress_work due to artificial viscosity",
+        is_default=lambda context: context.has_viscosity,
+    ),
+    _accumulated_energy(
+        "contact_work", "W_c", "energy taken out by contact", exists=_when_accumulated("contact_work")
+    ),
+    _accumulated_energy("damping_work", "W_d", "energy taken out by particle and grid damping"),
+    _accumulated_energy("boundary_work", "W_b", "energy put in by boundary conditions and walls"),
+    _accumulated_energy("external_work", "W_e", "energy put in by loads and gravity"),
+    Quantity(
+        "energy_error",
+        "e",
+        "1",
+        "scalar",
+        "global",
+        lambda s: s.energy_error,
+        "kinetic_energy + stress_work + contact_work + damping_work − boundary_work − external_work − its "
+        "initial value, over the largest kinetic_energy + |stress_work| so far",
+    ),
+    Quantity("mass", "M", "mass", "scalar", "global", lambda s: float(s.mass.sum()), "total mass"),
+    Quantity(
+        "momentum",
+        "P",
+        "momentum",
+        "vector",
+        "global",
+        lambda s: _momentum(s)[int(s.is_axisymmetric) :],
+        "Σ M V; in axisymmetric analyses only the axial component, for the radial one is no momentum",
+        components=lambda context: tuple(AXES[int(context.is_axisymmetric) : context.dimensions]),
+    ),
+    Quantity(
+        "angular_momentum",
+        "L",
+        "angular_momentum",
+        "vector",
+        "global",
+        _angular_momentum,
+        "Σ M X × V about the origin",
+        exists=lambda context: context.dimensions > 1 and not context.is_axisymmetric,
+        components=lambda context: tuple("z" if context.dimensions == 2 else AXES),
+    ),
+    Quantity(
+        "largest_speed", "v_max", "velocity", "scalar", "global", _largest_speed, "largest particle speed"
+    ),
+    Quantity(
+        "smallest_J",
+        "J_min",
+        "1",
+        "scalar",
+        "global",
+        lambda s: float(s.J.min(initial=np.inf)),
+        "smallest relative volume det F of a particle",
+    ),
+    Quantity(
+        "stress",
+        "σ",
+        "pressure",
+        "tensor",
+        "material",
+        _average_stress("material"),
+        "Cauchy stress of a material, mean over its current volume",
+    ),
+    Quantity(
+        "strain",
+        "ε",
+        "1",
+        "tensor",
+        "material",
+        _average_strain("material"),
+        "logarithmic strain ½ ln(F Fᵀ) of a material, mean over its current volume",
+        is_default=_never,
+    ),
+    Quantity(
+        "center",
+        "x_c",
+        "length",
+        "vector",
+        "body",
+        _body_mean("X"),
+        "centre of mass of a body (its mean radius r)",
+    ),
+    Quantity(
+        "velocity", "v_c", "velocity", "vector", "body", _body_mean("V"), "mean velocity of a body by mass"
+    ),
+    Quantity(
+        "stress",
+        "σ",
+        "pressure",
+        "tensor",
+        "body",
+        _average_stress("body"),
+        "Cauchy stress of a body, mean over its current volume",
+        is_default=_never,
+    ),
+    Quantity(
+        "strain",
+        "ε",
+        "1",
+        "tensor",
+        "body",
+        _average_strain("body"),
+        "logarithmic strain of a body, mean over its current volume",
+        is_default=_never,
+    ),
+    Quantity(
+        "reaction",
+        "R",
+        "force",
+        "vector",
+        "reaction",
+        _reactions,
+        "force of a boundary condition on the bodies in the last step",
+    ),
+)

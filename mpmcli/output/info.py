@@ -1,0 +1,114 @@
+"""What a results folder holds, in words."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from mpmcli.core.errors import ArchiveError
+from mpmcli.output.files import FAILED, GLOBALS, SERIES, owned_files
+from mpmcli.output.manifest import read_manifest
+from mpmcli.output.tables import read_table
+
+ARRAY = re.compile(rb'<DataArray type="(\w+)" Name="([^"]*)"(?: NumberOfComponents="(\d+)")?')
+COUNT = re.compile(rb'NumberOfPoints="(\d+)"')
+DATASET = re.compile(r'<DataSet timestep="([^"]*)"')
+HEAD = 65536
+
+
+def describe(path: Path | str) -> str:
+    """Text about a results folder, a table or a VTU file.
+
+    Raises
+    ------
+    ArchiveError
+        If there is nothing that mpmcli wrote.
+    """
+    path = Path(path)
+    if path.is_dir():
+        if not any(True for _ in owned_files(path)):
+            raise ArchiveError(f"{path} holds no results of mpmcli")
+        return "\n".join(_of_folder(path))
+    if not path.is_file():
+        raise ArchiveError(f"{path} does not exist")
+    if path.suffix == ".csv":
+        return "\n".join(_of_table(path, {}))
+    if path.suffix == ".vtu":
+        return "\n".join(_of_vtu(path, {}))
+    raise ArchiveError(f"{path} is neither a results folder nor a .csv or .vtu file")
+
+
+def _of_folder(directory: Path) -> Iterator[str]:
+    contents = read_manifest(directory)
+    units: dict[str, dict[str, str]] = {}
+    if contents is None:
+        yield f"{directory}: results without a readable run.json"
+    else:
+        units = contents.get("units", {})
+        yield from _of_manifest(contents)
+    for name in SERIES:
+        pvd = directory / f"{name}.pvd"
+        times = DATASET.findall(pvd.read_text(encoding="utf-8")) if pvd.exists() else []
+        files = sorted(path for path in owned_files(directory) if path.parent.name == name)
+        if files:
+            size = sum(path.stat().st_size for path in files)
+            span = f", time {float(times[0]):g} to {float(times[-1]):g}" if times else ""
+            yield f"{name}: {len(files)} files, {size_in_words(size)}{span}"
+            yield from ("  " + line for line in _of_vtu(files[-1], units.get(name, {})))
+    if (directory / FAILED).exists():
+        yield f"{FAILED}: the last state before the run failed"
+    tables = [directory / GLOBALS, *sorted((directory / "probes").glob("*.csv"))]
+    for path in tables:
+        if path.exists():
+            name = path.relative_to(directory).as_posix()
+            yield f"{name}:"
+            yield from ("  " + line for line in _of_table(path, units.get(name, {})))
+
+
+def _of_manifest(contents: dict[str, Any]) -> Iterator[str]:
+    run = contents.get("run", {})
+    if contents.get("title"):
+        yield str(contents["title"])
+    scene = f"scene {contents.get('scene_file')} ({str(contents.get('scene_hash'))[:12]})"
+    yield f"{scene}, mpmcli {contents.get('mpmcli')}"
+    words = [f"{run.get('ended', 'unknown')}"]
+    if "steps" in run:
+        words.append(f"{run['steps']} steps to time {run.get('time'):g}")
+    if "wall_seconds" in run:
+        words.append(f"{run['wall_seconds']:.3g} s on {run.get('threads')} threads")
+    if run.get("peak_memory_bytes"):
+        words.append(f"{size_in_words(run['peak_memory_bytes'])} of memory")
+    yield ", ".join(words)
+
+
+def _of_table(path: Path, units: dict[str, str]) -> Iterator[str]:
+    header, rows = read_table(path)
+    yield f"{len(rows)} rows, {len(header)} columns; the last row:"
+    width = max(len(name) for name in header)
+    for name, value in zip(header, rows[-1] if rows else [""] * len(header), strict=True):
+        yield f"{name:<{width}}  {value}  {units.get(name, '')}".rstrip()
+
+
+def _of_vtu(path: Path, units: dict[str, str]) -> Iterator[str]:
+    with open(path, "rb") as stream:
+        head = stream.read(HEAD)
+    points = COUNT.search(head)
+    if points is None:
+        raise ArchiveError(f"cannot read {path}: it is no VTU file, or damaged")
+    yield f"{path.name}: {int(points[1])} points with"
+    inside = head[head.find(b"<PointData") : head.find(b"</PointData>")]
+    for kind, name, count in ARRAY.findall(inside):
+        word = name.decode()
+        components = f" × {int(count)}" if count else ""
+        yield f"  {word:<24} {kind.decode()}{components}  {units.get(word, '')}".rstrip()
+
+
+def size_in_words(count: float) -> str:
+    """``"12.3 MB"`` from a number of bytes."""
+    for unit in ("B", "kB", "MB", "GB"):
+        if count < 1000 or unit == "GB":
+            return f"{count:.3g} {unit}"
+        count /= 1000
+    return ""

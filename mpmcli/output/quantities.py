@@ -1,0 +1,116 @@
+"""The quantity registry: everything that can be looked at, with name, symbol, dimension, rank and place.
+
+It feeds the arrays of particle archives, the columns of tables, and their units. A quantity of rank vector or
+tensor gives one column per component (``momentum_x``, ``stress_xy``); one that lives on materials, bodies or
+boundary conditions gives one per name, in brackets (``stress_xx[rubber]``). Materials come first: where a
+body has the name of a material and a quantity lives on both, the column in brackets is the material's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from mpmcli.core.analysis import ANALYSES, F_COMPONENTS, STRESS_COMPONENTS
+from mpmcli.output.snapshot import Snapshot
+
+AXES = "xyz"
+
+
+@dataclass(frozen=True)
+class Context:
+    """What a scene has, as far as it decides which quantities exist.
+
+    ``reactions`` are names of boundary conditions; ``work`` names the energies that the solver accumulates;
+    ``history`` the history variables of all materials; ``extra`` further columns by name.
+    """
+
+    analysis: str
+    bodies: tuple[str, ...]
+    materials: tuple[str, ...]
+    history: tuple[str, ...] = ()
+    reactions: tuple[str, ...] = ()
+    work: tuple[str, ...] = ()
+    has_viscosity: bool = False
+    extra: tuple[str, ...] = ()
+
+    @property
+    def dimensions(self) -> int:
+        """Number of axes of the grid."""
+        return ANALYSES[self.analysis]().dimensions
+
+    @property
+    def is_axisymmetric(self) -> bool:
+        """Whether x is the radius."""
+        return self.analysis == "axisymmetric"
+
+    def owners(self, where: str) -> tuple[str, ...]:
+        """The names in brackets of quantities that live ``where``."""
+        return {"body": self.bodies, "material": self.materials, "reaction": self.reactions}.get(where, ())
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One entry of the registry.
+
+    Attributes
+    ----------
+    name, symbol, description : word of the tables, mathematical symbol, one line for the documentation
+    dimension : physical dimension (``"energy"``, ``"pressure"``, ``"1"``, …), which the scene's units label
+    rank : ``scalar``, ``vector``, ``tensor`` (symmetric) or ``gradient`` (nine components)
+    where : ``particle``, ``global``, ``body``, ``material`` or ``reaction``
+    compute : function of a ``Snapshot``. Particles give (N,) or (rows, N); globals a number or (rows,);
+        bodies and materials (groups,) or (rows, groups); reactions a dict from name to (d,)
+    exists, is_default : functions of a ``Context``: whether the scene has it, and has it without being asked
+    components : names of the rows in a ``Context`` where they are not those of the rank
+    """
+
+    name: str
+    symbol: str
+    dimension: str
+    rank: str
+    where: str
+    compute: Callable[[Snapshot], Any]
+    description: str
+    exists: Callable[[Context], bool] = lambda context: True
+    is_default: Callable[[Context], bool] = lambda context: True
+    components: Callable[[Context], tuple[str, ...]] | None = None
+
+    def rows(self, context: Context) -> tuple[str, ...]:
+        """Names of the stored components; empty for a scalar."""
+        if self.components is not None:
+            return self.components(context)
+        d = context.dimensions
+        by_rank = {
+            "scalar": (),
+            "vector": tuple(AXES[:d]),
+            "tensor": STRESS_COMPONENTS[d],
+            "gradient": F_COMPONENTS[d],
+        }
+        return by_rank[self.rank]
+
+
+class Quantities:
+    """The registry: entries are told apart by where they live and by name."""
+
+    def __init__(self) -> None:
+        self._entries: dict[tuple[str, str], Quantity] = {}
+
+    def add(self, *quantities: Quantity) -> None:
+        """Add entries; a name may be used once in each place."""
+        for quantity in quantities:
+            key = (quantity.where, quantity.name)
+            if key in self._entries:
+                raise ValueError(f"quantity {key} is registered twice")
+            self._entries[key] = quantity
+
+    def __iter__(self) -> Iterator[Quantity]:
+        return iter(self._entries.values())
+
+    def at(self, *places: str) -> list[Quantity]:
+        """The entries that live in one of the places, in the order of their registration."""
+        return [quantity for quantity in self if quantity.where in places]
+
+
+QUANTITIES = Quantities()

@@ -1,0 +1,248 @@
+"""The recorder: opens all files of a run, writes what is due, closes them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.core.state import State
+from mpmcli.output.columns import evaluate, resolve_columns, resolve_fields, unknown_name
+from mpmcli.output.files import FAILED, GLOBALS, make_folder
+from mpmcli.output.global_quantities import EnergyBalance
+from mpmcli.output.manifest import Manifest
+from mpmcli.output.probes import GRID_DIMENSIONS, Probe, make_probe
+from mpmcli.output.quantities import Context, Quantity
+from mpmcli.output.schedule import Schedule
+from mpmcli.output.snapshot import Snapshot
+from mpmcli.output.tables import Table
+from mpmcli.output.vtu import Series, VtuWriter, write_grid, write_particles
+
+ALWAYS = ("id", "body", "material")
+"""Fields of particles that every archive has."""
+FAILED_FIELDS = ("velocity", "stress", "deformation_gradient", "J", "mass")
+
+
+def context_of(scene: Any, state: State | None = None) -> Context:
+    """What a scene has; with a state, its bodies and materials are those that were made."""
+    models = list(scene.materials.values())
+    damping = scene.method.damping
+    work = {
+        "damping_work": damping.particle > 0.0 or damping.grid > 0.0,
+        "boundary_work": bool(scene.boundary),
+        "external_work": bool(scene.loads),
+    }
+    names = [name for name, used in work.items() if used]
+    if state is not None and "contact_work" in state.work:
+        names.append("contact_work")
+    return Context(
+        analysis=scene.analysis.kind,
+        bodies=tuple(state.bodies if state else (body.name for body in scene.bodies)),
+        materials=tuple(state.materials if state else scene.materials),
+        history=tuple(dict.fromkeys(name for model in models for name in model.history)),
+        reactions=tuple(dict.fromkeys(condition.name for condition in scene.boundary)),
+        work=tuple(names),
+        has_viscosity=scene.method.artificial_viscosity is not None,
+        extra=tuple(state.extra) if state else (),
+    )
+
+
+def check_output(scene: Any) -> None:
+    """Raise SceneError if the scene asks for columns or fields that it cannot have."""
+    context, problems = context_of(scene), []
+
+    def collect(check: Callable[[], object]) -> None:
+        try:
+            check()
+        except SceneError as error:
+            problems.extend(error.problems)
+
+    archive = scene.archive
+    if archive.globals is not None:
+        collect(lambda: resolve_columns(archive.globals.columns, context))
+    if archive.particles is not None:
+        collect(lambda: resolve_fields(archive.particles.fields, context))
+    if archive.grid is not None:
+        collect(lambda: _grid_fields(archive.grid.fields))
+    for index, probe in enumerate(scene.probes):
+        path = f"probes.{index}.columns"
+        if probe.kind == "particle":
+            collect(lambda probe=probe, path=path: resolve_fields(probe.columns, context, path))
+        else:
+            collect(lambda probe=probe, path=path: _grid_fields(probe.columns, path))
+    if problems:
+        raise SceneError(problems)
+
+
+def _grid_fields(names: Any, path: str = "archive.grid.fields") -> list[str]:
+    problems = []
+    for index, name in enumerate(names):
+        if name not in GRID_DIMENSIONS:
+            text = unknown_name(name, "field of the grid", GRID_DIMENSIONS)
+            problems.append(Problem(path=f"{path}.{index}", message=text, code="unknown_field"))
+    if problems:
+        raise SceneError(problems)
+    return list(names)
+
+
+class Recorder:
+    """Everything that a run leaves behind, in one folder.
+
+    Parameters
+    ----------
+    loaded
+        The scene as read: ``scene``, ``units``, ``resolved()``, ``hash``, ``path``.
+    directory
+        The folder; it is made. Files of the same names are written over.
+    state
+        The state at the start, which fixes the columns and the particles that probes follow.
+    facts
+        What the manifest says of the run from its start (threads, set-up report, …).
+    """
+
+    def __init__(self, loaded: Any, directory: Path, state: State, facts: dict[str, Any] | None = None):
+        self.directory = Path(directory)
+        make_folder(self.directory)
+        scene = loaded.scene
+        self.context = context_of(scene, state)
+        self.balance = EnergyBalance()
+        self.energy_error: float | None = None
+        self._parts: list[_Part] = []
+        units: dict[str, dict[str, str]] = {}
+        self._add_globals(scene, loaded.units, units)
+        self._add_probes(scene, loaded.units, units, state)
+        self._add_particles(scene, loaded.units, units)
+        self._add_grid(scene, loaded.units, units)
+        self.manifest = Manifest(
+            self.directory,
+            {
+                "title": getattr(scene, "title", ""),
+                "scene_file": str(loaded.path),
+                "scene_hash": loaded.hash,
+                "scene": loaded.resolved(),
+                "bodies": list(state.bodies),
+                "materials": list(state.materials),
+                "units": units,
+            },
+        )
+        self.manifest.write(ended="running", **(facts or {}))
+
+    def _add_globals(self, scene: Any, labels: Any, units: dict[str, dict[str, str]]) -> None:
+        asked = scene.archive.globals
+        self.columns = resolve_columns(asked.columns if asked else None, self.context)
+        if asked is None:
+            return
+        table = Table(self.directory / GLOBALS, ["step", "time", "dt", *(c.name for c in self.columns)])
+        pairs = [
+            ("step", "1"),
+            ("time", "time"),
+            ("dt", "time"),
+            *((c.name, c.dimension) for c in self.columns),
+        ]
+        units[GLOBALS] = {name: labels.label(dimension) for name, dimension in pairs}
+
+        def record(snapshot: Snapshot) -> None:
+            # only here, so that the error does not depend on how often other files are written
+            self.energy_error = self.balance.update(snapshot)
+            state = snapshot.state
+            table.write([state.step, state.time, state.dt, *evaluate(self.columns, snapshot)])
+
+        self._parts.append(_Part(Schedule(asked.every), record, table.close))
+
+    def _add_probes(self, scene: Any, labels: Any, units: dict[str, dict[str, str]], state: State) -> None:
+        asked = scene.archive.globals
+        for index, model in enumerate(scene.probes):
+            probe = make_probe(model, state, self.context, f"probes.{index}")
+            make_folder(self.directory / "probes")
+            file = f"probes/{probe.name}.csv"
+            table = Table(self.directory / file, ["step", "time", *probe.columns])
+            pairs = zip(["step", "time", *probe.columns], ["1", "time", *probe.dimensions], strict=True)
+            units[file] = {name: labels.label(dimension) for name, dimension in pairs}
+            every = model.every or (asked.every if asked else scene.time.end)
+
+            def record(snapshot: Snapshot, table: Table = table, probe: Probe = probe) -> None:
+                table.write([snapshot.state.step, snapshot.state.time, *probe.look(snapshot)])
+
+            self._parts.append(_Part(Schedule(every), record, table.close))
+
+    def _add_particles(self, scene: Any, labels: Any, units: dict[str, dict[str, str]]) -> None:
+        asked = scene.archive.particles
+        self.frames = 0
+        if asked is None:
+            return
+        fields = resolve_fields([*ALWAYS, *asked.fields], self.context)
+        writer = VtuWriter(asked.precision, asked.compression)
+        series = Series(self.directory, "particles")
+        units["particles"] = _units_of_fields(fields, labels)
+
+        def record(snapshot: Snapshot) -> None:
+            path = series.next_path()
+            write_particles(writer, path, snapshot, fields)
+            series.add(snapshot.state.time, path)
+            self.frames = len(series.entries)
+
+        self._parts.append(_Part(Schedule(asked.every), record))
+
+    def _add_grid(self, scene: Any, labels: Any, units: dict[str, dict[str, str]]) -> None:
+        asked = scene.archive.grid
+        if asked is None:
+            return
+        fields = _grid_fields(asked.fields)
+        particles = scene.archive.particles
+        writer = VtuWriter(particles.precision, particles.compression) if particles else VtuWriter()
+        series = Series(self.directory, "grid")
+        units["grid"] = {"Points": labels.label("length")}
+        units["grid"] |= {name: labels.label(GRID_DIMENSIONS[name]) for name in fields}
+
+        def record(snapshot: Snapshot) -> None:
+            state = snapshot.state
+            if state.grid is not None:
+                path = series.next_path()
+                write_grid(writer, path, state.time, state.grid, fields)
+                series.add(state.time, path)
+
+        self._parts.append(_Part(Schedule(asked.every), record))
+
+    def due(self, state: State) -> bool:
+        """Whether anything is to be written of this state."""
+        return any(part.schedule.is_due(state.time) for part in self._parts)
+
+    def record(self, state: State, everything: bool = False) -> None:
+        """Write what is due of this state, or ``everything``; nothing is written twice of one step."""
+        snapshot = Snapshot(state)
+        for part in self._parts:
+            if part.last_step != state.step and (everything or part.schedule.is_due(state.time)):
+                part.record(snapshot)
+                part.last_step = state.step
+                part.schedule.advance(state.time)
+
+    def write_failed(self, state: State) -> Path:
+        """Write ``failed.vtu``: all particles of the last good state, in double precision."""
+        path = self.directory / FAILED
+        fields = resolve_fields([*ALWAYS, *FAILED_FIELDS], self.context)
+        with np.errstate(all="ignore"):
+            write_particles(VtuWriter("float64"), path, Snapshot(state), fields)
+        return path
+
+    def close(self, reason: str, **facts: Any) -> None:
+        """Close all files and write into the manifest how the run ended."""
+        for part in self._parts:
+            part.close()
+        self.manifest.write(ended=reason, archives=self.frames, **facts)
+
+
+class _Part:
+    """One kind of output: its schedule, what writes it, what closes it."""
+
+    def __init__(
+        self, schedule: Schedule, record: Callable[[Snapshot], None], close: Callable[[], None] = lambda: None
+    ):
+        self.schedule, self.record, self.close = schedule, record, close
+        self.last_step: int | None = None
+
+
+def _units_of_fields(fields: list[Quantity], labels: Any) -> dict[str, str]:
+    return {"Points": labels.label("length")} | {q.name: labels.label(q.dimension) for q in fields}

@@ -1,0 +1,47 @@
+"""When output is due: at the first step at or past a due time, which never changes the time step."""
+
+from __future__ import annotations
+
+import math
+
+TOLERANCE = 1e-9
+"""Relative slack, so that a time that is 0.07 but for round-off counts as 0.07."""
+
+
+def is_reached(time: float, due: float) -> bool:
+    """Whether ``time`` is at or past ``due``, but for round-off."""
+    return time >= due - TOLERANCE * abs(due)
+
+
+class Schedule:
+    """Due times 0, every, 2 every, …
+
+    Parameters
+    ----------
+    every
+        Time between outputs [time]; infinite if there is to be none after time 0.
+    """
+
+    def __init__(self, every: float):
+        if not every > 0.0:
+            raise ValueError("the time between outputs must be above 0")
+        self.every = every
+        self.count = 0
+
+    @property
+    def due(self) -> float:
+        """The next due time [time]."""
+        return self.count * self.every if self.count else 0.0
+
+    def is_due(self, time: float) -> bool:
+        """Whether output is due in a state of this time."""
+        return is_reached(time, self.due)
+
+    def advance(self, time: float) -> None:
+        """Output was made at ``time``: the next is due at the first due time after it."""
+        if math.isinf(self.every):
+            self.count = 1
+            return
+        self.count = max(self.count, math.floor(time / self.every))
+        while self.is_due(time):
+            self.count += 1

@@ -1,0 +1,166 @@
+"""A look at one state: what several quantities need is computed once, when it is first asked for."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from mpmcli.core.analysis import STRESS_COMPONENTS, Axisymmetric
+from mpmcli.core.state import State
+
+Array = np.ndarray
+
+EIGEN_CHUNK = 65536
+
+
+class Snapshot:
+    """One state of a simulation, seen by the quantities; arrays are in the order of memory.
+
+    Parameters
+    ----------
+    state
+        The state; it is only read, and the snapshot is valid as long as the state is.
+    energy_error
+        Relative error of the energy balance so far (see ``EnergyBalance``) [-].
+    """
+
+    def __init__(self, state: State, energy_error: float = 0.0):
+        self.state = state
+        self.particles = state.particles
+        self.dimensions = state.analysis.dimensions
+        self.full_ring = state.full_ring
+        self.energy_error = energy_error
+
+    @cached_property
+    def order(self) -> Array:
+        """Indices that sort the particles by identity, shape (N,)."""
+        return np.argsort(self.particles.id, kind="stable")
+
+    @cached_property
+    def J(self) -> Array:
+        """Relative volume det F, shape (N,) [-]."""
+        return self.particles.determinant()
+
+    @cached_property
+    def volume(self) -> Array:
+        """Current volume per particle, of the full ring if axisymmetric, shape (N,) [volume]."""
+        return self.particles.vol0 * self.J * self.full_ring
+
+    @cached_property
+    def mass(self) -> Array:
+        """Mass per particle, of the full ring if axisymmetric, shape (N,) [mass]."""
+        return self.particles.mass * self.full_ring
+
+    @cached_property
+    def stress(self) -> Array:
+        """Cauchy stress τ/J with artificial viscosity, rows of ``STRESS_COMPONENTS``, (nT, N) [pressure]."""
+        return self.particles.tau / self.J
+
+    @cached_property
+    def pressure(self) -> Array:
+        """−tr σ/3, shape (N,) [pressure]."""
+        return -self.stress[:3].sum(axis=0) / 3.0
+
+    @cached_property
+    def von_mises(self) -> Array:
+        """√(3/2 s:s) with the deviator s of the Cauchy stress, shape (N,) [pressure]."""
+        normal = self.stress[:3] + self.pressure
+        shear = self.stress[3:]
+        return np.sqrt(1.5 * ((normal * normal).sum(axis=0) + 2.0 * (shear * shear).sum(axis=0)))
+
+    @cached_property
+    def strain(self) -> Array:
+        """Logarithmic strain ½ ln(F Fᵀ), rows as the stress, shape (nT, N) [-]."""
+        return logarithmic_strain(self.particles.F)
+
+    @cached_property
+    def kinetic_energy(self) -> Array:
+        """½ M V² per particle, shape (N,) [energy]."""
+        V = self.particles.V
+        return 0.5 * self.mass * (V * V).sum(axis=0)
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Names of the stored components of a symmetric tensor."""
+        return STRESS_COMPONENTS[self.dimensions]
+
+    @property
+    def is_axisymmetric(self) -> bool:
+        """Whether x is the radius."""
+        return isinstance(self.state.analysis, Axisymmetric)
+
+    def history(self, name: str) -> Array:
+        """A history variable by name, zero for particles whose material has none of it, shape (N,)."""
+        particles = self.particles
+        values = np.zeros(particles.count)
+        for index, model in enumerate(self.state.material_models):
+            if name in model.history:
+                owned = particles.material == index
+                values[owned] = particles.H[model.history.index(name), owned]
+        return values
+
+    def sum_over(self, owner: str, values: Array) -> Array:
+        """Sum of (N,) values over the particles of each ``"body"`` or ``"material"``, shape (groups,)."""
+        index = getattr(self.particles, owner)
+        groups = self.state.bodies if owner == "body" else self.state.materials
+        return np.bincount(index, weights=values, minlength=len(groups)).astype(float, copy=False)
+
+    def mean_over(self, owner: str, values: Array, weights: Array) -> Array:
+        """Weighted mean of each row of (rows, N) values per group, (rows, groups); NaN without particles."""
+        total = self.sum_over(owner, weights)
+        sums = np.stack([self.sum_over(owner, row * weights) for row in values])
+        return np.divide(sums, total, out=np.full_like(sums, np.nan), where=total != 0.0)
+
+
+def logarithmic_strain(F: Array) -> Array:
+    """Logarithmic (Hencky) strain ½ ln(F Fᵀ) of many particles.
+
+    Parameters
+    ----------
+    F : (nF, N)
+        Deformation gradients, rows of ``core.analysis.F_COMPONENTS`` [-].
+
+    Returns
+    -------
+    (nT, N)
+        Rows of ``core.analysis.STRESS_COMPONENTS``; NaN where F is not finite.
+    """
+    if F.shape[0] == 3:
+        return np.log(np.abs(F))
+    if F.shape[0] == 5:
+        return _strain_2d(F)
+    strain = np.empty((6, F.shape[1]))
+    for start in range(0, F.shape[1], EIGEN_CHUNK):
+        part = slice(start, start + EIGEN_CHUNK)
+        strain[:, part] = _strain_3d(F[:, part])
+    return strain
+
+
+def _strain_2d(F: Array) -> Array:
+    xx, xy, yx, yy, zz = F
+    b_xx, b_yy, b_xy = xx * xx + xy * xy, yx * yx + yy * yy, xx * yx + xy * yy
+    mean, half = 0.5 * (b_xx + b_yy), 0.5 * (b_xx - b_yy)
+    radius = np.hypot(half, b_xy)
+    small = (xx * yy - xy * yx) ** 2 / (mean + radius)
+    # (ln λ₁ − ln λ₂)/(λ₁ − λ₂), which tends to 1/λ where the eigenvalues meet
+    slope = 1.0 / small
+    apart = radius > 0.0
+    slope[apart] = np.log1p(2.0 * radius[apart] / small[apart]) / (2.0 * radius[apart])
+    middle = 0.5 * (np.log(mean + radius) + np.log(small))
+    return 0.5 * np.stack(
+        [middle + slope * half, middle - slope * half, 2.0 * np.log(np.abs(zz)), slope * b_xy]
+    )
+
+
+def _strain_3d(F: Array) -> Array:
+    gradient = F.T.reshape(-1, 3, 3)
+    left = gradient @ gradient.transpose(0, 2, 1)
+    finite = np.isfinite(left).all(axis=(1, 2))
+    left[~finite] = np.eye(3)
+    values, vectors = np.linalg.eigh(left)
+    strain = (
+        vectors * (0.5 * np.log(np.maximum(values, np.finfo(float).tiny)))[:, None, :]
+    ) @ vectors.transpose(0, 2, 1)
+    strain[~finite] = np.nan
+    return strain[:, (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)].T

@@ -1,0 +1,223 @@
+"""VTU files of particles and grid, and the PVD files that make a time series of them.
+
+Raw appended data; every file holds its time as field data ``TimeValue``. Names, types and component order of
+the arrays never change within a series. Particles are ordered by ``id``, one vertex cell each.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkObject, vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkUnstructuredGrid
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+
+from mpmcli.core.state import GridView
+from mpmcli.output.files import cannot_write, make_folder, write_text
+from mpmcli.output.quantities import Quantity
+from mpmcli.output.snapshot import Snapshot
+
+SYMMETRIC = ("XX", "YY", "ZZ", "XY", "YZ", "XZ")
+NINE = ("XX", "XY", "XZ", "YX", "YY", "YZ", "ZX", "ZY", "ZZ")
+COMPONENT_NAMES = {"scalar": (), "vector": ("X", "Y", "Z"), "tensor": SYMMETRIC, "gradient": NINE}
+GRADIENT_PLACES = {1: (0,), 3: (0, 4, 8), 4: (0, 1, 3, 4), 5: (0, 1, 3, 4, 8), 9: tuple(range(9))}
+"""Where the stored rows of F and of the velocity gradient lie among the nine components."""
+CELL_TYPES = {1: 3, 2: 9, 3: 12}
+"""VTK's line, quadrilateral and hexahedron."""
+VERTEX = 1
+FIRST_VTK_ERROR = 20000
+DISK_FULL = 20007
+PRECISIONS = {"float32": np.float32, "float64": np.float64}
+
+
+def spread(values: np.ndarray, rank: str) -> np.ndarray:
+    """Stored rows in VTK's order: vectors 3, symmetric tensors 6 (XX YY ZZ XY YZ XZ), gradients 9 components.
+
+    Parameters
+    ----------
+    values : (N,) or (rows, N)
+    rank : a rank of ``Quantity``
+
+    Returns
+    -------
+    (N,) for scalars, else (N, components); components that the analysis does not store are 0
+    """
+    if rank == "scalar":
+        return values
+    places = GRADIENT_PLACES[len(values)] if rank == "gradient" else tuple(range(len(values)))
+    full = np.zeros((values.shape[1], len(COMPONENT_NAMES[rank])), dtype=values.dtype)
+    full[:, places] = values.T
+    return full
+
+
+class VtuWriter:
+    """Writes unstructured grids with one precision and compression.
+
+    Parameters
+    ----------
+    precision : ``float32`` or ``float64`` of all floating-point arrays but the time
+    compression : ``none``, ``lz4`` or ``zlib``
+    """
+
+    def __init__(self, precision: str = "float32", compression: str = "none"):
+        self.type = PRECISIONS[precision]
+        self.compression = compression
+
+    def write(
+        self,
+        path: Path,
+        time: float,
+        points: np.ndarray,
+        arrays: Sequence[tuple[str, np.ndarray, tuple[str, ...]]],
+        cell_type: int = VERTEX,
+        connectivity: np.ndarray | None = None,
+    ) -> None:
+        """Write one file.
+
+        Parameters
+        ----------
+        points : (N, 3)
+            Positions [length].
+        arrays
+            Name, values (N,) or (N, components), and component names of each array on the points.
+        connectivity : (cells, points per cell)
+            Points of each cell; one vertex per point if absent.
+        """
+        kept: list[Any] = []  # vtk refers to these arrays and does not own them
+
+        def convert(values: np.ndarray) -> Any:
+            wanted = self.type if values.dtype.kind == "f" else values.dtype
+            with np.errstate(over="ignore"):
+                kept.append(np.ascontiguousarray(values, dtype=wanted))
+            return numpy_to_vtk(kept[-1])
+
+        grid = vtkUnstructuredGrid()
+        vertices = vtkPoints()
+        vertices.SetData(convert(points))
+        grid.SetPoints(vertices)
+        if connectivity is None:
+            connectivity = np.arange(len(points), dtype=np.int64)[:, None]
+        cells = vtkCellArray()
+        offsets = np.arange(len(connectivity) + 1, dtype=np.int64) * connectivity.shape[1]
+        cells.SetData(convert(offsets), convert(connectivity.ravel()))
+        grid.SetCells(cell_type, cells)
+        for name, values, components in arrays:
+            array = convert(values)
+            array.SetName(name)
+            for index, component in enumerate(components):
+                array.SetComponentName(index, component)
+            grid.GetPointData().AddArray(array)
+        stamp = vtkDoubleArray()
+        stamp.SetName("TimeValue")
+        stamp.InsertNextValue(time)
+        grid.GetFieldData().AddArray(stamp)
+        self._save(path, grid)
+
+    def _save(self, path: Path, grid: Any) -> None:
+        partial = path.with_name(path.name + ".part")
+        writer = vtkXMLUnstructuredGridWriter()
+        writer.SetInputData(grid)
+        writer.SetFileName(str(partial))
+        writer.SetDataModeToAppended()
+        writer.EncodeAppendedDataOff()
+        writer.SetHeaderTypeToUInt64()
+        {
+            "none": writer.SetCompressorTypeToNone,
+            "lz4": writer.SetCompressorTypeToLZ4,
+            "zlib": writer.SetCompressorTypeToZLib,
+        }[self.compression]()
+        warnings_shown = vtkObject.GetGlobalWarningDisplay()
+        vtkObject.GlobalWarningDisplayOff()
+        try:
+            written, code = writer.Write(), writer.GetErrorCode()
+        finally:
+            vtkObject.SetGlobalWarningDisplay(warnings_shown)
+        if not written or code:
+            partial.unlink(missing_ok=True)
+            raise cannot_write(path, _reason(code))
+        try:
+            os.replace(partial, path)
+        except OSError as error:
+            raise cannot_write(path, error) from error
+
+
+def _reason(code: int) -> str:
+    if code == DISK_FULL:
+        return "the disk is full"
+    return os.strerror(code) if 0 < code < FIRST_VTK_ERROR else f"vtk reports error {code}"
+
+
+def particle_arrays(
+    quantities: Sequence[Quantity], snapshot: Snapshot
+) -> list[tuple[str, np.ndarray, tuple[str, ...]]]:
+    """Name, values ordered by id, and component names of each quantity."""
+    order = snapshot.order
+    return [
+        (q.name, spread(q.compute(snapshot)[..., order], q.rank), COMPONENT_NAMES[q.rank]) for q in quantities
+    ]
+
+
+def write_particles(
+    writer: VtuWriter, path: Path, snapshot: Snapshot, quantities: Sequence[Quantity]
+) -> None:
+    """Write all particles of a state, with ``id``, ``body``, ``material`` and the quantities asked for."""
+    points = spread(snapshot.particles.X[:, snapshot.order], "vector")
+    writer.write(path, snapshot.state.time, points, particle_arrays(quantities, snapshot))
+
+
+def write_grid(writer: VtuWriter, path: Path, time: float, grid: GridView, fields: Sequence[str]) -> None:
+    """Write nodes and cells of the user's grid with nodal fields by name."""
+    arrays = []
+    for name in fields:
+        values = grid.fields[name]()
+        rank = "scalar" if values.ndim == 1 else "vector"
+        arrays.append((name, values if rank == "scalar" else spread(values.T, rank), COMPONENT_NAMES[rank]))
+    points, connectivity = mesh_of(grid)
+    writer.write(path, time, points, arrays, CELL_TYPES[len(grid.nodes)], connectivity)
+
+
+def mesh_of(grid: GridView) -> tuple[np.ndarray, np.ndarray]:
+    """Node positions (n, 3), x fastest, and the nodes of each cell (cells, 2ᵈ) in VTK's order."""
+    d = len(grid.nodes)
+    axes = [grid.lower[a] + grid.cell[a] * np.arange(grid.nodes[a]) for a in range(d)]
+    places = np.meshgrid(*reversed(axes), indexing="ij")
+    points = spread(np.stack([place.ravel() for place in reversed(places)]), "vector")
+    index = np.arange(int(np.prod(grid.nodes))).reshape(tuple(reversed(grid.nodes)))
+    corners = {
+        1: [(0,), (1,)],
+        2: [(0, 0), (0, 1), (1, 1), (1, 0)],
+        3: [(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1), (1, 1, 0)],
+    }[d]
+    ends = {0: slice(None, -1), 1: slice(1, None)}
+    cells = [index[tuple(ends[side] for side in corner)].ravel() for corner in corners]
+    return points, np.stack(cells, axis=1)
+
+
+class Series:
+    """A time series: ``NAME/NAME_000012.vtu``, and ``NAME.pvd`` that lists them, rewritten with each file."""
+
+    def __init__(self, directory: Path, name: str):
+        self.directory, self.name = directory, name
+        self.entries: list[tuple[float, str]] = []
+        make_folder(directory / name)
+
+    def next_path(self) -> Path:
+        """Path of the next file."""
+        return self.directory / self.name / f"{self.name}_{len(self.entries):06d}.vtu"
+
+    def add(self, time: float, path: Path) -> None:
+        """List a file that has been written."""
+        self.entries.append((time, path.relative_to(self.directory).as_posix()))
+        lines = [
+            f'    <DataSet timestep={quoteattr(f"{when:.17g}")} part="0" file={quoteattr(file)}/>'
+            for when, file in self.entries
+        ]
+        text = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">\n'
+        text += "  <Collection>\n" + "\n".join(lines) + "\n  </Collection>\n</VTKFile>\n"
+        write_text(self.directory / f"{self.name}.pvd", text)

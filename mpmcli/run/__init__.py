@@ -1,0 +1,1 @@
+"""Wires a simulation to its outputs."""

@@ -1,0 +1,351 @@
+"""Running a scene: the simulation marches, the recorder writes, and every end is an orderly one."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mpmcli.core.errors import ArchiveError, SimulationError
+from mpmcli.output import manifest
+from mpmcli.output.files import LOG
+from mpmcli.output.recorder import Recorder, check_output
+from mpmcli.output.schedule import is_reached
+from mpmcli.run.folder import DRY_RUN, default_folder, owned_folder, refuse_occupied
+from mpmcli.run.interrupts import Interrupted, Interrupts, exit_code_of, name_of
+from mpmcli.run.progress import MessageHandler, Progress, duration_in_words
+
+LOGGER = logging.getLogger("mpmcli")
+STOPPED_EARLY = 6
+COMPILING = "compiling, once; later runs start at once"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run ended.
+
+    Attributes
+    ----------
+    exit_code : 0 finished, 4 failed, 5 files, 6 wall time, 130 or 143 interrupted
+    ended : the same in words
+    directory : where the results are
+    steps, time, wall_seconds : how far it came, and what it took
+    energy_error : that of the last row of ``globals.csv``, None without that table
+    """
+
+    exit_code: int
+    ended: str
+    directory: Path
+    steps: int = 0
+    time: float = 0.0
+    wall_seconds: float = 0.0
+    energy_error: float | None = None
+
+
+def run_scene(loaded: Any, directory: Path | str | None = None, **options: Any) -> int:
+    """Run a scene and return the exit code; takes the options of ``run``."""
+    return run(loaded, directory, **options).exit_code
+
+
+def run(
+    loaded: Any,
+    directory: Path | str | None = None,
+    *,
+    threads: int | None = None,
+    until: float | None = None,
+    overwrite: bool = False,
+    max_walltime: float | None = None,
+    dry_run: bool = False,
+    verbosity: int = 0,
+    progress: bool = True,
+    make_simulation: Callable[..., Any] | None = None,
+) -> Outcome:
+    """Run a scene into a folder.
+
+    Parameters
+    ----------
+    loaded
+        The scene as ``scene.load_scene`` read it.
+    directory
+        Folder of the results; ``results/<scene>`` if absent.
+    threads
+        Number of threads; all that the process may use if absent. It never changes a result.
+    until
+        End of the run instead of the scene's [time].
+    overwrite
+        Whether results of an earlier run may be replaced; other files in the folder are left alone.
+    max_walltime
+        Stop after so many seconds by the clock, with a last archive.
+    dry_run
+        Set up, print the report to stdout, write the start, and end.
+    verbosity
+        −1 errors only, 0 normal, 1 with the set-up report.
+    progress
+        Whether progress is shown on stderr.
+    make_simulation
+        Makes the simulation from ``(loaded, threads=…)``; the solver's own if absent.
+
+    Returns
+    -------
+    Outcome
+        Of a run that was started, however it ended.
+
+    Raises
+    ------
+    SceneError
+        If the scene asks for columns or fields that it cannot have, or cannot be set up.
+    ArchiveError
+        If the folder holds results, is in use, or cannot be written.
+    """
+    directory = default_folder(loaded.path) if directory is None else Path(directory)
+    check_output(loaded.scene)
+    refuse_occupied(directory, overwrite)
+    end = float(loaded.scene.time.end if until is None else until)
+    shown = Progress(end, progress and verbosity >= 0)
+    with Interrupts() as interrupts, _messages(shown, verbosity):
+        begin = time.perf_counter()
+        try:
+            with _compiling(shown):
+                simulation = (make_simulation or _solver())(loaded, threads=threads)
+        except Interrupted as signal:
+            LOGGER.error("interrupted by %s during set-up; nothing was written", name_of(signal.number))
+            return Outcome(exit_code_of(signal.number), "interrupted", directory)
+        interrupts.is_patient = True
+        with owned_folder(directory, overwrite), _log_file(directory):
+            march = _March(loaded, directory, simulation, interrupts, shown, end, begin, threads)
+            return march.dry_run() if dry_run else march.run(max_walltime)
+
+
+def _solver() -> Callable[..., Any]:
+    from mpmcli.solver.simulation import Simulation
+
+    return Simulation
+
+
+class _March:
+    """One run, from the first record to the closed files."""
+
+    def __init__(
+        self,
+        loaded: Any,
+        directory: Path,
+        simulation: Any,
+        interrupts: Interrupts,
+        progress: Progress,
+        end: float,
+        begin: float,
+        threads: int | None,
+    ):
+        self.directory, self.simulation = directory, simulation
+        self.interrupts, self.progress = interrupts, progress
+        self.end, self.begin = end, begin
+        self.max_steps = loaded.scene.time.max_steps
+        self.step_seconds, self.counted_steps, self.output_seconds = 0.0, 0, 0.0
+        report = str(getattr(simulation, "setup_report", ""))
+        self.threads = getattr(simulation, "threads", threads)
+        facts = manifest.facts_of_machine(self.threads)
+        self.recorder = Recorder(
+            loaded,
+            directory,
+            simulation.state,
+            {**facts, "started": manifest.now(), "setup": report.splitlines()},
+        )
+        LOGGER.debug("%s, scene %s, on %s threads", loaded.path, loaded.hash, self.threads)
+        for warning in loaded.warnings:
+            LOGGER.warning("%s", warning)
+        LOGGER.debug("%s", report)
+
+    def dry_run(self) -> Outcome:
+        """Write the start only."""
+        print(getattr(self.simulation, "setup_report", ""))
+        self._record(everything=True)
+        self._close(DRY_RUN)
+        return self._outcome(0, DRY_RUN)
+
+    def run(self, max_walltime: float | None) -> Outcome:
+        """March to the end, or to whatever stops it."""
+        try:
+            code, ended = self._march(max_walltime)
+            self._record(everything=True)
+        except SimulationError as error:
+            code, ended = error.exit_code, f"failed: {error}"
+            self.progress.stop()
+            LOGGER.error("%s", error)
+            self._write_failed(error)
+        except Interrupted as signal:
+            code, ended = exit_code_of(signal.number), f"interrupted at once by {name_of(signal.number)}"
+        except (ArchiveError, OSError) as error:
+            code, ended = ArchiveError.exit_code, f"stopped: {error}"
+            self.progress.stop()
+            LOGGER.error("%s", error)
+        except BaseException as error:
+            self._abandon(f"crashed: {type(error).__name__}: {error}")
+            raise
+        self.interrupts.is_closing = True
+        self.progress.stop(self.simulation.state, self.recorder.energy_error)
+        try:
+            self._close(ended)
+        except (ArchiveError, OSError) as error:
+            if code == 0:
+                LOGGER.error("%s", error)
+                code, ended = ArchiveError.exit_code, f"stopped: {error}"
+        outcome = self._outcome(code, ended)
+        self._summarise(outcome)
+        return outcome
+
+    def _march(self, max_walltime: float | None) -> tuple[int, str]:
+        simulation, recorder, interrupts = self.simulation, self.recorder, self.interrupts
+        clock = time.perf_counter
+        with _compiling(self.progress):
+            self._record(everything=True)
+            if not self._is_over() and interrupts.received is None:
+                simulation.step()
+                self._record()
+        self.progress.start(simulation.state)
+        while not self._is_over():
+            if interrupts.received is not None:
+                return exit_code_of(interrupts.received), f"interrupted by {name_of(interrupts.received)}"
+            before = clock()
+            if max_walltime is not None and before - self.begin >= max_walltime:
+                return STOPPED_EARLY, f"stopped after {duration_in_words(max_walltime)} by the clock"
+            simulation.step()
+            self.step_seconds += clock() - before
+            self.counted_steps += 1
+            if recorder.due(simulation.state):
+                self._record()
+            self.progress.update(simulation.state, recorder.energy_error)
+        return 0, "finished"
+
+    def _is_over(self) -> bool:
+        state = self.simulation.state
+        return is_reached(state.time, self.end) or (
+            self.max_steps is not None and state.step >= self.max_steps
+        )
+
+    def _record(self, everything: bool = False) -> None:
+        before = time.perf_counter()
+        self.recorder.record(self.simulation.state, everything)
+        self.output_seconds += time.perf_counter() - before
+
+    def _write_failed(self, error: SimulationError) -> None:
+        state = getattr(error, "state", None) or self.simulation.state
+        try:
+            LOGGER.error("the last good state is in %s", self.recorder.write_failed(state))
+        except (ArchiveError, OSError) as problem:
+            LOGGER.error("%s", problem)
+
+    def _close(self, ended: str) -> None:
+        state = self.simulation.state
+        seconds = dict(getattr(self.simulation, "timings", {}) or {})
+        self.recorder.close(
+            ended,
+            finished=manifest.now(),
+            steps=state.step,
+            time=state.time,
+            wall_seconds=self._elapsed(),
+            nanoseconds_per_particle_step=self._nanoseconds(),
+            seconds_per_task=seconds | {"output": self.output_seconds},
+            peak_memory_bytes=manifest.peak_memory(),
+            thread_layer=manifest.thread_layer(),
+            energy_error=self.recorder.energy_error,
+        )
+
+    def _abandon(self, ended: str) -> None:
+        """Close what can be closed; the first error is the one to be seen."""
+        self.progress.stop()
+        with suppress(Exception):
+            self._close(ended)
+
+    def _elapsed(self) -> float:
+        return time.perf_counter() - self.begin
+
+    def _nanoseconds(self) -> float | None:
+        """Time per particle and step; the first step, which may compile, is left out."""
+        work = self.counted_steps * self.simulation.state.particles.count
+        return 1e9 * self.step_seconds / work if work else None
+
+    def _outcome(self, code: int, ended: str) -> Outcome:
+        state = self.simulation.state
+        return Outcome(
+            code, ended, self.directory, state.step, state.time, self._elapsed(), self.recorder.energy_error
+        )
+
+    def _summarise(self, outcome: Outcome) -> None:
+        speed = self._nanoseconds()
+        pace = f" ({speed:.3g} ns per particle and step)" if speed is not None else ""
+        first = outcome.ended if outcome.exit_code != SimulationError.exit_code else "failed"
+        LOGGER.info(
+            "%s: %d steps to time %.6g in %s%s%s; results in %s",
+            first,
+            outcome.steps,
+            outcome.time,
+            _seconds_in_words(outcome.wall_seconds),
+            pace,
+            "" if outcome.energy_error is None else f", energy error {outcome.energy_error:.2e}",
+            outcome.directory,
+        )
+
+
+def _seconds_in_words(seconds: float) -> str:
+    return f"{seconds:.3g} s" if seconds < 100.0 else duration_in_words(seconds)
+
+
+@contextmanager
+def _compiling(progress: Progress) -> Iterator[None]:
+    """Say that kernels are being compiled, where the compile cache does not hold them."""
+    if not _is_cold():
+        yield
+        return
+    before = time.perf_counter()
+    with progress.waiting(COMPILING):
+        yield
+    LOGGER.debug("set-up with compilation took %.3g s", time.perf_counter() - before)
+
+
+def _is_cold() -> bool:
+    try:
+        from mpmcli.core import cache
+    except ImportError:
+        return False
+    return bool(getattr(cache, "is_cold", lambda: False)())
+
+
+@contextmanager
+def _messages(progress: Progress, verbosity: int) -> Iterator[None]:
+    level = {-1: logging.ERROR, 0: logging.INFO}.get(verbosity, logging.DEBUG)
+    with _handler(MessageHandler(progress, level)):
+        yield
+
+
+class _LogFile(logging.FileHandler):
+    def handleError(self, record: logging.LogRecord) -> None:
+        """A log that cannot be written (a full disk) must not hide the error that is being logged."""
+
+
+@contextmanager
+def _log_file(directory: Path) -> Iterator[None]:
+    try:
+        handler = _LogFile(directory / LOG, mode="w", encoding="utf-8")
+    except OSError as error:
+        raise ArchiveError(f"cannot write {directory / LOG}: {error.strerror}") from error
+    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+    with _handler(handler):
+        yield
+
+
+@contextmanager
+def _handler(handler: logging.Handler) -> Iterator[None]:
+    level = LOGGER.level
+    LOGGER.setLevel(logging.DEBUG)
+    LOGGER.addHandler(handler)
+    try:
+        yield
+    finally:
+        LOGGER.removeHandler(handler)
+        LOGGER.setLevel(level)
+        with suppress(OSError):
+            handler.close()

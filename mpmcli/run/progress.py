@@ -1,0 +1,153 @@
+"""Progress and messages on stderr: a bar on a terminal, else a line every 10 % or 60 s."""
+
+from __future__ import annotations
+
+import logging
+import os
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from mpmcli.core.state import State
+
+REFRESH_SECONDS = 0.2
+LINE_SECONDS = 60.0
+LINE_SHARE = 0.1
+
+
+def is_terminal() -> bool:
+    """Whether stderr is a terminal that can redraw a line."""
+    return sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
+
+
+def duration_in_words(seconds: float) -> str:
+    """``0:00:12`` or ``3 d 4:05:06``."""
+    if not 0.0 <= seconds < 1e9:
+        return "?"
+    days, rest = divmod(round(seconds), 86400)
+    clock = f"{rest // 3600}:{rest // 60 % 60:02d}:{rest % 60:02d}"
+    return f"{days} d {clock}" if days else clock
+
+
+class Progress:
+    """Shows how far a run is; as a logging handler's sink it also shows messages above the bar.
+
+    Parameters
+    ----------
+    end
+        Time at which the run ends [time].
+    is_shown
+        False for nothing but messages.
+    """
+
+    def __init__(self, end: float, is_shown: bool = True):
+        self.end = end
+        self.is_shown = is_shown
+        self._bar: Any = None
+        self._task: Any = None
+        self._first: tuple[float, int, float] | None = None
+        self._next_look = 0.0
+        self._next_line = 0.0
+        self._next_share = LINE_SHARE
+
+    def say(self, text: str) -> None:
+        """Show a message."""
+        if self._bar is not None:
+            self._bar.console.print(text, markup=False, highlight=False, soft_wrap=True)
+        else:
+            print(text, file=sys.stderr, flush=True)
+
+    @contextmanager
+    def waiting(self, text: str) -> Iterator[None]:
+        """Show that something takes its time (only on a terminal does it disappear afterwards)."""
+        if self._bar is None and self.is_shown and is_terminal():
+            from rich.console import Console
+
+            with Console(stderr=True).status(text):
+                yield
+        else:
+            if self.is_shown:
+                self.say(text)
+            yield
+
+    def start(self, state: State) -> None:
+        """Begin to show the march from this state."""
+        now = time.perf_counter()
+        self._first = (now, state.step, state.time)
+        self._next_line = now + LINE_SECONDS
+        self._next_share = LINE_SHARE * (1 + int(self._share(state) / LINE_SHARE + 1e-9))
+        if self.is_shown and is_terminal():
+            self._bar, self._task = _make_bar()
+            self._bar.start()
+
+    def update(self, state: State, energy_error: float | None) -> None:
+        """Look at a state; cheap unless it is time to show something."""
+        if not self.is_shown:
+            return
+        now = time.perf_counter()
+        if self._bar is not None:
+            if now >= self._next_look:
+                self._next_look = now + REFRESH_SECONDS
+                self._draw(state, energy_error, now)
+        elif now >= self._next_line or self._share(state) >= self._next_share - 1e-9:
+            self._next_line = now + LINE_SECONDS
+            share = self._share(state)
+            self._next_share = LINE_SHARE * (1 + int(share / LINE_SHARE + 1e-9))
+            self.say(f"{100.0 * share:4.0f} %  {self._facts(state, energy_error, now)}")
+
+    def stop(self, state: State | None = None, energy_error: float | None = None) -> None:
+        """Take the bar down, with a last look at a state."""
+        if self._bar is not None:
+            if state is not None:
+                self._draw(state, energy_error, time.perf_counter())
+            self._bar.stop()
+            self._bar = None
+
+    def _share(self, state: State) -> float:
+        return min(1.0, state.time / self.end) if self.end > 0.0 else 1.0
+
+    def _draw(self, state: State, energy_error: float | None, now: float) -> None:
+        self._bar.update(
+            self._task, completed=self._share(state), facts=self._facts(state, energy_error, now)
+        )
+        self._bar.refresh()
+
+    def _facts(self, state: State, energy_error: float | None, now: float) -> str:
+        text = f"step {state.step}  t {state.time:.6g}  dt {state.dt:.3g}"
+        begin, step, since = self._first or (now, state.step, state.time)
+        steps, seconds = state.step - step, now - begin
+        if steps > 0 and seconds > 0.0 and state.time > since:
+            rate = steps / seconds
+            left = max(0.0, self.end - state.time) / ((state.time - since) / seconds)
+            text += f"  {rate:.3g} steps/s  left {duration_in_words(left)}"
+        return text if energy_error is None else f"{text}  energy error {energy_error:.2e}"
+
+
+def _make_bar() -> tuple[Any, Any]:
+    from rich.console import Console
+    from rich.progress import BarColumn, TaskProgressColumn, TextColumn
+    from rich.progress import Progress as Bar
+
+    bar = Bar(
+        BarColumn(bar_width=24),
+        TaskProgressColumn(),
+        TextColumn("{task.fields[facts]}"),
+        console=Console(stderr=True),
+        auto_refresh=False,
+    )
+    return bar, bar.add_task("run", total=1.0, facts="")
+
+
+class MessageHandler(logging.Handler):
+    """Sends log messages to a ``Progress``."""
+
+    def __init__(self, progress: Progress, level: int):
+        super().__init__(level)
+        self.progress = progress
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Show one message, with a word for warnings and errors."""
+        word = f"{record.levelname.lower()}: " if record.levelno >= logging.WARNING else ""
+        self.progress.say(word + record.getMessage())

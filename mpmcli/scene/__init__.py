@@ -1,0 +1,1 @@
+"""The scene: YAML text to a checked, resolved model."""

@@ -1,0 +1,289 @@
+"""What no model can see alone: references, numbers of axes, names, values at the start, and what has no effect."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel
+
+from mpmcli.core.analysis import ANALYSES
+from mpmcli.core.errors import Problem
+from mpmcli.core.expressions import Expression
+from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.scene.not_built import member_label
+from mpmcli.scene.parts import LISTS, Parts
+from mpmcli.scene.report import locate
+from mpmcli.scene.tree import Node
+
+_NAME = re.compile(r"\w[\w +-]*\Z")
+MAX_OUTPUTS = 1_000_000
+
+Report = Callable[..., None]
+
+
+def check(parts: Parts, root: Node) -> list[Problem]:
+    """Everything that the parts of a scene have against each other."""
+    problems: list[Problem] = []
+
+    def report(path: str, message: str, code: str = "invalid", severity: str = "error") -> None:
+        problems.append(locate(root, path, message, code, severity))
+
+    _check_names(root, report)
+    _check_materials(parts, root, report)
+    if parts.analysis is not None:
+        dimensions = ANALYSES[parts.analysis.kind]().dimensions
+        _check_grid(parts, dimensions, report)
+        _check_bodies(parts, dimensions, root, report)
+        for key in ("boundary", "loads"):
+            _check_conditions(getattr(parts, key), key, parts, dimensions, root, report)
+        _check_probes(parts, dimensions, root, report)
+    _check_start(parts, root, report)
+    _check_times(parts, report)
+    _check_effects(parts, report)
+    return problems
+
+
+def label(root: Node, key: str, index: int) -> str:
+    """The path of a member of a list of the scene."""
+    return f"{key}.{member_label(root.value[key].value[index], index)}"
+
+
+def names_of(root: Node, key: str) -> list[str]:
+    """Names of the members of a mapping or list, valid or not."""
+    node = root.value.get(key)
+    if node is None:
+        return []
+    if node.is_mapping:
+        return list(node.value)
+    members = node.value if node.is_sequence else []
+    found = [m.value["name"].value for m in members if m.is_mapping and "name" in m.value]
+    return [name for name in found if isinstance(name, str)]
+
+
+def _check_names(root: Node, report: Report) -> None:
+    words = "letters, digits, spaces, _, + and - are possible"
+    for name in names_of(root, "materials"):
+        if not _NAME.match(name):
+            report(f"materials.{name}", f"'{name}' cannot be a name: {words}", "name")
+    for key in LISTS:
+        node = root.value.get(key)
+        first: dict[str, int] = {}
+        for index, member in enumerate(node.value if node is not None and node.is_sequence else []):
+            name = member.value.get("name") if member.is_mapping else None
+            if name is None or not isinstance(name.value, str):
+                continue
+            path = f"{key}.{index}.name"
+            if not _NAME.match(name.value):
+                report(path, f"'{name.value}' cannot be a name: {words}", "name")
+            if name.value in first:
+                line = node.value[first[name.value]].value["name"].mark.line
+                report(path, f"the name '{name.value}' is used twice (first in line {line})", "duplicate_name")
+            first.setdefault(name.value, index)
+
+
+def _check_reference(report: Report, path: str, name: str, names: list[str], noun: str) -> None:
+    if name not in names:
+        hint = did_you_mean(name, names) or (f" ({listing(names)})" if names else "")
+        report(path, f"there is no {noun} '{name}'{hint}", "unknown_reference")
+
+
+def _check_materials(parts: Parts, root: Node, report: Report) -> None:
+    names = names_of(root, "materials")
+    used = set()
+    bodies = root.value.get("bodies")
+    for index, body in enumerate(bodies.value if bodies is not None and bodies.is_sequence else []):
+        material = body.member("material") if body.is_mapping else None
+        if material is not None and isinstance(material.value, str):
+            used.add(material.value)
+            path = f"{label(root, 'bodies', index)}.material"
+            _check_reference(report, path, material.value, names, "material")
+    for name in names:
+        if name not in used:
+            report(f"materials.{name}", "no body is made of this material", "unused", "warning")
+    if parts.analysis is None:
+        return
+    for name, model in parts.materials.items():
+        if parts.analysis.kind not in model.analyses:
+            fitting = listing(sorted(model.analyses))
+            words = f"'{model.kind}' is not defined for {parts.analysis.kind} analyses (only {fitting})"
+            report(f"materials.{name}.kind", words, "analysis")
+
+
+def _check_count(report: Report, path: str, vector: Any, dimensions: int) -> bool:
+    if len(vector) == dimensions:
+        return True
+    many = "1 number is" if dimensions == 1 else f"{dimensions} numbers are"
+    report(path, f"{many} needed in this analysis (one per axis), not {len(vector)}", "axes")
+    return False
+
+
+def _check_grid(parts: Parts, dimensions: int, report: Report) -> None:
+    grid = parts.grid
+    if grid is None or not _check_count(report, "grid.lower", grid.lower, dimensions):
+        return
+    if parts.analysis.kind == "axisymmetric" and grid.lower[0] < 0:
+        report("grid.lower.0", "x is the radius in axisymmetric analyses: it cannot be negative", "range")
+
+
+def _check_bodies(parts: Parts, dimensions: int, root: Node, report: Report) -> None:
+    for index, body in parts.bodies:
+        path = label(root, "bodies", index)
+        if isinstance(body.particles_per_axis, tuple):
+            _check_count(report, f"{path}.particles_per_axis", body.particles_per_axis, dimensions)
+        if body.velocity:
+            _check_count(report, f"{path}.velocity", body.velocity, dimensions)
+        misfits = list(body.region.misfits(dimensions))
+        for place, words in misfits:
+            report(".".join([path, "region", *map(str, place)]), words, "region")
+        if parts.grid is not None and parts.grid.dimensions == dimensions and not misfits:
+            _check_bounds(body, f"{path}.region", parts, report)
+        tracks = getattr(parts.materials.get(body.material), "history", ("temperature",))
+        if body.temperature is not None and "temperature" not in tracks:
+            words = f"has no effect: the material '{body.material}' does not track its temperature"
+            report(f"{path}.temperature", words, "no_effect", "warning")
+
+
+def _check_bounds(body: Any, path: str, parts: Parts, report: Report) -> None:
+    grid = parts.grid
+    lower, upper = (np.asarray(corner) for corner in body.region.bounds(grid.dimensions))
+    low, high, cell = np.array(grid.lower), np.array(grid.upper), np.array(grid.cell)
+    if (upper <= low).any() or (lower >= high).any():
+        words = f"the body lies outside the grid, which spans {_point(low)} to {_point(high)}"
+        report(path, f"{words}: its region spans {_point(lower)} to {_point(upper)}", "outside")
+        return
+    # the outermost row of particles has its centres half a sub-cell inside the region's bounds
+    reach = 0.5 * cell / np.array(body.particles_per_axis) + 1e-9 * cell
+    over = np.isfinite(upper) & (upper > high + reach)
+    under = np.isfinite(lower) & (lower < low - reach)
+    if parts.analysis.kind == "axisymmetric":
+        under[0] = False
+    if (over | under).any():
+        is_exact = body.region.kind == "box" and body.region.rotate is None
+        words = f"the body reaches out of the grid, which spans {_point(low)} to {_point(high)}"
+        severity = "error" if is_exact else "warning"
+        report(path, f"{words}: its region spans {_point(lower)} to {_point(upper)}", "outside", severity)
+
+
+def _point(x: Any) -> str:
+    return "[" + ", ".join(f"{value:g}" for value in x) + "]"
+
+
+def _check_conditions(
+    members: list[tuple[int, Any]], key: str, parts: Parts, dimensions: int, root: Node, report: Report
+) -> None:
+    bodies = names_of(root, "bodies")
+    for index, model in members:
+        path = label(root, key, index)
+        found = list(model.problems(dimensions))
+        for place, words in found:
+            report(f"{path}.{place}" if place else path, words, "axes")
+        for place, name in model.bodies():
+            _check_reference(report, f"{path}.{place}", name, bodies, "body")
+        if parts.grid is not None and parts.grid.dimensions == dimensions and not found:
+            _check_plane(model, path, parts.grid, report)
+
+
+def _check_plane(model: Any, path: str, grid: Any, report: Report) -> None:
+    """A plane must lie in the grid, and on one side of its middle unless the scene says which side is meant."""
+    on = getattr(model, "on", None)
+    plane, place = (model.plane, "plane") if hasattr(model, "plane") else (getattr(on, "plane", None), "on.plane")
+    if plane is None:
+        return
+    a = plane.index
+    low, high, cell = grid.lower[a], grid.upper[a], grid.cell[a]
+    if not low - 1e-6 * cell <= plane.at <= high + 1e-6 * cell:
+        words = f"the plane {plane.axis} = {plane.at:g} lies outside the grid ({low:g} to {high:g})"
+        report(f"{path}.{place}.at", f"{words}: it would hold nothing", "outside")
+        return
+    try:
+        plane.side_on(SimpleNamespace(lower=grid.lower, upper=grid.upper, cell=grid.cell))
+    except ValueError as error:
+        report(f"{path}.{place}", str(error), "side")
+    line = (plane.at - low) / cell
+    if model.kind == "symmetry" and abs(line - round(line)) > 1e-6:
+        report(f"{path}.{place}.at", f"a symmetry plane must lie on a grid line, not {line:.6g} cells from lower", "grid")
+
+
+def _check_probes(parts: Parts, dimensions: int, root: Node, report: Report) -> None:
+    bodies = names_of(root, "bodies")
+    for index, probe in parts.probes:
+        path = label(root, "probes", index)
+        if probe.kind == "particle":
+            _check_reference(report, f"{path}.body", probe.body, bodies, "body")
+            _check_count(report, f"{path}.near", probe.near, dimensions)
+        elif _check_count(report, f"{path}.at", probe.at, dimensions) and parts.grid is not None:
+            ends = zip(parts.grid.lower, probe.at, parts.grid.upper, strict=False)
+            if not all(low <= x <= high for low, x, high in ends):
+                report(f"{path}.at", f"the point {_point(probe.at)} lies outside the grid", "outside")
+
+
+def _check_start(parts: Parts, root: Node, report: Report) -> None:
+    """Every expression has a finite value somewhere in the grid at time 0."""
+    if parts.grid is None:
+        return
+    points = _sample(parts.grid)
+    for key in LISTS:
+        for index, model in getattr(parts, key):
+            for path, expression in expressions_in(model, label(root, key, index)):
+                if not np.isfinite(expression(*points, t=0.0)).any():
+                    value = np.ravel(expression(*points, t=0.0))[0]
+                    report(path, f"'{expression.source}' has no finite value at time 0 (it gives {value})", "start")
+
+
+def _sample(grid: Any) -> tuple[np.ndarray, ...]:
+    """Points (3, n) spread over the grid, none of them in a special place."""
+    share = np.modf(np.outer([0.7548776662, 0.5698402910, 0.8191725134], np.arange(1, 18)))[0]
+    points = np.zeros_like(share)
+    for a, (low, high) in enumerate(zip(grid.lower, grid.upper, strict=True)):
+        points[a] = low + share[a] * (high - low)
+    return tuple(points)
+
+
+def expressions_in(value: Any, path: str) -> Iterator[tuple[str, Expression]]:
+    """Every expression in a model that is no constant, with its path."""
+    if isinstance(value, Expression):
+        if not value.is_constant:
+            yield path, value
+    elif isinstance(value, BaseModel):
+        for name in type(value).model_fields:
+            yield from expressions_in(getattr(value, name), f"{path}.{name}")
+    elif isinstance(value, tuple | list) and len(value) < 10:
+        for index, member in enumerate(value):
+            yield from expressions_in(member, f"{path}.{index}")
+
+
+def _check_times(parts: Parts, report: Report) -> None:
+    if parts.time is None:
+        return
+    end = parts.time.end
+    if parts.time.step is not None and parts.time.step > end:
+        report("time.step", f"is longer than the run, which ends at {end:g}", "interval", "warning")
+    for name in ("particles", "globals", "grid"):
+        asked = getattr(parts.archive, name, None)
+        if asked is None:
+            continue
+        path = f"archive.{name}.every"
+        if asked.every > end:
+            words = f"{asked.every:g} is longer than the run, which ends at {end:g}: only its start and end are written"
+            report(path, words, "interval", "warning")
+        elif end / asked.every > MAX_OUTPUTS:
+            words = f"asks for {math.floor(end / asked.every):.2g} outputs: at most {MAX_OUTPUTS:.0e} are possible"
+            report(path, words, "interval")
+
+
+def _check_effects(parts: Parts, report: Report) -> None:
+    """Settings that change nothing."""
+    if parts.method is None:
+        return
+    given = parts.method.model_fields_set
+    if "velocity_conditions" in given and parts.method.transfer.kind != "fmpm":
+        words = f"has no effect with {parts.method.transfer.kind}: it belongs to fmpm"
+        report("method.velocity_conditions", words, "no_effect", "warning")
+    tracking = [m for m in parts.materials.values() if {"temperature", "internal_energy"} & set(m.history)]
+    if parts.method.heating == "adiabatic" and parts.materials and not tracking:
+        report("method.heating", "has no effect: no material tracks its temperature", "no_effect", "warning")

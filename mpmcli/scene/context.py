@@ -1,0 +1,65 @@
+"""What turns text of a scene into numbers: handed to every model while it reads its values."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from mpmcli.core.expressions import parse
+from mpmcli.core.model import has_unit
+from mpmcli.scene.units import Units
+
+
+class Context:
+    """Units and constants of a scene, and where its files lie.
+
+    Attributes
+    ----------
+    units : the scene's units
+    constants : values of its constants by name
+    base_directory : folder of the scene, where the files that it names are looked for
+    allow_outside_files : whether it may name files outside that folder
+    """
+
+    def __init__(
+        self,
+        units: Units,
+        constants: dict[str, float],
+        base_directory: Path | None = None,
+        allow_outside_files: bool = False,
+    ):
+        self.units = units
+        self.constants = constants
+        self.base_directory = base_directory or Path.cwd()
+        self.allow_outside_files = allow_outside_files
+
+    def number(self, text: str, dimension: str) -> float:
+        """The value of text in the scene's units.
+
+        Parameters
+        ----------
+        text : a number with a unit, or an expression of constants
+        dimension : words such as ``"pressure"`` or ``"energy/mass"``
+
+        Raises
+        ------
+        ValueError
+            With words for the user.
+        """
+        if has_unit(text):
+            return self.units.number(text, dimension)
+        return float(parse(text, constants=self.constants, variables=())())
+
+    def region(self, value: Any) -> Any:
+        """A region model made from a scene's mapping."""
+        return _any_region().validate_python(value, context=self)
+
+
+@cache
+def _any_region() -> TypeAdapter[Any]:
+    from mpmcli.geometry import REGIONS
+
+    return TypeAdapter(REGIONS.union())

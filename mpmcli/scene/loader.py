@@ -1,0 +1,194 @@
+"""From a scene file to a checked scene: every problem at once, with line and column."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.scene.checks import check
+from mpmcli.scene.constants import read_constants
+from mpmcli.scene.context import Context
+from mpmcli.scene.models import BaseUnits, Scene
+from mpmcli.scene.not_built import take_out
+from mpmcli.scene.override import apply_defines, apply_sets
+from mpmcli.scene.parts import Parts
+from mpmcli.scene.report import as_text, locate, ordered, translate
+from mpmcli.scene.tree import Mark, Node, compose
+from mpmcli.scene.units import BASE, Units, check_base_unit
+
+MAX_BYTES = 10 * 1024**2
+
+
+@dataclass
+class LoadedScene:
+    """A checked scene.
+
+    Attributes
+    ----------
+    scene : the models
+    path : the scene's file, or None for text
+    units : its units; ``units.label("pressure")`` names the unit of a quantity
+    constants : values of its constants
+    warnings : what is doubtful
+    overrides : the options ``--set`` and ``-D`` that changed it
+    """
+
+    scene: Scene
+    path: Path | None
+    units: Units
+    constants: dict[str, float]
+    warnings: list[Problem] = field(default_factory=list)
+    overrides: dict[str, list[str]] = field(default_factory=dict)
+    root: Node | None = None
+
+    def resolved(self) -> dict[str, Any]:
+        """The whole scene with every default, numbers in the scene's units; ready for JSON."""
+        contents = self.scene.model_dump(mode="json", by_alias=True, exclude_none=True)
+        return contents | {"constants": dict(self.constants)}
+
+    @cached_property
+    def hash(self) -> str:
+        """SHA-256 of the resolved scene and of the files that it names."""
+        digest = hashlib.sha256(json.dumps(self.resolved(), sort_keys=True).encode())
+        base = self.path.parent if self.path is not None else Path.cwd()
+        for name in sorted({str(name) for body in self.scene.bodies for name in body.region.files()}):
+            with (base / name).open("rb") as file:
+                digest.update(hashlib.file_digest(file, "sha256").digest())
+        return digest.hexdigest()
+
+    def locate(self, error: SceneError) -> SceneError:
+        """The same error with file, line and column where its problems have only a path."""
+        if self.root is None:
+            return error
+        located = []
+        for p in error.problems:
+            place = locate(self.root, p.path, p.message, p.code, p.severity)
+            located.append(place if p.line is None and p.file is None else p)
+        return scene_error(located)
+
+
+def load_scene(
+    source: str | Path,
+    *,
+    sets: tuple[str, ...] | list[str] = (),
+    defines: tuple[str, ...] | list[str] = (),
+    allow_outside_files: bool = False,
+) -> LoadedScene:
+    """Read and check a scene.
+
+    Parameters
+    ----------
+    source
+        Path of a file, or YAML text (text with a line break).
+    sets
+        Changes ``key=value``: dotted keys, list members by name or index, values in YAML.
+    defines
+        Values of constants ``name=value``.
+    allow_outside_files
+        Whether the scene may name files outside its folder.
+
+    Raises
+    ------
+    SceneError
+        With every problem, ordered by line.
+    """
+    is_text = isinstance(source, str) and "\n" in source
+    path = None if is_text else Path(source)
+    text = str(source) if path is None else read_text(path)
+    file = "scene" if path is None else str(path)
+    root = compose(text, file)
+    if not root.is_mapping:
+        raise SceneError([root.mark.problem("", "a scene is a mapping: version: 1, title: …, grid: …", "type")])
+    root = apply_sets(apply_defines(root, tuple(defines)), tuple(sets))
+    base = path.resolve().parent if path is not None else Path.cwd()
+    scene, context, problems = _read(root, base, allow_outside_files)
+    problems = ordered(problems)
+    if scene is None or any(problem.severity == "error" for problem in problems):
+        raise scene_error(problems)
+    overrides = {"set": list(sets), "define": list(defines)}
+    return LoadedScene(scene, path, context.units, context.constants, problems, overrides, root)
+
+
+def scene_error(problems: list[Problem]) -> SceneError:
+    """A SceneError whose text is cut short where there are very many problems."""
+    error = SceneError(ordered(problems))
+    error.args = (as_text(error.problems),)
+    return error
+
+
+def _read(root: Node, base: Path, allow_outside_files: bool) -> tuple[Scene | None, Context, list[Problem]]:
+    units, unit_problems = _read_units(root)
+    constants, constant_problems = read_constants(root.value.get("constants"), units)
+    context = Context(units, constants, base, allow_outside_files)
+    root, problems = take_out(root)
+    plain = root.plain() | {"constants": constants}
+    scene = None
+    try:
+        scene = Scene.model_validate(plain, context=context)
+        parts = Parts.of(scene)
+    except ValidationError as error:
+        problems += translate(error, root, Scene)
+        parts = Parts.salvage(plain, context)
+    problems += check(parts, root)
+    if constant_problems or unit_problems:
+        problems = [p for p in problems if not _is_echo(p, root, constants, bool(unit_problems))]
+    return scene, context, [*unit_problems, *constant_problems, *problems]
+
+
+def _is_echo(problem: Problem, root: Node, constants: dict[str, float], units_failed: bool) -> bool:
+    """Whether a problem only says that a constant, or the units, reported already, are missing."""
+    declared = root.value.get("constants")
+    names = declared.value if declared is not None and declared.is_mapping else {}
+    if any(name not in constants and problem.message.startswith(f"'{name}' is not known") for name in names):
+        return True
+    return units_failed and (problem.path.startswith("units") or "declares none" in problem.message)
+
+
+def _read_units(root: Node) -> tuple[Units, list[Problem]]:
+    node = root.value.get("units")
+    if node is None or node.value is None:
+        return Units(), []
+    problems: list[Problem] = []
+    try:
+        names = BaseUnits.model_validate(node.plain())
+    except ValidationError as error:
+        found = translate(error, node, BaseUnits)
+        return Units(), [replace(p, path=f"units.{p.path}".rstrip(".")) for p in found]
+    for base in BASE:
+        try:
+            check_base_unit(getattr(names, base), base)
+        except ValueError as error:
+            problems.append(locate(root, f"units.{base}", str(error), "unit"))
+    return (Units() if problems else Units(**names.model_dump())), problems
+
+
+def read_text(path: Path) -> str:
+    """The text of a scene file; SceneError with words if it cannot be read."""
+    place = Mark(str(path))
+    try:
+        if path.is_dir():
+            raise SceneError([place.problem("", "is a folder, not a scene file", "file")])
+        if path.stat().st_size > MAX_BYTES:
+            size = path.stat().st_size / 1024**2
+            words = f"is too large for a scene: {size:.0f} MiB (at most {MAX_BYTES // 1024**2} MiB)"
+            raise SceneError([place.problem("", words, "file")])
+        contents = path.read_bytes()
+    except FileNotFoundError:
+        raise SceneError([place.problem("", "there is no such file", "file")]) from None
+    except (OSError, ValueError) as error:
+        words = getattr(error, "strerror", None) or str(error)
+        raise SceneError([place.problem("", f"cannot be read: {words}", "file")]) from None
+    try:
+        return contents.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = contents.count(b"\n", 0, error.start) + 1
+        column = error.start - contents.rfind(b"\n", 0, error.start)
+        words = f"this is no UTF-8 text (byte 0x{contents[error.start]:02x})"
+        raise SceneError([Mark(str(path), line, column).problem("", words, "encoding")]) from None

@@ -1,0 +1,130 @@
+"""How a scene is computed: shape function, strain update, transfer, damping, time step."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from mpmcli.core.model import Model, PositiveTime, quantity
+from mpmcli.core.suggest import did_you_mean
+from mpmcli.scene.values import Rate
+from mpmcli.shapes import SHAPES
+
+Alpha = quantity("1", ge=0, le=1)
+Coefficient = quantity("1", ge=0)
+MAX_ORDER = 100
+
+
+class Flip(Model):
+    """FLIP: particles take the change of the grid velocity."""
+
+    kind: Literal["flip"]
+    alpha: Alpha = 0.5  # type: ignore[valid-type]
+    """Weight α of the acceleration in the position update [nairn2026, Eq. 7]."""
+
+
+class Xpic(Model):
+    """XPIC(m): FLIP with the null space of the transfer filtered out in m steps [hammerquist2017]."""
+
+    kind: Literal["xpic"]
+    order: int = Field(default=2, ge=1, le=MAX_ORDER)
+    """Order m; 1 is PIC."""
+    alpha: Alpha = 0.5  # type: ignore[valid-type]
+    """Weight α of the acceleration in the position update [nairn2026, Eq. 7]."""
+
+
+class Fmpm(Model):
+    """FMPM(k): velocities by an approximate full mass matrix of order k [nairn2021]."""
+
+    kind: Literal["fmpm"]
+    order: int = Field(default=2, ge=1, le=MAX_ORDER)
+    """Order k; 1 is PIC."""
+    alpha: Alpha = 0.5  # type: ignore[valid-type]
+    """Weight α of the acceleration in the position update [nairn2026, Eq. 7]."""
+
+
+Transfer = Annotated[Flip | Xpic | Fmpm, Field(discriminator="kind")]
+
+UPDATES = {
+    "usf": "strains and stresses first",
+    "usl": "strains and stresses last",
+    "usl+": "last, with the grid velocity extrapolated once more",
+    "usavg": "half first, half last",
+    "usavg+": "half first, half last, with the grid velocity extrapolated once more",
+}
+"""Strain updates by name."""
+
+
+class Damping(Model):
+    """Damping proportional to velocity."""
+
+    particle: Rate = 0.0  # type: ignore[valid-type]
+    """Damping of particle velocities."""
+    grid: Rate = 0.0  # type: ignore[valid-type]
+    """Damping of grid velocities."""
+
+
+class ArtificialViscosity(Model):
+    """Pressure that spreads shocks over some cells [nairn2020, Eq. 52]."""
+
+    linear: Coefficient = 0.2  # type: ignore[valid-type]
+    """Coefficient A1 of the part linear in the rate of compression."""
+    quadratic: Coefficient = 2.0  # type: ignore[valid-type]
+    """Coefficient A2 of the quadratic part."""
+
+
+class Method(Model):
+    """The numerical method."""
+
+    shape: Annotated[str, Field(json_schema_extra={"enum": list(SHAPES)})] = "lcpdi"
+    """Shape function."""
+    update: Literal["usf", "usl", "usl+", "usavg", "usavg+"] = "usl"
+    """When in a step strains and stresses are updated."""
+    transfer: Transfer = Field(default_factory=lambda: Fmpm(kind="fmpm"))
+    """How velocities go from the grid to the particles."""
+    velocity_conditions: Literal["incremental", "lumped", "velocity", "combined"] = "incremental"
+    """How velocity conditions act in the FMPM loop [nairn2026, section 3.1]."""
+    damping: Damping = Damping()
+    """Damping of velocities."""
+    artificial_viscosity: ArtificialViscosity | None = None
+    """Artificial viscosity; off unless given."""
+    heating: Literal["isothermal", "adiabatic"] = "isothermal"
+    """Whether work of the stress heats the materials that track their temperature."""
+    precision: Literal["double"] = "double"
+    """Precision of particle and grid arrays."""
+
+    @field_validator("shape")
+    @classmethod
+    def _known_shape(cls, shape: str) -> str:
+        if shape not in SHAPES:
+            raise ValueError(f"'{shape}' is no shape function{did_you_mean(shape, SHAPES)} ({', '.join(SHAPES)})")
+        return shape
+
+
+class TimeSpan(Model):
+    """How long the run is, and its time step."""
+
+    end: PositiveTime  # type: ignore[valid-type]
+    """The run ends with the first step at or past this time."""
+    courant: quantity("1", gt=0, le=1) | None = 0.4  # type: ignore[valid-type]
+    """Courant number: step over the time in which the fastest wave crosses a cell."""
+    step: PositiveTime | None = None  # type: ignore[valid-type]
+    """A fixed time step, instead of a Courant number."""
+    max_steps: int | None = Field(default=None, ge=1)
+    """The run ends after this many steps at the latest."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _step_or_courant(cls, value: Any) -> Any:
+        if isinstance(value, dict) and value.get("step") is not None:
+            if value.get("courant") is not None:
+                raise ValueError("give either courant or step, not both")
+            return value | {"courant": None}
+        return value
+
+    @model_validator(mode="after")
+    def _one_given(self) -> TimeSpan:
+        if self.step is None and self.courant is None:
+            raise ValueError("give courant or step")
+        return self

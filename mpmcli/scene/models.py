@@ -1,0 +1,174 @@
+"""The scene: everything that a YAML file can say, with every default.
+
+Materials, regions, boundary conditions, loads and shape functions come from the registries of their rooms.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from mpmcli.boundary import CONDITIONS, LOADS
+from mpmcli.core.analysis import ANALYSES
+from mpmcli.core.model import Model, PositiveLength, quantity
+from mpmcli.geometry import REGIONS
+from mpmcli.materials import MATERIALS
+from mpmcli.scene.archive import Archive, Probe
+from mpmcli.scene.method import Method, TimeSpan
+from mpmcli.scene.values import CellSize, Name, ParticlesPerAxis, Point, TemperatureField, VelocityField
+
+MAX_NODES = 2_000_000_000
+WHOLE = 1e-6
+"""How far from a whole number the number of cells along an axis may be."""
+
+
+class BaseUnits(Model):
+    """The one consistent set of units that all plain numbers are in."""
+
+    length: str
+    """Unit of length."""
+    mass: str
+    """Unit of mass."""
+    time: str
+    """Unit of time."""
+    temperature: str = "K"
+    """Unit of temperature, from absolute zero."""
+
+
+class Uniaxial(Model):
+    """A bar along x: one axis, lateral strain or lateral stress zero."""
+
+    kind: Literal["uniaxial_strain", "uniaxial_stress"]
+    area: quantity("area", gt=0) = 1.0  # type: ignore[valid-type]
+    """Area of the bar's cross section."""
+
+
+class Planar(Model):
+    """Two axes, x and y; strain or stress across the plane zero."""
+
+    kind: Literal["plane_strain", "plane_stress"]
+    thickness: PositiveLength = 1.0  # type: ignore[valid-type]
+    """Thickness across the plane."""
+
+
+class Axisymmetric(Model):
+    """Two axes: x is the radius r, y the axis z; masses, forces and energies are those of the full ring."""
+
+    kind: Literal["axisymmetric"]
+
+
+class Spatial(Model):
+    """Three axes."""
+
+    kind: Literal["3d"]
+
+
+class Grid(Model):
+    """The background grid; ghost layers outside it are added silently."""
+
+    lower: Point
+    """Corner with the smallest coordinates."""
+    upper: Point
+    """Corner with the largest coordinates."""
+    cell: CellSize
+    """Size of a cell: one number, or one per axis."""
+
+    @model_validator(mode="after")
+    def _whole_cells(self) -> Grid:
+        if not len(self.lower) == len(self.upper) == len(self.cell):
+            counts = f"{len(self.lower)}, {len(self.upper)} and {len(self.cell)}"
+            raise ValueError(f"lower, upper and cell need one number per axis each, not {counts}")
+        nodes = 1.0
+        for axis, low, high, size in zip("xyz", self.lower, self.upper, self.cell, strict=False):
+            if not high > low:
+                raise ValueError(f"upper must lie above lower, but {high:g} <= {low:g} along {axis}")
+            count = (high - low) / size
+            if count < 0.5 or abs(count - round(count)) > WHOLE:
+                raise ValueError(f"(upper - lower)/cell must be a whole number, but it is {count:.7g} along {axis}")
+            nodes *= round(count) + 1
+        if nodes > MAX_NODES:
+            raise ValueError(f"the grid has {nodes:.2g} nodes: at most {MAX_NODES:.0e} are possible")
+        return self
+
+    @property
+    def dimensions(self) -> int:
+        """Number of axes."""
+        return len(self.lower)
+
+    @property
+    def cells(self) -> tuple[int, ...]:
+        """Number of cells along each axis."""
+        corners = zip(self.lower, self.upper, self.cell, strict=True)
+        return tuple(round((high - low) / size) for low, high, size in corners)
+
+
+class Body(Model):
+    """A region filled with particles of one material."""
+
+    name: Name
+    """Name of the body."""
+    material: Name
+    """Name of its material."""
+    region: REGIONS.union()  # type: ignore[valid-type]
+    """The space that it fills."""
+    particles_per_axis: ParticlesPerAxis = 2
+    """Particles per cell along each axis: one number, or one per axis."""
+    velocity: tuple[VelocityField, ...] = ()  # type: ignore[valid-type]
+    """Initial velocity: one number or expression of x, y, z per axis; without it the body is at rest."""
+    temperature: TemperatureField | None = None  # type: ignore[valid-type]
+    """Initial temperature, for materials that track it."""
+    overlap: Literal["error", "replace", "keep"] = "error"
+    """What happens where an earlier body is already: error, replace it, or keep it."""
+
+
+class Domain(Model):
+    """The space of the simulation."""
+
+    on_exit: Literal["error", "delete", "stop_at_wall"] = "error"
+    """What happens to a particle that leaves the grid."""
+
+
+AnalysisKind = Annotated[Uniaxial | Planar | Axisymmetric | Spatial, Field(discriminator="kind")]
+
+
+class Scene(Model):
+    """A scene of mpmcli."""
+
+    version: Literal[1]
+    """Version of the format."""
+    title: str = ""
+    """One line about the scene."""
+    units: BaseUnits | None = None
+    """Units of plain numbers; needed where text with a unit occurs."""
+    constants: dict[str, float | str] = {}
+    """Names for numbers; values may be expressions of other constants."""
+    analysis: AnalysisKind
+    """Kind of analysis."""
+    grid: Grid
+    """The background grid."""
+    method: Method = Field(default_factory=Method)
+    """The numerical method."""
+    materials: dict[str, MATERIALS.union()] = Field(min_length=1)  # type: ignore[valid-type]
+    """Materials by name."""
+    bodies: tuple[Body, ...] = Field(min_length=1)
+    """Bodies."""
+    contact: dict[str, Any] | None = None
+    """Contact between bodies; without it all bodies share one velocity field."""
+    boundary: tuple[CONDITIONS.union(), ...] = ()  # type: ignore[valid-type]
+    """Boundary conditions."""
+    loads: tuple[LOADS.union(), ...] = ()  # type: ignore[valid-type]
+    """Loads."""
+    time: TimeSpan
+    """Length of the run, and its time step."""
+    domain: Domain = Domain()
+    """The space of the simulation."""
+    probes: tuple[Probe, ...] = ()
+    """Tables that follow a particle or a point."""
+    archive: Archive = Archive()
+    """Files of results."""
+
+    @property
+    def dimensions(self) -> int:
+        """Number of axes of the analysis."""
+        return ANALYSES[self.analysis.kind]().dimensions

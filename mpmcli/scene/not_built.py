@@ -1,0 +1,94 @@
+"""Keys that belong to the scene's format and are not built yet: taken out, and said so in words."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from mpmcli.core.errors import Problem
+from mpmcli.scene.tree import Node
+
+# where ("*" stands for any member), which value (None: any), what it is
+ENTRIES: tuple[tuple[tuple[str, ...], Any, str], ...] = (
+    (("method", "transfer", "every_courant"), None, "FMPM on some steps only (every_courant)"),
+    (("method", "transfer", "every_steps"), None, "FMPM on some steps only (every_steps)"),
+    (("method", "transfer", "blend"), None, "blended FMPM"),
+    (("method", "transfer", "dynamic"), None, "an order chosen while running (dynamic)"),
+    (("method", "transfer", "velocity_gradient"), None, "velocity gradients in the transfer"),
+    (("method", "transfer", "contact_correction"), None, "the contact correction of XPIC"),
+    (("method", "precision"), "single", "single precision"),
+    (("time", "courant"), "auto", "a Courant number chosen by the program (auto)"),
+    (("archive", "checkpoint"), None, "checkpoints"),
+    (("bodies", "*", "field"), None, "a velocity field chosen by a body"),
+    (("materials", "*", "field"), None, "a velocity field chosen by a material"),
+)
+
+
+def take_out(root: Node) -> tuple[Node, list[Problem]]:
+    """The scene without the keys that are not built yet, and a problem for each of them."""
+    problems: list[Problem] = []
+    for pattern, value, words in ENTRIES:
+        root = _take(root, pattern, value, words, (), problems)
+    fields = _velocity_fields(root)
+    contact = root.value.get("contact")
+    if contact is not None:
+        place = root.keys["contact"]
+        if fields > 1:
+            message = f"contact between {fields} velocity fields is not built yet: without 'contact' bodies share one"
+            problems.append(place.problem("contact", message, "not_built"))
+        else:
+            message = "has no effect: the scene has a single velocity field"
+            problems.append(place.problem("contact", message, "no_effect", "warning"))
+        root = _without(root, "contact")
+    return root, problems
+
+
+def _velocity_fields(root: Node) -> int:
+    """How many velocity fields the contact of a scene would have."""
+    contact, bodies = root.value.get("contact"), root.value.get("bodies")
+    if contact is None or bodies is None or not bodies.is_sequence:
+        return 1
+    owner = contact.member("fields") if contact.is_mapping else None
+    key = "material" if owner is not None and owner.value == "material" else "name"
+    members = [body.member(key) for body in bodies.value if body.is_mapping]
+    return len({str(member.value) for member in members if member is not None})
+
+
+def _take(
+    node: Node, pattern: tuple[str, ...], value: Any, words: str, path: tuple[str, ...], problems: list[Problem]
+) -> Node:
+    key, rest = pattern[0], pattern[1:]
+    if key == "*":
+        if node.is_mapping:
+            members = {k: _take(m, rest, value, words, (*path, k), problems) for k, m in node.value.items()}
+            return replace(node, value=members)
+        if node.is_sequence:
+            labels = [member_label(m, i) for i, m in enumerate(node.value)]
+            pairs = zip(labels, node.value, strict=True)
+            return replace(node, value=[_take(m, rest, value, words, (*path, k), problems) for k, m in pairs])
+        return node
+    member = node.value.get(key) if node.is_mapping else None
+    if member is None:
+        return node
+    if rest:
+        return replace(node, value=node.value | {key: _take(member, rest, value, words, (*path, key), problems)})
+    if value is not None and member.value != value:
+        return node
+    message = f"{words}: not built yet"
+    problems.append(node.keys[key].problem(".".join((*path, key)), message, "not_built"))
+    return _without(node, key)
+
+
+def _without(node: Node, key: str) -> Node:
+    return replace(
+        node,
+        value={k: m for k, m in node.value.items() if k != key},
+        keys={k: m for k, m in node.keys.items() if k != key},
+    )
+
+
+def member_label(node: Node, index: int) -> str:
+    """How a member of a list is called in a path: by its name, or by its index."""
+    if node.is_mapping and "name" in node.value and isinstance(node.value["name"].value, str):
+        return node.value["name"].value
+    return str(index)

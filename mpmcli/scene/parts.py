@@ -1,0 +1,72 @@
+"""The parts of a scene that are valid, so that a fault in one does not hide those of the others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Annotated, Any
+
+from pydantic import TypeAdapter, ValidationError
+from pydantic.fields import FieldInfo
+
+from mpmcli.scene.context import Context
+from mpmcli.scene.models import Scene
+
+LISTS = ("bodies", "boundary", "loads", "probes")
+
+
+@dataclass
+class Parts:
+    """Valid models of a scene; what is not valid is None or left out.
+
+    The lists hold pairs of index in the scene and model; ``materials`` maps names to models.
+    """
+
+    analysis: Any = None
+    grid: Any = None
+    method: Any = None
+    time: Any = None
+    archive: Any = None
+    materials: dict[str, Any] = field(default_factory=dict)
+    bodies: list[tuple[int, Any]] = field(default_factory=list)
+    boundary: list[tuple[int, Any]] = field(default_factory=list)
+    loads: list[tuple[int, Any]] = field(default_factory=list)
+    probes: list[tuple[int, Any]] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, scene: Scene) -> Parts:
+        """All parts of a valid scene."""
+        single = {key: getattr(scene, key) for key in ("analysis", "grid", "method", "time", "archive")}
+        lists = {key: list(enumerate(getattr(scene, key))) for key in LISTS}
+        return cls(**single, materials=dict(scene.materials), **lists)
+
+    @classmethod
+    def salvage(cls, plain: dict[str, Any], context: Context) -> Parts:
+        """The parts of an invalid scene that are valid by themselves."""
+        parts = cls()
+        for key in ("analysis", "grid", "method", "time", "archive"):
+            if isinstance(plain.get(key), dict):
+                setattr(parts, key, _try(_adapter(Scene.model_fields[key]), plain[key], context))
+        materials = plain.get("materials")
+        if isinstance(materials, dict):
+            member = _adapter(Scene.model_fields["materials"])
+            for name, value in materials.items():
+                made = _try(member, {name: value}, context)
+                if made is not None:
+                    parts.materials |= made
+        for key in LISTS:
+            if isinstance(plain.get(key), list):
+                adapter = _adapter(Scene.model_fields[key])
+                tried = [(i, _try(adapter, [value], context)) for i, value in enumerate(plain[key])]
+                setattr(parts, key, [(i, made[0]) for i, made in tried if made is not None])
+        return parts
+
+
+def _adapter(info: FieldInfo) -> TypeAdapter[Any]:
+    return TypeAdapter(Annotated[info.annotation, info])
+
+
+def _try(adapter: TypeAdapter[Any], value: Any, context: Context) -> Any:
+    try:
+        return adapter.validate_python(value, context=context)
+    except ValidationError:
+        return None

@@ -1,0 +1,254 @@
+"""Problems of a scene in plain words, with the line and column of each: pydantic's errors translated."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from mpmcli.core.errors import Problem
+from mpmcli.core.model import Refused
+from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.scene.not_built import member_label
+from mpmcli.scene.tree import Mark, Node
+
+MAX_SHOWN = 100
+
+_NOUNS = {
+    "materials": "material",
+    "bodies": "region",
+    "boundary": "boundary condition",
+    "loads": "load",
+    "probes": "probe",
+    "analysis": "analysis",
+    "transfer": "transfer",
+}
+_LIMITS = {
+    "greater_than": ("gt", "above"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "below"),
+    "less_than_equal": ("le", "at most"),
+}
+_NEEDED = {
+    "float_type": "a number",
+    "float_parsing": "a number",
+    "int_type": "a whole number",
+    "int_parsing": "a whole number",
+    "int_from_float": "a whole number",
+    "string_type": "text",
+    "bool_type": "true or false",
+    "tuple_type": "a list",
+    "list_type": "a list",
+    "dict_type": "a mapping of names to values",
+    "model_type": "a mapping of keys to values",
+    "model_attributes_type": "a mapping of keys to values",
+}
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where an error of pydantic stands: path, the nearest node that exists, and the place of its key."""
+
+    path: tuple[str, ...]
+    node: Node
+    key: Mark
+
+
+def follow(root: Node, loc: Sequence[str | int]) -> Place:
+    """Follow a location as pydantic gives it; what is no key (tags of unions, names of functions) is passed over."""
+    node, key, path = root, root.mark, []
+    tag_passed = False
+    for part in loc:
+        member, mark = None, None
+        if node.is_mapping and isinstance(part, str):
+            kind = node.value.get("kind")
+            if kind is not None and kind.value == part and not tag_passed:
+                tag_passed = True
+                continue
+            member, mark = node.value.get(part), node.keys.get(part)
+        elif node.is_sequence and isinstance(part, int) and part < len(node.value):
+            member = node.value[part]
+            part, mark = member_label(member, part), member.mark
+        if member is not None and mark is not None:
+            node, key, tag_passed = member, mark, False
+            path.append(str(part))
+    return Place(tuple(path), node, key)
+
+
+def locate(root: Node, path: str, message: str, code: str = "invalid", severity: str = "error") -> Problem:
+    """A problem at a dotted path (list members by name or index), placed at the part of it that exists."""
+    node, keys = root, path.split(".") if path else []
+    for index, key in enumerate(keys):
+        member = node.member(key)
+        if member is None and node.is_sequence:
+            member = node.member(".".join(keys[index:]))
+        if member is None:
+            break
+        node = member
+    return node.mark.problem(path, message, code, severity)
+
+
+def translate(error: ValidationError, root: Node, model: type[BaseModel]) -> list[Problem]:
+    """Every error of pydantic as a problem with words and place."""
+    found: dict[tuple[str, str], tuple[Problem, str]] = {}
+    for details in error.errors(include_url=False):
+        for problem in _problems(dict(details), root, model):
+            found.setdefault((problem.path, problem.message), (problem, str(details["type"])))
+    return _without_echoes(list(found.values()))
+
+
+def _without_echoes(found: list[tuple[Problem, str]]) -> list[Problem]:
+    """Of several errors at one path (the members of a union) leave out those that only say "wrong type"."""
+    by_path: dict[str, list[tuple[Problem, str]]] = {}
+    for problem, kind in found:
+        by_path.setdefault(problem.path, []).append((problem, kind))
+    kept = []
+    for group in by_path.values():
+        telling = [problem for problem, kind in group if kind not in _NEEDED]
+        kept += telling if telling else [group[0][0]]
+    return kept
+
+
+def _problems(details: dict[str, Any], root: Node, model: type[BaseModel]) -> list[Problem]:
+    kind, loc, context = details["type"], tuple(details["loc"]), details.get("ctx", {})
+    place = follow(root, loc)
+    inner = context.get("error")
+    if isinstance(inner, ValidationError):
+        return [p for nested in inner.errors(include_url=False) for p in _nested(dict(nested), loc, root, model)]
+    path, mark = ".".join(place.path), place.node.mark
+    if kind == "missing":
+        return [mark.problem(_join(path, str(loc[-1])), "is missing", "missing")]
+    if kind == "extra_forbidden":
+        keys = _keys_of(model, loc[:-1])
+        message = f"unknown key '{loc[-1]}'{did_you_mean(str(loc[-1]), keys) or _choice(keys)}"
+        return [place.key.problem(path, message, "unknown_key")]
+    if kind in {"union_tag_invalid", "union_tag_not_found"}:
+        return [_tag_problem(kind, place, context)]
+    return [mark.problem(path, _words(kind, context, details), kind if kind in _CODES else "invalid")]
+
+
+_CODES = {*_LIMITS, "finite_number", "literal_error"}
+
+
+def _nested(details: dict[str, Any], loc: tuple[Any, ...], root: Node, model: type[BaseModel]) -> list[Problem]:
+    return _problems(details | {"loc": (*loc, *details["loc"])}, root, model)
+
+
+def _tag_problem(kind: str, place: Place, context: dict[str, Any]) -> Problem:
+    path = ".".join(place.path)
+    noun = "region" if "region" in place.path else next(
+        (_NOUNS[part] for part in reversed(place.path) if part in _NOUNS), "kind"
+    )
+    if kind == "union_tag_not_found":
+        if not place.node.is_mapping:
+            message = f"a mapping with 'kind' is needed, not {describe(place.node.plain())}"
+            return place.node.mark.problem(path, message, "type")
+        return place.node.mark.problem(_join(path, "kind"), f"is missing: which {noun}?", "missing")
+    names = re.findall(r"'([^']*)'", str(context.get("expected_tags", "")))
+    node = place.node.value.get("kind", place.node) if place.node.is_mapping else place.node
+    word = describe(node.value)
+    message = f"{word} is no {noun}{did_you_mean(str(node.value), names)} ({listing(names, 40)})"
+    return node.mark.problem(_join(path, "kind"), message, "unknown_kind")
+
+
+def _words(kind: str, context: dict[str, Any], details: dict[str, Any]) -> str:
+    value = details.get("input")
+    if kind in {"value_error", "assertion_error"}:
+        return str(context.get("error", details["msg"]))
+    if kind in _LIMITS:
+        name, words = _LIMITS[kind]
+        return f"{describe(value)} is out of range: must be {words} {context[name]:g}"
+    if kind == "finite_number":
+        return "must be finite"
+    if kind == "literal_error":
+        names = re.findall(r"'([^']*)'|(\d+)", str(context.get("expected", "")))
+        words = [text or number for text, number in names]
+        hint = did_you_mean(value, words) if isinstance(value, str) else ""
+        return f"{describe(value)} is not possible here{hint} ({listing(words, 40)})"
+    if kind in _NEEDED:
+        hint = ": put it in quotes" if kind == "string_type" and isinstance(value, int | float) else ""
+        return f"{_NEEDED[kind]} is needed, not {describe(value)}{hint}"
+    if kind in {"too_short", "too_long"}:
+        limit = context.get("min_length", context.get("max_length"))
+        return f"{'at least' if kind == 'too_short' else 'at most'} {limit} needed, not {context['actual_length']}"
+    if kind == "string_too_short":
+        return "must not be empty"
+    if kind == "string_too_long":
+        return f"is too long: at most {context['max_length']} characters"
+    message = str(details["msg"])
+    return message[:1].lower() + message[1:]
+
+
+def describe(value: Any) -> str:
+    """A value as a message shows it."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, Refused):
+        return describe(value.value)
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float):
+        return f"{value:.15g}" if isinstance(value, float) else str(value)[:40]
+    if isinstance(value, str):
+        return f"'{value if len(value) <= 60 else value[:57] + '…'}'"
+    if isinstance(value, dict):
+        return "a mapping"
+    return "a list" if isinstance(value, list | tuple) else "this"
+
+
+def _join(path: str, key: str) -> str:
+    return f"{path}.{key}" if path else key
+
+
+def _choice(keys: list[str]) -> str:
+    return f" ({listing(keys, 40)})" if keys else ""
+
+
+def _keys_of(model: type[BaseModel], loc: Sequence[Any]) -> list[str]:
+    """The keys that a mapping of the scene may have, found by the types of the models on the way to it."""
+    candidates = [model]
+    for part in loc:
+        tagged = [c for c in candidates if part in _kinds(c)]
+        if len(candidates) > 1 and tagged:
+            candidates = tagged
+        elif any(part in c.model_fields for c in candidates):
+            fields = [c.model_fields[part] for c in candidates if part in c.model_fields]
+            candidates = [m for field in fields for m in (*_models(field.annotation), *_models(field.metadata))]
+    return list(dict.fromkeys(field.alias or name for c in candidates for name, field in c.model_fields.items()))
+
+
+def _kinds(model: type[BaseModel]) -> tuple[Any, ...]:
+    field = model.model_fields.get("kind")
+    return get_args(field.annotation) if field is not None else ()
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """The models that occur in an annotation."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    parts = annotation if isinstance(annotation, list) else get_args(annotation)
+    return [model for part in parts for model in _models(part)]
+
+
+def ordered(problems: Iterable[Problem]) -> list[Problem]:
+    """Problems by file and line, each once; those without a line first."""
+    unique = dict.fromkeys(problems)
+    return sorted(unique, key=lambda p: (p.file or "", p.line is not None, p.line or 0, p.column or 0))
+
+
+def as_text(problems: Sequence[Problem]) -> str:
+    """One line per problem, the paths aligned; very many are cut short."""
+    lines = [str(problem) for problem in problems[:MAX_SHOWN]]
+    if len(problems) > MAX_SHOWN:
+        lines.append(f"… and {len(problems) - MAX_SHOWN} more")
+    return "\n".join(lines)
+
+
+def as_json(problems: Sequence[Problem]) -> str:
+    """A JSON list of {file, line, column, path, code, severity, message}."""
+    keys = ("file", "line", "column", "path", "code", "severity", "message")
+    return json.dumps([{key: asdict(problem)[key] for key in keys} for problem in problems], indent=1, ensure_ascii=False)

@@ -1,0 +1,305 @@
+"""YAML 1.2 core text as a tree of nodes that know their line and column.
+
+PyYAML reads YAML 1.1 (``1e3`` is text, ``no`` is false, ``010`` is eight, ``12:30`` a number in base sixty) and lets a
+repeated key win. Here only its C parser is used; scalars are told apart by the rules of YAML 1.2 core, a repeated key
+is an error, and a text that would grow without bound when its aliases are expanded is refused.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
+
+import yaml
+
+from mpmcli.core.errors import Problem, SceneError
+
+MAX_DEPTH = 50
+MAX_EXPANSION = 200_000
+PARSER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+_NULL = {"", "~", "null", "Null", "NULL"}
+_BOOL = {text: value for value in (True, False) for text in (str(value), str(value).lower(), str(value).upper())}
+_INT = re.compile(r"[-+]?[0-9]+\Z")
+_OCTAL = re.compile(r"0o[0-7]+\Z")
+_HEX = re.compile(r"0x[0-9a-fA-F]+\Z")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?\Z")
+_INFINITE = re.compile(r"[-+]?\.(inf|Inf|INF)\Z")
+_NAN = re.compile(r"\.(nan|NaN|NAN)\Z")
+_TAGS = {f"tag:yaml.org,2002:{name}" for name in ("str", "int", "float", "bool", "null", "seq", "map")}
+
+
+class Mark(NamedTuple):
+    """A place: file (or the option that gave the value), line and column from 1; None where there is no line."""
+
+    file: str
+    line: int | None = None
+    column: int | None = None
+
+    def problem(self, path: str, message: str, code: str = "invalid", severity: str = "error") -> Problem:
+        """A problem at this place."""
+        return Problem(path, message, self.file, self.line, self.column, severity, code)
+
+
+@dataclass
+class Node:
+    """A value of the scene and where it stands.
+
+    ``value`` is a number, text, true, false or None for a scalar, a dict of nodes for a mapping, a list of nodes for
+    a sequence. ``keys`` gives the places of a mapping's keys, ``size`` how many nodes the value has when expanded and
+    ``height`` how deep they nest.
+    """
+
+    value: Any
+    mark: Mark
+    keys: dict[str, Mark] = field(default_factory=dict)
+    size: int = 1
+    height: int = 0
+
+    def measure(self, members: Iterable[Node]) -> None:
+        """Add the size and height of its members to its own."""
+        for member in members:
+            self.size += member.size
+            self.height = max(self.height, member.height + 1)
+
+    @property
+    def is_mapping(self) -> bool:
+        """Whether it has keys."""
+        return isinstance(self.value, dict)
+
+    @property
+    def is_sequence(self) -> bool:
+        """Whether it is a list."""
+        return isinstance(self.value, list)
+
+    def plain(self) -> Any:
+        """Dicts, lists and scalars without marks."""
+        if isinstance(self.value, dict):
+            return {key: node.plain() for key, node in self.value.items()}
+        if isinstance(self.value, list):
+            return [node.plain() for node in self.value]
+        return self.value
+
+    def member(self, key: str) -> Node | None:
+        """The member of a mapping by its key; of a list by the ``name`` of a member or by its index."""
+        if isinstance(self.value, dict):
+            return self.value.get(key)
+        if isinstance(self.value, list):
+            for node in self.value:
+                if isinstance(node.value, dict) and "name" in node.value and node.value["name"].value == key:
+                    return node
+            if key.isdecimal() and len(key) < 10 and int(key) < len(self.value):
+                return self.value[int(key)]
+        return None
+
+    def texts(self) -> Iterator[str]:
+        """Every text in it."""
+        stack, seen = [self], set()
+        while stack:
+            node = stack.pop()
+            if id(node) in seen:
+                continue
+            seen.add(id(node))
+            if isinstance(node.value, str):
+                yield node.value
+            elif isinstance(node.value, dict):
+                stack.extend(node.value.values())
+            elif isinstance(node.value, list):
+                stack.extend(node.value)
+
+
+def read_scalar(text: str) -> Any:
+    """The value of a plain (unquoted) scalar by the rules of YAML 1.2 core."""
+    if text in _NULL:
+        return None
+    if text in _BOOL:
+        return _BOOL[text]
+    if _INT.match(text):
+        return int(text) if len(text) < 19 else float(text)
+    if _FLOAT.match(text):
+        return float(text)
+    if _OCTAL.match(text) or _HEX.match(text):
+        return int(text, 0) if len(text) < 19 else text
+    if _INFINITE.match(text):
+        return float(text.replace(".", ""))
+    if _NAN.match(text):
+        return float("nan")
+    return text
+
+
+def compose(text: str, file: str) -> Node:
+    """Read YAML text.
+
+    Raises
+    ------
+    SceneError
+        With every repeated key, or with the first fault of syntax.
+    """
+    composer = _Composer(text, file)
+    try:
+        root = composer.compose()
+    except yaml.MarkedYAMLError as error:
+        raise SceneError([_syntax_problem(error, text, file)]) from None
+    except yaml.YAMLError as error:
+        raise SceneError([_character_problem(error, text, file)]) from None
+    if composer.problems:
+        raise SceneError(composer.problems)
+    if root.size - composer.count > MAX_EXPANSION:
+        message = f"its aliases expand to {root.size} values: that is refused"
+        raise SceneError([Mark(file, 1, 1).problem("", message, "alias_expansion")])
+    return root
+
+
+def compose_value(text: str, option: str) -> Node:
+    """Read the value of a command-line option; its places are the option, without line and column."""
+    try:
+        root = Node(None, Mark(option)) if read_scalar(text.strip()) is None else compose(text, option)
+    except SceneError as error:
+        raise SceneError([replace(p, line=None, column=None) for p in error.problems]) from None
+    return _moved(root, Mark(option))
+
+
+def _moved(node: Node, mark: Mark) -> Node:
+    value = node.value
+    if isinstance(value, dict):
+        value = {key: _moved(member, mark) for key, member in value.items()}
+    elif isinstance(value, list):
+        value = [_moved(member, mark) for member in value]
+    return replace(node, value=value, mark=mark, keys=dict.fromkeys(node.keys, mark))
+
+
+class _Composer:
+    """Builds nodes from the parser's events, without recursion on the parser's side."""
+
+    def __init__(self, text: str, file: str):
+        self.events = yaml.parse(text, Loader=PARSER)
+        self.file = file
+        self.anchors: dict[str, Node | None] = {}
+        self.problems: list[Problem] = []
+        self.count = 0
+
+    def compose(self) -> Node:
+        root: Node | None = None
+        for event in self.events:
+            if isinstance(event, yaml.DocumentStartEvent):
+                if root is not None:
+                    self._stop(event, "a second document begins here: a scene is one document", "documents")
+                root = self._node(next(self.events), 0)
+        if root is None or root.value is None:
+            raise SceneError([Mark(self.file, 1, 1).problem("", "the scene is empty", "empty")])
+        return root
+
+    def _node(self, event: Any, depth: int) -> Node:
+        if depth > MAX_DEPTH:
+            self._stop(event, f"nested deeper than {MAX_DEPTH} levels: that is refused", "nesting")
+        if isinstance(event, yaml.AliasEvent):
+            return self._alias(event, depth)
+        self.count += 1
+        if event.tag is not None and event.tag not in _TAGS and event.tag != "!":
+            self._stop(event, f"the tag '{event.tag}' is not known: a scene has plain values only", "tag")
+        node = Node(None, self._mark(event))
+        if event.anchor:
+            self.anchors[event.anchor] = None
+        if isinstance(event, yaml.ScalarEvent):
+            plain = event.implicit[0] and event.tag is None
+            node.value = read_scalar(event.value) if plain else _tagged(event)
+        elif isinstance(event, yaml.SequenceStartEvent):
+            node.value = self._sequence(depth)
+            node.measure(node.value)
+        else:
+            node.value = self._mapping(node, depth)
+            node.measure(node.value.values())
+        if depth + node.height > MAX_DEPTH:
+            self._stop(event, f"nested deeper than {MAX_DEPTH} levels: that is refused", "nesting")
+        if event.anchor:
+            self.anchors[event.anchor] = node
+        return node
+
+    def _alias(self, event: Any, depth: int) -> Node:
+        if event.anchor not in self.anchors:
+            self._stop(event, f"the alias '*{event.anchor}' has no anchor '&{event.anchor}' before it", "alias")
+        node = self.anchors[event.anchor]
+        if node is None:
+            self._stop(event, f"the alias '*{event.anchor}' stands inside its own anchor", "alias")
+        assert node is not None
+        return node
+
+    def _sequence(self, depth: int) -> list[Node]:
+        members = []
+        while not isinstance(event := next(self.events), yaml.SequenceEndEvent):
+            members.append(self._node(event, depth + 1))
+        return members
+
+    def _mapping(self, node: Node, depth: int) -> dict[str, Node]:
+        members: dict[str, Node] = {}
+        merged: list[Node] = []
+        while not isinstance(event := next(self.events), yaml.MappingEndEvent):
+            if not isinstance(event, yaml.ScalarEvent):
+                self._stop(event, "a key must be plain text", "key")
+            self.count += 1
+            key, mark = event.value, self._mark(event)
+            value = self._node(next(self.events), depth + 1)
+            if key == "<<" and event.implicit[0]:
+                merged.extend(self._merge(value, mark))
+            elif key in members:
+                first = node.keys[key].line
+                message = f"the key '{key}' stands here for a second time; the first is in line {first}"
+                self.problems.append(mark.problem(key, message, "duplicate_key"))
+            else:
+                members[key], node.keys[key] = value, mark
+        for other in merged:
+            for key, value in other.value.items():
+                if key not in members:
+                    members[key], node.keys[key] = value, other.keys[key]
+        return members
+
+    def _merge(self, value: Node, mark: Mark) -> list[Node]:
+        sources = value.value if value.is_sequence else [value]
+        if not all(source.is_mapping for source in sources):
+            raise SceneError([mark.problem("<<", "'<<' needs a mapping, or a list of mappings, to merge", "merge")])
+        return sources
+
+    def _mark(self, event: Any) -> Mark:
+        return Mark(self.file, event.start_mark.line + 1, event.start_mark.column + 1)
+
+    def _stop(self, event: Any, message: str, code: str) -> None:
+        raise SceneError([*self.problems, self._mark(event).problem("", message, code)])
+
+
+def _tagged(event: Any) -> Any:
+    """The value of a quoted scalar, or of one with an explicit tag of YAML's core."""
+    name = (event.tag or "").rpartition(":")[2]
+    if name in {"int", "float", "bool", "null"}:
+        value = read_scalar(event.value)
+        return float(value) if name == "float" and isinstance(value, int) else value
+    return event.value
+
+
+def _syntax_problem(error: yaml.MarkedYAMLError, text: str, file: str) -> Problem:
+    mark = error.problem_mark or error.context_mark
+    line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
+    lines = text.splitlines()
+    here = lines[line - 1] if line <= len(lines) else ""
+    before = here[: len(here) - len(here.lstrip())]
+    if "\t" in before:
+        message = "a tab is used for indentation: YAML is indented with spaces"
+        return Problem("", message, file, line, before.index("\t") + 1, code="tab")
+    words = (error.problem or "this cannot be read as YAML").replace("did not find expected", "did not find the expected")
+    if "cannot start any token" in words:
+        words += "; text that begins with it needs quotes"
+    elif error.context and error.context_mark:
+        words += f" ({error.context} that begins in line {error.context_mark.line + 1})"
+    return Problem("", f"syntax: {words}", file, line, column, code="syntax")
+
+
+def _character_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:
+    position = getattr(error, "position", None)
+    if not isinstance(position, int) or position > len(text):
+        return Problem("", "this cannot be read as YAML text", file, 1, 1, code="encoding")
+    before = text[:position]
+    line, column = before.count("\n") + 1, position - before.rfind("\n")
+    code = getattr(error, "character", None)
+    shown = f" ({code:#04x})" if isinstance(code, int) else ""
+    return Problem("", f"a character{shown} that YAML does not allow", file, line, column, code="encoding")

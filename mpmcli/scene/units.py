@@ -1,0 +1,308 @@
+"""The scene's one consistent set of units: text with a unit becomes a number of that set, and quantities get labels.
+
+Everything derives from length, mass, time and temperature. pint is imported only when a scene holds text with a unit;
+it computes with decimal numbers, so that ``"3 g/cc"`` is 3000 in kg and m, not 2999.9999999999995.
+"""
+
+from __future__ import annotations
+
+import re
+from decimal import Decimal
+from fractions import Fraction
+from functools import cache
+from typing import Any, NamedTuple
+
+from mpmcli.core.suggest import did_you_mean
+
+Exponents = tuple[Fraction, Fraction, Fraction, Fraction]
+
+BASE = ("length", "mass", "time", "temperature")
+
+# exponents of length, mass, time, temperature
+DIMENSIONS: dict[str, tuple[int, int, int, int]] = {
+    "1": (0, 0, 0, 0),
+    "angle": (0, 0, 0, 0),
+    "strain": (0, 0, 0, 0),
+    "length": (1, 0, 0, 0),
+    "area": (2, 0, 0, 0),
+    "volume": (3, 0, 0, 0),
+    "mass": (0, 1, 0, 0),
+    "time": (0, 0, 1, 0),
+    "temperature": (0, 0, 0, 1),
+    "frequency": (0, 0, -1, 0),
+    "rate": (0, 0, -1, 0),
+    "velocity": (1, 0, -1, 0),
+    "acceleration": (1, 0, -2, 0),
+    "momentum": (1, 1, -1, 0),
+    "angular_momentum": (2, 1, -1, 0),
+    "force": (1, 1, -2, 0),
+    "stress": (-1, 1, -2, 0),
+    "pressure": (-1, 1, -2, 0),
+    "energy": (2, 1, -2, 0),
+    "power": (2, 1, -3, 0),
+    "density": (-3, 1, 0, 0),
+    "viscosity": (-1, 1, -1, 0),
+    "specific_heat": (2, 0, -2, -1),
+    "specific_energy": (2, 0, -2, 0),
+    "gas_constant": (2, 0, -2, -1),
+}
+
+# words whose label is a unit of its own where the scale is a power of ten that has a prefix
+_NAMED = {"force": "N", "stress": "Pa", "pressure": "Pa", "energy": "J", "power": "W"}
+_PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+
+# units a scene may be written in without help from pint: size in m, kg, s, K
+KNOWN: dict[str, dict[str, Fraction]] = {
+    "length": {
+        "pm": Fraction(1, 10**12),
+        "nm": Fraction(1, 10**9),
+        "um": Fraction(1, 10**6),
+        "µm": Fraction(1, 10**6),
+        "mm": Fraction(1, 1000),
+        "cm": Fraction(1, 100),
+        "dm": Fraction(1, 10),
+        "m": Fraction(1),
+        "km": Fraction(1000),
+        "in": Fraction(254, 10000),
+        "inch": Fraction(254, 10000),
+        "ft": Fraction(3048, 10000),
+    },
+    "mass": {
+        "ng": Fraction(1, 10**12),
+        "ug": Fraction(1, 10**9),
+        "µg": Fraction(1, 10**9),
+        "mg": Fraction(1, 10**6),
+        "g": Fraction(1, 1000),
+        "kg": Fraction(1),
+        "t": Fraction(1000),
+        "tonne": Fraction(1000),
+        "Mg": Fraction(1000),
+        "lb": Fraction(45359237, 10**8),
+    },
+    "time": {
+        "ps": Fraction(1, 10**12),
+        "ns": Fraction(1, 10**9),
+        "us": Fraction(1, 10**6),
+        "µs": Fraction(1, 10**6),
+        "ms": Fraction(1, 1000),
+        "s": Fraction(1),
+        "min": Fraction(60),
+        "h": Fraction(3600),
+        "day": Fraction(86400),
+    },
+    "temperature": {"K": Fraction(1), "mK": Fraction(1, 1000), "degR": Fraction(5, 9)},
+}
+_EXAMPLES = ("Pa kPa MPa GPa N kN J kJ mJ m cm mm km um nm kg g mg s ms us ns K W Hz rad deg psi g/cc "
+             "kg/m^3 g/cm^3 m/s mm/ms m/s^2").split()
+
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_WITH_UNIT = re.compile(rf"\s*({_NUMBER})\s*((?:(?<=\s)1\s*/\s*)?[^\W\d_].*|[%°Å].*)\s*\Z", re.DOTALL)
+_UNIT_TEXT = re.compile(
+    r"(?:[^\W\d_]\w{0,30}|[%°Å]\w{0,10}|(?:\^|\*\*)\s*[-+]?[1-9](?![\d.])|[²³]|1(?=\s*/)|[*/·() ])+\Z"
+)
+
+
+class Dimension(NamedTuple):
+    """Exponents of length, mass, time and temperature."""
+
+    exponents: Exponents
+
+    @classmethod
+    @cache
+    def of(cls, words: str) -> Dimension:
+        """Read a product of dimension words, such as ``"pressure/length"`` or ``"energy/mass/temperature"``."""
+        total = [Fraction(0)] * 4
+        for word, power in _factors(words):
+            if word not in DIMENSIONS:
+                raise ValueError(f"'{word}' is no dimension{did_you_mean(word, DIMENSIONS)}")
+            total = [a + power * b for a, b in zip(total, DIMENSIONS[word], strict=True)]
+        return cls((total[0], total[1], total[2], total[3]))
+
+
+def _factors(words: str) -> list[tuple[str, Fraction]]:
+    """Factors of a product with their powers, in the order written."""
+    factors, sign = [], 1
+    for part in re.split(r"(\*\*|\^|[*/])", words.replace(" ", "")):
+        if part in {"*", "/"}:
+            sign = 1 if part == "*" else -1
+        elif part in {"^", "**"}:
+            sign = 0
+        elif sign == 0:
+            word, power = factors.pop()
+            factors.append((word, power * Fraction(part)))
+        else:
+            factors.append((part, Fraction(sign)))
+    return factors
+
+
+def split_unit(text: str) -> tuple[str, str] | None:
+    """Number and unit of text such as ``"1.5 GPa"``; None if the text is no number with a unit."""
+    found = _WITH_UNIT.match(text) if len(text) < 200 else None
+    return (found.group(1), found.group(2).strip()) if found else None
+
+
+class Units:
+    """A consistent set of units.
+
+    Parameters
+    ----------
+    length, mass, time, temperature
+        Names of the base units, or None where the scene declares none.
+    """
+
+    def __init__(
+        self,
+        length: str | None = None,
+        mass: str | None = None,
+        time: str | None = None,
+        temperature: str | None = "K",
+    ):
+        self.names = {"length": length, "mass": mass, "time": time, "temperature": temperature}
+
+    @property
+    def are_declared(self) -> bool:
+        """Whether the scene says what its numbers are in."""
+        return all(self.names[base] is not None for base in BASE[:3])
+
+    def scale(self, base: str) -> Fraction:
+        """Size of a base unit in m, kg, s or K."""
+        name = self.names[base]
+        if name is None:
+            raise ValueError("the scene declares no units")
+        if name in KNOWN[base]:
+            return KNOWN[base][name]
+        return base_unit_size(name, base)
+
+    def number(self, text: str, dimension: str) -> float:
+        """The value of text with a unit in this set; ValueError with words for the user."""
+        return self._convert(text, Dimension.of(dimension), dimension)
+
+    def any_number(self, text: str) -> float:
+        """The value of text with a unit of any dimension in this set."""
+        return self._convert(text, None, "")
+
+    def _convert(self, text: str, wanted: Dimension | None, words: str) -> float:
+        parts = split_unit(text)
+        if parts is None:
+            raise ValueError(f"'{text}' is no number with a unit")
+        if not self.are_declared:
+            raise ValueError(
+                f"'{text}' has a unit, but the scene declares none: add units: {{length: …, mass: …, time: …}}"
+            )
+        quantity = _quantity(*parts, text)
+        found = _dimension(quantity, text)
+        if wanted is not None and found != wanted:
+            label = self.label(words)
+            needed = f"{words} is needed, as in '{label}'" if label != "1" else "a plain number is needed"
+            raise ValueError(f"'{text}' has the wrong dimension: {needed}")
+        if not quantity._is_multiplicative and found == Dimension.of("temperature"):
+            quantity = quantity.to("K")
+        elif "delta_" in str(quantity.units) and found == Dimension.of("temperature"):
+            raise ValueError(f"'{text}' is a difference of temperatures: write the temperature itself, in K or degC")
+        if str(quantity.units) in _ANGLES:
+            return float(quantity.to("radian").magnitude if words != "angle" else quantity.to("degree").magnitude)
+        value = Fraction(quantity.to_root_units().magnitude) * Fraction(1, _ROOT_MASS ** int(found.exponents[1]))
+        for base, exponent in zip(BASE, found.exponents, strict=True):
+            value /= self.scale(base) ** exponent if exponent.denominator == 1 else Fraction(1)
+        return float(value)
+
+    def label(self, words: str) -> str:
+        """The unit of a quantity, e.g. ``"MPa"`` for pressure in mm, g and ms; the words themselves if undeclared."""
+        if not self.are_declared:
+            return words
+        powers: dict[str, Fraction] = {}
+        for word, power in _factors(words):
+            for text, exponent in self._label_of(word):
+                powers[text] = powers.get(text, Fraction(0)) + exponent * power
+        over = [_power(text, power) for text, power in powers.items() if power > 0]
+        under = [_power(text, -power) for text, power in powers.items() if power < 0]
+        return "/".join(["*".join(over) or "1", *under])
+
+    def _label_of(self, word: str) -> list[tuple[str, Fraction]]:
+        if word == "angle":
+            return [("deg", Fraction(1))]
+        if word in _NAMED and (prefix := self._prefix(word)) is not None:
+            return [(prefix + _NAMED[word], Fraction(1))]
+        if word in {"specific_heat", "gas_constant", "specific_energy"}:
+            parts = [*self._label_of("energy"), (str(self.names["mass"]), Fraction(-1))]
+            return parts + [(str(self.names["temperature"]), Fraction(-1))] * (word != "specific_energy")
+        order = ("mass", "length", "time", "temperature")
+        exponents = dict(zip(BASE, Dimension.of(word).exponents, strict=True))
+        return [(str(self.names[base]), exponents[base]) for base in order if exponents[base]]
+
+    def _prefix(self, word: str) -> str | None:
+        """The SI prefix that gives this set's unit, or None if there is none."""
+        size = Fraction(1)
+        for base, exponent in zip(BASE, Dimension.of(word).exponents, strict=True):
+            size *= self.scale(base) ** int(exponent)
+        return next((text for power, text in _PREFIXES.items() if size == Fraction(10) ** power), None)
+
+    def as_dict(self) -> dict[str, str]:
+        """The declared base units by name."""
+        return {base: name for base, name in self.names.items() if name is not None}
+
+
+def check_base_unit(name: str, base: str) -> None:
+    """Refuse a unit that cannot be a base of the set; ValueError with words for the user."""
+    if name in KNOWN[base]:
+        return
+    if base == "temperature" and name.lower().strip("°") in {"c", "degc", "celsius", "f", "degf"}:
+        raise ValueError(f"'{name}' does not start at absolute zero: use K (values such as '20 degC' are converted)")
+    base_unit_size(name, base)
+
+
+@cache
+def base_unit_size(name: str, base: str) -> Fraction:
+    """Size of a unit that is not in the table in m, kg, s or K, by pint."""
+    others = [f"'{unit}' is a {other}" for other in BASE for unit in KNOWN[other] if unit == name and other != base]
+    if others:
+        raise ValueError(f"{others[0]}, but a {base} is needed")
+    try:
+        quantity = _quantity("1", name, name)
+        found = _dimension(quantity, name)
+    except ValueError:
+        raise ValueError(f"'{name}' is no unit of {base}{did_you_mean(name, KNOWN[base])}") from None
+    if found != Dimension.of(base):
+        raise ValueError(f"'{name}' is no unit of {base}")
+    return Fraction(quantity.to_root_units().magnitude) / (_ROOT_MASS if base == "mass" else 1)
+
+
+_ANGLES = frozenset({"degree", "radian", "turn", "arcminute", "arcsecond", "milliradian", "grade", "gradian"})
+_ROOT_MASS = 1000  # pint's root unit of mass is the gram
+
+
+def _power(text: str, exponent: Fraction) -> str:
+    return text if exponent == 1 else f"{text}^{exponent}"
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry(non_int_type=Decimal, cache_folder=None)
+
+
+def _quantity(number: str, unit: str, text: str) -> Any:
+    """A pint quantity; the unit is checked before, so that nothing in it can take long."""
+    if not _UNIT_TEXT.match(unit) or unit.count("(") != unit.count(")"):
+        raise ValueError(f"'{unit}' is no unit (units are written like kg/m^3; arithmetic needs '*', as in 2*v)")
+    import pint
+
+    registry = _registry()
+    try:
+        return registry.Quantity(Decimal(number), registry.parse_units(unit))
+    except pint.UndefinedUnitError as error:
+        name = str(error.unit_names if isinstance(error.unit_names, str) else error.unit_names[0])
+        raise ValueError(f"'{name}' in '{text}' is no unit{did_you_mean(name, _EXAMPLES)}") from None
+    except Exception:
+        raise ValueError(f"'{text}' is no number with a unit") from None
+
+
+def _dimension(quantity: Any, text: str) -> Dimension:
+    names = {f"[{base}]": index for index, base in enumerate(BASE)}
+    exponents = [Fraction(0)] * 4
+    for name, exponent in quantity.dimensionality.items():
+        if name not in names:
+            raise ValueError(f"'{text}' has a dimension that does not occur in mechanics: {name}")
+        exponents[names[name]] = Fraction(exponent)
+    return Dimension((exponents[0], exponents[1], exponents[2], exponents[3]))

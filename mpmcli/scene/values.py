@@ -1,0 +1,83 @@
+"""Types of values that several parts of a scene share."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
+
+from mpmcli.core.expressions import parse
+from mpmcli.core.model import Length, PositiveLength, field_of, quantity
+
+Name = Annotated[str, Field(min_length=1, max_length=80)]
+"""A name that the user chooses; which characters it may have is checked for all names together."""
+
+Point = Annotated[tuple[Length, ...], Field(min_length=1, max_length=3)]
+"""One coordinate per axis."""
+
+VelocityField = field_of("velocity", ("x", "y", "z"))
+TemperatureField = field_of("temperature", ("x", "y", "z"))
+Rate = quantity("1/time", ge=0)
+
+MAX_PARTICLES_PER_AXIS = 100
+
+
+def _read_counts(value: Any, info: ValidationInfo) -> int | tuple[int, ...]:
+    """A whole number, or one per axis."""
+    if isinstance(value, list | tuple):
+        if not 1 <= len(value) <= 3:
+            raise ValueError("one whole number, or one per axis, is needed")
+        return tuple(_read_count(member, info) for member in value)
+    return _read_count(value, info)
+
+
+def _read_count(value: Any, info: ValidationInfo) -> int:
+    if isinstance(value, str):
+        constants = {} if info.context is None else info.context.constants
+        value = parse(value, constants=constants, variables=())()
+    if isinstance(value, bool) or not isinstance(value, int | float) or value != value // 1:
+        raise ValueError(f"{value!r} is no whole number")
+    if not 1 <= value <= MAX_PARTICLES_PER_AXIS:
+        raise ValueError(f"{value:g} is out of range: 1 to {MAX_PARTICLES_PER_AXIS} are possible")
+    return int(value)
+
+
+_COUNT: dict[str, Any] = {
+    "anyOf": [{"type": "integer", "minimum": 1, "maximum": MAX_PARTICLES_PER_AXIS}, {"type": "string"}]
+}
+ParticlesPerAxis = Annotated[
+    Any,
+    BeforeValidator(_read_counts),
+    WithJsonSchema({"anyOf": [*_COUNT["anyOf"], {"type": "array", "items": _COUNT, "minItems": 1, "maxItems": 3}]}),
+]
+"""A whole number, or a tuple with one per axis."""
+
+
+def _per_axis(value: Any, info: ValidationInfo) -> Any:
+    """One number stands for all axes of the grid."""
+    if isinstance(value, list | tuple):
+        return value
+    lower = info.data.get("lower")
+    return [value] * (len(lower) if lower else 1)
+
+
+CellSize = Annotated[
+    tuple[PositiveLength, ...],
+    BeforeValidator(_per_axis),
+    Field(min_length=1, max_length=3),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "number", "exclusiveMinimum": 0},
+                {"type": "string"},
+                {
+                    "type": "array",
+                    "items": {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}]},
+                    "minItems": 1,
+                    "maxItems": 3,
+                },
+            ]
+        }
+    ),
+]
+"""One length per axis; in a scene one number may stand for all axes."""

@@ -1,0 +1,8 @@
+"""Shape functions, one per file; importing the room registers them all."""
+
+from mpmcli.core.registry import discover
+from mpmcli.shapes.base import SHAPES, ShapeEntry
+
+discover(__name__, __path__)
+
+__all__ = ["SHAPES", "ShapeEntry"]

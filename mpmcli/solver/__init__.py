@@ -1,0 +1,1 @@
+"""What a scene needs, and the time step that runs it."""

@@ -1,0 +1,39 @@
+"""Particles that left the domain: the policies ``error``, ``delete`` and ``stop_at_wall``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mpmcli.core.errors import SimulationError
+
+if TYPE_CHECKING:
+    from mpmcli.solver.simulation import Simulation
+
+
+def settle_exits(s: Simulation) -> None:
+    """Apply the scene's policy to every particle outside the grid."""
+    p, grid = s.particles, s.grid
+    lower, upper = grid.lower[:, None], grid.upper[:, None]
+    inside = np.all((p.X >= lower) & (p.X <= upper), axis=0)
+    gone = np.flatnonzero(~inside)
+    if len(gone) == 0:
+        return
+    if s.on_exit == "stop_at_wall":
+        low, high = p.X[:, gone] < lower, p.X[:, gone] > upper
+        p.X[:, gone] = np.clip(p.X[:, gone], lower, upper)
+        outward = (low & (p.V[:, gone] < 0.0)) | (high & (p.V[:, gone] > 0.0))
+        p.V[:, gone] = np.where(outward, 0.0, p.V[:, gone])
+    elif s.on_exit == "delete":
+        s.state.extra["deleted_particles"] += len(gone)
+        s.state.extra["deleted_mass"] += float(p.mass[gone].sum()) * s.state.full_ring
+        if len(gone) == p.count:
+            raise SimulationError(f"the last particle left the grid at time {s.state.time:.6g}")
+        s.remove_particles(inside)
+    else:
+        others = f" and {len(gone) - 1} others" if len(gone) > 1 else ""
+        raise SimulationError(
+            f"{s.describe(int(gone[0]))} left the grid{others}; enlarge the grid, hold the body, or choose "
+            "domain.on_exit: delete or stop_at_wall"
+        )

@@ -1,0 +1,157 @@
+"""What a scene needs, decided once: which parts of the step exist, which arrays they work on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.analysis import ANALYSES, Analysis
+from mpmcli.core.grid import Grid
+from mpmcli.core.order import CHUNKS
+from mpmcli.shapes import SHAPES, ShapeEntry
+from mpmcli.solver.variants import STRAIN_UPDATES, TRANSFER_METHODS, StrainUpdate, TransferMethod
+
+Array = np.ndarray
+
+PARALLEL_FROM = 4000
+"""Particles from which parallel kernels pay for their launch."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The choices that a scene makes, as the step reads them.
+
+    Attributes
+    ----------
+    analysis_name, analysis : kind of analysis, as a word and as the tuple that selects compiled code
+    shape : shape function
+    update, method : rows of data, see ``solver.variants``
+    order : k of FMPM(k), m of XPIC(m), 1 in FLIP
+    alpha : of the position update
+    velocity_conditions : how conditions enter the FMPM loop
+    particle_damping, grid_damping : rates
+    viscosity : (linear, quadratic) coefficients of artificial viscosity, or None
+    adiabatic : work heats the materials
+    has_conditions, has_loads : the scene has some
+    """
+
+    analysis_name: str
+    analysis: Analysis
+    shape: ShapeEntry
+    update: StrainUpdate
+    method: TransferMethod
+    order: int
+    alpha: float
+    velocity_conditions: str
+    particle_damping: float
+    grid_damping: float
+    viscosity: tuple[float, float] | None
+    adiabatic: bool
+    has_conditions: bool
+    has_loads: bool
+
+    @property
+    def imposes_lumped(self) -> bool:
+        """Conditions act on the lumped momenta (task 2.a)."""
+        return self.has_conditions and (not self._corrected or self.velocity_conditions != "velocity")
+
+    @property
+    def zeroes_increments(self) -> bool:
+        """Conditions act on every FMPM increment."""
+        return self.has_conditions and self._corrected and self.velocity_conditions == "incremental"
+
+    @property
+    def imposes_velocity(self) -> bool:
+        """Conditions act on the final velocity v⁺(k) (older methods, for comparison)."""
+        return self.has_conditions and self._corrected and self.velocity_conditions in ("velocity", "combined")
+
+    @property
+    def _corrected(self) -> bool:
+        return self.method.full_mass and self.order > 1
+
+    @property
+    def has_loop(self) -> bool:
+        """Grid velocities take further passes over the particles."""
+        return self.order > 1
+
+    @property
+    def keeps_start_momenta(self) -> bool:
+        """The momenta of the start of the step are needed later in it."""
+        return self.method.projects or self.has_loads
+
+
+def make_plan(scene: Any) -> Plan:
+    """Read the choices of a checked scene."""
+    method, transfer = scene.method, scene.method.transfer
+    viscosity = method.artificial_viscosity
+    axis_condition = scene.analysis.kind == "axisymmetric" and scene.grid.lower[0] == 0.0
+    return Plan(
+        analysis_name=scene.analysis.kind,
+        analysis=ANALYSES[scene.analysis.kind](),
+        shape=SHAPES[method.shape],
+        update=STRAIN_UPDATES[method.update],
+        method=TRANSFER_METHODS[transfer.kind],
+        order=getattr(transfer, "order", 1),
+        alpha=float(transfer.alpha),
+        velocity_conditions=method.velocity_conditions,
+        particle_damping=float(method.damping.particle),
+        grid_damping=float(method.damping.grid),
+        viscosity=None if viscosity is None else (float(viscosity.linear), float(viscosity.quadratic)),
+        adiabatic=method.heating == "adiabatic",
+        has_conditions=bool(scene.boundary) or axis_condition,
+        has_loads=bool(scene.loads),
+    )
+
+
+@dataclass
+class StepArrays:
+    """Work arrays of the step; what the plan does not need is None.
+
+    Attributes
+    ----------
+    v : (n, d) grid velocities
+    w : (n, d) accelerations (FLIP) or projected velocities (XPIC)
+    dv, out : (n, d) velocity increment of the FMPM loop and what one pass makes of it
+    p_start, p_again : (n, d) momenta at the start of the step; momenta extrapolated again
+    f_external : (n, d) forces of loads
+    X_new : (d, N) positions after the step, while stencils still need the old ones
+    grid_damping : (1,) rate
+    node_work : (chunks,) energy taken by grid damping
+    damped : (chunks,) energy taken by particle damping
+    """
+
+    v: Array
+    w: Array | None
+    dv: Array | None
+    out: Array | None
+    p_start: Array | None
+    p_again: Array | None
+    f_external: Array | None
+    X_new: Array | None
+    grid_damping: Array | None
+    node_work: Array | None
+    damped: Array | None
+
+
+def allocate_step_arrays(plan: Plan, grid: Grid, particles: int) -> StepArrays:
+    """Allocate what the plan needs and nothing else."""
+    n, d = grid.node_count, grid.dimensions
+
+    def nodal(wanted: bool) -> Array | None:
+        return np.zeros((n, d)) if wanted else None
+
+    return StepArrays(
+        v=np.zeros((n, d)),
+        w=nodal(not plan.method.full_mass),
+        dv=nodal(plan.has_loop or plan.method.projects),
+        out=nodal(plan.has_loop or plan.method.projects),
+        p_start=nodal(plan.keeps_start_momenta),
+        p_again=nodal(plan.update.again),
+        f_external=nodal(plan.has_loads),
+        X_new=np.zeros((d, particles)) if plan.update.again else None,
+        grid_damping=np.array([plan.grid_damping]) if plan.grid_damping else None,
+        node_work=np.zeros(CHUNKS) if plan.grid_damping else None,
+        damped=np.zeros(CHUNKS) if plan.particle_damping else None,
+    )

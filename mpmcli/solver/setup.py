@@ -1,0 +1,90 @@
+"""From a checked scene to particles and grid at time zero."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.analysis import Axisymmetric
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.core.grid import Grid
+from mpmcli.core.particles import Particles
+from mpmcli.geometry.fill import BodyParticles, fill_bodies
+from mpmcli.solver.plan import Plan
+
+Array = np.ndarray
+
+
+def make_grid(scene: Any, plan: Plan) -> Grid:
+    """The scene's grid, with the ghost layers that its shape function needs."""
+    grid = scene.grid
+    shape = plan.shape
+    pad = min(shape.pad, 4) if plan.analysis.dimensions == 3 else shape.pad
+    return Grid(np.array(grid.lower), np.array(grid.upper), np.array(grid.cell), pad, shape.width)
+
+
+def section_of(scene: Any) -> float:
+    """Thickness of a plane analysis, area of a 1D one, else 1."""
+    return float(getattr(scene.analysis, "thickness", getattr(scene.analysis, "area", 1.0)))
+
+
+def full_ring(plan: Plan) -> float:
+    """2π in axisymmetric analyses (inside per radian), else 1."""
+    return 2 * math.pi if isinstance(plan.analysis, Axisymmetric) else 1.0
+
+
+def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[BodyParticles]]:
+    """Fill all bodies; particles with mass, velocity and the materials' initial history."""
+    filled = fill_bodies(scene.bodies, grid, plan.analysis)
+    names = list(scene.materials)
+    bodies = {body.name: (i, body) for i, body in enumerate(scene.bodies)}
+    X = np.concatenate([body.X for body in filled], axis=1)
+    index = np.concatenate([np.full(b.count, bodies[b.name][0]) for b in filled])
+    material_of_body = np.array([names.index(body.material) for body in scene.bodies])
+    density = np.array([model.density for model in scene.materials.values()])
+    vol0 = np.concatenate([b.volume for b in filled]) * section_of(scene)
+    if isinstance(plan.analysis, Axisymmetric):
+        vol0 = vol0 * X[0]
+    material = material_of_body[index]
+    models = list(scene.materials.values())
+    particles = Particles.at_rest(
+        plan.analysis,
+        X,
+        np.concatenate([b.size for b in filled], axis=1),
+        vol0,
+        density[material] * vol0,
+        body=index,
+        material=material,
+        velocity_field=np.zeros(len(index)),
+        history_rows=max(len(model.history) for model in models),
+        artificial_viscosity=plan.viscosity is not None,
+    )
+    for m, model in enumerate(models):
+        for row, name in enumerate(model.history):
+            particles.H[row, material == m] = model.initial_history().get(name, 0.0)
+    _set_initial_fields(scene, particles, models)
+    return particles, filled
+
+
+def _set_initial_fields(scene: Any, particles: Particles, models: list[Any]) -> None:
+    problems = []
+    for i, body in enumerate(scene.bodies):
+        mine = np.flatnonzero(particles.body == i)
+        points = dict(zip("xyz", particles.X[:, mine], strict=False))
+        for axis, component in enumerate(body.velocity):
+            value = component(**points)
+            if not np.all(np.isfinite(value)):
+                words = f"the velocity '{component.source}' is not finite at some particle"
+                problems.append(Problem(f"bodies.{body.name}.velocity.{axis}", words, code="not_finite"))
+            particles.V[axis, mine] = value
+        if body.temperature is not None:
+            history = models[particles.material[mine[0]]].history
+            if "temperature" in history:
+                particles.H[history.index("temperature"), mine] = body.temperature(**points)
+            else:
+                words = f"material '{body.material}' does not track its temperature"
+                problems.append(Problem(f"bodies.{body.name}.temperature", words, code="unused"))
+    if problems:
+        raise SceneError(problems)

@@ -1,0 +1,279 @@
+"""A running simulation: what a scene became, and the verbs that the time step calls."""
+
+from __future__ import annotations
+
+import time as timer
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numba
+import numpy as np
+
+from mpmcli.boundary.conditions import VelocityConditions
+from mpmcli.core.errors import SimulationError
+from mpmcli.core.order import CellOrder
+from mpmcli.core.runtime import available_threads
+from mpmcli.core.state import GridView, State
+from mpmcli.geometry.faces import surface_faces
+from mpmcli.geometry.report import body_report, report_table
+from mpmcli.materials.strain import (
+    ArtificialViscosity,
+    block_count,
+    stored_energy,
+    update_strain_and_stress,
+)
+from mpmcli.solver.conditions import GridConditions, NoConditions, NoContact
+from mpmcli.solver.courant import TimeStep
+from mpmcli.solver.exits import settle_exits
+from mpmcli.solver.loads import NodalLoads, NoLoads, place_of_identity
+from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan
+from mpmcli.solver.setup import full_ring, make_grid, make_particles, section_of
+from mpmcli.solver.step import advance
+from mpmcli.solver.transfer import Transfer
+
+Array = np.ndarray
+
+
+class Simulation:
+    """A scene set up to run.
+
+    Parameters
+    ----------
+    loaded
+        The scene as ``scene.load_scene`` read it.
+    threads
+        Number of threads; all that the process may use if None. It never changes a result.
+
+    Attributes
+    ----------
+    state : what output sees
+    plan, arrays, grid, particles, order, transfer : the parts of the step
+    timings : seconds per task so far
+    setup_report : text about the bodies
+    """
+
+    def __init__(self, loaded: Any, threads: int | None = None):
+        scene = loaded.scene
+        self.threads = min(threads or available_threads(), numba.config.NUMBA_NUM_THREADS)
+        numba.set_num_threads(self.threads)
+        self.plan = make_plan(scene)
+        self.grid = make_grid(scene, self.plan)
+        self.particles, filled = make_particles(scene, self.plan, self.grid)
+        densities = [scene.materials[body.material].density for body in scene.bodies]
+        section = section_of(scene)
+        reports = body_report(scene.bodies, filled, densities, scene.grid, self.plan.analysis, section)
+        self.setup_report = report_table(reports)
+        self.materials = list(scene.materials.values())
+        name = self.plan.analysis_name
+        self._parameters = [m.parameters(name, self.plan.adiabatic) for m in self.materials]
+        self.parallel = self.particles.count >= PARALLEL_FROM
+        self.order = CellOrder(self.particles, self.grid)
+        self.transfer = Transfer(
+            self.plan.analysis,
+            self.plan.shape,
+            self.particles,
+            self.grid,
+            self.order,
+            self.parallel,
+            keeps_domain=self.plan.update.first > 0.0,
+        )
+        self.arrays = allocate_step_arrays(self.plan, self.grid, self.particles.count)
+        self.contact = NoContact()
+        self.on_exit = scene.domain.on_exit
+        self.timings: dict[str, float] = {}
+        self._faces: dict[Any, Array] = {}
+        self._speed2 = np.zeros(block_count(self.particles.count))
+        self._bad = np.full(block_count(self.particles.count), -1, dtype=np.int64)
+        self.wave_speed = max(
+            m.initial_wave_speed(name) for i, m in enumerate(self.materials) if np.any(self.particles.material == i)
+        )
+        self.particle_speed = float(np.sqrt(np.square(self.particles.V).sum(axis=0).max()))
+        self.time_step = TimeStep(scene.time, float(self.grid.cell.min()))
+        self.max_steps = scene.time.max_steps
+        self.state = State(
+            analysis=self.plan.analysis,
+            particles=self.particles,
+            bodies=[body.name for body in scene.bodies],
+            materials=list(scene.materials),
+            material_models=self.materials,
+            strain_energy_density=self._strain_energy_density,
+            full_ring=full_ring(self.plan),
+            grid=self._grid_view(),
+        )
+        self._used_materials = [i for i in range(len(self.materials)) if np.any(self.particles.material == i)]
+        self.conditions = self._make_conditions(scene)
+        self.loads = NodalLoads(self, scene.loads, section) if self.plan.has_loads else NoLoads()
+        self._start_accounts(scene)
+
+    # ------------------------------------------------------------------ the step
+
+    @property
+    def time(self) -> float:
+        """Time of the state."""
+        return self.state.time
+
+    def step(self) -> None:
+        """Advance by one time step; raises SimulationError where the simulation cannot go on."""
+        dt = self.time_step.choose(self.wave_speed, self.particle_speed)
+        advance(self, dt)
+
+    @contextmanager
+    def clock(self, task: str) -> Iterator[None]:
+        """Add the time that a task takes to ``timings``."""
+        begin = timer.perf_counter()
+        yield
+        self.timings[task] = self.timings.get(task, 0.0) + timer.perf_counter() - begin
+
+    def update_stress(self, dt: float) -> None:
+        """Tasks 1.d and 5: deformation gradient, stress and energies of every particle."""
+        p = self.particles
+        several = len(self._used_materials) > 1
+        fastest = 0.0
+        for i in self._used_materials:
+            update_strain_and_stress[self.parallel](
+                self.plan.analysis, self._parameters[i], i if several else -1, p.F, p.L, p.tau, p.H, p.mass, p.vol0,
+                p.material, p.stress_work, self._viscous_now(), dt, self._speed2, self._bad,
+            )  # fmt: skip
+            bad = int(self._bad.max())
+            if bad >= 0:
+                self._report_bad(bad)
+            fastest = max(fastest, float(self._speed2.max()))
+        self.wave_speed = float(np.sqrt(fastest))
+
+    def account_for_work(self, dt: float) -> None:
+        """Add the work that conditions and loads do in this step."""
+        work = self.state.work
+        if "boundary_work" in work:
+            work["boundary_work"] += self.conditions.work(self.arrays.v)
+        if "external_work" in work:
+            work["external_work"] += self.loads.work(dt)
+
+    def finish_step(self, dt: float) -> None:
+        """Task 6: what happened to time, speeds, damping and particles that left the domain."""
+        state, a = self.state, self.arrays
+        if a.node_work is not None:
+            state.work["damping_work"] += float(a.node_work.sum())
+        if a.damped is not None:
+            state.work["damping_work"] += float(a.damped[: len(self.order.chunks) - 1].sum())
+        self.particle_speed = self.transfer.largest_speed
+        if not np.isfinite(self.particle_speed):
+            self._report_runaway()
+        if self.plan.has_conditions:
+            state.reactions = self.conditions.reactions(dt)
+        state.step += 1
+        state.time += dt
+        state.dt = dt
+        if self.transfer.particle_outside() >= 0:
+            settle_exits(self)
+
+    # ------------------------------------------------------------------ parts
+
+    @property
+    def has_mirror(self) -> bool:
+        """Whether the scene has symmetry planes."""
+        return isinstance(self.conditions, GridConditions) and self.conditions.conditions.mirror is not None
+
+    def _make_conditions(self, scene: Any) -> GridConditions | NoConditions:
+        if not self.plan.has_conditions:
+            return NoConditions()
+        conditions = VelocityConditions(scene.boundary, self.grid, self.plan.analysis, self._surface_nodes)
+        return GridConditions(conditions, self.grid, replaces_velocity=not self.plan.method.flip)
+
+    def _surface_nodes(self, body: str, face: Any) -> Array:
+        """Nodes that the particles on a face of a body see now; the face is that of the undeformed body."""
+        p = self.particles
+        key = (body, face.index, face.side)
+        if key not in self._faces:
+            members = np.flatnonzero(p.body == self.state.bodies.index(body))
+            self._faces[key] = p.id[surface_faces(p.X, p.size, face.index, face.side, members)]
+        place = place_of_identity(p.id)[self._faces[key]]
+        return self.transfer.seen_nodes(place[place >= 0])
+
+    def _start_accounts(self, scene: Any) -> None:
+        work = self.state.work
+        if scene.boundary:
+            work["boundary_work"] = 0.0
+        if self.plan.has_loads:
+            work["external_work"] = 0.0
+        if self.plan.grid_damping or self.plan.particle_damping:
+            work["damping_work"] = 0.0
+        if self.on_exit == "delete":
+            self.state.extra.update(deleted_particles=0.0, deleted_mass=0.0)
+
+    def remove_particles(self, kept: Array) -> None:
+        """Keep only the particles of the mask ``kept`` (N,) in memory."""
+        self.particles.keep(kept)
+        blocks = block_count(self.particles.count)
+        self._speed2, self._bad = self._speed2[:blocks], self._bad[:blocks]
+        if self.arrays.X_new is not None:
+            self.arrays.X_new = np.zeros_like(self.particles.X)
+        self.transfer.sort()
+
+    def _viscous_now(self) -> ArtificialViscosity | None:
+        if self.plan.viscosity is None:
+            return None
+        p, (linear, quadratic) = self.particles, self.plan.viscosity
+        return ArtificialViscosity(
+            linear, quadratic, float(self.grid.cell.min()), p.viscous_pressure, p.viscous_work
+        )
+
+    def _strain_energy_density(self) -> Array:
+        p = self.particles
+        out = np.zeros(p.count)
+        for i in self._used_materials:
+            stored_energy[self.parallel](
+                self.plan.analysis, self._parameters[i], i, p.F, p.H, p.material, out
+            )
+        return out
+
+    def _grid_view(self) -> GridView:
+        grid = self.grid
+        inside = grid.interior()
+        d = grid.dimensions
+
+        def velocity() -> Array:
+            m = grid.mp[inside, 0]
+            return np.where(m[:, None] > 0.0, self.arrays.v[inside], 0.0)
+
+        return GridView(
+            lower=grid.lower,
+            cell=grid.cell,
+            nodes=tuple(int(n) for n in grid.cells + 1),
+            fields={
+                "mass": lambda: grid.mp[inside, 0].copy(),
+                "momentum": lambda: grid.mp[inside, 1 : 1 + d].copy(),
+                "force": lambda: grid.f[inside].copy(),
+                "velocity": velocity,
+            },
+        )
+
+    # ------------------------------------------------------------------ what can go wrong
+
+    def describe(self, particle: int) -> str:
+        """Particle, body, position and time in words, for messages; ``particle`` is its place in memory."""
+        p, state = self.particles, self.state
+        at = ", ".join(f"{x:.6g}" for x in p.X[:, particle])
+        return (
+            f"particle {p.id[particle]} of body '{state.bodies[p.body[particle]]}' at ({at}) "
+            f"in step {state.step + 1}, time {state.time:.6g}"
+        )
+
+    def _report_bad(self, particle: int) -> None:
+        J = float(self.particles.determinant()[particle])
+        if np.isfinite(J) and J <= 0.0:
+            what = f"J = {J:.3g}: the particle turned inside out"
+        else:
+            what = "the stress is not finite"
+        raise SimulationError(f"{what}; {self.describe(particle)}. {self._advice()}")
+
+    def _report_runaway(self) -> None:
+        bad = ~np.isfinite(self.particles.V).all(axis=0)
+        raise SimulationError(
+            f"the velocity is not finite; {self.describe(int(np.argmax(bad)))}. {self._advice()}"
+        )
+
+    def _advice(self) -> str:
+        dt = self.state.dt
+        courant = self.time_step.courant_of(dt, self.wave_speed, self.particle_speed)
+        return f"The last step was {dt:.3g} (Courant number {courant:.2g}): most likely it is too long"

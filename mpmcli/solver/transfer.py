@@ -1,0 +1,174 @@
+"""The transfer operators S, Sᵀ, G of one simulation, with everything bound that does not change within a step."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core import transfer as kernels
+from mpmcli.core.analysis import Analysis
+from mpmcli.core.errors import SimulationError
+from mpmcli.core.grid import Grid
+from mpmcli.core.nodes import clear_nodes
+from mpmcli.core.order import CHUNKS, CellOrder
+from mpmcli.core.particles import Particles
+from mpmcli.core.stencil import DOMAIN_TOO_WIDE, OUTSIDE_GRID, allocate_stencil, fill_block
+from mpmcli.shapes import ShapeEntry
+
+Array = np.ndarray
+
+SEEN = 1e-12
+"""Shape function value above which a particle counts as seeing a node."""
+
+
+class Transfer:
+    """Moves values between particles and grid with the scene's shape function.
+
+    Parameters
+    ----------
+    analysis, shape : tuples that choose the compiled code
+    particles, grid, order : what is transferred, where to, and the cell order that keeps scatters apart
+    parallel : run the parallel version of every kernel
+    keeps_domain : the strain update changes F before the step is over, so that stencils need a copy of it
+    several_fields : particles see the nodes of their own velocity field only
+    """
+
+    def __init__(
+        self,
+        analysis: Analysis,
+        shape: ShapeEntry,
+        particles: Particles,
+        grid: Grid,
+        order: CellOrder,
+        parallel: bool,
+        keeps_domain: bool = False,
+        several_fields: bool = False,
+    ):
+        self.analysis, self.shape = analysis, shape
+        self.particles, self.grid, self.order = particles, grid, order
+        self.parallel = parallel
+        self.widest = grid.pad + 2 if shape.follows_deformation else grid.width
+        self._domain_F = particles.F
+        self._keeps_domain = keeps_domain and shape.follows_deformation
+        self._several_fields = several_fields
+        self.speed_squared = np.zeros(CHUNKS)
+        self.travel = np.zeros(CHUNKS)
+        self.outside = np.zeros(CHUNKS, dtype=np.int64)
+        tolerance = 1e-9 * grid.cell
+        self._bounds = np.stack([grid.lower - tolerance, grid.upper + tolerance], axis=1)
+        self.sort()
+
+    def sort(self) -> None:
+        """Sort particles by cell and size the buffers for the bands that result."""
+        self.order.sort(self.parallel)
+        self.geometry = self.grid.geometry
+        self.stencil = allocate_stencil(
+            self.grid.dimensions, self.grid.width, self.grid.offsets(), self.order.slots
+        )
+
+    def begin_step(self) -> None:
+        """Sort if particles have drifted far; fix the domains that this step's stencils are built from."""
+        if self.order.is_stale:
+            self.sort()
+        self._domain_F = self.particles.F.copy() if self._keeps_domain else self.particles.F
+
+    def _where(self) -> tuple[Any, ...]:
+        p = self.particles
+        field = p.velocity_field if self._several_fields else None
+        return p.X, self._domain_F, p.size, field
+
+    def _scatter(self, kernel: Any, *arrays: Array) -> None:
+        kernel[self.parallel](
+            self.analysis, self.shape.parameters, self.geometry, self.order.bands, self.stencil, *self._where(),
+            *arrays,
+        )  # fmt: skip
+
+    def mass_and_momentum(self, mp: Array) -> None:
+        """Task 1; widens the stencil where a particle has stretched over more nodes than it spans."""
+        p = self.particles
+        while True:
+            clear_nodes[self.parallel](self.grid.active, mp)
+            self._scatter(kernels.extrapolate_mass_and_momentum, p.mass, p.V, mp.reshape(-1))
+            problem, particle = self.stencil.status
+            if problem == 0:
+                return
+            if problem == OUTSIDE_GRID or self.grid.width >= self.widest:
+                raise SimulationError(self._what_is_wrong(int(problem), int(particle)))
+            self.grid.width += 1
+            self.sort()
+            self._domain_F = p.F
+
+    def _what_is_wrong(self, problem: int, particle: int) -> str:
+        p = self.particles
+        at = ", ".join(f"{x:.6g}" for x in p.X[:, particle])
+        who = f"particle {p.id[particle]} at ({at})"
+        if problem == DOMAIN_TOO_WIDE:
+            return f"{who} has stretched over more than {self.widest - 1} cells"
+        return f"{who} sees nodes outside the grid"
+
+    def internal_forces(self, f: Array) -> None:
+        """Task 2: f = −Gᵀ Ω τ."""
+        p = self.particles
+        clear_nodes[self.parallel](self.grid.active, f)
+        self._scatter(kernels.extrapolate_forces, p.vol0, p.tau, f.reshape(-1))
+
+    def add_vector(self, V: Array, out: Array) -> None:
+        """out += Sᵀ M V."""
+        self._scatter(kernels.extrapolate_vector, self.particles.mass, V, out.reshape(-1))
+
+    def project(self, v: Array, out: Array) -> None:
+        """out += Sᵀ M S v."""
+        self._scatter(kernels.project_increment, self.particles.mass, v.reshape(-1), out.reshape(-1))
+
+    def velocity_gradients(self, v: Array) -> None:
+        """L = G v."""
+        kernels.find_velocity_gradients[self.parallel](
+            self.analysis, self.shape.parameters, self.geometry, self.order.chunks, self.stencil, *self._where(),
+            v.reshape(-1), self.particles.L,
+        )  # fmt: skip
+
+    def move(
+        self,
+        v: Array,
+        w: Array | None,
+        flip: bool,
+        alpha: float,
+        damping: float,
+        dt: float,
+        X_new: Array,
+        with_gradients: bool,
+        damped: Array | None,
+    ) -> None:
+        """Task 4 (and 5's velocity gradients): see ``core.transfer.move_particles``."""
+        p = self.particles
+        kernels.move_particles[self.parallel](
+            self.analysis, self.shape.parameters, self.geometry, self.order.chunks, self.stencil, *self._where(),
+            v.reshape(-1), None if w is None else w.reshape(-1), alpha, damping, dt, True if flip else None,
+            p.V, X_new, p.L if with_gradients else None, p.mass,
+            self.speed_squared, self.travel, self.outside, self._bounds, damped,
+        )  # fmt: skip
+        chunks = len(self.order.chunks) - 1
+        self.order.drift += float(self.travel[:chunks].max())
+
+    def seen_nodes(self, particles: Array) -> Array:
+        """Nodes (sorted, unique) that particles at these places in memory have in their stencils with S > 0."""
+        p, block = self.particles, self.stencil.base.shape[1]
+        seen = []
+        for start in range(0, len(particles), block):
+            chosen = particles[start : start + block]
+            X, size = np.ascontiguousarray(p.X[:, chosen]), np.ascontiguousarray(p.size[:, chosen])
+            F = np.ascontiguousarray(self._domain_F[:, chosen])
+            fill_block[False](self.shape.parameters, self.geometry, X, F, size, self.stencil)
+            nodes = self.stencil.base[0, : len(chosen)] + self.stencil.offsets[:, None]
+            seen.append(nodes[self.stencil.S[0, :, : len(chosen)] > SEEN])
+        return np.unique(np.concatenate(seen)).astype(np.int64) if seen else np.zeros(0, dtype=np.int64)
+
+    @property
+    def largest_speed(self) -> float:
+        """Largest particle speed after the last motion."""
+        return float(np.sqrt(self.speed_squared[: len(self.order.chunks) - 1].max()))
+
+    def particle_outside(self) -> int:
+        """Memory place of a particle that left the domain in the last motion, or −1."""
+        return int(self.outside[: len(self.order.chunks) - 1].max())

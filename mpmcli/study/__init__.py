@@ -1,0 +1,1 @@
+"""Studies that run a scene many times or compare what runs left."""

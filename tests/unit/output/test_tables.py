@@ -1,0 +1,80 @@
+"""Tables keep every bit of a number, are on disk at once, and say what is wrong with themselves."""
+
+from __future__ import annotations
+
+import math
+
+import pandas
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mpmcli.core.errors import ArchiveError
+from mpmcli.output.tables import Table, format_number, read_table
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_numbers_come_back_with_the_same_bits(number):
+    assert float(format_number(number)).hex() == number.hex()
+
+
+def test_pandas_reads_a_table(tmp_path):
+    table = Table(tmp_path / "globals.csv", ["step", "time", "stress_xx[rubber]", "contact_force_x[a|b]"])
+    table.write([0, 0.0, 1.0 / 3.0, math.nan])
+    table.write([10**7, 0.1, -2.5e-300, math.inf])
+    table.close()
+    frame = pandas.read_csv(tmp_path / "globals.csv", float_precision="round_trip")
+    assert list(frame.columns) == ["step", "time", "stress_xx[rubber]", "contact_force_x[a|b]"]
+    assert frame["step"].tolist() == [0, 10**7]
+    assert frame["stress_xx[rubber]"].tolist() == [1.0 / 3.0, -2.5e-300]
+    assert math.isnan(frame.iloc[0, 3])
+    assert frame.iloc[1, 3] == math.inf
+
+
+def test_rows_are_on_disk_as_soon_as_they_are_written(tmp_path):
+    table = Table(tmp_path / "a.csv", ["step", "time"])
+    assert (tmp_path / "a.csv").read_text() == "step,time\n"
+    table.write([1, 0.5])
+    assert (tmp_path / "a.csv").read_text() == "step,time\n1,0.5\n"
+    table.close()
+    table.close()
+
+
+def test_names_with_commas_and_quotes_stay_one_column(tmp_path):
+    columns = ["step", 'mean_x[a, "b"]']
+    table = Table(tmp_path / "a.csv", columns)
+    table.write([0, 1.0])
+    table.close()
+    assert list(pandas.read_csv(tmp_path / "a.csv").columns) == columns
+    assert read_table(tmp_path / "a.csv") == (columns, [["0", "1"]])
+
+
+def test_a_row_of_the_wrong_length_is_refused(tmp_path):
+    table = Table(tmp_path / "a.csv", ["step", "time"])
+    with pytest.raises(ValueError, match="2 columns, the row 1"):
+        table.write([1])
+    table.close()
+
+
+def test_a_table_that_cannot_be_written_is_an_archive_error(tmp_path):
+    with pytest.raises(ArchiveError, match=r"cannot write .*a\.csv"):
+        Table(tmp_path / "none" / "a.csv", ["step"])
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "the table is empty"),
+        (b"a,b\n1\n", "row 1 has 1 cells, the header 2"),
+        (b"\xff\xfe\x00", "cannot read"),
+    ],
+)
+def test_damaged_tables_are_named(tmp_path, content, message):
+    (tmp_path / "a.csv").write_bytes(content)
+    with pytest.raises(ArchiveError, match=message):
+        read_table(tmp_path / "a.csv")
+
+
+def test_comments_above_the_header_are_left_out(tmp_path):
+    (tmp_path / "a.csv").write_text("# made by hand\nt,x\n0,1\n")
+    assert read_table(tmp_path / "a.csv") == (["t", "x"], [["0", "1"]])
