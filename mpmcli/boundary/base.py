@@ -47,11 +47,14 @@ class Holder(Protocol):
     direction: Array
     """Unit vector (d,)."""
 
+    def renew(self, active: Array) -> None:
+        """The nodes that may have mass are now the sorted indices ``active`` (n,)."""
+
     def key(self, time: float) -> Hashable:
         """Changes whenever the held nodes change, the active nodes being the same."""
 
-    def nodes(self, time: float, active: Array) -> Array:
-        """The held nodes among the sorted indices ``active``, sorted."""
+    def nodes(self, time: float) -> Array:
+        """The held ones of the active nodes, sorted."""
 
     def values(self, time: float, coordinates: Array) -> Array | float:
         """Velocity along ``direction`` at the start of a step, at nodes with ``coordinates`` (d, n)."""

@@ -58,7 +58,8 @@ class VelocityConditions:
         planes = [(owner, h) for owner, h in enumerate(self._holders) if isinstance(h, SymmetryHolder)]
         self.mirror = Mirror(planes, grid) if planes else None
         self._version: Any = None
-        self._keys: list[Any] = []
+        self._keys: list[Any] | None = None
+        self._found: list[Array] = []
         self._time = 0.0
         self._varying = [c for c, holder in enumerate(self._holders) if holder.varies]
         self._select_none()
@@ -88,10 +89,16 @@ class VelocityConditions:
         """
         if not self._holders:
             return self.entries
+        if active_version != self._version or self._keys is None:
+            self._version, self._keys = active_version, None
+            for holder in self._holders:
+                holder.renew(active)
+            if self.mirror is not None:
+                self.mirror.renew(active)
         keys = [holder.key(time) for holder in self._holders]
-        if active_version != self._version or keys != self._keys:
-            self._find_nodes(time, active)
-            self._version, self._keys = active_version, keys
+        if keys != self._keys:
+            self._find_nodes(time, keys)
+            self._keys = keys
             self._put_values(time, range(len(self._holders)), mp)
         elif self._varying and time != self._time:
             self._put_values(time, self._varying, mp)
@@ -120,12 +127,12 @@ class VelocityConditions:
 
     def work(self, start_speed: Array, v: Array) -> float:
         """Work of the conditions on the bodies in this step: see ``impose.sum_work`` [energy]."""
-        return float(impose.sum_work(self.entries, self.impulse, start_speed, v))
+        return float(impose.sum_work(self.entries, self._real_impulse(), start_speed, v))
 
     def reactions(self, dt: float) -> Array:
         """Force (n_conditions, d) of each condition of the scene on the bodies in this step [force]."""
         forces = np.zeros((len(self._holders), self._dimensions))
-        impose.sum_reactions(self.entries, self.impulse, dt, forces)
+        impose.sum_reactions(self.entries, self._real_impulse(), dt, forces)
         if self.mirror is not None:
             forces[self.mirror.owner, self.mirror.pairs.axis] += self.mirror.impulse / dt
         return forces[: len(self.names)]
@@ -135,6 +142,15 @@ class VelocityConditions:
         loaded = self.entries.owner[mp[self.entries.node, 0] > 0.0]
         return [name for c, name in enumerate(self.names) if not np.any(loaded == c)]
 
+    def _real_impulse(self) -> Array:
+        """The impulses on real particles: a ghost and its image share theirs as they share the real mass."""
+        if self._twins.shape[0] == 0 or self.mirror is None:
+            return self.impulse
+        share = np.ones_like(self.impulse)
+        share[self._twins] = self.mirror.pairs.share[self._pairs]
+        np.subtract.at(share, self._origins, share[self._twins])
+        return self.impulse * share
+
     def _select_none(self) -> None:
         d = self._dimensions
         nothing = np.empty(0, dtype=np.int64)
@@ -142,12 +158,14 @@ class VelocityConditions:
         self._normal = np.empty((0, d))
         self._slots: list[Any] = []
         self._points: list[Array] = []
-        self._twins = self._origins = nothing
-        self._shared = False
+        self._twins = self._origins = self._pairs = nothing
+        self._mixes = False
 
     def _size_arrays(self, node: Array, owner: Array) -> None:
         nb, d = node.shape[0], self._dimensions
-        self.entries = Entries(node, np.empty((nb, d)), np.empty(nb), np.zeros(nb, dtype=bool), owner)
+        self.entries = Entries(
+            node, np.empty((nb, d)), np.empty(nb), np.zeros(nb, dtype=bool), owner, (0.0,) * d
+        )
         self.impulse = np.zeros(nb)
         self._start_speed = np.zeros(nb)
         self._wanted = np.empty(nb)
@@ -155,21 +173,25 @@ class VelocityConditions:
         self._held = np.empty(nb)
         self._clash = np.zeros(nb, dtype=bool)
 
-    def _find_nodes(self, time: float, active: Array) -> None:
-        """Find the nodes of every condition and sort them into entries."""
-        found = [holder.nodes(time, active) for holder in self._holders]
-        if self.mirror is not None:
-            self.mirror.renew(active)
-            found = [nodes[~self.mirror.beyond(nodes)] for nodes in found]
+    def _find_nodes(self, time: float, keys: list[Any]) -> None:
+        """Find the nodes of the conditions whose keys changed, and sort all into entries."""
+        old = self._keys or [None] * len(keys)
+        found = [
+            self._held_nodes(c, time) if self._keys is None or keys[c] != old[c] else self._found[c]
+            for c in range(len(keys))
+        ]
+        self._found = found
         counts = [nodes.shape[0] for nodes in found]
         node = np.concatenate(found)
-        condition = np.repeat(np.arange(len(found)), counts)
-        normal = np.array([holder.direction for holder in self._holders])[condition]
-        origin = np.arange(node.shape[0])
-        owner = condition
-        if self.mirror is not None:
-            node, normal, origin, owner = self.mirror.reflect_entries(node, normal, owner)
-        order = np.lexsort((condition[origin], node))
+        owner = np.repeat(np.arange(len(found)), counts)
+        normal = np.array([holder.direction for holder in self._holders])[owner]
+        if self.mirror is None:
+            origin = np.arange(node.shape[0])
+            order = np.argsort(node, kind="stable")
+        else:
+            node, normal, origin, self._pairs = self.mirror.reflect_entries(node, normal)
+            owner = owner[origin]
+            order = np.lexsort((owner, node))
         place = np.empty_like(order)
         place[order] = np.arange(order.shape[0])
         ends = np.cumsum(counts)
@@ -180,7 +202,12 @@ class VelocityConditions:
         self._size_arrays(node, owner[order])
         self._normal = np.ascontiguousarray(normal[order])
         self.entries.direction[:] = self._normal
-        self._shared = bool(np.any(node[1:] == node[:-1]))
+        self._mixes = bool(np.any(node[1:] == node[:-1]))
+
+    def _held_nodes(self, condition: int, time: float) -> Array:
+        """The nodes of one condition; those beyond mirrors follow their images instead."""
+        nodes = self._holders[condition].nodes(time)
+        return nodes if self.mirror is None else nodes[~self.mirror.beyond(nodes)]
 
     def _put_values(self, time: float, conditions: Sequence[int], mp: Array | None) -> None:
         """Evaluate the given conditions at ``time`` and renew the entries' values."""
@@ -193,7 +220,7 @@ class VelocityConditions:
                 wanted[self._slots[c]] = values
         if self._twins.shape[0]:
             wanted[self._twins] = wanted[self._origins]
-        if not self._shared:
+        if not self._mixes:
             self.entries.value[:] = wanted
             return
         e = self.entries
@@ -201,6 +228,8 @@ class VelocityConditions:
             e.node, self._normal, wanted, e.direction, e.value, self._leader, self._held, self._clash
         )
         np.not_equal(self._leader, np.arange(self._leader.shape[0]), out=e.repeated)
+        # directions that were orthogonal as given stay so: values alone are renewed from now on
+        self._mixes = not np.array_equal(e.direction, self._normal)
         if clashes:
             self._report_clash(time, mp)
 
@@ -209,7 +238,6 @@ class VelocityConditions:
         clashing = np.flatnonzero(self._clash)
         if mp is not None:
             clashing = clashing[mp[self.entries.node[clashing], 0] > 0.0]
-        clashing = clashing[self.entries.owner[clashing] >= 0]
         if clashing.shape[0] == 0:
             return
         node = self.entries.node[clashing[0]]

@@ -32,7 +32,9 @@ class Entries(NamedTuple):
     repeated: Array
     """(nb,) bool."""
     owner: Array
-    """(nb,) index of the condition; -1 for the mirror image of another entry, which counts for nobody."""
+    """(nb,) index of the condition."""
+    axes: tuple[float, ...]
+    """As many zeros as axes: compiled loops over its length are unrolled."""
 
 
 @inline
@@ -52,19 +54,17 @@ def impose_on_momentum(entries: Entries, mp: Array, f: Array | None, dt: float, 
     impulse
         (nb,) Δp along the directions is added [momentum].
     """
-    d = mp.shape[1] - 1
     for b in range(entries.node.shape[0]):
-        i = entries.node[b]
+        i = np.uint64(entries.node[b])
         m = mp[i, 0]
         if m > 0.0:
             change = m * entries.value[b]
             if not entries.repeated[b]:
-                for a in range(d):
+                for a in range(len(entries.axes)):
                     change -= mp[i, 1 + a] * entries.direction[b, a]
-            for a in range(d):
+            for a in range(len(entries.axes)):
                 mp[i, 1 + a] += change * entries.direction[b, a]
-            if f is not None:
-                for a in range(d):
+                if f is not None:
                     f[i, a] += change / dt * entries.direction[b, a]
             impulse[b] += change
 
@@ -84,15 +84,14 @@ def zero_increment(entries: Entries, dv: Array, mp: Array, impulse: Array) -> No
     impulse
         (nb,) m Δv along the directions is added [momentum].
     """
-    d = mp.shape[1] - 1
     for b in range(entries.node.shape[0]):
-        i = entries.node[b]
+        i = np.uint64(entries.node[b])
         m = mp[i, 0]
         if m > 0.0 and not entries.repeated[b]:
             change = 0.0
-            for a in range(d):
+            for a in range(len(entries.axes)):
                 change -= dv[i, a] * entries.direction[b, a]
-            for a in range(d):
+            for a in range(len(entries.axes)):
                 dv[i, a] += change * entries.direction[b, a]
             impulse[b] += m * change
 
@@ -112,16 +111,15 @@ def impose_on_velocity(entries: Entries, v: Array, mp: Array, impulse: Array) ->
     impulse
         (nb,) m Δv along the directions is added [momentum].
     """
-    d = mp.shape[1] - 1
     for b in range(entries.node.shape[0]):
-        i = entries.node[b]
+        i = np.uint64(entries.node[b])
         m = mp[i, 0]
         if m > 0.0:
             change = entries.value[b]
             if not entries.repeated[b]:
-                for a in range(d):
+                for a in range(len(entries.axes)):
                     change -= v[i, a] * entries.direction[b, a]
-            for a in range(d):
+            for a in range(len(entries.axes)):
                 v[i, a] += change * entries.direction[b, a]
             impulse[b] += m * change
 
@@ -130,20 +128,19 @@ def impose_on_velocity(entries: Entries, v: Array, mp: Array, impulse: Array) ->
 def sum_reactions(entries: Entries, impulse: Array, dt: float, reactions: Array) -> None:
     """Add each condition's force on the bodies, Σ impulse e/Δt, to ``reactions`` (conditions, d) [force]."""
     for b in range(entries.node.shape[0]):
-        owner = entries.owner[b]
-        if owner >= 0:
-            for a in range(reactions.shape[1]):
-                reactions[owner, a] += impulse[b] / dt * entries.direction[b, a]
+        owner = np.uint64(entries.owner[b])
+        for a in range(len(entries.axes)):
+            reactions[owner, a] += impulse[b] / dt * entries.direction[b, a]
 
 
 @inline
 def held_speeds(entries: Entries, mp: Array, speed: Array) -> None:
     """Velocity p/m of held nodes along each entry's direction into ``speed`` (nb,) [velocity]."""
     for b in range(entries.node.shape[0]):
-        i = entries.node[b]
+        i = np.uint64(entries.node[b])
         total = 0.0
         if mp[i, 0] > 0.0:
-            for a in range(mp.shape[1] - 1):
+            for a in range(len(entries.axes)):
                 total += mp[i, 1 + a] * entries.direction[b, a]
             total /= mp[i, 0]
         speed[b] = total
@@ -164,9 +161,9 @@ def sum_work(entries: Entries, impulse: Array, start_speed: Array, v: Array) -> 
     """
     work = 0.0
     for b in range(entries.node.shape[0]):
-        if entries.owner[b] >= 0:
-            end = 0.0
-            for a in range(entries.direction.shape[1]):
-                end += v[entries.node[b], a] * entries.direction[b, a]
-            work += impulse[b] * 0.5 * (start_speed[b] + end)
+        i = np.uint64(entries.node[b])
+        end = 0.0
+        for a in range(len(entries.axes)):
+            end += v[i, a] * entries.direction[b, a]
+        work += impulse[b] * 0.5 * (start_speed[b] + end)
     return work

@@ -32,6 +32,12 @@ class Pairs(NamedTuple):
     """(planes,) normal axis of each plane."""
     ghost_mass: Array
     """(ng,) mass that real particles gave to the ghost."""
+    share: Array
+    """(ng,) the same divided by the mass after folding."""
+    own: Array
+    """(no,) nodes on the planes, which are their own images; plane after plane."""
+    own_start: Array
+    """(planes+1,) where the own nodes of each plane start."""
 
 
 class Mirror:
@@ -65,20 +71,25 @@ class Mirror:
             ghosts |= index < plane.line if plane.lower else index > plane.line
         return ghosts
 
-    def reflect_entries(self, node: Array, normal: Array, owner: Array) -> tuple[Array, Array, Array, Array]:
-        """Add the mirror images of held nodes, so that ghosts follow their images.
+    def reflect_entries(self, node: Array, normal: Array) -> tuple[Array, Array, Array, Array]:
+        """Add the twins of held nodes beyond the planes, so that ghosts follow their images.
 
         Parameters
         ----------
-        node, normal, owner
-            (nb,), (nb, d), (nb,): held components, none of them at a ghost.
+        node, normal
+            (nb,), (nb, d): held components, none of them at a ghost.
 
         Returns
         -------
-        tuple
-            The same with images appended (owner -1), and for each the index of the entry that it comes from.
+        node, normal
+            The same with twins appended.
+        origin : (nb + twins,)
+            For each the index of the entry that it comes from.
+        pair : (twins,)
+            For each twin the index of its ghost in ``pairs``.
         """
         origin = np.arange(node.shape[0])
+        pair = np.empty(0, dtype=np.int64)
         pairs = self.pairs
         for j, axis in enumerate(pairs.axis):
             ghost, image = (part[pairs.start[j] : pairs.start[j + 1]] for part in (pairs.ghost, pairs.image))
@@ -90,10 +101,10 @@ class Mirror:
             turned = normal[held]
             turned[:, axis] *= -1.0
             node = np.concatenate([node, ghost[order[k[held]]]])
+            pair = np.concatenate([pair, pairs.start[j] + order[k[held]]])
             normal = np.concatenate([normal, turned])
-            owner = np.concatenate([owner, np.full(held.shape[0], -1)])
             origin = np.concatenate([origin, origin[held]])
-        return node, normal, origin, owner
+        return node, normal, origin, pair
 
     def fold_momentum(self, mp: Array, weight: float = 0.0) -> None:
         """Fold mass and momentum ``mp`` (n, 1+d), once after scattering them.
@@ -108,7 +119,7 @@ class Mirror:
         fold(self.pairs, q, mp, 0, weight, self.impulse)
 
     def _find_pairs(self, active: Array) -> Pairs:
-        ghosts, images, start = [], [], [0]
+        ghosts, images, own = [], [], []
         for _, plane in self._planes:
             index = axis_index(self._grid, active, plane.axis)
             beyond = index < plane.line if plane.lower else index > plane.line
@@ -120,19 +131,26 @@ class Mirror:
             there &= np.isin(image, active)
             ghosts.append(ghost[there])
             images.append(image[there])
-            start.append(start[-1] + int(there.sum()))
+            own.append(active[index == plane.line])
+        start = np.cumsum([0, *(ghost.shape[0] for ghost in ghosts)])
         return Pairs(
             ghost=np.concatenate(ghosts),
             image=np.concatenate(images),
-            start=np.array(start, dtype=np.int64),
+            start=start,
             axis=np.array([plane.axis for _, plane in self._planes], dtype=np.int64),
             ghost_mass=np.zeros(start[-1]),
+            share=np.zeros(start[-1]),
+            own=np.concatenate(own),
+            own_start=np.cumsum([0, *(nodes.shape[0] for nodes in own)]),
         )
 
 
 @inline
 def fold(pairs: Pairs, record: Array, mp: Array, scalars: int, weight: float, impulse: Array) -> None:
     """Fold scattered quantities across all planes and copy the sums back to the ghosts.
+
+    Nodes on a plane keep the half that real particles gave them, without the component q along the normal, which
+    the other half cancels: the real particles' momentum changes by −q.
 
     Real particles give momentum q_g and mass m_g to a ghost. Folding moves −q_g (along the plane's normal) to
     the image and makes the ghost's velocity −v_i, so that the real particles' momentum Σ m_real v changes by
@@ -156,6 +174,11 @@ def fold(pairs: Pairs, record: Array, mp: Array, scalars: int, weight: float, im
     planes = pairs.axis.shape[0]
     d = mp.shape[1] - 1
     for j in range(planes):
+        c = scalars + pairs.axis[j]
+        for k in range(pairs.own_start[j], pairs.own_start[j + 1]):
+            impulse[j] -= weight * record[pairs.own[k], c]
+            record[pairs.own[k], c] = 0.0
+    for j in range(planes):
         for k in range(pairs.start[j], pairs.start[j + 1]):
             g = pairs.ghost[k]
             impulse[j] -= 2.0 * weight * record[g, scalars + pairs.axis[j]]
@@ -177,5 +200,7 @@ def fold(pairs: Pairs, record: Array, mp: Array, scalars: int, weight: float, im
         for k in range(pairs.start[j], pairs.start[j + 1]):
             i = pairs.image[k]
             if mp[i, 0] > 0.0:
+                if scalars > 0:
+                    pairs.share[k] = pairs.ghost_mass[k] / mp[i, 0]
                 v = record[i, scalars + pairs.axis[j]] / mp[i, 0]
                 impulse[j] -= 2.0 * weight * pairs.ghost_mass[k] * v

@@ -7,7 +7,7 @@ from typing import Any, Literal
 from pydantic import model_validator
 
 from mpmcli.boundary.base import LOADS, LoadModel, check_length
-from mpmcli.boundary.place import Box, Region, check_box
+from mpmcli.boundary.place import Box, Region, check_space
 from mpmcli.core.model import Model, field_of
 
 _Force: Any = field_of("force", ("t",))
@@ -46,7 +46,7 @@ class ParticleForce(LoadModel):
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What does not fit an analysis with so many axes."""
         found = check_length("force", self.force, dimensions)
-        return found if self.on.box is None else found + check_box("on.box", self.on.box, dimensions)
+        return found + check_space("on", self.on.box, self.on.region, dimensions)
 
     def bodies(self) -> list[tuple[str, str]]:
         """The body that it acts on, if it is one."""

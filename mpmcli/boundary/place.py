@@ -6,9 +6,17 @@ import math
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, TypeAdapter, ValidationInfo, WithJsonSchema, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    TypeAdapter,
+    ValidationError,
+    ValidationInfo,
+    WithJsonSchema,
+    model_validator,
+)
 
-from mpmcli.boundary.base import TOLERANCE, Array, Nodes, SurfaceNodes, check_length
+from mpmcli.boundary.base import TOLERANCE, Array, Nodes, check_length
 from mpmcli.core.model import Length, Model, Number
 
 AXES = ("x", "y", "z")
@@ -86,7 +94,7 @@ def _resolve_region(value: Any, info: ValidationInfo) -> Any:
 Region = Annotated[
     Any, BeforeValidator(_resolve_region), WithJsonSchema({"type": "object", "x-model": "region"})
 ]
-"""An object with ``contains(points (d, n)) -> (n,) bool``; the scene's context makes it (``context.region``)."""
+"""An object with ``contains(points (d, n)) -> (n,) bool``; the context of a scene makes it."""
 
 
 class Place(Model):
@@ -115,23 +123,13 @@ class Place(Model):
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What does not fit so many axes."""
         found = check_axis("on.plane", self.plane, dimensions) + check_axis("on.face", self.face, dimensions)
-        if self.box is not None:
-            found += check_box("on.box", self.box, dimensions)
-        return found
+        return found + check_space("on", self.box, self.region, dimensions)
 
-    def nodes(self, grid: Nodes, active: Array, surface_nodes: SurfaceNodes | None = None) -> Array:
-        """Those of the sorted node indices ``active`` that are here, sorted."""
+    def holds(self, grid: Nodes, nodes: Array) -> Array:
+        """Which nodes are on the plane or beyond, or in the box or region, (n,) bool."""
         if self.plane is not None:
-            return active[beyond(grid, active, self.plane)]
-        if self.face is not None:
-            if surface_nodes is None:
-                raise ValueError("body surfaces need to know the nodes that particles see")
-            return np.intersect1d(active, surface_nodes(str(self.body), self.face))
-        return active[self.contains(grid.coordinates(active), TOLERANCE * float(min(grid.cell)))]
-
-    def contains(self, points: Array, margin: float = 0.0) -> Array:
-        """Which points (d, n) are in the box or region, (n,) bool; ``margin`` widens a box [length]."""
-        return inside(self.box, self.region, points, margin)
+            return beyond(grid, nodes, self.plane)
+        return inside(self.box, self.region, grid.coordinates(nodes), TOLERANCE * float(min(grid.cell)))
 
 
 def inside(box: Box | None, region: Any, points: Array, margin: float = 0.0) -> Array:
@@ -157,8 +155,6 @@ def grid_line(grid: Nodes, axis: int, coordinate: float) -> float:
 def last_index(grid: Nodes, axis: int, coordinate: float, lower: bool) -> int:
     """Index of the innermost node at or beyond a coordinate, on the lower or upper side."""
     line = grid_line(grid, axis, coordinate)
-    if not math.isfinite(line):
-        raise ValueError(f"the coordinate {coordinate} is not finite")
     return math.floor(line + TOLERANCE) if lower else math.ceil(line - TOLERANCE)
 
 
@@ -179,14 +175,27 @@ def check_axis(key: str, part: Plane | Face | None, dimensions: int) -> list[tup
     ]
 
 
-def check_box(key: str, box: Box, dimensions: int) -> list[tuple[str, str]]:
-    """What is wrong with the corners of a box."""
-    found = check_length(f"{key}.lower", box.lower, dimensions) + check_length(
-        f"{key}.upper", box.upper, dimensions
-    )
-    if not found and any(low > high for low, high in zip(box.lower, box.upper, strict=True)):
-        found.append((f"{key}.upper", "must not be below lower"))
+def check_space(key: str, box: Box | None, region: Any, dimensions: int) -> list[tuple[str, str]]:
+    """What is wrong with a box or region for so many axes."""
+    found = []
+    if box is not None:
+        found += check_length(f"{key}.box.lower", box.lower, dimensions)
+        found += check_length(f"{key}.box.upper", box.upper, dimensions)
+        if not found and any(low > high for low, high in zip(box.lower, box.upper, strict=True)):
+            found.append((f"{key}.box.upper", "must not be below lower"))
+    if dimensions not in getattr(region, "dimensions", (dimensions,)):
+        found.append((f"{key}.region", f"this kind of region does not exist with {dimensions} axes"))
+    if getattr(region, "gives_particles", False):
+        found.append((f"{key}.region", "a list of particles is no region of space"))
     return found
+
+
+def read(adapter: TypeAdapter[Any], value: Any, info: ValidationInfo) -> Any:
+    """A part of a value, read with the context of the whole; its error in one sentence."""
+    try:
+        return adapter.validate_python(value, context=info.context)
+    except ValidationError as error:
+        raise ValueError(error.errors()[0]["msg"].removeprefix("Value error, ")) from None
 
 
 def _read_direction(value: Any, info: ValidationInfo) -> Any:
@@ -196,7 +205,7 @@ def _read_direction(value: Any, info: ValidationInfo) -> Any:
         return value
     if not isinstance(value, list | tuple) or not 1 <= len(value) <= 3:
         raise ValueError("give x, y, z or a vector with one component per axis")
-    components = [_number.validate_python(v, context=info.context) for v in value]
+    components = [read(_number, v, info) for v in value]
     size = math.hypot(*components)
     if not (math.isfinite(size) and size > 0):
         raise ValueError("a direction needs a length above zero")

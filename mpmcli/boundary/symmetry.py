@@ -41,13 +41,17 @@ class SymmetryHolder:
         self.direction = np.eye(len(grid.shape))[self.axis]
         self._grid = grid
 
+    def renew(self, active: Array) -> None:
+        """Take over the active nodes."""
+        self._active = active
+
     def key(self, time: float) -> Hashable:
         """Constant: the plane does not move."""
         return 0
 
-    def nodes(self, time: float, active: Array) -> Array:
-        """The nodes of ``active`` on the plane."""
-        return active[axis_index(self._grid, active, self.axis) == self.line]
+    def nodes(self, time: float) -> Array:
+        """The active nodes on the plane."""
+        return self._active[axis_index(self._grid, self._active, self.axis) == self.line]
 
     def values(self, time: float, coordinates: Array) -> float:
         """Zero."""

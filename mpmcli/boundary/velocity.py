@@ -53,18 +53,26 @@ class VelocityHolder:
         self.direction = unit_vector(condition.direction, len(grid.shape))
         self.varies = "t" in condition.value.variables
 
+    def renew(self, active: Array) -> None:
+        """Take over the active nodes."""
+        self._active = active
+
     def key(self, time: float) -> Hashable:
         """Constant, except on body surfaces, where it counts how often the seen nodes changed."""
-        if self._place.face is not None and self._surface_nodes is not None:
+        if self._place.face is not None:
+            if self._surface_nodes is None:
+                raise ValueError("body surfaces need to know the nodes that particles see")
             seen = np.unique(self._surface_nodes(str(self._place.body), self._place.face))
             if not np.array_equal(seen, self._seen):
                 self._seen = seen
                 self._changes += 1
         return self._changes
 
-    def nodes(self, time: float, active: Array) -> Array:
-        """The held nodes among ``active``."""
-        return self._place.nodes(self._grid, active, self._surface_nodes)
+    def nodes(self, time: float) -> Array:
+        """The held ones of the active nodes."""
+        if self._place.face is not None:
+            return np.intersect1d(self._active, self._seen)
+        return self._active[self._place.holds(self._grid, self._active)]
 
     def values(self, time: float, coordinates: Array) -> Array | float:
         """Velocity along ``direction`` at the nodes."""

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import BeforeValidator, TypeAdapter, ValidationInfo, WithJsonSchema
 
 from mpmcli.boundary.base import (
     CONDITIONS,
@@ -17,10 +18,26 @@ from mpmcli.boundary.base import (
     SurfaceNodes,
     check_length,
 )
-from mpmcli.boundary.place import Direction, axis_index, check_direction, last_index, unit_vector
+from mpmcli.boundary.place import Direction, axis_index, check_direction, last_index, read, unit_vector
+from mpmcli.core.errors import SimulationError
 from mpmcli.core.model import field_of, quantity
 
-_Coordinate: Any = field_of("length", ("t",))
+_coordinate: TypeAdapter[Any] = TypeAdapter(field_of("length", ("t",)))
+
+
+def _read_position(value: Any, info: ValidationInfo) -> Any:
+    if isinstance(value, list | tuple):
+        return tuple(read(_coordinate, v, info) for v in value)
+    return read(_coordinate, value, info)
+
+
+_VALUE: dict[str, Any] = {"anyOf": [{"type": "number"}, {"type": "string"}], "x-dimension": "length"}
+Position = Annotated[
+    Any,
+    BeforeValidator(_read_position),
+    WithJsonSchema(_VALUE | {"anyOf": [*_VALUE["anyOf"], {"type": "array", "items": _VALUE}]}),
+]
+"""An expression of t, or a tuple of such."""
 
 
 @CONDITIONS.register
@@ -35,7 +52,7 @@ class Wall(ConditionModel):
     """Kind of condition."""
     normal: Direction
     """Normal of the wall, pointing into the material: an axis or a vector."""
-    position: _Coordinate | tuple[_Coordinate, ...]  # type: ignore[valid-type]
+    position: Position
     """Coordinate along the axis of the normal, an expression of t; for an oblique normal a point."""
     velocity: field_of("velocity", ("t",))  # type: ignore[valid-type]
     """Velocity along the positive axis of the normal (oblique: along the normal), an expression of t."""
@@ -67,12 +84,20 @@ def along_axis(normal: Array) -> int | None:
     return axis if abs(normal[axis]) == 1.0 else None
 
 
+def finite_position(position: float, name: str, time: float) -> float:
+    """The position of a wall; SimulationError if it is no number."""
+    if not math.isfinite(position):
+        raise SimulationError(f"wall '{name}': its position is not finite at time {time:g}")
+    return position
+
+
 class AxisWall:
     """A wall across an axis; which nodes it holds changes only when its reach passes a grid line."""
 
     def __init__(self, wall: Wall, grid: Nodes, axis: int):
         position: Any = wall.position
         self._position = position[axis] if isinstance(position, tuple) else position
+        self._name = wall.name
         self._velocity: Any = wall.velocity
         self._gradient: Any = wall.gradient
         self._axis = axis
@@ -83,16 +108,20 @@ class AxisWall:
         uniform = self._gradient.is_constant and self._gradient() == 0.0
         self.varies = not (self._velocity.is_constant and (uniform or self._position.is_constant))
 
-    def key(self, time: float) -> Hashable:
+    def renew(self, active: Array) -> None:
+        """Take over the active nodes and their grid lines."""
+        self._active = active
+        self._index = axis_index(self._grid, active, self._axis)
+
+    def key(self, time: float) -> int:
         """Index of the innermost held grid line."""
-        reach = self._position(t=time) + self._reach
+        reach = finite_position(self._position(t=time), self._name, time) + self._reach
         return last_index(self._grid, self._axis, reach, lower=self._sign > 0)
 
-    def nodes(self, time: float, active: Array) -> Array:
-        """The nodes of ``active`` behind the wall and to its depth."""
-        index = axis_index(self._grid, active, self._axis)
+    def nodes(self, time: float) -> Array:
+        """The active nodes behind the wall and to its depth."""
         k = self.key(time)
-        return active[index <= k if self._sign > 0 else index >= k]
+        return self._active[self._index <= k if self._sign > 0 else self._index >= k]
 
     def values(self, time: float, coordinates: Array) -> Array | float:
         """v + ∇v (x_i − x_wall) along the positive axis."""
@@ -110,6 +139,7 @@ class ObliqueWall:
         if not isinstance(wall.position, tuple):
             raise ValueError(f"wall '{wall.name}' is along no axis, so its position must be a point")
         self._point: Any = wall.position
+        self._name = wall.name
         self._velocity: Any = wall.velocity
         self._gradient: Any = wall.gradient
         self._grid = grid
@@ -119,20 +149,25 @@ class ObliqueWall:
         self._still = all(c.is_constant for c in self._point)
         self.varies = not (self._still and self._velocity.is_constant and self._gradient.is_constant)
 
+    def renew(self, active: Array) -> None:
+        """Take over the active nodes and their coordinates along the normal."""
+        self._active = active
+        self._along = self.direction @ self._grid.coordinates(active)
+
     def key(self, time: float) -> Hashable:
         """The wall's point along the normal."""
         return 0.0 if self._still else self._offset(time)
 
-    def nodes(self, time: float, active: Array) -> Array:
-        """The nodes of ``active`` behind the wall and to its depth."""
-        return active[self._distance(time, self._grid.coordinates(active)) <= self._reach]
+    def nodes(self, time: float) -> Array:
+        """The active nodes behind the wall and to its depth."""
+        return self._active[self._along <= self._offset(time) + self._reach]
 
     def values(self, time: float, coordinates: Array) -> Array | float:
         """v + ∇v (x_i − x_wall)·n along the normal."""
-        return self._velocity(t=time) + self._gradient(t=time) * self._distance(time, coordinates)
+        return self._velocity(t=time) + self._gradient(t=time) * (
+            self.direction @ coordinates - self._offset(time)
+        )
 
     def _offset(self, time: float) -> float:
-        return float(sum(n * c(t=time) for n, c in zip(self.direction, self._point, strict=True)))
-
-    def _distance(self, time: float, coordinates: Array) -> Array:
-        return self.direction @ coordinates - self._offset(time)
+        offset = sum(n * c(t=time) for n, c in zip(self.direction, self._point, strict=True))
+        return finite_position(float(offset), self._name, time)

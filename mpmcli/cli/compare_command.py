@@ -10,8 +10,12 @@ import click
 @click.command("compare")
 @click.argument("a", type=click.Path(path_type=Path))
 @click.argument("b", type=click.Path(path_type=Path))
-@click.option("--rtol", type=click.FloatRange(min=0), default=1e-9, show_default=True, help="Relative tolerance.")
-@click.option("--atol", type=click.FloatRange(min=0), default=0.0, show_default=True, help="Absolute tolerance.")
+@click.option(
+    "--rtol", type=click.FloatRange(min=0), default=1e-9, show_default=True, help="Relative tolerance."
+)
+@click.option(
+    "--atol", type=click.FloatRange(min=0), default=0.0, show_default=True, help="Absolute tolerance."
+)
 @click.option("--columns", metavar="NAME,…", multiple=True, help="Compare these only; * stands for any text.")
 def command(a: Path, b: Path, rtol: float, atol: float, columns: tuple[str, ...]) -> int:
     """Compare two tables, or all tables of two results folders; exit code 1 if they differ."""

@@ -7,7 +7,17 @@ from typing import Any
 
 import click
 
-KINDS = ("materials", "shapes", "regions", "conditions", "loads", "transfers", "updates", "analyses", "quantities")
+KINDS = (
+    "materials",
+    "shapes",
+    "regions",
+    "conditions",
+    "loads",
+    "transfers",
+    "updates",
+    "analyses",
+    "quantities",
+)
 
 
 @click.command("list")

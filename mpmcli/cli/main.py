@@ -69,7 +69,12 @@ def _print_version(context: click.Context, _option: click.Parameter, asked: bool
 
 @click.command(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.option(
-    "--version", is_flag=True, expose_value=False, is_eager=True, callback=_print_version, help="Show the version."
+    "--version",
+    is_flag=True,
+    expose_value=False,
+    is_eager=True,
+    callback=_print_version,
+    help="Show the version.",
 )
 def mpmcli() -> None:
     """Simulate solids with the material point method, from one YAML file.
@@ -111,3 +116,7 @@ def call(args: Sequence[str] | None = None) -> int:
 def main() -> None:
     """Entry point of the program."""
     sys.exit(call())
+
+
+if __name__ == "__main__":
+    main()

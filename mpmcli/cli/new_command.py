@@ -22,7 +22,9 @@ def template_text(name: str) -> str:
     return (files("mpmcli.scene") / "templates" / f"{name}.yaml").read_text(encoding="utf-8")
 
 
-@click.command("new", epilog="Templates: " + "; ".join(f"{name}, {words}" for name, words in TEMPLATES.items()))
+@click.command(
+    "new", epilog="Templates: " + "; ".join(f"{name}, {words}" for name, words in TEMPLATES.items())
+)
 @click.argument("template", default="simple")
 @click.option("-o", "--output", metavar="FILE", type=click.Path(path_type=Path), help="Write to a new file.")
 def command(template: str, output: Path | None) -> None:

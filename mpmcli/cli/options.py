@@ -26,7 +26,12 @@ def scene_options(command: Callable[..., Any]) -> Callable[..., Any]:
             "--allow-outside-files", is_flag=True, help="Let the scene name files outside its own folder."
         ),
         click.option(
-            "-D", "defines", metavar="NAME=VALUE", multiple=True, callback=_assignments, help="Set a constant."
+            "-D",
+            "defines",
+            metavar="NAME=VALUE",
+            multiple=True,
+            callback=_assignments,
+            help="Set a constant.",
         ),
         click.option(
             "--set",

@@ -17,6 +17,9 @@ from numba.extending import overload
 
 COMPILE_OPTIONS = {"error_model": "numpy", "fastmath": True}
 
+INLINED = COMPILE_OPTIONS | {"forceinline": True}
+"""What the compiler would call by itself it inlines: stencils and tensors then stay in registers."""
+
 
 def generic(declaration: Callable[..., Any]) -> Any:
     """Make a function generic over the class (a NamedTuple) of its first argument.
@@ -45,7 +48,7 @@ def generic(declaration: Callable[..., Any]) -> Any:
         f"    return implementations.get(getattr({parameters[0]}, 'instance_class', None))",
         scope,
     )
-    overload(by_class, strict=False, jit_options=COMPILE_OPTIONS)(scope["choose"])
+    overload(by_class, strict=False, jit_options=INLINED)(scope["choose"])
     by_class.register = register  # type: ignore[attr-defined]
     by_class.implementations = implementations  # type: ignore[attr-defined]
     return by_class

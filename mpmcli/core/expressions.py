@@ -280,7 +280,9 @@ class _Builder:
             allowed = f"only {', '.join(self.variables)} may" if self.variables else "x, y, z and t may not"
             raise ValueError(f"'{name}' is not known here: {allowed} occur in this value")
         known = [*self.constants, *CONSTANTS, *self.variables]
-        raise ValueError(f"'{name}' is not known{did_you_mean(name, known) or _known_constants(self.constants)}")
+        raise ValueError(
+            f"'{name}' is not known{did_you_mean(name, known) or _known_constants(self.constants)}"
+        )
 
     def _compare(self, node: ast.Compare, depth: int) -> ast.expr:
         terms = [self.build(term, depth + 1) for term in [node.left, *node.comparators]]
@@ -368,4 +370,6 @@ def _refusal(node: ast.AST) -> str:
 
 
 def _known_constants(constants: Mapping[str, float]) -> str:
-    return f" (constants of the scene: {', '.join(constants)})" if constants else " (the scene has no constants)"
+    return (
+        f" (constants of the scene: {', '.join(constants)})" if constants else " (the scene has no constants)"
+    )

@@ -13,36 +13,53 @@ import numpy as np
 from mpmcli.core.dispatch import generic
 
 
-class GridGeometry(NamedTuple):
-    """What compiled code needs to know of the grid; the length of the tuples is the number of axes."""
+class LineGeometry(NamedTuple):
+    """What compiled code needs to know of a grid with one axis."""
 
-    origin: tuple[float, ...]
+    origin: tuple[float]
     """Coordinate of the first (ghost) node of each axis [length]."""
-    inverse_cell: tuple[float, ...]
+    inverse_cell: tuple[float]
     """1 / cell size [1/length]."""
-    stride: tuple[int, ...]
+    stride: tuple[int]
     """Distance in memory between neighbours along each axis (unsigned)."""
-    last_base: tuple[int, ...]
+    last_base: tuple[int]
     """Largest index at which a stencil of the current width may begin (unsigned)."""
-    width: int
-    """Nodes per axis that a stencil spans (unsigned)."""
     field_stride: int
     """Distance in memory between velocity fields (unsigned)."""
 
 
+class PlaneGeometry(NamedTuple):
+    """The same for two axes."""
+
+    origin: tuple[float, float]
+    inverse_cell: tuple[float, float]
+    stride: tuple[int, int]
+    last_base: tuple[int, int]
+    field_stride: int
+
+
+class SpaceGeometry(NamedTuple):
+    """The same for three axes."""
+
+    origin: tuple[float, float, float]
+    inverse_cell: tuple[float, float, float]
+    stride: tuple[int, int, int]
+    last_base: tuple[int, int, int]
+    field_stride: int
+
+
 class LineGrid(NamedTuple):
-    """``GridGeometry`` of one axis laid flat: parallel loops cannot capture tuples within tuples."""
+    """``LineGeometry`` laid flat: parallel loops cannot capture tuples within tuples."""
 
     origin_x: float
     inverse_x: float
     stride_x: int
     last_x: int
-    width: int
     field_stride: int
 
 
 class PlaneGrid(NamedTuple):
-    """``GridGeometry`` of two axes laid flat."""
+    """``PlaneGeometry`` laid flat."""
 
     origin_x: float
     origin_y: float
@@ -52,12 +69,11 @@ class PlaneGrid(NamedTuple):
     stride_y: int
     last_x: int
     last_y: int
-    width: int
     field_stride: int
 
 
 class SpaceGrid(NamedTuple):
-    """``GridGeometry`` of three axes laid flat."""
+    """``SpaceGeometry`` laid flat."""
 
     origin_x: float
     origin_y: float
@@ -71,7 +87,6 @@ class SpaceGrid(NamedTuple):
     last_x: int
     last_y: int
     last_z: int
-    width: int
     field_stride: int
 
 
@@ -80,34 +95,32 @@ FLAT = {1: LineGrid, 2: PlaneGrid, 3: SpaceGrid}
 
 @generic
 def unfold(g: Any) -> Any:
-    """The ``GridGeometry`` of a flat grid tuple."""
+    """The geometry, with a tuple per property, of a flat grid tuple."""
 
 
 @unfold.register(LineGrid)
 def _(g):
-    return GridGeometry((g.origin_x,), (g.inverse_x,), (g.stride_x,), (g.last_x,), g.width, g.field_stride)
+    return LineGeometry((g.origin_x,), (g.inverse_x,), (g.stride_x,), (g.last_x,), g.field_stride)
 
 
 @unfold.register(PlaneGrid)
 def _(g):
-    return GridGeometry(
+    return PlaneGeometry(
         (g.origin_x, g.origin_y),
         (g.inverse_x, g.inverse_y),
         (g.stride_x, g.stride_y),
         (g.last_x, g.last_y),
-        g.width,
         g.field_stride,
     )
 
 
 @unfold.register(SpaceGrid)
 def _(g):
-    return GridGeometry(
+    return SpaceGeometry(
         (g.origin_x, g.origin_y, g.origin_z),
         (g.inverse_x, g.inverse_y, g.inverse_z),
         (g.stride_x, g.stride_y, g.stride_z),
         (g.last_x, g.last_y, g.last_z),
-        g.width,
         g.field_stride,
     )
 
@@ -147,7 +160,6 @@ class Grid:
             *(float(1 / c) for c in self.cell),
             *(np.uint64(s) for s in self.stride),
             *(np.uint64(n - self.width) for n in self.shape),
-            width=np.uint64(self.width),
             field_stride=np.uint64(self.node_count),
         )
 

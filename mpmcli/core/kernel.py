@@ -49,7 +49,8 @@ def _compile(function: Callable[..., Any], parallel: bool, fastmath: bool) -> An
     named.__module__ = function.__module__
     named.__doc__ = function.__doc__
     options = COMPILE_OPTIONS | {"fastmath": fastmath}
-    return njit(cache=True, nogil=True, parallel=parallel, boundscheck=BOUNDS_CHECK, **options)(named)
+    # without numba's reference counts: kernels allocate nothing, and counting views costs more than the arithmetic
+    return njit(cache=True, nogil=True, parallel=parallel, boundscheck=BOUNDS_CHECK, _nrt=False, **options)(named)
 
 
 def kernel(function: Callable[..., Any]) -> Kernel:

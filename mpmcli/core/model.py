@@ -33,7 +33,7 @@ class Resolver(Protocol):
 
 
 _UNIT_FOLLOWS = re.compile(
-    r"\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*((?<=\s)1\s*/\s*)?([^\W\d_]|[%°Å])"
+    r"\s*[-+]?(?>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?<=\s)1\s*/\s*)?([^\W\d_]|[%°Å])"
 )
 
 
@@ -130,7 +130,9 @@ def _resolve_field(dimension: str, variables: tuple[str, ...]) -> Any:
 def field_of(dimension: str, variables: tuple[str, ...] = ("x", "y", "z", "t")) -> Any:
     """The type of a value that may vary in space and time: a number, a string with unit, or an expression."""
     schema = {"anyOf": [{"type": "number"}, {"type": "string"}], "x-dimension": dimension}
-    return Annotated[Expression, BeforeValidator(_resolve_field(dimension, variables)), WithJsonSchema(schema)]
+    return Annotated[
+        Expression, BeforeValidator(_resolve_field(dimension, variables)), WithJsonSchema(schema)
+    ]
 
 
 Number = quantity("1")

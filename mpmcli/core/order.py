@@ -13,7 +13,6 @@ from numba import prange
 from mpmcli.core.grid import Grid
 from mpmcli.core.kernel import inline, kernel
 from mpmcli.core.particles import Particles
-from mpmcli.core.stencil import BLOCK
 
 MAX_DRIFT = 1.0
 """Cells that a particle may travel between two sorts."""
@@ -68,20 +67,16 @@ class CellOrder:
                 if array.size:
                     setattr(particles, name, np.ascontiguousarray(np.take(array, order, axis=-1)))
         layer = int(np.prod(extent[:-1]))
-        self._divide(starts, layer, int(extent[-1]), count, d)
+        self._divide(starts, layer, int(extent[-1]), count)
         self._activate(starts, low, extent)
         self.version += 1
         self.drift = 0.0
 
-    def _divide(self, starts: Array, layer: int, rows: int, count: int, d: int) -> None:
+    def _divide(self, starts: Array, layer: int, rows: int, count: int) -> None:
         height = band_height(rows, 2 * self.grid.width - 1)
         edges = np.minimum(np.arange(0, rows + height, height), rows)
         self.bands = starts[edges * layer].astype(np.uint64)
-        blocks = -(-count // BLOCK[d])
-        chunk_count = min(CHUNKS, blocks)
-        self.chunks = np.minimum(
-            np.arange(chunk_count + 1) * blocks // chunk_count * BLOCK[d], count
-        ).astype(np.uint64)
+        self.chunks = np.linspace(0, count, min(CHUNKS, count) + 1).astype(np.uint64)
 
     @property
     def slots(self) -> int:

@@ -1,8 +1,7 @@
 """The stencil: which nodes a particle sees, with values S and gradients G of its shape function.
 
-Kernels work on blocks of particles. A shape function fills small buffers for one block (vectorised over the
-particles), then the transfer verbs read them one particle at a time. The buffers of a block stay in the first-level
-cache, so that every shape function runs through the same transfer kernels and nothing is stored per particle.
+A shape function fills two small buffers for one particle; the transfer verbs read them at once, from the first-level
+cache. So every shape function runs through the same transfer kernels, and nothing is stored per particle.
 """
 
 from __future__ import annotations
@@ -12,146 +11,148 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.core.dispatch import generic
-from mpmcli.core.grid import unfold
+from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry, unfold
 from mpmcli.core.kernel import inline, kernel
 
 Array = np.ndarray
-
-BLOCK = {1: 64, 2: 64, 3: 16}
-"""Particles per block for each number of axes."""
 
 OUTSIDE_GRID, DOMAIN_TOO_WIDE = 1, 2
 """Values of ``status[0]``; ``status[1]`` is the particle."""
 
 
 class Stencil(NamedTuple):
-    """Buffers for ``slots`` blocks at work side by side, with m nodes per stencil and B particles per block.
+    """Buffers for ``slots`` bands or chunks at work side by side; m = w^d nodes per stencil.
 
-    base : (slots, B) flat index of each stencil's first node, unsigned
-    S : (slots, m, B) shape function values [-]
-    G : (slots, d·m, B) their gradients, axis by axis [1/length]
-    Q, R : (slots, d, B) vectors gathered at the particles
-    W : (slots, rows, B) one-dimensional weights and other work space of the shape functions
+    S : (slots, m) shape function values [-]
+    G : (slots, d·m) their gradients, axis by axis [1/length]
+    W : (slots, rows) work space of the shape functions
     offsets : (m,) flat offset of each stencil node from the first, unsigned
     status : (2,) what went wrong in the last step (0: nothing), and for which particle
     """
 
-    base: Array
     S: Array
     G: Array
-    Q: Array
-    R: Array
     W: Array
     offsets: Array
     status: Array
 
 
+MOST_POINTS = 3
+"""Points per axis at which a shape function evaluates grid functions, at most."""
+
+
 def allocate_stencil(dimensions: int, width: int, offsets: Array, slots: int) -> Stencil:
     """Buffers for a shape function that spans ``width`` nodes per axis."""
-    m, block = width**dimensions, BLOCK[dimensions]
+    m = width**dimensions
     return Stencil(
-        base=np.zeros((slots, block), dtype=np.uint64),
-        S=np.zeros((slots, m, block)),
-        G=np.zeros((slots, dimensions * m, block)),
-        Q=np.zeros((slots, dimensions, block)),
-        R=np.zeros((slots, dimensions, block)),
-        W=np.zeros((slots, 2 * dimensions * width + 2 * dimensions * dimensions + dimensions, block)),
+        S=np.zeros((slots, m)),
+        G=np.zeros((slots, dimensions * m)),
+        W=np.zeros((slots, MOST_POINTS**dimensions * dimensions * width)),
         offsets=offsets,
         status=np.zeros(2, dtype=np.int64),
     )
 
 
+def across_of(width: int) -> tuple[int, ...]:
+    """The node numbers 0 … w − 1 along an axis: a tuple, whose length compiled code knows."""
+    return tuple(np.uint64(i) for i in range(width))
+
+
+# fmt: off
 @generic
-def fill(shape: Any, grid: Any, X: Any, F: Any, size: Any, field: Any, first: Any, n: Any, base: Any, S: Any,
-         G: Any, W: Any, status: Any) -> Any:  # fmt: skip
-    """Fill the buffers of one block: particles ``first … first+n−1`` (unsigned).
+def fill(shape: Any, grid: Any, across: Any, X: Any, F: Any, size: Any, p: Any, S: Any, G: Any, W: Any, status: Any) -> Any:  # noqa: E501
+    """Fill the buffers for particle ``p`` and return the flat index of its stencil's first node (unsigned).
 
-    ``G`` is None where only values are needed. ``X`` (d, N), ``F`` (nF, N), ``size`` (d, N); ``field`` (N,) or None
-    (one velocity field). Overwrites ``base`` (B,), ``S`` (m, B), ``G`` (d·m, B), ``W``.
+    ``grid`` is a geometry of ``core.grid``; ``X`` (d, N), ``F`` (nF, N), ``size`` (d, N). ``G`` is None where only values are
+    needed. Overwrites ``S`` (m,), ``G`` (d·m,), ``W``.
     """
+
+
+@generic
+def axis_weights(shape: Any, x: Any, l: Any) -> Any:
+    """One axis of a tensor-product shape function at ``x`` with half-size ``l``, both in cells.
+
+    Returns the lowest node, and tuples of the values and slopes at the nodes from there on.
+    """
+# fmt: on
 
 
 @inline
-def place(grid, first, n, lowest, field, base, W, status):
-    """Turn lowest stencil nodes into flat indices, and coordinates into distances from them.
+def first_node(grid, lowest, p, status):
+    """Flat index of the node with these indices (floats).
 
-    ``W`` rows ``0…d−1`` hold the lowest node of each axis as a float (what ``floor`` gave). A stencil that would leave
-    the grid (or a coordinate that is not a number) sets ``status`` and is put at the first node, so that no memory
-    outside the grid is ever touched.
+    A stencil that would leave the grid (or a coordinate that is not a number) sets ``status`` and is put at the first
+    node, so that no memory outside the grid is ever touched.
     """
-    d = len(grid.inverse_cell)
-    zero = np.uint64(0)
-    for k in range(n):
-        base[k] = zero
-    for a in range(d):
-        last = grid.last_base[a]
-        stride = grid.stride[a]
-        outside = zero
-        for k in range(n):
-            i = np.uint64(np.int64(W[lowest + a, k]))
-            outside |= np.uint64(i > last)
-            base[k] += i * stride
-        if outside > zero:
-            for k in range(n):
-                if np.uint64(np.int64(W[lowest + a, k])) > last:
-                    status[0] = OUTSIDE_GRID
-                    status[1] = np.int64(first + k)
-            for k in range(n):
-                base[k] = zero
-            return
-    if field is not None:
-        for k in range(n):
-            base[k] += np.uint64(field[first + k]) * grid.field_stride
+    base = np.uint64(0)
+    for a in range(len(grid.inverse_cell)):
+        i = np.uint64(np.int64(lowest[a]))
+        if i > grid.last_base[a]:
+            status[0] = OUTSIDE_GRID
+            status[1] = np.int64(p)
+            return np.uint64(0)
+        base += i * grid.stride[a]
+    return base
 
 
-@inline
-def tensor_product(grid, n, W, S, G):
-    """Values and gradients from one-dimensional weights.
+@generic
+def fill_tensor_product(grid: Any, shape: Any, across: Any, X: Any, size: Any, p: Any, S: Any, G: Any, status: Any) -> Any:  # noqa: E501  # fmt: skip
+    """``fill`` for shape functions that are products of one-dimensional ones (see ``axis_weights``)."""
 
-    Rows ``a·width + i`` of ``W`` hold the weight of node i along axis a, rows ``(d + a)·width + i`` its slope.
-    """
-    d = len(grid.inverse_cell)
-    w = grid.width
-    one, two, three = np.uint64(1), np.uint64(2), np.uint64(3)
-    if d == 1:
+
+@fill_tensor_product.register(LineGeometry)
+def _(grid, shape, across, X, size, p, S, G, status):
+    hx = grid.inverse_cell[0]
+    bx, wx, gx = axis_weights(shape, (X[0, p] - grid.origin[0]) * hx, size[0, p] * hx)
+    for i in range(len(across)):
+        S[i] = wx[i]
+        if G is not None:
+            G[i] = gx[i] * hx
+    return first_node(grid, (bx,), p, status)
+
+
+@fill_tensor_product.register(PlaneGeometry)
+def _(grid, shape, across, X, size, p, S, G, status):
+    w = len(across)
+    hx, hy = grid.inverse_cell
+    bx, wx, gx = axis_weights(shape, (X[0, p] - grid.origin[0]) * hx, size[0, p] * hx)
+    by, wy, gy = axis_weights(shape, (X[1, p] - grid.origin[1]) * hy, size[1, p] * hy)
+    for j in range(w):
         for i in range(w):
-            for k in range(n):
-                S[i, k] = W[i, k]
-            if G is not None:
-                for k in range(n):
-                    G[i, k] = W[w + i, k]
-    elif d == 2:
-        m = w * w
+            S[j * w + i] = wx[i] * wy[j]
+    if G is not None:
         for j in range(w):
             for i in range(w):
-                row = j * w + i
-                for k in range(n):
-                    S[row, k] = W[i, k] * W[w + j, k]
-                if G is not None:
-                    for k in range(n):
-                        G[row, k] = W[two * w + i, k] * W[w + j, k]
-                        G[m + row, k] = W[i, k] * W[three * w + j, k]
-    else:
-        m = w * w * w
-        for l in range(w):
+                G[j * w + i] = gx[i] * wy[j] * hx
+                G[(w + j) * w + i] = wx[i] * gy[j] * hy
+    return first_node(grid, (bx, by), p, status)
+
+
+@fill_tensor_product.register(SpaceGeometry)
+def _(grid, shape, across, X, size, p, S, G, status):
+    w = len(across)
+    hx, hy, hz = grid.inverse_cell
+    bx, wx, gx = axis_weights(shape, (X[0, p] - grid.origin[0]) * hx, size[0, p] * hx)
+    by, wy, gy = axis_weights(shape, (X[1, p] - grid.origin[1]) * hy, size[1, p] * hy)
+    bz, wz, gz = axis_weights(shape, (X[2, p] - grid.origin[2]) * hz, size[2, p] * hz)
+    for k in range(w):
+        for j in range(w):
+            for i in range(w):
+                S[(k * w + j) * w + i] = wx[i] * wy[j] * wz[k]
+    if G is not None:
+        for k in range(w):
             for j in range(w):
                 for i in range(w):
-                    row = (l * w + j) * w + i
-                    for k in range(n):
-                        S[row, k] = W[i, k] * W[w + j, k] * W[two * w + l, k]
-                    if G is not None:
-                        for k in range(n):
-                            wx, wy, wz = W[i, k], W[w + j, k], W[two * w + l, k]
-                            G[row, k] = W[three * w + i, k] * wy * wz
-                            G[m + row, k] = wx * W[(three + one) * w + j, k] * wz
-                            G[two * m + row, k] = wx * wy * W[(three + two) * w + l, k]
+                    G[(k * w + j) * w + i] = gx[i] * wy[j] * wz[k] * hx
+                    G[((w + k) * w + j) * w + i] = wx[i] * gy[j] * wz[k] * hy
+                    G[((w + w + k) * w + j) * w + i] = wx[i] * wy[j] * gz[k] * hz
+    return first_node(grid, (bx, by, bz), p, status)
 
 
 @kernel
-def fill_block(shape, grid, X, F, size, stencil):
-    """Values and gradients for at most a block of particles, into slot 0 (set-up and tests)."""
-    n = np.uint64(X.shape[1])
-    fill(
-        shape, unfold(grid), X, F, size, None, np.uint64(0), n, stencil.base[0], stencil.S[0], stencil.G[0],
-        stencil.W[0], stencil.status,
-    )  # fmt: skip
+def fill_stencils(shape, grid, across, X, F, size, stencil, base, S, G):
+    """Stencils of all particles at once, for set-up and tests: ``base`` (N,), ``S`` (N, m), ``G`` (N, d·m)."""
+    for p in range(X.shape[1]):
+        base[p] = fill(
+            shape, unfold(grid), across, X, F, size, np.uint64(p), S[p], G[p], stencil.W[0], stencil.status
+        )

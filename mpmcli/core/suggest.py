@@ -9,7 +9,7 @@ from collections.abc import Iterable
 def nearest(word: str, names: Iterable[str]) -> str | None:
     """The name most like ``word``, or None if none is alike."""
     by_lower = {str(name).lower(): str(name) for name in names}
-    found = difflib.get_close_matches(word.lower(), by_lower, n=1, cutoff=0.6)
+    found = difflib.get_close_matches(word.lower(), by_lower, n=1, cutoff=0.55)
     return by_lower[found[0]] if found else None
 
 

@@ -10,11 +10,19 @@ from __future__ import annotations
 import math
 from typing import TypeAlias
 
+import numpy as np
+
 from mpmcli.core.kernel import inline
 
 Tensor: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
 Symmetric: TypeAlias = tuple[float, float, float, float, float, float]
 Vector: TypeAlias = tuple[float, float, float]
+
+LN2 = math.log(2.0)
+SQRT_HALF_BITS = 0x3FE6A09E667F3BCD
+
+SMALL_INCREMENT = 0.05
+"""Exponentials of matrices none of whose members is larger need no branches (``small_exponential_2d``, ``_3d``)."""
 
 IDENTITY: Tensor = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
@@ -114,92 +122,97 @@ def multiply_commuting(a: Symmetric, b: Symmetric) -> Symmetric:
 
 @inline
 def logarithm(x: float) -> float:
-    """ln x; near 1 by the series of 2 artanh((x-1)/(x+1)), exact to round-off and without a library call."""
-    z = (x - 1.0) / (x + 1.0)
+    """ln x for positive x, without branches or a library call, so that loops over it vectorise.
+
+    x = 2ᵏ m with m in [√½, √2), and ln m = 2 artanh z by its series, z = (m - 1)/(m + 1). Not finite or not positive
+    x give a meaningless number.
+    """
+    bits = np.float64(x).view(np.int64)
+    k = (bits - SQRT_HALF_BITS) >> 52
+    m = np.int64(bits - (k << 52)).view(np.float64)
+    z = (m - 1.0) / (m + 1.0)
     w = z * z
-    if w > 0.01:
-        return math.log(x)
-    s = 1.0 / 11.0 + w * (1.0 / 13.0 + w * (1.0 / 15.0 + w * (1.0 / 17.0)))
-    s = 1.0 / 3.0 + w * (1.0 / 5.0 + w * (1.0 / 7.0 + w * (1.0 / 9.0 + w * s)))
-    return 2.0 * z * (1.0 + w * s)
+    s = 1.0 / 15.0 + w * (1.0 / 17.0 + w * (1.0 / 19.0 + w * (1.0 / 21.0)))
+    s = 1.0 / 7.0 + w * (1.0 / 9.0 + w * (1.0 / 11.0 + w * (1.0 / 13.0 + w * s)))
+    return k * LN2 + 2.0 * z * (1.0 + w * (1.0 / 3.0 + w * (1.0 / 5.0 + w * s)))
 
 
 @inline
 def exponential_1d(x: float) -> float:
-    """exp x; for small |x| by its series, exact to round-off and without a library call."""
-    if abs(x) > 0.125:
-        return math.exp(x)
-    s = 1.0 / 5040.0 + x * (1.0 / 40320.0 + x * (1.0 / 362880.0 + x * (1.0 / 3628800.0)))
-    s = 1.0 / 24.0 + x * (1.0 / 120.0 + x * (1.0 / 720.0 + x * s))
-    return 1.0 + x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x * s)))
+    """exp x, without branches or a library call, so that loops over it vectorise.
+
+    exp x = 2ᵏ exp r with k the whole number next to x/ln 2, and exp r by its series. Beyond the range of numbers the
+    result is inf or 2⁻¹⁰²²; for NaN it is meaningless.
+    """
+    x = min(max(x, -708.0), 710.0)
+    k = np.int64(math.floor(x * (1.0 / LN2) + 0.5))
+    scale = np.int64((k + 1023) << 52).view(np.float64)
+    return scale * _small_exponential(x - k * LN2)
 
 
 @inline
-def _hyperbolic_large(h: float, q: float) -> tuple[float, float]:
-    """The pair eʰ cosh √q and eʰ sinh √q / √q where their series would be long."""
-    if q > 0.02:
-        s = math.sqrt(q)
-        up = 0.5 * math.exp(h + s)
-        down = 0.5 * math.exp(h - s)
-        return up + down, (up - down) / s
-    e = math.exp(h)
-    if q < -0.02:
-        s = math.sqrt(-q)
-        return e * math.cos(s), e * math.sin(s) / s
-    return e * _cosh_root(q), e * _sinh_root(q)
+def _small_exponential(x: float) -> float:
+    """exp x by its series, exact to round-off for |x| < 0.35."""
+    s = 1.0 / 39916800.0 + x * (1.0 / 479001600.0 + x * (1.0 / 6227020800.0))
+    s = 1.0 / 40320.0 + x * (1.0 / 362880.0 + x * (1.0 / 3628800.0 + x * s))
+    s = 1.0 / 120.0 + x * (1.0 / 720.0 + x * (1.0 / 5040.0 + x * s))
+    return 1.0 + x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x * (1.0 / 24.0 + x * s))))
 
 
 @inline
-def _cosh_root(q: float) -> float:
-    """cosh √q, entire in q, for |q| < 0.02."""
-    s = 1.0 / 720.0 + q * (1.0 / 40320.0 + q * (1.0 / 3628800.0))
-    return 1.0 + q * (0.5 + q * (1.0 / 24.0 + q * s))
-
-
-@inline
-def _sinh_root(q: float) -> float:
-    """sinh √q / √q, entire in q, for |q| < 0.02."""
-    s = 1.0 / 5040.0 + q * (1.0 / 362880.0 + q * (1.0 / 39916800.0))
-    return 1.0 + q * (1.0 / 6.0 + q * (1.0 / 120.0 + q * s))
+def small_exponential_2d(
+    xx: float, xy: float, yx: float, yy: float
+) -> tuple[float, float, float, float]:
+    """``exponential_2d`` without branches, for members up to ``SMALL_INCREMENT``."""
+    h = 0.5 * (xx + yy)
+    d = 0.5 * (xx - yy)
+    q = d * d + xy * yx
+    # exp h for |h| ≤ 0.05
+    e = 1.0 / 24.0 + h * (1.0 / 120.0 + h * (1.0 / 720.0 + h * (1.0 / 5040.0 + h * (1.0 / 40320.0))))
+    e = 1.0 + h * (1.0 + h * (0.5 + h * (1.0 / 6.0 + h * e)))
+    # cosh √q and sinh √q / √q for |q| ≤ 0.005
+    c = e * (1.0 + q * (0.5 + q * (1.0 / 24.0 + q * (1.0 / 720.0 + q * (1.0 / 40320.0)))))
+    s = e * (1.0 + q * (1.0 / 6.0 + q * (1.0 / 120.0 + q * (1.0 / 5040.0 + q * (1.0 / 362880.0)))))
+    return c + s * d, s * xy, s * yx, c - s * d
 
 
 @inline
 def exponential_2d(xx: float, xy: float, yx: float, yy: float) -> tuple[float, float, float, float]:
     """The exponential (xx, xy, yx, yy) of a 2 x 2 matrix A.
 
-    exp A = eʰ [cosh √q I + (sinh √q / √q)(A - hI)] with h = tr A / 2 and q = ((xx - yy)/2)² + xy·yx; both functions
-    of q are entire, so that rotations (q < 0), shear (q = 0) and stretch (q > 0) need no cases.
+    exp A = eʰ [cosh √q I + (sinh √q / √q)(A - hI)] with h = tr A / 2 and q = ((xx - yy)/2)² + xy·yx. Both functions
+    of q are entire: one series serves rotation (q < 0), shear (q = 0) and stretch (q > 0).
     """
     h = 0.5 * (xx + yy)
     d = 0.5 * (xx - yy)
     q = d * d + xy * yx
-    if abs(q) < 0.02 and abs(h) < 0.125:
+    if abs(q) < 0.02:
         e = exponential_1d(h)
-        c = e * _cosh_root(q)
-        s = e * _sinh_root(q)
+        c = 1.0 / 720.0 + q * (1.0 / 40320.0 + q * (1.0 / 3628800.0))
+        c = e * (1.0 + q * (0.5 + q * (1.0 / 24.0 + q * c)))
+        s = 1.0 / 5040.0 + q * (1.0 / 362880.0 + q * (1.0 / 39916800.0))
+        s = e * (1.0 + q * (1.0 / 6.0 + q * (1.0 / 120.0 + q * s)))
+    elif q > 0.0:
+        root = math.sqrt(q)
+        up = 0.5 * exponential_1d(h + root)
+        down = 0.5 * exponential_1d(h - root)
+        c, s = up + down, (up - down) / root
     else:
-        c, s = _hyperbolic_large(h, q)
+        root = math.sqrt(-q)
+        e = exponential_1d(h)
+        c, s = e * math.cos(root), e * math.sin(root) / root
     return c + s * d, s * xy, s * yx, c - s * d
 
 
 @inline
-def exponential_3d(A: Tensor) -> Tensor:
-    """The exponential of a 3 x 3 matrix, exact to round-off for every norm.
+def small_exponential_3d(A: Tensor) -> Tensor:
+    """``exponential_3d`` without branches, for members up to ``SMALL_INCREMENT``.
 
-    Its trace is split off; the rest B is halved until its norm is small, summed as a series in which the theorem of
-    Cayley and Hamilton (B³ = I₃ I - I₂ B) keeps every power in the span of I, B and B², and squared back.
+    The trace is split off; the rest B is summed as a series in which the theorem of Cayley and Hamilton,
+    B³ = I₃ I - I₂ B, keeps every power in the span of I, B and B².
     """
     h = (A[0] + A[4] + A[8]) / 3.0
-    xx, yy, zz = A[0] - h, A[4] - h, A[8] - h
-    norm2 = xx * xx + yy * yy + zz * zz
-    norm2 += A[1] * A[1] + A[2] * A[2] + A[3] * A[3] + A[5] * A[5] + A[6] * A[6] + A[7] * A[7]
-    halvings = 0
-    r = 1.0
-    while norm2 > 0.0225 and halvings < 60:
-        norm2 *= 0.25
-        r *= 0.5
-        halvings += 1
-    B = (r * xx, r * A[1], r * A[2], r * A[3], r * yy, r * A[5], r * A[6], r * A[7], r * zz)
+    B = (A[0] - h, A[1], A[2], A[3], A[4] - h, A[5], A[6], A[7], A[8] - h)
     B2 = multiply(B, B)
     I2 = -0.5 * (B2[0] + B2[4] + B2[8])
     I3 = determinant(B)
@@ -213,9 +226,9 @@ def exponential_3d(A: Tensor) -> Tensor:
     a, b, c = b, c - a * I2, a * I3 + 0.5
     a, b, c = b, c - a * I2, a * I3 + 1.0
     a, b, c = b, c - a * I2, a * I3 + 1.0
-    e = exponential_1d(r * h)
+    e = _small_exponential(h)
     a, b, c = e * a, e * b, e * c
-    E = (
+    return (
         a * B2[0] + b * B[0] + c,
         a * B2[1] + b * B[1],
         a * B2[2] + b * B[2],
@@ -225,6 +238,20 @@ def exponential_3d(A: Tensor) -> Tensor:
         a * B2[6] + b * B[6],
         a * B2[7] + b * B[7],
         a * B2[8] + b * B[8] + c,
+    )
+
+
+@inline
+def exponential_3d(A: Tensor) -> Tensor:
+    """The exponential of a 3 x 3 matrix: halved until it is small, and squared back."""
+    largest = max(abs(A[0]), abs(A[1]), abs(A[2]), abs(A[3]), abs(A[4]), abs(A[5]), abs(A[6]), abs(A[7]), abs(A[8]))
+    r = 1.0
+    halvings = 0
+    while largest * r > SMALL_INCREMENT and halvings < 60:
+        r *= 0.5
+        halvings += 1
+    E = small_exponential_3d(
+        (r * A[0], r * A[1], r * A[2], r * A[3], r * A[4], r * A[5], r * A[6], r * A[7], r * A[8])
     )
     for _ in range(halvings):
         E = multiply(E, E)
@@ -311,7 +338,7 @@ def _log_block(xx: float, yy: float, xy: float) -> tuple[float, float, float]:
     w = r2 / (m * m)
     if w > 0.01:
         r = math.sqrt(r2)
-        f = (math.log(m + r) - half_log) / r
+        f = (logarithm(m + r) - half_log) / r
     else:
         f = 1.0 / 9.0 + w * (1.0 / 11.0 + w * (1.0 / 13.0 + w * (1.0 / 15.0 + w * (1.0 / 17.0))))
         f = (1.0 + w * (1.0 / 3.0 + w * (1.0 / 5.0 + w * (1.0 / 7.0 + w * f)))) / m
@@ -360,7 +387,7 @@ def _log_near_identity(b: Symmetric) -> Symmetric:
 def _log_by_eigenvalues(b: Symmetric) -> Symmetric:
     """ln b from eigenvalues and eigenvectors."""
     v, Q = eigen_symmetric(b)
-    x, y, z = math.log(v[0]), math.log(v[1]), math.log(v[2])
+    x, y, z = logarithm(v[0]), logarithm(v[1]), logarithm(v[2])
     return (
         x * Q[0] * Q[0] + y * Q[1] * Q[1] + z * Q[2] * Q[2],
         x * Q[3] * Q[3] + y * Q[4] * Q[4] + z * Q[5] * Q[5],

@@ -1,10 +1,10 @@
-"""What a block of particles does with its stencils, per kind of analysis: the arithmetic inside the transfer kernels.
+"""What one particle does with its stencil, per kind of analysis: the arithmetic inside the transfer kernels.
 
 Each verb has one implementation per number of axes (and one for axisymmetric analyses, where the hoop direction has
 the "gradient" S/r). Nodal arrays come flat: component a of node i of a d-vector is ``v[d·i + a]``, mass and momentum
-of node i are ``mp[(1 + d)·i …]``. ``first`` is the block's first particle, ``n`` their number, ``base`` (B,) the first
-node of each stencil, ``m`` the number of stencil nodes; all indices are unsigned. Gathers run over the particles in
-their inner loop (vectorised), scatters over the nodes (two particles may share one).
+of node i are ``mp[(1 + d)·i …]``. ``base`` is the first node of the stencil of particle ``p``, ``offsets`` (m,) lead
+from there to all its nodes; ``across`` has a member per node along an axis, so that m is known when compiled and the
+loops over nodes are unrolled. All indices are unsigned.
 """
 
 from __future__ import annotations
@@ -25,28 +25,33 @@ from mpmcli.core.dispatch import generic
 
 # fmt: off
 @generic
-def scatter_momentum(analysis: Any, S: Any, first: Any, n: Any, base: Any, offsets: Any, m: Any, M: Any, V: Any, mp: Any) -> Any:  # noqa: E501
+def scatter_momentum(analysis: Any, S: Any, base: Any, offsets: Any, across: Any, M: Any, V: Any, p: Any, mp: Any) -> Any:
     """Add mass and momentum: m_i += S_i M, p_i += S_i M V."""
 
 
 @generic
-def scatter_stress(analysis: Any, S: Any, G: Any, first: Any, n: Any, base: Any, offsets: Any, m: Any, vol0: Any, tau: Any, X: Any, f: Any) -> Any:  # noqa: E501
+def scatter_stress(analysis: Any, S: Any, G: Any, base: Any, offsets: Any, across: Any, vol0: Any, tau: Any, X: Any, p: Any, f: Any) -> Any:  # noqa: E501
     """Add internal force: f_i −= V⁰ τ·∇S_i (Kirchhoff stress on initial volume)."""
 
 
 @generic
-def scatter_vector(analysis: Any, S: Any, first: Any, n: Any, base: Any, offsets: Any, m: Any, M: Any, B: Any, start: Any, f: Any) -> Any:  # noqa: E501
-    """Add a particle vector times mass: f_i += S_i M B; particle ``first`` has column ``start`` of B (d, …)."""
+def scatter_vector(analysis: Any, S: Any, base: Any, offsets: Any, across: Any, M: Any, B: Any, f: Any) -> Any:
+    """Add a particle vector (a tuple of d numbers) times mass: f_i += S_i M B."""
 
 
 @generic
-def gather_vector(analysis: Any, S: Any, n: Any, base: Any, offsets: Any, m: Any, v: Any, Q: Any) -> Any:
-    """Q (d, B) = Σ_i S_i v_i."""
+def gather_vector(analysis: Any, S: Any, base: Any, offsets: Any, across: Any, v: Any) -> Any:
+    """Σ_i S_i v_i, a tuple of d numbers."""
 
 
 @generic
-def gather_gradient(analysis: Any, S: Any, G: Any, first: Any, n: Any, base: Any, offsets: Any, m: Any, v: Any, X: Any, L: Any, Q: Any) -> Any:  # noqa: E501
-    """Velocity gradient L_ab = Σ_i v_ia ∂S_i/∂x_b at the block's columns of L, and Q (d, B) = Σ_i S_i v_i."""
+def gather_gradient(analysis: Any, S: Any, G: Any, base: Any, offsets: Any, across: Any, v: Any, X: Any, p: Any, L: Any) -> Any:
+    """Velocity gradient L_ab = Σ_i v_ia ∂S_i/∂x_b into column p of L; returns Σ_i S_i v_i."""
+
+
+@generic
+def column(analysis: Any, V: Any, p: Any) -> Any:
+    """Column p of a (d, N) array as a tuple."""
 # fmt: on
 
 
@@ -65,275 +70,272 @@ ONE, TWO, THREE, FOUR = np.uint64(1), np.uint64(2), np.uint64(3), np.uint64(4)
 
 
 @_for(scatter_momentum, *LINE)
-def _(analysis, S, first, n, base, offsets, m, M, V, mp):
-    for k in range(n):
-        p = first + k
-        mass, vx = M[p], V[0, p]
-        for j in range(m):
-            i = (base[k] + offsets[j]) * TWO
-            w = S[j, k] * mass
-            mp[i] += w
-            mp[i + ONE] += w * vx
+def _(analysis, S, base, offsets, across, M, V, p, mp):
+    mass, vx = M[p], V[0, p]
+    m = np.uint64(len(across))
+    for j in range(m):
+        i = (base + offsets[j]) * TWO
+        w = S[j] * mass
+        mp[i] += w
+        mp[i + ONE] += w * vx
 
 
 @_for(scatter_momentum, *PLANE, Axisymmetric)
-def _(analysis, S, first, n, base, offsets, m, M, V, mp):
-    for k in range(n):
-        p = first + k
-        mass, vx, vy = M[p], V[0, p], V[1, p]
-        for j in range(m):
-            i = (base[k] + offsets[j]) * THREE
-            w = S[j, k] * mass
-            mp[i] += w
-            mp[i + ONE] += w * vx
-            mp[i + TWO] += w * vy
+def _(analysis, S, base, offsets, across, M, V, p, mp):
+    mass, vx, vy = M[p], V[0, p], V[1, p]
+    m = np.uint64(len(across) * len(across))
+    for j in range(m):
+        i = (base + offsets[j]) * THREE
+        w = S[j] * mass
+        mp[i] += w
+        mp[i + ONE] += w * vx
+        mp[i + TWO] += w * vy
 
 
 @_for(scatter_momentum, Solid)
-def _(analysis, S, first, n, base, offsets, m, M, V, mp):
-    for k in range(n):
-        p = first + k
-        mass, vx, vy, vz = M[p], V[0, p], V[1, p], V[2, p]
-        for j in range(m):
-            i = (base[k] + offsets[j]) * FOUR
-            w = S[j, k] * mass
-            mp[i] += w
-            mp[i + ONE] += w * vx
-            mp[i + TWO] += w * vy
-            mp[i + THREE] += w * vz
+def _(analysis, S, base, offsets, across, M, V, p, mp):
+    mass, vx, vy, vz = M[p], V[0, p], V[1, p], V[2, p]
+    m = np.uint64(len(across) * len(across) * len(across))
+    for j in range(m):
+        i = (base + offsets[j]) * FOUR
+        w = S[j] * mass
+        mp[i] += w
+        mp[i + ONE] += w * vx
+        mp[i + TWO] += w * vy
+        mp[i + THREE] += w * vz
 
 
 @_for(scatter_stress, *LINE)
-def _(analysis, S, G, first, n, base, offsets, m, vol0, tau, X, f):
-    for k in range(n):
-        p = first + k
-        volume = -vol0[p]
-        xx = volume * tau[0, p]
-        for j in range(m):
-            i = base[k] + offsets[j]
-            gx = G[j, k]
-            f[i] += xx * gx
+def _(analysis, S, G, base, offsets, across, vol0, tau, X, p, f):
+    volume = -vol0[p]
+    xx = volume * tau[0, p]
+    m = np.uint64(len(across))
+    for j in range(m):
+        i = base + offsets[j]
+        gx = G[j]
+        f[i] += xx * gx
 
 
 @_for(scatter_stress, *PLANE)
-def _(analysis, S, G, first, n, base, offsets, m, vol0, tau, X, f):
-    for k in range(n):
-        p = first + k
-        volume = -vol0[p]
-        xx = volume * tau[0, p]
-        yy = volume * tau[1, p]
-        xy = volume * tau[3, p]
-        for j in range(m):
-            i = (base[k] + offsets[j]) * TWO
-            gx, gy = G[j, k], G[m + j, k]
-            f[i] += xx * gx + xy * gy
-            f[i + ONE] += xy * gx + yy * gy
+def _(analysis, S, G, base, offsets, across, vol0, tau, X, p, f):
+    volume = -vol0[p]
+    xx = volume * tau[0, p]
+    yy = volume * tau[1, p]
+    xy = volume * tau[3, p]
+    m = np.uint64(len(across) * len(across))
+    for j in range(m):
+        i = (base + offsets[j]) * TWO
+        gx, gy = G[j], G[m + j]
+        f[i] += xx * gx + xy * gy
+        f[i + ONE] += xy * gx + yy * gy
 
 
 @_for(scatter_stress, Axisymmetric)
-def _(analysis, S, G, first, n, base, offsets, m, vol0, tau, X, f):
-    for k in range(n):
-        p = first + k
-        volume = -vol0[p]
-        xx = volume * tau[0, p]
-        yy = volume * tau[1, p]
-        xy = volume * tau[3, p]
-        hoop = volume * tau[2, p] / X[0, p]
-        for j in range(m):
-            i = (base[k] + offsets[j]) * TWO
-            gx, gy = G[j, k], G[m + j, k]
-            f[i] += xx * gx + xy * gy + hoop * S[j, k]
-            f[i + ONE] += xy * gx + yy * gy
+def _(analysis, S, G, base, offsets, across, vol0, tau, X, p, f):
+    volume = -vol0[p]
+    xx = volume * tau[0, p]
+    yy = volume * tau[1, p]
+    xy = volume * tau[3, p]
+    hoop = volume * tau[2, p] / X[0, p]
+    m = np.uint64(len(across) * len(across))
+    for j in range(m):
+        i = (base + offsets[j]) * TWO
+        gx, gy = G[j], G[m + j]
+        f[i] += xx * gx + xy * gy + hoop * S[j]
+        f[i + ONE] += xy * gx + yy * gy
 
 
 @_for(scatter_stress, Solid)
-def _(analysis, S, G, first, n, base, offsets, m, vol0, tau, X, f):
-    for k in range(n):
-        p = first + k
-        volume = -vol0[p]
-        xx = volume * tau[0, p]
-        yy = volume * tau[1, p]
-        zz = volume * tau[2, p]
-        xy = volume * tau[3, p]
-        yz = volume * tau[4, p]
-        xz = volume * tau[5, p]
-        for j in range(m):
-            i = (base[k] + offsets[j]) * THREE
-            gx, gy, gz = G[j, k], G[m + j, k], G[m + m + j, k]
-            f[i] += xx * gx + xy * gy + xz * gz
-            f[i + ONE] += xy * gx + yy * gy + yz * gz
-            f[i + TWO] += xz * gx + yz * gy + zz * gz
+def _(analysis, S, G, base, offsets, across, vol0, tau, X, p, f):
+    volume = -vol0[p]
+    xx = volume * tau[0, p]
+    yy = volume * tau[1, p]
+    zz = volume * tau[2, p]
+    xy = volume * tau[3, p]
+    yz = volume * tau[4, p]
+    xz = volume * tau[5, p]
+    m = np.uint64(len(across) * len(across) * len(across))
+    for j in range(m):
+        i = (base + offsets[j]) * THREE
+        gx, gy, gz = G[j], G[m + j], G[m + m + j]
+        f[i] += xx * gx + xy * gy + xz * gz
+        f[i + ONE] += xy * gx + yy * gy + yz * gz
+        f[i + TWO] += xz * gx + yz * gy + zz * gz
 
 
 @_for(scatter_vector, *LINE)
-def _(analysis, S, first, n, base, offsets, m, M, B, start, f):
-    for k in range(n):
-        p = first + k
-        bx = M[p] * B[0, start + k]
-        for j in range(m):
-            i = base[k] + offsets[j]
-            f[i] += S[j, k] * bx
+def _(analysis, S, base, offsets, across, M, B, f):
+    bx = M * B[0]
+    m = np.uint64(len(across))
+    for j in range(m):
+        i = base + offsets[j]
+        f[i] += S[j] * bx
 
 
 @_for(scatter_vector, *PLANE, Axisymmetric)
-def _(analysis, S, first, n, base, offsets, m, M, B, start, f):
-    for k in range(n):
-        p = first + k
-        bx, by = M[p] * B[0, start + k], M[p] * B[1, start + k]
-        for j in range(m):
-            i = (base[k] + offsets[j]) * TWO
-            f[i] += S[j, k] * bx
-            f[i + ONE] += S[j, k] * by
+def _(analysis, S, base, offsets, across, M, B, f):
+    bx, by = M * B[0], M * B[1]
+    m = np.uint64(len(across) * len(across))
+    for j in range(m):
+        i = (base + offsets[j]) * TWO
+        f[i] += S[j] * bx
+        f[i + ONE] += S[j] * by
 
 
 @_for(scatter_vector, Solid)
-def _(analysis, S, first, n, base, offsets, m, M, B, start, f):
-    for k in range(n):
-        p = first + k
-        bx, by, bz = M[p] * B[0, start + k], M[p] * B[1, start + k], M[p] * B[2, start + k]
-        for j in range(m):
-            i = (base[k] + offsets[j]) * THREE
-            f[i] += S[j, k] * bx
-            f[i + ONE] += S[j, k] * by
-            f[i + TWO] += S[j, k] * bz
+def _(analysis, S, base, offsets, across, M, B, f):
+    bx, by, bz = M * B[0], M * B[1], M * B[2]
+    m = np.uint64(len(across) * len(across) * len(across))
+    for j in range(m):
+        i = (base + offsets[j]) * THREE
+        f[i] += S[j] * bx
+        f[i + ONE] += S[j] * by
+        f[i + TWO] += S[j] * bz
 
 
 @_for(gather_vector, *LINE)
-def _(analysis, S, n, base, offsets, m, v, Q):
-    for k in range(n):
-        Q[0, k] = 0.0
+def _(analysis, S, base, offsets, across, v):
+    x = 0.0
+    m = np.uint64(len(across))
     for j in range(m):
-        step = offsets[j]
-        for k in range(n):
-            i = base[k] + step
-            Q[0, k] += S[j, k] * v[i]
+        i = base + offsets[j]
+        s = S[j]
+        x += s * v[i]
+    return (x,)
 
 
 @_for(gather_vector, *PLANE, Axisymmetric)
-def _(analysis, S, n, base, offsets, m, v, Q):
-    for k in range(n):
-        Q[0, k] = 0.0
-        Q[1, k] = 0.0
+def _(analysis, S, base, offsets, across, v):
+    x, y = 0.0, 0.0
+    m = np.uint64(len(across) * len(across))
     for j in range(m):
-        step = offsets[j]
-        for k in range(n):
-            i = (base[k] + step) * TWO
-            Q[0, k] += S[j, k] * v[i]
-            Q[1, k] += S[j, k] * v[i + ONE]
+        i = (base + offsets[j]) * TWO
+        s = S[j]
+        x += s * v[i]
+        y += s * v[i + ONE]
+    return (x, y)
 
 
 @_for(gather_vector, Solid)
-def _(analysis, S, n, base, offsets, m, v, Q):
-    for k in range(n):
-        Q[0, k] = 0.0
-        Q[1, k] = 0.0
-        Q[2, k] = 0.0
+def _(analysis, S, base, offsets, across, v):
+    x, y, z = 0.0, 0.0, 0.0
+    m = np.uint64(len(across) * len(across) * len(across))
     for j in range(m):
-        step = offsets[j]
-        for k in range(n):
-            i = (base[k] + step) * THREE
-            Q[0, k] += S[j, k] * v[i]
-            Q[1, k] += S[j, k] * v[i + ONE]
-            Q[2, k] += S[j, k] * v[i + TWO]
+        i = (base + offsets[j]) * THREE
+        s = S[j]
+        x += s * v[i]
+        y += s * v[i + ONE]
+        z += s * v[i + TWO]
+    return (x, y, z)
 
 
 @_for(gather_gradient, *LINE)
-def _(analysis, S, G, first, n, base, offsets, m, v, X, L, Q):
-    for k in range(n):
-        Q[0, k] = 0.0
-        L[0, first + k] = 0.0
+def _(analysis, S, G, base, offsets, across, v, X, p, L):
+    x = 0.0
+    xx = 0.0
+    m = np.uint64(len(across))
     for j in range(m):
-        step = offsets[j]
-        for k in range(n):
-            i = base[k] + step
-            s = S[j, k]
-            vx = v[i]
-            gx = G[j, k]
-            Q[0, k] += s * vx
-            L[0, first + k] += vx * gx
+        i = base + offsets[j]
+        s = S[j]
+        vx = v[i]
+        gx = G[j]
+        x += s * vx
+        xx += vx * gx
+    L[0, p] = xx
+    return (x,)
 
 
 @_for(gather_gradient, *PLANE)
-def _(analysis, S, G, first, n, base, offsets, m, v, X, L, Q):
-    for k in range(n):
-        Q[0, k] = 0.0
-        Q[1, k] = 0.0
-        L[0, first + k] = 0.0
-        L[1, first + k] = 0.0
-        L[2, first + k] = 0.0
-        L[3, first + k] = 0.0
+def _(analysis, S, G, base, offsets, across, v, X, p, L):
+    x, y = 0.0, 0.0
+    xx, xy, yx, yy = 0.0, 0.0, 0.0, 0.0
+    m = np.uint64(len(across) * len(across))
     for j in range(m):
-        step = offsets[j]
-        for k in range(n):
-            i = (base[k] + step) * TWO
-            s = S[j, k]
-            vx, vy = v[i], v[i + ONE]
-            gx, gy = G[j, k], G[m + j, k]
-            Q[0, k] += s * vx
-            Q[1, k] += s * vy
-            L[0, first + k] += vx * gx
-            L[1, first + k] += vx * gy
-            L[2, first + k] += vy * gx
-            L[3, first + k] += vy * gy
+        i = (base + offsets[j]) * TWO
+        s = S[j]
+        vx, vy = v[i], v[i + ONE]
+        gx, gy = G[j], G[m + j]
+        x += s * vx
+        y += s * vy
+        xx += vx * gx
+        xy += vx * gy
+        yx += vy * gx
+        yy += vy * gy
+    L[0, p] = xx
+    L[1, p] = xy
+    L[2, p] = yx
+    L[3, p] = yy
+    return (x, y)
 
 
 @_for(gather_gradient, Axisymmetric)
-def _(analysis, S, G, first, n, base, offsets, m, v, X, L, Q):
-    for k in range(n):
-        Q[0, k] = 0.0
-        Q[1, k] = 0.0
-        L[0, first + k] = 0.0
-        L[1, first + k] = 0.0
-        L[2, first + k] = 0.0
-        L[3, first + k] = 0.0
+def _(analysis, S, G, base, offsets, across, v, X, p, L):
+    x, y = 0.0, 0.0
+    xx, xy, yx, yy = 0.0, 0.0, 0.0, 0.0
+    m = np.uint64(len(across) * len(across))
     for j in range(m):
-        step = offsets[j]
-        for k in range(n):
-            i = (base[k] + step) * TWO
-            s = S[j, k]
-            vx, vy = v[i], v[i + ONE]
-            gx, gy = G[j, k], G[m + j, k]
-            Q[0, k] += s * vx
-            Q[1, k] += s * vy
-            L[0, first + k] += vx * gx
-            L[1, first + k] += vx * gy
-            L[2, first + k] += vy * gx
-            L[3, first + k] += vy * gy
-    for k in range(n):
-        L[4, first + k] = Q[0, k] / X[0, first + k]
+        i = (base + offsets[j]) * TWO
+        s = S[j]
+        vx, vy = v[i], v[i + ONE]
+        gx, gy = G[j], G[m + j]
+        x += s * vx
+        y += s * vy
+        xx += vx * gx
+        xy += vx * gy
+        yx += vy * gx
+        yy += vy * gy
+    L[0, p] = xx
+    L[1, p] = xy
+    L[2, p] = yx
+    L[3, p] = yy
+    L[4, p] = x / X[0, p]
+    return (x, y)
 
 
 @_for(gather_gradient, Solid)
-def _(analysis, S, G, first, n, base, offsets, m, v, X, L, Q):
-    for k in range(n):
-        Q[0, k] = 0.0
-        Q[1, k] = 0.0
-        Q[2, k] = 0.0
-        L[0, first + k] = 0.0
-        L[1, first + k] = 0.0
-        L[2, first + k] = 0.0
-        L[3, first + k] = 0.0
-        L[4, first + k] = 0.0
-        L[5, first + k] = 0.0
-        L[6, first + k] = 0.0
-        L[7, first + k] = 0.0
-        L[8, first + k] = 0.0
+def _(analysis, S, G, base, offsets, across, v, X, p, L):
+    x, y, z = 0.0, 0.0, 0.0
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    m = np.uint64(len(across) * len(across) * len(across))
     for j in range(m):
-        step = offsets[j]
-        for k in range(n):
-            i = (base[k] + step) * THREE
-            s = S[j, k]
-            vx, vy, vz = v[i], v[i + ONE], v[i + TWO]
-            gx, gy, gz = G[j, k], G[m + j, k], G[m + m + j, k]
-            Q[0, k] += s * vx
-            Q[1, k] += s * vy
-            Q[2, k] += s * vz
-            L[0, first + k] += vx * gx
-            L[1, first + k] += vx * gy
-            L[2, first + k] += vx * gz
-            L[3, first + k] += vy * gx
-            L[4, first + k] += vy * gy
-            L[5, first + k] += vy * gz
-            L[6, first + k] += vz * gx
-            L[7, first + k] += vz * gy
-            L[8, first + k] += vz * gz
+        i = (base + offsets[j]) * THREE
+        s = S[j]
+        vx, vy, vz = v[i], v[i + ONE], v[i + TWO]
+        gx, gy, gz = G[j], G[m + j], G[m + m + j]
+        x += s * vx
+        y += s * vy
+        z += s * vz
+        xx += vx * gx
+        xy += vx * gy
+        xz += vx * gz
+        yx += vy * gx
+        yy += vy * gy
+        yz += vy * gz
+        zx += vz * gx
+        zy += vz * gy
+        zz += vz * gz
+    L[0, p] = xx
+    L[1, p] = xy
+    L[2, p] = xz
+    L[3, p] = yx
+    L[4, p] = yy
+    L[5, p] = yz
+    L[6, p] = zx
+    L[7, p] = zy
+    L[8, p] = zz
+    return (x, y, z)
+
+
+@_for(column, *LINE)
+def _(analysis, V, p):
+    return (V[0, p],)
+
+
+@_for(column, *PLANE, Axisymmetric)
+def _(analysis, V, p):
+    return (V[0, p], V[1, p])
+
+
+@_for(column, Solid)
+def _(analysis, V, p):
+    return (V[0, p], V[1, p], V[2, p])

@@ -87,10 +87,11 @@ class Region(Model):
         -------
         (n,) booleans. Points on the border (within 1e-9 of the region's size) are inside.
         """
-        d = len(points)
         if self.translate is not None or self.rotate is not None:
-            turn, shift = self._placement(d)
-            points = turn.T @ (points - shift[:, None])
+            turn, shift = self._placement(len(points))
+            points = points - shift[:, None]
+            if self.rotate is not None:
+                points = turned(turn.T, points)
         return self._inside(points)
 
     def bounds(self, d: int) -> tuple[Array, Array]:
@@ -118,7 +119,7 @@ class Region(Model):
     def place(self, points: Array) -> Array:
         """Carry points (d, n) from own coordinates to where the region stands."""
         turn, shift = self._placement(len(points))
-        return turn @ points + shift[:, None]
+        return turned(turn, points) + shift[:, None]
 
     def _placement(self, d: int) -> tuple[Array, Array]:
         """Matrix Q (d, d) and vector s (d,) with x = Q x_own + s."""
@@ -158,6 +159,11 @@ class Region(Model):
     def notes(self) -> list[str]:
         """What a set-up report should tell about the region, e.g. whether a mesh is closed."""
         return []
+
+
+def turned(matrix: Array, points: Array) -> Array:
+    """Matrix (d, d) times points (d, n), rounded alike for every point whatever its company."""
+    return np.stack([sum(a * x for a, x in zip(row, points, strict=True)) for row in matrix])
 
 
 def complete_regions() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Annotated, Literal
@@ -18,8 +19,16 @@ from mpmcli.geometry.vectors import ColourPart, Count, NonNegative, Point2
 MAX_PIXELS = 64 * 1024**2
 """Largest picture that is read."""
 
+_FORMATS = ("PNG", "BMP", "TIFF", "JPEG", "GIF", "PPM", "WEBP", "TGA")
 _GREY = ("1", "L", "LA", "I", "I;16", "I;16L", "I;16B", "F")
 _COLOUR = ("P", "PA", "RGB", "RGBA", "RGBX")
+
+
+@dataclass(frozen=True, eq=False)
+class Selection:
+    """Pixels of a picture (rows, columns), the lowest row first."""
+
+    pixels: Array
 
 
 @REGIONS.register
@@ -27,7 +36,7 @@ class Bitmap(Region):
     """The pixels of a picture (2D) that have certain grey levels, or a certain colour.
 
     The picture stands upright: its first row is at the top. Each point belongs to exactly one pixel, so that
-    regions of different levels of one picture never overlap.
+    regions of different levels of one picture never overlap. It turns about the middle of the picture.
     """
 
     dimensions = frozenset({2})
@@ -80,9 +89,13 @@ class Bitmap(Region):
             raise ValueError(f"no pixel of '{self.file}' has the colour {list(map(float, self.color or ()))}")
         return self
 
-    @cached_property
+    @property
     def selected(self) -> Array:
         """Which pixels belong to the region, (rows, columns), the lowest row first."""
+        return self._selection.pixels
+
+    @cached_property
+    def _selection(self) -> Selection:
         image = _read(path_of(self.file))
         if self.levels is not None:
             grey = _grey(image)
@@ -96,7 +109,7 @@ class Bitmap(Region):
             chosen = chosen[::-1]
         if self.flip in ("horizontal", "both"):
             chosen = chosen[:, ::-1]
-        return np.ascontiguousarray(chosen)
+        return Selection(np.ascontiguousarray(chosen))
 
     def _pixel_size(self) -> Array:
         rows, columns = self.selected.shape
@@ -149,7 +162,7 @@ def _read_version(path: Path, stamp: tuple[int, int]) -> Array:
         with warnings.catch_warnings():
             warnings.simplefilter("error", Image.DecompressionBombWarning)
             warnings.simplefilter("ignore", UserWarning)
-            with Image.open(path) as image:
+            with Image.open(path, formats=_FORMATS) as image:
                 if image.width * image.height > MAX_PIXELS:
                     raise Image.DecompressionBombError
                 if image.mode in _GREY:

@@ -47,7 +47,7 @@ class Cylinder(Region):
     def _inside(self, points: Array) -> Array:
         length, axis = self._axis()
         from_start = points - np.array(self.start)[:, None]
-        along = axis @ from_start
+        along = sum(a * x for a, x in zip(axis, from_start, strict=True))
         squared = ((from_start - axis[:, None] * along) ** 2).sum(axis=0)
         inside = squared <= (self.radius * (1 + TOLERANCE)) ** 2
         if self.inner_radius:

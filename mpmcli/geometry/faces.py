@@ -12,7 +12,7 @@ Array = np.ndarray
 def surface_faces(X: Array, size: Array, axis: int, side: str, members: Array | None = None) -> Array:
     """Find the particles that show a face towards one side of an axis.
 
-    A particle has a neighbour if the point one domain further along the axis lies in the domain of another
+    A particle has a neighbour if the point half a half-size beyond its own domain lies in that of another
     particle of the body. Meant for set-up, where the domains are not deformed.
 
     Parameters
@@ -42,7 +42,7 @@ def surface_faces(X: Array, size: Array, axis: int, side: str, members: Array | 
     direction = 1 if side == "upper" else -1
     if lattice is None:
         beside = X.copy()
-        beside[axis] += direction * 2 * size[axis]
+        beside[axis] += direction * 1.5 * size[axis]
         alone = ~in_a_domain(beside, X, size)
     else:
         key, strides = lattice

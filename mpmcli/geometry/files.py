@@ -42,6 +42,8 @@ def _find(name: str, info: ValidationInfo) -> SceneFile:
     """Resolve and check a name; ``info.context`` may say ``base_directory``, ``allow_outside_files``."""
     base = Path(getattr(info.context, "base_directory", None) or Path.cwd()).resolve()
     confined = info.context is not None and not getattr(info.context, "allow_outside_files", False)
+    if "\0" in name:
+        raise ValueError("the name of a file cannot hold a zero byte")
     try:
         path = (base / name).resolve()
         if confined and not path.is_relative_to(base):

@@ -19,10 +19,12 @@ from mpmcli.geometry.overlap import settle_overlaps
 
 Array = np.ndarray
 
-CHUNK = 1 << 18
+CHUNK = 1 << 15
 """Points that are tested at a time."""
 MAX_TESTED = 1 << 30
 """Sub-cells of one body that may be tested at most."""
+MAX_OUTSIDE = 1 << 23
+"""Above this many sub-cells a body's bounds may not reach much beyond the grid."""
 
 
 class BodyRequest(Protocol):
@@ -79,15 +81,15 @@ def fill_bodies(bodies: Sequence[BodyRequest], grid: GridBox, analysis: Analysis
 
     Parameters
     ----------
-    bodies : objects with ``name``, ``region``, ``particles_per_axis`` (one number, or one per axis), ``overlap``
+    bodies : objects with ``name``, ``region``, ``particles_per_axis`` (one, or one per axis), ``overlap``
     grid : object with ``lower``, ``upper``, ``cell`` (d,) [length]
     analysis : tuple of ``core.analysis``; in axisymmetric ones the mirror image at r < 0 is left out
 
     Raises
     ------
     SceneError
-        All bodies at once that do not fit the analysis, reach out of the grid, hold no particle, or claim places
-        that an earlier body holds (unless their ``overlap`` is ``replace`` or ``keep``).
+        All bodies at once that do not fit the analysis, reach out of the grid, hold no particle, or claim
+        places that an earlier body holds (unless their ``overlap`` is ``replace`` or ``keep``).
     """
     problems: list[Problem] = []
     filled: list[BodyParticles] = []
@@ -140,12 +142,7 @@ def _fill(body: BodyRequest, grid: GridBox, analysis: Analysis) -> BodyParticles
     first, last = _range(body.region, grid, step, total, isinstance(analysis, Axisymmetric))
     if (last <= first).any() or (first >= total).any() or (last <= 0).any():
         raise ValueError(_nothing_words(body, grid))
-    if np.prod((last - first).astype(float)) > MAX_TESTED:
-        lower, upper = body.region.bounds(d)
-        raise ValueError(
-            f"the region of body '{body.name}', from {_point(lower)} to {_point(upper)}, spans "
-            f"{np.prod((last - first).astype(float)):.2g} sub-cells, more than can be tested"
-        )
+    _check_extent(body, first, last, total)
     positions, keys, outside, example = [], [], 0, None
     stride = np.concatenate([[1], np.cumprod(total[:-1])])
     for index in _chunks(first, last):
@@ -167,6 +164,18 @@ def _fill(body: BodyRequest, grid: GridBox, analysis: Analysis) -> BodyParticles
     size = np.broadcast_to(0.5 * step[:, None], (d, n))
     volume = np.broadcast_to(np.prod(step), (n,))
     return BodyParticles(body.name, X, size, volume, np.concatenate(keys), parts)
+
+
+def _check_extent(body: BodyRequest, first: Array, last: Array, total: Array) -> None:
+    """Refuse regions so large that testing all their sub-cells, or those out of the grid, would take long."""
+    whole = float(np.prod((last - first).astype(float)))
+    within = float(np.prod((np.minimum(last, total) - np.maximum(first, 0)).astype(float)))
+    lower, upper = body.region.bounds(len(total))
+    spans = f"the region of body '{body.name}' spans {_point(lower)} to {_point(upper)}"
+    if whole > max(MAX_OUTSIDE, 2 * within):
+        raise ValueError(f"{spans}, which reaches far out of the grid; cut it with an intersection")
+    if whole > MAX_TESTED:
+        raise ValueError(f"{spans}: {whole:.2g} sub-cells, more than can be tested")
 
 
 def _range(region: Region, grid: GridBox, step: Array, total: Array, mirrored: bool) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from mpmcli.geometry.vectors import Direction, Vector
 class HalfSpace(Region):
     """Everything behind a plane (in 2D a line, in 1D a point): the points x with n·(x − p) ≤ 0.
 
-    A body of this region ends where the grid ends.
+    A body of this region ends where the grid ends. It turns about its point.
     """
 
     dimensions = frozenset({1, 2, 3})
@@ -28,9 +28,12 @@ class HalfSpace(Region):
 
     def _inside(self, points: Array) -> Array:
         normal = np.array(self.normal) / np.linalg.norm(self.normal)
-        level = normal @ np.array(self.point)
-        rounding = np.abs(normal) @ np.abs(points) + abs(level)
-        return normal @ points - level <= 1e-3 * TOLERANCE * rounding
+        level = sum(n * p for n, p in zip(normal, self.point, strict=True))
+        height, rounding = np.full((2, points.shape[1]), [[-level], [abs(level)]])
+        for n, x in zip(normal, points, strict=True):
+            height += n * x
+            rounding += np.abs(n * x)
+        return height <= 1e-3 * TOLERANCE * rounding
 
     def _bounds(self, d: int) -> tuple[Array, Array]:
         return self._turned_bounds(np.eye(d))

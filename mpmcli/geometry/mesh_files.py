@@ -4,26 +4,20 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout
 from functools import lru_cache
 from io import StringIO
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from mpmcli.geometry.files import stamp_of
 from mpmcli.geometry.surface import Surface
+from mpmcli.geometry.vtk_files import Unreadable, quiet_vtk, read_xml
 
 Array = np.ndarray
 
-
-class Unreadable(ValueError):
-    """A file cannot be used, and the message says why."""
-
-
-_VTK_READERS = {".vtp": "vtkXMLPolyDataReader", ".vtu": "vtkXMLUnstructuredGridReader"}
 
 # faces of volume cells by their corners, quadrilaterals as two triangles
 _FACES = {
@@ -125,37 +119,6 @@ def _from_obj(path: Path) -> tuple[Array, Array]:
     )
 
 
-@contextmanager
-def _quiet_vtk() -> Iterator[None]:
-    """Keep vtk from writing its complaints to the terminal."""
-    from vtkmodules.vtkCommonCore import vtkLogger, vtkOutputWindow, vtkStringOutputWindow
-
-    window, verbosity = vtkOutputWindow.GetInstance(), vtkLogger.GetCurrentVerbosityCutoff()
-    vtkOutputWindow.SetInstance(vtkStringOutputWindow())
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
-    try:
-        yield
-    finally:
-        vtkLogger.SetStderrVerbosity(verbosity)
-        vtkOutputWindow.SetInstance(window)
-
-
-def read_xml(path: Path) -> Any:
-    """The vtk data set that a VTP or VTU file holds; a ValueError if vtk complains."""
-    from vtkmodules import vtkIOXML
-
-    complaints: list[str] = []
-    with _quiet_vtk():
-        source = getattr(vtkIOXML, _VTK_READERS[path.suffix.lower()])()
-        source.AddObserver("ErrorEvent", lambda caller, event: complaints.append(event))
-        source.SetFileName(str(path))
-        source.Update()
-        output = source.GetOutput()
-    if complaints or output is None:
-        raise Unreadable(f"damaged, or no {path.suffix[1:].upper()} file")
-    return output
-
-
 def _from_vtk(path: Path) -> tuple[Array, Array]:
     """Triangles of a VTP file, or of the outside of a VTU file's cells."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -172,7 +135,7 @@ def _from_vtk(path: Path) -> tuple[Array, Array]:
                 raise Unreadable("cells of impossible size")
             if len(corner) and not (corner.min() >= 0 and corner.max() < mesh.GetNumberOfPoints()):
                 raise Unreadable("cells with corners that do not exist")
-    with _quiet_vtk():
+    with quiet_vtk():
         outside, cut = vtkGeometryFilter(), vtkTriangleFilter()
         outside.SetInputData(mesh)
         cut.SetInputConnection(outside.GetOutputPort())
@@ -189,10 +152,10 @@ def _from_vtk(path: Path) -> tuple[Array, Array]:
 
 def _from_meshio(path: Path) -> tuple[Array, Array]:
     """Triangles of a PLY or MSH file; where it has volume cells, those of their outside."""
-    import meshio
-
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()), warnings.catch_warnings():
         warnings.simplefilter("ignore")
+        import meshio
+
         mesh = meshio.read(path)
     corners = np.zeros((len(mesh.points), 3))
     corners[:, : mesh.points.shape[1]] = mesh.points

@@ -1,7 +1,7 @@
 """Places that two bodies claim.
 
 A particle of one body whose centre is inside the region of another is claimed by both. Later bodies do not
-overwrite earlier ones unless their ``overlap`` says so: ``replace`` removes the earlier body's particles there,
+overwrite earlier ones unless their ``overlap`` says so: ``replace`` removes the earlier body's particles,
 ``keep`` the later one's.
 """
 

@@ -16,11 +16,19 @@ from mpmcli.core.suggest import listing
 from mpmcli.geometry.base import REGIONS, Array, Region
 from mpmcli.geometry.domains import in_a_domain
 from mpmcli.geometry.files import ReadableFile, path_of, stamp_of
-from mpmcli.geometry.mesh_files import read_xml
 from mpmcli.geometry.vectors import Count, Factor
+from mpmcli.geometry.vtk_files import read_xml
 
 _AXES = ("x", "y", "z")
-Columns = dict[str, Array]
+
+
+class Columns(dict[str, Array]):
+    """Columns (n,) of a table by name; two tables are equal only if they are the same one."""
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
 
 
 @REGIONS.register
@@ -73,36 +81,29 @@ class Points(Region):
     def _columns(self) -> Columns:
         return _read(path_of(self.file))
 
-    def particles(self, d: int) -> tuple[Array, Array, Array]:
-        """Positions (d, n), half-sizes (d, n) and volumes (n,) of the particles [length, length, length^d]."""
-        own = np.stack([self._columns[axis] for axis in _AXES[:d]]) * self.scale
-        volume = self._columns.get(self.volume)
-        if volume is None:
-            volume = np.full(own.shape[1], np.prod(self.size or ()))
-        else:
-            volume = volume * self.scale**d
-        if self.size is None:
-            half = np.broadcast_to(0.5 * volume ** (1 / d), own.shape)
-        else:
-            half = np.broadcast_to(0.5 * np.array(self.size)[:, None], own.shape)
-        return self.place(own), half, volume
+    def _own_particles(self, d: int) -> tuple[Array, Array, Array]:
+        """Positions (d, n) in own coordinates, half-sizes (d, n) and volumes (n,)."""
+        X = np.stack([self._columns[axis] for axis in _AXES[:d]]) * self.scale
+        given = self._columns.get(self.volume)
+        volume = np.full(X.shape[1], np.prod(self.size or ())) if given is None else given * self.scale**d
+        half = 0.5 * volume ** (1 / d) if self.size is None else 0.5 * np.array(self.size)[:, None]
+        return X, np.broadcast_to(half, X.shape), volume
 
-    def _own_domains(self, d: int) -> tuple[Array, Array]:
-        turn, shift = np.eye(d), np.zeros(d)
-        if self.rotate is not None or self.translate is not None:
-            turn, shift = self._placement(d)
-        X, half, _ = self.particles(d)
-        return turn.T @ (X - shift[:, None]), half
+    def particles(self, d: int) -> tuple[Array, Array, Array]:
+        """Positions (d, n), half-sizes of the domains along the grid's axes (d, n) and volumes (n,)."""
+        X, half, volume = self._own_particles(d)
+        return self.place(X), half, volume
 
     def _inside(self, points: Array) -> Array:
-        return in_a_domain(points, *self._own_domains(len(points)))
+        X, half, _ = self._own_particles(len(points))
+        return in_a_domain(points, X, half)
 
     def _bounds(self, d: int) -> tuple[Array, Array]:
-        own = np.stack([self._columns[axis] for axis in _AXES[:d]]) * self.scale
-        return own.min(axis=1), own.max(axis=1)
+        X, half, _ = self._own_particles(d)
+        return (X - half).min(axis=1), (X + half).max(axis=1)
 
     def _measure(self, d: int) -> float:
-        return float(self.particles(d)[2].sum())
+        return float(self._own_particles(d)[2].sum())
 
     def misfits(self, d: int) -> Iterator[tuple[tuple[str | int, ...], str]]:
         yield from super().misfits(d)
@@ -132,10 +133,10 @@ def _read_version(path: Path, stamp: tuple[int, int]) -> Columns:
         raise ValueError(f"'{path.name}' has no column x; its columns are {listing(columns) or 'none'}")
     if len(columns["x"]) == 0:
         raise ValueError(f"'{path.name}' holds no particles")
-    return columns
+    return Columns(columns)
 
 
-def _from_csv(path: Path) -> Columns:
+def _from_csv(path: Path) -> dict[str, Array]:
     """Columns of numbers under a line of names; lines that begin with # are left out."""
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
@@ -157,7 +158,7 @@ def _from_csv(path: Path) -> Columns:
     return {name: np.ascontiguousarray(column) for name, column in zip(names, table.T, strict=True)}
 
 
-def _from_vtu(path: Path) -> Columns:
+def _from_vtu(path: Path) -> dict[str, Array]:
     """Coordinates and scalar arrays of the points."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
 

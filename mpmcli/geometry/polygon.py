@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Annotated, Literal
 
 import numpy as np
@@ -26,17 +25,17 @@ class Polygon(Region):
     @classmethod
     def _simple(cls, points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
         corners = _without_repeats(np.array(points))
-        if len(corners) < 3 or abs(_area(corners)) <= 1e-12 * np.prod(np.ptp(corners, axis=0)):
-            raise ValueError("the corners enclose no area")
         crossing = _first_crossing(corners)
         if crossing is not None:
             (ax, ay), (bx, by) = (corners[k] for k in crossing)
             raise ValueError(
                 f"the edge that starts at [{ax:g}, {ay:g}] meets the edge that starts at [{bx:g}, {by:g}]"
             )
+        if len(corners) < 3 or abs(_area(corners)) <= 1e-12 * np.prod(np.ptp(corners, axis=0)):
+            raise ValueError("the corners enclose no area")
         return points
 
-    @cached_property
+    @property
     def corners(self) -> Array:
         """Corners (n, 2) without repetitions."""
         return _without_repeats(np.array(self.points))
@@ -57,6 +56,8 @@ class Polygon(Region):
             if spanned.start < spanned.stop:
                 odd[spanned] ^= x[spanned] < ax + (y[spanned] - ay) * ((bx - ax) / (by - ay))
             wide = slice(*np.searchsorted(y, [ay - margin, by + margin], side="right"))
+            if wide.start == wide.stop:
+                continue
             length = np.hypot(bx - ax, by - ay)
             tx, ty = (bx - ax) / length, (by - ay) / length
             along = (x[wide] - ax) * tx + (y[wide] - ay) * ty

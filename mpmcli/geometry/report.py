@@ -132,7 +132,7 @@ def sampled_measure(
     step = extent / count
     axes = [low + (np.arange(n) + 0.5) * h for low, n, h in zip(lower, count, step, strict=True)]
     total = 0.0
-    for along_last in np.array_split(axes[-1], max(1, math.ceil(np.prod(count) / 2**18))):
+    for along_last in np.array_split(axes[-1], max(1, math.ceil(np.prod(count) / 2**15))):
         if len(along_last):
             points = np.stack([x.ravel() for x in np.meshgrid(*axes[:-1], along_last, indexing="ij")])
             inside = region.contains(points)

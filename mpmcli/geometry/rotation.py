@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, ValidationInfo, WithJsonSchema
 
 from mpmcli.core.expressions import parse
-from mpmcli.core.model import Model, Number
+from mpmcli.core.model import Model, Number, has_unit
 from mpmcli.geometry.vectors import Count, Vector, has_length
 
 _IN_DEGREES = {
@@ -33,6 +33,10 @@ def _in_degrees(value: Any, info: ValidationInfo) -> Any:
         return value
     match = _ANGLE.fullmatch(value)
     text, factor = (match[1], _IN_DEGREES[match[2]]) if match else (value, 1.0)
+    if has_unit(text):
+        raise ValueError(
+            f"'{value}' is no angle; write degrees, or text with a unit such as '15 deg' or '0.3 rad'"
+        )
     if info.context is not None:
         return factor * info.context.number(text.strip(), "1")
     return factor * float(parse(text.strip(), constants={}, variables=())())
@@ -83,7 +87,7 @@ class Rotation(Model):
     axis: Direction3 | None = None
     """Direction of the line about which to turn (3D only): x, y, z or three numbers of any length."""
     about: Vector | None = None
-    """The point that stays where it is; by default the middle of the region's bounds, or a half space's point."""
+    """The point that stays where it is; by default the middle of the region's bounds."""
 
     def matrix(self, d: int) -> np.ndarray:
         """The orthogonal matrix (d, d) of the turn (Rodrigues' formula in 3D)."""

@@ -1,8 +1,8 @@
 """Triangulated surfaces: are they closed, what do they enclose, and which points are inside.
 
-A point is inside if a ray from it along x meets the surface an odd number of times. Each triangle is looked at
-in the yz plane with the half-open rule of polygons, computed from every edge's ends in the same order, so that a
-ray through an edge or a corner of a closed surface is counted once and no point leaks.
+A point is inside if a ray from it along x meets the surface an odd number of times. Each triangle is looked
+at in the yz plane with the half-open rule of polygons, computed from every edge's ends in the same order, so
+that a ray through an edge or a corner of a closed surface is counted once and no point leaks.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class Surface:
 
     @cached_property
     def volume(self) -> float | None:
-        """Enclosed volume, or None where it is not plain: open, branched, in pieces or inconsistently oriented."""
+        """Enclosed volume, or None where it is not plain: open, branched, in pieces, turned inside out."""
         _, rising, falling = self.edges
         if self.pieces != 1 or (rising != 1).any() or (falling != 1).any():
             return None
@@ -98,12 +98,16 @@ class Surface:
         low, high = flat.min(axis=0), flat.max(axis=0)
         extent = np.maximum(high - low, 1e-300)
         per_axis = int(np.clip(np.sqrt(len(self.triangles) / 2), 1, 2000))
-        count = np.array([per_axis, per_axis])
-        inverse = count / extent
-        of_corner = np.clip(((flat - low) * inverse).astype(np.int64), 0, count - 1)[self.triangles]
-        first, last = of_corner.min(axis=1), of_corner.max(axis=1)
-        span = last - first + 1
-        copies = span[:, 0] * span[:, 1]
+        while True:
+            count = np.array([per_axis, per_axis])
+            inverse = count / extent
+            of_corner = np.clip(((flat - low) * inverse).astype(np.int64), 0, count - 1)[self.triangles]
+            first, last = of_corner.min(axis=1), of_corner.max(axis=1)
+            span = last - first + 1
+            copies = span[:, 0] * span[:, 1]
+            if copies.sum() <= 20 * len(copies) or per_axis == 1:
+                break
+            per_axis //= 2  # a few large triangles among many small ones
         triangle = np.repeat(np.arange(len(self.triangles)), copies)
         within = np.arange(len(triangle)) - np.repeat(np.cumsum(copies) - copies, copies)
         row, column = np.divmod(within, span[triangle, 0])

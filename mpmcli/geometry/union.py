@@ -26,7 +26,17 @@ class Union(Combination):
         return [(("regions", index), region) for index, region in enumerate(self.regions)]
 
     def _inside(self, points: Array) -> Array:
-        return np.logical_or.reduce([region.contains(points) for region in self.regions])
+        d, n = points.shape
+        inside = np.zeros(n, dtype=bool)
+        if n == 0:
+            return inside
+        low, high = points.min(axis=1), points.max(axis=1)
+        for region in self.regions:
+            lower, upper = region.bounds(d)
+            margin = 1e-6 * (upper - lower)
+            if (lower - margin <= high).all() and (upper + margin >= low).all():
+                inside |= region.contains(points)
+        return inside
 
     def _bounds(self, d: int) -> tuple[Array, Array]:
         lower, upper = zip(*(region.bounds(d) for region in self.regions), strict=True)

@@ -55,6 +55,11 @@ def kirchhoff_stress(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: A
 
 
 @generic
+def needs_increment(m: Any) -> Any:
+    """Whether the stress depends on dF: materials with history do, hyperelastic ones get the identity instead."""
+
+
+@generic
 def strain_energy(m: Any, F: Any, H: Any, p: Any) -> Any:
     """Stored (elastic) energy per unit initial volume [pressure]."""
 

@@ -10,7 +10,14 @@ from typing import Any
 
 from mpmcli.core.analysis import Axisymmetric, PlaneStrain, PlaneStress, Solid, UniaxialStrain, UniaxialStress
 from mpmcli.core.dispatch import generic
-from mpmcli.core.tensors import exponential_1d, exponential_2d, exponential_3d, multiply
+from mpmcli.core.kernel import inline
+from mpmcli.core.tensors import (
+    exponential_1d,
+    exponential_2d,
+    exponential_3d,
+    small_exponential_2d,
+    small_exponential_3d,
+)
 from mpmcli.materials.lateral import lateral_stretch, thickness_stretch
 
 ONE_AXIS = (UniaxialStrain, UniaxialStress)
@@ -43,8 +50,21 @@ def load_increment(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
 
 
 @generic
+def load_small_increment(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
+    """``load_increment`` without branches, for members of L dt up to ``SMALL_INCREMENT``."""
+
+
+@generic
 def close_gradient(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
-    """The pair (dF·F, dF), with the lateral stretch that makes the lateral stress of material ``m`` vanish."""
+    """The pair (F, dF) completed: the lateral stretch that makes the lateral stress of material ``m`` vanish.
+
+    ``F`` is dF·Fⁿ already, except for a lateral stretch that is still that of the last step.
+    """
+
+
+@generic
+def store_lateral(analysis: Any, F: Any, p: Any, F1: Any) -> Any:
+    """Write the lateral stretches that ``close_gradient`` found."""
 
 
 @generic
@@ -81,6 +101,7 @@ for _analysis in ONE_AXIS:
         tau[0, p], tau[1, p], tau[2, p] = T[0], T[1], T[2]
 
     @load_increment.register(_analysis)
+    @load_small_increment.register(_analysis)
     def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
         return exponential_1d(L[0, p] * dt), 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
 
@@ -116,6 +137,11 @@ for _analysis in TWO_AXES:
         xx, xy, yx, yy = exponential_2d(L[0, p] * dt, L[1, p] * dt, L[2, p] * dt, L[3, p] * dt)
         return xx, xy, 0.0, yx, yy, 0.0, 0.0, 0.0, 1.0
 
+    @load_small_increment.register(_analysis)
+    def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
+        xx, xy, yx, yy = small_exponential_2d(L[0, p] * dt, L[1, p] * dt, L[2, p] * dt, L[3, p] * dt)
+        return xx, xy, 0.0, yx, yy, 0.0, 0.0, 0.0, 1.0
+
     @rate_of_volume.register(_analysis)
     def _(analysis: Any, L: Any, p: Any) -> Any:
         return L[0, p] + L[3, p]
@@ -128,6 +154,12 @@ for _analysis in TWO_AXES:
 @load_increment.register(Axisymmetric)
 def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
     xx, xy, yx, yy = exponential_2d(L[0, p] * dt, L[1, p] * dt, L[2, p] * dt, L[3, p] * dt)
+    return xx, xy, 0.0, yx, yy, 0.0, 0.0, 0.0, exponential_1d(L[4, p] * dt)
+
+
+@load_small_increment.register(Axisymmetric)
+def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
+    xx, xy, yx, yy = small_exponential_2d(L[0, p] * dt, L[1, p] * dt, L[2, p] * dt, L[3, p] * dt)
     return xx, xy, 0.0, yx, yy, 0.0, 0.0, 0.0, exponential_1d(L[4, p] * dt)
 
 
@@ -164,21 +196,23 @@ def _(analysis: Any, tau: Any, p: Any, T: Any) -> Any:
     tau[3, p], tau[4, p], tau[5, p] = T[3], T[4], T[5]
 
 
+@inline
+def _scaled(L: Any, p: Any, dt: Any) -> Any:
+    return (
+        L[0, p] * dt, L[1, p] * dt, L[2, p] * dt,
+        L[3, p] * dt, L[4, p] * dt, L[5, p] * dt,
+        L[6, p] * dt, L[7, p] * dt, L[8, p] * dt,
+    )  # fmt: skip
+
+
 @load_increment.register(Solid)
 def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
-    return exponential_3d(
-        (
-            L[0, p] * dt,
-            L[1, p] * dt,
-            L[2, p] * dt,
-            L[3, p] * dt,
-            L[4, p] * dt,
-            L[5, p] * dt,
-            L[6, p] * dt,
-            L[7, p] * dt,
-            L[8, p] * dt,
-        )
-    )
+    return exponential_3d(_scaled(L, p, dt))
+
+
+@load_small_increment.register(Solid)
+def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
+    return small_exponential_3d(_scaled(L, p, dt))
 
 
 @rate_of_volume.register(Solid)
@@ -196,7 +230,7 @@ for _analysis in (UniaxialStrain, PlaneStrain, Axisymmetric, Solid):
 
     @close_gradient.register(_analysis)
     def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
-        return multiply(dF, F), dF
+        return F, dF
 
     @add_pressure.register(_analysis)
     def _(analysis: Any, T: Any, q: Any) -> Any:
@@ -205,18 +239,33 @@ for _analysis in (UniaxialStrain, PlaneStrain, Axisymmetric, Solid):
 
 @close_gradient.register(PlaneStress)
 def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
-    F1 = multiply(dF, F)
-    z = thickness_stretch(m, F1, dF, H, p, dt)
-    F1 = (F1[0], F1[1], 0.0, F1[3], F1[4], 0.0, 0.0, 0.0, z)
+    z = thickness_stretch(m, F, dF, H, p, dt)
+    F1 = (F[0], F[1], 0.0, F[3], F[4], 0.0, 0.0, 0.0, z)
     return F1, (dF[0], dF[1], 0.0, dF[3], dF[4], 0.0, 0.0, 0.0, z / F[8])
 
 
 @close_gradient.register(UniaxialStress)
 def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
-    F1 = multiply(dF, F)
-    z = lateral_stretch(m, F1, dF, H, p, dt)
-    F1 = (F1[0], 0.0, 0.0, 0.0, z, 0.0, 0.0, 0.0, z)
+    z = lateral_stretch(m, F, dF, H, p, dt)
+    F1 = (F[0], 0.0, 0.0, 0.0, z, 0.0, 0.0, 0.0, z)
     return F1, (dF[0], 0.0, 0.0, 0.0, z / F[8], 0.0, 0.0, 0.0, z / F[8])
+
+
+for _analysis in (UniaxialStrain, PlaneStrain, Axisymmetric, Solid):
+
+    @store_lateral.register(_analysis)
+    def _(analysis: Any, F: Any, p: Any, F1: Any) -> Any:
+        return None
+
+
+@store_lateral.register(PlaneStress)
+def _(analysis: Any, F: Any, p: Any, F1: Any) -> Any:
+    F[4, p] = F1[8]
+
+
+@store_lateral.register(UniaxialStress)
+def _(analysis: Any, F: Any, p: Any, F1: Any) -> Any:
+    F[1, p], F[2, p] = F1[4], F1[8]
 
 
 @add_pressure.register(PlaneStress)

@@ -13,10 +13,11 @@ from mpmcli.materials.base import (
     absorb_work,
     bulk_speed_squared,
     kirchhoff_stress,
+    needs_increment,
     strain_energy,
     wave_speed_squared,
 )
-from mpmcli.materials.defaults import with_defaults
+from mpmcli.materials.defaults import with_defaults, yes
 
 # rows of the history array
 TEMPERATURE, HEAT = 0, 1
@@ -73,6 +74,9 @@ class Gas(NamedTuple):
     T0: float
     capacity: float
     """ρ₀c_v [pressure/temperature]."""
+
+
+needs_increment.register(Gas)(yes)
 
 
 @kirchhoff_stress.register(Gas)

@@ -13,10 +13,11 @@ from mpmcli.materials.base import (
     absorb_work,
     bulk_speed_squared,
     kirchhoff_stress,
+    needs_increment,
     strain_energy,
     wave_speed_squared,
 )
-from mpmcli.materials.defaults import with_defaults
+from mpmcli.materials.defaults import with_defaults, yes
 from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
 from mpmcli.materials.hardening import Hardening, flow_slope, flow_stress
 
@@ -105,6 +106,9 @@ def plastic_increment(h: Any, trial: float, stiffness: float, alpha: float, T: f
         if step <= low or step > high:
             step = 0.5 * (low + high)
     return step
+
+
+needs_increment.register(J2)(yes)
 
 
 @kirchhoff_stress.register(J2)

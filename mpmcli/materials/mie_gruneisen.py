@@ -16,10 +16,11 @@ from mpmcli.materials.base import (
     absorb_work,
     bulk_speed_squared,
     kirchhoff_stress,
+    needs_increment,
     strain_energy,
     wave_speed_squared,
 )
-from mpmcli.materials.defaults import with_defaults
+from mpmcli.materials.defaults import with_defaults, yes
 from mpmcli.materials.isochoric import isochoric_stiffness, isochoric_stress
 
 # rows of the history array
@@ -132,6 +133,9 @@ def cold_slope(m: Any, eta: float) -> float:
     d = max(0.05, 1.0 - eta * (m.s1 + eta * (m.s2 + eta * m.s3)))
     slope = m.s1 + eta * (2.0 * m.s2 + 3.0 * eta * m.s3)
     return m.bulk * (1.0 - m.gamma0 * eta + 2.0 * slope * eta * (1.0 - 0.5 * m.gamma0 * eta) / d) / (d * d)
+
+
+needs_increment.register(EquationOfState)(yes)
 
 
 @kirchhoff_stress.register(EquationOfState)

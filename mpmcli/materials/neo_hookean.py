@@ -54,7 +54,8 @@ class NeoHookean(ElasticModel):
         isochoric = self.split == "isochoric"
         modulus = self.bulk_modulus if isochoric else self.lame_modulus
         numbers = (
-            FORMS[self.volumetric](modulus),
+            FORMS[self.volumetric],
+            modulus,
             self.shear_modulus,
             self.density,
             self.initial_wave_speed(analysis) ** 2,
@@ -67,8 +68,10 @@ class NeoHookean(ElasticModel):
 class CoupledNeoHookean(NamedTuple):
     """Numbers of a neo-Hookean material, ``split: none``."""
 
-    volumetric: Any
-    """Volumetric form with its modulus λ."""
+    form: int
+    """Volumetric form (``volumetric.FORMS``)."""
+    modulus: float
+    """λ [pressure]."""
     shear: float
     """G [pressure]."""
     density: float
@@ -82,7 +85,8 @@ class CoupledNeoHookean(NamedTuple):
 class IsochoricNeoHookean(NamedTuple):
     """Numbers of a neo-Hookean material, ``split: isochoric``; as above, the volumetric modulus is K."""
 
-    volumetric: Any
+    form: int
+    modulus: float
     shear: float
     density: float
     rest2: float
@@ -93,7 +97,7 @@ class IsochoricNeoHookean(NamedTuple):
 def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
     b = left_cauchy_green(F)
     G = m.shear
-    c = volumetric_stress(m.volumetric, determinant(F)) - G
+    c = volumetric_stress(m.form, m.modulus, determinant(F)) - G
     return c + G * b[0], c + G * b[1], c + G * b[2], G * b[3], G * b[4], G * b[5]
 
 
@@ -101,14 +105,14 @@ def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
 def _(m: Any, F: Any, H: Any, p: Any) -> Any:
     b = left_cauchy_green(F)
     J = determinant(F)
-    return volumetric_energy(m.volumetric, J) + 0.5 * m.shear * (b[0] + b[1] + b[2] - 3.0 - 2.0 * logarithm(J))
+    return volumetric_energy(m.form, m.modulus, J) + 0.5 * m.shear * (b[0] + b[1] + b[2] - 3.0 - 2.0 * logarithm(J))
 
 
 @wave_speed_squared.register(CoupledNeoHookean)
 def _(m: Any, F: Any, H: Any, p: Any) -> Any:
     # principal axis i: ρ₀ c² = ∂τᵢ/∂(ln λᵢ) - τᵢ = volumetric + G(λᵢ² + 1)
     shear = m.shear * (largest_eigenvalue_bound(left_cauchy_green(F)) + 1.0)
-    stiffness = volumetric_stiffness(m.volumetric, determinant(F)) + shear
+    stiffness = volumetric_stiffness(m.form, m.modulus, determinant(F)) + shear
     return max(m.rest2, m.lateral * stiffness / m.density)
 
 
@@ -116,30 +120,30 @@ def _(m: Any, F: Any, H: Any, p: Any) -> Any:
 def _(m: Any, F: Any, H: Any, p: Any) -> Any:
     b = left_cauchy_green(F)
     shear = m.shear * (1.0 - (b[0] + b[1] + b[2]) / 9.0)
-    return max(0.0, (volumetric_stiffness(m.volumetric, determinant(F)) + shear) / m.density)
+    return max(0.0, (volumetric_stiffness(m.form, m.modulus, determinant(F)) + shear) / m.density)
 
 
 @kirchhoff_stress.register(IsochoricNeoHookean)
 def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
     J = determinant(F)
     s = isochoric_stress(m.shear, F, J)
-    mean = volumetric_stress(m.volumetric, J)
+    mean = volumetric_stress(m.form, m.modulus, J)
     return mean + s[0], mean + s[1], mean + s[2], s[3], s[4], s[5]
 
 
 @strain_energy.register(IsochoricNeoHookean)
 def _(m: Any, F: Any, H: Any, p: Any) -> Any:
     J = determinant(F)
-    return volumetric_energy(m.volumetric, J) + isochoric_energy(m.shear, F, J)
+    return volumetric_energy(m.form, m.modulus, J) + isochoric_energy(m.shear, F, J)
 
 
 @wave_speed_squared.register(IsochoricNeoHookean)
 def _(m: Any, F: Any, H: Any, p: Any) -> Any:
     J = determinant(F)
-    stiffness = volumetric_stiffness(m.volumetric, J) + isochoric_stiffness(m.shear, F, J)
+    stiffness = volumetric_stiffness(m.form, m.modulus, J) + isochoric_stiffness(m.shear, F, J)
     return max(m.rest2, m.lateral * stiffness / m.density)
 
 
 @bulk_speed_squared.register(IsochoricNeoHookean)
 def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    return max(0.0, volumetric_stiffness(m.volumetric, determinant(F)) / m.density)
+    return max(0.0, volumetric_stiffness(m.form, m.modulus, determinant(F)) / m.density)

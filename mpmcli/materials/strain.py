@@ -12,12 +12,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit, prange
 
-from mpmcli.core.kernel import kernel
-from mpmcli.core.tensors import determinant
+from mpmcli.core.dispatch import COMPILE_OPTIONS
+from mpmcli.core.kernel import BOUNDS_CHECK, inline, kernel
+from mpmcli.core.tensors import IDENTITY, SMALL_INCREMENT, determinant, exponential_1d, multiply
 from mpmcli.materials.base import (
     absorb_work,
     bulk_speed_squared,
     kirchhoff_stress,
+    needs_increment,
     strain_energy,
     wave_speed_squared,
 )
@@ -26,9 +28,11 @@ from mpmcli.materials.components import (
     close_gradient,
     load_gradient,
     load_increment,
+    load_small_increment,
     load_stress,
     rate_of_volume,
     store_gradient,
+    store_lateral,
     store_stress,
     stress_power,
 )
@@ -37,7 +41,10 @@ BLOCK = 1024
 """Particles per block: the unit of threads and of reductions."""
 
 NOT_FINITE = np.uint64(0x7FF0000000000000)
-"""Exponent bits of every NaN and infinity; a comparison of bits works under fast floating point too."""
+"""Bits of infinity; those of every NaN's magnitude are larger. Bits can be compared under fast floating point."""
+
+MAGNITUDE = np.uint64(0x7FFFFFFFFFFFFFFF)
+"""All bits but the sign."""
 
 
 class ArtificialViscosity(NamedTuple):
@@ -53,22 +60,54 @@ class ArtificialViscosity(NamedTuple):
     work: Any
 
 
+def block_loop(function: Any) -> Any:
+    """Decorate a loop over part of a block; compiled by itself, which lets the compiler vectorise it."""
+    return njit(cache=True, nogil=True, boundscheck=BOUNDS_CHECK, **COMPILE_OPTIONS)(function)
+
+
 def block_count(particles: int) -> int:
     """Number of blocks, the length of ``speed2`` and ``bad``."""
     return max(1, -(-particles // BLOCK))
 
 
+@inline
+def skip_others(material: Any, material_index: Any, start: Any, last: Any) -> Any:
+    """First particle of the material from ``start`` on, or ``last``."""
+    if material_index >= 0:
+        while start < last and material[start] != material_index:
+            start += np.uint64(1)
+    return start
+
+
+@inline
+def find_others(material: Any, material_index: Any, start: Any, last: Any) -> Any:
+    """First particle of another material from ``start`` on, or ``last``."""
+    if material_index < 0:
+        return last
+    while start < last and material[start] == material_index:
+        start += np.uint64(1)
+    return start
+
+
+@inline
+def largest_magnitude(A: Any, start: Any, end: Any) -> Any:
+    """Bits of the largest magnitude in columns ``start`` to ``end``; ordered as the magnitudes, NaN and inf above."""
+    bits = A.view(np.uint64)
+    worst = np.uint64(0)
+    for row in range(A.shape[0]):
+        for p in range(start, end):
+            worst = max(worst, bits[row, p] & MAGNITUDE)
+    return worst
+
+
 @njit(cache=True, nogil=True, fastmath=False)
 def first_bad_particle(
-    F: Any, tau: Any, material: Any, material_index: int, start: int, end: int
-) -> int:  # pragma: no cover - compiled
-    """First particle of a block whose stress is not finite or whose J is not positive, or -1."""
+    F: Any, L: Any, tau: Any, material: Any, material_index: Any, start: Any, end: Any
+) -> Any:
+    """First particle of the material whose state is not finite or whose J is not positive, or -1."""
     for p in range(start, end):
         if material_index >= 0 and material[p] != material_index:
             continue
-        for row in range(tau.shape[0]):
-            if not math.isfinite(tau[row, p]):
-                return p
         if F.shape[0] == 3:
             J = F[0, p] * F[1, p] * F[2, p]
         elif F.shape[0] == 5:
@@ -77,9 +116,81 @@ def first_bad_particle(
             J = F[0, p] * (F[4, p] * F[8, p] - F[5, p] * F[7, p])
             J += F[1, p] * (F[5, p] * F[6, p] - F[3, p] * F[8, p])
             J += F[2, p] * (F[3, p] * F[7, p] - F[4, p] * F[6, p])
-        if not J > 0.0:
-            return p
-    return -1
+        if not (J > 0.0 and math.isfinite(J)):
+            return np.int64(p)
+        for A in (F, L, tau):
+            for row in range(A.shape[0]):
+                if not math.isfinite(A[row, p]):
+                    return np.int64(p)
+    return np.int64(-1)
+
+
+@block_loop
+def deform(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> None:
+    """F becomes exp(L dt)·F; lateral stretches that the stress decides stay."""
+    for p in range(start, end):
+        dF = load_increment(analysis, L, p, dt)
+        store_gradient(analysis, F, p, multiply(dF, load_gradient(analysis, F, p)))
+
+
+@block_loop
+def deform_little(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> None:
+    """``deform`` for members of L dt up to ``SMALL_INCREMENT``: without branches, so that it vectorises."""
+    for p in range(start, end):
+        dF = load_small_increment(analysis, L, p, dt)
+        store_gradient(analysis, F, p, multiply(dF, load_gradient(analysis, F, p)))
+
+
+@block_loop
+def stress_particles(
+    analysis: Any,
+    m: Any,
+    F: Any,
+    L: Any,
+    tau: Any,
+    H: Any,
+    mass: Any,
+    vol0: Any,
+    stress_work: Any,
+    viscous: Any,
+    dt: Any,
+    start: Any,
+    end: Any,
+) -> Any:
+    """Stress, history and work of neighbouring particles of one material; the largest c² and the smallest J."""
+    fastest = 0.0
+    smallest_J = 1.0
+    for p in range(start, end):
+        dF = load_increment(analysis, L, p, dt) if needs_increment(m) else IDENTITY
+        F1 = load_gradient(analysis, F, p)
+        J0 = determinant(F1)
+        F1, dF = close_gradient(analysis, F1, dF, m, H, p, dt)
+        store_lateral(analysis, F, p, F1)
+        J = determinant(F1)
+        smallest_J = min(smallest_J, J)
+        T0 = load_stress(analysis, tau, p)
+        T = kirchhoff_stress(m, F1, dF, H, p, dt, True)
+        viscous_work = 0.0
+        if viscous is not None:
+            # q0, q: Kirchhoff pressures Jq at the start and the end of the step
+            rate = rate_of_volume(analysis, L, p)
+            q0 = viscous.pressure[p] * J0 * exponential_1d(-rate * dt)
+            q = 0.0
+            if rate < 0.0:
+                speed = math.sqrt(bulk_speed_squared(m, F1, H, p))
+                width = -rate * viscous.cell
+                q = mass[p] / vol0[p] * width * (viscous.linear * speed + viscous.quadratic * width)
+            T = add_pressure(analysis, T, q)
+            viscous_work = -0.5 * (q0 + q) * rate * dt
+            viscous.pressure[p] = q / J
+            viscous.work[p] += vol0[p] * viscous_work
+        twice = (T0[0] + T[0], T0[1] + T[1], T0[2] + T[2], T0[3] + T[3], T0[4] + T[4], T0[5] + T[5])
+        work = 0.5 * dt * stress_power(analysis, twice, L, p)
+        stress_work[p] += vol0[p] * work
+        store_stress(analysis, tau, p, T)
+        absorb_work(m, F1, dF, H, p, work, viscous_work)
+        fastest = max(fastest, wave_speed_squared(m, F1, H, p))
+    return fastest, smallest_J
 
 
 @kernel
@@ -125,57 +236,34 @@ def update_strain_and_stress(
         material), and the first particle with stress not finite or J ≤ 0, else -1.
     """
     n = mass.shape[0]
-    bits = tau.view(np.uint64)
+    largest_small = np.float64(SMALL_INCREMENT / max(abs(dt), 1e-300)).view(np.uint64)
     for block in prange(speed2.shape[0]):
-        start = np.int64(block) * BLOCK
-        end = min(n, start + BLOCK)
+        first = np.uint64(np.int64(block) * BLOCK)
+        last = np.uint64(min(n, np.int64(first) + BLOCK))
         fastest = 0.0
-        smallest = 1.0
-        for p in range(np.uint64(start), np.uint64(end)):
-            if material_index >= 0 and material[p] != material_index:
-                continue
-            dF = load_increment(analysis, L, p, dt)
-            F1, dF = close_gradient(analysis, load_gradient(analysis, F, p), dF, m, H, p, dt)
-            J = determinant(F1)
-            smallest = min(smallest, J)
-            T0 = load_stress(analysis, tau, p)
-            T = kirchhoff_stress(m, F1, dF, H, p, dt, True)
-            viscous_work = 0.0
-            if viscous is not None:
-                rate = rate_of_volume(analysis, L, p)
-                # q0, q: Kirchhoff pressures Jq at the start and the end of the step
-                q0 = viscous.pressure[p] * J / determinant(dF)
-                q = 0.0
-                if rate < 0.0:
-                    speed = math.sqrt(bulk_speed_squared(m, F1, H, p))
-                    width = -rate * viscous.cell
-                    q = mass[p] / vol0[p] * width * (viscous.linear * speed + viscous.quadratic * width)
-                T = add_pressure(analysis, T, q)
-                viscous_work = -0.5 * (q0 + q) * rate * dt
-                viscous.pressure[p] = q / J
-                viscous.work[p] += vol0[p] * viscous_work
-            mean = (
-                0.5 * (T0[0] + T[0]),
-                0.5 * (T0[1] + T[1]),
-                0.5 * (T0[2] + T[2]),
-                0.5 * (T0[3] + T[3]),
-                0.5 * (T0[4] + T[4]),
-                0.5 * (T0[5] + T[5]),
+        smallest_J = 1.0
+        largest_L = np.uint64(0)
+        start = first
+        while start < last:
+            start = skip_others(material, material_index, start, last)
+            end = find_others(material, material_index, start, last)
+            rates = largest_magnitude(L, start, end)
+            largest_L = max(largest_L, rates)
+            if rates <= largest_small:
+                deform_little(analysis, F, L, start, end, dt)
+            else:
+                deform(analysis, F, L, start, end, dt)
+            speed, J = stress_particles(
+                analysis, m, F, L, tau, H, mass, vol0, stress_work, viscous, dt, start, end
             )
-            work = stress_power(analysis, mean, L, p) * dt
-            stress_work[p] += vol0[p] * work
-            store_gradient(analysis, F, p, F1)
-            store_stress(analysis, tau, p, T)
-            absorb_work(m, F1, dF, H, p, work, viscous_work)
-            fastest = max(fastest, wave_speed_squared(m, F1, H, p))
+            fastest = max(fastest, speed)
+            smallest_J = min(smallest_J, J)
+            start = end
         speed2[block] = fastest
-        worst = np.uint64(0)
-        for row in range(tau.shape[0]):
-            for p in range(np.uint64(start), np.uint64(end)):
-                worst = max(worst, bits[row, p] & NOT_FINITE)
         bad[block] = -1
-        if worst == NOT_FINITE or smallest <= 0.0:
-            bad[block] = first_bad_particle(F, tau, material, material_index, start, end)
+        worst = max(largest_L, largest_magnitude(F, first, last), largest_magnitude(tau, first, last))
+        if worst >= NOT_FINITE or smallest_J <= 0.0:
+            bad[block] = first_bad_particle(F, L, tau, material, material_index, first, last)
 
 
 @kernel

@@ -12,10 +12,11 @@ from mpmcli.materials.base import (
     MaterialModel,
     bulk_speed_squared,
     kirchhoff_stress,
+    needs_increment,
     strain_energy,
     wave_speed_squared,
 )
-from mpmcli.materials.defaults import with_defaults
+from mpmcli.materials.defaults import with_defaults, yes
 
 
 @MATERIALS.register
@@ -53,6 +54,9 @@ class Tait(NamedTuple):
     exponent: float
     viscosity: float
     density: float
+
+
+needs_increment.register(Tait)(yes)
 
 
 @kirchhoff_stress.register(Tait)

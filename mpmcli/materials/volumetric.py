@@ -1,72 +1,40 @@
-"""Volumetric energies U(J) = M u(J) with modulus M, chosen by name: their stress J U', energy and stiffness."""
+"""Volumetric energies U(J) = M u(J) with modulus M: their stress J U', energy and stiffness.
+
+``j_minus_inverse``: U = ½M(½(J² − 1) − ln J), with pressure −½M(J − 1/J): Eq. 18 of Nairn, Hammerquist & Smith (2020).
+``log``: U = ½M ln²J, with Kirchhoff pressure −M ln J.
+"""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
-from mpmcli.core.dispatch import generic
+from mpmcli.core.kernel import inline
 from mpmcli.core.tensors import logarithm
 
-
-class JMinusInverse(NamedTuple):
-    """U = ½M(½(J² − 1) − ln J), with pressure −½M(J − 1/J): Eq. 18 of Nairn, Hammerquist & Smith (2020)."""
-
-    modulus: float
+FORMS = {"j_minus_inverse": 0, "log": 1}
+"""Number of each form, as the functions take it."""
 
 
-class Logarithmic(NamedTuple):
-    """U = ½M ln²J, with Kirchhoff pressure −M ln J."""
-
-    modulus: float
-
-
-FORMS: dict[str, type[JMinusInverse] | type[Logarithmic]] = {
-    "j_minus_inverse": JMinusInverse,
-    "log": Logarithmic,
-}
-
-
-@generic
-def volumetric_stress(form: Any, J: Any) -> Any:
+@inline
+def volumetric_stress(form: Any, M: Any, J: Any) -> Any:
     """Mean Kirchhoff stress J dU/dJ [pressure]."""
+    if form == 1:
+        return M * logarithm(J)
+    return 0.5 * M * (J * J - 1.0)
 
 
-@generic
-def volumetric_energy(form: Any, J: Any) -> Any:
+@inline
+def volumetric_energy(form: Any, M: Any, J: Any) -> Any:
     """U per initial volume [pressure]."""
-
-
-@generic
-def volumetric_stiffness(form: Any, J: Any) -> Any:
-    """ρ₀ c² of a wave that feels U alone: dτ/d(ln J) − τ, τ = J dU/dJ [pressure]."""
-
-
-@volumetric_stress.register(JMinusInverse)
-def _(form: Any, J: Any) -> Any:
-    return 0.5 * form.modulus * (J * J - 1.0)
-
-
-@volumetric_energy.register(JMinusInverse)
-def _(form: Any, J: Any) -> Any:
-    return 0.5 * form.modulus * (0.5 * (J * J - 1.0) - logarithm(J))
-
-
-@volumetric_stiffness.register(JMinusInverse)
-def _(form: Any, J: Any) -> Any:
-    return 0.5 * form.modulus * (J * J + 1.0)
-
-
-@volumetric_stress.register(Logarithmic)
-def _(form: Any, J: Any) -> Any:
-    return form.modulus * logarithm(J)
-
-
-@volumetric_energy.register(Logarithmic)
-def _(form: Any, J: Any) -> Any:
     log = logarithm(J)
-    return 0.5 * form.modulus * log * log
+    if form == 1:
+        return 0.5 * M * log * log
+    return 0.5 * M * (0.5 * (J * J - 1.0) - log)
 
 
-@volumetric_stiffness.register(Logarithmic)
-def _(form: Any, J: Any) -> Any:
-    return form.modulus * (1.0 - logarithm(J))
+@inline
+def volumetric_stiffness(form: Any, M: Any, J: Any) -> Any:
+    """ρ₀ c² of a wave that feels U alone: dτ/d(ln J) − τ, τ = J dU/dJ [pressure]."""
+    if form == 1:
+        return M * (1.0 - logarithm(J))
+    return 0.5 * M * (J * J + 1.0)

@@ -23,7 +23,7 @@ class Column:
     name: str
     quantity: Quantity
     row: int | None = None
-    owner: str | None = None
+    owner: str = ""
     aliases: tuple[str, ...] = ()
 
     @property
@@ -76,7 +76,7 @@ def _columns_of(quantity: Quantity, context: Context) -> list[Column]:
     ]
     parts = parts or [(None, base)]
     if quantity.where == "global":
-        return [Column(name, quantity, row, None, (base, name)) for row, name in parts]
+        return [Column(name, quantity, row, "", (base, name)) for row, name in parts]
     return [
         Column(f"{name}[{owner}]", quantity, row, owner, (base, name, f"{base}[{owner}]", f"{name}[{owner}]"))
         for owner in context.owners(quantity.where)

@@ -15,7 +15,10 @@ LOCK = ".mpmcli.lock"
 GLOBALS = "globals.csv"
 FAILED = "failed.vtu"
 OWNED = (GLOBALS, MANIFEST, LOG, FAILED, "particles.pvd", "grid.pvd", "checkpoint.npz", "checkpoint_prev.npz")
-SERIES = {"particles": re.compile(r"particles_\d{6,}\.vtu"), "grid": re.compile(r"grid_\d{6,}\.vtu")}
+SERIES = {
+    "particles": re.compile(r"particles_\d{6,}\.vtu(\.part)?"),
+    "grid": re.compile(r"grid_\d{6,}\.vtu(\.part)?"),
+}
 
 
 def write_text(path: Path, text: str) -> None:
@@ -47,8 +50,8 @@ def make_folder(path: Path) -> None:
 def owned_files(directory: Path) -> Iterator[Path]:
     """The files in a folder that a run wrote or would write over."""
     for name in OWNED:
-        if (directory / name).exists():
-            yield directory / name
+        # a part is what a run leaves that was killed while it wrote
+        yield from (path for path in (directory / name, directory / f"{name}.part") if path.exists())
     for folder, pattern in SERIES.items():
         if (directory / folder).is_dir():
             yield from (p for p in sorted((directory / folder).iterdir()) if pattern.fullmatch(p.name))

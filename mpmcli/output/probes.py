@@ -67,8 +67,8 @@ class ParticleProbe:
 class PointProbe:
     """Stands at a fixed point and reads nodal fields through linear functions.
 
-    Only nodes with mass take part (their weights are scaled to sum to 1); NaN where there is none, and before
-    the first step.
+    Only nodes with mass take part in a velocity (their weights are scaled to sum to 1); it is NaN where there
+    is none. Before the first step everything is NaN.
     """
 
     def __init__(self, name: str, at: Sequence[float], fields: Sequence[str]):
@@ -84,7 +84,7 @@ class PointProbe:
     def look(self, snapshot: Snapshot) -> list[float]:
         """The numbers of its columns."""
         grid = snapshot.state.grid
-        if grid is None:
+        if grid is None or not snapshot.has_grid:
             return [float("nan")] * len(self.columns)
         nodes, weights = linear_weights(grid, self.at)
         held = grid.fields["mass"]()[nodes] > 0.0
@@ -92,17 +92,26 @@ class PointProbe:
         total = shares.sum()
         numbers: list[float] = []
         for field in self.fields:
-            values = grid.fields[field]()[nodes]
-            if field in GRID_VECTORS:
-                mean = shares @ values / total if total > 0.0 else np.full(len(self.at), np.nan)
-                numbers += [number.item() for number in mean]
+            values = nodal_values(snapshot, field)[nodes]
+            if field == "velocity":
+                values = shares @ values / total if total > 0.0 else np.full(len(self.at), np.nan)
             else:
-                numbers.append(float(weights @ values))
+                values = weights @ values
+            numbers += [number.item() for number in np.atleast_1d(values)]
         return numbers
 
 
-GRID_DIMENSIONS = {"mass": "mass", "velocity": "velocity", "acceleration": "acceleration"}
-GRID_VECTORS = ("velocity", "acceleration")
+GRID_DIMENSIONS = {"mass": "mass", "velocity": "velocity", "momentum": "momentum", "force": "force"}
+GRID_VECTORS = ("velocity", "momentum", "force")
+
+
+def nodal_values(snapshot: Snapshot, name: str) -> np.ndarray:
+    """A nodal field by name, (n,) or (n, d); mass, momentum and force are those of the full ring."""
+    grid = snapshot.state.grid
+    if grid is None:
+        raise ValueError("the state has no grid")
+    values = grid.fields[name]()
+    return values if name == "velocity" else values * snapshot.full_ring
 
 
 def linear_weights(grid: GridView, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

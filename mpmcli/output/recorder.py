@@ -19,10 +19,11 @@ from mpmcli.output.quantities import Context, Quantity
 from mpmcli.output.schedule import Schedule
 from mpmcli.output.snapshot import Snapshot
 from mpmcli.output.tables import Table
-from mpmcli.output.vtu import Series, VtuWriter, write_grid, write_particles
 
 ALWAYS = ("id", "body", "material")
 """Fields of particles that every archive has."""
+DELETED = ("deleted_particles", "deleted_mass")
+"""Columns of scenes that delete particles which leave the grid."""
 FAILED_FIELDS = ("velocity", "stress", "deformation_gradient", "J", "mass")
 
 
@@ -46,33 +47,34 @@ def context_of(scene: Any, state: State | None = None) -> Context:
         reactions=tuple(dict.fromkeys(condition.name for condition in scene.boundary)),
         work=tuple(names),
         has_viscosity=scene.method.artificial_viscosity is not None,
-        extra=tuple(state.extra) if state else (),
+        extra=tuple(state.extra) if state else DELETED * (scene.domain.on_exit == "delete"),
     )
 
 
 def check_output(scene: Any) -> None:
     """Raise SceneError if the scene asks for columns or fields that it cannot have."""
-    context, problems = context_of(scene), []
+    context = context_of(scene)
+    problems: list[Problem] = []
 
-    def collect(check: Callable[[], object]) -> None:
+    def collect(check: Callable[..., object], *arguments: Any) -> None:
         try:
-            check()
+            check(*arguments)
         except SceneError as error:
             problems.extend(error.problems)
 
     archive = scene.archive
     if archive.globals is not None:
-        collect(lambda: resolve_columns(archive.globals.columns, context))
+        collect(resolve_columns, archive.globals.columns, context)
     if archive.particles is not None:
-        collect(lambda: resolve_fields(archive.particles.fields, context))
+        collect(resolve_fields, archive.particles.fields, context)
     if archive.grid is not None:
-        collect(lambda: _grid_fields(archive.grid.fields))
+        collect(_grid_fields, archive.grid.fields)
     for index, probe in enumerate(scene.probes):
         path = f"probes.{index}.columns"
         if probe.kind == "particle":
-            collect(lambda probe=probe, path=path: resolve_fields(probe.columns, context, path))
+            collect(resolve_fields, probe.columns, context, path)
         else:
-            collect(lambda probe=probe, path=path: _grid_fields(probe.columns, path))
+            collect(_grid_fields, probe.columns, path)
     if problems:
         raise SceneError(problems)
 
@@ -105,15 +107,22 @@ class Recorder:
 
     def __init__(self, loaded: Any, directory: Path, state: State, facts: dict[str, Any] | None = None):
         self.directory = Path(directory)
-        make_folder(self.directory)
         scene = loaded.scene
         self.context = context_of(scene, state)
+        # what can be wrong with the scene is found before any file is made
+        self.columns = resolve_columns(
+            scene.archive.globals.columns if scene.archive.globals else None, self.context
+        )
+        probes = [
+            make_probe(model, state, self.context, f"probes.{i}") for i, model in enumerate(scene.probes)
+        ]
+        make_folder(self.directory)
         self.balance = EnergyBalance()
         self.energy_error: float | None = None
         self._parts: list[_Part] = []
         units: dict[str, dict[str, str]] = {}
         self._add_globals(scene, loaded.units, units)
-        self._add_probes(scene, loaded.units, units, state)
+        self._add_probes(scene, loaded.units, units, probes)
         self._add_particles(scene, loaded.units, units)
         self._add_grid(scene, loaded.units, units)
         self.manifest = Manifest(
@@ -132,7 +141,6 @@ class Recorder:
 
     def _add_globals(self, scene: Any, labels: Any, units: dict[str, dict[str, str]]) -> None:
         asked = scene.archive.globals
-        self.columns = resolve_columns(asked.columns if asked else None, self.context)
         if asked is None:
             return
         table = Table(self.directory / GLOBALS, ["step", "time", "dt", *(c.name for c in self.columns)])
@@ -152,10 +160,11 @@ class Recorder:
 
         self._parts.append(_Part(Schedule(asked.every), record, table.close))
 
-    def _add_probes(self, scene: Any, labels: Any, units: dict[str, dict[str, str]], state: State) -> None:
+    def _add_probes(
+        self, scene: Any, labels: Any, units: dict[str, dict[str, str]], probes: list[Probe]
+    ) -> None:
         asked = scene.archive.globals
-        for index, model in enumerate(scene.probes):
-            probe = make_probe(model, state, self.context, f"probes.{index}")
+        for model, probe in zip(scene.probes, probes, strict=True):
             make_folder(self.directory / "probes")
             file = f"probes/{probe.name}.csv"
             table = Table(self.directory / file, ["step", "time", *probe.columns])
@@ -173,6 +182,8 @@ class Recorder:
         self.frames = 0
         if asked is None:
             return
+        from mpmcli.output.vtu import Series, VtuWriter, write_particles
+
         fields = resolve_fields([*ALWAYS, *asked.fields], self.context)
         writer = VtuWriter(asked.precision, asked.compression)
         series = Series(self.directory, "particles")
@@ -190,6 +201,8 @@ class Recorder:
         asked = scene.archive.grid
         if asked is None:
             return
+        from mpmcli.output.vtu import Series, VtuWriter, write_grid
+
         fields = _grid_fields(asked.fields)
         particles = scene.archive.particles
         writer = VtuWriter(particles.precision, particles.compression) if particles else VtuWriter()
@@ -198,11 +211,10 @@ class Recorder:
         units["grid"] |= {name: labels.label(GRID_DIMENSIONS[name]) for name in fields}
 
         def record(snapshot: Snapshot) -> None:
-            state = snapshot.state
-            if state.grid is not None:
+            if snapshot.has_grid:
                 path = series.next_path()
-                write_grid(writer, path, state.time, state.grid, fields)
-                series.add(state.time, path)
+                write_grid(writer, path, snapshot, fields)
+                series.add(snapshot.state.time, path)
 
         self._parts.append(_Part(Schedule(asked.every), record))
 
@@ -220,7 +232,9 @@ class Recorder:
                 part.schedule.advance(state.time)
 
     def write_failed(self, state: State) -> Path:
-        """Write ``failed.vtu``: all particles of the last good state, in double precision."""
+        """Write ``failed.vtu``: all particles of the last state that there is, in double precision."""
+        from mpmcli.output.vtu import VtuWriter, write_particles
+
         path = self.directory / FAILED
         fields = resolve_fields([*ALWAYS, *FAILED_FIELDS], self.context)
         with np.errstate(all="ignore"):

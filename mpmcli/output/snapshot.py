@@ -86,6 +86,11 @@ class Snapshot:
         return STRESS_COMPONENTS[self.dimensions]
 
     @property
+    def has_grid(self) -> bool:
+        """Whether there is a grid with something on it, which there is not before the first step."""
+        return self.state.grid is not None and self.state.step > 0
+
+    @property
     def is_axisymmetric(self) -> bool:
         """Whether x is the radius."""
         return isinstance(self.state.analysis, Axisymmetric)

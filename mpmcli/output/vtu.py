@@ -20,6 +20,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from mpmcli.core.state import GridView
 from mpmcli.output.files import cannot_write, make_folder, write_text
+from mpmcli.output.probes import nodal_values
 from mpmcli.output.quantities import Quantity
 from mpmcli.output.snapshot import Snapshot
 
@@ -30,6 +31,12 @@ GRADIENT_PLACES = {1: (0,), 3: (0, 4, 8), 4: (0, 1, 3, 4), 5: (0, 1, 3, 4, 8), 9
 """Where the stored rows of F and of the velocity gradient lie among the nine components."""
 CELL_TYPES = {1: 3, 2: 9, 3: 12}
 """VTK's line, quadrilateral and hexahedron."""
+CORNERS = {
+    1: ("0", "1"),
+    2: ("00", "01", "11", "10"),
+    3: ("000", "001", "011", "010", "100", "101", "111", "110"),
+}
+"""Corners of a cell in VTK's order: whether each lies at the upper end of the axes z, y and x."""
 VERTEX = 1
 FIRST_VTK_ERROR = 20000
 DISK_FULL = 20007
@@ -171,15 +178,18 @@ def write_particles(
     writer.write(path, snapshot.state.time, points, particle_arrays(quantities, snapshot))
 
 
-def write_grid(writer: VtuWriter, path: Path, time: float, grid: GridView, fields: Sequence[str]) -> None:
+def write_grid(writer: VtuWriter, path: Path, snapshot: Snapshot, fields: Sequence[str]) -> None:
     """Write nodes and cells of the user's grid with nodal fields by name."""
+    grid = snapshot.state.grid
+    if grid is None:
+        raise ValueError("the state has no grid")
     arrays = []
     for name in fields:
-        values = grid.fields[name]()
+        values = nodal_values(snapshot, name)
         rank = "scalar" if values.ndim == 1 else "vector"
         arrays.append((name, values if rank == "scalar" else spread(values.T, rank), COMPONENT_NAMES[rank]))
     points, connectivity = mesh_of(grid)
-    writer.write(path, time, points, arrays, CELL_TYPES[len(grid.nodes)], connectivity)
+    writer.write(path, snapshot.state.time, points, arrays, CELL_TYPES[len(grid.nodes)], connectivity)
 
 
 def mesh_of(grid: GridView) -> tuple[np.ndarray, np.ndarray]:
@@ -189,13 +199,8 @@ def mesh_of(grid: GridView) -> tuple[np.ndarray, np.ndarray]:
     places = np.meshgrid(*reversed(axes), indexing="ij")
     points = spread(np.stack([place.ravel() for place in reversed(places)]), "vector")
     index = np.arange(int(np.prod(grid.nodes))).reshape(tuple(reversed(grid.nodes)))
-    corners = {
-        1: [(0,), (1,)],
-        2: [(0, 0), (0, 1), (1, 1), (1, 0)],
-        3: [(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1), (1, 1, 0)],
-    }[d]
-    ends = {0: slice(None, -1), 1: slice(1, None)}
-    cells = [index[tuple(ends[side] for side in corner)].ravel() for corner in corners]
+    ends = {"0": slice(None, -1), "1": slice(1, None)}
+    cells = [index[tuple(ends[side] for side in corner)].ravel() for corner in CORNERS[d]]
     return points, np.stack(cells, axis=1)
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from mpmcli.core import runtime
 from mpmcli.core.errors import ArchiveError, SimulationError
 from mpmcli.output import manifest
 from mpmcli.output.files import LOG
@@ -17,11 +18,12 @@ from mpmcli.output.recorder import Recorder, check_output
 from mpmcli.output.schedule import is_reached
 from mpmcli.run.folder import DRY_RUN, default_folder, owned_folder, refuse_occupied
 from mpmcli.run.interrupts import Interrupted, Interrupts, exit_code_of, name_of
-from mpmcli.run.progress import MessageHandler, Progress, duration_in_words
+from mpmcli.run.progress import LOG_ONLY, MessageHandler, Progress, duration_in_words
 
 LOGGER = logging.getLogger("mpmcli")
 STOPPED_EARLY = 6
-COMPILING = "compiling, once; later runs start at once"
+COMPILING = "compiling, once: later runs start at once"
+SETTING_UP = "setting up"
 
 
 @dataclass(frozen=True)
@@ -108,15 +110,16 @@ def run(
     shown = Progress(end, progress and verbosity >= 0)
     with Interrupts() as interrupts, _messages(shown, verbosity):
         begin = time.perf_counter()
+        is_cold = runtime.is_cold()
         try:
-            with _compiling(shown):
+            with shown.waiting(COMPILING if is_cold else SETTING_UP, is_important=is_cold):
                 simulation = (make_simulation or _solver())(loaded, threads=threads)
         except Interrupted as signal:
             LOGGER.error("interrupted by %s during set-up; nothing was written", name_of(signal.number))
             return Outcome(exit_code_of(signal.number), "interrupted", directory)
         interrupts.is_patient = True
         with owned_folder(directory, overwrite), _log_file(directory):
-            march = _March(loaded, directory, simulation, interrupts, shown, end, begin, threads)
+            march = _March(loaded, directory, simulation, interrupts, shown, end, begin)
             return march.dry_run() if dry_run else march.run(max_walltime)
 
 
@@ -138,30 +141,28 @@ class _March:
         progress: Progress,
         end: float,
         begin: float,
-        threads: int | None,
     ):
         self.directory, self.simulation = directory, simulation
         self.interrupts, self.progress = interrupts, progress
         self.end, self.begin = end, begin
         self.max_steps = loaded.scene.time.max_steps
         self.step_seconds, self.counted_steps, self.output_seconds = 0.0, 0, 0.0
-        report = str(getattr(simulation, "setup_report", ""))
-        self.threads = getattr(simulation, "threads", threads)
-        facts = manifest.facts_of_machine(self.threads)
+        report = str(simulation.setup_report)
+        facts = manifest.facts_of_machine(simulation.threads)
         self.recorder = Recorder(
             loaded,
             directory,
             simulation.state,
             {**facts, "started": manifest.now(), "setup": report.splitlines()},
         )
-        LOGGER.debug("%s, scene %s, on %s threads", loaded.path, loaded.hash, self.threads)
+        LOGGER.debug("%s, scene %s, on %s threads", loaded.path, loaded.hash, simulation.threads)
         for warning in loaded.warnings:
-            LOGGER.warning("%s", warning)
+            LOGGER.warning("%s", warning, extra={LOG_ONLY: True})
         LOGGER.debug("%s", report)
 
     def dry_run(self) -> Outcome:
         """Write the start only."""
-        print(getattr(self.simulation, "setup_report", ""))
+        print(self.simulation.setup_report)
         self._record(everything=True)
         self._close(DRY_RUN)
         return self._outcome(0, DRY_RUN)
@@ -175,7 +176,7 @@ class _March:
             code, ended = error.exit_code, f"failed: {error}"
             self.progress.stop()
             LOGGER.error("%s", error)
-            self._write_failed(error)
+            self._write_failed()
         except Interrupted as signal:
             code, ended = exit_code_of(signal.number), f"interrupted at once by {name_of(signal.number)}"
         except (ArchiveError, OSError) as error:
@@ -200,11 +201,16 @@ class _March:
     def _march(self, max_walltime: float | None) -> tuple[int, str]:
         simulation, recorder, interrupts = self.simulation, self.recorder, self.interrupts
         clock = time.perf_counter
-        with _compiling(self.progress):
+        is_cold = runtime.is_cold()
+        with self.progress.waiting(COMPILING if is_cold else SETTING_UP, is_important=is_cold):
             self._record(everything=True)
             if not self._is_over() and interrupts.received is None:
+                # this step may compile for seconds, and there is nothing to lose yet: stop at once if asked
+                interrupts.is_patient = False
                 simulation.step()
+                interrupts.is_patient = True
                 self._record()
+        LOGGER.debug("the first step was done after %.3g s", self._elapsed())
         self.progress.start(simulation.state)
         while not self._is_over():
             if interrupts.received is not None:
@@ -231,16 +237,15 @@ class _March:
         self.recorder.record(self.simulation.state, everything)
         self.output_seconds += time.perf_counter() - before
 
-    def _write_failed(self, error: SimulationError) -> None:
-        state = getattr(error, "state", None) or self.simulation.state
+    def _write_failed(self) -> None:
         try:
-            LOGGER.error("the last good state is in %s", self.recorder.write_failed(state))
+            path = self.recorder.write_failed(self.simulation.state)
+            LOGGER.error("the state at the failure is in %s", path)
         except (ArchiveError, OSError) as problem:
             LOGGER.error("%s", problem)
 
     def _close(self, ended: str) -> None:
         state = self.simulation.state
-        seconds = dict(getattr(self.simulation, "timings", {}) or {})
         self.recorder.close(
             ended,
             finished=manifest.now(),
@@ -248,7 +253,7 @@ class _March:
             time=state.time,
             wall_seconds=self._elapsed(),
             nanoseconds_per_particle_step=self._nanoseconds(),
-            seconds_per_task=seconds | {"output": self.output_seconds},
+            seconds_per_task=self.simulation.timings | {"output": self.output_seconds},
             peak_memory_bytes=manifest.peak_memory(),
             thread_layer=manifest.thread_layer(),
             energy_error=self.recorder.energy_error,
@@ -292,26 +297,6 @@ class _March:
 
 def _seconds_in_words(seconds: float) -> str:
     return f"{seconds:.3g} s" if seconds < 100.0 else duration_in_words(seconds)
-
-
-@contextmanager
-def _compiling(progress: Progress) -> Iterator[None]:
-    """Say that kernels are being compiled, where the compile cache does not hold them."""
-    if not _is_cold():
-        yield
-        return
-    before = time.perf_counter()
-    with progress.waiting(COMPILING):
-        yield
-    LOGGER.debug("set-up with compilation took %.3g s", time.perf_counter() - before)
-
-
-def _is_cold() -> bool:
-    try:
-        from mpmcli.core import cache
-    except ImportError:
-        return False
-    return bool(getattr(cache, "is_cold", lambda: False)())
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from mpmcli.core.errors import ArchiveError
-from mpmcli.output.files import LOCK, cannot_write, make_folder, owned_files, remove_results
+from mpmcli.output.files import LOCK, LOG, cannot_write, make_folder, owned_files, remove_results
 from mpmcli.output.manifest import read_manifest
 
 DRY_RUN = "dry run"
@@ -24,7 +24,9 @@ def refuse_occupied(directory: Path, overwrite: bool) -> None:
     """Raise ArchiveError if the folder holds results that may not be replaced (those of a dry run may)."""
     if directory.exists() and not directory.is_dir():
         raise ArchiveError(f"{directory} is a file; results need a folder")
-    occupied = next(owned_files(directory), None) if directory.exists() else None
+    # a log alone is what a run leaves whose scene could not be set up
+    found = (path for path in owned_files(directory) if path.name != LOG)
+    occupied = next(found, None) if directory.exists() else None
     if occupied is None or overwrite or _is_dry_run(directory):
         return
     raise ArchiveError(

@@ -15,6 +15,10 @@ from mpmcli.core.state import State
 REFRESH_SECONDS = 0.2
 LINE_SECONDS = 60.0
 LINE_SHARE = 0.1
+LOG_ONLY = "is_for_the_log_only"
+"""Attribute of a log record whose message the user has seen already."""
+WIDE = 110
+"""Columns of a terminal that shows every fact beside the bar."""
 
 
 def is_terminal() -> bool:
@@ -48,6 +52,7 @@ class Progress:
         self._bar: Any = None
         self._task: Any = None
         self._first: tuple[float, int, float] | None = None
+        self._said: set[str] = set()
         self._next_look = 0.0
         self._next_line = 0.0
         self._next_share = LINE_SHARE
@@ -60,17 +65,18 @@ class Progress:
             print(text, file=sys.stderr, flush=True)
 
     @contextmanager
-    def waiting(self, text: str) -> Iterator[None]:
-        """Show that something takes its time (only on a terminal does it disappear afterwards)."""
-        if self._bar is None and self.is_shown and is_terminal():
+    def waiting(self, text: str, is_important: bool = False) -> Iterator[None]:
+        """Show that something takes its time: on a terminal while it does, elsewhere once, if important."""
+        if self.is_shown and is_terminal():
             from rich.console import Console
 
             with Console(stderr=True).status(text):
                 yield
-        else:
-            if self.is_shown:
-                self.say(text)
-            yield
+            return
+        if self.is_shown and is_important and text not in self._said:
+            self._said.add(text)
+            self.say(text)
+        yield
 
     def start(self, state: State) -> None:
         """Begin to show the march from this state."""
@@ -109,20 +115,22 @@ class Progress:
         return min(1.0, state.time / self.end) if self.end > 0.0 else 1.0
 
     def _draw(self, state: State, energy_error: float | None, now: float) -> None:
-        self._bar.update(
-            self._task, completed=self._share(state), facts=self._facts(state, energy_error, now)
-        )
+        facts = self._facts(state, energy_error, now, is_narrow=self._bar.console.width < WIDE)
+        self._bar.update(self._task, completed=self._share(state), facts=facts)
         self._bar.refresh()
 
-    def _facts(self, state: State, energy_error: float | None, now: float) -> str:
-        text = f"step {state.step}  t {state.time:.6g}  dt {state.dt:.3g}"
+    def _facts(self, state: State, energy_error: float | None, now: float, is_narrow: bool = False) -> str:
+        text = f"step {state.step}  t {state.time:.5g}" + ("" if is_narrow else f"  dt {state.dt:.3g}")
         begin, step, since = self._first or (now, state.step, state.time)
         steps, seconds = state.step - step, now - begin
         if steps > 0 and seconds > 0.0 and state.time > since:
             rate = steps / seconds
             left = max(0.0, self.end - state.time) / ((state.time - since) / seconds)
-            text += f"  {rate:.3g} steps/s  left {duration_in_words(left)}"
-        return text if energy_error is None else f"{text}  energy error {energy_error:.2e}"
+            pace = f"{rate:.0f}" if rate >= 100.0 else f"{rate:.3g}"
+            text += f"  {pace}{'/s' if is_narrow else ' steps/s'}  left {duration_in_words(left)}"
+        if energy_error is None:
+            return text
+        return f"{text}  {'' if is_narrow else 'energy '}error {energy_error:.1e}"
 
 
 def _make_bar() -> tuple[Any, Any]:
@@ -131,7 +139,7 @@ def _make_bar() -> tuple[Any, Any]:
     from rich.progress import Progress as Bar
 
     bar = Bar(
-        BarColumn(bar_width=24),
+        BarColumn(bar_width=12),
         TaskProgressColumn(),
         TextColumn("{task.fields[facts]}"),
         console=Console(stderr=True),
@@ -149,5 +157,7 @@ class MessageHandler(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Show one message, with a word for warnings and errors."""
+        if getattr(record, LOG_ONLY, False):
+            return
         word = f"{record.levelname.lower()}: " if record.levelno >= logging.WARNING else ""
         self.progress.say(word + record.getMessage())

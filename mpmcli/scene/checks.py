@@ -82,7 +82,9 @@ def _check_names(root: Node, report: Report) -> None:
                 report(path, f"'{name.value}' cannot be a name: {words}", "name")
             if name.value in first:
                 line = node.value[first[name.value]].value["name"].mark.line
-                report(path, f"the name '{name.value}' is used twice (first in line {line})", "duplicate_name")
+                report(
+                    path, f"the name '{name.value}' is used twice (first in line {line})", "duplicate_name"
+                )
             first.setdefault(name.value, index)
 
 
@@ -133,14 +135,16 @@ def _check_grid(parts: Parts, dimensions: int, report: Report) -> None:
 def _check_bodies(parts: Parts, dimensions: int, root: Node, report: Report) -> None:
     for index, body in parts.bodies:
         path = label(root, "bodies", index)
-        if isinstance(body.particles_per_axis, tuple):
-            _check_count(report, f"{path}.particles_per_axis", body.particles_per_axis, dimensions)
+        counts = body.particles_per_axis
+        fits = not isinstance(counts, tuple) or _check_count(
+            report, f"{path}.particles_per_axis", counts, dimensions
+        )
         if body.velocity:
             _check_count(report, f"{path}.velocity", body.velocity, dimensions)
         misfits = list(body.region.misfits(dimensions))
         for place, words in misfits:
             report(".".join([path, "region", *map(str, place)]), words, "region")
-        if parts.grid is not None and parts.grid.dimensions == dimensions and not misfits:
+        if parts.grid is not None and parts.grid.dimensions == dimensions and fits and not misfits:
             _check_bounds(body, f"{path}.region", parts, report)
         tracks = getattr(parts.materials.get(body.material), "history", ("temperature",))
         if body.temperature is not None and "temperature" not in tracks:
@@ -191,7 +195,9 @@ def _check_conditions(
 def _check_plane(model: Any, path: str, grid: Any, report: Report) -> None:
     """A plane must lie in the grid, and on one side of its middle unless the scene says which side is meant."""
     on = getattr(model, "on", None)
-    plane, place = (model.plane, "plane") if hasattr(model, "plane") else (getattr(on, "plane", None), "on.plane")
+    plane, place = (
+        (model.plane, "plane") if hasattr(model, "plane") else (getattr(on, "plane", None), "on.plane")
+    )
     if plane is None:
         return
     a = plane.index
@@ -206,7 +212,11 @@ def _check_plane(model: Any, path: str, grid: Any, report: Report) -> None:
         report(f"{path}.{place}", str(error), "side")
     line = (plane.at - low) / cell
     if model.kind == "symmetry" and abs(line - round(line)) > 1e-6:
-        report(f"{path}.{place}.at", f"a symmetry plane must lie on a grid line, not {line:.6g} cells from lower", "grid")
+        report(
+            f"{path}.{place}.at",
+            f"a symmetry plane must lie on a grid line, not {line:.6g} cells from lower",
+            "grid",
+        )
 
 
 def _check_probes(parts: Parts, dimensions: int, root: Node, report: Report) -> None:
@@ -232,7 +242,11 @@ def _check_start(parts: Parts, root: Node, report: Report) -> None:
             for path, expression in expressions_in(model, label(root, key, index)):
                 if not np.isfinite(expression(*points, t=0.0)).any():
                     value = np.ravel(expression(*points, t=0.0))[0]
-                    report(path, f"'{expression.source}' has no finite value at time 0 (it gives {value})", "start")
+                    report(
+                        path,
+                        f"'{expression.source}' has no finite value at time 0 (it gives {value})",
+                        "start",
+                    )
 
 
 def _sample(grid: Any) -> tuple[np.ndarray, ...]:

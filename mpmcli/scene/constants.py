@@ -30,21 +30,25 @@ def read_constants(node: Node | None, units: Units) -> tuple[dict[str, float], l
         return {}, [node.mark.problem("constants", "a mapping of names to values is needed", "type")]
     reader = _Reader(node.value, units)
     problems = []
-    circles = set()
+    circular: set[str] = set()
     for name, member in node.value.items():
         path = f"constants.{name}"
         if not _NAME.match(name) or name in RESERVED:
-            why = "is a word of expressions already" if name in RESERVED else "is no name: letters, digits and _"
+            why = (
+                "is a word of expressions already"
+                if name in RESERVED
+                else "is no name: letters, digits and _"
+            )
             problems.append(node.keys[name].problem(path, f"'{name}' {why}", "constant_name"))
             continue
         try:
             reader.value(name, ())
         except _Circle as circle:
-            if circle.members not in circles:
-                circles.add(circle.members)
-                problems.append(member.mark.problem(path, str(circle), "circular"))
+            circular |= circle.members
+            problems.append(member.mark.problem(path, str(circle), "circular"))
         except ValueError as error:
-            problems.append(member.mark.problem(path, str(error), "constant"))
+            if name not in circular:
+                problems.append(member.mark.problem(path, str(error), "constant"))
     order = [name for name in node.value if name in reader.values]
     return {name: reader.values[name] for name in order}, problems
 
@@ -57,23 +61,33 @@ class _Circle(ValueError):
         self.members = frozenset(chain)
 
 
+class _TooLong(ValueError):
+    """Constants that need each other over too many steps."""
+
+
 class _Reader:
     def __init__(self, members: dict[str, Node], units: Units):
         self.members = members
         self.units = units
         self.values: dict[str, float] = {}
+        self.failed: set[str] = set()
+        self.known = dict.fromkeys(members, 0.0)
 
     def value(self, name: str, waiting: tuple[str, ...]) -> float:
         """The value of a constant; ``waiting`` are those that need it."""
         if name in waiting:
             raise _Circle([*waiting[waiting.index(name) :], name])
         if len(waiting) > MAX_CHAIN:
-            raise ValueError(f"the constants need each other over more than {MAX_CHAIN} steps")
+            raise _TooLong(f"the constants need each other over more than {MAX_CHAIN} steps")
         if name not in self.values:
-            self.values[name] = self._read(name, self.members[name].value, (*waiting, name))
+            try:
+                self.values[name] = self.known[name] = self._read(self.members[name].value, (*waiting, name))
+            except ValueError:
+                self.failed.add(name)
+                raise
         return self.values[name]
 
-    def _read(self, name: str, value: object, waiting: tuple[str, ...]) -> float:
+    def _read(self, value: object, waiting: tuple[str, ...]) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float | str):
             raise ValueError("a number, text with a unit, or an expression of other constants is needed")
         if not isinstance(value, str):
@@ -82,16 +96,16 @@ class _Reader:
             return float(value)
         if has_unit(value):
             return self.units.any_number(value)
-        others = {}
-        for word in sorted(_names(value) & set(self.members)):
+        for word in sorted(_names(value) & self.members.keys()):
             try:
-                others[word] = self.value(word, waiting)
-            except _Circle:
+                if word in self.failed and word not in waiting:
+                    raise ValueError
+                self.value(word, waiting)
+            except (_Circle, _TooLong):
                 raise
             except ValueError:
                 raise ValueError(f"needs the constant '{word}', which has no value") from None
-        known = dict.fromkeys(self.members, 0.0) | others
-        return float(parse(value, constants=known, variables=())())
+        return float(parse(value, constants=self.known, variables=())())
 
 
 def _names(text: str) -> set[str]:

@@ -105,7 +105,9 @@ def load_scene(
     file = "scene" if path is None else str(path)
     root = compose(text, file)
     if not root.is_mapping:
-        raise SceneError([root.mark.problem("", "a scene is a mapping: version: 1, title: …, grid: …", "type")])
+        raise SceneError(
+            [root.mark.problem("", "a scene is a mapping: version: 1, title: …, grid: …", "type")]
+        )
     root = apply_sets(apply_defines(root, tuple(defines)), tuple(sets))
     base = path.resolve().parent if path is not None else Path.cwd()
     scene, context, problems = _read(root, base, allow_outside_files)
@@ -128,7 +130,10 @@ def _read(root: Node, base: Path, allow_outside_files: bool) -> tuple[Scene | No
     constants, constant_problems = read_constants(root.value.get("constants"), units)
     context = Context(units, constants, base, allow_outside_files)
     root, problems = take_out(root)
-    plain = root.plain() | {"constants": constants}
+    # a key with nothing behind it (all of its members commented out) is as good as absent
+    plain = {key: value for key, value in root.plain().items() if value is not None} | {
+        "constants": constants
+    }
     scene = None
     try:
         scene = Scene.model_validate(plain, context=context)

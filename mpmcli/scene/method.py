@@ -77,7 +77,7 @@ class ArtificialViscosity(Model):
 class Method(Model):
     """The numerical method."""
 
-    shape: Annotated[str, Field(json_schema_extra={"enum": list(SHAPES)})] = "lcpdi"
+    shape: Annotated[str, Field(json_schema_extra={"enum": sorted(SHAPES)})] = "lcpdi"
     """Shape function."""
     update: Literal["usf", "usl", "usl+", "usavg", "usavg+"] = "usl"
     """When in a step strains and stresses are updated."""
@@ -98,7 +98,9 @@ class Method(Model):
     @classmethod
     def _known_shape(cls, shape: str) -> str:
         if shape not in SHAPES:
-            raise ValueError(f"'{shape}' is no shape function{did_you_mean(shape, SHAPES)} ({', '.join(SHAPES)})")
+            raise ValueError(
+                f"'{shape}' is no shape function{did_you_mean(shape, SHAPES)} ({', '.join(sorted(SHAPES))})"
+            )
         return shape
 
 

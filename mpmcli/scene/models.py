@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, field_validator
 
 from mpmcli.boundary import CONDITIONS, LOADS
 from mpmcli.core.analysis import ANALYSES
@@ -74,22 +74,38 @@ class Grid(Model):
     cell: CellSize
     """Size of a cell: one number, or one per axis."""
 
-    @model_validator(mode="after")
-    def _whole_cells(self) -> Grid:
-        if not len(self.lower) == len(self.upper) == len(self.cell):
-            counts = f"{len(self.lower)}, {len(self.upper)} and {len(self.cell)}"
-            raise ValueError(f"lower, upper and cell need one number per axis each, not {counts}")
-        nodes = 1.0
-        for axis, low, high, size in zip("xyz", self.lower, self.upper, self.cell, strict=False):
-            if not high > low:
+    @field_validator("upper")
+    @classmethod
+    def _above_lower(cls, upper: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
+        lower = info.data.get("lower", upper)
+        if len(lower) != len(upper):
+            raise ValueError(f"one number per axis is needed: lower has {len(lower)}, upper {len(upper)}")
+        for axis, low, high in zip("xyz", lower, upper, strict=False):
+            if "lower" in info.data and not high > low:
                 raise ValueError(f"upper must lie above lower, but {high:g} <= {low:g} along {axis}")
+        return upper
+
+    @field_validator("cell")
+    @classmethod
+    def _whole_cells(cls, cell: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
+        if "lower" not in info.data or "upper" not in info.data:
+            return cell
+        lower, upper = info.data["lower"], info.data["upper"]
+        if len(cell) != len(lower):
+            raise ValueError(
+                f"one number, or one per axis, is needed: lower has {len(lower)}, cell {len(cell)}"
+            )
+        nodes = 1.0
+        for axis, low, high, size in zip("xyz", lower, upper, cell, strict=False):
             count = (high - low) / size
             if count < 0.5 or abs(count - round(count)) > WHOLE:
-                raise ValueError(f"(upper - lower)/cell must be a whole number, but it is {count:.7g} along {axis}")
-            nodes *= round(count) + 1
+                raise ValueError(
+                    f"(upper - lower)/cell must be a whole number, but it is {count:.7g} along {axis}"
+                )
+            nodes *= round(count) + 1.0
         if nodes > MAX_NODES:
             raise ValueError(f"the grid has {nodes:.2g} nodes: at most {MAX_NODES:.0e} are possible")
-        return self
+        return cell
 
     @property
     def dimensions(self) -> int:

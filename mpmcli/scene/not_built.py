@@ -55,7 +55,12 @@ def _velocity_fields(root: Node) -> int:
 
 
 def _take(
-    node: Node, pattern: tuple[str, ...], value: Any, words: str, path: tuple[str, ...], problems: list[Problem]
+    node: Node,
+    pattern: tuple[str, ...],
+    value: Any,
+    words: str,
+    path: tuple[str, ...],
+    problems: list[Problem],
 ) -> Node:
     key, rest = pattern[0], pattern[1:]
     if key == "*":
@@ -71,7 +76,9 @@ def _take(
     if member is None:
         return node
     if rest:
-        return replace(node, value=node.value | {key: _take(member, rest, value, words, (*path, key), problems)})
+        return replace(
+            node, value=node.value | {key: _take(member, rest, value, words, (*path, key), problems)}
+        )
     if value is not None and member.value != value:
         return node
     message = f"{words}: not built yet"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 from mpmcli.core.errors import SceneError
@@ -36,7 +37,9 @@ def _put(node: Node, keys: list[str], before: tuple[str, ...], value: Node, opti
     mark = Mark(option)
     path = ".".join([*before, key])
     if not key:
-        raise SceneError([mark.problem(path, "a dotted key is needed, as in method.transfer.order=4", "option")])
+        raise SceneError(
+            [mark.problem(path, "a dotted key is needed, as in method.transfer.order=4", "option")]
+        )
     if node.is_sequence:
         member = node.member(key)
         if member is None:
@@ -47,7 +50,9 @@ def _put(node: Node, keys: list[str], before: tuple[str, ...], value: Node, opti
         new = _put(member, rest, (*before, key), value, option)
         return replace(node, value=[new if other is member else other for other in node.value])
     if node.value is not None and not node.is_mapping:
-        raise SceneError([mark.problem(path, f"'{'.'.join(before)}' is a single value: it has no keys", "option")])
+        raise SceneError(
+            [mark.problem(path, f"'{'.'.join(before)}' is a single value: it has no keys", "option")]
+        )
     members = node.value or {}
     member = members.get(key) or Node(None, mark)
     new = _put(member, rest, (*before, key), value, option)
@@ -58,7 +63,8 @@ def _check_use(root: Node, name: str, option: str) -> None:
     """A constant that the scene neither declares nor uses is a slip of the pen."""
     constants = root.member("constants") if root.is_mapping else None
     declared = constants.value if constants is not None and constants.is_mapping else {}
-    if name in declared or any(name in text for text in root.texts()):
+    word = re.compile(rf"\b{re.escape(name)}\b")
+    if name in declared or any(word.search(text) for text in root.texts()):
         return
     message = f"the scene has no constant '{name}'{did_you_mean(name, declared)}"
     raise SceneError([Mark(option).problem(f"constants.{name}", message, "option")])

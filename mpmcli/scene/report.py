@@ -118,8 +118,12 @@ def _problems(details: dict[str, Any], root: Node, model: type[BaseModel]) -> li
     place = follow(root, loc)
     inner = context.get("error")
     if isinstance(inner, ValidationError):
-        return [p for nested in inner.errors(include_url=False) for p in _nested(dict(nested), loc, root, model)]
+        return [
+            p for nested in inner.errors(include_url=False) for p in _nested(dict(nested), loc, root, model)
+        ]
     path, mark = ".".join(place.path), place.node.mark
+    if kind == "too_short" and place.node.is_sequence and len(place.node.value) >= context["min_length"]:
+        return []  # pydantic counts valid members only; the others are reported by themselves
     if kind == "missing":
         return [mark.problem(_join(path, str(loc[-1])), "is missing", "missing")]
     if kind == "extra_forbidden":
@@ -134,14 +138,18 @@ def _problems(details: dict[str, Any], root: Node, model: type[BaseModel]) -> li
 _CODES = {*_LIMITS, "finite_number", "literal_error"}
 
 
-def _nested(details: dict[str, Any], loc: tuple[Any, ...], root: Node, model: type[BaseModel]) -> list[Problem]:
+def _nested(
+    details: dict[str, Any], loc: tuple[Any, ...], root: Node, model: type[BaseModel]
+) -> list[Problem]:
     return _problems(details | {"loc": (*loc, *details["loc"])}, root, model)
 
 
 def _tag_problem(kind: str, place: Place, context: dict[str, Any]) -> Problem:
     path = ".".join(place.path)
-    noun = "region" if "region" in place.path else next(
-        (_NOUNS[part] for part in reversed(place.path) if part in _NOUNS), "kind"
+    noun = (
+        "region"
+        if "region" in place.path
+        else next((_NOUNS[part] for part in reversed(place.path) if part in _NOUNS), "kind")
     )
     if kind == "union_tag_not_found":
         if not place.node.is_mapping:
@@ -217,8 +225,12 @@ def _keys_of(model: type[BaseModel], loc: Sequence[Any]) -> list[str]:
             candidates = tagged
         elif any(part in c.model_fields for c in candidates):
             fields = [c.model_fields[part] for c in candidates if part in c.model_fields]
-            candidates = [m for field in fields for m in (*_models(field.annotation), *_models(field.metadata))]
-    return list(dict.fromkeys(field.alias or name for c in candidates for name, field in c.model_fields.items()))
+            candidates = [
+                m for field in fields for m in (*_models(field.annotation), *_models(field.metadata))
+            ]
+    return list(
+        dict.fromkeys(field.alias or name for c in candidates for name, field in c.model_fields.items())
+    )
 
 
 def _kinds(model: type[BaseModel]) -> tuple[Any, ...]:
@@ -251,4 +263,6 @@ def as_text(problems: Sequence[Problem]) -> str:
 def as_json(problems: Sequence[Problem]) -> str:
     """A JSON list of {file, line, column, path, code, severity, message}."""
     keys = ("file", "line", "column", "path", "code", "severity", "message")
-    return json.dumps([{key: asdict(problem)[key] for key in keys} for problem in problems], indent=1, ensure_ascii=False)
+    return json.dumps(
+        [{key: asdict(problem)[key] for key in keys} for problem in problems], indent=1, ensure_ascii=False
+    )

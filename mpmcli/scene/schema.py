@@ -17,7 +17,9 @@ def scene_schema() -> dict[str, Any]:
     definitions = schema["definitions"]
     any_region = definitions["Body"]["properties"]["region"]
     for definition in definitions.values():
-        _name_regions(definition, {key: any_region[key] for key in ("oneOf", "$ref", "allOf") if key in any_region})
+        _name_regions(
+            definition, {key: any_region[key] for key in ("oneOf", "$ref", "allOf") if key in any_region}
+        )
         _require_kind(definition)
     return {"$schema": DIALECT, **schema, "title": "Scene of mpmcli"}
 

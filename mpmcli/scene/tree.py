@@ -21,7 +21,9 @@ MAX_EXPANSION = 200_000
 PARSER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 _NULL = {"", "~", "null", "Null", "NULL"}
-_BOOL = {text: value for value in (True, False) for text in (str(value), str(value).lower(), str(value).upper())}
+_BOOL = {
+    text: value for value in (True, False) for text in (str(value), str(value).lower(), str(value).upper())
+}
 _INT = re.compile(r"[-+]?[0-9]+\Z")
 _OCTAL = re.compile(r"0o[0-7]+\Z")
 _HEX = re.compile(r"0x[0-9a-fA-F]+\Z")
@@ -219,7 +221,9 @@ class _Composer:
 
     def _alias(self, event: Any, depth: int) -> Node:
         if event.anchor not in self.anchors:
-            self._stop(event, f"the alias '*{event.anchor}' has no anchor '&{event.anchor}' before it", "alias")
+            self._stop(
+                event, f"the alias '*{event.anchor}' has no anchor '&{event.anchor}' before it", "alias"
+            )
         node = self.anchors[event.anchor]
         if node is None:
             self._stop(event, f"the alias '*{event.anchor}' stands inside its own anchor", "alias")
@@ -258,7 +262,9 @@ class _Composer:
     def _merge(self, value: Node, mark: Mark) -> list[Node]:
         sources = value.value if value.is_sequence else [value]
         if not all(source.is_mapping for source in sources):
-            raise SceneError([mark.problem("<<", "'<<' needs a mapping, or a list of mappings, to merge", "merge")])
+            raise SceneError(
+                [mark.problem("<<", "'<<' needs a mapping, or a list of mappings, to merge", "merge")]
+            )
         return sources
 
     def _mark(self, event: Any) -> Mark:
@@ -286,7 +292,9 @@ def _syntax_problem(error: yaml.MarkedYAMLError, text: str, file: str) -> Proble
     if "\t" in before:
         message = "a tab is used for indentation: YAML is indented with spaces"
         return Problem("", message, file, line, before.index("\t") + 1, code="tab")
-    words = (error.problem or "this cannot be read as YAML").replace("did not find expected", "did not find the expected")
+    words = (error.problem or "this cannot be read as YAML").replace(
+        "did not find expected", "did not find the expected"
+    )
     if "cannot start any token" in words:
         words += "; text that begins with it needs quotes"
     elif error.context and error.context_mark:

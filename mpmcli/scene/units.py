@@ -92,13 +92,12 @@ KNOWN: dict[str, dict[str, Fraction]] = {
     },
     "temperature": {"K": Fraction(1), "mK": Fraction(1, 1000), "degR": Fraction(5, 9)},
 }
-_EXAMPLES = ("Pa kPa MPa GPa N kN J kJ mJ m cm mm km um nm kg g mg s ms us ns K W Hz rad deg psi g/cc "
-             "kg/m^3 g/cm^3 m/s mm/ms m/s^2").split()
+_EXAMPLES = ["Pa", "kPa", "MPa", "GPa", "N", "kN", "J", "kJ", "mJ", "m", "cm", "mm", "km", "um", "nm", "kg", "g", "mg", "s", "ms", "us", "ns", "K", "W", "Hz", "rad", "deg", "psi", "g/cc", "kg/m^3", "g/cm^3", "m/s", "mm/ms", "m/s^2"]
 
-_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_NUMBER = r"[-+]?(?>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
 _WITH_UNIT = re.compile(rf"\s*({_NUMBER})\s*((?:(?<=\s)1\s*/\s*)?[^\W\d_].*|[%°Å].*)\s*\Z", re.DOTALL)
 _UNIT_TEXT = re.compile(
-    r"(?:[^\W\d_]\w{0,30}|[%°Å]\w{0,10}|(?:\^|\*\*)\s*[-+]?[1-9](?![\d.])|[²³]|1(?=\s*/)|[*/·() ])+\Z"
+    r"(?:[^\W\d_]\w{0,30}|[%°Å]\w{0,10}|(?:\^|\*\*)\s*[-+]?[1-9](?![\d.]|\s*\^|\s*\*\*)|[²³]|1(?=\s*/)|[*/·() ])+\Z"
 )
 
 
@@ -198,10 +197,16 @@ class Units:
         if not quantity._is_multiplicative and found == Dimension.of("temperature"):
             quantity = quantity.to("K")
         elif "delta_" in str(quantity.units) and found == Dimension.of("temperature"):
-            raise ValueError(f"'{text}' is a difference of temperatures: write the temperature itself, in K or degC")
+            raise ValueError(
+                f"'{text}' is a difference of temperatures: write the temperature itself, in K or degC"
+            )
         if str(quantity.units) in _ANGLES:
-            return float(quantity.to("radian").magnitude if words != "angle" else quantity.to("degree").magnitude)
-        value = Fraction(quantity.to_root_units().magnitude) * Fraction(1, _ROOT_MASS ** int(found.exponents[1]))
+            return float(
+                quantity.to("radian").magnitude if words != "angle" else quantity.to("degree").magnitude
+            )
+        value = Fraction(quantity.to_root_units().magnitude) * Fraction(
+            1, _ROOT_MASS ** int(found.exponents[1])
+        )
         for base, exponent in zip(BASE, found.exponents, strict=True):
             value /= self.scale(base) ** exponent if exponent.denominator == 1 else Fraction(1)
         return float(value)
@@ -247,14 +252,18 @@ def check_base_unit(name: str, base: str) -> None:
     if name in KNOWN[base]:
         return
     if base == "temperature" and name.lower().strip("°") in {"c", "degc", "celsius", "f", "degf"}:
-        raise ValueError(f"'{name}' does not start at absolute zero: use K (values such as '20 degC' are converted)")
+        raise ValueError(
+            f"'{name}' does not start at absolute zero: use K (values such as '20 degC' are converted)"
+        )
     base_unit_size(name, base)
 
 
 @cache
 def base_unit_size(name: str, base: str) -> Fraction:
     """Size of a unit that is not in the table in m, kg, s or K, by pint."""
-    others = [f"'{unit}' is a {other}" for other in BASE for unit in KNOWN[other] if unit == name and other != base]
+    others = [
+        f"'{unit}' is a {other}" for other in BASE for unit in KNOWN[other] if unit == name and other != base
+    ]
     if others:
         raise ValueError(f"{others[0]}, but a {base} is needed")
     try:
@@ -285,7 +294,9 @@ def _registry() -> Any:
 def _quantity(number: str, unit: str, text: str) -> Any:
     """A pint quantity; the unit is checked before, so that nothing in it can take long."""
     if not _UNIT_TEXT.match(unit) or unit.count("(") != unit.count(")"):
-        raise ValueError(f"'{unit}' is no unit (units are written like kg/m^3; arithmetic needs '*', as in 2*v)")
+        raise ValueError(
+            f"'{unit}' is no unit (units are written like kg/m^3; arithmetic needs '*', as in 2*v)"
+        )
     import pint
 
     registry = _registry()

@@ -42,13 +42,11 @@ def _read_count(value: Any, info: ValidationInfo) -> int:
     return int(value)
 
 
-_COUNT: dict[str, Any] = {
-    "anyOf": [{"type": "integer", "minimum": 1, "maximum": MAX_PARTICLES_PER_AXIS}, {"type": "string"}]
-}
+_COUNT: dict[str, Any] = {"type": "integer", "minimum": 1, "maximum": MAX_PARTICLES_PER_AXIS}
 ParticlesPerAxis = Annotated[
     Any,
     BeforeValidator(_read_counts),
-    WithJsonSchema({"anyOf": [*_COUNT["anyOf"], {"type": "array", "items": _COUNT, "minItems": 1, "maxItems": 3}]}),
+    WithJsonSchema({"anyOf": [_COUNT, {"type": "array", "items": _COUNT, "minItems": 1, "maxItems": 3}]}),
 ]
 """A whole number, or a tuple with one per axis."""
 

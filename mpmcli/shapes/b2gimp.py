@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmcli.core.kernel import inline
-from mpmcli.core.stencil import fill, place, tensor_product
+from mpmcli.core.stencil import axis_weights, fill, fill_tensor_product
 from mpmcli.shapes.base import add_shape
 
 
@@ -47,23 +47,25 @@ def spline_integral(r):
 
 
 @fill.register(SplineGimp)
-def _(shape, grid, X, F, size, field, first, n, base, S, G, W, status):
-    d = len(grid.inverse_cell)
-    w = grid.width
-    lowest = np.uint64(2 * d) * w
-    for a in range(d):
-        origin, inverse, row = grid.origin[a], grid.inverse_cell[a], np.uint64(a) * w
-        slope = np.uint64(d + a) * w
-        for k in range(n):
-            x = (X[a, first + k] - origin) * inverse
-            W[lowest + np.uint64(a), k] = np.floor(x) - 1.0
-        for i in range(w):
-            for k in range(n):
-                x = (X[a, first + k] - origin) * inverse
-                l = size[a, first + k] * inverse
-                r = x - (W[lowest + np.uint64(a), k] + i)
-                half = 0.5 / l
-                W[row + i, k] = (spline_integral(r + l) - spline_integral(r - l)) * half
-                W[slope + i, k] = (spline(r + l) - spline(r - l)) * (half * inverse)
-    place(grid, first, n, lowest, field, base, W, status)
-    tensor_product(grid, n, W, S, G)
+def _(shape, grid, across, X, F, size, p, S, G, W, status):
+    return fill_tensor_product(grid, shape, across, X, size, p, S, G, status)
+
+
+@axis_weights.register(SplineGimp)
+def _(shape, x, l):
+    lowest = np.floor(x) - 1.0
+    r = x - lowest
+    half = 0.5 / l
+    values = (
+        (spline_integral(r + l) - spline_integral(r - l)) * half,
+        (spline_integral(r - 1.0 + l) - spline_integral(r - 1.0 - l)) * half,
+        (spline_integral(r - 2.0 + l) - spline_integral(r - 2.0 - l)) * half,
+        (spline_integral(r - 3.0 + l) - spline_integral(r - 3.0 - l)) * half,
+    )
+    slopes = (
+        (spline(r + l) - spline(r - l)) * half,
+        (spline(r - 1.0 + l) - spline(r - 1.0 - l)) * half,
+        (spline(r - 2.0 + l) - spline(r - 2.0 - l)) * half,
+        (spline(r - 3.0 + l) - spline(r - 3.0 - l)) * half,
+    )
+    return lowest, values, slopes

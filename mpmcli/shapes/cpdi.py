@@ -13,8 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmcli.core.dispatch import generic
+from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry
 from mpmcli.core.kernel import inline
-from mpmcli.core.stencil import DOMAIN_TOO_WIDE, fill, place
+from mpmcli.core.stencil import DOMAIN_TOO_WIDE, fill, first_node
 from mpmcli.shapes.base import add_shape
 
 REFERENCE = "Sadeghirad, Brannon and Burghardt, Int. J. Numer. Meth. Eng. 86 (2011) 1435"
@@ -84,194 +85,195 @@ def _(shape, r):
 
 
 @inline
-def half_axes(grid, F, size, first, n, W, axes):
-    """Rows ``axes + a·d + b`` of W: component a of half-axis b of the domain, in cells (columns of F·size)."""
-    d = len(grid.inverse_cell)
-    for a in range(d):
-        inverse = grid.inverse_cell[a]
-        for b in range(d):
-            row = axes + np.uint64(a * d + b)
-            for k in range(n):
-                W[row, k] = F[np.uint64(a * d + b), first + k] * size[b, first + k] * inverse
-
-
-@inline
-def span(grid, X, first, n, W, axes, lowest, reach, offset, status):
-    """Lowest node of each stencil: floor(x − half-extent + offset) − reach; checks that ``width`` nodes suffice."""
-    d = len(grid.inverse_cell)
-    w = np.float64(grid.width)
-    for a in range(d):
-        origin, inverse = grid.origin[a], grid.inverse_cell[a]
-        widest = 0.0
-        for k in range(n):
-            x = (X[a, first + k] - origin) * inverse
-            extent = 0.0
-            for b in range(d):
-                extent += abs(W[axes + np.uint64(a * d + b), k])
-            low = np.floor(x - extent + offset) - reach
-            high = np.floor(x + extent + offset) + 1.0
-            W[lowest + np.uint64(a), k] = low
-            widest = max(widest, high - low + 1.0)
-        if widest > w:
-            for k in range(n):
-                x = (X[a, first + k] - origin) * inverse
-                extent = 0.0
-                for b in range(d):
-                    extent += abs(W[axes + np.uint64(a * d + b), k])
-                if np.floor(x + extent + offset) + 2.0 - W[lowest + np.uint64(a), k] > w:
-                    status[0] = DOMAIN_TOO_WIDE
-                    status[1] = np.int64(first + k)
-
-
-@inline
-def clear(grid, m, n, S, G):
-    """Zero the values (and gradients) of a block."""
-    d = np.uint64(len(grid.inverse_cell))
-    for j in range(m):
-        for k in range(n):
-            S[j, k] = 0.0
-    if G is not None:
-        for j in range(d * m):
-            for k in range(n):
-                G[j, k] = 0.0
-
-
-@inline
-def add_point(grid, n, W, S, G, s, gx, gy, gz):
-    """Add one point's grid functions with weight s to S and slope weights (gx, gy, gz) to G (in ξ)."""
-    d = len(grid.inverse_cell)
-    w = grid.width
-    zero = np.uint64(0)
-    two = np.uint64(2)
-    layers = w if d > 2 else np.uint64(1)
-    rows = w if d > 1 else np.uint64(1)
-    m = layers * rows * w
-    for l in range(zero, layers):
-        for j in range(zero, rows):
-            for i in range(zero, w):
-                row = (l * rows + j) * w + i
-                for k in range(n):
-                    N = W[i, k]
-                    if d > 1:
-                        N *= W[w + j, k]
-                    if d > 2:
-                        N *= W[two * w + l, k]
-                    S[row, k] += s * N
-                    if G is not None:
-                        G[row, k] += gx * N
-                        if d > 1:
-                            G[m + row, k] += gy * N
-                        if d > 2:
-                            G[two * m + row, k] += gz * N
-
-
-@inline
-def to_spatial_gradient(grid, n, W, axes, m, G):
-    """Turn slopes in ξ into gradients in space: G = (half axes)⁻ᵀ G_ξ, per axis divided by the cell size."""
-    d = len(grid.inverse_cell)
-    one, two, zero = np.uint64(1), np.uint64(2), np.uint64(0)
-    if d == 1:
-        for j in range(zero, m):
-            for k in range(n):
-                G[j, k] *= grid.inverse_cell[0] / W[axes, k]
-    elif d == 2:
-        hx, hy = grid.inverse_cell[0], grid.inverse_cell[d - 1]
-        for k in range(n):
-            a, b, c, e = W[axes, k], W[axes + one, k], W[axes + two, k], W[axes + two + one, k]
-            det = 1.0 / (a * e - b * c)
-            W[axes, k], W[axes + one, k] = e * det * hx, -c * det * hx
-            W[axes + two, k], W[axes + two + one, k] = -b * det * hy, a * det * hy
-        for j in range(zero, m):
-            for k in range(n):
-                g1, g2 = G[j, k], G[m + j, k]
-                G[j, k] = W[axes, k] * g1 + W[axes + one, k] * g2
-                G[m + j, k] = W[axes + two, k] * g1 + W[axes + two + one, k] * g2
-    else:
-        hx, hy, hz = grid.inverse_cell[0], grid.inverse_cell[d - 2], grid.inverse_cell[d - 1]
-        r = axes
-        for k in range(n):
-            a, b, c = W[r, k], W[r + one, k], W[r + two, k]
-            e, f, g = W[r + np.uint64(3), k], W[r + np.uint64(4), k], W[r + np.uint64(5), k]
-            o, p, q = W[r + np.uint64(6), k], W[r + np.uint64(7), k], W[r + np.uint64(8), k]
-            det = 1.0 / (a * (f * q - g * p) - b * (e * q - g * o) + c * (e * p - f * o))
-            W[r, k], W[r + one, k] = (f * q - g * p) * det * hx, (g * o - e * q) * det * hx
-            W[r + two, k], W[r + np.uint64(3), k] = (e * p - f * o) * det * hx, (c * p - b * q) * det * hy
-            W[r + np.uint64(4), k], W[r + np.uint64(5), k] = (a * q - c * o) * det * hy, (b * o - a * p) * det * hy
-            W[r + np.uint64(6), k], W[r + np.uint64(7), k] = (b * g - c * f) * det * hz, (c * e - a * g) * det * hz
-            W[r + np.uint64(8), k] = (a * f - b * e) * det * hz
-        for j in range(zero, m):
-            for k in range(n):
-                g1, g2, g3 = G[j, k], G[m + j, k], G[two * m + j, k]
-                G[j, k] = W[r, k] * g1 + W[r + one, k] * g2 + W[r + two, k] * g3
-                G[m + j, k] = (
-                    W[r + np.uint64(3), k] * g1 + W[r + np.uint64(4), k] * g2 + W[r + np.uint64(5), k] * g3
-                )
-                G[two * m + j, k] = (
-                    W[r + np.uint64(6), k] * g1 + W[r + np.uint64(7), k] * g2 + W[r + np.uint64(8), k] * g3
-                )
-
-
-@inline
-def sum_over_points(shape, grid, q, X, F, size, field, first, n, base, S, G, W, status, reach, offset):
-    """The CPDI sum over q points per axis of the shape's one-dimensional grid function."""
-    d = len(grid.inverse_cell)
-    w = grid.width
-    zero = np.uint64(0)
-    axes = np.uint64(2 * d) * w
-    lowest = axes + np.uint64(d * d)
-    m = w if d == 1 else (w * w if d == 2 else w * w * w)
-    half_axes(grid, F, size, first, n, W, axes)
-    span(grid, X, first, n, W, axes, lowest, reach, offset, status)
-    clear(grid, m, n, S, G)
-    points_y = q if d > 1 else 1
-    points_z = q if d > 2 else 1
-    for pz in range(points_z):
-        for py in range(points_y):
-            for px in range(q):
-                x1, s1, g1 = interval_point(q, px)
-                x2, s2, g2 = interval_point(q, py)
-                x3, s3, g3 = interval_point(q, pz)
-                if d < 2:
-                    x2, s2, g2 = 0.0, 1.0, 0.0
-                if d < 3:
-                    x3, s3, g3 = 0.0, 1.0, 0.0
-                for a in range(d):
-                    origin, inverse = grid.origin[a], grid.inverse_cell[a]
-                    for i in range(zero, w):
-                        row = np.uint64(a) * w + i
-                        for k in range(n):
-                            r = (X[a, first + k] - origin) * inverse - (W[lowest + np.uint64(a), k] + np.float64(i))
-                            r += W[axes + np.uint64(a * d), k] * x1
-                            if d > 1:
-                                r += W[axes + np.uint64(a * d + 1), k] * x2
-                            if d > 2:
-                                r += W[axes + np.uint64(a * d + 2), k] * x3
-                            W[row, k] = grid_function(shape, r)
-                add_point(grid, n, W, S, G, s1 * s2 * s3, g1 * s2 * s3, s1 * g2 * s3, s1 * s2 * g3)
-    place(grid, first, n, lowest, field, base, W, status)
-    if G is not None:
-        to_spatial_gradient(grid, n, W, axes, m, G)
-
-
-@inline
 def interval_point(q, i):
     """Point i of q on [−1, 1]: its place, and the weights of its interpolation polynomial and of the slope's."""
     if q == 2:
-        return 2.0 * i - 1.0, 0.5, i - 0.5
-    weight = 4.0 / 6.0 if i == 1 else 1.0 / 6.0
-    return i - 1.0, weight, 0.5 * (i - 1.0)
+        return 2.0 * np.int64(i) - 1.0, 0.5, np.int64(i) - 0.5
+    return np.int64(i) - 1.0, 4.0 / 6.0 if i == 1 else 1.0 / 6.0, 0.5 * (np.int64(i) - 1.0)
+
+
+@inline
+def lowest_node(x, extent, reach, offset, w, p, status):
+    """Lowest node of an axis: floor(x − extent + offset) − reach; checks that ``w`` nodes suffice."""
+    low = np.floor(x - extent + offset) - reach
+    if np.floor(x + extent + offset) + 2.0 - low > w:
+        status[0] = DOMAIN_TOO_WIDE
+        status[1] = np.int64(p)
+    return low
+
+
+@inline
+def put_functions(shape, w, r, row, W):
+    """Grid functions of the w nodes of an axis at distance r from the lowest one, into ``W[row·w …]``."""
+    first = np.uint64(row) * w
+    for i in range(w):
+        W[first + i] = grid_function(shape, r - np.float64(np.int64(i)))
+
+
+@generic
+def functions(shape, r):
+    """Grid functions of the nodes of a narrow stencil at distance r from its lowest node, as a tuple."""
+
+
+@functions.register(LinearCpdi)
+@functions.register(QuadraticCpdi)
+def _(shape, r):
+    return grid_function(shape, r), grid_function(shape, r - 1.0), grid_function(shape, r - 2.0)
+
+
+@functions.register(SplineCpdi)
+def _(shape, r):
+    return (
+        grid_function(shape, r),
+        grid_function(shape, r - 1.0),
+        grid_function(shape, r - 2.0),
+        grid_function(shape, r - 3.0),
+    )
+
+
+@generic
+def fill_domain(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
+    """The CPDI sum over q points per axis, by number of axes (the class of ``grid``)."""
+
+
+@fill_domain.register(LineGeometry)
+def _(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
+    """One axis."""
+    w = np.uint64(len(across))
+    h = grid.inverse_cell[0]
+    x, a = (X[0, p] - grid.origin[0]) * h, F[0, p] * size[0, p] * h
+    low = lowest_node(x, abs(a), reach, offset, w, p, status)
+    for c in range(np.uint64(q)):
+        put_functions(shape, w, x - low + a * interval_point(q, c)[0], c, W)
+    for i in range(w):
+        value, slope = 0.0, 0.0
+        for c in range(np.uint64(q)):
+            _, s, g = interval_point(q, c)
+            value += s * W[c * w + i]
+            slope += g * W[c * w + i]
+        S[i] = value
+        if G is not None:
+            G[i] = slope * h / a
+    return first_node(grid, (low,), p, status)
+
+
+@fill_domain.register(PlaneGeometry)
+def _(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
+    """Two axes; (a, c) and (b, e) are the half-axes of the domain in cells."""
+    w = np.uint64(len(across))
+    hx, hy = grid.inverse_cell[0], grid.inverse_cell[1]
+    x, y = (X[0, p] - grid.origin[0]) * hx, (X[1, p] - grid.origin[1]) * hy
+    a, b = F[0, p] * size[0, p] * hx, F[1, p] * size[1, p] * hx
+    c, e = F[2, p] * size[0, p] * hy, F[3, p] * size[1, p] * hy
+    low_x = lowest_node(x, abs(a) + abs(b), reach, offset, w, p, status)
+    low_y = lowest_node(y, abs(c) + abs(e), reach, offset, w, p, status)
+    inverse = 1.0 / (a * e - b * c)
+    x, y = x - low_x, y - low_y
+    m = w * w
+    if q == 2 and len(across) == len(functions(shape, x)):
+        # corners of a domain that is not far stretched, written out: everything stays in registers
+        x0, y0 = functions(shape, x - a - b), functions(shape, y - c - e)
+        x1, y1 = functions(shape, x + a - b), functions(shape, y + c - e)
+        x2, y2 = functions(shape, x - a + b), functions(shape, y - c + e)
+        x3, y3 = functions(shape, x + a + b), functions(shape, y + c + e)
+        for j in range(w):
+            for i in range(w):
+                N0, N1, N2, N3 = x0[i] * y0[j], x1[i] * y1[j], x2[i] * y2[j], x3[i] * y3[j]
+                S[j * w + i] = 0.25 * ((N0 + N1) + (N2 + N3))
+                if G is not None:
+                    g1, g2 = 0.25 * ((N1 - N0) + (N3 - N2)), 0.25 * ((N2 - N0) + (N3 - N1))
+                    G[j * w + i] = (e * g1 - c * g2) * inverse * hx
+                    G[m + j * w + i] = (a * g2 - b * g1) * inverse * hy
+    else:
+        for v in range(np.uint64(q)):
+            for u in range(np.uint64(q)):
+                xi, eta = interval_point(q, u)[0], interval_point(q, v)[0]
+                put_functions(shape, w, x + a * xi + b * eta, np.uint64(2) * (v * np.uint64(q) + u), W)
+                put_functions(shape, w, y + c * xi + e * eta, np.uint64(2) * (v * np.uint64(q) + u) + np.uint64(1), W)
+        for j in range(w):
+            for i in range(w):
+                value, g1, g2 = 0.0, 0.0, 0.0
+                for v in range(np.uint64(q)):
+                    for u in range(np.uint64(q)):
+                        _, s1, d1 = interval_point(q, u)
+                        _, s2, d2 = interval_point(q, v)
+                        row = np.uint64(2) * (v * np.uint64(q) + u) * w
+                        N = W[row + i] * W[row + w + j]
+                        value += s1 * s2 * N
+                        if G is not None:
+                            g1 += d1 * s2 * N
+                            g2 += s1 * d2 * N
+                S[j * w + i] = value
+                if G is not None:
+                    G[j * w + i] = (e * g1 - c * g2) * inverse * hx
+                    G[m + j * w + i] = (a * g2 - b * g1) * inverse * hy
+    return first_node(grid, (low_x, low_y), p, status)
+
+
+@fill_domain.register(SpaceGeometry)
+def _(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
+    """Three axes; the columns of A are the half-axes of the domain in cells."""
+    w = np.uint64(len(across))
+    hx, hy, hz = grid.inverse_cell[0], grid.inverse_cell[1], grid.inverse_cell[2]
+    x, y = (X[0, p] - grid.origin[0]) * hx, (X[1, p] - grid.origin[1]) * hy
+    z = (X[2, p] - grid.origin[2]) * hz
+    s0, s1, s2 = size[0, p], size[1, p], size[2, p]
+    a, b, c = F[0, p] * s0 * hx, F[1, p] * s1 * hx, F[2, p] * s2 * hx
+    e, f, g = F[3, p] * s0 * hy, F[4, p] * s1 * hy, F[5, p] * s2 * hy
+    o, r, t = F[6, p] * s0 * hz, F[7, p] * s1 * hz, F[8, p] * s2 * hz
+    low_x = lowest_node(x, abs(a) + abs(b) + abs(c), reach, offset, w, p, status)
+    low_y = lowest_node(y, abs(e) + abs(f) + abs(g), reach, offset, w, p, status)
+    low_z = lowest_node(z, abs(o) + abs(r) + abs(t), reach, offset, w, p, status)
+    for k in range(np.uint64(q)):
+        for v in range(np.uint64(q)):
+            for u in range(np.uint64(q)):
+                xi, eta, zeta = interval_point(q, u)[0], interval_point(q, v)[0], interval_point(q, k)[0]
+                row = np.uint64(3) * ((k * np.uint64(q) + v) * np.uint64(q) + u)
+                put_functions(shape, w, x - low_x + a * xi + b * eta + c * zeta, row, W)
+                put_functions(shape, w, y - low_y + e * xi + f * eta + g * zeta, row + np.uint64(1), W)
+                put_functions(shape, w, z - low_z + o * xi + r * eta + t * zeta, row + np.uint64(2), W)
+    # rows of the inverse transpose of A
+    x1, x2, x3 = f * t - g * r, g * o - e * t, e * r - f * o
+    y1, y2, y3 = c * r - b * t, a * t - c * o, b * o - a * r
+    z1, z2, z3 = b * g - c * f, c * e - a * g, a * f - b * e
+    inverse = 1.0 / (a * x1 + b * x2 + c * x3)
+    m = w * w * w
+    for n in range(w):
+        for j in range(w):
+            for i in range(w):
+                value, g1, g2, g3 = 0.0, 0.0, 0.0, 0.0
+                for k in range(np.uint64(q)):
+                    for v in range(np.uint64(q)):
+                        for u in range(np.uint64(q)):
+                            _, s1, d1 = interval_point(q, u)
+                            _, s2, d2 = interval_point(q, v)
+                            _, s3, d3 = interval_point(q, k)
+                            row = np.uint64(3) * ((k * np.uint64(q) + v) * np.uint64(q) + u) * w
+                            N = W[row + i] * W[row + w + j] * W[row + w + w + n]
+                            value += s1 * s2 * s3 * N
+                            if G is not None:
+                                g1 += d1 * s2 * s3 * N
+                                g2 += s1 * d2 * s3 * N
+                                g3 += s1 * s2 * d3 * N
+                at = (n * w + j) * w + i
+                S[at] = value
+                if G is not None:
+                    G[at] = (x1 * g1 + x2 * g2 + x3 * g3) * inverse * hx
+                    G[m + at] = (y1 * g1 + y2 * g2 + y3 * g3) * inverse * hy
+                    G[m + m + at] = (z1 * g1 + z2 * g2 + z3 * g3) * inverse * hz
+    return first_node(grid, (low_x, low_y, low_z), p, status)
 
 
 @fill.register(LinearCpdi)
-def _(shape, grid, X, F, size, field, first, n, base, S, G, W, status):
-    sum_over_points(shape, grid, 2, X, F, size, field, first, n, base, S, G, W, status, 0.0, 0.0)
+def _(shape, grid, across, X, F, size, p, S, G, W, status):
+    return fill_domain(grid, shape, across, 2, X, F, size, p, S, G, W, status, 0.0, 0.0)
 
 
 @fill.register(QuadraticCpdi)
-def _(shape, grid, X, F, size, field, first, n, base, S, G, W, status):
-    sum_over_points(shape, grid, 3, X, F, size, field, first, n, base, S, G, W, status, 0.0, 0.0)
+def _(shape, grid, across, X, F, size, p, S, G, W, status):
+    return fill_domain(grid, shape, across, 3, X, F, size, p, S, G, W, status, 0.0, 0.0)
 
 
 @fill.register(SplineCpdi)
-def _(shape, grid, X, F, size, field, first, n, base, S, G, W, status):
-    sum_over_points(shape, grid, 2, X, F, size, field, first, n, base, S, G, W, status, 1.0, 0.5)
+def _(shape, grid, across, X, F, size, p, S, G, W, status):
+    return fill_domain(grid, shape, across, 2, X, F, size, p, S, G, W, status, 1.0, 0.5)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mpmcli.core.stencil import fill, place, tensor_product
+from mpmcli.core.stencil import axis_weights, fill, fill_tensor_product
 from mpmcli.shapes.base import add_shape
 
 
@@ -27,20 +27,11 @@ add_shape(
 
 
 @fill.register(Linear)
-def _(shape, grid, X, F, size, field, first, n, base, S, G, W, status):
-    d = len(grid.inverse_cell)
-    w = grid.width
-    lowest = np.uint64(2 * d) * w
-    for a in range(d):
-        origin, inverse, row = grid.origin[a], grid.inverse_cell[a], np.uint64(a) * w
-        slope = np.uint64(d + a) * w
-        for k in range(n):
-            x = (X[a, first + k] - origin) * inverse
-            left = np.floor(x)
-            W[lowest + np.uint64(a), k] = left
-            W[row, k] = 1.0 - (x - left)
-            W[row + np.uint64(1), k] = x - left
-            W[slope, k] = -inverse
-            W[slope + np.uint64(1), k] = inverse
-    place(grid, first, n, lowest, field, base, W, status)
-    tensor_product(grid, n, W, S, G)
+def _(shape, grid, across, X, F, size, p, S, G, W, status):
+    return fill_tensor_product(grid, shape, across, X, size, p, S, G, status)
+
+
+@axis_weights.register(Linear)
+def _(shape, x, l):
+    left = np.floor(x)
+    return left, (1.0 - (x - left), x - left), (-1.0, 1.0)

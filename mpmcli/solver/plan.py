@@ -55,26 +55,22 @@ class Plan:
     @property
     def imposes_lumped(self) -> bool:
         """Conditions act on the lumped momenta (task 2.a)."""
-        return self.has_conditions and (not self._corrected or self.velocity_conditions != "velocity")
+        return self.has_conditions and (not self.has_full_mass_loop or self.velocity_conditions != "velocity")
 
     @property
     def zeroes_increments(self) -> bool:
         """Conditions act on every FMPM increment."""
-        return self.has_conditions and self._corrected and self.velocity_conditions == "incremental"
+        return self.has_conditions and self.has_full_mass_loop and self.velocity_conditions == "incremental"
 
     @property
     def imposes_velocity(self) -> bool:
         """Conditions act on the final velocity v⁺(k) (older methods, for comparison)."""
-        return self.has_conditions and self._corrected and self.velocity_conditions in ("velocity", "combined")
+        return self.has_conditions and self.has_full_mass_loop and self.velocity_conditions in ("velocity", "combined")
 
     @property
-    def _corrected(self) -> bool:
+    def has_full_mass_loop(self) -> bool:
+        """Grid velocities take the FMPM loop (order 1 is the lumped velocity itself)."""
         return self.method.full_mass and self.order > 1
-
-    @property
-    def has_loop(self) -> bool:
-        """Grid velocities take further passes over the particles."""
-        return self.order > 1
 
     @property
     def keeps_start_momenta(self) -> bool:
@@ -145,8 +141,8 @@ def allocate_step_arrays(plan: Plan, grid: Grid, particles: int) -> StepArrays:
     return StepArrays(
         v=np.zeros((n, d)),
         w=nodal(not plan.method.full_mass),
-        dv=nodal(plan.has_loop or plan.method.projects),
-        out=nodal(plan.has_loop or plan.method.projects),
+        dv=nodal(plan.has_full_mass_loop or plan.method.projects),
+        out=nodal(plan.has_full_mass_loop or plan.method.projects),
         p_start=nodal(plan.keeps_start_momenta),
         p_again=nodal(plan.update.again),
         f_external=nodal(plan.has_loads),

@@ -47,7 +47,7 @@ def advance(s: Simulation, dt: float) -> None:
     # 3.b  grid velocities v⁺(k)
     with clock("3 velocities"):
         nodes.find_velocities[s.parallel](grid.active, grid.mp, grid.f, a.v, a.w)
-        if plan.method.full_mass:
+        if plan.has_full_mass_loop:
             add_full_mass_increments(s, a.v, counts_reactions=True)
         if plan.imposes_velocity:
             conditions.impose_on_velocity(a.v, grid.mp)
@@ -100,7 +100,7 @@ def _strain_from_new_velocities(s: Simulation) -> None:
 def _find_gradients(s: Simulation, v) -> None:
     if s.plan.imposes_lumped:
         s.conditions.impose_on_velocity(v, s.grid.mp, counts_reactions=False)
-    if s.plan.method.full_mass:
+    if s.plan.has_full_mass_loop:
         add_full_mass_increments(s, v, counts_reactions=False)
     if s.plan.imposes_velocity:
         s.conditions.impose_on_velocity(v, s.grid.mp, counts_reactions=False)

@@ -13,7 +13,7 @@ from mpmcli.core.grid import Grid
 from mpmcli.core.nodes import clear_nodes
 from mpmcli.core.order import CHUNKS, CellOrder
 from mpmcli.core.particles import Particles
-from mpmcli.core.stencil import DOMAIN_TOO_WIDE, OUTSIDE_GRID, allocate_stencil, fill_block
+from mpmcli.core.stencil import DOMAIN_TOO_WIDE, OUTSIDE_GRID, across_of, allocate_stencil, fill_stencils
 from mpmcli.shapes import ShapeEntry
 
 Array = np.ndarray
@@ -63,6 +63,7 @@ class Transfer:
         """Sort particles by cell and size the buffers for the bands that result."""
         self.order.sort(self.parallel)
         self.geometry = self.grid.geometry
+        self.across = across_of(self.grid.width)
         self.stencil = allocate_stencil(
             self.grid.dimensions, self.grid.width, self.grid.offsets(), self.order.slots
         )
@@ -80,7 +81,7 @@ class Transfer:
 
     def _scatter(self, kernel: Any, *arrays: Array) -> None:
         kernel[self.parallel](
-            self.analysis, self.shape.parameters, self.geometry, self.order.bands, self.stencil, *self._where(),
+            self.analysis, self.shape.parameters, self.geometry, self.across, self.order.bands, self.stencil, *self._where(),
             *arrays,
         )  # fmt: skip
 
@@ -124,7 +125,7 @@ class Transfer:
     def velocity_gradients(self, v: Array) -> None:
         """L = G v."""
         kernels.find_velocity_gradients[self.parallel](
-            self.analysis, self.shape.parameters, self.geometry, self.order.chunks, self.stencil, *self._where(),
+            self.analysis, self.shape.parameters, self.geometry, self.across, self.order.chunks, self.stencil, *self._where(),
             v.reshape(-1), self.particles.L,
         )  # fmt: skip
 
@@ -143,7 +144,7 @@ class Transfer:
         """Task 4 (and 5's velocity gradients): see ``core.transfer.move_particles``."""
         p = self.particles
         kernels.move_particles[self.parallel](
-            self.analysis, self.shape.parameters, self.geometry, self.order.chunks, self.stencil, *self._where(),
+            self.analysis, self.shape.parameters, self.geometry, self.across, self.order.chunks, self.stencil, *self._where(),
             v.reshape(-1), None if w is None else w.reshape(-1), alpha, damping, dt, True if flip else None,
             p.V, X_new, p.L if with_gradients else None, p.mass,
             self.speed_squared, self.travel, self.outside, self._bounds, damped,
@@ -153,16 +154,13 @@ class Transfer:
 
     def seen_nodes(self, particles: Array) -> Array:
         """Nodes (sorted, unique) that particles at these places in memory have in their stencils with S > 0."""
-        p, block = self.particles, self.stencil.base.shape[1]
-        seen = []
-        for start in range(0, len(particles), block):
-            chosen = particles[start : start + block]
-            X, size = np.ascontiguousarray(p.X[:, chosen]), np.ascontiguousarray(p.size[:, chosen])
-            F = np.ascontiguousarray(self._domain_F[:, chosen])
-            fill_block[False](self.shape.parameters, self.geometry, X, F, size, self.stencil)
-            nodes = self.stencil.base[0, : len(chosen)] + self.stencil.offsets[:, None]
-            seen.append(nodes[self.stencil.S[0, :, : len(chosen)] > SEEN])
-        return np.unique(np.concatenate(seen)).astype(np.int64) if seen else np.zeros(0, dtype=np.int64)
+        p, stencil, d = self.particles, self.stencil, self.grid.dimensions
+        X, size, F = (np.ascontiguousarray(q[:, particles]) for q in (p.X, p.size, self._domain_F))
+        base = np.zeros(len(particles), dtype=np.uint64)
+        S = np.zeros((len(particles), len(stencil.offsets)))
+        G = np.zeros((len(particles), d * len(stencil.offsets)))
+        fill_stencils[False](self.shape.parameters, self.geometry, self.across, X, F, size, stencil, base, S, G)
+        return np.unique((base[:, None] + stencil.offsets)[S > SEEN]).astype(np.int64)
 
     @property
     def largest_speed(self) -> float:

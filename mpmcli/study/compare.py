@@ -158,12 +158,12 @@ def _compare_columns(
     try:
         a, b = np.array(left, dtype=float), np.array(right, dtype=float)
     except ValueError:  # text
-        rows = [row for row, pair in enumerate(zip(left, right, strict=True)) if pair[0] != pair[1]]
-        if not rows:
+        unlike = [row for row, pair in enumerate(zip(left, right, strict=True)) if pair[0] != pair[1]]
+        if not unlike:
             return []
-        row = rows[0]
+        row = unlike[0]
         message = f"row {row}: '{left[row]}' and '{right[row]}'"
-        return [Difference(table, message, name, row, left[row], right[row], len(rows))]
+        return [Difference(table, message, name, row, left[row], right[row], len(unlike))]
     with np.errstate(invalid="ignore"):
         distance = np.abs(a - b)
         allowed = tolerance.absolute + tolerance.relative * np.maximum(np.abs(a), np.abs(b))

@@ -117,6 +117,24 @@ def test_the_choice_is_kept_until_active_nodes_change():
     np.testing.assert_array_equal(renewed.node, [5, 5, 6, 6, 7, 7])
 
 
+@pytest.mark.parametrize("direction", [[0, 1], [3, 4], [-1, 0]])
+def test_values_of_shared_nodes_follow_time(direction):
+    grid = square()
+    active = np.array([5, 6])
+    grid.mp[active, 0] = 1.0
+    conditions = [everywhere("t", "a", "x"), everywhere("2*t", "b", direction), everywhere("t*t", "c", "x")]
+    chosen = VelocityConditions(conditions, grid, PlaneStrain())
+    n = np.array(direction) / np.linalg.norm(direction)
+    for time in (0.5, 1.0, 3.0):
+        chosen.select(time, active, 0, grid.mp)
+        chosen.impose_on_momentum(grid.mp, None, 1.0)
+        v = grid.mp[5, 1:]
+        along_x = time + time**2 + (2 * time * n[0] if n[1] == 0 else 0)
+        assert v[0] == pytest.approx(along_x)
+        if n[1] != 0:
+            assert v @ n == pytest.approx(2 * time)
+
+
 def test_impulses_start_at_zero_every_step():
     grid = square()
     chosen = VelocityConditions([everywhere(1.0)], grid, PlaneStrain())
@@ -197,7 +215,12 @@ def test_a_place_that_makes_no_sense_is_refused(place, message):
 
 @pytest.mark.parametrize(
     ("direction", "message"),
-    [("up", "'up' is no direction"), ([0, 0], "length above zero"), (3, "x, y, z or a vector")],
+    [
+        ("up", "'up' is no direction"),
+        ([0, 0], "length above zero"),
+        ([1, "a"], "error, 'a' is not known"),
+        (3, "x, y, z or a vector"),
+    ],
 )
 def test_a_direction_that_is_none_is_refused(direction, message):
     with pytest.raises(ValidationError, match=message):
@@ -217,6 +240,22 @@ def test_what_does_not_fit_the_axes_is_listed():
     assert [key for key, _ in made.problems(2)] == ["on.plane.axis", "direction"]
     made = Velocity(name="a", on={"box": {"lower": [2, 2], "upper": [1, 3]}}, direction="y", value=0)
     assert made.problems(2) == [("on.box.upper", "must not be below lower")]
+
+
+def test_regions_that_do_not_fit_are_listed():
+    class Polygon(Disk):
+        dimensions = frozenset({2})
+
+    class Points(Disk):
+        gives_particles = True
+
+    def keys(region):
+        made = Velocity(name="a", on={"region": region}, direction="x", value=0)
+        return [key for key, _ in made.problems(3)]
+
+    assert keys(Polygon()) == ["on.region"]
+    assert keys(Points()) == ["on.region"]
+    assert keys(Disk()) == []
 
 
 def test_regions_come_from_the_context():

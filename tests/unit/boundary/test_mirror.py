@@ -117,6 +117,7 @@ def test_half_a_model_is_the_whole_model(d, axes, order):
     place = {tuple(x): i for i, x in enumerate(every.T)}
     same[nodes] = [place[tuple(x)] for x in half.grid.coordinates(nodes).T]
     np.testing.assert_allclose(v[nodes], expected[same[nodes]], atol=1e-12 * np.abs(expected).max())
+    np.testing.assert_allclose(half.a[nodes], whole.a[same[nodes]], atol=1e-12 * np.abs(whole.a).max())
 
 
 @pytest.mark.parametrize(("d", "axes"), CASES)
@@ -160,6 +161,21 @@ def test_a_condition_across_the_plane_meets_its_image(order):
     np.testing.assert_allclose(
         half.held.reactions(DT)[1, 1], 0.5 * whole.held.reactions(DT)[0, 1], rtol=1e-11
     )
+
+
+@pytest.mark.parametrize("order", [1, 3])
+@pytest.mark.parametrize("axes", [(0,), (0, 1)])
+def test_a_condition_along_the_mirrors_normal_balances_too(axes, order):
+    stretch = Velocity(
+        name="stretch",
+        on=Place(box=Box(lower=(-9.0, -9.0), upper=(9.0, 2.0))),
+        direction=[3, 4],
+        value="(3*x + 4*y)/5",
+    )
+    half, _ = half_and_whole(2, axes, [stretch])
+    v = half.grid_velocities(order)
+    balance = (half.M @ (half.S @ v) - half.momentum()) / DT - half.f.sum(axis=0)
+    np.testing.assert_allclose(half.held.reactions(DT).sum(axis=0), balance, atol=1e-10)
 
 
 def test_the_upper_side_is_a_mirror_too():

@@ -1,4 +1,4 @@
-"""Moving walls: which nodes they hold, and the velocity field that they prescribe (Nairn 2026, section 3.1)."""
+"""Moving walls: which nodes they hold, and the velocities that they prescribe (Nairn 2026, section 3.1)."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import pytest
 from mpmcli.boundary import VelocityConditions
 from mpmcli.boundary.wall import AxisWall, ObliqueWall, Wall
 from mpmcli.core.analysis import PlaneStrain
+from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
 
 
@@ -101,6 +102,8 @@ def test_problems_are_found_before_the_run():
     assert Wall(name="w", normal="x", position=[1, 2, 3], velocity=0).problems(2)[0][0] == "position"
     with pytest.raises(ValueError, match="greater than or equal to 0"):
         Wall(name="w", normal="x", position=1, velocity=0, depth=-1)
+    with pytest.raises(ValueError, match="Value error, 'y' is not known here"):
+        Wall(name="w", normal="x", position=[1, "y"], velocity=0)
     with pytest.raises(ValueError, match="'x' is not known here"):
         Wall(name="w", normal="x", position="x", velocity=0)
 
@@ -111,3 +114,10 @@ def test_a_still_wall_with_constant_values_is_not_evaluated_again():
     assert not Wall(name="w", normal="x", position="t", velocity=0.5).holder(g, None).varies
     assert Wall(name="w", normal="x", position="t", velocity=0.5, gradient=1).holder(g, None).varies
     assert Wall(name="w", normal="x", position=1, velocity="t").holder(g, None).varies
+
+
+@pytest.mark.parametrize(("normal", "position"), [("x", "1/(t - 1)"), ([1, 1], ["log(t - 2)", 0])])
+def test_a_position_that_is_not_finite_stops_the_run(normal, position):
+    wall = Wall(name="w", normal=normal, position=position, velocity=0)
+    with pytest.raises(SimulationError, match="wall 'w': its position is not finite at time 1"):
+        select(wall, 1.0)

@@ -203,7 +203,8 @@ def test_work_is_the_change_of_kinetic_energy():
 def test_kernels_agree_with_plain_python():
     held, grid, _ = one_node([[1, 0], [0.6, 0.8], [1, 0]], [1.0, 2.0, 0.5])
     mp, f, impulse = grid.mp.copy(), grid.f.copy(), np.zeros_like(held.impulse)
-    impose.impose_on_momentum.py_func(held.entries, mp, f, DT, impulse)
+    plain = getattr(impose.impose_on_momentum, "py_func", impose.impose_on_momentum)
+    plain(held.entries, mp, f, DT, impulse)
     held.impose_on_momentum(grid.mp, grid.f, DT)
     np.testing.assert_allclose(grid.mp, mp, rtol=1e-14)
     np.testing.assert_allclose(grid.f, f, rtol=1e-13)

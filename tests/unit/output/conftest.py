@@ -15,7 +15,7 @@ from mpmcli.scene.archive import Archive
 
 @pytest.fixture
 def make_state():
-    """Makes a state with deformed, moving, stressed particles in an order that is not that of their identities."""
+    """Makes a state with deformed, moving, stressed particles, not in the order of their identities."""
 
     def make(kind: str = "plane_strain", count: int = 6, seed: int = 1, **changes) -> State:
         random = np.random.default_rng(seed)
@@ -100,6 +100,7 @@ def make_loaded(tmp_path):
                 damping=SimpleNamespace(particle=0.0, grid=0.0), artificial_viscosity=None
             ),
             time=SimpleNamespace(end=1.0, max_steps=None),
+            domain=SimpleNamespace(on_exit="error"),
             archive=Archive.model_validate(archive),
             probes=probes,
         )

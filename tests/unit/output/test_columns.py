@@ -18,7 +18,14 @@ def names(columns) -> list[str]:
 def test_defaults_are_what_the_scene_uses():
     found = names(default_columns(PLAIN))
     assert found[:4] == ["kinetic_energy", "strain_energy", "stress_work", "energy_error"]
-    for unused in ("plastic_work", "heat_energy", "viscous_work", "damping_work", "boundary_work", "external_work"):
+    for unused in (
+        "plastic_work",
+        "heat_energy",
+        "viscous_work",
+        "damping_work",
+        "boundary_work",
+        "external_work",
+    ):
         assert unused not in found
     rich = Context(
         "plane_strain",
@@ -61,8 +68,14 @@ def test_default_in_a_list_extends():
 def test_a_name_may_stand_for_components_and_owners():
     assert names(resolve_columns(["momentum"], PLAIN)) == ["momentum_x", "momentum_y"]
     assert names(resolve_columns(["center_x"], PLAIN)) == ["center_x[left]", "center_x[right]"]
-    assert names(resolve_columns(["stress[rubber]"], PLAIN)) == [f"stress_{c}[rubber]" for c in ("xx", "yy", "zz", "xy")]
-    assert names(resolve_columns(["stress_xx"], PLAIN)) == ["stress_xx[rubber]", "stress_xx[left]", "stress_xx[right]"]
+    assert names(resolve_columns(["stress[rubber]"], PLAIN)) == [
+        f"stress_{c}[rubber]" for c in ("xx", "yy", "zz", "xy")
+    ]
+    assert names(resolve_columns(["stress_xx"], PLAIN)) == [
+        "stress_xx[rubber]",
+        "stress_xx[left]",
+        "stress_xx[right]",
+    ]
 
 
 def test_asked_columns_that_the_scene_does_not_use_exist_but_contact_does_not():

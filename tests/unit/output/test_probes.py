@@ -16,12 +16,20 @@ CONTEXT = Context("plane_strain", ("left", "right"), ("rubber", "steel"))
 
 
 def particle_probe(**changes):
-    words = {"kind": "particle", "name": "tip", "body": "left", "near": (1.0, 1.0), "columns": ("position", "J")}
+    words = {
+        "kind": "particle",
+        "name": "tip",
+        "body": "left",
+        "near": (1.0, 1.0),
+        "columns": ("position", "J"),
+    }
     return SimpleNamespace(**(words | changes))
 
 
 def point_probe(**changes):
-    return SimpleNamespace(**({"kind": "point", "name": "eye", "at": (1.3, 1.9), "columns": ("velocity",)} | changes))
+    return SimpleNamespace(
+        **({"kind": "point", "name": "eye", "at": (1.3, 1.9), "columns": ("velocity",)} | changes)
+    )
 
 
 def test_follows_the_nearest_particle_of_its_body(make_state):
@@ -63,7 +71,7 @@ def test_body_without_particles_is_an_error(make_state):
 @pytest.mark.parametrize("d", [1, 2, 3])
 def test_point_reads_linear_fields_exactly(make_state, make_grid, d):
     kind = {1: "uniaxial_strain", 2: "plane_strain", 3: "3d"}[d]
-    state = make_state(kind, grid=make_grid(d))
+    state = make_state(kind, grid=make_grid(d), step=1)
     at = np.array([1.3, 1.9, 3.7])[:d]
     context = Context(kind, ("left", "right"), ("rubber", "steel"))
     probe = make_probe(point_probe(at=tuple(at)), state, context, "probes.0")
@@ -83,9 +91,10 @@ def test_point_without_mass_or_grid_gives_nan(make_state, make_grid):
     state = make_state()
     probe = make_probe(point_probe(), state, CONTEXT, "probes.0")
     assert np.isnan(probe.look(Snapshot(state))).all()
+    assert np.isnan(probe.look(Snapshot(make_state(grid=make_grid(2))))).all()
     grid = make_grid(2)
     grid.fields["mass"] = lambda: np.zeros(20)
-    state.grid = grid
+    state.grid, state.step = grid, 1
     assert np.isnan(probe.look(Snapshot(state))).all()
 
 
@@ -96,7 +105,7 @@ def test_empty_nodes_take_no_part(make_state, make_grid):
     mass[nodes[0]] = 1.0
     grid.fields["mass"] = lambda: mass
     probe = make_probe(point_probe(), make_state(), CONTEXT, "probes.0")
-    state = make_state(grid=grid)
+    state = make_state(grid=grid, step=1)
     assert probe.look(Snapshot(state)) == pytest.approx(grid.fields["velocity"]()[nodes[0]])
 
 

@@ -196,7 +196,10 @@ def test_dimensions_are_known_to_the_units():
 
     labels = Units("mm", "g", "ms")
     assert {q.name: labels.label(q.dimension) for q in QUANTITIES.at("global")}["kinetic_energy"] == "mJ"
-    for quantity in [*QUANTITIES, *fields_of(context_for("3d", history=("temperature", "heat_energy"))).values()]:
+    for quantity in [
+        *QUANTITIES,
+        *fields_of(context_for("3d", history=("temperature", "heat_energy"))).values(),
+    ]:
         assert labels.label(quantity.dimension)
 
 

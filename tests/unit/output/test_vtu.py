@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import xml.etree.ElementTree as ElementTree
 
 import meshio
@@ -32,13 +34,17 @@ def array(grid, name):
 
 
 def fields(kind, names=FIELDS):
-    return resolve_fields(names, Context(kind, ("left", "right"), ("rubber", "steel"), ("plastic_work", "temperature")))
+    return resolve_fields(
+        names, Context(kind, ("left", "right"), ("rubber", "steel"), ("plastic_work", "temperature"))
+    )
 
 
 @pytest.mark.parametrize("compression", ["none", "lz4", "zlib"])
 def test_particles_come_back_ordered_by_identity(make_state, tmp_path, compression):
     state = make_state(time=0.125)
-    write_particles(VtuWriter("float64", compression), tmp_path / "a.vtu", Snapshot(state), fields("plane_strain"))
+    write_particles(
+        VtuWriter("float64", compression), tmp_path / "a.vtu", Snapshot(state), fields("plane_strain")
+    )
     grid, p = read(tmp_path / "a.vtu"), state.particles
     order = np.argsort(p.id)
     assert np.array_equal(array(grid, "id"), np.arange(6))
@@ -101,15 +107,17 @@ def test_no_particles_is_a_file_too(make_state, tmp_path):
 
 
 @pytest.mark.parametrize("d", [1, 2, 3])
-def test_grid_files_hold_nodes_and_cells(make_grid, tmp_path, d):
+def test_grid_files_hold_nodes_and_cells(make_state, make_grid, tmp_path, d):
     view = make_grid(d)
-    write_grid(VtuWriter("float64"), tmp_path / "g.vtu", 2.5, view, ["mass", "velocity"])
+    state = make_state({1: "uniaxial_strain", 2: "axisymmetric", 3: "3d"}[d], grid=view, step=1)
+    write_grid(VtuWriter("float64"), tmp_path / "g.vtu", Snapshot(state), ["mass", "velocity"])
     grid = read(tmp_path / "g.vtu")
     assert grid.GetNumberOfPoints() == np.prod(view.nodes)
     assert grid.GetNumberOfCells() == np.prod(np.array(view.nodes) - 1)
     points = vtk_to_numpy(grid.GetPoints().GetData())
     slope = np.arange(1.0, d * d + 1.0).reshape(d, d)
     assert array(grid, "velocity")[:, :d] == pytest.approx(points[:, :d] @ slope.T + 1.0)
+    assert array(grid, "mass") == pytest.approx(np.full(len(points), state.full_ring))
     cell = grid.GetCell(0)
     corners = np.array([cell.GetPoints().GetPoint(i) for i in range(2**d)])
     assert corners[:, :d].max(axis=0) == pytest.approx(view.lower + view.cell)
@@ -138,5 +146,32 @@ def test_series_lists_every_file_once_with_its_time(make_state, tmp_path):
 
 def test_a_file_that_cannot_be_written_is_an_archive_error(make_state, tmp_path, capfd):
     with pytest.raises(ArchiveError, match=r"cannot write .*a\.vtu: No such file"):
-        write_particles(VtuWriter(), tmp_path / "none" / "a.vtu", Snapshot(make_state()), fields("plane_strain"))
+        write_particles(
+            VtuWriter(), tmp_path / "none" / "a.vtu", Snapshot(make_state()), fields("plane_strain")
+        )
     assert capfd.readouterr().err == ""
+
+
+FULL_DISK = """
+import resource, signal, sys
+from pathlib import Path
+import numpy as np
+from mpmcli.core.errors import ArchiveError
+from mpmcli.output.vtu import VtuWriter
+
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
+try:
+    VtuWriter().write(Path(sys.argv[1]), 0.0, np.zeros((5000, 3)), [])
+except ArchiveError as error:
+    print(error)
+"""
+
+
+def test_a_full_disk_is_an_archive_error_and_leaves_no_half_file(tmp_path):
+    path = tmp_path / "a.vtu"
+    command = [sys.executable, "-c", FULL_DISK, str(path)]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert result.stdout.startswith(f"cannot write {path}: ")
+    assert result.stderr == ""
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,107 @@
+"""Reading VTP and VTU files with vtk.
+
+On some damaged files vtk ends the whole program; what is checked here beforehand keeps those from it.
+"""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+_READERS = {".vtp": "vtkXMLPolyDataReader", ".vtu": "vtkXMLUnstructuredGridReader"}
+_CLAIM = re.compile(rb"NumberOf\w+\s*=\s*[\"']([^\"']*)[\"']")
+_KEYS = rb"(?:<InformationKey.*?</InformationKey>\s*)*"
+_ARRAY = re.compile(rb"<(?:Data)?Array\b([^>]*)>\s*" + _KEYS + rb"([^<\s]*)", re.DOTALL)
+_TOO_MUCH = "damaged, it claims to hold more than it can"
+
+
+class Unreadable(ValueError):
+    """A file cannot be used, and the message says why."""
+
+
+@contextmanager
+def quiet_vtk() -> Iterator[None]:
+    """Keep vtk from writing its complaints to the terminal."""
+    from vtkmodules.vtkCommonCore import vtkLogger, vtkOutputWindow, vtkStringOutputWindow
+
+    window, verbosity = vtkOutputWindow.GetInstance(), vtkLogger.GetCurrentVerbosityCutoff()
+    vtkOutputWindow.SetInstance(vtkStringOutputWindow())
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    try:
+        yield
+    finally:
+        vtkLogger.SetStderrVerbosity(verbosity)
+        vtkOutputWindow.SetInstance(window)
+
+
+def read_xml(path: Path) -> Any:
+    """The vtk data set that a VTP or VTU file holds; a ValueError if vtk complains."""
+    from vtkmodules import vtkIOXML
+
+    _check_claims(path.read_bytes())
+    complaints: list[str] = []
+    with quiet_vtk():
+        source = getattr(vtkIOXML, _READERS[path.suffix.lower()])()
+        source.AddObserver("ErrorEvent", lambda caller, event: complaints.append(event))
+        source.SetFileName(str(path))
+        source.Update()
+        output = source.GetOutput()
+    if complaints or output is None:
+        raise Unreadable(f"damaged, or no {path.suffix[1:].upper()} file")
+    return output
+
+
+def _check_claims(content: bytes) -> None:
+    """Refuse a file that claims more than it can hold, for which vtk would ask more memory than there is."""
+    header, _, appended = content.partition(b"<AppendedData")
+    most = min(100 * len(content), 100_000_000)
+    for claim in _CLAIM.findall(header):
+        if not claim.strip().isdigit() or int(claim) > most:
+            raise Unreadable(_TOO_MUCH)
+    if not _attribute(header, "compressor"):
+        return
+    wide = _attribute(header, "header_type").lower() == "uint64"
+    word = np.dtype(np.uint64 if wide else np.uint32)
+    word = word.newbyteorder(">" if _attribute(header, "byte_order") == "BigEndian" else "<")
+    is_text = _attribute(appended.partition(b">")[0], "encoding") == "base64"
+    appended = appended.partition(b"_")[2]
+    offsets = [len(appended)]
+    for attributes, inline in _ARRAY.findall(header):
+        if _attribute(attributes, "format") == "binary":
+            _check_blocks(inline, word, True)
+        elif _attribute(attributes, "offset").isdigit():
+            offsets.append(int(_attribute(attributes, "offset")))
+    offsets = sorted(set(offsets))
+    for first, last in pairwise(offsets):
+        _check_blocks(appended[first:last], word, is_text)
+
+
+def _attribute(tag: bytes, name: str) -> str:
+    """The value of an attribute, or nothing."""
+    found = re.search(rb"\b" + name.encode() + rb"\s*=\s*[\"']([^\"']*)[\"']", tag)
+    return found[1].decode("ascii", "replace").strip() if found else ""
+
+
+def _check_blocks(array: bytes, word: np.dtype, is_text: bool) -> None:
+    """Check the sizes before a compressed array: count, size and last size of its blocks, and compressed."""
+
+    def words(count: int) -> np.ndarray:
+        size = count * word.itemsize
+        head = base64.b64decode(array[: 4 * -(-size // 3)]) if is_text else array
+        return np.frombuffer(head[:size], dtype=word).astype(float)
+
+    if len(array) <= 4 * word.itemsize * (4 / 3 if is_text else 1):
+        return  # room for the header of an empty array only
+    count, size, last = words(3)
+    most = 1100 * len(array) + 2**20
+    if not 1 <= count <= len(array) or not last <= size or (count + 1) * size > most:
+        raise Unreadable(_TOO_MUCH)
+    if words(3 + int(count))[3:].sum() > len(array):
+        raise Unreadable(_TOO_MUCH)

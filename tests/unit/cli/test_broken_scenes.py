@@ -1,0 +1,55 @@
+"""The corpus of broken scenes: each gets every error in words, at the right place, exit code 3 and no traceback.
+
+Beside each ``NAME.yaml`` stands ``NAME.json``: line, column, path and code of each error, and part of its message.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+
+import pytest
+
+from mpmcli.cli.main import call
+
+CORPUS = Path(__file__).parents[2] / "broken_scenes"
+NAMES = sorted(path.stem for path in CORPUS.glob("*.yaml"))
+
+
+def test_corpus_is_complete() -> None:
+    assert len(NAMES) > 80
+    assert sorted(path.stem for path in CORPUS.glob("*.json")) == NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_broken_scene(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    expected = json.loads((CORPUS / f"{name}.json").read_text(encoding="utf-8"))
+    begin = time.perf_counter()
+    exit_code = call(["validate", "--json", str(CORPUS / f"{name}.yaml")])
+    seconds = time.perf_counter() - begin
+    written = capsys.readouterr()
+    assert exit_code == 3
+    assert written.err == ""
+    found = [problem for problem in json.loads(written.out) if problem["severity"] == "error"]
+    places = [[problem[key] for key in ("line", "column", "path", "code")] for problem in found]
+    assert places == [[error[key] for key in ("line", "column", "path", "code")] for error in expected]
+    for problem, error in zip(found, expected, strict=True):
+        assert error["message"] in problem["message"]
+        assert problem["file"].endswith(f"{name}.yaml")
+    assert seconds < 10.0
+
+
+def test_all_at_once(capsys: pytest.CaptureFixture[str]) -> None:
+    paths = [str(CORPUS / f"{name}.yaml") for name in NAMES]
+    assert call(["validate", *paths]) == 3
+    written = capsys.readouterr()
+    assert "Traceback" not in written.out + written.err
+    for path in paths:
+        assert path in written.out
+
+
+def test_run_refuses_as_validate_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert call(["run", str(CORPUS / "poisson_at_half.yaml")]) == 3
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,84 @@
+"""A simulation that costs nothing, and a scene that asks for output."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from mpmcli.core.analysis import PlaneStrain
+from mpmcli.core.particles import Particles
+from mpmcli.core.state import State
+from mpmcli.scene.archive import Archive
+
+
+class FakeSimulation:
+    """Two particles that fly; ``at`` maps a step to what happens before it."""
+
+    threads = 2
+    setup_report = "2 particles in 1 body"
+    dt = 0.01
+
+    def __init__(self, loaded, threads=None):
+        particles = Particles.at_rest(
+            PlaneStrain(),
+            X=np.array([[0.0, 1.0], [0.0, 0.0]]),
+            size=np.full((2, 2), 0.25),
+            vol0=np.ones(2),
+            mass=np.ones(2),
+            body=np.zeros(2),
+            material=np.zeros(2),
+            velocity_field=np.zeros(2),
+        )
+        particles.V[0] = 1.0
+        self.state = State(
+            analysis=PlaneStrain(),
+            particles=particles,
+            bodies=["block"],
+            materials=["rubber"],
+            material_models=[SimpleNamespace(history=())],
+            strain_energy_density=lambda: np.zeros(2),
+        )
+        self.at = loaded.at
+        self.timings = {"4 particles": 0.5}
+        loaded.simulation = self
+
+    def step(self) -> None:
+        self.at.get(self.state.step, lambda: None)()
+        self.state.particles.X += self.dt * self.state.particles.V
+        self.state.step, self.state.dt = self.state.step + 1, self.dt
+        self.state.time += self.dt
+
+
+@pytest.fixture
+def loaded(tmp_path):
+    """What the loader returns, for a run of 100 steps; put what is to happen into ``at``."""
+    scene = SimpleNamespace(
+        title="Flight",
+        analysis=SimpleNamespace(kind="plane_strain"),
+        materials={"rubber": SimpleNamespace(history=())},
+        bodies=[SimpleNamespace(name="block")],
+        boundary=[],
+        loads=[],
+        method=SimpleNamespace(damping=SimpleNamespace(particle=0.0, grid=0.0), artificial_viscosity=None),
+        time=SimpleNamespace(end=1.0, max_steps=None),
+        domain=SimpleNamespace(on_exit="error"),
+        archive=Archive.model_validate({"particles": {"every": 0.5}, "globals": {"every": 0.1}}),
+        probes=(),
+    )
+    return SimpleNamespace(
+        scene=scene,
+        units=SimpleNamespace(label=lambda dimension: dimension),
+        resolved=lambda: {"title": "Flight"},
+        hash="abc",
+        warnings=[],
+        path=tmp_path / "flight.yaml",
+        at={},
+    )
+
+
+@pytest.fixture
+def simulation():
+    """The class of the fake simulation."""
+    return FakeSimulation

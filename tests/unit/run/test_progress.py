@@ -1,0 +1,87 @@
+"""Progress: lines without a terminal, a bar on one, nothing when not wanted."""
+
+from __future__ import annotations
+
+import sys
+from types import SimpleNamespace
+
+import pytest
+
+from mpmcli.run.progress import Progress, duration_in_words, is_terminal
+
+
+def state(step: int, end: int = 100) -> SimpleNamespace:
+    return SimpleNamespace(step=step, time=step / end, dt=1 / end)
+
+
+def march(progress: Progress) -> None:
+    progress.start(state(0))
+    for step in range(1, 101):
+        progress.update(state(step), 1e-3)
+    progress.stop(state(100), 1e-3)
+
+
+def test_a_line_every_ten_percent_without_a_terminal(capfd):
+    march(Progress(1.0))
+    lines = capfd.readouterr().err.splitlines()
+    assert [line.split()[0] for line in lines] == [str(10 * k) for k in range(1, 11)]
+    assert "energy error 1.0e-03" in lines[0]
+    assert "steps/s" in lines[0]
+    assert "left 0:00:00" in lines[0]
+
+
+def test_long_silence_is_broken_after_a_minute(capfd, monkeypatch):
+    clock = [0.0]
+    monkeypatch.setattr("mpmcli.run.progress.time", SimpleNamespace(perf_counter=lambda: clock[0]))
+    progress = Progress(1.0)
+    progress.start(state(0))
+    for clock[0] in (30.0, 59.0, 61.0, 119.0, 122.0):
+        progress.update(state(1), None)
+    assert len(capfd.readouterr().err.splitlines()) == 2
+
+
+def test_nothing_but_messages_when_not_shown(capfd):
+    progress = Progress(1.0, is_shown=False)
+    march(progress)
+    assert capfd.readouterr().err == ""
+    progress.say("hello")
+    assert capfd.readouterr().err == "hello\n"
+
+
+def test_a_bar_on_a_terminal(capfd, monkeypatch):
+    monkeypatch.setattr("mpmcli.run.progress.is_terminal", lambda: True)
+    monkeypatch.setattr("mpmcli.run.progress.REFRESH_SECONDS", 0.0)
+    progress = Progress(1.0)
+    progress.start(state(0))
+    progress.update(state(40), 1e-3)
+    progress.say("a message [not markup]")
+    progress.stop(state(100), 1e-3)
+    printed = capfd.readouterr().err
+    assert "a message [not markup]" in printed
+    assert "step 100" in printed
+    assert "100%" in printed
+    assert "error 1.0e-03" in printed
+
+
+def test_waiting_is_said_once_and_only_if_important(capfd):
+    progress = Progress(1.0)
+    for text in ("setting up", "compiling", "compiling"):
+        with progress.waiting(text, is_important=text == "compiling"):
+            pass
+    assert capfd.readouterr().err == "compiling\n"
+
+
+def test_a_dumb_terminal_gets_lines(monkeypatch):
+    monkeypatch.setattr(sys, "stderr", SimpleNamespace(isatty=lambda: True))
+    monkeypatch.setenv("TERM", "dumb")
+    assert not is_terminal()
+    monkeypatch.setenv("TERM", "xterm")
+    assert is_terminal()
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [(0.4, "0:00:00"), (3725.0, "1:02:05"), (90061.0, "1 d 1:01:01"), (float("inf"), "?")],
+)
+def test_durations(seconds, words):
+    assert duration_in_words(seconds) == words

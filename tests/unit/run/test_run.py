@@ -1,0 +1,261 @@
+"""Runs of a simulation that costs nothing: every way to end, and what each leaves behind."""
+
+from __future__ import annotations
+
+import errno
+import json
+import logging
+import os
+import signal
+import threading
+from types import SimpleNamespace
+
+import pandas
+import pytest
+from filelock import FileLock
+
+from mpmcli.core.errors import ArchiveError, Problem, SceneError, SimulationError
+from mpmcli.output.files import LOCK
+from mpmcli.output.tables import Table
+from mpmcli.run.api import LOGGER, run, run_scene
+from mpmcli.run.folder import default_folder
+
+
+@pytest.fixture
+def go(loaded, simulation, tmp_path):
+    """Runs the scene into a folder."""
+
+    def run_it(directory=None, **options):
+        return run(loaded, directory or tmp_path / "out", make_simulation=simulation, **options)
+
+    return run_it
+
+
+def manifest_of(directory):
+    return json.loads((directory / "run.json").read_text())
+
+
+def frames_of(directory):
+    return sorted(path.name for path in (directory / "particles").iterdir())
+
+
+def test_a_run_to_the_end(go, tmp_path, capfd):
+    outcome = go()
+    out = tmp_path / "out"
+    assert (outcome.exit_code, outcome.ended, outcome.steps) == (0, "finished", 100)
+    assert outcome.energy_error == 0.0
+    table = pandas.read_csv(out / "globals.csv")
+    assert table["step"].tolist() == list(range(0, 101, 10))
+    assert frames_of(out) == [f"particles_{i:06d}.vtu" for i in range(3)]
+    run_block = manifest_of(out)["run"]
+    assert run_block["ended"] == "finished"
+    assert run_block["steps"] == 100
+    assert run_block["threads"] == 2
+    assert run_block["setup"] == ["2 particles in 1 body"]
+    assert run_block["seconds_per_task"]["4 particles"] == 0.5
+    assert run_block["seconds_per_task"]["output"] > 0.0
+    assert run_block["nanoseconds_per_particle_step"] > 0.0
+    assert not (out / LOCK).exists()
+    printed = capfd.readouterr()
+    assert printed.out == ""
+    lines = printed.err.splitlines()
+    assert lines[-1].startswith("finished: 100 steps to time 1 in ")
+    assert f"results in {out}" in lines[-1]
+    assert any(line.startswith("  50 %  step 50") for line in lines)
+    log = (out / "run.log").read_text()
+    assert "2 particles in 1 body" in log
+    assert "finished: 100 steps" in log
+
+
+def test_until_max_steps_and_quiet(go, loaded, tmp_path, capfd):
+    outcome = go(tmp_path / "a", until=0.25, verbosity=-1)
+    assert outcome.time == pytest.approx(0.25)
+    assert pandas.read_csv(tmp_path / "a" / "globals.csv")["step"].tolist() == [0, 10, 20, 25]
+    loaded.scene.time.max_steps = 7
+    assert go(tmp_path / "b", verbosity=-1).steps == 7
+    assert capfd.readouterr().err == ""
+
+
+def test_run_scene_returns_the_exit_code(loaded, simulation, tmp_path):
+    assert run_scene(loaded, tmp_path / "out", make_simulation=simulation, progress=False) == 0
+
+
+def test_default_folder_is_named_after_the_scene(go, loaded, simulation, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run(loaded, make_simulation=simulation).directory == default_folder("x/flight.yaml")
+    assert (tmp_path / "results" / "flight" / "globals.csv").is_file()
+
+
+def test_results_are_not_overwritten_unless_asked(go, tmp_path):
+    go()
+    before = (tmp_path / "out" / "globals.csv").read_bytes()
+    (tmp_path / "out" / "notes.txt").write_text("mine")
+    with pytest.raises(ArchiveError, match="holds results already") as caught:
+        go(until=0.2)
+    assert caught.value.exit_code == 5
+    assert (tmp_path / "out" / "globals.csv").read_bytes() == before
+    assert go(until=0.2, overwrite=True).exit_code == 0
+    assert frames_of(tmp_path / "out") == ["particles_000000.vtu", "particles_000001.vtu"]
+    assert (tmp_path / "out" / "notes.txt").read_text() == "mine"
+
+
+def test_a_dry_run_reports_and_may_be_followed_by_the_run(go, tmp_path, capfd):
+    outcome = go(dry_run=True)
+    assert (outcome.exit_code, outcome.steps) == (0, 0)
+    assert "2 particles in 1 body" in capfd.readouterr().out
+    assert frames_of(tmp_path / "out") == ["particles_000000.vtu"]
+    assert manifest_of(tmp_path / "out")["run"]["ended"] == "dry run"
+    assert go().exit_code == 0
+
+
+def test_two_runs_cannot_share_a_folder(go, tmp_path):
+    (tmp_path / "out").mkdir()
+    with FileLock(tmp_path / "out" / LOCK), pytest.raises(ArchiveError, match="another run writes to"):
+        go()
+
+
+def test_a_file_in_the_way(go, tmp_path):
+    (tmp_path / "out").write_text("x")
+    with pytest.raises(ArchiveError, match="is a file"):
+        go()
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_ends_the_run_after_its_step(go, loaded, tmp_path, number, code, capfd):
+    loaded.at[37] = lambda: os.kill(os.getpid(), number)
+    outcome = go()
+    assert (outcome.exit_code, outcome.steps) == (code, 38)
+    assert pandas.read_csv(tmp_path / "out" / "globals.csv")["step"].tolist() == [0, 10, 20, 30, 38]
+    assert frames_of(tmp_path / "out")[-1] == "particles_000001.vtu"
+    assert manifest_of(tmp_path / "out")["run"]["ended"] == f"interrupted by {number.name}"
+    assert "Traceback" not in capfd.readouterr().err
+
+
+def test_a_second_signal_stops_at_once_and_the_tables_are_whole(go, loaded, tmp_path):
+    def twice():
+        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), signal.SIGINT)
+        pytest.fail("the second signal did not stop the step")
+
+    loaded.at[37] = twice
+    assert go().exit_code == 130
+    assert pandas.read_csv(tmp_path / "out" / "globals.csv")["step"].tolist() == [0, 10, 20, 30]
+    assert "at once" in manifest_of(tmp_path / "out")["run"]["ended"]
+
+
+def test_a_signal_in_the_first_step_which_may_compile_stops_at_once(go, loaded, tmp_path):
+    def compile_slowly():
+        os.kill(os.getpid(), signal.SIGINT)
+        pytest.fail("the signal did not stop the step")
+
+    loaded.at[0] = compile_slowly
+    outcome = go()
+    assert (outcome.exit_code, outcome.steps) == (130, 0)
+    assert frames_of(tmp_path / "out") == ["particles_000000.vtu"]
+
+
+def test_a_signal_during_set_up_leaves_nothing(loaded, tmp_path):
+    def slow(loaded, threads):
+        os.kill(os.getpid(), signal.SIGINT)
+        pytest.fail("set-up went on")
+
+    assert run(loaded, tmp_path / "out", make_simulation=slow).exit_code == 130
+    assert not (tmp_path / "out").exists()
+
+
+def test_signal_handlers_are_put_back(go):
+    before = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
+    go()
+    assert (signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == before
+    assert not any(isinstance(handler, logging.FileHandler) for handler in LOGGER.handlers)
+
+
+def test_runs_in_another_thread(go):
+    codes = []
+    thread = threading.Thread(target=lambda: codes.append(go(progress=False).exit_code))
+    thread.start()
+    thread.join()
+    assert codes == [0]
+
+
+def test_the_wall_limit_stops_with_an_archive(go, tmp_path):
+    outcome = go(max_walltime=0.0)
+    assert (outcome.exit_code, outcome.steps) == (6, 1)
+    assert pandas.read_csv(tmp_path / "out" / "globals.csv")["step"].tolist() == [0, 1]
+    assert "by the clock" in manifest_of(tmp_path / "out")["run"]["ended"]
+
+
+def test_a_failed_simulation_writes_its_last_state(go, loaded, tmp_path, capfd):
+    def fail():
+        raise SimulationError("velocity is not finite at step 38, time 0.38: particle 1 of body 'block'")
+
+    loaded.at[37] = fail
+    outcome = go()
+    assert (outcome.exit_code, outcome.steps) == (4, 37)
+    assert (tmp_path / "out" / "failed.vtu").is_file()
+    printed = capfd.readouterr().err
+    assert "error: velocity is not finite at step 38" in printed
+    assert "failed.vtu" in printed
+    assert "Traceback" not in printed
+    assert manifest_of(tmp_path / "out")["run"]["ended"].startswith("failed: velocity")
+    assert pandas.read_csv(tmp_path / "out" / "globals.csv")["step"].tolist() == [0, 10, 20, 30]
+
+
+def test_a_full_disk_ends_the_run_in_words(go, tmp_path, monkeypatch, capfd):
+    write = Table.write
+
+    def full(self, numbers):
+        if numbers[0] >= 50:
+            raise ArchiveError(f"cannot write {self.path}: {os.strerror(errno.ENOSPC)}")
+        write(self, numbers)
+
+    monkeypatch.setattr(Table, "write", full)
+    assert go().exit_code == 5
+    printed = capfd.readouterr().err
+    assert "error: cannot write" in printed
+    assert "No space left" in printed
+    assert manifest_of(tmp_path / "out")["run"]["ended"].startswith("stopped: cannot write")
+
+
+def test_our_bugs_are_not_hidden_but_close_the_files(go, loaded, tmp_path):
+    def bug():
+        raise ZeroDivisionError("a bug")
+
+    loaded.at[5] = bug
+    with pytest.raises(ZeroDivisionError):
+        go()
+    assert manifest_of(tmp_path / "out")["run"]["ended"].startswith("crashed: ZeroDivisionError")
+    assert not (tmp_path / "out" / LOCK).exists()
+
+
+def test_wrong_columns_are_found_before_set_up(loaded, tmp_path):
+    loaded.scene.archive = loaded.scene.archive.model_validate(
+        {"globals": {"every": 0.1, "columns": ["kinetic_enrgy"]}}
+    )
+    with pytest.raises(SceneError, match="did you mean 'kinetic_energy'"):
+        run(loaded, tmp_path / "out", make_simulation=lambda *a, **k: pytest.fail("was set up"))
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_scene_that_fails_late_in_set_up_does_not_occupy_the_folder(go, loaded, tmp_path):
+    probe = {
+        "kind": "particle",
+        "name": "tip",
+        "body": "ghost",
+        "near": (0, 0),
+        "columns": ("velocity",),
+        "every": None,
+    }
+    loaded.scene.probes = (SimpleNamespace(**probe | {"body": None, "name": "a/b"}),)
+    with pytest.raises(SceneError, match="name of a file"):
+        go()
+    loaded.scene.probes = (SimpleNamespace(**probe | {"body": "block"}),)
+    assert go().exit_code == 0
+    assert len(pandas.read_csv(tmp_path / "out" / "probes" / "tip.csv")) == 11
+
+
+def test_warnings_of_the_scene_are_logged_but_not_shown_twice(go, loaded, tmp_path, capfd):
+    loaded.warnings = [Problem("time.courant", "above the stability limit", severity="warning")]
+    go()
+    assert "stability" not in capfd.readouterr().err
+    assert "above the stability limit" in (tmp_path / "out" / "run.log").read_text()

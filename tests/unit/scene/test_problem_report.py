@@ -1,0 +1,55 @@
+"""How problems are told."""
+
+from __future__ import annotations
+
+import json
+
+from mpmcli.core.errors import Problem
+from mpmcli.scene.report import as_json, as_text, describe, ordered
+
+PROBLEMS = [
+    Problem("b", "late", "a.yaml", 9, 1),
+    Problem("a", "early", "a.yaml", 2, 7),
+    Problem("a", "early", "a.yaml", 2, 7),
+    Problem("", "whole", "a.yaml"),
+    Problem("c", "doubtful", "a.yaml", 2, 3, "warning", "unused"),
+]
+
+
+def test_order() -> None:
+    assert [p.message for p in ordered(PROBLEMS)] == ["whole", "doubtful", "early", "late"]
+
+
+def test_text() -> None:
+    lines = as_text(ordered(PROBLEMS)).splitlines()
+    assert lines[1] == "a.yaml:2:3  c                            warning: doubtful"
+    assert lines[2] == "a.yaml:2:7  a                            early"
+    assert as_text(PROBLEMS * 60).splitlines()[-1] == "… and 200 more"
+
+
+def test_json() -> None:
+    first = json.loads(as_json(ordered(PROBLEMS)))[1]
+    assert first == {
+        "file": "a.yaml",
+        "line": 2,
+        "column": 3,
+        "path": "c",
+        "code": "unused",
+        "severity": "warning",
+        "message": "doubtful",
+    }
+
+
+def test_values_in_messages() -> None:
+    shown = [describe(v) for v in (None, True, 0.7, 3, "text", [1], (1,), {}, "x" * 99)]
+    assert shown == [
+        "nothing",
+        "true",
+        "0.7",
+        "3",
+        "'text'",
+        "a list",
+        "a list",
+        "a mapping",
+        f"'{'x' * 57}…'",
+    ]

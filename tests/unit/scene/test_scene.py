@@ -1,0 +1,312 @@
+"""Scenes as a whole: defaults, values, checks between parts."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.scene.context import Context
+from mpmcli.scene.loader import MAX_BYTES, LoadedScene, load_scene
+from mpmcli.scene.models import Scene
+
+Find = Callable[..., list[Problem]]
+
+
+def test_values_and_units(loaded: LoadedScene) -> None:
+    scene = loaded.scene
+    assert loaded.constants == {"R": 10.0, "v": 20.0}
+    assert loaded.units.label("pressure") == "MPa"
+    assert scene.dimensions == scene.grid.dimensions == 2
+    assert scene.grid.cell == (1.0, 1.0)
+    assert scene.grid.cells == (40, 40)
+    assert [component(x=3.0) for component in scene.bodies[0].velocity] == [20.0, 60.0]
+    assert not loaded.warnings
+
+
+def test_defaults(loaded: LoadedScene) -> None:
+    scene = loaded.scene
+    assert (scene.method.shape, scene.method.update) == ("lcpdi", "usl")
+    transfer = scene.method.transfer
+    assert (transfer.kind, transfer.order, transfer.alpha) == ("fmpm", 2, 0.5)
+    assert scene.method.velocity_conditions == "incremental"
+    assert (scene.method.damping.particle, scene.method.damping.grid) == (0.0, 0.0)
+    assert scene.method.artificial_viscosity is None
+    assert (scene.time.courant, scene.time.step, scene.time.max_steps) == (0.4, None, None)
+    assert scene.domain.on_exit == "error"
+    assert scene.bodies[0].particles_per_axis == 2
+    assert scene.bodies[0].overlap == "error"
+    assert scene.analysis.thickness == 1.0
+    assert scene.contact is None
+
+
+def test_resolved_scene_reads_back_as_itself(loaded: LoadedScene) -> None:
+    resolved = loaded.resolved()
+    context = Context(loaded.units, loaded.constants)
+    again = Scene.model_validate(json.loads(json.dumps(resolved)), context=context)
+    assert again.model_dump(mode="json") == {
+        **loaded.scene.model_dump(mode="json"),
+        "constants": resolved["constants"],
+    }
+    assert resolved["bodies"][0]["velocity"] == [20.0, "x*v"]
+
+
+def test_hash_follows_the_meaning(scene: str, loaded: LoadedScene) -> None:
+    assert load_scene("# a comment\n" + scene).hash == loaded.hash
+    assert load_scene(scene.replace("1.5e-3", "0.0015")).hash == loaded.hash
+    assert load_scene(scene, sets=["time.end=0.2"]).hash != loaded.hash
+
+
+def test_fixed_step_replaces_the_courant_number(scene: str) -> None:
+    time = load_scene(scene.replace("{end: 0.1}", "{end: 0.1, step: 1e-4}")).scene.time
+    assert (time.step, time.courant) == (1e-4, None)
+
+
+@pytest.mark.parametrize(
+    ("kind", "vectors"),
+    [
+        ("uniaxial_strain", "1"),
+        ("uniaxial_stress", "1"),
+        ("plane_strain", "2"),
+        ("plane_stress", "2"),
+        ("axisymmetric", "2"),
+        ("3d", "3"),
+    ],
+)
+def test_analyses(kind: str, vectors: str) -> None:
+    d = int(vectors)
+    text = f"""\
+version: 1
+analysis: {{kind: {kind}}}
+grid: {{lower: {[0] * d}, upper: {[4] * d}, cell: 1/4}}
+materials: {{steel: {{kind: linear_elastic, density: 1, E: 1, nu: 0}}}}
+bodies:
+  - {{name: bar, material: steel, region: {{kind: box, lower: {[0] * d}, upper: {[2] * d}}}}}
+time: {{end: 1}}
+"""
+    loaded = load_scene(text)
+    assert loaded.scene.dimensions == d
+    assert loaded.scene.grid.cells == (16,) * d
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "path", "words"),
+    [
+        ("material: rubber", "material: ruber", "bodies.block.material", "did you mean 'rubber'?"),
+        ("body: block", "body: blok", "probes.corner.body", "there is no body 'blok'; did you mean 'block'?"),
+        ("upper: [20, 20]", "upper: [20]", "grid.upper", "lower has 2, upper 1"),
+        ("upper: [20, 20]", "upper: [20, -20]", "grid.upper", "-20 <= -20 along y"),
+        ("cell: 1", "cell: [1, 1, 1]", "grid.cell", "lower has 2, cell 3"),
+        ("cell: 1", "cell: 3", "grid.cell", "must be a whole number, but it is 13.33333 along x"),
+        ("cell: 1", "cell: 100", "grid.cell", "must be a whole number"),
+        ("near: [-5, -5]", "near: [0]", "probes.corner.near", "2 numbers are needed"),
+        ("at: -20", "at: 0", "boundary.base.on.plane", "in the middle of the grid"),
+        ("at: -20", "at: 21", "boundary.base.on.plane.at", "lies outside the grid"),
+        ("kind: plane_strain", "kind: axisymmetric", "grid.lower.0", "cannot be negative"),
+        ("value: 0", "value: log(t)", "boundary.base.value", "no finite value at time 0"),
+        ("value: 0", "value: 1/(t*x)", "boundary.base.value", "no finite value at time 0"),
+        ("[0, -9.81e-3]", "[0, x]", "loads.weight.acceleration.1", "only t may occur"),
+        ("time: {end: 0.1}", "time: {end: 0.1, courant: 1.5}", "time.courant", "must be at most 1"),
+        ("time: {end: 0.1}", "time: {end: 0.1, max_steps: 0}", "time.max_steps", "must be at least 1"),
+        ("every: 0.001", "every: 1e-12", "archive.globals.every", "outputs"),
+        ("title: A block", "title: [a]", "title", "text is needed, not a list"),
+        ("title: A block", "title: 3", "title", "text is needed, not 3: put it in quotes"),
+        ("version: 1", "version: '1'", "version", "is not possible here (1)"),
+        ("nu: 0.33", "nu: 0.33, nu2: 1", "materials.rubber.nu2", "unknown key 'nu2'; did you mean 'nu'?"),
+    ],
+)
+def test_errors(problems_with: Find, old: str, new: str, path: str, words: str) -> None:
+    problems = [p for p in problems_with((old, new)) if p.severity == "error"]
+    assert [p.path for p in problems] == [path]
+    assert words in problems[0].message
+    assert problems[0].line is not None
+
+
+def test_everything_that_does_not_fit_the_analysis(problems_with: Find) -> None:
+    problems = problems_with(("kind: plane_strain", "kind: 3d"))
+    assert {p.path for p in problems} == {
+        "grid.lower",
+        "bodies.block.velocity",
+        "bodies.block.region.lower",
+        "bodies.block.region.upper",
+        "loads.weight.acceleration",
+        "probes.corner.near",
+    }
+    assert problems[0].message == "3 numbers are needed in this analysis (one per axis), not 2"
+
+
+def test_keys_with_nothing_behind_them_are_absent(scene: str) -> None:
+    loaded = load_scene(scene + "contact:\nmethod:\n", sets=["loads=null", "title="])
+    assert (loaded.scene.loads, loaded.scene.title, loaded.scene.contact) == ((), "", None)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "path", "words"),
+    [
+        ("every: 0.001", "every: 1", "archive.globals.every", "longer than the run"),
+        ("time: {end: 0.1}", "time: {end: 0.1, step: 1}", "time.step", "longer than the run"),
+        (
+            "materials:\n",
+            "materials:\n  iron: {kind: linear_elastic, density: 1, E: 1, nu: 0}\n",
+            "materials.iron",
+            "no body",
+        ),
+        ("name: block", "temperature: 20 degC, name: block", "bodies.block.temperature", "does not track"),
+        ("probes:", "method: {heating: adiabatic}\nprobes:", "method.heating", "no material tracks"),
+        (
+            "probes:",
+            "method: {transfer: {kind: flip}, velocity_conditions: lumped}\nprobes:",
+            "method.velocity_conditions",
+            "no effect with flip",
+        ),
+        (
+            "probes:",
+            "contact: {law: {kind: coulomb, friction: 0.3}}\nprobes:",
+            "contact",
+            "single velocity field",
+        ),
+    ],
+)
+def test_warnings(problems_with: Find, old: str, new: str, path: str, words: str) -> None:
+    problems = problems_with((old, new))
+    assert [(p.path, p.severity) for p in problems] == [(path, "warning")]
+    assert words in problems[0].message
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "path"),
+    [
+        ("probes:", "method: {precision: single}\nprobes:", "method.precision"),
+        ("probes:", "method: {transfer: {kind: fmpm, blend: {order: 1}}}\nprobes:", "method.transfer.blend"),
+        (
+            "probes:",
+            "method: {transfer: {kind: fmpm, dynamic: {metric: means}}}\nprobes:",
+            "method.transfer.dynamic",
+        ),
+        (
+            "probes:",
+            "method: {transfer: {kind: fmpm, velocity_gradient: true}}\nprobes:",
+            "method.transfer.velocity_gradient",
+        ),
+        ("time: {end: 0.1}", "time: {end: 0.1, courant: auto}", "time.courant"),
+        ("archive:\n", "archive:\n  checkpoint: {every: 1}\n", "archive.checkpoint"),
+        ("name: block", "field: 1, name: block", "bodies.block.field"),
+        ("nu: 0.33", "nu: 0.33, field: a", "materials.rubber.field"),
+    ],
+)
+def test_what_is_not_built_says_so(problems_with: Find, old: str, new: str, path: str) -> None:
+    (problem,) = problems_with((old, new))
+    assert (problem.path, problem.code) == (path, "not_built")
+    assert "not built yet" in problem.message
+
+
+def test_contact_between_fields_is_not_built(problems_with: Find) -> None:
+    other = (
+        "bodies:\n  - {name: other, material: rubber, region: {kind: box, lower: [6, 6], upper: [9, 9]}}\n"
+    )
+    (problem,) = problems_with(("bodies:\n", other), ("probes:", "contact: {}\nprobes:"))
+    assert (problem.path, problem.code) == ("contact", "not_built")
+    shared = problems_with(("bodies:\n", other), ("probes:", "contact: {fields: material}\nprobes:"))
+    assert [p.code for p in shared] == ["no_effect"]
+    assert not problems_with(("bodies:\n", other))
+
+
+def test_a_fault_in_one_part_does_not_hide_those_of_others(problems_with: Find) -> None:
+    problems = problems_with(
+        ("nu: 0.33", "nu: 0.7"),
+        ("at: -20", "at: -30"),
+        ("body: block", "body: blok"),
+        ("[0, -9.81e-3]", "[0]"),
+        ("title:", "titel:"),
+    )
+    assert [p.path for p in problems] == [
+        "titel",
+        "materials.rubber.nu",
+        "boundary.base.on.plane.at",
+        "loads.weight.acceleration",
+        "probes.corner.body",
+    ]
+    assert [p.line for p in problems] == sorted(p.line or 0 for p in problems)
+
+
+def test_a_faulty_constant_is_told_once(problems_with: Find) -> None:
+    problems = problems_with(('v: "2*R"', 'v: "2*Q"'))
+    assert [p.path for p in problems] == ["constants.v"]
+
+
+def test_faulty_units_are_told_once(problems_with: Find) -> None:
+    problems = problems_with(("length: mm", "length: mmm"), ("E: 1000", "E: 1 GPa"))
+    assert [p.path for p in problems] == ["units.length"]
+    problems = problems_with(("length: mm, ", ""), ("E: 1000", "E: 1 GPa"))
+    assert [(p.path, p.message) for p in problems] == [("units.length", "is missing")]
+
+
+def test_relative_place_of_problems_found_later(loaded: LoadedScene) -> None:
+    found = loaded.locate(SceneError([Problem("bodies.block.region", "holds no particle")]))
+    assert [(p.line, p.column, p.file) for p in found.problems] == [(10, 45, "scene")]
+    assert "holds no particle" in str(found)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda p: p.mkdir(), "is a folder"),
+        (lambda p: None, "there is no such file"),
+        (lambda p: p.write_bytes(b"title: St\xfcck\n"), "no UTF-8 text (byte 0xfc)"),
+        (lambda p: p.write_bytes("title: a\n".encode("utf-16")), "no UTF-8 text"),
+        (lambda p: p.write_bytes(b"#" * (MAX_BYTES + 1)), "too large for a scene"),
+        (lambda p: p.write_bytes(b""), "is empty"),
+        (lambda p: p.write_bytes(b"\x00\x01"), "that YAML does not allow"),
+    ],
+)
+def test_unreadable_files(tmp_path: Path, make: Callable[[Path], object], words: str) -> None:
+    path = tmp_path / "scene.yaml"
+    make(path)
+    with pytest.raises(SceneError) as caught:
+        load_scene(path)
+    assert words in caught.value.problems[0].message
+    assert caught.value.problems[0].file == str(path)
+
+
+def test_byte_order_mark_is_passed_over(tmp_path: Path, scene: str) -> None:
+    path = tmp_path / "scene.yaml"
+    path.write_text(scene, encoding="utf-8-sig")
+    loaded = load_scene(path)
+    assert loaded.path == path
+    assert loaded.scene.title == "A block"
+
+
+def test_files_lie_beside_the_scene(tmp_path: Path, scene: str) -> None:
+    folder = tmp_path / "scenes"
+    folder.mkdir()
+    points = "x,y,volume\n0.5,0.5,1\n"
+    (folder / "in.csv").write_text(points)
+    (tmp_path / "out.csv").write_text(points)
+    path = folder / "scene.yaml"
+    box = "{kind: box, lower: [-5, -5], upper: [5, 5]}"
+    path.write_text(scene.replace(box, "{kind: points, file: in.csv}"))
+    first = load_scene(path).hash
+    (folder / "in.csv").write_text(points + "1.5,0.5,1\n")
+    assert load_scene(path).hash != first
+    path.write_text(scene.replace(box, "{kind: points, file: ../out.csv}"))
+    with pytest.raises(SceneError, match="outside the folder of the scene"):
+        load_scene(path)
+    assert load_scene(path, allow_outside_files=True).scene.bodies[0].region.kind == "points"
+
+
+def test_imports_of_reading_a_scene(scene: str, tmp_path: Path) -> None:
+    path = tmp_path / "scene.yaml"
+    path.write_text(scene)
+    code = (
+        "import sys; from mpmcli.scene.loader import load_scene; load_scene(sys.argv[1]);"
+        "print([m for m in ('vtk', 'vtkmodules', 'matplotlib', 'pint', 'meshio', 'mpmcli.solver') if m in sys.modules])"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=True
+    )
+    assert result.stdout.strip() == "[]"
