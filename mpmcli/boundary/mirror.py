@@ -149,8 +149,8 @@ class Mirror:
 def fold(pairs: Pairs, record: Array, mp: Array, scalars: int, weight: float, impulse: Array) -> None:
     """Fold scattered quantities across all planes and copy the sums back to the ghosts.
 
-    Nodes on a plane keep the half that real particles gave them, without the component q along the normal, which
-    the other half cancels: the real particles' momentum changes by −q.
+    Nodes on a plane keep the half that real particles gave them, without the component q along the normal,
+    which the other half cancels: the real particles' momentum changes by −q.
 
     Real particles give momentum q_g and mass m_g to a ghost. Folding moves −q_g (along the plane's normal) to
     the image and makes the ghost's velocity −v_i, so that the real particles' momentum Σ m_real v changes by

@@ -14,7 +14,7 @@ from mpmcli import __version__
 from mpmcli.core.errors import MpmcliError
 from mpmcli.core.suggest import nearest
 
-# name: (one line for the list of commands); the command lives in mpmcli.cli.<name>, imported when it is called
+# the command "run" lives in mpmcli.cli.run_command, imported when it is called
 COMMANDS = {
     "run": "Run a scene.",
     "resume": "Continue a run from its last checkpoint.",

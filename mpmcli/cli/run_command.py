@@ -27,7 +27,7 @@ def _seconds(context: click.Context, option: click.Parameter, text: str | None) 
 
 
 def until_in_scene_units(text: str | None, loaded: Any) -> float | None:
-    """The end of a run given on the command line: a number, text with a unit, or an expression of constants."""
+    """The end of a run from the command line: a number, text with a unit, or an expression of constants."""
     if text is None:
         return None
     from mpmcli.scene.context import Context

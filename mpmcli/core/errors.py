@@ -58,6 +58,9 @@ class SimulationError(MpmcliError):
 
     exit_code = 4
 
+    state: object | None = None
+    """The last good ``core.state.State``, where one is known."""
+
 
 class ArchiveError(MpmcliError):
     """Files of a run cannot be read or written."""

@@ -1,7 +1,8 @@
 """Arithmetic in a scene: text such as ``"-v*sin(2*pi*t/T)"`` becomes a function of x, y, z and t.
 
-The text is parsed to a syntax tree, and a new tree is built from the few kinds of node listed here; anything else is
-refused. Nothing in a scene can therefore run code, and as every number is a float, nothing can grow without bound.
+The text is parsed to a syntax tree, and a new tree is built from the few kinds of node listed here; anything
+else is refused. Nothing in a scene can therefore run code, and as every number is a float, nothing can grow
+without bound.
 
 Operators: ``+ - * / **``, signs, and comparisons, which give 1 where true and 0 where not (``(t < 1)*v``).
 The constant is ``pi``. Functions:
@@ -21,6 +22,7 @@ from __future__ import annotations
 
 import ast
 import math
+import types
 import warnings
 from collections.abc import Callable, Mapping
 from functools import reduce
@@ -106,6 +108,9 @@ class Expression:
     __slots__ = ("_code", "_constants", "_value", "source", "variables")
     source: str
     variables: frozenset[str]
+    _constants: tuple[tuple[str, float], ...]
+    _code: types.CodeType
+    _value: float | None
 
     def __init__(self, source: str, constants: Mapping[str, float], variables: tuple[str, ...]):
         builder = _Builder(constants, variables)
@@ -137,8 +142,8 @@ class Expression:
     def __call__(self, x: Any = 0.0, y: Any = 0.0, z: Any = 0.0, t: Any = 0.0) -> Any:
         """The value at points (x, y, z) and time t.
 
-        Numbers give a float; with arrays among the arguments the result is a new float64 array of their common
-        (broadcast) shape. Where the expression is not defined the value is not finite; no warning is given.
+        Numbers give a float; with arrays among the arguments the result is a new float64 array of their
+        common (broadcast) shape. Where the expression is not defined the value is not finite.
         """
         shape = np.broadcast_shapes(np.shape(x), np.shape(y), np.shape(z), np.shape(t))
         if self._value is not None:

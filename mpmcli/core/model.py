@@ -1,8 +1,8 @@
 """The pydantic base of everything a scene can say, and the types of its values.
 
-A value may be a number, a string with a unit (``"1 GPa"``, converted to the scene's units) or an expression of the
-scene's constants. The loader hands the pieces that know units and constants to pydantic as validation context
-(a ``Resolver``); without a context (Python use) only numbers and plain arithmetic are understood.
+A value may be a number, a string with a unit (``"1 GPa"``, converted to the scene's units) or an
+expression of the scene's constants. The loader hands what knows units and constants to pydantic as validation
+context (a ``Resolver``); without a context (Python use) only numbers and plain arithmetic are understood.
 """
 
 from __future__ import annotations

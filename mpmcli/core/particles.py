@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -93,6 +93,10 @@ class Particles:
     def arrays(self) -> dict[str, Array]:
         """Every allocated array by name (absent ones are left out)."""
         return {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) is not None}
+
+    def copy(self) -> Particles:
+        """An independent copy of the state."""
+        return replace(self, **{name: array.copy() for name, array in self.arrays().items()})
 
     def keep(self, kept: Array) -> None:
         """Drop all particles but those of the mask ``kept`` (N,)."""

@@ -22,7 +22,7 @@ LN2 = math.log(2.0)
 SQRT_HALF_BITS = 0x3FE6A09E667F3BCD
 
 SMALL_INCREMENT = 0.05
-"""Exponentials of matrices none of whose members is larger need no branches (``small_exponential_2d``, ``_3d``)."""
+"""Exponentials of matrices none of whose members is larger have a series without cases."""
 
 IDENTITY: Tensor = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
@@ -157,23 +157,6 @@ def _small_exponential(x: float) -> float:
     s = 1.0 / 40320.0 + x * (1.0 / 362880.0 + x * (1.0 / 3628800.0 + x * s))
     s = 1.0 / 120.0 + x * (1.0 / 720.0 + x * (1.0 / 5040.0 + x * s))
     return 1.0 + x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x * (1.0 / 24.0 + x * s))))
-
-
-@inline
-def small_exponential_2d(
-    xx: float, xy: float, yx: float, yy: float
-) -> tuple[float, float, float, float]:
-    """``exponential_2d`` without branches, for members up to ``SMALL_INCREMENT``."""
-    h = 0.5 * (xx + yy)
-    d = 0.5 * (xx - yy)
-    q = d * d + xy * yx
-    # exp h for |h| ≤ 0.05
-    e = 1.0 / 24.0 + h * (1.0 / 120.0 + h * (1.0 / 720.0 + h * (1.0 / 5040.0 + h * (1.0 / 40320.0))))
-    e = 1.0 + h * (1.0 + h * (0.5 + h * (1.0 / 6.0 + h * e)))
-    # cosh √q and sinh √q / √q for |q| ≤ 0.005
-    c = e * (1.0 + q * (0.5 + q * (1.0 / 24.0 + q * (1.0 / 720.0 + q * (1.0 / 40320.0)))))
-    s = e * (1.0 + q * (1.0 / 6.0 + q * (1.0 / 120.0 + q * (1.0 / 5040.0 + q * (1.0 / 362880.0)))))
-    return c + s * d, s * xy, s * yx, c - s * d
 
 
 @inline

@@ -15,7 +15,7 @@ from mpmcli.core.tensors import (
     exponential_1d,
     exponential_2d,
     exponential_3d,
-    small_exponential_2d,
+    multiply,
     small_exponential_3d,
 )
 from mpmcli.materials.lateral import lateral_stretch, thickness_stretch
@@ -50,8 +50,11 @@ def load_increment(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
 
 
 @generic
-def load_small_increment(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
-    """``load_increment`` without branches, for members of L dt up to ``SMALL_INCREMENT``."""
+def deform_little(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> Any:
+    """F becomes exp(L dt)·F for particles ``start`` to ``end``, members of L dt being up to ``SMALL_INCREMENT``.
+
+    Lateral stretches that the stress decides stay. The loops have no branches, so that they vectorise.
+    """
 
 
 @generic
@@ -101,7 +104,6 @@ for _analysis in ONE_AXIS:
         tau[0, p], tau[1, p], tau[2, p] = T[0], T[1], T[2]
 
     @load_increment.register(_analysis)
-    @load_small_increment.register(_analysis)
     def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
         return exponential_1d(L[0, p] * dt), 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
 
@@ -112,6 +114,49 @@ for _analysis in ONE_AXIS:
     @stress_power.register(_analysis)
     def _(analysis: Any, T: Any, L: Any, p: Any) -> Any:
         return T[0] * L[0, p]
+
+
+@inline
+def deform_in_plane(F: Any, L: Any, start: Any, end: Any, dt: Any) -> None:
+    """The loop of ``deform_little`` in the plane; ``exponential_2d`` is written out, which lets it vectorise."""
+    for p in range(start, end):
+        h = 0.5 * dt * (L[0, p] + L[3, p])
+        d = 0.5 * dt * (L[0, p] - L[3, p])
+        xy, yx = dt * L[1, p], dt * L[2, p]
+        q = d * d + xy * yx
+        # exp h for |h| ≤ 0.05; cosh √q and sinh √q / √q for |q| ≤ 0.005
+        e = 1.0 / 24.0 + h * (1.0 / 120.0 + h * (1.0 / 720.0 + h * (1.0 / 5040.0 + h * (1.0 / 40320.0))))
+        e = 1.0 + h * (1.0 + h * (0.5 + h * (1.0 / 6.0 + h * e)))
+        c = e * (1.0 + q * (0.5 + q * (1.0 / 24.0 + q * (1.0 / 720.0 + q * (1.0 / 40320.0)))))
+        s = e * (1.0 + q * (1.0 / 6.0 + q * (1.0 / 120.0 + q * (1.0 / 5040.0 + q * (1.0 / 362880.0)))))
+        xx, xy, yx, yy = c + s * d, s * xy, s * yx, c - s * d
+        Fxx, Fxy, Fyx, Fyy = F[0, p], F[1, p], F[2, p], F[3, p]
+        F[0, p] = xx * Fxx + xy * Fyx
+        F[1, p] = xx * Fxy + xy * Fyy
+        F[2, p] = yx * Fxx + yy * Fyx
+        F[3, p] = yx * Fxy + yy * Fyy
+
+
+@deform_little.register(Axisymmetric)
+def _(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> Any:
+    deform_in_plane(F, L, start, end, dt)
+    for p in range(start, end):
+        F[4, p] *= exponential_1d(L[4, p] * dt)
+
+
+for _analysis in (PlaneStrain, PlaneStress):
+
+    @deform_little.register(_analysis)
+    def _(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> Any:
+        deform_in_plane(F, L, start, end, dt)
+
+
+for _analysis in ONE_AXIS:
+
+    @deform_little.register(_analysis)
+    def _(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> Any:
+        for p in range(start, end):
+            F[0, p] *= exponential_1d(L[0, p] * dt)
 
 
 for _analysis in TWO_AXES:
@@ -137,11 +182,6 @@ for _analysis in TWO_AXES:
         xx, xy, yx, yy = exponential_2d(L[0, p] * dt, L[1, p] * dt, L[2, p] * dt, L[3, p] * dt)
         return xx, xy, 0.0, yx, yy, 0.0, 0.0, 0.0, 1.0
 
-    @load_small_increment.register(_analysis)
-    def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
-        xx, xy, yx, yy = small_exponential_2d(L[0, p] * dt, L[1, p] * dt, L[2, p] * dt, L[3, p] * dt)
-        return xx, xy, 0.0, yx, yy, 0.0, 0.0, 0.0, 1.0
-
     @rate_of_volume.register(_analysis)
     def _(analysis: Any, L: Any, p: Any) -> Any:
         return L[0, p] + L[3, p]
@@ -154,12 +194,6 @@ for _analysis in TWO_AXES:
 @load_increment.register(Axisymmetric)
 def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
     xx, xy, yx, yy = exponential_2d(L[0, p] * dt, L[1, p] * dt, L[2, p] * dt, L[3, p] * dt)
-    return xx, xy, 0.0, yx, yy, 0.0, 0.0, 0.0, exponential_1d(L[4, p] * dt)
-
-
-@load_small_increment.register(Axisymmetric)
-def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
-    xx, xy, yx, yy = small_exponential_2d(L[0, p] * dt, L[1, p] * dt, L[2, p] * dt, L[3, p] * dt)
     return xx, xy, 0.0, yx, yy, 0.0, 0.0, 0.0, exponential_1d(L[4, p] * dt)
 
 
@@ -210,9 +244,11 @@ def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
     return exponential_3d(_scaled(L, p, dt))
 
 
-@load_small_increment.register(Solid)
-def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
-    return small_exponential_3d(_scaled(L, p, dt))
+@deform_little.register(Solid)
+def _(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> Any:
+    for p in range(start, end):
+        dF = small_exponential_3d(_scaled(L, p, dt))
+        store_gradient(analysis, F, p, multiply(dF, load_gradient(analysis, F, p)))
 
 
 @rate_of_volume.register(Solid)

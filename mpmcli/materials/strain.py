@@ -26,9 +26,9 @@ from mpmcli.materials.base import (
 from mpmcli.materials.components import (
     add_pressure,
     close_gradient,
+    deform_little,
     load_gradient,
     load_increment,
-    load_small_increment,
     load_stress,
     rate_of_volume,
     store_gradient,
@@ -129,16 +129,7 @@ def first_bad_particle(
 def deform(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> None:
     """F becomes exp(L dt)·F; lateral stretches that the stress decides stay."""
     for p in range(start, end):
-        dF = load_increment(analysis, L, p, dt)
-        store_gradient(analysis, F, p, multiply(dF, load_gradient(analysis, F, p)))
-
-
-@block_loop
-def deform_little(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> None:
-    """``deform`` for members of L dt up to ``SMALL_INCREMENT``: without branches, so that it vectorises."""
-    for p in range(start, end):
-        dF = load_small_increment(analysis, L, p, dt)
-        store_gradient(analysis, F, p, multiply(dF, load_gradient(analysis, F, p)))
+        store_gradient(analysis, F, p, multiply(load_increment(analysis, L, p, dt), load_gradient(analysis, F, p)))
 
 
 @block_loop

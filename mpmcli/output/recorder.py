@@ -33,7 +33,7 @@ def context_of(scene: Any, state: State | None = None) -> Context:
     damping = scene.method.damping
     work = {
         "damping_work": damping.particle > 0.0 or damping.grid > 0.0,
-        "boundary_work": bool(scene.boundary),
+        "boundary_work": bool(scene.boundary) or scene.domain.on_exit != "error",
         "external_work": bool(scene.loads),
     }
     names = [name for name, used in work.items() if used]

@@ -1,4 +1,4 @@
-"""What no model can see alone: references, numbers of axes, names, values at the start, and what has no effect."""
+"""What no model can see alone: references, numbers of axes, names, values at the start, idle settings."""
 
 from __future__ import annotations
 
@@ -67,12 +67,12 @@ def names_of(root: Node, key: str) -> list[str]:
 
 def _check_names(root: Node, report: Report) -> None:
     words = "letters, digits, spaces, _, + and - are possible"
-    for name in names_of(root, "materials"):
-        if not _NAME.match(name):
-            report(f"materials.{name}", f"'{name}' cannot be a name: {words}", "name")
+    for material in names_of(root, "materials"):
+        if not _NAME.match(material):
+            report(f"materials.{material}", f"'{material}' cannot be a name: {words}", "name")
     for key in LISTS:
         node = root.value.get(key)
-        first: dict[str, int] = {}
+        lines: dict[str, int | None] = {}
         for index, member in enumerate(node.value if node is not None and node.is_sequence else []):
             name = member.value.get("name") if member.is_mapping else None
             if name is None or not isinstance(name.value, str):
@@ -80,12 +80,10 @@ def _check_names(root: Node, report: Report) -> None:
             path = f"{key}.{index}.name"
             if not _NAME.match(name.value):
                 report(path, f"'{name.value}' cannot be a name: {words}", "name")
-            if name.value in first:
-                line = node.value[first[name.value]].value["name"].mark.line
-                report(
-                    path, f"the name '{name.value}' is used twice (first in line {line})", "duplicate_name"
-                )
-            first.setdefault(name.value, index)
+            if name.value in lines:
+                place = f"first in line {lines[name.value]}"
+                report(path, f"the name '{name.value}' is used twice ({place})", "duplicate_name")
+            lines.setdefault(name.value, name.mark.line)
 
 
 def _check_reference(report: Report, path: str, name: str, names: list[str], noun: str) -> None:
@@ -193,7 +191,7 @@ def _check_conditions(
 
 
 def _check_plane(model: Any, path: str, grid: Any, report: Report) -> None:
-    """A plane must lie in the grid, and on one side of its middle unless the scene says which side is meant."""
+    """A plane must lie in the grid, and off its middle unless the scene says which side is meant."""
     on = getattr(model, "on", None)
     plane, place = (
         (model.plane, "plane") if hasattr(model, "plane") else (getattr(on, "plane", None), "on.plane")
@@ -236,12 +234,12 @@ def _check_start(parts: Parts, root: Node, report: Report) -> None:
     """Every expression has a finite value somewhere in the grid at time 0."""
     if parts.grid is None:
         return
-    points = _sample(parts.grid)
+    x, y, z = _sample(parts.grid)
     for key in LISTS:
         for index, model in getattr(parts, key):
             for path, expression in expressions_in(model, label(root, key, index)):
-                if not np.isfinite(expression(*points, t=0.0)).any():
-                    value = np.ravel(expression(*points, t=0.0))[0]
+                if not np.isfinite(expression(x, y, z, 0.0)).any():
+                    value = np.ravel(expression(x, y, z, 0.0))[0]
                     report(
                         path,
                         f"'{expression.source}' has no finite value at time 0 (it gives {value})",
@@ -283,10 +281,11 @@ def _check_times(parts: Parts, report: Report) -> None:
             continue
         path = f"archive.{name}.every"
         if asked.every > end:
-            words = f"{asked.every:g} is longer than the run, which ends at {end:g}: only its start and end are written"
+            words = f"{asked.every:g} is longer than the run, which ends at {end:g}"
             report(path, words, "interval", "warning")
         elif end / asked.every > MAX_OUTPUTS:
-            words = f"asks for {math.floor(end / asked.every):.2g} outputs: at most {MAX_OUTPUTS:.0e} are possible"
+            count = math.floor(end / asked.every)
+            words = f"asks for {count:.2g} outputs: at most {MAX_OUTPUTS:.0e} are possible"
             report(path, words, "interval")
 
 

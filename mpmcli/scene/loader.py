@@ -12,6 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from mpmcli.core.errors import Problem, SceneError
+from mpmcli.core.expressions import Expression
 from mpmcli.scene.checks import check
 from mpmcli.scene.constants import read_constants
 from mpmcli.scene.context import Context
@@ -50,8 +51,8 @@ class LoadedScene:
 
     def resolved(self) -> dict[str, Any]:
         """The whole scene with every default, numbers in the scene's units; ready for JSON."""
-        contents = self.scene.model_dump(mode="json", by_alias=True, exclude_none=True)
-        return contents | {"constants": dict(self.constants)}
+        contents = self.scene.model_dump(by_alias=True, exclude_none=True)
+        return _for_json(contents) | {"constants": dict(self.constants)}
 
     @cached_property
     def hash(self) -> str:
@@ -72,6 +73,16 @@ class LoadedScene:
             place = locate(self.root, p.path, p.message, p.code, p.severity)
             located.append(place if p.line is None and p.file is None else p)
         return scene_error(located)
+
+
+def _for_json(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _for_json(member) for key, member in value.items()}
+    if isinstance(value, list | tuple):
+        return [_for_json(member) for member in value]
+    if isinstance(value, Expression):
+        return value.as_number_or_text()
+    return value if isinstance(value, bool | int | float) else str(value)
 
 
 def load_scene(

@@ -34,7 +34,9 @@ def take_out(root: Node) -> tuple[Node, list[Problem]]:
     if contact is not None:
         place = root.keys["contact"]
         if fields > 1:
-            message = f"contact between {fields} velocity fields is not built yet: without 'contact' bodies share one"
+            message = (
+                f"contact between {fields} velocity fields is not built yet; without 'contact' they are one"
+            )
             problems.append(place.problem("contact", message, "not_built"))
         else:
             message = "has no effect: the scene has a single velocity field"

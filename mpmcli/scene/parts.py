@@ -62,7 +62,8 @@ class Parts:
 
 
 def _adapter(info: FieldInfo) -> TypeAdapter[Any]:
-    return TypeAdapter(Annotated[info.annotation, info])
+    annotation: Any = Annotated[info.annotation, info]
+    return TypeAdapter(annotation)
 
 
 def _try(adapter: TypeAdapter[Any], value: Any, context: Context) -> Any:

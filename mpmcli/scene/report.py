@@ -59,7 +59,7 @@ class Place:
 
 
 def follow(root: Node, loc: Sequence[str | int]) -> Place:
-    """Follow a location as pydantic gives it; what is no key (tags of unions, names of functions) is passed over."""
+    """Follow a location of pydantic, passing over what is no key (tags of unions, names of functions)."""
     node, key, path = root, root.mark, []
     tag_passed = False
     for part in loc:
@@ -166,28 +166,29 @@ def _tag_problem(kind: str, place: Place, context: dict[str, Any]) -> Problem:
 def _words(kind: str, context: dict[str, Any], details: dict[str, Any]) -> str:
     value = details.get("input")
     if kind in {"value_error", "assertion_error"}:
-        return str(context.get("error", details["msg"]))
+        return re.sub(r"^Input should be ", "must be ", str(context.get("error", details["msg"])))
     if kind in _LIMITS:
         name, words = _LIMITS[kind]
         return f"{describe(value)} is out of range: must be {words} {context[name]:g}"
     if kind == "finite_number":
         return "must be finite"
     if kind == "literal_error":
-        names = re.findall(r"'([^']*)'|(\d+)", str(context.get("expected", "")))
-        words = [text or number for text, number in names]
-        hint = did_you_mean(value, words) if isinstance(value, str) else ""
-        return f"{describe(value)} is not possible here{hint} ({listing(words, 40)})"
+        found = re.findall(r"'([^']*)'|(\d+)", str(context.get("expected", "")))
+        choice = [text or number for text, number in found]
+        hint = did_you_mean(value, choice) if isinstance(value, str) else ""
+        return f"{describe(value)} is not possible here{hint} ({listing(choice, 40)})"
     if kind in _NEEDED:
         hint = ": put it in quotes" if kind == "string_type" and isinstance(value, int | float) else ""
         return f"{_NEEDED[kind]} is needed, not {describe(value)}{hint}"
     if kind in {"too_short", "too_long"}:
         limit = context.get("min_length", context.get("max_length"))
-        return f"{'at least' if kind == 'too_short' else 'at most'} {limit} needed, not {context['actual_length']}"
+        bound = "at least" if kind == "too_short" else "at most"
+        return f"{bound} {limit} needed, not {context['actual_length']}"
     if kind == "string_too_short":
         return "must not be empty"
     if kind == "string_too_long":
         return f"is too long: at most {context['max_length']} characters"
-    message = str(details["msg"])
+    message = re.sub(r"^Input should be ", "must be ", str(details["msg"]))
     return message[:1].lower() + message[1:]
 
 

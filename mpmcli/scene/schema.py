@@ -35,7 +35,7 @@ def _convert(node: Any) -> Any:
         return [_convert(member) for member in node]
     if not isinstance(node, dict):
         return node
-    made = {}
+    made: dict[str, Any] = {}
     for key, value in node.items():
         if key in {"properties", "$defs"}:
             made["definitions" if key == "$defs" else key] = {name: _convert(v) for name, v in value.items()}

@@ -1,8 +1,8 @@
 """YAML 1.2 core text as a tree of nodes that know their line and column.
 
-PyYAML reads YAML 1.1 (``1e3`` is text, ``no`` is false, ``010`` is eight, ``12:30`` a number in base sixty) and lets a
-repeated key win. Here only its C parser is used; scalars are told apart by the rules of YAML 1.2 core, a repeated key
-is an error, and a text that would grow without bound when its aliases are expanded is refused.
+PyYAML reads YAML 1.1 (``1e3`` is text, ``no`` is false, ``010`` is eight, ``12:30`` in base sixty) and lets a
+repeated key win. Here only its C parser is used; scalars are told apart by the rules of YAML 1.2 core, a
+repeated key is an error, and text that would grow without bound when its aliases are expanded is refused.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _TAGS = {f"tag:yaml.org,2002:{name}" for name in ("str", "int", "float", "bool",
 
 
 class Mark(NamedTuple):
-    """A place: file (or the option that gave the value), line and column from 1; None where there is no line."""
+    """A place: file (or the option that gave the value), line and column from 1; None without a line."""
 
     file: str
     line: int | None = None
@@ -49,9 +49,9 @@ class Mark(NamedTuple):
 class Node:
     """A value of the scene and where it stands.
 
-    ``value`` is a number, text, true, false or None for a scalar, a dict of nodes for a mapping, a list of nodes for
-    a sequence. ``keys`` gives the places of a mapping's keys, ``size`` how many nodes the value has when expanded and
-    ``height`` how deep they nest.
+    ``value`` is a number, text, true, false or None for a scalar, a dict of nodes for a mapping, a list for a
+    sequence. ``keys`` gives the places of a mapping's keys, ``size`` how many nodes the value has when
+    expanded and ``height`` how deep they nest.
     """
 
     value: Any
@@ -243,9 +243,9 @@ class _Composer:
             if not isinstance(event, yaml.ScalarEvent):
                 self._stop(event, "a key must be plain text", "key")
             self.count += 1
-            key, mark = event.value, self._mark(event)
+            key, mark, is_plain = str(event.value), self._mark(event), event.implicit[0]
             value = self._node(next(self.events), depth + 1)
-            if key == "<<" and event.implicit[0]:
+            if key == "<<" and is_plain:
                 merged.extend(self._merge(value, mark))
             elif key in members:
                 first = node.keys[key].line

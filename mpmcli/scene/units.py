@@ -1,7 +1,7 @@
-"""The scene's one consistent set of units: text with a unit becomes a number of that set, and quantities get labels.
+"""The scene's one consistent set of units: text with a unit becomes a number, and quantities get labels.
 
-Everything derives from length, mass, time and temperature. pint is imported only when a scene holds text with a unit;
-it computes with decimal numbers, so that ``"3 g/cc"`` is 3000 in kg and m, not 2999.9999999999995.
+Everything derives from length, mass, time and temperature. pint is imported only when a scene holds text with
+a unit; it computes with decimal numbers, so that ``"3 g/cc"`` is 3000 in kg and m, not 2999.9999999999995.
 """
 
 from __future__ import annotations
@@ -92,12 +92,17 @@ KNOWN: dict[str, dict[str, Fraction]] = {
     },
     "temperature": {"K": Fraction(1), "mK": Fraction(1, 1000), "degR": Fraction(5, 9)},
 }
-_EXAMPLES = ["Pa", "kPa", "MPa", "GPa", "N", "kN", "J", "kJ", "mJ", "m", "cm", "mm", "km", "um", "nm", "kg", "g", "mg", "s", "ms", "us", "ns", "K", "W", "Hz", "rad", "deg", "psi", "g/cc", "kg/m^3", "g/cm^3", "m/s", "mm/ms", "m/s^2"]
+_EXAMPLES = (
+    *("Pa", "kPa", "MPa", "GPa", "psi", "N", "kN", "J", "kJ", "mJ", "W", "Hz", "rad", "deg"),
+    *("m", "cm", "mm", "km", "um", "nm", "kg", "g", "mg", "s", "ms", "us", "ns", "K"),
+    *("g/cc", "kg/m^3", "g/cm^3", "m/s", "mm/ms", "m/s^2"),
+)
 
 _NUMBER = r"[-+]?(?>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
 _WITH_UNIT = re.compile(rf"\s*({_NUMBER})\s*((?:(?<=\s)1\s*/\s*)?[^\W\d_].*|[%°Å].*)\s*\Z", re.DOTALL)
 _UNIT_TEXT = re.compile(
-    r"(?:[^\W\d_]\w{0,30}|[%°Å]\w{0,10}|(?:\^|\*\*)\s*[-+]?[1-9](?![\d.]|\s*\^|\s*\*\*)|[²³]|1(?=\s*/)|[*/·() ])+\Z"
+    r"(?:[^\W\d_]\w{0,30}|[%°Å]\w{0,10}|(?:\^|\*\*)\s*[-+]?[1-9](?![\d.]|\s*\^|\s*\*\*)|[²³]"
+    r"|1(?=\s*/)|[*/·() ])+\Z"
 )
 
 
@@ -109,7 +114,7 @@ class Dimension(NamedTuple):
     @classmethod
     @cache
     def of(cls, words: str) -> Dimension:
-        """Read a product of dimension words, such as ``"pressure/length"`` or ``"energy/mass/temperature"``."""
+        """Read a product of dimension words, such as ``"pressure/length"`` or ``"energy/mass"``."""
         total = [Fraction(0)] * 4
         for word, power in _factors(words):
             if word not in DIMENSIONS:
@@ -120,7 +125,8 @@ class Dimension(NamedTuple):
 
 def _factors(words: str) -> list[tuple[str, Fraction]]:
     """Factors of a product with their powers, in the order written."""
-    factors, sign = [], 1
+    factors: list[tuple[str, Fraction]] = []
+    sign = 1
     for part in re.split(r"(\*\*|\^|[*/])", words.replace(" ", "")):
         if part in {"*", "/"}:
             sign = 1 if part == "*" else -1
@@ -185,9 +191,8 @@ class Units:
         if parts is None:
             raise ValueError(f"'{text}' is no number with a unit")
         if not self.are_declared:
-            raise ValueError(
-                f"'{text}' has a unit, but the scene declares none: add units: {{length: …, mass: …, time: …}}"
-            )
+            hint = "add units: {length: …, mass: …, time: …}"
+            raise ValueError(f"'{text}' has a unit, but the scene declares none: {hint}")
         quantity = _quantity(*parts, text)
         found = _dimension(quantity, text)
         if wanted is not None and found != wanted:
@@ -208,11 +213,11 @@ class Units:
             1, _ROOT_MASS ** int(found.exponents[1])
         )
         for base, exponent in zip(BASE, found.exponents, strict=True):
-            value /= self.scale(base) ** exponent if exponent.denominator == 1 else Fraction(1)
+            value /= self.scale(base) ** int(exponent)
         return float(value)
 
     def label(self, words: str) -> str:
-        """The unit of a quantity, e.g. ``"MPa"`` for pressure in mm, g and ms; the words themselves if undeclared."""
+        """The unit of a quantity, e.g. ``"MPa"`` in mm, g, ms; the words if none are declared."""
         if not self.are_declared:
             return words
         powers: dict[str, Fraction] = {}

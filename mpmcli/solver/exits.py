@@ -13,7 +13,10 @@ if TYPE_CHECKING:
 
 
 def settle_exits(s: Simulation) -> None:
-    """Apply the scene's policy to every particle outside the grid."""
+    """Apply the scene's policy to every particle outside the grid.
+
+    Energy that the walls or the deletion take away counts as (negative) ``boundary_work``.
+    """
     p, grid = s.particles, s.grid
     lower, upper = grid.lower[:, None], grid.upper[:, None]
     inside = np.all((p.X >= lower) & (p.X <= upper), axis=0)
@@ -23,11 +26,14 @@ def settle_exits(s: Simulation) -> None:
     if s.on_exit == "stop_at_wall":
         low, high = p.X[:, gone] < lower, p.X[:, gone] > upper
         p.X[:, gone] = np.clip(p.X[:, gone], lower, upper)
+        before = kinetic_energy(s, gone)
         outward = (low & (p.V[:, gone] < 0.0)) | (high & (p.V[:, gone] > 0.0))
         p.V[:, gone] = np.where(outward, 0.0, p.V[:, gone])
+        s.state.work["boundary_work"] -= before - kinetic_energy(s, gone)
     elif s.on_exit == "delete":
         s.state.extra["deleted_particles"] += len(gone)
         s.state.extra["deleted_mass"] += float(p.mass[gone].sum()) * s.state.full_ring
+        s.state.work["boundary_work"] -= kinetic_energy(s, gone) + float(p.stress_work[gone].sum())
         if len(gone) == p.count:
             raise SimulationError(f"the last particle left the grid at time {s.state.time:.6g}")
         s.remove_particles(inside)
@@ -37,3 +43,9 @@ def settle_exits(s: Simulation) -> None:
             f"{s.describe(int(gone[0]))} left the grid{others}; enlarge the grid, hold the body, or choose "
             "domain.on_exit: delete or stop_at_wall"
         )
+
+
+def kinetic_energy(s: Simulation, chosen: np.ndarray) -> float:
+    """Kinetic energy of the particles at these places in memory."""
+    p = s.particles
+    return 0.5 * float((p.mass[chosen] * np.square(p.V[:, chosen]).sum(axis=0)).sum())

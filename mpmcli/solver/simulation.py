@@ -5,6 +5,7 @@ from __future__ import annotations
 import time as timer
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import numba
@@ -33,6 +34,9 @@ from mpmcli.solver.step import advance
 from mpmcli.solver.transfer import Transfer
 
 Array = np.ndarray
+
+GOOD_EVERY = 20
+"""Steps between copies of the state, of which the last one is shown after a failure."""
 
 
 class Simulation:
@@ -115,8 +119,23 @@ class Simulation:
 
     def step(self) -> None:
         """Advance by one time step; raises SimulationError where the simulation cannot go on."""
-        dt = self.time_step.choose(self.wave_speed, self.particle_speed)
-        advance(self, dt)
+        if self.state.step % GOOD_EVERY == 0:
+            self._last_good = self._copy_of_state()
+        try:
+            advance(self, self.time_step.choose(self.wave_speed, self.particle_speed))
+        except SimulationError as error:
+            error.state = self._last_good
+            raise
+
+    def _copy_of_state(self) -> State:
+        return replace(
+            self.state,
+            particles=self.particles.copy(),
+            work=dict(self.state.work),
+            reactions=dict(self.state.reactions),
+            extra=dict(self.state.extra),
+            grid=None,
+        )
 
     @contextmanager
     def clock(self, task: str) -> Iterator[None]:
@@ -161,11 +180,11 @@ class Simulation:
             self._report_runaway()
         if self.plan.has_conditions:
             state.reactions = self.conditions.reactions(dt)
+        if self.transfer.particle_outside() >= 0:
+            settle_exits(self)
         state.step += 1
         state.time += dt
         state.dt = dt
-        if self.transfer.particle_outside() >= 0:
-            settle_exits(self)
 
     # ------------------------------------------------------------------ parts
 
@@ -192,7 +211,7 @@ class Simulation:
 
     def _start_accounts(self, scene: Any) -> None:
         work = self.state.work
-        if scene.boundary:
+        if scene.boundary or self.on_exit != "error":
             work["boundary_work"] = 0.0
         if self.plan.has_loads:
             work["external_work"] = 0.0

@@ -1,6 +1,6 @@
-"""The corpus of broken scenes: each gets every error in words, at the right place, exit code 3 and no traceback.
+"""The corpus of broken scenes: each gets all errors in words, at the right place, exit code 3, no traceback.
 
-Beside each ``NAME.yaml`` stands ``NAME.json``: line, column, path and code of each error, and part of its message.
+Beside each ``NAME.yaml`` stands ``NAME.json``: line, column, path, code and some words of each error.
 """
 
 from __future__ import annotations

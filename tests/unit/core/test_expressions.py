@@ -56,8 +56,8 @@ def test_constant_value(text: str, expected: float) -> None:
 
 
 def test_all_functions_of_the_reference_exist() -> None:
-    names = "sin cos tan asin acos atan atan2 sinh cosh tanh exp log log10 sqrt abs sign min max floor ceil erf ramp box where"
-    assert set(FUNCTIONS) == set(names.split())
+    names = "sin cos tan asin acos atan atan2 sinh cosh tanh exp log log10 sqrt abs sign min max floor ceil"
+    assert set(FUNCTIONS) == {*names.split(), "erf", "ramp", "box", "where"}
 
 
 @pytest.mark.parametrize(
@@ -175,12 +175,12 @@ def test_constant_must_be_finite(value: float) -> None:
 
 @given(st.text(alphabet="xtv0123456789.+-*/()<>=, esin_pow[]'\"\\", max_size=40))
 def test_any_text_gives_numbers_or_words(text: str) -> None:
+    words = ""
     try:
-        expression = parse(text, {"v": 2.0}, ("x", "t"))
+        value = parse(text, {"v": 2.0}, ("x", "t"))(1.0, t=2.0)
     except ValueError as error:
-        assert str(error)
-    else:
-        assert isinstance(expression(1.0, t=2.0), float)
+        words = str(error)
+    assert words or isinstance(value, float)
 
 
 @given(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6))

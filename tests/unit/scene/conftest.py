@@ -19,7 +19,10 @@ grid: {lower: [-20, -20], upper: [20, 20], cell: 1}
 materials:
   rubber: {kind: neo_hookean, density: 1.5e-3, E: 1000, nu: 0.33}
 bodies:
-  - {name: block, material: rubber, region: {kind: box, lower: [-5, -5], upper: [5, 5]}, velocity: ["v", "x*v"]}
+  - name: block
+    material: rubber
+    region: {kind: box, lower: [-5, -5], upper: [5, 5]}
+    velocity: ["v", "x*v"]
 boundary:
   - {name: base, kind: velocity, on: {plane: {axis: y, at: -20}}, direction: y, value: 0}
 loads:

@@ -1,0 +1,178 @@
+"""What a scene switches on and what it leaves out: particles, arrays, kernels, memory, time step."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from mpmcli.solver.limits import known_limit
+from mpmcli.solver.plan import PARALLEL_FROM, Plan, StepArrays, allocate_step_arrays, make_plan
+from mpmcli.solver.setup import make_grid, make_particles
+
+STEP_NANOSECONDS = {1: 250.0, 2: 150.0, 3: 500.0}
+"""Rough time per particle, step and thread for each number of axes (ugimp, FLIP); see benchmarks/."""
+PASS_SHARE = 0.3
+"""Rough share of a step that one more order of FMPM or XPIC costs."""
+
+
+def explain(loaded: Any, threads: int = 2) -> dict[str, Any]:
+    """Tell what a scene will do, without doing it.
+
+    Parameters
+    ----------
+    loaded
+        The scene as ``scene.load_scene`` read it.
+    threads
+        Threads that the estimate of the run time counts on.
+
+    Returns
+    -------
+    dict
+        Facts by name, all of them fit for JSON, and under ``text`` the same for people.
+    """
+    scene = loaded.scene
+    plan = make_plan(scene)
+    grid = make_grid(scene, plan)
+    particles, _ = make_particles(scene, plan, grid)
+    arrays = allocate_step_arrays(plan, grid, particles.count)
+    name = plan.analysis_name
+    present = sorted({int(i) for i in particles.material})
+    models = list(scene.materials.values())
+    wave_speed = max(models[i].initial_wave_speed(name) for i in present)
+    particle_speed = float(np.sqrt(np.square(particles.V).sum(axis=0).max()))
+    fastest, cell = max(wave_speed, particle_speed), float(grid.cell.min())
+    courant = scene.time.courant
+    dt = scene.time.step if courant is None else courant * cell / fastest
+    courant = dt * fastest / cell
+    limit = known_limit(scene.method.shape, scene.method.transfer.kind, plan.order)
+    steps = int(np.ceil(scene.time.end / dt))
+    kept = {f.name: getattr(arrays, f.name) for f in fields(StepArrays)}
+    dense = {f"grid.{key}": array for key, array in (("mp", grid.mp), ("f", grid.f))}
+    dense |= {key: array for key, array in kept.items() if array is not None}
+    particle_bytes = sum(array.nbytes for array in particles.arrays().values())
+    grid_bytes = sum(array.nbytes for array in dense.values())
+    share = 1.0 + PASS_SHARE * (plan.order - 1)
+    parallel = particles.count >= PARALLEL_FROM
+    seconds = STEP_NANOSECONDS[grid.dimensions] * share * particles.count * steps * 1e-9
+    facts: dict[str, Any] = {
+        "title": scene.title,
+        "analysis": name,
+        "velocity_fields": 1,
+        "particles": particles.count,
+        "grid_nodes": grid.node_count,
+        "shape": scene.method.shape,
+        "tasks": tasks_of(plan),
+        "not_modelled": left_out(plan),
+        "kernels": kernels_of(plan),
+        "arrays": sorted(dense),
+        "particle_bytes": particle_bytes,
+        "grid_bytes": grid_bytes,
+        "wave_speed": wave_speed,
+        "time_step": dt,
+        "courant": courant,
+        "known_stability_limit": limit,
+        "steps": steps,
+        "parallel": parallel,
+        "estimated_seconds": seconds / (threads if parallel else 1),
+    }
+    facts["text"] = _text(facts)
+    return facts
+
+
+def tasks_of(plan: Plan) -> list[str]:
+    """The tasks of a step that this scene has, in order."""
+    again, first, last = plan.update.again, plan.update.first, plan.update.last
+    loop = f"FMPM loop, {plan.order - 1} further passes" if plan.has_full_mass_loop else ""
+    tasks = [
+        "1 extrapolate mass and momentum",
+        "1.b–1.d strain and stress before the forces" if first else "",
+        "2 internal forces",
+        "2 forces of loads" if plan.has_loads else "",
+        "2.a velocity conditions" if plan.imposes_lumped else "",
+        "3 update momenta",
+        f"3.b velocities by the {loop}" if loop else "3.b lumped velocities",
+        f"3.b XPIC filter, {plan.order - 1} passes" if plan.method.projects else "",
+        "4 move particles",
+        "4.a–4.c extrapolate momenta again" if again else "",
+        "5 strain and stress" if last else "",
+    ]
+    return [task for task in tasks if task]
+
+
+def left_out(plan: Plan) -> list[str]:
+    """What the scene does not ask for; nothing of it is stored, computed or compiled."""
+    absent = {
+        "contact (one velocity field): nodal volumes, positions, gradients, normals": True,
+        "FMPM loop": not plan.has_full_mass_loop,
+        "XPIC filter": not plan.method.projects,
+        "second extrapolation of momenta": not plan.update.again,
+        "velocity conditions": not plan.has_conditions,
+        "loads": not plan.has_loads,
+        "damping": not (plan.particle_damping or plan.grid_damping),
+        "artificial viscosity": plan.viscosity is None,
+    }
+    return [name for name, is_absent in absent.items() if is_absent]
+
+
+def kernels_of(plan: Plan) -> list[str]:
+    """Names of the kernels that a step of this scene runs."""
+    loop = plan.has_full_mass_loop
+    used = {
+        "clear_nodes": True,
+        "extrapolate_mass_and_momentum": True,
+        "extrapolate_forces": True,
+        "extrapolate_vector": plan.update.again,
+        "update_momenta": True,
+        "find_velocities": True,
+        "project_increment": loop or (plan.method.projects and plan.order > 1),
+        "start_increments": loop,
+        "next_increment": loop,
+        "add_increment": loop,
+        "start_projection": plan.method.projects,
+        "add_projection": plan.method.projects and plan.order > 1,
+        "move_particles": True,
+        "find_velocity_gradients": plan.update.again or plan.update.first > 0.0,
+        "add_nodal": plan.has_loads,
+        "external_power": plan.has_loads,
+        "update_strain_and_stress": True,
+    }
+    return [name for name, is_used in used.items() if is_used]
+
+
+def _text(facts: dict[str, Any]) -> str:
+    limit = facts["known_stability_limit"]
+    margin = "no measured limit for this shape function and transfer"
+    if limit is not None:
+        verdict = "beyond it: expect the run to fail" if facts["courant"] > limit else "within it"
+        margin = f"measured limit of the 1D bar {limit:.2f}, {verdict}"
+    size = (facts["particle_bytes"] + facts["grid_bytes"]) / 2**20
+    lines = [
+        facts["title"] or "(no title)",
+        f"{facts['analysis']}, {facts['particles']} particles, {facts['grid_nodes']} nodes with ghosts, "
+        f"{facts['shape']}, {facts['velocity_fields']} velocity field",
+        "",
+        "Each step:",
+        *(f"  {task}" for task in facts["tasks"]),
+        "",
+        "Not modelled, at no cost:",
+        *(f"  {name}" for name in facts["not_modelled"]),
+        "",
+        f"kernels    {', '.join(facts['kernels'])}",
+        f"arrays     particles {facts['particle_bytes'] / 2**20:.1f} MiB, grid {facts['grid_bytes'] / 2**20:.1f} MiB "
+        f"if every node were used ({', '.join(facts['arrays'])}); {size:.1f} MiB together",
+        f"time step  {facts['time_step']:.4g} at the start: Courant number {facts['courant']:.3g}, {margin}",
+        f"run        about {facts['steps']} steps, very roughly {_duration(facts['estimated_seconds'])} on 2 threads"
+        if facts["parallel"]
+        else f"run        about {facts['steps']} steps, very roughly {_duration(facts['estimated_seconds'])}, "
+        "too small for threads",
+    ]
+    return "\n".join(lines)
+
+
+def _duration(seconds: float) -> str:
+    for unit, length in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2 * length:
+            return f"{seconds / length:.1f} {unit}"
+    return f"{seconds:.2g} s"
