@@ -125,7 +125,7 @@ class VelocityConditions:
         impose.held_speeds(self.entries, mp, self._start_speed)
         return self._start_speed
 
-    def work(self, start_speed: Array, v: Array) -> float:
+    def work(self, start_speed: Array | None, v: Array) -> float:
         """Work of the conditions on the bodies in this step: see ``impose.sum_work`` [energy]."""
         return float(impose.sum_work(self.entries, self._real_impulse(), start_speed, v))
 

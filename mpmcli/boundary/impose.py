@@ -147,15 +147,17 @@ def held_speeds(entries: Entries, mp: Array, speed: Array) -> None:
 
 
 @inline
-def sum_work(entries: Entries, impulse: Array, start_speed: Array, v: Array) -> float:
-    """Work done on the bodies, Σ impulse ½ (v + v⁺)·e [energy].
+def sum_work(entries: Entries, impulse: Array, start_speed: Array | None, v: Array) -> float:
+    """Work done on the bodies, Σ impulse ½ (v + v⁺)·e, or Σ impulse v⁺·e [energy].
 
     Parameters
     ----------
     entries, impulse
         Held components and their momentum changes in the step.
     start_speed
-        (nb,) velocity along the directions at the start of the step (``held_speeds``).
+        (nb,) velocity along the directions at the start of the step (``held_speeds``): the work is then the
+        change of the nodes' kinetic energy. None: forces work on the held velocity alone, so that conditions
+        at rest do no work, and what stopping nodes costs is not theirs.
     v
         (n, ≥d) velocity v⁺ in the first d columns.
     """
@@ -165,5 +167,7 @@ def sum_work(entries: Entries, impulse: Array, start_speed: Array, v: Array) -> 
         end = 0.0
         for a in range(len(entries.axes)):
             end += v[i, a] * entries.direction[b, a]
-        work += impulse[b] * 0.5 * (start_speed[b] + end)
+        if start_speed is not None:
+            end = 0.5 * (start_speed[b] + end)
+        work += impulse[b] * end
     return work

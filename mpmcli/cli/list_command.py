@@ -66,13 +66,16 @@ def _describe(model: Any) -> Iterator[str]:
     """Name, meaning and parameters of a model."""
     from typing import get_args
 
+    from mpmcli.core.descriptions import field_descriptions
+
     kinds = ", ".join(get_args(model.model_fields["kind"].annotation))
     yield f"{kinds}: {_first_line(model.__doc__)}"
     if hasattr(model, "analyses"):
         yield f"    for {', '.join(sorted(model.analyses))}"
+    words = field_descriptions(model)
     for name, field in model.model_fields.items():
         if name != "kind":
-            yield f"    {field.alias or name:<16}{_default(field):<14}{_first_line(field.description)}"
+            yield f"    {field.alias or name:<16}{_default(field):<14}{_first_line(field.description or words.get(name))}"
     yield ""
 
 

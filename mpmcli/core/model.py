@@ -45,7 +45,21 @@ def has_unit(text: str) -> bool:
 class Model(BaseModel):
     """Base of all scene models: unknown keys are errors, values do not change after reading."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> Any:
+        """The JSON Schema, with the docstrings below the fields as their descriptions."""
+        from mpmcli.core.descriptions import field_descriptions
+
+        schema = handler(core_schema)
+        properties = handler.resolve_ref_schema(schema).get("properties", {})
+        words = field_descriptions(cls)
+        for name, field in cls.model_fields.items():
+            key = field.alias or name
+            if key in properties and name in words:
+                properties[key].setdefault("description", words[name])
+        return schema
 
     @model_validator(mode="before")
     @classmethod

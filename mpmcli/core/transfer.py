@@ -58,6 +58,26 @@ def extrapolate_forces(analysis, shape, grid, across, bands, stencil, X, F, size
 
 
 @kernel
+def extrapolate_state(analysis, shape, grid, across, bands, stencil, X, F, size, field, M, V, vol0, tau, mp, f):
+    """Tasks 1 and 2 at once, where stress does not change between them: one stencil serves both scatters.
+
+    ``mp`` (n·(1 + d),) and ``f`` (n·d,) must be zero on entry.
+    """
+    count = bands.shape[0] - 1
+    for colour in range(2):
+        for half in prange((count + 1 - colour) // 2):
+            b = np.uint64(2 * half + colour)
+            geometry = unfold(grid)
+            S, G, W, offsets = stencil.S[b], stencil.G[b], stencil.W[b], stencil.offsets
+            for p in range(bands[b], bands[b + np.uint64(1)]):
+                base = fill(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
+                if field is not None:
+                    base += np.uint64(field[p]) * geometry.field_stride
+                scatter_momentum(analysis, S, base, offsets, across, M, V, p, mp)
+                scatter_stress(analysis, S, G, base, offsets, across, vol0, tau, X, p, f)
+
+
+@kernel
 def project_increment(analysis, shape, grid, across, bands, stencil, X, F, size, field, M, v, out):
     """One pass of the FMPM loop: out = Sᵀ M S v, so that out/m = S⁺S v; ``out`` (n·d,) must be zero on entry."""
     count = bands.shape[0] - 1

@@ -243,7 +243,8 @@ class _Composer:
             if not isinstance(event, yaml.ScalarEvent):
                 self._stop(event, "a key must be plain text", "key")
             self.count += 1
-            key, mark, is_plain = str(event.value), self._mark(event), event.implicit[0]
+            scalar: Any = event
+            key, mark, is_plain = str(scalar.value), self._mark(event), scalar.implicit[0]
             value = self._node(next(self.events), depth + 1)
             if key == "<<" and is_plain:
                 merged.extend(self._merge(value, mark))

@@ -121,8 +121,9 @@ def kernels_of(plan: Plan) -> list[str]:
     loop = plan.has_full_mass_loop
     used = {
         "clear_nodes": True,
-        "extrapolate_mass_and_momentum": True,
-        "extrapolate_forces": True,
+        "extrapolate_state": plan.update.first == 0.0,
+        "extrapolate_mass_and_momentum": plan.update.first > 0.0,
+        "extrapolate_forces": plan.update.first > 0.0,
         "extrapolate_vector": plan.update.again,
         "update_momenta": True,
         "find_velocities": True,

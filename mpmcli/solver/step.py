@@ -16,10 +16,10 @@ def advance(s: Simulation, dt: float) -> None:
     grid, plan, transfer, conditions = s.grid, s.plan, s.transfer, s.conditions
     a, clock = s.arrays, s.clock
 
-    # 1  extrapolate mass and momentum to the grid
-    with clock("1 mass and momentum"):
+    # 1  extrapolate mass and momentum to the grid (and task 2's forces, if the stress is final already)
+    with clock("1 extrapolation"):
         transfer.begin_step()
-        transfer.mass_and_momentum(grid.mp)
+        transfer.extrapolate(grid.mp, None if plan.update.first > 0.0 else grid.f)
         s.loads.collect(s.time)
         conditions.select(s.time)
         s.contact.after_extrapolation()  # 1.a
@@ -31,7 +31,8 @@ def advance(s: Simulation, dt: float) -> None:
 
     # 2  forces from Kirchhoff stress on initial volume, and from loads
     with clock("2 forces"):
-        transfer.internal_forces(grid.f)
+        if plan.update.first > 0.0:
+            transfer.internal_forces(grid.f)
         s.loads.add_to(grid.f)
         conditions.fold_forces(grid.f, dt)
 

@@ -85,12 +85,21 @@ class Transfer:
             *arrays,
         )  # fmt: skip
 
-    def mass_and_momentum(self, mp: Array) -> None:
-        """Task 1; widens the stencil where a particle has stretched over more nodes than it spans."""
+    def extrapolate(self, mp: Array, f: Array | None) -> None:
+        """Task 1, and unless ``f`` is None task 2's internal forces with the same stencils.
+
+        Widens the stencil where a particle has stretched over more nodes than it spans.
+        """
         p = self.particles
         while True:
             clear_nodes[self.parallel](self.grid.active, mp)
-            self._scatter(kernels.extrapolate_mass_and_momentum, p.mass, p.V, mp.reshape(-1))
+            if f is None:
+                self._scatter(kernels.extrapolate_mass_and_momentum, p.mass, p.V, mp.reshape(-1))
+            else:
+                clear_nodes[self.parallel](self.grid.active, f)
+                self._scatter(
+                    kernels.extrapolate_state, p.mass, p.V, p.vol0, p.tau, mp.reshape(-1), f.reshape(-1)
+                )
             problem, particle = self.stencil.status
             if problem == 0:
                 return

@@ -200,6 +200,18 @@ def test_work_is_the_change_of_kinetic_energy():
     assert held.work(start, v) == pytest.approx(gained, rel=1e-13)
 
 
+def test_conditions_at_rest_do_no_work_by_their_own_velocity():
+    held, grid, node = one_node([[1, 0], [0.6, 0.8]], [0.0, 0.0])
+    held.impose_on_momentum(grid.mp, None, DT)
+    v = np.zeros((grid.node_count, 2))
+    v[node] = velocity_of(grid, node)
+    assert held.work(None, v) == pytest.approx(0.0, abs=1e-15)
+    held, grid, node = one_node([[1, 0]], [2.0])
+    held.impose_on_momentum(grid.mp, None, DT)
+    v[node] = velocity_of(grid, node)
+    assert held.work(None, v) == pytest.approx(held.reactions(DT)[0, 0] * 2.0 * DT)
+
+
 def test_kernels_agree_with_plain_python():
     held, grid, _ = one_node([[1, 0], [0.6, 0.8], [1, 0]], [1.0, 2.0, 0.5])
     mp, f, impulse = grid.mp.copy(), grid.f.copy(), np.zeros_like(held.impulse)
