@@ -75,7 +75,8 @@ def _describe(model: Any) -> Iterator[str]:
     words = field_descriptions(model)
     for name, field in model.model_fields.items():
         if name != "kind":
-            yield f"    {field.alias or name:<16}{_default(field):<14}{_first_line(field.description or words.get(name))}"
+            meaning = _first_line(field.description or words.get(name))
+            yield f"    {field.alias or name:<16}{_default(field):<14}{meaning}"
     yield ""
 
 

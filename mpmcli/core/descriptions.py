@@ -1,4 +1,4 @@
-"""What the docstrings below the fields of a model say: read from its source when asked for, not when it is made."""
+"""What the docstrings below the fields of a model say: read from its source only when asked for."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import ast
 import inspect
 import textwrap
 from functools import cache
+from itertools import pairwise
 
 
 @cache
@@ -35,7 +36,7 @@ def _pairs(cls: type) -> list[tuple[ast.stmt, ast.stmt]]:
     except (OSError, TypeError, SyntaxError):
         return []
     body = tree.body if isinstance(tree, ast.ClassDef) else []
-    return list(zip(body, body[1:], strict=False))
+    return list(pairwise(body))
 
 
 def _text(statement: ast.stmt) -> str | None:

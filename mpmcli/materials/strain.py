@@ -73,20 +73,21 @@ def block_count(particles: int) -> int:
 @inline
 def skip_others(material: Any, material_index: Any, start: Any, last: Any) -> Any:
     """First particle of the material from ``start`` on, or ``last``."""
-    if material_index >= 0:
-        while start < last and material[start] != material_index:
-            start += np.uint64(1)
-    return start
+    p, end = np.uint64(start), np.uint64(last)
+    while material_index >= 0 and p < end and material[p] != material_index:
+        p += np.uint64(1)
+    return p
 
 
 @inline
 def find_others(material: Any, material_index: Any, start: Any, last: Any) -> Any:
     """First particle of another material from ``start`` on, or ``last``."""
+    p, end = np.uint64(start), np.uint64(last)
     if material_index < 0:
-        return last
-    while start < last and material[start] == material_index:
-        start += np.uint64(1)
-    return start
+        return end
+    while p < end and material[p] == material_index:
+        p += np.uint64(1)
+    return p
 
 
 @inline

@@ -10,7 +10,7 @@ from pydantic import TypeAdapter
 
 from mpmcli.core.expressions import parse
 from mpmcli.core.model import has_unit
-from mpmcli.scene.units import Units
+from mpmcli.scene.units import Units, split_unit
 
 
 class Context:
@@ -50,7 +50,13 @@ class Context:
             With words for the user.
         """
         if has_unit(text):
-            return self.units.number(text, dimension)
+            try:
+                return self.units.number(text, dimension)
+            except ValueError as error:
+                parts = split_unit(text)
+                if parts is not None and parts[1] in self.constants:
+                    raise ValueError(f"'{text}' needs a sign between: {parts[0]}*{parts[1]}") from None
+                raise error
         return float(parse(text, constants=self.constants, variables=())())
 
     def region(self, value: Any) -> Any:

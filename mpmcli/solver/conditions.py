@@ -26,7 +26,6 @@ class GridConditions:
         self.conditions = conditions
         self.grid = grid
         self._weight = 1.0 if replaces_velocity else 0.0
-        self._start_speed = np.zeros(0)
 
     def select(self, time: float) -> None:
         """Choose held nodes and values for the step that starts now; call after masses are known."""
@@ -34,17 +33,16 @@ class GridConditions:
         self.conditions.select(time, grid.active, grid.active_version, grid.mp)
         if self.conditions.mirror is not None:
             self.conditions.mirror.fold_momentum(grid.mp, self._weight)
-        self._start_speed = self.conditions.held_speeds(grid.mp)
 
     def fold_forces(self, f: Array, dt: float) -> None:
         """Add the forces of mirrored particles."""
         if self.conditions.mirror is not None:
             self.conditions.mirror.fold_vectors(f, self.grid.mp, dt)
 
-    def fold_increment(self, out: Array, counts_reactions: bool) -> None:
-        """Add what mirrored particles give in a pass of the FMPM loop."""
+    def fold_increment(self, out: Array, weight: float) -> None:
+        """Add what mirrored particles give in a pass S⁺S; ``weight`` is its share in the particles' velocity."""
         if self.conditions.mirror is not None:
-            self.conditions.mirror.fold_vectors(out, self.grid.mp, -1.0 if counts_reactions else 0.0)
+            self.conditions.mirror.fold_vectors(out, self.grid.mp, weight)
 
     def impose_on_momentum(self, mp: Array, f: Array, dt: float) -> None:
         """Task 2.a: reaction forces that give held nodes their velocity."""
@@ -66,8 +64,8 @@ class GridConditions:
             impulse[:] = before
 
     def work(self, v: Array) -> float:
-        """Work of the conditions on the bodies in this step."""
-        return self.conditions.work(self._start_speed, v)
+        """Work of the conditions on the bodies in this step: reactions times held velocities, 0 for a fixed support."""
+        return self.conditions.work(None, v)
 
     def reactions(self, dt: float) -> dict[str, Array]:
         """Force of each condition on the bodies in this step, by name."""
@@ -83,7 +81,7 @@ class NoConditions:
     def fold_forces(self, f: Array, dt: float) -> None:
         """No mirrors."""
 
-    def fold_increment(self, out: Array, counts_reactions: bool) -> None:
+    def fold_increment(self, out: Array, weight: float) -> None:
         """No mirrors."""
 
     def work(self, v: Array) -> float:

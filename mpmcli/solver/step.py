@@ -91,7 +91,7 @@ def _strain_from_new_velocities(s: Simulation) -> None:
     grid, v, p = s.grid, s.arrays.v, s.arrays.p_again
     nodes.clear_nodes[s.parallel](grid.active, p)
     s.transfer.add_vector(s.particles.V, p)
-    s.conditions.fold_increment(p, counts_reactions=False)
+    s.conditions.fold_increment(p, weight=0.0)
     grid.mp[grid.active, 1:] = p[grid.active]
     s.contact.after_new_extrapolation()  # 4.b
     nodes.find_velocities[s.parallel](grid.active, grid.mp, grid.f, v, None)

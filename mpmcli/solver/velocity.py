@@ -24,7 +24,7 @@ def add_full_mass_increments(s: Simulation, v: Array, counts_reactions: bool) ->
     nodes.start_increments[s.parallel](active, v, dv, out)
     for _ in range(2, s.plan.order + 1):
         s.transfer.project(dv, out)
-        s.conditions.fold_increment(out, counts_reactions)
+        s.conditions.fold_increment(out, -1.0 if counts_reactions else 0.0)
         nodes.next_increment[s.parallel](active, grid.mp, out, dv)
         if s.plan.zeroes_increments:
             s.conditions.zero_increment(dv, grid.mp, counts_reactions)
@@ -36,8 +36,17 @@ def add_filtered_velocities(s: Simulation, w: Array, dt: float) -> None:
     grid, active, order = s.grid, s.grid.active, s.plan.order
     dv, out = s.arrays.dv, s.arrays.out
     nodes.start_projection[s.parallel](active, grid.mp, s.arrays.p_start, float(order), dt, dv, w, out)
-    for k in range(2, order + 1):
+    scales = [(order + 1 - k) / k for k in range(2, order + 1)]
+    terms = [-order * (-1.0) ** k for k in range(2, order + 1)]
+    for scale, term, share in zip(scales, terms, _shares(scales, terms), strict=True):
         s.transfer.project(dv, out)
-        s.conditions.fold_increment(out, counts_reactions=False)
-        scale = (order + 1 - k) / k
-        nodes.add_projection[s.parallel](active, grid.mp, out, scale, -order * (-1.0) ** k, dv, w)
+        s.conditions.fold_increment(out, share)
+        nodes.add_projection[s.parallel](active, grid.mp, out, scale, term, dv, w)
+
+
+def _shares(scales: list[float], terms: list[float]) -> list[float]:
+    """How much of each pass of the XPIC filter ends up in the particles' velocity, later passes included."""
+    shares = [0.0]
+    for scale, term in zip(reversed(scales), reversed(terms), strict=True):
+        shares.insert(0, scale * (term + shares[0]))
+    return shares[:-1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from pydantic import Field, ValidationError
 
+from mpmcli.core.descriptions import field_descriptions
 from mpmcli.core.model import Model, has_unit, quantity
 
 
@@ -74,3 +75,24 @@ def test_text_with_unit(text: str) -> None:
 @pytest.mark.parametrize("text", ["1e3", "1/3", "2*R", "R", "3 - 4", "1 / s", "", "(1 GPa)", "-5", ".5"])
 def test_text_without_unit(text: str) -> None:
     assert not has_unit(text)
+
+
+class Special(Sample):
+    """A sample with more."""
+
+    size: float = 2.0
+    """Another length,
+
+    described at length.
+    """
+    silent: int = 0
+
+
+def test_docstrings_below_fields_describe_them() -> None:
+    words = field_descriptions(Special)
+    assert words["size"] == "Another length,\n\ndescribed at length."
+    assert words["count"] == "A whole number."
+    assert "silent" not in words
+    properties = Special.model_json_schema()["properties"]
+    assert properties["count"]["description"] == "A whole number."
+    assert "description" not in properties["silent"]

@@ -114,6 +114,7 @@ time: {{end: 1}}
         ("time: {end: 0.1}", "time: {end: 0.1, courant: 1.5}", "time.courant", "must be at most 1"),
         ("time: {end: 0.1}", "time: {end: 0.1, max_steps: 0}", "time.max_steps", "must be at least 1"),
         ("every: 0.001", "every: 1e-12", "archive.globals.every", "outputs"),
+        ("E: 1000", "E: 3 R", "materials.rubber.E", "'3 R' needs a sign between: 3*R"),
         ("title: A block", "title: [a]", "title", "text is needed, not a list"),
         ("title: A block", "title: 3", "title", "text is needed, not 3: put it in quotes"),
         ("version: 1", "version: '1'", "version", "is not possible here (1)"),

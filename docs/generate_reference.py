@@ -1,0 +1,307 @@
+"""Write the reference of scenes and of quantities from the models and registries of the program itself.
+
+    python docs/generate_reference.py
+
+writes Markdown into ``docs/_generated``; the build of the documentation calls it by itself.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+FOLDER = Path(__file__).parent / "_generated"
+Schema = dict[str, Any]
+
+NOUNS = {
+    "analysis": "Analysis",
+    "materials": "Material",
+    "boundary": "Boundary condition",
+    "loads": "Load",
+    "probes": "Probe",
+    "region": "Region",
+    "transfer": "Transfer",
+    "hardening": "Hardening",
+}
+"""What the alternatives below a key are called in headings."""
+
+WORDS = {"string": "text", "integer": "whole number", "boolean": "`true` or `false`", "number": "number"}
+"""Types of JSON in words."""
+
+
+def write(folder: Path = FOLDER) -> list[Path]:
+    """Write all pages and return their paths; files whose text would not change are left alone."""
+    folder.mkdir(parents=True, exist_ok=True)
+    pages = {
+        "reference.md": reference(),
+        "shapes.md": shapes(),
+        "particle_quantities.md": quantities("particle"),
+        "global_quantities.md": quantities("global", "material", "body", "reaction"),
+    }
+    for name, text in pages.items():
+        path = folder / name
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+    return [folder / name for name in pages]
+
+
+def reference() -> str:
+    """The page about everything that a scene can say."""
+    from mpmcli.scene.schema import scene_schema
+
+    schema = scene_schema()
+    return "\n".join(Reference(schema).lines()) + "\n"
+
+
+def introduction() -> str:
+    """What holds for every value of a scene."""
+    from mpmcli.core.expressions import FUNCTIONS
+
+    return (
+        "This page is made from the models that read a scene, so it says what the program accepts. Any number "
+        'may also be text with a unit (`"1 GPa"`; the scene must declare its `units`) or an expression of the '
+        'scene\'s `constants` (`"2*R"`). Where a value may vary, the meaning says of which of `x`, `y`, `z`, `t`. '
+        "Expressions know `+ - * / **`, comparisons (1 where true, 0 where not), `pi`, and "
+        f"`{' '.join(FUNCTIONS)}`. `mpmcli schema` prints the same for editors."
+    )
+
+
+class Reference:
+    """Walks through the schema of a scene, one section per key and one per model, each model once."""
+
+    def __init__(self, schema: Schema):
+        self.schema = schema
+        self.definitions: dict[str, Schema] = schema["definitions"]
+        self.written: set[str] = set()
+        self.models = {**analyses_of_materials(), **axes_of_regions()}
+
+    def lines(self) -> Iterator[str]:
+        """The lines of the page."""
+        yield from ("# Scene reference", "", introduction(), "")
+        yield from ("## Top level", "")
+        yield from self.table(self.schema)
+        for key, node in self.schema["properties"].items():
+            names = list(references(node))
+            if names:
+                yield from (f"## `{key}`", "", sentence(node.get("description", "")), "")
+            for name in names:
+                yield from self.section(name, NOUNS.get(key, ""))
+
+    def section(self, name: str, noun: str) -> Iterator[str]:
+        """A model and the models that it leads to."""
+        if name in self.written:
+            return
+        self.written.add(name)
+        definition = self.definitions[name]
+        yield from (f"({anchor(name)})=", f"### {self.title(name, noun)}", "")
+        yield from (prose(definition.get("description", "")), "")
+        if name in self.models:
+            yield from (self.models[name], "")
+        yield from self.table(definition)
+        for key, node in definition["properties"].items():
+            for other in references(node):
+                yield from self.section(other, NOUNS.get(key, noun if self.has_kind(other) else ""))
+
+    def table(self, model: Schema) -> Iterator[str]:
+        """The keys of a model: what may stand there, the default, the meaning."""
+        required = model.get("required", ())
+        yield "| key | value | default | meaning |"
+        yield "| --- | --- | --- | --- |"
+        for key, node in model["properties"].items():
+            default = "needed" if key in required else default_of(node)
+            cells = (f"`{key}`", self.words(node), default, sentence(node.get("description", "")))
+            yield f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
+        yield ""
+
+    def title(self, name: str, noun: str) -> str:
+        """Heading of a model: its kinds, or its name in words."""
+        kinds = kinds_of(self.definitions[name])
+        if kinds:
+            return f"{noun or 'Kind'} {', '.join(f'`{kind}`' for kind in kinds)}"
+        plain = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name.split("__")[-1])
+        return plain.capitalize()
+
+    def has_kind(self, name: str) -> bool:
+        """Whether a model is one of several alternatives."""
+        return bool(kinds_of(self.definitions[name]))
+
+    def link(self, name: str) -> str:
+        """A link to the section of a model."""
+        kinds = kinds_of(self.definitions[name])
+        text = ", ".join(f"`{kind}`" for kind in kinds) if kinds else self.title(name, "").lower()
+        return f"[{text}](#{anchor(name)})"
+
+    def words(self, node: Schema) -> str:
+        """What may stand at a key, in words."""
+        names = list(references(node, deep=False))
+        if names:
+            return (
+                " or ".join([self.link(name) for name in names])
+                if len(names) < 3
+                else ", ".join(self.link(name) for name in names)
+            )
+        if "const" in node:
+            return f"`{plain(node['const'])}`"
+        if "enum" in node:
+            return ", ".join(f"`{plain(value)}`" for value in node["enum"])
+        options = [option for option in node.get("anyOf", ()) if option.get("type") != "null"]
+        if "x-dimension" in node:
+            return quantity_words(node["x-dimension"], options or [node])
+        if len(options) > 1 and {option.get("type") for option in options} >= {"string"}:
+            # text may be an expression wherever a number may stand
+            options = [option for option in options if option.get("type") != "string"]
+        if options:
+            return " or ".join(dict.fromkeys(self.words(option) for option in options))
+        if node.get("type") == "array":
+            return self.list_words(node)
+        if node.get("type") == "object":
+            members = node.get("additionalProperties")
+            inner = self.words(members) if isinstance(members, dict) else "anything"
+            return f"mapping of names to: {inner}"
+        words = {
+            "string": "text",
+            "integer": "whole number",
+            "boolean": "`true` or `false`",
+            "number": "number",
+        }
+        return words.get(node.get("type", ""), "value") + bounds(node)
+
+    def list_words(self, node: Schema) -> str:
+        """A list in words."""
+        items = node.get("items", {})
+        if isinstance(items, list):
+            return f"list of {len(items)}: {', '.join(dict.fromkeys(self.words(item) for item in items))}"
+        return f"list of: {self.words(items)}"
+
+
+def references(node: Any, deep: bool = True) -> Iterator[str]:
+    """Names of the models that stand at a key, in their order; ``deep``: inside lists and mappings too."""
+    if not isinstance(node, dict):
+        return
+    if "$ref" in node:
+        yield node["$ref"].rsplit("/", 1)[-1]
+        return
+    for key in ("allOf", "oneOf", "anyOf"):
+        for option in node.get(key, ()):
+            yield from references(option, deep)
+    if deep:
+        items = node.get("items", ())
+        for item in items if isinstance(items, list) else [items]:
+            yield from references(item)
+        yield from references(node.get("additionalProperties"))
+
+
+def kinds_of(definition: Schema) -> list[str]:
+    """Names under which a scene chooses a model, if it is one of several."""
+    kind = definition.get("properties", {}).get("kind", {})
+    return [kind["const"]] if "const" in kind else list(kind.get("enum", ()))
+
+
+def quantity_words(dimension: str, options: list[Schema]) -> str:
+    """A number with a dimension, and its bounds."""
+    limits = next((bounds(option) for option in options if bounds(option)), "")
+    name = "number" if dimension == "1" else f"{dimension}"
+    return name + limits
+
+
+def bounds(node: Schema) -> str:
+    """The bounds of a number."""
+    signs = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
+    found = [f"{sign} {node[key]:g}" for key, sign in signs.items() if key in node]
+    return f" {', '.join(found)}" if found else ""
+
+
+def default_of(node: Schema) -> str:
+    """The default in words; a dash where leaving the key out means that there is nothing."""
+    value = node.get("default")
+    return "–" if value in (None, "", [], {}) else f"`{plain(value)}`"
+
+
+def plain(value: Any) -> str:
+    """A value as YAML writes it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {plain(member)}" for key, member in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(plain(member) for member in value) + "]"
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def anchor(name: str) -> str:
+    """The target of links to a model."""
+    return f"model-{name.lower().replace('__', '-')}"
+
+
+def prose(text: str) -> str:
+    """A docstring as Markdown: citations become links, and signs that Markdown would take are kept."""
+    parts = re.split(r"(``.*?``|`.*?`)", text)
+    return "".join(part if part.startswith("`") else cited(part.replace("*", r"\*")) for part in parts)
+
+
+def cited(text: str) -> str:
+    """``[nairn2026, Eq. 7]`` as a citation."""
+    return re.sub(r"\[([a-z]+\d{4}[a-z]*)((?:, [^\]]*)?)\]", r"({cite:t}`\1`\2)", text)
+
+
+def sentence(text: str) -> str:
+    """A description on one line."""
+    return prose(" ".join(text.split()))
+
+
+def analyses_of_materials() -> dict[str, str]:
+    """For each material the analyses that it can be used in."""
+    from mpmcli.core.analysis import ANALYSES
+    from mpmcli.materials import MATERIALS
+
+    lines = {}
+    for model in MATERIALS.models():
+        names = [f"`{name}`" for name in ANALYSES if name in model.analyses]  # type: ignore[attr-defined]
+        words = "all analyses" if len(names) == len(ANALYSES) else ", ".join(names)
+        history = ", ".join(f"`{name}`" for name in model.history)  # type: ignore[attr-defined]
+        lines[model.__name__] = f"For {words}." + (f" History variables: {history}." if history else "")
+    return lines
+
+
+def axes_of_regions() -> dict[str, str]:
+    """For each region the numbers of axes that it is defined for."""
+    from mpmcli.geometry import REGIONS
+
+    lines = {}
+    for model in REGIONS.models():
+        axes = sorted(model.dimensions)  # type: ignore[attr-defined]
+        name = model.__name__
+        if name == "Box":  # shares its name with the box of boundary conditions
+            name = "mpmcli__geometry__box__Box"
+        lines[name] = f"For analyses with {', '.join(str(n) for n in axes)} axes." if len(axes) < 3 else ""
+    return {name: line for name, line in lines.items() if line}
+
+
+def shapes() -> str:
+    """The table of shape functions."""
+    from mpmcli.shapes import SHAPES
+
+    lines = ["| shape | nodes per axis | what it is | reference |", "| --- | --- | --- | --- |"]
+    for name, entry in SHAPES.items():
+        lines.append(f"| `{name}` | {entry.width} | {entry.description} | {entry.reference} |")
+    return "\n".join(lines) + "\n"
+
+
+def quantities(*places: str) -> str:
+    """The table of quantities that live at some places."""
+    from mpmcli.output.columns import QUANTITIES
+
+    lines = ["| name | of | rank | dimension | meaning |", "| --- | --- | --- | --- | --- |"]
+    for quantity in QUANTITIES.at(*places):
+        meaning = sentence(quantity.description).replace("|", r"\|")
+        lines.append(
+            f"| `{quantity.name}` | {quantity.where} | {quantity.rank} | {quantity.dimension} | {meaning} |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    for written in write():
+        print(written)

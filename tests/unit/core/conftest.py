@@ -1,0 +1,114 @@
+"""A cloud of deformed particles in motion on a small grid, with the transfer kernels bound to it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mpmcli.core import transfer
+from mpmcli.core.analysis import ANALYSES
+from mpmcli.core.grid import Grid
+from mpmcli.core.order import CHUNKS, CellOrder
+from mpmcli.core.particles import Particles
+from mpmcli.core.stencil import across_of, allocate_stencil
+from mpmcli.shapes import SHAPES
+
+
+class Cloud:
+    """Random particles, sorted by cell; ``scatter`` and ``gather`` call a transfer kernel on them."""
+
+    def __init__(self, analysis: str, shape: str, count: int = 60, seed: int = 1, cells=(6, 9, 5), parallel=False):
+        rng = np.random.default_rng(seed)
+        self.name, self.parallel = shape, parallel
+        self.analysis = ANALYSES[analysis]()
+        d = self.analysis.dimensions
+        self.shape = SHAPES[shape]
+        cell = np.array([0.5, 0.8, 1.25])[:d]
+        lower = np.array([0.0, -1.0, 0.3])[:d]
+        upper = lower + np.array(cells)[:d] * cell
+        self.grid = Grid(lower, upper, cell, self.shape.pad, self.shape.width)
+        X = lower[:, None] + (0.02 + 0.96 * rng.random((d, count))) * (upper - lower)[:, None]
+        vol0 = rng.uniform(0.5, 1.5, count) * np.prod(cell) / 4
+        self.particles = p = Particles.at_rest(
+            self.analysis,
+            X,
+            np.repeat(0.25 * cell[:, None], count, axis=1),
+            vol0,
+            rng.uniform(0.5, 2.0, count),
+            body=np.zeros(count),
+            material=np.zeros(count),
+            velocity_field=np.zeros(count),
+        )
+        p.V[:] = rng.standard_normal(p.V.shape)
+        p.tau[:] = rng.standard_normal(p.tau.shape)
+        p.F[: d * d] += rng.uniform(-0.15, 0.15, (d * d, count))
+        self.order = CellOrder(p, self.grid)
+        self.order.sort(parallel)
+        self.stencil = allocate_stencil(d, self.grid.width, self.grid.offsets(), self.order.slots)
+        self.across = across_of(self.grid.width)
+
+    @property
+    def dimensions(self) -> int:
+        return self.analysis.dimensions
+
+    def _call(self, kernel, ranges, *arrays):
+        p = self.particles
+        kernel[self.parallel](
+            self.analysis, self.shape.parameters, self.grid.geometry, self.across, ranges, self.stencil,
+            p.X, p.F, p.size, None, *arrays,
+        )  # fmt: skip
+
+    def scatter(self, kernel, *arrays):
+        self._call(kernel, self.order.bands, *arrays)
+
+    def gather(self, kernel, *arrays):
+        self._call(kernel, self.order.chunks, *arrays)
+
+    def nodal(self, components: int | None = None) -> np.ndarray:
+        return np.zeros((self.grid.node_count, components or self.dimensions))
+
+    def mass_and_momentum(self) -> np.ndarray:
+        mp = self.nodal(1 + self.dimensions)
+        self.scatter(transfer.extrapolate_mass_and_momentum, self.particles.mass, self.particles.V, mp.reshape(-1))
+        return mp
+
+    def forces(self) -> np.ndarray:
+        f = self.nodal()
+        self.scatter(transfer.extrapolate_forces, self.particles.vol0, self.particles.tau, f.reshape(-1))
+        return f
+
+    def project(self, v: np.ndarray) -> np.ndarray:
+        """S⁺S v, zero where no mass is."""
+        out = self.nodal()
+        self.scatter(transfer.project_increment, self.particles.mass, v.reshape(-1), out.reshape(-1))
+        m = self.mass_and_momentum()[:, :1]
+        return np.divide(out, m, out=np.zeros_like(out), where=m > 0)
+
+    def move(self, v, w, flip, alpha=0.5, damping=0.0, dt=0.01, damped=None, L=True):
+        """Move the particles; returns what the kernel reports per chunk."""
+        p = self.particles
+        report = {"speed2": np.zeros(CHUNKS), "travel": np.zeros(CHUNKS), "outside": np.zeros(CHUNKS, dtype=np.int64)}
+        bounds = np.stack([self.grid.lower, self.grid.upper], axis=1)
+        self.gather(
+            transfer.move_particles, v.reshape(-1), None if w is None else w.reshape(-1), alpha, damping, dt,
+            True if flip else None, p.V, p.X, p.L if L else None, p.mass,
+            report["speed2"], report["travel"], report["outside"], bounds, damped,
+        )  # fmt: skip
+        return report
+
+
+@pytest.fixture(scope="session")
+def cloud():
+    """The class ``Cloud``: (analysis, shape, count=60, seed=1, …)."""
+    return Cloud
+
+
+@pytest.fixture(scope="session")
+def dense_of(find_stencils):
+    """Function: the matrices S (N, n) and G (d, N, n) of a cloud, by ``find_stencils``."""
+
+    def dense(cloud):
+        p = cloud.particles
+        return find_stencils(cloud.name, cloud.grid, p.X, p.size, p.F).matrices()
+
+    return dense
