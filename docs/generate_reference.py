@@ -59,13 +59,31 @@ def introduction() -> str:
     """What holds for every value of a scene."""
     from mpmcli.core.expressions import FUNCTIONS
 
-    return (
-        "This page is made from the models that read a scene, so it says what the program accepts. Any number "
-        'may also be text with a unit (`"1 GPa"`; the scene must declare its `units`) or an expression of the '
-        'scene\'s `constants` (`"2*R"`). Where a value may vary, the meaning says of which of `x`, `y`, `z`, `t`. '
-        "Expressions know `+ - * / **`, comparisons (1 where true, 0 where not), `pi`, and "
-        f"`{' '.join(FUNCTIONS)}`. `mpmcli schema` prints the same for editors."
+    lines = [
+        "This page is made from the models that read a scene, so it says what the program accepts.",
+        'Any number may also be text with a unit (`"1 GPa"`; the scene must declare its `units`) or an expression',
+        'of the scene\'s `constants` (`"2*R"`). Where a value may vary, the meaning says of which of `x`, `y`, `z`,',
+        "`t`. Expressions know `+ - * / **`, comparisons (1 where true, 0 where not), `pi`, and",
+        f"`{' '.join(FUNCTIONS)}`.",
+        "`mpmcli schema` prints the same for editors.",
+    ]
+    return "\n".join(lines)
+
+
+def not_built() -> Iterator[str]:
+    """The keys that belong to the format and are refused until they are built."""
+    from mpmcli.scene.not_built import ENTRIES
+
+    yield from (
+        "## Not built yet",
+        "",
+        "These keys belong to the format; a scene with one of them is refused:",
+        "",
     )
+    for path, value, words in ENTRIES:
+        key = ".".join("NAME" if part == "*" else part for part in path)
+        yield f"- `{key}{f': {value}' if value is not None else ''}`: {words}"
+    yield "- `contact` with more than one velocity field"
 
 
 class Reference:
@@ -76,6 +94,7 @@ class Reference:
         self.definitions: dict[str, Schema] = schema["definitions"]
         self.written: set[str] = set()
         self.models = {**analyses_of_materials(), **axes_of_regions()}
+        self.made = {"transfer": default_transfer()}
 
     def lines(self) -> Iterator[str]:
         """The lines of the page."""
@@ -88,6 +107,7 @@ class Reference:
                 yield from (f"## `{key}`", "", sentence(node.get("description", "")), "")
             for name in names:
                 yield from self.section(name, NOUNS.get(key, ""))
+        yield from not_built()
 
     def section(self, name: str, noun: str) -> Iterator[str]:
         """A model and the models that it leads to."""
@@ -111,6 +131,8 @@ class Reference:
         yield "| --- | --- | --- | --- |"
         for key, node in model["properties"].items():
             default = "needed" if key in required else default_of(node)
+            if default == "–":
+                default = self.made.get(key, default)
             cells = (f"`{key}`", self.words(node), default, sentence(node.get("description", "")))
             yield f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
         yield ""
@@ -216,13 +238,15 @@ def bounds(node: Schema) -> str:
 def default_of(node: Schema) -> str:
     """The default in words; a dash where leaving the key out means that there is nothing."""
     value = node.get("default")
+    if isinstance(value, dict) and not any(value.values()):
+        value = None
     return "–" if value in (None, "", [], {}) else f"`{plain(value)}`"
 
 
 def plain(value: Any) -> str:
     """A value as YAML writes it."""
-    if isinstance(value, bool):
-        return str(value).lower()
+    if value is None or isinstance(value, bool):
+        return "null" if value is None else str(value).lower()
     if isinstance(value, dict):
         return "{" + ", ".join(f"{key}: {plain(member)}" for key, member in value.items()) + "}"
     if isinstance(value, list):
@@ -277,6 +301,13 @@ def axes_of_regions() -> dict[str, str]:
             name = "mpmcli__geometry__box__Box"
         lines[name] = f"For analyses with {', '.join(str(n) for n in axes)} axes." if len(axes) < 3 else ""
     return {name: line for name, line in lines.items() if line}
+
+
+def default_transfer() -> str:
+    """The transfer of a scene that names none; the schema does not know defaults that are made when needed."""
+    from mpmcli.scene.method import Method
+
+    return f"`{plain(Method().transfer.model_dump())}`"
 
 
 def shapes() -> str:

@@ -1,8 +1,8 @@
 """Algebra of 3 x 3 tensors as tuples of numbers, for use inside kernels.
 
 A general tensor is the 9-tuple of its rows (xx, xy, xz, yx, yy, yz, zx, zy, zz); a symmetric one the 6-tuple
-(xx, yy, zz, xy, yz, xz). Components that are known to be zero when a kernel is compiled (2D and 1D analyses) cost
-nothing: the compiler removes them.
+(xx, yy, zz, xy, yz, xz). Components that are known to be zero when a kernel is compiled (2D and 1D analyses)
+cost nothing: the compiler removes them.
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ def multiply_commuting(a: Symmetric, b: Symmetric) -> Symmetric:
 def logarithm(x: float) -> float:
     """ln x for positive x, without branches or a library call, so that loops over it vectorise.
 
-    x = 2ᵏ m with m in [√½, √2), and ln m = 2 artanh z by its series, z = (m - 1)/(m + 1). Not finite or not positive
+    x = 2ᵏ m with m in [√½, √2), and ln m = 2 artanh z by its series, z = (m - 1)/(m + 1). Not finite or negative
     x give a meaningless number.
     """
     bits = np.float64(x).view(np.int64)
@@ -141,8 +141,8 @@ def logarithm(x: float) -> float:
 def exponential_1d(x: float) -> float:
     """exp x, without branches or a library call, so that loops over it vectorise.
 
-    exp x = 2ᵏ exp r with k the whole number next to x/ln 2, and exp r by its series. Beyond the range of numbers the
-    result is inf or 2⁻¹⁰²²; for NaN it is meaningless.
+    exp x = 2ᵏ exp r with k the whole number next to x/ln 2, and exp r by its series. Beyond the range of
+    numbers the result is inf or 2⁻¹⁰²²; for NaN it is meaningless.
     """
     x = min(max(x, -708.0), 710.0)
     k = np.int64(math.floor(x * (1.0 / LN2) + 0.5))
@@ -163,8 +163,8 @@ def _small_exponential(x: float) -> float:
 def exponential_2d(xx: float, xy: float, yx: float, yy: float) -> tuple[float, float, float, float]:
     """The exponential (xx, xy, yx, yy) of a 2 x 2 matrix A.
 
-    exp A = eʰ [cosh √q I + (sinh √q / √q)(A - hI)] with h = tr A / 2 and q = ((xx - yy)/2)² + xy·yx. Both functions
-    of q are entire: one series serves rotation (q < 0), shear (q = 0) and stretch (q > 0).
+    exp A = eʰ [cosh √q I + (sinh √q / √q)(A - hI)] with h = tr A / 2 and q = ((xx - yy)/2)² + xy·yx. Both
+    functions of q are entire: one series serves rotation (q < 0), shear (q = 0) and stretch (q > 0).
     """
     h = 0.5 * (xx + yy)
     d = 0.5 * (xx - yy)
@@ -227,7 +227,9 @@ def small_exponential_3d(A: Tensor) -> Tensor:
 @inline
 def exponential_3d(A: Tensor) -> Tensor:
     """The exponential of a 3 x 3 matrix: halved until it is small, and squared back."""
-    largest = max(abs(A[0]), abs(A[1]), abs(A[2]), abs(A[3]), abs(A[4]), abs(A[5]), abs(A[6]), abs(A[7]), abs(A[8]))
+    largest = max(
+        abs(A[0]), abs(A[1]), abs(A[2]), abs(A[3]), abs(A[4]), abs(A[5]), abs(A[6]), abs(A[7]), abs(A[8])
+    )
     r = 1.0
     halvings = 0
     while largest * r > SMALL_INCREMENT and halvings < 60:
@@ -267,8 +269,8 @@ def _rotate(p: float, q: float, pq: float) -> tuple[float, float, float]:
 def eigen_symmetric(b: Symmetric) -> tuple[Vector, Tensor]:
     """Eigenvalues, and eigenvectors as the columns of an orthogonal matrix, by cyclic Jacobi rotations.
 
-    The values are not sorted. Equal and nearly equal values need no special case; a tensor that is a 2 x 2 block and
-    zz is solved by one rotation.
+    The values are not sorted. Equal and nearly equal values need no special case; a tensor that is a 2 x 2
+    block and zz is solved by one rotation.
     """
     xx, yy, zz, xy, yz, xz = b
     ax, bx, cx, ay, by, cy, az, bz, cz = IDENTITY
@@ -312,7 +314,8 @@ def smallest_eigenvalue_bound(b: Symmetric) -> float:
 def _log_block(xx: float, yy: float, xy: float) -> tuple[float, float, float]:
     """(xx, yy, xy) of the logarithm of a positive 2 x 2 tensor.
 
-    ln b = ½ ln(det b) I + (artanh(r/m)/r)(b - mI), with m the mean and r half the difference of the eigenvalues.
+    ln b = ½ ln(det b) I + (artanh(r/m)/r)(b - mI), with m the mean and r half the difference of the
+    eigenvalues.
     """
     m = 0.5 * (xx + yy)
     d = 0.5 * (xx - yy)

@@ -7,9 +7,12 @@ sum belongs to the bands, not to the threads. Gathers run over chunks of particl
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 from numba import prange
 
+from mpmcli.core.dispatch import generic
 from mpmcli.core.grid import unfold
 from mpmcli.core.kernel import kernel
 from mpmcli.core.stencil import fill
@@ -22,28 +25,114 @@ from mpmcli.core.verbs import (
     scatter_vector,
 )
 
-@kernel
-def extrapolate_mass_and_momentum(analysis, shape, grid, across, bands, stencil, X, F, size, field, M, V, mp):
-    """Task 1: m = Sᵀ M and p = Sᵀ M V (Nairn 2026, section 2.1).
+Array = np.ndarray
 
-    ``bands`` (n_bands + 1,) first particles of the bands; ``mp`` (n·(1 + d),) must be zero on entry.
+class MassAndMomentum(NamedTuple):
+    """Task 1: m = Sᵀ M and p = Sᵀ M V (Nairn 2026, section 2.1)."""
+
+    M: Array
+    V: Array
+    mp: Array
+    """(n·(1 + d),) mass and momentum of the nodes."""
+
+
+class InternalForces(NamedTuple):
+    """Task 2: f = −Gᵀ Ω τ, with Ω the initial volumes."""
+
+    vol0: Array
+    tau: Array
+    f: Array
+    """(n·d,) forces on the nodes."""
+
+
+class StateAndForces(NamedTuple):
+    """Tasks 1 and 2 at once, where stress does not change between them: one stencil serves both."""
+
+    M: Array
+    V: Array
+    vol0: Array
+    tau: Array
+    mp: Array
+    f: Array
+
+
+class Projection(NamedTuple):
+    """One pass of the FMPM loop: out = Sᵀ M S v, so that out/m = S⁺S v."""
+
+    M: Array
+    v: Array
+    """(n·d,) nodal velocities."""
+    out: Array
+    """(n·d,)"""
+
+
+class VectorSum(NamedTuple):
+    """out = Sᵀ M V for particle vectors: accelerations (task 2) or new velocities (task 4.a)."""
+
+    M: Array
+    V: Array
+    """(d, N)"""
+    out: Array
+    """(n·d,)"""
+
+
+@generic
+def gradients_for(task: Any, G: Any) -> Any:
+    """The buffer ``G`` if a scatter needs gradients, else None: they are then not computed at all."""
+
+
+@gradients_for.register(InternalForces)
+@gradients_for.register(StateAndForces)
+def _(task, G):
+    return G
+
+
+@gradients_for.register(MassAndMomentum)
+@gradients_for.register(Projection)
+@gradients_for.register(VectorSum)
+def _(task, G):
+    return None
+
+
+@generic
+def scatter_particle(task: Any, analysis: Any, S: Any, G: Any, base: Any, offsets: Any, across: Any, X: Any, p: Any) -> Any:  # fmt: skip  # noqa: E501
+    """Add what particle ``p`` gives to the nodes of its stencil."""
+
+
+@scatter_particle.register(MassAndMomentum)
+def _(task, analysis, S, G, base, offsets, across, X, p):
+    scatter_momentum(analysis, S, base, offsets, across, task.M, task.V, p, task.mp)
+
+
+@scatter_particle.register(InternalForces)
+def _(task, analysis, S, G, base, offsets, across, X, p):
+    scatter_stress(analysis, S, G, base, offsets, across, task.vol0, task.tau, X, p, task.f)
+
+
+@scatter_particle.register(StateAndForces)
+def _(task, analysis, S, G, base, offsets, across, X, p):
+    scatter_momentum(analysis, S, base, offsets, across, task.M, task.V, p, task.mp)
+    scatter_stress(analysis, S, G, base, offsets, across, task.vol0, task.tau, X, p, task.f)
+
+
+@scatter_particle.register(Projection)
+def _(task, analysis, S, G, base, offsets, across, X, p):
+    V = gather_vector(analysis, S, base, offsets, across, task.v)
+    scatter_vector(analysis, S, base, offsets, across, task.M[p], V, task.out)
+
+
+@scatter_particle.register(VectorSum)
+def _(task, analysis, S, G, base, offsets, across, X, p):
+    scatter_vector(analysis, S, base, offsets, across, task.M[p], column(analysis, task.V, p), task.out)
+
+
+@kernel
+def scatter(task, analysis, shape, grid, across, bands, stencil, X, F, size, field):
+    """Particles to grid: run a scatter task (one of the tuples above) over all particles.
+
+    The nodal arrays of ``task`` must be zero on entry, or hold what is added to. ``bands`` (n_bands + 1,) first
+    particles of the bands; ``field`` (N,) velocity fields, or None if there is only one.
     """
-    count = bands.shape[0] - 1
-    for colour in range(2):
-        for half in prange((count + 1 - colour) // 2):
-            b = np.uint64(2 * half + colour)
-            geometry = unfold(grid)
-            S, W, offsets = stencil.S[b], stencil.W[b], stencil.offsets
-            for p in range(bands[b], bands[b + np.uint64(1)]):
-                base = fill(shape, geometry, across, X, F, size, p, S, None, W, stencil.status)
-                if field is not None:
-                    base += np.uint64(field[p]) * geometry.field_stride
-                scatter_momentum(analysis, S, base, offsets, across, M, V, p, mp)
-
-
-@kernel
-def extrapolate_forces(analysis, shape, grid, across, bands, stencil, X, F, size, field, vol0, tau, f):
-    """Task 2: f = −Gᵀ Ω τ, with Ω the initial volumes; ``f`` (n·d,) must be zero on entry."""
     count = bands.shape[0] - 1
     for colour in range(2):
         for half in prange((count + 1 - colour) // 2):
@@ -51,63 +140,11 @@ def extrapolate_forces(analysis, shape, grid, across, bands, stencil, X, F, size
             geometry = unfold(grid)
             S, G, W, offsets = stencil.S[b], stencil.G[b], stencil.W[b], stencil.offsets
             for p in range(bands[b], bands[b + np.uint64(1)]):
-                base = fill(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
+                wanted = gradients_for(task, G)
+                base = fill(shape, geometry, across, X, F, size, p, S, wanted, W, stencil.status)
                 if field is not None:
                     base += np.uint64(field[p]) * geometry.field_stride
-                scatter_stress(analysis, S, G, base, offsets, across, vol0, tau, X, p, f)
-
-
-@kernel
-def extrapolate_state(analysis, shape, grid, across, bands, stencil, X, F, size, field, M, V, vol0, tau, mp, f):
-    """Tasks 1 and 2 at once, where stress does not change between them: one stencil serves both scatters.
-
-    ``mp`` (n·(1 + d),) and ``f`` (n·d,) must be zero on entry.
-    """
-    count = bands.shape[0] - 1
-    for colour in range(2):
-        for half in prange((count + 1 - colour) // 2):
-            b = np.uint64(2 * half + colour)
-            geometry = unfold(grid)
-            S, G, W, offsets = stencil.S[b], stencil.G[b], stencil.W[b], stencil.offsets
-            for p in range(bands[b], bands[b + np.uint64(1)]):
-                base = fill(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
-                if field is not None:
-                    base += np.uint64(field[p]) * geometry.field_stride
-                scatter_momentum(analysis, S, base, offsets, across, M, V, p, mp)
-                scatter_stress(analysis, S, G, base, offsets, across, vol0, tau, X, p, f)
-
-
-@kernel
-def project_increment(analysis, shape, grid, across, bands, stencil, X, F, size, field, M, v, out):
-    """One pass of the FMPM loop: out = Sᵀ M S v, so that out/m = S⁺S v; ``out`` (n·d,) must be zero on entry."""
-    count = bands.shape[0] - 1
-    for colour in range(2):
-        for half in prange((count + 1 - colour) // 2):
-            b = np.uint64(2 * half + colour)
-            geometry = unfold(grid)
-            S, W, offsets = stencil.S[b], stencil.W[b], stencil.offsets
-            for p in range(bands[b], bands[b + np.uint64(1)]):
-                base = fill(shape, geometry, across, X, F, size, p, S, None, W, stencil.status)
-                if field is not None:
-                    base += np.uint64(field[p]) * geometry.field_stride
-                V = gather_vector(analysis, S, base, offsets, across, v)
-                scatter_vector(analysis, S, base, offsets, across, M[p], V, out)
-
-
-@kernel
-def extrapolate_vector(analysis, shape, grid, across, bands, stencil, X, F, size, field, M, V, out):
-    """out += Sᵀ M V: particle accelerations (task 2) or new velocities (task 4.a); ``V`` (d, N), ``out`` (n·d,)."""
-    count = bands.shape[0] - 1
-    for colour in range(2):
-        for half in prange((count + 1 - colour) // 2):
-            b = np.uint64(2 * half + colour)
-            geometry = unfold(grid)
-            S, W, offsets = stencil.S[b], stencil.W[b], stencil.offsets
-            for p in range(bands[b], bands[b + np.uint64(1)]):
-                base = fill(shape, geometry, across, X, F, size, p, S, None, W, stencil.status)
-                if field is not None:
-                    base += np.uint64(field[p]) * geometry.field_stride
-                scatter_vector(analysis, S, base, offsets, across, M[p], column(analysis, V, p), out)
+                scatter_particle(task, analysis, S, G, base, offsets, across, X, p)
 
 
 @kernel

@@ -1,8 +1,9 @@
-"""What a material is: a pydantic model (the scene's words), a named tuple of numbers, and four scalar functions.
+"""What a material is: a pydantic model (the scene's words), a named tuple of numbers, and four scalar
+functions.
 
-A new material is one new file here: a model registered in ``MATERIALS``, its parameter tuple, and implementations of
-``kirchhoff_stress``, ``strain_energy``, ``wave_speed_squared`` (and ``bulk_speed_squared``, ``absorb_work`` where the
-defaults do not serve), registered for the tuple's class.
+A new material is one new file here: a model registered in ``MATERIALS``, its parameter tuple, and
+implementations of ``kirchhoff_stress``, ``strain_energy``, ``wave_speed_squared`` (and
+``bulk_speed_squared``, ``absorb_work`` where the defaults do not serve), registered for the tuple's class.
 """
 
 from __future__ import annotations
@@ -49,14 +50,15 @@ class MaterialModel(Model):
 def kirchhoff_stress(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
     """Kirchhoff stress τ = Jσ of particle ``p`` after its deformation gradient became ``F``.
 
-    ``F`` and ``dF`` (F = dF·Fⁿ) are 9-tuples, rows first. ``H`` is the history array (n_history, N); it is read at
-    column ``p`` and written only if ``commit``. Returns the 6-tuple (xx, yy, zz, xy, yz, xz) [pressure].
+    ``F`` and ``dF`` (F = dF·Fⁿ) are 9-tuples, rows first. ``H`` is the history array (n_history, N); it is
+    read at column ``p`` and written only if ``commit``. Returns the 6-tuple (xx, yy, zz, xy, yz, xz)
+    [pressure].
     """
 
 
 @generic
 def needs_increment(m: Any) -> Any:
-    """Whether the stress depends on dF: materials with history do, hyperelastic ones get the identity instead."""
+    """Whether the stress depends on dF; a hyperelastic one does not, and gets the identity instead."""
 
 
 @generic
@@ -78,6 +80,7 @@ def bulk_speed_squared(m: Any, F: Any, H: Any, p: Any) -> Any:
 def absorb_work(m: Any, F: Any, dF: Any, H: Any, p: Any, work: Any, viscous: Any) -> Any:
     """Update internal energy and temperature after a step, where the material tracks them.
 
-    ``work`` is the stress work of the step per initial volume, artificial viscosity included; ``viscous`` the part
-    of the latter. Called only for materials with a history variable ``internal_energy`` or ``temperature``.
+    ``work`` is the stress work of the step per initial volume, artificial viscosity included; ``viscous``
+    the part of the latter. Called only for materials with a history variable ``internal_energy`` or
+    ``temperature``.
     """

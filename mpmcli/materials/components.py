@@ -1,7 +1,8 @@
-"""Which components of a particle's tensors each analysis stores, and how a step changes its deformation gradient.
+"""Which components of a particle's tensors each analysis stores, and how a step changes its deformation
+gradient.
 
-Generic over the analysis, so that the particle loop in ``strain.py`` is written once. Inside, tensors are complete
-(9 or 6 components); the zeros of 1D and 2D analyses are known to the compiler.
+Generic over the analysis, so that the particle loop in ``strain.py`` is written once. Inside, tensors are
+complete (9 or 6 components); the zeros of 1D and 2D analyses are known to the compiler.
 """
 
 from __future__ import annotations
@@ -51,7 +52,8 @@ def load_increment(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
 
 @generic
 def deform_little(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> Any:
-    """F becomes exp(L dt)·F for particles ``start`` to ``end``, members of L dt being up to ``SMALL_INCREMENT``.
+    """F becomes exp(L dt)·F for particles ``start`` to ``end``, members of L dt being up to
+    ``SMALL_INCREMENT``.
 
     Lateral stretches that the stress decides stay. The loops have no branches, so that they vectorise.
     """
@@ -118,7 +120,7 @@ for _analysis in ONE_AXIS:
 
 @inline
 def deform_in_plane(F: Any, L: Any, start: Any, end: Any, dt: Any) -> None:
-    """The loop of ``deform_little`` in the plane; ``exponential_2d`` is written out, which lets it vectorise."""
+    """``deform_little`` in the plane; ``exponential_2d`` is written out, which lets the loop vectorise."""
     for p in range(start, end):
         h = 0.5 * dt * (L[0, p] + L[3, p])
         d = 0.5 * dt * (L[0, p] - L[3, p])

@@ -27,7 +27,8 @@ def no(m: Any) -> Any:
 def with_defaults(parameters: Parameters) -> Parameters:
     """Class decorator of a parameter tuple: register the defaults, which later registrations replace.
 
-    No heat (``absorb_work``), a stress that follows from F alone (``needs_increment``), and a search for the lateral stretch of plane and uniaxial stress.
+    No heat (``absorb_work``), a stress that follows from F alone (``needs_increment``), and a search for the
+    lateral stretch of plane and uniaxial stress.
     """
     absorb_work.register(parameters)(absorb_nothing)
     needs_increment.register(parameters)(no)

@@ -13,7 +13,7 @@ from mpmcli.materials.base import MaterialModel
 
 
 class ElasticModel(MaterialModel):
-    """Base of the materials that start isotropic and elastic: exactly one pair of constants, E and nu or K and G."""
+    """Base of materials that start isotropic and elastic, by one pair of constants: E and nu, or K and G."""
 
     analyses: ClassVar[frozenset[str]] = frozenset(ANALYSES)
 

@@ -27,9 +27,9 @@ TEMPERATURE, HEAT = 0, 1
 class IdealGas(MaterialModel):
     """Ideal gas: p = (p0/J)(T/T0), τ = −Jp I.
 
-    Isothermal: T = T0. Adiabatic: T ∝ J^(1−γ) plus the heat of artificial viscosity, with ρ₀c_v = p0/((γ − 1)T0).
-    The gas is under its pressure from the start. Its stored energy is relative to the start: p0 (J^(1−γ) − 1)/(γ − 1)
-    per initial volume if adiabatic, −p0 ln J if isothermal.
+    Isothermal: T = T0. Adiabatic: T ∝ J^(1−γ) plus the heat of artificial viscosity, with ρ₀c_v = p0/((γ −
+    1)T0). The gas is under its pressure from the start. Its stored energy is relative to the start: p0
+    (J^(1−γ) − 1)/(γ − 1) per initial volume if adiabatic, −p0 ln J if isothermal.
     """
 
     analyses: ClassVar[frozenset[str]] = frozenset({"uniaxial_strain", "plane_strain", "axisymmetric", "3d"})

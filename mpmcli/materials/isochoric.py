@@ -1,6 +1,7 @@
 """The isochoric neo-Hookean shear term, shared by hyperelastic solids and equations of state.
 
-W = ½G(I₁ J^(-2/3) − 3), τ = G J^(-2/3) dev(F Fᵀ): the first term of Eq. 18 of Nairn, Hammerquist & Smith (2020).
+W = ½G(I₁ J^(-2/3) − 3), τ = G J^(-2/3) dev(F Fᵀ): the first term of Eq. 18 of Nairn, Hammerquist & Smith
+(2020).
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ def isochoric_energy(shear: float, F: Any, J: float) -> float:
 
 @inline
 def isochoric_stiffness(shear: float, F: Any, J: float) -> float:
-    """Largest ∂τᵢ/∂(ln λᵢ) − τᵢ over the principal axes i, that of the smallest stretch; 4G/3 at rest [pressure]."""
+    """Largest ∂τᵢ/∂(ln λᵢ) − τᵢ of the principal axes i, that of the smallest λ; 4G/3 at rest [pressure]."""
     b = left_cauchy_green(F)
     g = shear * exponential_1d(-2.0 / 3.0 * logarithm(J))
     smallest = max(0.0, smallest_eigenvalue_bound(b))

@@ -29,10 +29,10 @@ STRAIN, WORK, TEMPERATURE, HEAT = 6, 7, 8, 9
 class J2Plastic(ElasticModel):
     """Von Mises plasticity with a multiplicative split F = FᵉFᵖ and Hencky elasticity.
 
-    The elastic left Cauchy–Green tensor bᵉ is the history. A step takes it to dF bᵉ dFᵀ; with the elastic strain
-    ε = ½ ln bᵉ the stress is τ = K tr(ε) I + 2G dev ε, and where √(3/2)|dev τ| passes the flow stress Y, dev ε is
-    scaled back so that it meets Y at the end of the step (radial return, exact in logarithmic strain; Simo 1992).
-    Adiabatic: the part χ of the plastic work heats the material.
+    The elastic left Cauchy–Green tensor bᵉ is the history. A step takes it to dF bᵉ dFᵀ; with the elastic
+    strain ε = ½ ln bᵉ the stress is τ = K tr(ε) I + 2G dev ε, and where √(3/2)|dev τ| passes the flow stress
+    Y, dev ε is scaled back so that it meets Y at the end of the step (radial return, exact in logarithmic
+    strain; Simo 1992). Adiabatic: the part χ of the plastic work heats the material.
     """
 
     history: ClassVar[tuple[str, ...]] = (

@@ -1,7 +1,7 @@
 """Thickness where the lateral stress vanishes: plane stress (τ_zz = 0) and uniaxial stress (τ_yy = τ_zz = 0).
 
-A material with a closed form registers it; ``search_thickness`` and ``search_lateral`` serve every other one by
-trial calls of its stress that leave its history as it was.
+A material with a closed form registers it; ``search_thickness`` and ``search_lateral`` serve every other one
+by trial calls of its stress that leave its history as it was.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from mpmcli.materials.base import kirchhoff_stress
 
 @generic
 def thickness_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
-    """F_zz for which τ_zz = 0, the components of ``F`` in the plane given; ``F`` holds F_zz of the last step."""
+    """F_zz for which τ_zz = 0; ``F`` holds the new components in the plane, and F_zz of the last step."""
 
 
 @generic
 def lateral_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
-    """F_yy = F_zz for which τ_yy = τ_zz = 0, F_xx given; ``F`` holds the lateral stretches of the last step."""
+    """F_yy = F_zz for which τ_yy = τ_zz = 0; ``F`` holds the new F_xx, and F_yy = F_zz of the last step."""
 
 
 @inline
@@ -34,7 +34,7 @@ def stretch_laterally(F: Any, y: float, z: float) -> Any:
 
 @register_jitable(**COMPILE_OPTIONS)
 def search_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) -> Any:
-    """F_zz (and F_yy, if ``both``) for which τ_zz = 0: a secant search in its logarithm, bracketed, to round-off."""
+    """F_zz (and F_yy, if ``both``) for which τ_zz = 0: a bracketed secant search in its logarithm."""
     low, high = -20.0, 20.0
     x0, f0 = 0.0, 0.0
     x = 0.0

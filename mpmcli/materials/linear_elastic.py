@@ -1,4 +1,4 @@
-"""Linear elasticity for large rotation: Hencky's law, linear between Kirchhoff stress and logarithmic strain."""
+"""Linear elasticity for large rotation: Hencky's law between Kirchhoff stress and logarithmic strain."""
 
 from __future__ import annotations
 

@@ -36,8 +36,8 @@ class MieGruneisen(MaterialModel):
     p = K η (1 − ½γ₀η) / (1 − S₁η − S₂η² − S₃η³)² + γ₀E for η > 0 (compression), p = K η + γ₀E otherwise
 
     (Eq. 51 of Nairn, Hammerquist & Smith 2020, whose branches are printed the other way round), and
-    τ = −Jp I + G J^(−2/3) dev(F Fᵀ). Adiabatic: E grows by all work of the stress, dT = γ₀T dη plus viscous heating.
-    Isothermal: heat flows so that T stays at T0, dE = dw − ρ₀c_v γ₀T0 dη.
+    τ = −Jp I + G J^(−2/3) dev(F Fᵀ). Adiabatic: E grows by all work of the stress, dT = γ₀T dη plus viscous
+    heating. Isothermal: heat flows so that T stays at T0, dE = dw − ρ₀c_v γ₀T0 dη.
     """
 
     analyses: ClassVar[frozenset[str]] = frozenset({"uniaxial_strain", "plane_strain", "axisymmetric", "3d"})
@@ -173,7 +173,9 @@ def _(m: Any, F: Any, dF: Any, H: Any, p: Any, work: Any, viscous: Any) -> Any:
 @strain_energy.register(EquationOfState)
 def _(m: Any, F: Any, H: Any, p: Any) -> Any:
     # what is left of E without the heat that raised T above the isentrope through the initial state
-    return H[ENERGY, p] - m.capacity * (H[TEMPERATURE, p] - m.T0 * exponential_1d(m.gamma0 * (1.0 - determinant(F))))
+    return H[ENERGY, p] - m.capacity * (
+        H[TEMPERATURE, p] - m.T0 * exponential_1d(m.gamma0 * (1.0 - determinant(F)))
+    )
 
 
 @bulk_speed_squared.register(EquationOfState)

@@ -30,15 +30,16 @@ class NeoHookean(ElasticModel):
     With b = F Fᵀ and I₁ = tr b, the Kirchhoff stress and the energy per initial volume are
 
     - ``split: none``: τ = M u' I + G(b − I), W = U + ½G(I₁ − 3 − 2 ln J), where the modulus M of U is λ;
-    - ``split: isochoric``: τ = M u' I + G J^(−2/3) dev b, W = U + ½G(I₁ J^(−2/3) − 3), where M is the bulk modulus K;
+    - ``split: isochoric``: τ = M u' I + G J^(−2/3) dev b, W = U + ½G(I₁ J^(−2/3) − 3), where M is the bulk
+      modulus K;
 
     and the volumetric part is
 
     - ``volumetric: j_minus_inverse``: U = ½M(½(J² − 1) − ln J), M u' = ½M(J² − 1);
     - ``volumetric: log``: U = ½M ln²J, M u' = M ln J.
 
-    The default is Eq. 14 of Nairn (2026), σ = ½λ(J − 1/J) I + (G/J)(b − I). ``split: isochoric`` gives Eq. 18 of
-    Nairn, Hammerquist & Smith (2020), ``volumetric: log`` the law P = G(F − F⁻ᵀ) + λ ln J F⁻ᵀ.
+    The default is Eq. 14 of Nairn (2026), σ = ½λ(J − 1/J) I + (G/J)(b − I). ``split: isochoric`` gives Eq.
+    18 of Nairn, Hammerquist & Smith (2020), ``volumetric: log`` the law P = G(F − F⁻ᵀ) + λ ln J F⁻ᵀ.
     """
 
     properties: ClassVar[frozenset[str]] = frozenset({"hyperelastic", "isotropic", "stress_free_at_rest"})
@@ -105,7 +106,9 @@ def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
 def _(m: Any, F: Any, H: Any, p: Any) -> Any:
     b = left_cauchy_green(F)
     J = determinant(F)
-    return volumetric_energy(m.form, m.modulus, J) + 0.5 * m.shear * (b[0] + b[1] + b[2] - 3.0 - 2.0 * logarithm(J))
+    return volumetric_energy(m.form, m.modulus, J) + 0.5 * m.shear * (
+        b[0] + b[1] + b[2] - 3.0 - 2.0 * logarithm(J)
+    )
 
 
 @wave_speed_squared.register(CoupledNeoHookean)

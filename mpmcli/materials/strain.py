@@ -1,7 +1,7 @@
 """Task 5 of the time step: velocity gradient to deformation gradient and stress, one loop for every material.
 
-The analysis decides which components a particle stores and how the thickness follows; the class of the parameter
-tuple decides the material. Both are known when the loop is compiled.
+The analysis decides which components a particle stores and how the thickness follows; the class of the
+parameter tuple decides the material. Both are known when the loop is compiled.
 """
 
 from __future__ import annotations
@@ -41,16 +41,18 @@ BLOCK = 1024
 """Particles per block: the unit of threads and of reductions."""
 
 NOT_FINITE = np.uint64(0x7FF0000000000000)
-"""Bits of infinity; those of every NaN's magnitude are larger. Bits can be compared under fast floating point."""
+"""Bits of infinity; those of NaN are larger. Bits can be compared under fast floating point."""
 
 MAGNITUDE = np.uint64(0x7FFFFFFFFFFFFFFF)
 """All bits but the sign."""
 
 
 class ArtificialViscosity(NamedTuple):
-    """Artificial viscosity, Eq. 52 of Nairn, Hammerquist & Smith (2020): q = ρ Δx |D_kk| (A₁c + A₂ Δx |D_kk|).
+    """Artificial viscosity, Eq. 52 of Nairn, Hammerquist & Smith (2020): q = ρ Δx |D_kk| (A₁c + A₂ Δx
+    |D_kk|).
 
-    ``cell`` is Δx [length]; ``pressure`` (N,) receives q [pressure], ``work`` (N,) accumulates its work [energy].
+    ``cell`` is Δx [length]; ``pressure`` (N,) receives q [pressure], ``work`` (N,) accumulates its work
+    [energy].
     """
 
     linear: float
@@ -92,7 +94,7 @@ def find_others(material: Any, material_index: Any, start: Any, last: Any) -> An
 
 @inline
 def largest_magnitude(A: Any, start: Any, end: Any) -> Any:
-    """Bits of the largest magnitude in columns ``start`` to ``end``; ordered as the magnitudes, NaN and inf above."""
+    """Bits of the largest magnitude in columns ``start`` to ``end``, ordered as the magnitudes, NaN last."""
     bits = A.view(np.uint64)
     worst = np.uint64(0)
     for row in range(A.shape[0]):
@@ -130,7 +132,9 @@ def first_bad_particle(
 def deform(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> None:
     """F becomes exp(L dt)·F; lateral stretches that the stress decides stay."""
     for p in range(start, end):
-        store_gradient(analysis, F, p, multiply(load_increment(analysis, L, p, dt), load_gradient(analysis, F, p)))
+        store_gradient(
+            analysis, F, p, multiply(load_increment(analysis, L, p, dt), load_gradient(analysis, F, p))
+        )
 
 
 @block_loop
@@ -149,7 +153,7 @@ def stress_particles(
     start: Any,
     end: Any,
 ) -> Any:
-    """Stress, history and work of neighbouring particles of one material; the largest c² and the smallest J."""
+    """Stress, history and work of particles ``start`` to ``end``; returns the largest c² and smallest J."""
     fastest = 0.0
     smallest_J = 1.0
     for p in range(start, end):
@@ -259,8 +263,10 @@ def update_strain_and_stress(
 
 
 @kernel
-def stored_energy(analysis: Any, m: Any, material_index: Any, F: Any, H: Any, material: Any, out: Any) -> None:
-    """Write the stored energy per initial volume [pressure] of the particles of one material into ``out`` (N,)."""
+def stored_energy(
+    analysis: Any, m: Any, material_index: Any, F: Any, H: Any, material: Any, out: Any
+) -> None:
+    """Write the stored energy per initial volume [pressure] of one material's particles to ``out`` (N,)."""
     for p in prange(out.shape[0]):
         if material_index < 0 or material[p] == material_index:
             out[p] = strain_energy(m, load_gradient(analysis, F, p), H, p)

@@ -27,7 +27,9 @@ class TaitFluid(MaterialModel):
     """
 
     analyses: ClassVar[frozenset[str]] = frozenset({"uniaxial_strain", "plane_strain", "axisymmetric", "3d"})
-    properties: ClassVar[frozenset[str]] = frozenset({"hyperelastic", "isotropic", "stress_free_at_rest", "fluid"})
+    properties: ClassVar[frozenset[str]] = frozenset(
+        {"hyperelastic", "isotropic", "stress_free_at_rest", "fluid"}
+    )
 
     kind: Literal["tait_fluid"]
     K: PositivePressure

@@ -1,7 +1,7 @@
 """Volumetric energies U(J) = M u(J) with modulus M: their stress J U', energy and stiffness.
 
-``j_minus_inverse``: U = ½M(½(J² − 1) − ln J), with pressure −½M(J − 1/J): Eq. 18 of Nairn, Hammerquist & Smith (2020).
-``log``: U = ½M ln²J, with Kirchhoff pressure −M ln J.
+``j_minus_inverse``: U = ½M(½(J² − 1) − ln J), with pressure −½M(J − 1/J): Eq. 18 of Nairn, Hammerquist &
+Smith (2020). ``log``: U = ½M ln²J, with Kirchhoff pressure −M ln J.
 """
 
 from __future__ import annotations

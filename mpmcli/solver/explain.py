@@ -117,24 +117,26 @@ def left_out(plan: Plan) -> list[str]:
 
 
 def kernels_of(plan: Plan) -> list[str]:
-    """Names of the kernels that a step of this scene runs."""
+    """Names of the kernels that a step of this scene runs, with the tasks that the scatter is compiled for."""
     loop = plan.has_full_mass_loop
+    projects = plan.method.projects
+    first, again = plan.update.first > 0.0, plan.update.again
     used = {
         "clear_nodes": True,
-        "extrapolate_state": plan.update.first == 0.0,
-        "extrapolate_mass_and_momentum": plan.update.first > 0.0,
-        "extrapolate_forces": plan.update.first > 0.0,
-        "extrapolate_vector": plan.update.again,
+        "scatter(StateAndForces)": not first,
+        "scatter(MassAndMomentum)": first,
+        "scatter(InternalForces)": first,
+        "scatter(VectorSum)": again,
+        "scatter(Projection)": loop or (projects and plan.order > 1),
         "update_momenta": True,
         "find_velocities": True,
-        "project_increment": loop or (plan.method.projects and plan.order > 1),
         "start_increments": loop,
         "next_increment": loop,
         "add_increment": loop,
-        "start_projection": plan.method.projects,
-        "add_projection": plan.method.projects and plan.order > 1,
+        "start_projection": projects,
+        "add_projection": projects and plan.order > 1,
         "move_particles": True,
-        "find_velocity_gradients": plan.update.again or plan.update.first > 0.0,
+        "find_velocity_gradients": again or first,
         "add_nodal": plan.has_loads,
         "external_power": plan.has_loads,
         "update_strain_and_stress": True,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from mpmcli.core.nodes import clear_nodes
 from mpmcli.core.order import CHUNKS, CellOrder
 from mpmcli.core.particles import Particles
 from mpmcli.core.stencil import DOMAIN_TOO_WIDE, OUTSIDE_GRID, across_of, allocate_stencil, fill_stencils
+from mpmcli.core.transfer import InternalForces, MassAndMomentum, Projection, StateAndForces, VectorSum
 from mpmcli.shapes import ShapeEntry
 
 Array = np.ndarray
@@ -79,10 +80,10 @@ class Transfer:
         field = p.velocity_field if self._several_fields else None
         return p.X, self._domain_F, p.size, field
 
-    def _scatter(self, kernel: Any, *arrays: Array) -> None:
-        kernel[self.parallel](
-            self.analysis, self.shape.parameters, self.geometry, self.across, self.order.bands, self.stencil, *self._where(),
-            *arrays,
+    def _scatter(self, task: NamedTuple) -> None:
+        kernels.scatter[self.parallel](
+            task, self.analysis, self.shape.parameters, self.geometry, self.across, self.order.bands, self.stencil,
+            *self._where(),
         )  # fmt: skip
 
     def extrapolate(self, mp: Array, f: Array | None) -> None:
@@ -94,12 +95,10 @@ class Transfer:
         while True:
             clear_nodes[self.parallel](self.grid.active, mp)
             if f is None:
-                self._scatter(kernels.extrapolate_mass_and_momentum, p.mass, p.V, mp.reshape(-1))
+                self._scatter(MassAndMomentum(p.mass, p.V, mp.reshape(-1)))
             else:
                 clear_nodes[self.parallel](self.grid.active, f)
-                self._scatter(
-                    kernels.extrapolate_state, p.mass, p.V, p.vol0, p.tau, mp.reshape(-1), f.reshape(-1)
-                )
+                self._scatter(StateAndForces(p.mass, p.V, p.vol0, p.tau, mp.reshape(-1), f.reshape(-1)))
             problem, particle = self.stencil.status
             if problem == 0:
                 return
@@ -121,15 +120,15 @@ class Transfer:
         """Task 2: f = −Gᵀ Ω τ."""
         p = self.particles
         clear_nodes[self.parallel](self.grid.active, f)
-        self._scatter(kernels.extrapolate_forces, p.vol0, p.tau, f.reshape(-1))
+        self._scatter(InternalForces(p.vol0, p.tau, f.reshape(-1)))
 
     def add_vector(self, V: Array, out: Array) -> None:
         """out += Sᵀ M V."""
-        self._scatter(kernels.extrapolate_vector, self.particles.mass, V, out.reshape(-1))
+        self._scatter(VectorSum(self.particles.mass, V, out.reshape(-1)))
 
     def project(self, v: Array, out: Array) -> None:
         """out += Sᵀ M S v."""
-        self._scatter(kernels.project_increment, self.particles.mass, v.reshape(-1), out.reshape(-1))
+        self._scatter(Projection(self.particles.mass, v.reshape(-1), out.reshape(-1)))
 
     def velocity_gradients(self, v: Array) -> None:
         """L = G v."""

@@ -238,7 +238,8 @@ def test_compiled_and_plain_python_agree_and_every_row_is_written(kind):
         speed2, bad, out = np.zeros(blocks), np.zeros(blocks, dtype=np.int64), np.zeros(p.count)
         for dt in (0.04, 0.3, -0.2):
             update(
-                analysis, m, 0, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material, p.stress_work, None, dt, speed2, bad
+                analysis, m, 0, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material, p.stress_work, None, dt,
+                speed2, bad,
             )  # fmt: skip
         energy(analysis, m, 0, p.F, p.H, p.material, out)
         assert bad.tolist() == [-1]

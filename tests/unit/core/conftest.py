@@ -58,8 +58,12 @@ class Cloud:
             p.X, p.F, p.size, None, *arrays,
         )  # fmt: skip
 
-    def scatter(self, kernel, *arrays):
-        self._call(kernel, self.order.bands, *arrays)
+    def scatter(self, task):
+        p = self.particles
+        transfer.scatter[self.parallel](
+            task, self.analysis, self.shape.parameters, self.grid.geometry, self.across, self.order.bands,
+            self.stencil, p.X, p.F, p.size, None,
+        )  # fmt: skip
 
     def gather(self, kernel, *arrays):
         self._call(kernel, self.order.chunks, *arrays)
@@ -69,18 +73,18 @@ class Cloud:
 
     def mass_and_momentum(self) -> np.ndarray:
         mp = self.nodal(1 + self.dimensions)
-        self.scatter(transfer.extrapolate_mass_and_momentum, self.particles.mass, self.particles.V, mp.reshape(-1))
+        self.scatter(transfer.MassAndMomentum(self.particles.mass, self.particles.V, mp.reshape(-1)))
         return mp
 
     def forces(self) -> np.ndarray:
         f = self.nodal()
-        self.scatter(transfer.extrapolate_forces, self.particles.vol0, self.particles.tau, f.reshape(-1))
+        self.scatter(transfer.InternalForces(self.particles.vol0, self.particles.tau, f.reshape(-1)))
         return f
 
     def project(self, v: np.ndarray) -> np.ndarray:
         """S⁺S v, zero where no mass is."""
         out = self.nodal()
-        self.scatter(transfer.project_increment, self.particles.mass, v.reshape(-1), out.reshape(-1))
+        self.scatter(transfer.Projection(self.particles.mass, v.reshape(-1), out.reshape(-1)))
         m = self.mass_and_momentum()[:, :1]
         return np.divide(out, m, out=np.zeros_like(out), where=m > 0)
 

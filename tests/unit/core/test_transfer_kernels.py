@@ -96,7 +96,7 @@ def test_extrapolated_vectors_add_to_what_is_there(cloud, dense_of):
     S, _ = dense_of(c)
     out = np.ones((c.grid.node_count, 2))
     B = np.random.default_rng(5).standard_normal(p.V.shape)
-    c.scatter(transfer.extrapolate_vector, p.mass, B, out.reshape(-1))
+    c.scatter(transfer.VectorSum(p.mass, B, out.reshape(-1)))
     np.testing.assert_allclose(out, 1 + S.T @ (p.mass * B).T, atol=1e-13)
 
 
@@ -158,7 +158,7 @@ def test_a_runaway_particle_writes_only_to_the_grid(bad, cloud):
     p.X[1, 11] = bad
     size = 3 * c.grid.node_count
     guarded = np.zeros(size + 2000)
-    c.scatter(transfer.extrapolate_mass_and_momentum, p.mass, p.V, guarded[1000 : 1000 + size])
+    c.scatter(transfer.MassAndMomentum(p.mass, p.V, guarded[1000 : 1000 + size]))
     assert c.stencil.status.tolist() == [OUTSIDE_GRID, 11]
     assert not guarded[:1000].any()
     assert not guarded[-1000:].any()

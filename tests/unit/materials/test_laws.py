@@ -31,7 +31,8 @@ def test_pairs_of_elastic_constants_agree():
 
 
 @pytest.mark.parametrize(
-    "numbers", [{}, {"E": 1}, {"E": 1, "G": 1}, {"E": 1, "nu": 0.3, "K": 1}, {"E": 1, "nu": 0.3, "K": 1, "G": 1}]
+    "numbers",
+    [{}, {"E": 1}, {"E": 1, "G": 1}, {"E": 1, "nu": 0.3, "K": 1}, {"E": 1, "nu": 0.3, "K": 1, "G": 1}],
 )
 def test_anything_but_one_pair_is_refused(numbers):
     with pytest.raises(ValueError, match="one pair, E and nu or K and G"):
@@ -50,8 +51,12 @@ def test_wave_speeds_of_the_analyses(kind):
     model = make(kind, E=E, nu=nu)
     G, K = model.shear_modulus, model.bulk_modulus
     for analysis in ("uniaxial_strain", "plane_strain", "axisymmetric", "3d"):
-        assert model.initial_wave_speed(analysis) == pytest.approx(math.sqrt((K + 4 * G / 3) / rho), rel=1e-14)
-    assert model.initial_wave_speed("plane_stress") == pytest.approx(math.sqrt(E / rho / (1 - nu**2)), rel=1e-14)
+        assert model.initial_wave_speed(analysis) == pytest.approx(
+            math.sqrt((K + 4 * G / 3) / rho), rel=1e-14
+        )
+    assert model.initial_wave_speed("plane_stress") == pytest.approx(
+        math.sqrt(E / rho / (1 - nu**2)), rel=1e-14
+    )
     assert model.initial_wave_speed("uniaxial_stress") == pytest.approx(math.sqrt(E / rho), rel=1e-14)
 
 
@@ -76,7 +81,9 @@ def test_neo_hookean_log_is_the_law_of_the_manufactured_solutions():
     P = G * (F - inverse) + lame * math.log(np.linalg.det(F)) * inverse
     tau = P @ F.T
     found = stress(model, tuple(F.ravel()))
-    assert found == pytest.approx([tau[0, 0], tau[1, 1], tau[2, 2], tau[0, 1], tau[1, 2], tau[0, 2]], rel=1e-12)
+    assert found == pytest.approx(
+        [tau[0, 0], tau[1, 1], tau[2, 2], tau[0, 1], tau[1, 2], tau[0, 2]], rel=1e-12
+    )
 
 
 def test_isochoric_split_separates_pressure_and_shear():

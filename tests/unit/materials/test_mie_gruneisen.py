@@ -1,6 +1,7 @@
 """The Mie–Grüneisen law on and off the Hugoniot curve of nickel."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -31,11 +32,11 @@ def history(model):
 
 
 def compress(model, H, J0, J1, steps, adiabatic=True, extra=0.0):
-    """Uniaxial compression from J0 to J1; ``extra`` is viscous work per volume change. Returns the pressure."""
+    """Pressure after uniaxial compression from J0 to J1; ``extra`` is viscous work per volume change."""
     m = model.parameters("3d", adiabatic)
     Js = np.linspace(J0, J1, steps + 1)
     old = kirchhoff_stress(m, stretch(J0), stretch(1.0), H, 0, 1.0, False)[0]
-    for before, after in zip(Js, Js[1:], strict=False):
+    for before, after in pairwise(Js):
         F, dF = stretch(after), stretch(after / before)
         new = kirchhoff_stress(m, F, dF, H, 0, 1.0, True)[0]
         viscous = extra * (before - after)

@@ -97,7 +97,9 @@ def test_3d_increment_is_the_exponential(size):
     run.p.L[:] = L
     run.step(1.0)
     for i in range(3):
-        assert np.allclose(run.p.F[:, i], scipy.linalg.expm(L[:, i].reshape(3, 3)).ravel(), rtol=0, atol=1e-14)
+        assert np.allclose(
+            run.p.F[:, i], scipy.linalg.expm(L[:, i].reshape(3, 3)).ravel(), rtol=0, atol=1e-14
+        )
 
 
 @pytest.mark.parametrize("size", [0.02, 0.5])

@@ -1,0 +1,119 @@
+"""Runs that fail say what, when and where; particles that leave follow the scene's policy."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from mpmcli.core.errors import SimulationError
+
+
+def failure_of(run, steps=400) -> SimulationError:
+    with pytest.raises(SimulationError) as caught:
+        run.steps(steps)
+    return caught.value
+
+
+PLACE = r"particle \d+ of body '\w+' at \([^)]*\) in step \d+, time [\d.e+-]+"
+
+
+def test_a_step_too_long_ends_with_words(block):
+    error = failure_of(block(time={"end": 100, "step": 0.5}, bodies__0__velocity=["-x", "0.5*y"]))
+    words = str(error)
+    assert re.search(PLACE, words), words
+    assert re.search(r"J = |not finite|left the grid", words)
+    assert error.exit_code == 4
+
+
+def test_a_failure_in_the_first_step_names_the_step_that_failed(block):
+    """Not the one before, which there was not."""
+    run = block(time={"end": 100, "step": 3.0}, bodies__0__velocity=["-40*x", "0"])
+    words = str(failure_of(run, 1))
+    assert "in step 1, time 0" in words
+    assert "The last step was 0 " not in words
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_a_velocity_that_is_not_finite_is_named(bad, block):
+    run = block()
+    run.particles.V[0, 5] = bad
+    words = str(failure_of(run, 2))
+    assert "not finite" in words or "outside the grid" in words
+    assert re.search(r"particle \d+ of body 'block'", words), words
+
+
+def test_a_position_that_is_not_finite_is_named(block):
+    run = block().steps(1)
+    run.particles.X[1, 7] = np.nan
+    words = str(failure_of(run, 1))
+    assert f"particle {run.particles.id[7]} " in words
+    assert "body 'block'" in words
+    assert "step 2" in words
+
+
+def test_the_last_good_state_comes_with_the_failure(block):
+    run = block(time={"end": 100, "step": 0.05}, bodies__0__velocity=["-x", "0.5*y"])
+    run.steps(3)
+    run.particles.F[0, 4] = -1.0
+    error = failure_of(run, 60)
+    good = error.state
+    assert good.step % 20 == 0
+    assert np.isfinite(good.particles.V).all()
+    assert (good.particles.determinant() > 0).all()
+
+
+def test_stretching_without_end_is_reported(bar):
+    run = bar(boundary=[])
+    run.simulation.grid.width = run.simulation.transfer.widest
+    run.simulation.transfer.sort()
+    run.particles.F[0, 9] = 60.0
+    words = str(failure_of(run, 1))
+    assert "stretched over more than" in words
+    assert "body 'bar'" in words
+
+
+FLIES = {"bodies__0__velocity": ["50", "0"], "bodies__0__region": {"kind": "box", "lower": [3, -2], "upper": [7, 2]}}
+
+
+def test_leaving_the_grid_is_an_error_by_default(block):
+    words = str(failure_of(block(**FLIES)))
+    assert re.search(PLACE + " left the grid and 15 others", words) or re.search(PLACE + " left the grid", words)
+    assert "domain.on_exit" in words
+
+
+def test_particles_that_leave_may_be_deleted(block):
+    run = block(**FLIES, domain={"on_exit": "delete"})
+    mass, count = run.particles.mass.sum(), run.particles.count
+    while run.simulation.state.extra["deleted_particles"] == 0:
+        run.steps(1)
+    run.steps(2)
+    extra = run.simulation.state.extra
+    assert 0 < run.particles.count < count
+    assert extra["deleted_particles"] == count - run.particles.count
+    assert extra["deleted_mass"] == pytest.approx(mass - run.particles.mass.sum(), rel=1e-12)
+    assert len(np.unique(run.particles.id)) == run.particles.count
+    assert run.error < 5e-3
+    assert "the last particle left the grid" in str(failure_of(run))
+
+
+def test_particles_may_stop_at_the_wall(block):
+    run = block(**FLIES, domain={"on_exit": "stop_at_wall"}, time__courant=0.2)
+    count = run.particles.count
+    for _ in range(60):
+        run.steps(1)
+        assert run.particles.X[0].max() <= run.simulation.grid.upper[0]
+    assert run.particles.count == count
+    at_wall = run.particles.X[0] >= run.simulation.grid.upper[0] - 1e-9
+    assert at_wall.any()
+    assert run.simulation.state.work["boundary_work"] < 0
+
+
+@pytest.mark.parametrize("update", ["usl+", "usf"])
+def test_deleting_works_with_every_work_array(update, block):
+    run = block(**FLIES, domain={"on_exit": "delete"}, method__update=update, method__damping={"particle": 0.1})
+    while run.simulation.state.extra["deleted_particles"] == 0:
+        run.steps(1)
+    run.steps(3)
+    assert np.isfinite(run.particles.V).all()
