@@ -61,10 +61,10 @@ def introduction() -> str:
 
     lines = [
         "This page is made from the models that read a scene, so it says what the program accepts.",
-        'Any number may also be text with a unit (`"1 GPa"`; the scene must declare its `units`) or an expression',
-        'of the scene\'s `constants` (`"2*R"`). Where a value may vary, the meaning says of which of `x`, `y`, `z`,',
-        "`t`. Expressions know `+ - * / **`, comparisons (1 where true, 0 where not), `pi`, and",
-        f"`{' '.join(FUNCTIONS)}`.",
+        'Any number may also be text with a unit (`"1 GPa"`; the scene must declare its `units`) or an',
+        "expression of the scene's `constants` (`2*R`). Where a value may vary, the meaning says of which of",
+        "`x`, `y`, `z`, `t`. Expressions know `+ - * / **`, comparisons (1 where true, 0 where not), `pi`,",
+        f"and `{' '.join(FUNCTIONS)}`.",
         "`mpmcli schema` prints the same for editors.",
     ]
     return "\n".join(lines)
@@ -77,7 +77,7 @@ def not_built() -> Iterator[str]:
     yield from (
         "## Not built yet",
         "",
-        "These keys belong to the format; a scene with one of them is refused:",
+        "The format has these keys; a scene with one of them is refused:",
         "",
     )
     for path, value, words in ENTRIES:
@@ -129,7 +129,7 @@ class Reference:
         required = model.get("required", ())
         yield "| key | value | default | meaning |"
         yield "| --- | --- | --- | --- |"
-        for key, node in model["properties"].items():
+        for key, node in sorted(model["properties"].items(), key=lambda entry: entry[0] != "kind"):
             default = "needed" if key in required else default_of(node)
             if default == "–":
                 default = self.made.get(key, default)
@@ -304,7 +304,7 @@ def axes_of_regions() -> dict[str, str]:
 
 
 def default_transfer() -> str:
-    """The transfer of a scene that names none; the schema does not know defaults that are made when needed."""
+    """The transfer of a scene that names none: the schema does not know what is made when needed."""
     from mpmcli.scene.method import Method
 
     return f"`{plain(Method().transfer.model_dump())}`"

@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 
 class MpmcliError(Exception):
@@ -58,7 +59,7 @@ class SimulationError(MpmcliError):
 
     exit_code = 4
 
-    state: object | None = None
+    state: Any = None
     """The last good ``core.state.State``, where one is known."""
 
 

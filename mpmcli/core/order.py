@@ -14,8 +14,8 @@ from mpmcli.core.grid import Grid
 from mpmcli.core.kernel import inline, kernel
 from mpmcli.core.particles import Particles
 
-MAX_DRIFT = 1.0
-"""Cells that a particle may travel between two sorts."""
+MAX_DRIFT = 1.0 - 1e-6
+"""Cells that a particle may travel between two sorts: one, less than round-off in the location of cells can bridge."""
 
 CHUNKS = 64
 """Gathers run over at most this many chunks of particles."""

@@ -124,8 +124,8 @@ def multiply_commuting(a: Symmetric, b: Symmetric) -> Symmetric:
 def logarithm(x: float) -> float:
     """ln x for positive x, without branches or a library call, so that loops over it vectorise.
 
-    x = 2ᵏ m with m in [√½, √2), and ln m = 2 artanh z by its series, z = (m - 1)/(m + 1). Not finite or negative
-    x give a meaningless number.
+    x = 2ᵏ m with m in [√½, √2), and ln m = 2 artanh z by its series, z = (m - 1)/(m + 1). The result is
+    meaningless for x that is not finite or not positive.
     """
     bits = np.float64(x).view(np.int64)
     k = (bits - SQRT_HALF_BITS) >> 52

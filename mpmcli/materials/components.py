@@ -9,7 +9,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from mpmcli.core.analysis import Axisymmetric, PlaneStrain, PlaneStress, Solid, UniaxialStrain, UniaxialStress
+from mpmcli.core.analysis import (
+    Analysis,
+    Axisymmetric,
+    PlaneStrain,
+    PlaneStress,
+    Solid,
+    UniaxialStrain,
+    UniaxialStress,
+)
 from mpmcli.core.dispatch import generic
 from mpmcli.core.kernel import inline
 from mpmcli.core.tensors import (
@@ -21,8 +29,10 @@ from mpmcli.core.tensors import (
 )
 from mpmcli.materials.lateral import lateral_stretch, thickness_stretch
 
-ONE_AXIS = (UniaxialStrain, UniaxialStress)
-TWO_AXES = (PlaneStrain, PlaneStress, Axisymmetric)
+ONE_AXIS: tuple[type[Analysis], ...] = (UniaxialStrain, UniaxialStress)
+TWO_AXES: tuple[type[Analysis], ...] = (PlaneStrain, PlaneStress, Axisymmetric)
+FIXED_WIDTH: tuple[type[Analysis], ...] = (UniaxialStrain, PlaneStrain, Axisymmetric, Solid)
+"""Analyses in which the stress decides no stretch."""
 
 
 @generic
@@ -264,7 +274,7 @@ def _(analysis: Any, T: Any, L: Any, p: Any) -> Any:
     return normal + T[3] * (L[1, p] + L[3, p]) + T[4] * (L[5, p] + L[7, p]) + T[5] * (L[2, p] + L[6, p])
 
 
-for _analysis in (UniaxialStrain, PlaneStrain, Axisymmetric, Solid):
+for _analysis in FIXED_WIDTH:
 
     @close_gradient.register(_analysis)
     def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
@@ -289,7 +299,7 @@ def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
     return F1, (dF[0], 0.0, 0.0, 0.0, z / F[8], 0.0, 0.0, 0.0, z / F[8])
 
 
-for _analysis in (UniaxialStrain, PlaneStrain, Axisymmetric, Solid):
+for _analysis in FIXED_WIDTH:
 
     @store_lateral.register(_analysis)
     def _(analysis: Any, F: Any, p: Any, F1: Any) -> Any:

@@ -37,19 +37,31 @@ class ElasticModel(MaterialModel):
     @property
     def shear_modulus(self) -> float:
         """G [pressure]."""
-        return self.G if self.G is not None else self.E / (2 * (1 + self.nu))
+        if self.G is not None:
+            return self.G
+        E, nu = self._young_and_poisson()
+        return E / (2 * (1 + nu))
 
     @property
     def bulk_modulus(self) -> float:
         """K [pressure]."""
-        return self.K if self.K is not None else self.E / (3 * (1 - 2 * self.nu))
+        if self.K is not None:
+            return self.K
+        E, nu = self._young_and_poisson()
+        return E / (3 * (1 - 2 * nu))
 
     @property
     def lame_modulus(self) -> float:
         """λ = K − 2G/3 [pressure]; exactly zero for ν = 0."""
-        if self.E is not None:
-            return self.E * self.nu / ((1 + self.nu) * (1 - 2 * self.nu))
-        return self.bulk_modulus - 2 * self.shear_modulus / 3
+        if self.K is not None:
+            return self.K - 2 * self.shear_modulus / 3
+        E, nu = self._young_and_poisson()
+        return E * nu / ((1 + nu) * (1 - 2 * nu))
+
+    def _young_and_poisson(self) -> tuple[float, float]:
+        if self.E is None or self.nu is None:
+            raise TypeError("E and nu are not the pair that was given")
+        return self.E, self.nu
 
     def initial_wave_speed(self, analysis: str) -> float:
         """√((K+4G/3)/ρ); √(E/(ρ(1−ν²))) in plane stress; √(E/ρ) in uniaxial stress [velocity]."""

@@ -62,11 +62,13 @@ def search_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) 
     return F[8] * exponential_1d(x)
 
 
+@register_jitable(**COMPILE_OPTIONS)
 def search_thickness(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
     """``thickness_stretch`` of any material."""
     return search_stretch(m, F, dF, H, p, dt, False)
 
 
+@register_jitable(**COMPILE_OPTIONS)
 def search_lateral(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
     """``lateral_stretch`` of any material."""
     return search_stretch(m, F, dF, H, p, dt, True)

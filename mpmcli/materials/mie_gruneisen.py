@@ -73,7 +73,9 @@ class MieGruneisen(MaterialModel):
     @property
     def bulk_modulus(self) -> float:
         """K at rest [pressure]."""
-        return self.K if self.K is not None else self.density * self.C0**2
+        if self.C0 is not None:
+            return self.density * self.C0**2
+        return self.K  # type: ignore[return-value]
 
     def parameters(self, analysis: str, adiabatic: bool) -> EquationOfState:
         """The numbers of the equation of state."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.core.tensors import determinant, largest_eigenvalue_bound, left_cauchy_green, logarithm
@@ -15,12 +16,15 @@ from mpmcli.materials.base import (
 from mpmcli.materials.defaults import with_defaults
 from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
 from mpmcli.materials.isochoric import isochoric_energy, isochoric_stiffness, isochoric_stress
+from mpmcli.materials.lateral import lateral_stretch, search_lateral, search_thickness, thickness_stretch
 from mpmcli.materials.volumetric import (
     FORMS,
     volumetric_energy,
     volumetric_stiffness,
     volumetric_stress,
 )
+
+J_MINUS_INVERSE = FORMS["j_minus_inverse"]
 
 
 @MATERIALS.register
@@ -100,6 +104,25 @@ def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
     G = m.shear
     c = volumetric_stress(m.form, m.modulus, determinant(F)) - G
     return c + G * b[0], c + G * b[1], c + G * b[2], G * b[3], G * b[4], G * b[5]
+
+
+@thickness_stretch.register(CoupledNeoHookean)
+def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+    if m.form != J_MINUS_INVERSE:
+        return search_thickness(m, F, dF, H, p, dt)
+    # ½λ(a²z² - 1) + G(z² - 1) = 0 with the stretch a of the area
+    area = F[0] * F[4] - F[1] * F[3]
+    half = 0.5 * m.modulus
+    return math.sqrt((half + m.shear) / (half * area * area + m.shear))
+
+
+@lateral_stretch.register(CoupledNeoHookean)
+def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+    if m.form != J_MINUS_INVERSE:
+        return search_lateral(m, F, dF, H, p, dt)
+    # ½λ(F_xx²w² - 1) + G(w - 1) = 0 with w = z²; this form of the root holds for λ = 0 too
+    a, c = 0.5 * m.modulus * F[0] * F[0], 0.5 * m.modulus + m.shear
+    return math.sqrt(2.0 * c / (m.shear + math.sqrt(m.shear * m.shear + 4.0 * a * c)))
 
 
 @strain_energy.register(CoupledNeoHookean)

@@ -64,7 +64,7 @@ class ArtificialViscosity(NamedTuple):
 
 def block_loop(function: Any) -> Any:
     """Decorate a loop over part of a block; compiled by itself, which lets the compiler vectorise it."""
-    return njit(cache=True, nogil=True, boundscheck=BOUNDS_CHECK, **COMPILE_OPTIONS)(function)
+    return njit(cache=True, nogil=True, boundscheck=BOUNDS_CHECK, **COMPILE_OPTIONS)(function)  # type: ignore[call-overload]
 
 
 def block_count(particles: int) -> int:

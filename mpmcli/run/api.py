@@ -176,7 +176,7 @@ class _March:
             code, ended = error.exit_code, f"failed: {error}"
             self.progress.stop()
             LOGGER.error("%s", error)
-            self._write_failed()
+            self._write_failed(error)
         except Interrupted as signal:
             code, ended = exit_code_of(signal.number), f"interrupted at once by {name_of(signal.number)}"
         except (ArchiveError, OSError) as error:
@@ -237,10 +237,12 @@ class _March:
         self.recorder.record(self.simulation.state, everything)
         self.output_seconds += time.perf_counter() - before
 
-    def _write_failed(self) -> None:
+    def _write_failed(self, error: SimulationError) -> None:
+        good = error.state
         try:
-            path = self.recorder.write_failed(self.simulation.state)
-            LOGGER.error("the state at the failure is in %s", path)
+            path = self.recorder.write_failed(self.simulation.state if good is None else good)
+            when = "at the failure" if good is None else f"of step {good.step}, time {good.time:.6g}, before the failure,"
+            LOGGER.error("the state %s is in %s", when, path)
         except (ArchiveError, OSError) as problem:
             LOGGER.error("%s", problem)
 

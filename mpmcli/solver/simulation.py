@@ -80,6 +80,7 @@ class Simulation:
             self.grid,
             self.order,
             self.parallel,
+            self.describe,
             keeps_domain=self.plan.update.first > 0.0,
         )
         self.arrays = allocate_step_arrays(self.plan, self.grid, self.particles.count)
@@ -94,6 +95,7 @@ class Simulation:
         )
         self.particle_speed = float(np.sqrt(np.square(self.particles.V).sum(axis=0).max()))
         self.time_step = TimeStep(scene.time, float(self.grid.cell.min()))
+        self._dt = 0.0
         self.max_steps = scene.time.max_steps
         self.state = State(
             analysis=self.plan.analysis,
@@ -122,7 +124,8 @@ class Simulation:
         if self.state.step % GOOD_EVERY == 0:
             self._last_good = self._copy_of_state()
         try:
-            advance(self, self.time_step.choose(self.wave_speed, self.particle_speed))
+            self._dt = self.time_step.choose(self.wave_speed, self.particle_speed)
+            advance(self, self._dt)
         except SimulationError as error:
             error.state = self._last_good
             raise
@@ -227,7 +230,7 @@ class Simulation:
         self._speed2, self._bad = self._speed2[:blocks], self._bad[:blocks]
         if self.arrays.X_new is not None:
             self.arrays.X_new = np.zeros_like(self.particles.X)
-        self.transfer.sort()
+        self.order.drift = np.inf  # sort at the start of the next step; until then the grid shows this one
 
     def _viscous_now(self) -> ArtificialViscosity | None:
         if self.plan.viscosity is None:
@@ -293,6 +296,5 @@ class Simulation:
         )
 
     def _advice(self) -> str:
-        dt = self.state.dt
-        courant = self.time_step.courant_of(dt, self.wave_speed, self.particle_speed)
-        return f"The last step was {dt:.3g} (Courant number {courant:.2g}): most likely it is too long"
+        courant = self.time_step.courant_of(self._dt, self.wave_speed, self.particle_speed)
+        return f"The last step was {self._dt:.3g} (Courant number {courant:.2g}): most likely it is too long"

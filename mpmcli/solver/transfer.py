@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +23,9 @@ Array = np.ndarray
 SEEN = 1e-12
 """Shape function value above which a particle counts as seeing a node."""
 
+WIDENING = 2
+"""Nodes per axis by which a stencil grows at a time: each width is compiled once."""
+
 
 class Transfer:
     """Moves values between particles and grid with the scene's shape function.
@@ -31,6 +35,7 @@ class Transfer:
     analysis, shape : tuples that choose the compiled code
     particles, grid, order : what is transferred, where to, and the cell order that keeps scatters apart
     parallel : run the parallel version of every kernel
+    describe : names a particle (by its place in memory) in messages
     keeps_domain : the strain update changes F before the step is over, so that stencils need a copy of it
     several_fields : particles see the nodes of their own velocity field only
     """
@@ -43,12 +48,14 @@ class Transfer:
         grid: Grid,
         order: CellOrder,
         parallel: bool,
+        describe: Callable[[int], str],
         keeps_domain: bool = False,
         several_fields: bool = False,
     ):
         self.analysis, self.shape = analysis, shape
         self.particles, self.grid, self.order = particles, grid, order
         self.parallel = parallel
+        self._describe = describe
         self.widest = grid.pad + 2 if shape.follows_deformation else grid.width
         self._domain_F = particles.F
         self._keeps_domain = keeps_domain and shape.follows_deformation
@@ -62,6 +69,8 @@ class Transfer:
 
     def sort(self) -> None:
         """Sort particles by cell and size the buffers for the bands that result."""
+        for array in (self.grid.mp, self.grid.f):  # nodes that fall out of use stay empty
+            clear_nodes[self.parallel](self.grid.active, array)
         self.order.sort(self.parallel)
         self.geometry = self.grid.geometry
         self.across = across_of(self.grid.width)
@@ -73,6 +82,9 @@ class Transfer:
         """Sort if particles have drifted far; fix the domains that this step's stencils are built from."""
         if self.order.is_stale:
             self.sort()
+        self._fix_domains()
+
+    def _fix_domains(self) -> None:
         self._domain_F = self.particles.F.copy() if self._keeps_domain else self.particles.F
 
     def _where(self) -> tuple[Any, ...]:
@@ -104,14 +116,12 @@ class Transfer:
                 return
             if problem == OUTSIDE_GRID or self.grid.width >= self.widest:
                 raise SimulationError(self._what_is_wrong(int(problem), int(particle)))
-            self.grid.width += 1
+            self.grid.width = min(self.grid.width + WIDENING, self.widest)
             self.sort()
-            self._domain_F = p.F
+            self._fix_domains()
 
     def _what_is_wrong(self, problem: int, particle: int) -> str:
-        p = self.particles
-        at = ", ".join(f"{x:.6g}" for x in p.X[:, particle])
-        who = f"particle {p.id[particle]} at ({at})"
+        who = self._describe(particle)
         if problem == DOMAIN_TOO_WIDE:
             return f"{who} has stretched over more than {self.widest - 1} cells"
         return f"{who} sees nodes outside the grid"

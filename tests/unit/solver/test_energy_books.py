@@ -8,8 +8,8 @@ import pytest
 def test_the_balance_of_flip_closes_as_the_step_shrinks(block):
     """FLIP loses nothing in the transfer: what is left is the error of the time integration."""
     errors = [block(time__courant=C).until(0.3).error for C in (0.2, 0.05)]
-    assert errors[0] < 5e-3
-    assert errors[1] < 0.5 * errors[0]
+    assert errors[0] < 0.025
+    assert errors[1] < 0.4 * errors[0]
 
 
 def test_the_vibrating_bar_balances(bar):
@@ -59,7 +59,7 @@ def test_weight_does_work(block):
     weight = [{"name": "weight", "kind": "gravity", "acceleration": [0, -5]}]
     run = block(loads=weight, time__courant=0.05).until(0.3)
     assert run.simulation.state.work["external_work"] != 0
-    assert run.error < 5e-3
+    assert run.error < 0.01
 
 
 def test_looking_changes_nothing(block):
@@ -78,7 +78,7 @@ def test_the_grid_shows_only_what_is_there(block):
     """Nodes that the body has left behind have no mass, momentum, force or velocity any more."""
     run = block(bodies__0__velocity=["30", "-20"], time__courant=0.5)
     moved = run.by_identity("X").copy()
-    while run.by_identity("X")[0, 0] - moved[0, 0] < 3.5:
+    while run.by_identity("X")[0, 0] - moved[0, 0] < 3.0:
         run.steps(1)
     fields = run.simulation.state.grid.fields
     assert fields["mass"]().sum() == pytest.approx(run.particles.mass.sum(), rel=1e-12)

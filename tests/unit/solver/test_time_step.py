@@ -43,8 +43,8 @@ def test_fast_particles_shorten_the_step(block):
 
 
 def test_the_wave_speed_follows_the_state(block):
-    """A neo-Hookean block pressed together gets stiffer: steps become shorter."""
-    run = block(bodies__0__velocity=["-4*x", "-4*y"], time__courant=0.1)
+    """Waves run faster along a stretched neo-Hookean block: steps become shorter."""
+    run = block(bodies__0__velocity=["4*x", "0"], time__courant=0.1)
     first = run.simulation.wave_speed
     run.until(0.08)
     assert run.simulation.wave_speed > 1.02 * first

@@ -32,15 +32,14 @@ def test_a_free_block_keeps_its_momentum(update, transfer, block):
 def test_updates_agree_to_first_order_in_the_step(update, block):
     """The five schemes solve one problem: their stresses differ by O(Δt)."""
 
-    def stress(scheme, courant):
-        run = block(method__update=scheme, time__courant=None, time__step=0.02 * courant)
-        for _ in range(round(5 / courant)):
+    def stress(scheme, step):
+        run = block(method__update=scheme, time__courant=None, time__step=step)
+        for _ in range(round(0.1 / step)):
             run.simulation.step()
         return run.by_identity("tau")
 
-    coarse, fine = (np.abs(stress(update, c) - stress("usl", c)).max() for c in (1.0, 0.25))
-    scale = np.abs(stress("usl", 0.25)).max()
-    assert coarse < 0.3 * scale
+    coarse, fine = (np.abs(stress(update, step) - stress("usl", step)).max() for step in (0.01, 0.0025))
+    assert coarse < 0.1 * np.abs(stress("usl", 0.01)).max()
     assert fine <= 0.4 * coarse
 
 
@@ -96,13 +95,13 @@ def test_damping_slows_flight_and_books_the_energy(where, transfer, block):
     assert run.error < 1e-12
 
 
-def test_stress_wanders_less_with_higher_order(bar):
-    """FMPM(1) loses much of a vibration in a quarter period, FMPM(2) little, FMPM(4) less (Nairn 2026, 3.3)."""
+def test_higher_orders_lose_less_energy(bar):
+    """FMPM(1) loses much of a vibration in half a swing, FMPM(2) little, FMPM(4) less (Nairn 2026, 3.3)."""
     lost = {}
     for order in (1, 2, 4):
         run = bar(method__transfer={"kind": "fmpm", "order": order})
         start = run.energy
         lost[order] = 1 - run.until(20.0).energy / start
-    assert 0.02 < lost[1] < 0.2
+    assert 0.1 < lost[1] < 0.4
     assert abs(lost[4]) < lost[2] < 0.1 * lost[1]
     assert abs(lost[4]) < 1e-3
