@@ -34,7 +34,8 @@ def available_threads() -> int:
 @cache
 def source_digest() -> str:
     """Digest of mpmcli's sources and compile flags: compiled code is only valid for these."""
-    digest = hashlib.sha256(f"{mpmcli.__version__} {os.environ.get('MPMCLI_BOUNDSCHECK')}".encode())
+    flags = [os.environ.get(name, "") for name in ("MPMCLI_BOUNDSCHECK", "NUMBA_SLP_VECTORIZE", "NUMBA_OPT")]
+    digest = hashlib.sha256(" ".join([mpmcli.__version__, *flags]).encode())
     for path in sorted(PACKAGE.rglob("*.py")):
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
@@ -80,9 +81,12 @@ def configure() -> None:
     if "numba" in sys.modules:
         return
     environment = os.environ
-    environment.setdefault("NUMBA_CACHE_DIR", str(cache_folder()))
     # lets the vectoriser merge the straight-line arithmetic of stencils and small tensors
     environment.setdefault("NUMBA_SLP_VECTORIZE", "1")
+    environment.setdefault("NUMBA_CACHE_DIR", str(cache_folder()))
     environment.setdefault("NUMBA_NUM_THREADS", str(available_threads()))
-    if "NUMBA_THREADING_LAYER" not in environment:
-        environment["NUMBA_THREADING_LAYER"] = "tbb" if _preload_tbb() else "workqueue"
+    # a process inherits the setting of its parent, but not the loaded library
+    layer = environment.get("NUMBA_THREADING_LAYER")
+    has_tbb = layer in (None, "tbb") and _preload_tbb()
+    if layer is None:
+        environment["NUMBA_THREADING_LAYER"] = "tbb" if has_tbb else "workqueue"

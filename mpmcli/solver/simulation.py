@@ -111,6 +111,8 @@ class Simulation:
         self.conditions = self._make_conditions(scene)
         self.loads = NodalLoads(self, scene.loads, section) if self.plan.has_loads else NoLoads()
         self._start_accounts(scene)
+        if any("stress_free_at_rest" not in self.materials[i].properties for i in self._used_materials):
+            self.update_stress(0.0)
 
     # ------------------------------------------------------------------ the step
 

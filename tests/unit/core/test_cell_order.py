@@ -1,0 +1,162 @@
+"""Sorting by cell: bands that never share a node, nodes in use, chunks."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mpmcli.core.grid import Grid
+from mpmcli.core.order import CHUNKS, MAX_DRIFT, CellOrder, band_height, locate_cells
+from mpmcli.core.particles import Particles
+from mpmcli.core.analysis import PlaneStrain, Solid, UniaxialStress
+from mpmcli.shapes import SHAPES
+
+ANALYSES = {1: UniaxialStress(), 2: PlaneStrain(), 3: Solid()}
+
+
+def scattered(shape: str, d: int, count: int, seed: int, cells) -> tuple[Particles, Grid]:
+    """Particles anywhere on a grid, some on nodes and walls, with deformations that the stencil can span."""
+    rng = np.random.default_rng(seed)
+    entry = SHAPES[shape]
+    cell = np.array([0.5, 0.7, 1.1])[:d]
+    lower = np.array([0.1, -2.0, 0.3])[:d]
+    upper = lower + np.array(cells)[:d] * cell
+    grid = Grid(lower, upper, cell, entry.pad, entry.width)
+    X = rng.random((d, count)) * np.array(cells)[:d, None]
+    snapped = rng.random((d, count)) < 0.2
+    X = lower[:, None] + np.where(snapped, np.rint(X), X) * cell[:, None]
+    particles = Particles.at_rest(
+        ANALYSES[d],
+        X,
+        np.repeat(0.5 * cell[:, None], count, axis=1),
+        np.ones(count),
+        np.ones(count),
+        body=np.zeros(count),
+        material=np.zeros(count),
+        velocity_field=np.zeros(count),
+    )
+    if entry.follows_deformation:
+        particles.F[: d * d] *= rng.uniform(0.3, 0.99, count)
+    return particles, grid
+
+
+@given(rows=st.integers(1, 5000), width=st.integers(2, 8))
+def test_bands_are_high_enough_and_not_needlessly_many(rows, width):
+    least = 2 * width - 1
+    height = band_height(rows, least)
+    assert least <= height < max(2 * least, 10)
+
+
+@pytest.mark.parametrize("shape", ["linear", "ugimp", "lcpdi", "b2cpdi", "b2gimp"])
+def test_bands_of_a_colour_never_share_a_node(shape, find_stencils):
+    """Even after particles drifted as far as they may, in any direction; and every node seen is in use."""
+
+    @given(seed=st.integers(0, 10**6), rows=st.integers(3, 60), drift=st.sampled_from([0.0, 0.5, 1.0]))
+    def check(seed, rows, drift):
+        particles, grid = scattered(shape, 2, 150, seed, (5, rows))
+        order = CellOrder(particles, grid)
+        order.sort(False)
+        rng = np.random.default_rng(seed)
+        wander = rng.choice([-1.0, 1.0, 0.3], particles.X.shape) * drift * MAX_DRIFT * grid.cell[:, None]
+        X = np.clip(particles.X + wander, grid.lower[:, None], grid.upper[:, None])
+        found = find_stencils(shape, grid, X, particles.size, particles.F)
+        assert found.status[0] == 0
+        assert np.isin(found.nodes, grid.active).all()
+        owner = np.full(grid.node_count, -1)
+        for colour in (0, 1):
+            owner[:] = -1
+            for b in range(colour, len(order.bands) - 1, 2):
+                touched = np.unique(found.nodes[int(order.bands[b]) : int(order.bands[b + 1])])
+                assert np.all(owner[touched] == -1)
+                owner[touched] = b
+
+    check()
+
+
+@pytest.mark.parametrize("width", [3, 5, 8])
+def test_bands_suit_widened_stencils(width, find_stencils):
+    particles, grid = scattered("lcpdi", 2, 400, width, (5, 90))
+    grid.width = width
+    order = CellOrder(particles, grid)
+    order.sort(False)
+    edges = [particles.X[1, int(i)] for i in order.bands[:-1] if i < particles.count]
+    rows = np.floor((np.array(edges) - grid.lower[1]) / grid.cell[1])
+    assert np.all(np.diff(rows) >= 1)
+    assert len(order.bands) - 1 <= -(-90 // (2 * width - 1))
+
+
+@pytest.mark.parametrize("d", [1, 2, 3])
+def test_particles_are_sorted_by_cell_with_all_their_arrays(d):
+    particles, grid = scattered("ugimp", d, 500, d, (6, 7, 5))
+    before = {name: array.copy() for name, array in particles.arrays().items()}
+    order = CellOrder(particles, grid)
+    order.sort(False)
+    cell = np.empty((d, 500), dtype=np.int64)
+    locate_cells[False](particles.X, grid.lower, 1 / grid.cell, grid.cells, cell)
+    key = np.ravel_multi_index(cell[::-1], tuple(grid.cells[::-1]))
+    assert np.all(np.diff(key) >= 0)
+    assert np.all(np.diff(particles.id)[np.diff(key) == 0] > 0), "the sort is stable"
+    for name, array in particles.arrays().items():
+        np.testing.assert_array_equal(array, before[name][..., particles.id])
+        assert array.flags.c_contiguous
+
+
+def test_sorting_twice_changes_nothing():
+    particles, grid = scattered("ugimp", 2, 100, 3, (6, 7))
+    order = CellOrder(particles, grid)
+    order.sort(False)
+    X = particles.X
+    bands, active = order.bands.copy(), grid.active.copy()
+    order.drift = 0.7
+    order.sort(False)
+    assert particles.X is X, "arrays in order are not copied"
+    np.testing.assert_array_equal(order.bands, bands)
+    np.testing.assert_array_equal(grid.active, active)
+    assert order.drift == 0
+    assert order.version == 2
+
+
+@given(count=st.integers(1, 300), rows=st.integers(1, 200))
+def test_bands_and_chunks_cover_every_particle_once(count, rows):
+    particles, grid = scattered("ugimp", 2, count, count, (3, rows))
+    order = CellOrder(particles, grid)
+    order.sort(False)
+    for ranges in (order.bands, order.chunks):
+        assert ranges[0] == 0
+        assert ranges[-1] == count
+        assert np.all(ranges[1:] >= ranges[:-1])
+    assert len(order.chunks) - 1 <= CHUNKS
+    assert np.all(order.chunks[1:] > order.chunks[:-1])
+    assert order.slots == max(len(order.bands), len(order.chunks)) - 1
+
+
+def test_a_particle_on_the_upper_wall_belongs_to_the_last_cell():
+    particles, grid = scattered("ugimp", 2, 3, 1, (4, 4))
+    particles.X[:, 0] = grid.upper
+    particles.X[:, 1] = grid.lower
+    particles.X[:, 2] = grid.upper + 5
+    cell = np.empty((2, 3), dtype=np.int64)
+    locate_cells[False](particles.X, grid.lower, 1 / grid.cell, grid.cells, cell)
+    assert cell.T.tolist() == [[3, 3], [0, 0], [3, 3]]
+
+
+def test_drift_makes_an_order_stale():
+    particles, grid = scattered("ugimp", 2, 10, 1, (4, 4))
+    order = CellOrder(particles, grid)
+    order.sort(False)
+    order.drift = MAX_DRIFT
+    assert not order.is_stale
+    order.drift = 1.0
+    assert order.is_stale
+
+
+def test_nodes_in_use_are_sorted_and_few():
+    """The grid may be much larger than the bodies: nodes far away are not listed."""
+    particles, grid = scattered("ugimp", 2, 50, 1, (200, 300))
+    particles.X[:] = np.array([[5.0], [6.0]]) + np.random.default_rng(1).random((2, 50))
+    order = CellOrder(particles, grid)
+    order.sort(False)
+    assert np.all(np.diff(grid.active) > 0)
+    assert len(grid.active) < 100

@@ -1,0 +1,102 @@
+"""Kernels over the nodes in use, against numpy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mpmcli.core import nodes
+
+ACTIVE = np.array([0, 2, 3, 6, 7], dtype=np.int64)
+IDLE = np.setdiff1d(np.arange(9), ACTIVE)
+
+
+@pytest.fixture
+def values():
+    """mp (9, 3) with one empty node in use, forces (9, 2), velocities (9, 2)."""
+    rng = np.random.default_rng(2)
+    mp = rng.random((9, 3)) + 0.5
+    mp[3] = 0.0
+    return mp, rng.standard_normal((9, 2)), rng.standard_normal((9, 2))
+
+
+def untouched(array, before):
+    np.testing.assert_array_equal(array[IDLE], before[IDLE])
+
+
+def test_clearing_leaves_other_nodes_alone(values):
+    mp, before = values[0], values[0].copy()
+    nodes.clear_nodes[False](ACTIVE, mp)
+    assert not mp[ACTIVE].any()
+    untouched(mp, before)
+
+
+def test_momenta_grow_by_force_times_step(values):
+    mp, f, _ = values
+    before = mp.copy()
+    nodes.update_momenta[False](ACTIVE, mp, f, None, 0.1, None, None)
+    expected = before.copy()
+    rows = ACTIVE[mp[ACTIVE, 0] > 0]
+    expected[rows, 1:] += 0.1 * f[rows]
+    np.testing.assert_allclose(mp, expected, rtol=1e-15)
+
+
+def test_grid_damping_enters_the_force_and_the_books(values):
+    mp, f, _ = values
+    p, force = mp[:, 1:].copy(), f.copy()
+    start, work = np.zeros((9, 2)), np.zeros(nodes.CHUNKS)
+    nodes.update_momenta[False](ACTIVE, mp, f, np.array([0.5]), 0.1, start, work)
+    rows = ACTIVE[mp[ACTIVE, 0] > 0]
+    np.testing.assert_allclose(f[rows], force[rows] - 0.5 * p[rows], rtol=1e-14)
+    np.testing.assert_allclose(start[rows], p[rows])
+    mean = 0.5 * (p + mp[:, 1:])[rows] / mp[rows, :1]
+    assert work.sum() == pytest.approx((0.5 * p[rows] * mean).sum() * 0.1, rel=1e-13)
+
+
+def test_velocities_and_accelerations_of_empty_nodes_are_zero(values):
+    mp, f, v = values
+    a = np.ones((9, 2))
+    nodes.find_velocities[False](ACTIVE, mp, f, v, a)
+    assert not v[3].any()
+    assert not a[3].any()
+    rows = ACTIVE[mp[ACTIVE, 0] > 0]
+    np.testing.assert_allclose(v[rows], mp[rows, 1:] / mp[rows, :1], rtol=1e-15)
+    np.testing.assert_allclose(a[rows], f[rows] / mp[rows, :1], rtol=1e-15)
+
+
+def test_an_increment_of_the_fmpm_loop(values):
+    """Δv(ℓ) = Δv(ℓ−1) − (m S⁺S Δv)/m, added to v; work space is empty again."""
+    mp, out, v = values
+    dv = np.zeros((9, 2))
+    made = out.copy()
+    nodes.start_increments[False](ACTIVE, v, dv, out)
+    np.testing.assert_array_equal(dv[ACTIVE], v[ACTIVE])
+    assert not out[ACTIVE].any()
+    out[ACTIVE] = made[ACTIVE]
+    total = v.copy()
+    nodes.next_increment[False](ACTIVE, mp, out, dv)
+    nodes.add_increment[False](ACTIVE, dv, total)
+    inverse = np.divide(1.0, mp[:, :1], out=np.zeros((9, 1)), where=mp[:, :1] > 0)
+    expected = v - made * inverse
+    np.testing.assert_allclose(dv[ACTIVE], expected[ACTIVE], rtol=1e-14)
+    np.testing.assert_allclose(total[ACTIVE], (v + expected)[ACTIVE], rtol=1e-14)
+    assert not out[ACTIVE].any()
+
+
+def test_gravity_and_loads_add_to_forces(values):
+    mp, f, addend = values
+    before = f.copy()
+    nodes.add_gravity[False](ACTIVE, mp, np.array([0.5, -2.0]), f)
+    nodes.add_nodal[False](ACTIVE, addend, f)
+    expected = before + mp[:, :1] * np.array([0.5, -2.0]) + addend
+    np.testing.assert_allclose(f[ACTIVE], expected[ACTIVE], rtol=1e-14)
+    untouched(f, before)
+
+
+def test_power_of_external_forces_takes_the_mean_velocity(values):
+    mp, f, v = values
+    start, work = mp[:, 1:].copy(), np.zeros(nodes.CHUNKS)
+    nodes.external_power[False](ACTIVE, f, mp, start, v, work)
+    rows = ACTIVE[mp[ACTIVE, 0] > 0]
+    expected = (f[rows] * 0.5 * (start[rows] / mp[rows, :1] + v[rows])).sum()
+    assert work.sum() == pytest.approx(expected, rel=1e-13)
