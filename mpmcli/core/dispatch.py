@@ -11,11 +11,11 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 from numba.extending import overload
 
-COMPILE_OPTIONS = {"error_model": "numpy", "fastmath": True}
+COMPILE_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": True}
 
 INLINED = COMPILE_OPTIONS | {"forceinline": True}
 """What the compiler would call by itself it inlines: stencils and tensors then stay in registers."""
@@ -48,7 +48,7 @@ def generic(declaration: Callable[..., Any]) -> Any:
         f"    return implementations.get(getattr({parameters[0]}, 'instance_class', None))",
         scope,
     )
-    overload(by_class, strict=False, jit_options=INLINED)(scope["choose"])
+    overload(by_class, strict=False, jit_options=cast(Any, INLINED))(scope["choose"])
     by_class.register = register  # type: ignore[attr-defined]
     by_class.implementations = implementations  # type: ignore[attr-defined]
     return by_class

@@ -1,9 +1,9 @@
 """Errors for people, and the exit code that each kind ends the program with.
 
-    MpmcliError            70  our bug, unless a subclass says otherwise
-      SceneError            3  the scene, or a file that it names, is not valid
-      SimulationError       4  the simulation failed (not finite, particle lost, step collapsed)
-      ArchiveError          5  output files cannot be read or written
+MpmcliError            70  our bug, unless a subclass says otherwise
+  SceneError            3  the scene, or a file that it names, is not valid
+  SimulationError       4  the simulation failed (not finite, particle lost, step collapsed)
+  ArchiveError          5  output files cannot be read or written
 """
 
 from __future__ import annotations

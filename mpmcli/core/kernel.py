@@ -15,6 +15,8 @@ from numba import njit
 
 from mpmcli.core.dispatch import COMPILE_OPTIONS
 
+compile_with: Any = njit  # its annotations know neither ``_nrt`` nor options kept in a dict
+
 BOUNDS_CHECK = os.environ.get("MPMCLI_BOUNDSCHECK") == "1"
 
 
@@ -42,7 +44,11 @@ class Kernel:
 
 def _compile(function: Callable[..., Any], parallel: bool, fastmath: bool) -> Any:
     named = types.FunctionType(
-        function.__code__, function.__globals__, function.__name__, function.__defaults__, function.__closure__
+        function.__code__,
+        function.__globals__,
+        function.__name__,
+        function.__defaults__,
+        function.__closure__,
     )
     suffix = "_parallel" if parallel else "_serial"
     named.__qualname__ = named.__name__ = function.__name__ + suffix
@@ -50,7 +56,9 @@ def _compile(function: Callable[..., Any], parallel: bool, fastmath: bool) -> An
     named.__doc__ = function.__doc__
     options = COMPILE_OPTIONS | {"fastmath": fastmath}
     # without numba's reference counts: kernels allocate nothing, and counting views costs more than the arithmetic
-    return njit(cache=True, nogil=True, parallel=parallel, boundscheck=BOUNDS_CHECK, _nrt=False, **options)(named)
+    return compile_with(
+        cache=True, nogil=True, parallel=parallel, boundscheck=BOUNDS_CHECK, _nrt=False, **options
+    )(named)
 
 
 def kernel(function: Callable[..., Any]) -> Kernel:
@@ -60,4 +68,4 @@ def kernel(function: Callable[..., Any]) -> Kernel:
 
 def inline(function: Callable[..., Any]) -> Any:
     """Decorate a small function that kernels call."""
-    return njit(cache=True, nogil=True, boundscheck=BOUNDS_CHECK, **COMPILE_OPTIONS)(function)
+    return compile_with(cache=True, nogil=True, boundscheck=BOUNDS_CHECK, **COMPILE_OPTIONS)(function)

@@ -139,7 +139,7 @@ def add_projection(active, mp, out, scale, term, dv, w):
 
 @kernel
 def external_power(active, f_external, mp, p_start, v, work):
-    """Power of external forces with the mean velocity of the step: Σ f·½(p/m + v⁺), two-stage sum in ``work`` (CHUNKS,)."""
+    """Power of external forces with the mean velocity of the step: Σ f·½(p/m + v⁺), a two-stage sum in ``work``."""
     d = f_external.shape[1]
     count = active.shape[0]
     for c in prange(CHUNKS):

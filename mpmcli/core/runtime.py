@@ -54,7 +54,10 @@ def cache_folder() -> Path:
         with tempfile.TemporaryFile(dir=folder):
             return folder
     except OSError:
-        return Path(tempfile.gettempdir()) / f"mpmcli-{os.getuid() if hasattr(os, 'getuid') else 0}-{source_digest()}"
+        return (
+            Path(tempfile.gettempdir())
+            / f"mpmcli-{os.getuid() if hasattr(os, 'getuid') else 0}-{source_digest()}"
+        )
 
 
 def is_cold() -> bool:

@@ -53,7 +53,7 @@ def allocate_stencil(dimensions: int, width: int, offsets: Array, slots: int) ->
     )
 
 
-def across_of(width: int) -> tuple[int, ...]:
+def across_of(width: int) -> tuple[np.uint64, ...]:
     """The node numbers 0 … w − 1 along an axis: a tuple, whose length compiled code knows."""
     return tuple(np.uint64(i) for i in range(width))
 
@@ -63,8 +63,8 @@ def across_of(width: int) -> tuple[int, ...]:
 def fill(shape: Any, grid: Any, across: Any, X: Any, F: Any, size: Any, p: Any, S: Any, G: Any, W: Any, status: Any) -> Any:  # noqa: E501
     """Fill the buffers for particle ``p`` and return the flat index of its stencil's first node (unsigned).
 
-    ``grid`` is a geometry of ``core.grid``; ``X`` (d, N), ``F`` (nF, N), ``size`` (d, N). ``G`` is None where only values are
-    needed. Overwrites ``S`` (m,), ``G`` (d·m,), ``W``.
+    ``grid`` is a geometry of ``core.grid``; ``X`` (d, N), ``F`` (nF, N), ``size`` (d, N). ``G`` is None where only
+    values are needed. Overwrites ``S`` (m,), ``G`` (d·m,), ``W``.
     """
 
 

@@ -27,6 +27,7 @@ from mpmcli.core.verbs import (
 
 Array = np.ndarray
 
+
 class MassAndMomentum(NamedTuple):
     """Task 1: m = Sᵀ M and p = Sᵀ M V (Nairn 2026, section 2.1)."""
 

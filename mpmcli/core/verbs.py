@@ -23,9 +23,10 @@ from mpmcli.core.analysis import (
 )
 from mpmcli.core.dispatch import generic
 
+
 # fmt: off
 @generic
-def scatter_momentum(analysis: Any, S: Any, base: Any, offsets: Any, across: Any, M: Any, V: Any, p: Any, mp: Any) -> Any:
+def scatter_momentum(analysis: Any, S: Any, base: Any, offsets: Any, across: Any, M: Any, V: Any, p: Any, mp: Any) -> Any:  # noqa: E501
     """Add mass and momentum: m_i += S_i M, p_i += S_i M V."""
 
 
@@ -45,7 +46,7 @@ def gather_vector(analysis: Any, S: Any, base: Any, offsets: Any, across: Any, v
 
 
 @generic
-def gather_gradient(analysis: Any, S: Any, G: Any, base: Any, offsets: Any, across: Any, v: Any, X: Any, p: Any, L: Any) -> Any:
+def gather_gradient(analysis: Any, S: Any, G: Any, base: Any, offsets: Any, across: Any, v: Any, X: Any, p: Any, L: Any) -> Any:  # noqa: E501
     """Velocity gradient L_ab = Σ_i v_ia ∂S_i/∂x_b into column p of L; returns Σ_i S_i v_i."""
 
 

@@ -241,7 +241,7 @@ class _March:
         good = error.state
         try:
             path = self.recorder.write_failed(self.simulation.state if good is None else good)
-            when = "at the failure" if good is None else f"of step {good.step}, time {good.time:.6g}, before the failure,"
+            when = "at the failure" if good is None else f"of step {good.step} (time {good.time:.6g})"
             LOGGER.error("the state %s is in %s", when, path)
         except (ArchiveError, OSError) as problem:
             LOGGER.error("%s", problem)

@@ -189,7 +189,9 @@ def _(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
             for u in range(np.uint64(q)):
                 xi, eta = interval_point(q, u)[0], interval_point(q, v)[0]
                 put_functions(shape, w, x + a * xi + b * eta, np.uint64(2) * (v * np.uint64(q) + u), W)
-                put_functions(shape, w, y + c * xi + e * eta, np.uint64(2) * (v * np.uint64(q) + u) + np.uint64(1), W)
+                put_functions(
+                    shape, w, y + c * xi + e * eta, np.uint64(2) * (v * np.uint64(q) + u) + np.uint64(1), W
+                )
         for j in range(w):
             for i in range(w):
                 value, g1, g2 = 0.0, 0.0, 0.0

@@ -12,7 +12,37 @@ from mpmcli.core.grid import Grid
 Array = np.ndarray
 
 
-class GridConditions:
+class NoConditions:
+    """A scene without conditions: nothing to select, nothing to fold, no reactions."""
+
+    def select(self, time: float) -> None:
+        """Nothing is held."""
+
+    def fold_forces(self, f: Array, dt: float) -> None:
+        """No mirrors."""
+
+    def fold_increment(self, out: Array, weight: float) -> None:
+        """No mirrors."""
+
+    def impose_on_momentum(self, mp: Array, f: Array, dt: float) -> None:
+        """Nothing is held."""
+
+    def zero_increment(self, dv: Array, mp: Array, counts_reactions: bool) -> None:
+        """Nothing is held."""
+
+    def impose_on_velocity(self, v: Array, mp: Array, counts_reactions: bool = True) -> None:
+        """Nothing is held."""
+
+    def work(self, v: Array) -> float:
+        """No work."""
+        return 0.0
+
+    def reactions(self, dt: float) -> dict[str, Array]:
+        """No reactions."""
+        return {}
+
+
+class GridConditions(NoConditions):
     """Velocity conditions and symmetry planes on the grid, with their work and reactions in the current step.
 
     Parameters
@@ -70,27 +100,6 @@ class GridConditions:
     def reactions(self, dt: float) -> dict[str, Array]:
         """Force of each condition on the bodies in this step, by name."""
         return dict(zip(self.conditions.names, self.conditions.reactions(dt), strict=True))
-
-
-class NoConditions:
-    """A scene without conditions: nothing to select, nothing to fold, no reactions."""
-
-    def select(self, time: float) -> None:
-        """Nothing is held."""
-
-    def fold_forces(self, f: Array, dt: float) -> None:
-        """No mirrors."""
-
-    def fold_increment(self, out: Array, weight: float) -> None:
-        """No mirrors."""
-
-    def work(self, v: Array) -> float:
-        """No work."""
-        return 0.0
-
-    def reactions(self, dt: float) -> dict[str, Array]:
-        """No reactions."""
-        return {}
 
 
 class NoContact:

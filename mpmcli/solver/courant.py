@@ -20,14 +20,14 @@ class TimeStep:
     """
 
     def __init__(self, span: Any, smallest_cell: float):
-        self.fixed = None if span.step is None else float(span.step)
+        self.fixed = float(span.step or 0.0)
         self.courant = None if span.courant is None else float(span.courant)
         self.smallest_cell = smallest_cell
         self._first: float | None = None
 
     def choose(self, wave_speed: float, particle_speed: float) -> float:
         """Size of the next step for these largest speeds [velocity]."""
-        if self.fixed is not None:
+        if self.courant is None:
             return self.fixed
         dt = self.courant * self.smallest_cell / max(wave_speed, particle_speed)
         if self._first is None:

@@ -19,12 +19,13 @@ def settle_exits(s: Simulation) -> None:
     """
     p, grid = s.particles, s.grid
     lower, upper = grid.lower[:, None], grid.upper[:, None]
-    inside = np.all((p.X >= lower) & (p.X <= upper), axis=0)
+    below, above = lower > p.X, upper < p.X
+    inside = ~np.any(below | above, axis=0)
     gone = np.flatnonzero(~inside)
     if len(gone) == 0:
         return
     if s.on_exit == "stop_at_wall":
-        low, high = p.X[:, gone] < lower, p.X[:, gone] > upper
+        low, high = below[:, gone], above[:, gone]
         p.X[:, gone] = np.clip(p.X[:, gone], lower, upper)
         before = kinetic_energy(s, gone)
         outward = (low & (p.V[:, gone] < 0.0)) | (high & (p.V[:, gone] > 0.0))

@@ -65,7 +65,11 @@ class Plan:
     @property
     def imposes_velocity(self) -> bool:
         """Conditions act on the final velocity v⁺(k) (older methods, for comparison)."""
-        return self.has_conditions and self.has_full_mass_loop and self.velocity_conditions in ("velocity", "combined")
+        return (
+            self.has_conditions
+            and self.has_full_mass_loop
+            and self.velocity_conditions in ("velocity", "combined")
+        )
 
     @property
     def has_full_mass_loop(self) -> bool:
@@ -119,16 +123,16 @@ class StepArrays:
     """
 
     v: Array
-    w: Array | None
-    dv: Array | None
-    out: Array | None
-    p_start: Array | None
-    p_again: Array | None
-    f_external: Array | None
-    X_new: Array | None
-    grid_damping: Array | None
-    node_work: Array | None
-    damped: Array | None
+    w: Any
+    dv: Any
+    out: Any
+    p_start: Any
+    p_again: Any
+    f_external: Any
+    X_new: Any
+    grid_damping: Any
+    node_work: Any
+    damped: Any
 
 
 def allocate_step_arrays(plan: Plan, grid: Grid, particles: int) -> StepArrays:

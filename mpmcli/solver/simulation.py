@@ -59,7 +59,7 @@ class Simulation:
 
     def __init__(self, loaded: Any, threads: int | None = None):
         scene = loaded.scene
-        self.threads = min(threads or available_threads(), numba.config.NUMBA_NUM_THREADS)
+        self.threads = min(threads or available_threads(), numba.config.NUMBA_NUM_THREADS)  # type: ignore[attr-defined]
         numba.set_num_threads(self.threads)
         self.plan = make_plan(scene)
         self.grid = make_grid(scene, self.plan)
@@ -91,7 +91,9 @@ class Simulation:
         self._speed2 = np.zeros(block_count(self.particles.count))
         self._bad = np.full(block_count(self.particles.count), -1, dtype=np.int64)
         self.wave_speed = max(
-            m.initial_wave_speed(name) for i, m in enumerate(self.materials) if np.any(self.particles.material == i)
+            m.initial_wave_speed(name)
+            for i, m in enumerate(self.materials)
+            if np.any(self.particles.material == i)
         )
         self.particle_speed = float(np.sqrt(np.square(self.particles.V).sum(axis=0).max()))
         self.time_step = TimeStep(scene.time, float(self.grid.cell.min()))
@@ -198,7 +200,7 @@ class Simulation:
         """Whether the scene has symmetry planes."""
         return isinstance(self.conditions, GridConditions) and self.conditions.conditions.mirror is not None
 
-    def _make_conditions(self, scene: Any) -> GridConditions | NoConditions:
+    def _make_conditions(self, scene: Any) -> NoConditions:
         if not self.plan.has_conditions:
             return NoConditions()
         conditions = VelocityConditions(scene.boundary, self.grid, self.plan.analysis, self._surface_nodes)

@@ -87,16 +87,15 @@ class Transfer:
     def _fix_domains(self) -> None:
         self._domain_F = self.particles.F.copy() if self._keeps_domain else self.particles.F
 
-    def _where(self) -> tuple[Any, ...]:
+    def _operator(self, ranges: Array) -> tuple[Any, ...]:
+        """What makes S and G: the arguments that all transfer kernels share, for bands or chunks of particles."""
         p = self.particles
         field = p.velocity_field if self._several_fields else None
-        return p.X, self._domain_F, p.size, field
+        where = (p.X, self._domain_F, p.size, field)
+        return self.analysis, self.shape.parameters, self.geometry, self.across, ranges, self.stencil, *where
 
     def _scatter(self, task: NamedTuple) -> None:
-        kernels.scatter[self.parallel](
-            task, self.analysis, self.shape.parameters, self.geometry, self.across, self.order.bands, self.stencil,
-            *self._where(),
-        )  # fmt: skip
+        kernels.scatter[self.parallel](task, *self._operator(self.order.bands))
 
     def extrapolate(self, mp: Array, f: Array | None) -> None:
         """Task 1, and unless ``f`` is None task 2's internal forces with the same stencils.
@@ -143,8 +142,7 @@ class Transfer:
     def velocity_gradients(self, v: Array) -> None:
         """L = G v."""
         kernels.find_velocity_gradients[self.parallel](
-            self.analysis, self.shape.parameters, self.geometry, self.across, self.order.chunks, self.stencil, *self._where(),
-            v.reshape(-1), self.particles.L,
+            *self._operator(self.order.chunks), v.reshape(-1), self.particles.L,
         )  # fmt: skip
 
     def move(
@@ -162,9 +160,8 @@ class Transfer:
         """Task 4 (and 5's velocity gradients): see ``core.transfer.move_particles``."""
         p = self.particles
         kernels.move_particles[self.parallel](
-            self.analysis, self.shape.parameters, self.geometry, self.across, self.order.chunks, self.stencil, *self._where(),
-            v.reshape(-1), None if w is None else w.reshape(-1), alpha, damping, dt, True if flip else None,
-            p.V, X_new, p.L if with_gradients else None, p.mass,
+            *self._operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1),
+            alpha, damping, dt, True if flip else None, p.V, X_new, p.L if with_gradients else None, p.mass,
             self.speed_squared, self.travel, self.outside, self._bounds, damped,
         )  # fmt: skip
         chunks = len(self.order.chunks) - 1
@@ -177,7 +174,9 @@ class Transfer:
         base = np.zeros(len(particles), dtype=np.uint64)
         S = np.zeros((len(particles), len(stencil.offsets)))
         G = np.zeros((len(particles), d * len(stencil.offsets)))
-        fill_stencils[False](self.shape.parameters, self.geometry, self.across, X, F, size, stencil, base, S, G)
+        fill_stencils[False](
+            self.shape.parameters, self.geometry, self.across, X, F, size, stencil, base, S, G
+        )
         return np.unique((base[:, None] + stencil.offsets)[S > SEEN]).astype(np.int64)
 
     @property
