@@ -15,7 +15,12 @@ from typing import Any, cast
 
 from numba.extending import overload
 
-COMPILE_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": True}
+COMPILE_OPTIONS: dict[str, Any] = {
+    "error_model": "numpy",
+    "fastmath": {"contract", "nsz", "arcp", "nnan", "ninf"},
+}
+"""Fast floating point without reassociation: sums over the few nodes of a stencil, once reordered for the vector
+unit, gather from memory and run up to seven times slower (3D)."""
 
 INLINED = COMPILE_OPTIONS | {"forceinline": True}
 """What the compiler would call by itself it inlines: stencils and tensors then stay in registers."""

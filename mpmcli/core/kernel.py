@@ -25,7 +25,7 @@ class Kernel:
 
     registered: list[Kernel] = []
 
-    def __init__(self, function: Callable[..., Any], fastmath: bool = True):
+    def __init__(self, function: Callable[..., Any], fastmath: Any = COMPILE_OPTIONS["fastmath"]):
         self.name = function.__name__
         self._versions = tuple(_compile(function, parallel, fastmath) for parallel in (False, True))
         Kernel.registered.append(self)

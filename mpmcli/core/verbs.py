@@ -4,7 +4,7 @@ Each verb has one implementation per number of axes (and one for axisymmetric an
 the "gradient" S/r). Nodal arrays come flat: component a of node i of a d-vector is ``v[d·i + a]``, mass and momentum
 of node i are ``mp[(1 + d)·i …]``. ``base`` is the first node of the stencil of particle ``p``, ``offsets`` (m,) lead
 from there to all its nodes; ``across`` has a member per node along an axis, so that m is known when compiled and the
-loops over nodes are unrolled. All indices are unsigned.
+loops over nodes (in 3D those along a row) are unrolled. All indices are unsigned.
 """
 
 from __future__ import annotations
@@ -96,14 +96,16 @@ def _(analysis, S, base, offsets, across, M, V, p, mp):
 @_for(scatter_momentum, Solid)
 def _(analysis, S, base, offsets, across, M, V, p, mp):
     mass, vx, vy, vz = M[p], V[0, p], V[1, p], V[2, p]
-    m = np.uint64(len(across) * len(across) * len(across))
-    for j in range(m):
-        i = (base + offsets[j]) * FOUR
-        w = S[j] * mass
-        mp[i] += w
-        mp[i + ONE] += w * vx
-        mp[i + TWO] += w * vy
-        mp[i + THREE] += w * vz
+    width = np.uint64(len(across))
+    for row in range(width * width):
+        for along in range(width):
+            j = row * width + along
+            i = (base + offsets[j]) * FOUR
+            w = S[j] * mass
+            mp[i] += w
+            mp[i + ONE] += w * vx
+            mp[i + TWO] += w * vy
+            mp[i + THREE] += w * vz
 
 
 @_for(scatter_stress, *LINE)
@@ -155,13 +157,16 @@ def _(analysis, S, G, base, offsets, across, vol0, tau, X, p, f):
     xy = volume * tau[3, p]
     yz = volume * tau[4, p]
     xz = volume * tau[5, p]
-    m = np.uint64(len(across) * len(across) * len(across))
-    for j in range(m):
-        i = (base + offsets[j]) * THREE
-        gx, gy, gz = G[j], G[m + j], G[m + m + j]
-        f[i] += xx * gx + xy * gy + xz * gz
-        f[i + ONE] += xy * gx + yy * gy + yz * gz
-        f[i + TWO] += xz * gx + yz * gy + zz * gz
+    width = np.uint64(len(across))
+    m = width * width * width
+    for row in range(width * width):
+        for along in range(width):
+            j = row * width + along
+            i = (base + offsets[j]) * THREE
+            gx, gy, gz = G[j], G[m + j], G[m + m + j]
+            f[i] += xx * gx + xy * gy + xz * gz
+            f[i + ONE] += xy * gx + yy * gy + yz * gz
+            f[i + TWO] += xz * gx + yz * gy + zz * gz
 
 
 @_for(scatter_vector, *LINE)
@@ -186,12 +191,14 @@ def _(analysis, S, base, offsets, across, M, B, f):
 @_for(scatter_vector, Solid)
 def _(analysis, S, base, offsets, across, M, B, f):
     bx, by, bz = M * B[0], M * B[1], M * B[2]
-    m = np.uint64(len(across) * len(across) * len(across))
-    for j in range(m):
-        i = (base + offsets[j]) * THREE
-        f[i] += S[j] * bx
-        f[i + ONE] += S[j] * by
-        f[i + TWO] += S[j] * bz
+    width = np.uint64(len(across))
+    for row in range(width * width):
+        for along in range(width):
+            j = row * width + along
+            i = (base + offsets[j]) * THREE
+            f[i] += S[j] * bx
+            f[i + ONE] += S[j] * by
+            f[i + TWO] += S[j] * bz
 
 
 @_for(gather_vector, *LINE)
@@ -220,13 +227,15 @@ def _(analysis, S, base, offsets, across, v):
 @_for(gather_vector, Solid)
 def _(analysis, S, base, offsets, across, v):
     x, y, z = 0.0, 0.0, 0.0
-    m = np.uint64(len(across) * len(across) * len(across))
-    for j in range(m):
-        i = (base + offsets[j]) * THREE
-        s = S[j]
-        x += s * v[i]
-        y += s * v[i + ONE]
-        z += s * v[i + TWO]
+    width = np.uint64(len(across))
+    for row in range(width * width):
+        for along in range(width):
+            j = row * width + along
+            i = (base + offsets[j]) * THREE
+            s = S[j]
+            x += s * v[i]
+            y += s * v[i + ONE]
+            z += s * v[i + TWO]
     return (x, y, z)
 
 
@@ -297,24 +306,27 @@ def _(analysis, S, G, base, offsets, across, v, X, p, L):
 def _(analysis, S, G, base, offsets, across, v, X, p, L):
     x, y, z = 0.0, 0.0, 0.0
     xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    m = np.uint64(len(across) * len(across) * len(across))
-    for j in range(m):
-        i = (base + offsets[j]) * THREE
-        s = S[j]
-        vx, vy, vz = v[i], v[i + ONE], v[i + TWO]
-        gx, gy, gz = G[j], G[m + j], G[m + m + j]
-        x += s * vx
-        y += s * vy
-        z += s * vz
-        xx += vx * gx
-        xy += vx * gy
-        xz += vx * gz
-        yx += vy * gx
-        yy += vy * gy
-        yz += vy * gz
-        zx += vz * gx
-        zy += vz * gy
-        zz += vz * gz
+    width = np.uint64(len(across))
+    m = width * width * width
+    for row in range(width * width):
+        for along in range(width):
+            j = row * width + along
+            i = (base + offsets[j]) * THREE
+            s = S[j]
+            vx, vy, vz = v[i], v[i + ONE], v[i + TWO]
+            gx, gy, gz = G[j], G[m + j], G[m + m + j]
+            x += s * vx
+            y += s * vy
+            z += s * vz
+            xx += vx * gx
+            xy += vx * gy
+            xz += vx * gz
+            yx += vy * gx
+            yy += vy * gy
+            yz += vy * gz
+            zx += vz * gx
+            zy += vz * gy
+            zz += vz * gz
     L[0, p] = xx
     L[1, p] = xy
     L[2, p] = xz

@@ -15,7 +15,7 @@ from mpmcli.shapes import SHAPES
 
 
 class Cloud:
-    """Random particles, sorted by cell; ``scatter`` and ``gather`` call a transfer kernel on them."""
+    """Random particles, sorted by cell, and the operators of ``core.transfer`` on them."""
 
     def __init__(self, analysis: str, shape: str, count: int = 60, seed: int = 1, cells=(6, 9, 5), parallel=False):
         rng = np.random.default_rng(seed)
@@ -51,22 +51,15 @@ class Cloud:
     def dimensions(self) -> int:
         return self.analysis.dimensions
 
-    def _call(self, kernel, ranges, *arrays):
+    def operator(self, ranges):
+        """The arguments that all transfer kernels share, for bands or chunks of particles."""
         p = self.particles
-        kernel[self.parallel](
-            self.analysis, self.shape.parameters, self.grid.geometry, self.across, ranges, self.stencil,
-            p.X, p.F, p.size, None, *arrays,
-        )  # fmt: skip
+        shape = self.shape.parameters
+        return self.analysis, shape, self.grid.geometry, self.across, ranges, self.stencil, p.X, p.F, p.size, None
 
     def scatter(self, task):
-        p = self.particles
-        transfer.scatter[self.parallel](
-            task, self.analysis, self.shape.parameters, self.grid.geometry, self.across, self.order.bands,
-            self.stencil, p.X, p.F, p.size, None,
-        )  # fmt: skip
-
-    def gather(self, kernel, *arrays):
-        self._call(kernel, self.order.chunks, *arrays)
+        """Run a scatter task of ``core.transfer``."""
+        transfer.scatter[self.parallel](task, *self.operator(self.order.bands))
 
     def nodal(self, components: int | None = None) -> np.ndarray:
         return np.zeros((self.grid.node_count, components or self.dimensions))
@@ -88,13 +81,18 @@ class Cloud:
         m = self.mass_and_momentum()[:, :1]
         return np.divide(out, m, out=np.zeros_like(out), where=m > 0)
 
+    def find_gradients(self, v: np.ndarray) -> None:
+        """L = G v of all particles."""
+        operator = self.operator(self.order.chunks)
+        transfer.find_velocity_gradients[self.parallel](*operator, v.reshape(-1), self.particles.L)
+
     def move(self, v, w, flip, alpha=0.5, damping=0.0, dt=0.01, damped=None, L=True):
         """Move the particles; returns what the kernel reports per chunk."""
         p = self.particles
         report = {"speed2": np.zeros(CHUNKS), "travel": np.zeros(CHUNKS), "outside": np.zeros(CHUNKS, dtype=np.int64)}
         bounds = np.stack([self.grid.lower, self.grid.upper], axis=1)
-        self.gather(
-            transfer.move_particles, v.reshape(-1), None if w is None else w.reshape(-1), alpha, damping, dt,
+        transfer.move_particles[self.parallel](
+            *self.operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1), alpha, damping, dt,
             True if flip else None, p.V, p.X, p.L if L else None, p.mass,
             report["speed2"], report["travel"], report["outside"], bounds, damped,
         )  # fmt: skip

@@ -51,6 +51,15 @@ def test_internal_forces_equal_the_matrices(analysis, shape, cloud, dense_of):
         np.testing.assert_allclose(f.sum(axis=0), 0.0, atol=1e-12)
 
 
+def test_one_stencil_may_serve_mass_and_forces(cloud):
+    c = cloud("plane_strain", "lcpdi")
+    p = c.particles
+    mp, f = c.nodal(3), c.nodal()
+    c.scatter(transfer.StateAndForces(p.mass, p.V, p.vol0, p.tau, mp.reshape(-1), f.reshape(-1)))
+    np.testing.assert_allclose(mp, c.mass_and_momentum(), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(f, c.forces(), rtol=0, atol=1e-13)
+
+
 def test_uniform_stress_pushes_only_where_the_body_ends(cloud):
     """f = −V⁰ τ Σ G vanishes at nodes that are surrounded by material in full."""
     c = cloud("plane_strain", "ugimp", count=4 * 6 * 9)
@@ -106,7 +115,7 @@ def test_velocity_gradients_equal_the_matrices(analysis, shape, cloud, dense_of)
     p, d = c.particles, c.dimensions
     S, G = dense_of(c)
     v = np.random.default_rng(4).standard_normal((c.grid.node_count, d))
-    c.gather(transfer.find_velocity_gradients, v.reshape(-1), p.L)
+    c.find_gradients(v)
     expected = np.einsum("na,bpn->abp", v, G).reshape(d * d, -1)
     np.testing.assert_allclose(p.L[: d * d], expected, atol=1e-12)
     if analysis == "axisymmetric":

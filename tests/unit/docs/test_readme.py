@@ -7,8 +7,10 @@ import subprocess
 from pathlib import Path
 
 import pytest
+import yaml
 from PIL import Image
 
+from mpmcli import __version__
 from mpmcli.cli.main import COMMANDS, INTERRUPTED, OUR_BUG
 from mpmcli.core.errors import ArchiveError, SceneError, SimulationError
 from mpmcli.materials import MATERIALS
@@ -72,3 +74,9 @@ def test_picture_is_small():
     assert picture.stat().st_size < 200_000
     with Image.open(picture) as image:
         assert image.width <= 1200
+
+
+def test_versions_agree():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert citation["version"] == __version__
+    assert f"## {__version__}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")

@@ -1,0 +1,147 @@
+"""What a scene does not use costs nothing: no array, no kernel; and nothing is compiled twice."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import fields
+
+import pytest
+import yaml
+
+from mpmcli.solver.plan import StepArrays
+from mpmcli.solver.variants import STRAIN_UPDATES
+
+SCRIPT = """
+import json, pathlib, sys
+from mpmcli.scene.loader import load_scene
+from mpmcli.solver.simulation import Simulation
+simulation = Simulation(load_scene(sys.stdin.read() + "\\n"))
+for _ in range(3):
+    simulation.step()
+from mpmcli.core.kernel import Kernel
+print(json.dumps({
+    "compiled": sorted(k.name for k in Kernel.registered if k.compiled_signatures()),
+    "registered": sorted(k.name for k in Kernel.registered),
+    "signatures": sum(k.compiled_signatures() for k in Kernel.registered),
+    "misses": sum(k.cache_misses() for k in Kernel.registered),
+    "modules": [m for m in ("vtk", "vtkmodules", "matplotlib", "pandas", "meshio") if m in sys.modules],
+}))
+"""
+
+
+def report_of(scene: dict, cache) -> dict:
+    """Run three steps of a scene in a fresh process with its compile cache in a folder."""
+    environment = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"}
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT], input=yaml.safe_dump(scene), capture_output=True, text=True,
+        env=environment | {"MPMCLI_CACHE_DIR": str(cache)}, timeout=300, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def files(folder):
+    """Compiled code in a folder, with the times of its last change."""
+    return {path.name: path.stat().st_mtime_ns for path in folder.rglob("*.nb*")}
+
+
+@pytest.fixture(scope="module")
+def flip_scene():
+    return {
+        "version": 1,
+        "analysis": {"kind": "plane_strain"},
+        "grid": {"lower": [-4, -4], "upper": [4, 4], "cell": 1},
+        "method": {"shape": "ugimp", "transfer": {"kind": "flip"}},
+        "materials": {"soft": {"kind": "linear_elastic", "density": 1.0, "E": 10.0, "nu": 0.3}},
+        "bodies": [
+            {"name": "block", "material": "soft", "region": {"kind": "box", "lower": [-2, -2], "upper": [2, 2]},
+             "velocity": ["-0.1*x", "0"]},
+        ],
+        "time": {"end": 1},
+    }  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def two_processes(flip_scene, tmp_path_factory):
+    """(report of a process with an empty cache, files it left, report of the next process, files after it)."""
+    cache = tmp_path_factory.mktemp("cache")
+    first = report_of(flip_scene, cache)
+    left = files(cache)
+    second = report_of(flip_scene, cache)
+    return first, left, second, files(cache)
+
+
+def test_a_second_process_compiles_nothing(two_processes):
+    first, left, second, after = two_processes
+    assert first["misses"] == first["signatures"] > 0
+    assert second["misses"] == 0
+    assert second["signatures"] == first["signatures"]
+    assert after == left, "a function was compiled again"
+
+
+def test_only_kernels_of_this_scene_are_compiled(two_processes):
+    """A FLIP scene without conditions and loads: two transfers, and what happens on nodes and in cells."""
+    report = two_processes[0]
+    assert set(report["compiled"]) == {
+        "clear_nodes", "find_velocities", "locate_cells", "move_particles", "scatter", "update_momenta",
+        "update_strain_and_stress",
+    }  # fmt: skip
+    assert report["signatures"] == len(report["compiled"]), "each is compiled for one set of types"
+    assert len(report["registered"]) > 15
+
+
+def test_running_imports_no_writers(two_processes):
+    assert two_processes[0]["modules"] == []
+
+
+def arrays_of(run) -> set[str]:
+    arrays = run.simulation.arrays
+    return {f.name for f in fields(StepArrays) if getattr(arrays, f.name) is not None}
+
+
+NEEDS = [
+    ({}, set()),
+    ({"method__transfer": {"kind": "fmpm", "order": 1}}, {"-w"}),
+    ({"method__transfer": {"kind": "fmpm", "order": 2}}, {"-w", "dv", "out"}),
+    ({"method__transfer": {"kind": "xpic", "order": 2}}, {"dv", "out", "p_start"}),
+    ({"method__update": "usl+"}, {"p_again", "X_new"}),
+    ({"method__update": "usf"}, set()),
+    ({"method__damping": {"grid": 0.1}}, {"grid_damping", "node_work"}),
+    ({"method__damping": {"particle": 0.1}}, {"damped"}),
+    ({"loads": [{"name": "g", "kind": "gravity", "acceleration": [0, -1]}]}, {"f_external", "p_start"}),
+]
+
+
+@pytest.mark.parametrize(("changes", "more"), NEEDS, ids=lambda v: "-".join(sorted(map(str, v))) or "plain")
+def test_arrays_exist_only_where_they_are_needed(changes, more, block):
+    """FLIP alone has the grid's mass, momentum and force, and v and a; everything else is asked for."""
+    expected = {"v", "w"} | {name for name in more if not name.startswith("-")}
+    expected -= {name[1:] for name in more if name.startswith("-")}
+    assert arrays_of(block(**changes)) == expected
+
+
+def test_particles_carry_no_history_or_viscosity_that_nobody_asked_for(block):
+    p = block().particles
+    assert p.H.shape[0] == 0
+    assert p.viscous_pressure is None
+    assert p.viscous_work is None
+    viscous = block(method__artificial_viscosity={"linear": 0.2}).particles
+    assert viscous.viscous_pressure.shape == (viscous.count,)
+
+
+def test_a_scene_in_one_dimension_costs_one_dimension(bar):
+    s = bar().simulation
+    assert s.particles.X.shape[0] == 1
+    assert s.grid.mp.shape == (s.grid.node_count, 2)
+    assert s.grid.node_count == s.grid.cells[0] + 1 + 2 * s.grid.pad
+
+
+def test_strain_updates_are_rows_of_data():
+    table = {name: (row.first, row.last, row.again) for name, row in STRAIN_UPDATES.items()}
+    assert table == {
+        "usf": (1, 0, False), "usl": (0, 1, False), "usl+": (0, 1, True), "usavg": (0.5, 0.5, False),
+        "usavg+": (0.5, 0.5, True),
+    }  # fmt: skip
