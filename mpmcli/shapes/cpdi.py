@@ -21,6 +21,10 @@ from mpmcli.shapes.base import add_shape
 REFERENCE = "Sadeghirad, Brannon and Burghardt, Int. J. Numer. Meth. Eng. 86 (2011) 1435"
 
 
+ROUND_OFF = 1e-11
+"""Cells by which a domain may reach past a node without counting as wider: its value there is no larger."""
+
+
 class LinearCpdi(NamedTuple):
     """Corner points, linear grid functions."""
 
@@ -96,7 +100,7 @@ def interval_point(q, i):
 def lowest_node(x, extent, reach, offset, w, p, status):
     """Lowest node of an axis: floor(x − extent + offset) − reach; checks that ``w`` nodes suffice."""
     low = np.floor(x - extent + offset) - reach
-    if np.floor(x + extent + offset) + 2.0 - low > w:
+    if np.floor(x + extent + offset - ROUND_OFF) + 2.0 - low > w:
         status[0] = DOMAIN_TOO_WIDE
         status[1] = np.int64(p)
     return low

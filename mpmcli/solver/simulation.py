@@ -126,6 +126,7 @@ class Simulation:
     def step(self) -> None:
         """Advance by one time step; raises SimulationError where the simulation cannot go on."""
         if self.state.step % GOOD_EVERY == 0:
+            self._last_good = None  # give its memory back before the next copy takes as much
             self._last_good = self._copy_of_state()
         try:
             self._dt = self.time_step.choose(self.wave_speed, self.particle_speed)

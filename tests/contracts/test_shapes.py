@@ -69,7 +69,10 @@ def test_linear_fields_are_exact_anywhere_and_at_walls(name, d, find_stencils, m
 @EVERY_SHAPE
 def test_linear_fields_are_exact_in_corners_and_on_nodes(name, d, find_stencils, make_grid_for):
     grid = make_grid_for(name, d)
-    axes = [lower + cell * np.arange(n + 1) for lower, cell, n in zip(grid.lower, grid.cell, grid.cells, strict=True)]
+    axes = [
+        lower + cell * np.arange(n + 1)
+        for lower, cell, n in zip(grid.lower, grid.cell, grid.cells, strict=True)
+    ]
     X = np.array(np.meshgrid(*axes, indexing="ij")).reshape(d, -1)
     size = np.repeat(0.25 * grid.cell[:, None], X.shape[1], axis=1)
     assert_linear_fields_are_exact(find_stencils(name, grid, X, size), X)
@@ -81,7 +84,9 @@ def test_values_are_not_negative_and_neighbours_agree(name, d, find_stencils, ma
     grid = make_grid_for(name, d)
     X = place(grid, np.full((d, 9), 2.0) + np.linspace(-0.5, 0.5, 9))
     size = np.repeat(0.25 * grid.cell[:, None], 9, axis=1)
-    below, above = (find_stencils(name, grid, X + shift * grid.cell[:, None], size) for shift in (-1e-13, 1e-13))
+    below, above = (
+        find_stencils(name, grid, X + shift * grid.cell[:, None], size) for shift in (-1e-13, 1e-13)
+    )
     assert below.S.min() > -1e-15
     np.testing.assert_allclose(below.matrices()[0], above.matrices()[0], rtol=0, atol=1e-12)
 
@@ -174,7 +179,9 @@ BAD = [np.nan, np.inf, -np.inf, 1e300, -1e300, 1e18, -1e18, 5e9, -5e9, 60.0, -60
 
 
 @EVERY_SHAPE
-def test_a_particle_off_the_grid_is_reported_and_touches_nothing_outside(name, d, find_stencils, make_grid_for):
+def test_a_particle_off_the_grid_is_reported_and_touches_nothing_outside(
+    name, d, find_stencils, make_grid_for
+):
     """Every stencil stays in memory of the grid, whatever the position; the others are not disturbed."""
     grid = make_grid_for(name, d)
     good = place(grid, np.full((d, 1), 2.3))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -55,7 +57,7 @@ def test_grid_velocities_are_the_series_of_the_mass_matrix(start, matrices):
         term = contraction @ term
         wanted[k] = series
         errors.append(float(np.sqrt((lumped[seen, None] * np.square(plus @ (V - S @ series))).sum())))
-    assert all(later < earlier for earlier, later in zip(errors, errors[1:], strict=False))
+    assert all(later < earlier for earlier, later in pairwise(errors))
     assert errors[-1] < 0.05 * errors[0]
     for k in (1, 2, 4, 32):
         v, active = nodal_velocity(start, k)

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+
+DATA = Path(__file__).parents[1] / "data"
 
 
 def harmonic(t, y, guess):
@@ -58,7 +62,7 @@ def test_cylinder_under_pressure(start):
 
 def test_sphere_breathes(start):
     """First radial mode of a free sphere, ν = 1/4: ω R/c_p is the first root of tan ξ/ξ = 1/(1 − 3ξ²/4)."""
-    run = start("elastic_sphere_3d.yaml")
+    run = start("elastic_sphere_3d.yaml", "grid.cell=0.12")
     weight = run.mass / np.sum(run.mass * np.square(run.X0).sum(axis=0))
     seen = run.to(4.5, lambda r: (r.time, float(np.sum(weight * (r.V * r.X).sum(axis=0)))))
     t, rate = np.array(seen).T
@@ -115,3 +119,16 @@ def test_taylor_bar(start):
     assert length == pytest.approx(16.2, abs=0.5)
     assert foot == pytest.approx(13.5, abs=1.0)
     assert np.abs(run.J - 1).max() < 0.02
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("transfer", ["flip", "fmpm4"])
+def test_history_of_the_block_impact(start, transfer):
+    """Kinetic energy and stress work over 0.32 ms against NairnMPM's history, to 1 % of the start."""
+    table = np.genfromtxt(DATA / f"block_impact_nairnmpm_{transfer}.csv", delimiter=",", names=True)
+    kind = {"flip": "{kind: flip}", "fmpm4": "{kind: fmpm, order: 4}"}[transfer]
+    run = start("block_impact.yaml", f"method.transfer={kind}")
+    first = run.kinetic_energy
+    t, kinetic, work = np.array(run.to(0.32, lambda r: (r.time, r.kinetic_energy, r.stress_work))).T
+    for ours, theirs in ((kinetic, table["kinetic_J"]), (work, table["work_J"])):
+        assert np.abs(np.interp(table["time_ms"], t, ours) - 1000 * theirs).max() < 0.01 * first

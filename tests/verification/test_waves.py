@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+
+DATA = Path(__file__).parents[1] / "data"
 
 BAR = """
 version: 1
@@ -48,7 +52,8 @@ def test_step_load(start):
     """A sudden pressure: a front at speed c with σ and σ/(ρc); the velocity doubles at the free end."""
     p = 1e-4
     run = start(
-        BAR, f"loads=[{{name: push, kind: traction, on: {{body: bar, face: {{axis: x, side: lower}}}}, pressure: {p}}}]"
+        BAR,
+        f"loads=[{{name: push, kind: traction, on: {{body: bar, face: {{axis: x, side: lower}}}}, pressure: {p}}}]",
     )
     run.to(40)
     x, s = run.X[0], run.stress[0]
@@ -185,3 +190,24 @@ def test_shock_in_the_plane(start, transfer):
     assert_shock(mirrored)
     p, q = (-r.stress[:3].sum(axis=0) / 3000 for r in (run, mirrored))
     assert np.abs(p - q).max() < 0.01 * 118.4
+
+
+@pytest.mark.slow
+def test_shock_profile(start):
+    """Pressure along the bar at 3.48 µs against NairnMPM: the plateau to 2.5 GPa, the front to 1.5 cells."""
+    table = np.genfromtxt(DATA / "shock_nairnmpm_fmpm4_3.479us.csv", delimiter=",", names=True, dtype=None)
+    run = start("shock_nickel.yaml", "method.transfer={kind: fmpm, order: 4}")
+    run.to(3.4792e-3)
+    front, _, mean = shock_state(run)
+    columns = np.floor(run.X0[0] / 0.125).astype(int)
+    x = np.bincount(columns, run.X[0]) / np.bincount(columns)
+    p = table["pressure_GPa_mean_over_height"]
+    i = np.flatnonzero(p >= 59.2).min()
+    theirs = np.interp(59.2, p[i - 1 : i + 1], table["x_mm"][i - 1 : i + 1])
+    assert front == pytest.approx(theirs, abs=1.5 * 0.25)
+    plateau = (x > front + 2) & (x < 43.6 - 3)
+    difference = mean[plateau] - np.interp(x[plateau] - front, table["x_mm"] - theirs, p)
+    print(
+        "plateau against NairnMPM, GPa:", np.abs(difference).max(), difference.mean(), "front", front - theirs
+    )
+    assert np.abs(difference).max() < 2.5

@@ -17,7 +17,9 @@ from mpmcli.shapes import SHAPES
 class Cloud:
     """Random particles, sorted by cell, and the operators of ``core.transfer`` on them."""
 
-    def __init__(self, analysis: str, shape: str, count: int = 60, seed: int = 1, cells=(6, 9, 5), parallel=False):
+    def __init__(
+        self, analysis: str, shape: str, count: int = 60, seed: int = 1, cells=(6, 9, 5), parallel=False
+    ):
         rng = np.random.default_rng(seed)
         self.name, self.parallel = shape, parallel
         self.analysis = ANALYSES[analysis]()
@@ -55,7 +57,18 @@ class Cloud:
         """The arguments that all transfer kernels share, for bands or chunks of particles."""
         p = self.particles
         shape = self.shape.parameters
-        return self.analysis, shape, self.grid.geometry, self.across, ranges, self.stencil, p.X, p.F, p.size, None
+        return (
+            self.analysis,
+            shape,
+            self.grid.geometry,
+            self.across,
+            ranges,
+            self.stencil,
+            p.X,
+            p.F,
+            p.size,
+            None,
+        )
 
     def scatter(self, task):
         """Run a scatter task of ``core.transfer``."""
@@ -89,7 +102,11 @@ class Cloud:
     def move(self, v, w, flip, alpha=0.5, damping=0.0, dt=0.01, damped=None, L=True):
         """Move the particles; returns what the kernel reports per chunk."""
         p = self.particles
-        report = {"speed2": np.zeros(CHUNKS), "travel": np.zeros(CHUNKS), "outside": np.zeros(CHUNKS, dtype=np.int64)}
+        report = {
+            "speed2": np.zeros(CHUNKS),
+            "travel": np.zeros(CHUNKS),
+            "outside": np.zeros(CHUNKS, dtype=np.int64),
+        }
         bounds = np.stack([self.grid.lower, self.grid.upper], axis=1)
         transfer.move_particles[self.parallel](
             *self.operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1), alpha, damping, dt,

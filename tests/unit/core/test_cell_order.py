@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mpmcli.core.analysis import PlaneStrain, Solid, UniaxialStress
 from mpmcli.core.grid import Grid
 from mpmcli.core.order import CHUNKS, MAX_DRIFT, CellOrder, band_height, locate_cells
 from mpmcli.core.particles import Particles
-from mpmcli.core.analysis import PlaneStrain, Solid, UniaxialStress
 from mpmcli.shapes import SHAPES
 
 ANALYSES = {1: UniaxialStress(), 2: PlaneStrain(), 3: Solid()}

@@ -59,9 +59,7 @@ def test_the_series_falls_monotonically_to_the_consistent_mass_matrix(patch, ope
     seen, S, m, p = operators
     consistent = (S.T * patch.particles.mass) @ S
     exact = np.linalg.solve(consistent, p)
-    errors = [
-        np.sqrt(m @ (v[seen, 0] - exact) ** 2) for v in series(patch, lumped(patch), 4000)
-    ]
+    errors = [np.sqrt(m @ (v[seen, 0] - exact) ** 2) for v in series(patch, lumped(patch), 4000)]
     assert np.all(np.diff(errors) <= 1e-12 * errors[0])
     assert errors[79] < 0.5 * errors[0]
     assert errors[-1] < errors[79]

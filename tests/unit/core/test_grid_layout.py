@@ -10,7 +10,9 @@ from mpmcli.core.grid import Grid, unfold
 
 @pytest.fixture
 def grid():
-    return Grid(np.array([-1.0, 0.0, 2.0]), np.array([1.0, 3.0, 4.0]), np.array([0.5, 1.0, 2.0]), pad=2, width=3)
+    return Grid(
+        np.array([-1.0, 0.0, 2.0]), np.array([1.0, 3.0, 4.0]), np.array([0.5, 1.0, 2.0]), pad=2, width=3
+    )
 
 
 def test_shape_counts_ghosts(grid):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -26,7 +28,7 @@ def mean_over_box(function, kinks, node, x, l):
     """Mean of a piecewise polynomial, exact: Gauss points between its kinks."""
     breaks = np.unique(np.clip([x - l, *(node + k for k in kinks), x + l], x - l, x + l))
     total = 0.0
-    for a, b in zip(breaks[:-1], breaks[1:], strict=True):
+    for a, b in pairwise(breaks):
         total += (b - a) / 2 * WEIGHTS @ function((a + b) / 2 + (b - a) / 2 * POINTS - node)
     return total / (2 * l)
 

@@ -38,8 +38,11 @@ def expected_stencil(name, x, A, nodes, cell):
     points = (-1.0, 1.0) if name != "qcpdi" else (-1.0, 0.0, 1.0)
     function = quadratic_spline if name == "b2cpdi" else hat
     gauss, weight = np.polynomial.legendre.leggauss(3)
-    value = np.array([sum(w * lagrange(points, i, g)[0] for g, w in zip(gauss, weight, strict=True)) / 2 for i in range(len(points))])
-    slope = np.array([sum(w * lagrange(points, i, g)[1] for g, w in zip(gauss, weight, strict=True)) / 2 for i in range(len(points))])
+    means = [
+        sum(w * np.array(lagrange(points, i, g)) for g, w in zip(gauss, weight, strict=True)) / 2
+        for i in range(len(points))
+    ]
+    value, slope = np.array(means).T
     inverse_transposed = np.linalg.inv(A).T
     S, G = np.zeros(nodes.shape[1]), np.zeros(nodes.shape)
     for corner in itertools.product(range(len(points)), repeat=d):
@@ -104,3 +107,17 @@ def test_a_corner_beyond_the_ghost_layers_is_reported(find_stencils, make_grid_f
     X = grid.upper[:, None] + 3.2 * grid.cell[:, None]
     found = find_stencils("lcpdi", grid, X, 0.25 * grid.cell[:, None], F)
     assert found.status[0] == OUTSIDE_GRID
+
+
+@pytest.mark.parametrize("name", CPDI)
+def test_one_particle_per_cell_needs_no_wider_stencil(name, find_stencils, make_grid_for):
+    """Domains as wide as a cell whose ends meet nodes up to round-off count as meeting them."""
+    grid = make_grid_for(name, 2)
+    cells = np.array(
+        [k + part + tiny for k in (0, 1, 2) for part in (0, 0.5) for tiny in (-2e-16, 0, 2e-16, 4e-16)]
+    )
+    X = grid.lower[:, None] + np.maximum(cells, 0) * grid.cell[:, None]
+    X = np.concatenate([X, np.nextafter(X, X - 1), np.nextafter(X, X + 1)], axis=1)
+    found = find_stencils(name, grid, X, np.repeat(0.5 * grid.cell[:, None], X.shape[1], axis=1))
+    assert found.status[0] == 0
+    np.testing.assert_allclose(found.S.sum(axis=1), 1.0, atol=1e-14)

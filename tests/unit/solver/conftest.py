@@ -49,7 +49,13 @@ BAR: dict[str, Any] = {
         }
     ],
     "boundary": [
-        {"name": "support", "kind": "velocity", "on": {"plane": {"axis": "x", "at": 0}}, "direction": "x", "value": 0}
+        {
+            "name": "support",
+            "kind": "velocity",
+            "on": {"plane": {"axis": "x", "at": 0}},
+            "direction": "x",
+            "value": 0,
+        }
     ],
     "time": {"end": 40.0, "courant": 0.2},
 }

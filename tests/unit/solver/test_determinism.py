@@ -43,7 +43,9 @@ def test_the_order_of_bodies_matters_only_in_round_off(transfer, block):
             "velocity": ["1", "0.2*x"]}  # fmt: skip
     right = {"name": "right", "material": "soft", "region": {"kind": "box", "lower": [0, -2], "upper": [3, 2]},
              "velocity": ["-1", "0"]}  # fmt: skip
-    one, other = (block(method__transfer=transfer, bodies=b).steps(10) for b in ([left, right], [right, left]))
+    one, other = (
+        block(method__transfer=transfer, bodies=b).steps(10) for b in ([left, right], [right, left])
+    )
     half = one.particles.count // 2
     swapped = np.r_[half : 2 * half, 0:half]
     for name, scale in (("X", 3.0), ("V", 1.0), ("tau", 100.0)):

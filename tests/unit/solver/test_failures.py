@@ -74,12 +74,17 @@ def test_stretching_without_end_is_reported(bar):
     assert "body 'bar'" in words
 
 
-FLIES = {"bodies__0__velocity": ["50", "0"], "bodies__0__region": {"kind": "box", "lower": [3, -2], "upper": [7, 2]}}
+FLIES = {
+    "bodies__0__velocity": ["50", "0"],
+    "bodies__0__region": {"kind": "box", "lower": [3, -2], "upper": [7, 2]},
+}
 
 
 def test_leaving_the_grid_is_an_error_by_default(block):
     words = str(failure_of(block(**FLIES)))
-    assert re.search(PLACE + " left the grid and 15 others", words) or re.search(PLACE + " left the grid", words)
+    assert re.search(PLACE + " left the grid and 15 others", words) or re.search(
+        PLACE + " left the grid", words
+    )
     assert "domain.on_exit" in words
 
 
@@ -116,7 +121,9 @@ def test_particles_may_stop_at_the_wall(block):
 
 @pytest.mark.parametrize("update", ["usl+", "usf"])
 def test_deleting_works_with_every_work_array(update, block):
-    run = block(**FLIES, domain={"on_exit": "delete"}, method__update=update, method__damping={"particle": 0.1})
+    run = block(
+        **FLIES, domain={"on_exit": "delete"}, method__update=update, method__damping={"particle": 0.1}
+    )
     while run.simulation.state.extra["deleted_particles"] == 0:
         run.steps(1)
     run.steps(3)

@@ -28,12 +28,20 @@ def test_the_first_step_follows_the_wave_speed_of_the_analysis(kind, block):
         analysis={"kind": kind},
         grid={"lower": [0.0] * d, "upper": [4.0] * d, "cell": list(cell[:d])},
         materials={"soft": {"kind": "linear_elastic", "density": rho, "E": E, "nu": nu}},
-        bodies=[{"name": "b", "material": "soft", "region": {"kind": "box", "lower": [0.0] * d, "upper": [2.0] * d}}],
+        bodies=[
+            {
+                "name": "b",
+                "material": "soft",
+                "region": {"kind": "box", "lower": [0.0] * d, "upper": [2.0] * d},
+            }
+        ],
         time={"end": 1, "courant": C},
     )
     s = run.simulation
     assert s.wave_speed == pytest.approx(np.sqrt(CASES[kind](E, nu, rho)), rel=1e-12)
-    assert s.time_step.choose(s.wave_speed, s.particle_speed) == pytest.approx(C * 0.5 / s.wave_speed, rel=1e-12)
+    assert s.time_step.choose(s.wave_speed, s.particle_speed) == pytest.approx(
+        C * 0.5 / s.wave_speed, rel=1e-12
+    )
 
 
 def test_fast_particles_shorten_the_step(block):
@@ -65,7 +73,9 @@ def test_a_collapsed_step_is_an_error_in_words():
     step = TimeStep(span(courant=0.5), smallest_cell=2.0)
     assert step.choose(10.0, 4.0) == 0.1
     assert step.choose(10.0, 40.0) == 0.025
-    with pytest.raises(SimulationError, match=r"time step collapsed to 1e-0?8, from 0\.1 .* smaller Courant number"):
+    with pytest.raises(
+        SimulationError, match=r"time step collapsed to 1e-0?8, from 0\.1 .* smaller Courant number"
+    ):
         step.choose(1e8, 0.0)
 
 

@@ -54,7 +54,9 @@ def test_free_fall_is_exact(transfer, block):
     V = V0 + g * t
     np.testing.assert_allclose(run.particles.V, np.broadcast_to(V[:, None], X.shape), rtol=0, atol=1e-12)
     moved = run.by_identity("X") - X
-    np.testing.assert_allclose(moved, np.broadcast_to((V0 * t + g * t**2 / 2)[:, None], X.shape), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        moved, np.broadcast_to((V0 * t + g * t**2 / 2)[:, None], X.shape), rtol=0, atol=1e-12
+    )
     assert np.abs(run.particles.tau).max() < 1e-12 * 100
     assert run.error < 1e-12
 
@@ -70,7 +72,7 @@ def test_alpha_weighs_the_acceleration_in_positions(block):
         )
         y = run.by_identity("X")[1]
         run.steps(1)
-        drop[alpha] = (run.by_identity("X")[1] - y)[0] / run.simulation.state.dt ** 2
+        drop[alpha] = (run.by_identity("X")[1] - y)[0] / run.simulation.state.dt**2
     assert drop[0.0] == pytest.approx(0.0, abs=1e-9)
     assert drop[1.0] == pytest.approx(-9.81, rel=1e-9)
 
@@ -89,7 +91,9 @@ def test_damping_slows_flight_and_books_the_energy(where, transfer, block):
     start = run.kinetic_energy
     run.steps(10)
     expected = np.array([1.5, -1.0]) * (1 - 2.0 * 0.01) ** 10
-    np.testing.assert_allclose(run.particles.V, np.broadcast_to(expected[:, None], run.particles.V.shape), rtol=1e-12)
+    np.testing.assert_allclose(
+        run.particles.V, np.broadcast_to(expected[:, None], run.particles.V.shape), rtol=1e-12
+    )
     lost = run.simulation.state.work["damping_work"]
     assert lost == pytest.approx(start - run.kinetic_energy, rel=1e-10)
     assert run.error < 1e-12

@@ -1,0 +1,53 @@
+"""The same scene gives the same bits: with one thread and with two, and again."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+INPUTS = Path(__file__).parents[2] / "inputs"
+
+
+def files_of(scene: str, directory: Path, threads: int, *options: str) -> dict[str, bytes]:
+    """Run a scene in a process of its own; its tables and archives by name."""
+    command = [
+        sys.executable,
+        "-m",
+        "mpmcli.cli.main",
+        "run",
+        str(INPUTS / scene),
+        "-o",
+        str(directory),
+        "-q",
+    ]
+    command += ["--threads", str(threads), *options]
+    done = subprocess.run(command, cwd=directory.parent, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    found = {p.relative_to(directory).as_posix(): p for p in directory.rglob("*") if p.is_file()}
+    return {
+        n: p.read_bytes() for n, p in sorted(found.items()) if p.suffix in (".csv", ".vtu", ".pvd", ".npz")
+    }
+
+
+SCENES = [
+    ("block_impact.yaml", ("--until", "0.03", "--set", "archive.grid={every: 0.02}")),
+    pytest.param("shock_nickel_symmetry.yaml", ("--until", "4e-4"), marks=pytest.mark.slow),
+    pytest.param("stretched_bar.yaml", (), marks=pytest.mark.slow),
+    pytest.param("elastic_sphere_3d.yaml", ("--until", "0.5"), marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize(("scene", "options"), SCENES)
+def test_threads_never_change_a_bit(tmp_path, scene, options):
+    runs = [
+        files_of(scene, tmp_path / name, n, *options) for name, n in (("a", 1), ("b", 2), ("c", 2), ("d", 1))
+    ]
+    first = runs[0]
+    assert "globals.csv" in first
+    assert sum(name.endswith(".vtu") for name in first) >= 2
+    for other in runs[1:]:
+        assert other.keys() == first.keys()
+        assert [name for name in first if first[name] != other[name]] == []
