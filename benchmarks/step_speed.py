@@ -28,6 +28,7 @@ from tables import report, slope_of_orders
 PARTICLES_PER_CELL = {2: 4, 3: 8}
 SECONDS_PER_SAMPLE = 0.3
 FEWEST_STEPS = 16
+WARM_UP = 10
 REFERENCE_TRIAD = {1: 15.6, 2: 30.0}
 """Bandwidth [GB/s] of the machine for which the targets were set."""
 
@@ -120,9 +121,9 @@ def scene_text(case: Case) -> str:
 
 
 class Timed:
-    """A case set up, warmed up and held in the state just before a sort, to which every sample returns.
+    """A case set up, warmed up and held in one state, to which every sample returns.
 
-    So every sample does the same work, and the share of sorting in it is that of a long run.
+    So every sample does the same work; it begins with a sort.
     """
 
     def __init__(self, case: Case):
@@ -136,11 +137,9 @@ class Timed:
         begin = time.perf_counter()
         s.step()
         first = time.perf_counter() - begin
-        count = 0
-        while not s.order.is_stale and count < 60:
+        for _ in range(WARM_UP):
             s.step()
-            count += 1
-        self.between_sorts = count + 1
+        self.between_sorts = max(1, round((WARM_UP + 1) / s.order.drift))
         self.start = s.particles.copy()
         self.particles = s.particles.count
         self.steps = max(FEWEST_STEPS, min(self.between_sorts, math.ceil(SECONDS_PER_SAMPLE / first)))
@@ -208,6 +207,14 @@ def run_one(shape: str, particles: int) -> None:
     print(json.dumps(result))
 
 
+def processor_name() -> str:
+    """Model of the processor, as far as the system tells."""
+    told = Path("/proc/cpuinfo")
+    lines = told.read_text().splitlines() if told.exists() else []
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
+
+
 def peak_memory() -> float:
     """Largest memory of this process so far [bytes]."""
     status = Path("/proc/self/status")
@@ -268,7 +275,7 @@ def run_all(cases: list[Case], threads: list[int], repeats: int, sizes: tuple[in
             "time_ratio": many["nanoseconds"] / few["nanoseconds"],
         }
     return {
-        "machine": platform.processor() or platform.machine(),
+        "machine": processor_name(),
         "processors": os.cpu_count(),
         "thread_layer": numba.threading_layer(),
         "load": load,
@@ -285,7 +292,7 @@ def run_all(cases: list[Case], threads: list[int], repeats: int, sizes: tuple[in
 def main() -> None:
     """Read the command line, measure, print."""
     parser = argparse.ArgumentParser(description="Time per particle and step.")
-    parser.add_argument("--quick", action="store_true", help="few small cases, about a minute")
+    parser.add_argument("--quick", action="store_true", help="few small cases, half a minute once compiled")
     parser.add_argument("--json", type=Path, help="write all figures to this file")
     parser.add_argument(
         "--threads", type=int, nargs="+", help="numbers of threads (1 and 2, as far as there are)"
