@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import hashlib
 import os
+import stat
 import sys
 import tempfile
 from functools import cache
@@ -54,10 +55,21 @@ def cache_folder() -> Path:
         with tempfile.TemporaryFile(dir=folder):
             return folder
     except OSError:
-        return (
-            Path(tempfile.gettempdir())
-            / f"mpmcli-{os.getuid() if hasattr(os, 'getuid') else 0}-{source_digest()}"
-        )
+        return _private_folder(source_digest())
+
+
+def _private_folder(name: str) -> Path:
+    """A folder among the temporary files that nobody else can write to: compiled code is loaded from it."""
+    user = os.getuid() if hasattr(os, "getuid") else 0
+    folder = Path(tempfile.gettempdir()) / f"mpmcli-{user}-{name}"
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        facts = folder.lstat()
+        if stat.S_ISDIR(facts.st_mode) and facts.st_uid == user and not facts.st_mode & 0o022:
+            return folder
+    except OSError:
+        pass
+    return Path(tempfile.mkdtemp(prefix="mpmcli-"))
 
 
 def is_cold() -> bool:
