@@ -15,12 +15,13 @@ from typing import Any, cast
 
 from numba.extending import overload
 
-COMPILE_OPTIONS: dict[str, Any] = {
-    "error_model": "numpy",
-    "fastmath": {"contract", "nsz", "arcp", "nnan", "ninf"},
-}
-"""Fast floating point without reassociation: sums over the few nodes of a stencil, once reordered for the vector
-unit, gather from memory and run up to seven times slower (3D)."""
+COMPILE_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"nnan", "ninf", "nsz"}}
+"""Fast floating point as far as it leaves every digit alone.
+
+Contraction (fused multiply-add), reciprocals and reassociation would let the digits depend on how the optimiser inlined
+a function, and that differs between the process that compiles a kernel and those that load it from the disk cache.
+Reassociation is also slower: sums over the few nodes of a stencil, reordered for the vector unit, gather from memory.
+"""
 
 INLINED = COMPILE_OPTIONS | {"forceinline": True}
 """What the compiler would call by itself it inlines: stencils and tensors then stay in registers."""
