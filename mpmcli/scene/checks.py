@@ -290,7 +290,7 @@ def _check_times(parts: Parts, report: Report) -> None:
 
 
 def _check_effects(parts: Parts, report: Report) -> None:
-    """Settings that change nothing."""
+    """Settings that change nothing, or do not go together."""
     if parts.method is None:
         return
     given = parts.method.model_fields_set
@@ -300,3 +300,10 @@ def _check_effects(parts: Parts, report: Report) -> None:
     tracking = [m for m in parts.materials.values() if {"temperature", "internal_energy"} & set(m.history)]
     if parts.method.heating == "adiabatic" and parts.materials and not tracking:
         report("method.heating", "has no effect: no material tracks its temperature", "no_effect", "warning")
+    splines = parts.method.shape in ("bspline2", "b2gimp", "b2cpdi")
+    if splines and any(load.kind == "traction" for _, load in parts.loads):
+        words = (
+            f"with {parts.method.shape} the first particles behind a loaded face carry a wrong stress: tractions reach "
+            "the grid by linear functions; prefer lcpdi or ugimp"
+        )
+        report("method.shape", words, "inaccurate", "warning")

@@ -317,3 +317,12 @@ def test_imports_of_reading_a_scene(scene: str, tmp_path: Path) -> None:
         [sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=True
     )
     assert result.stdout.strip() == "[]"
+
+
+def test_tractions_on_spline_grids_are_warned_of(problems_with: Find) -> None:
+    load = (
+        "loads: [{name: push, kind: traction, on: {body: block, face: {axis: x, side: lower}}, pressure: 1}]"
+    )
+    assert not problems_with(("probes:", f"{load}\nprobes:"))
+    (problem,) = problems_with(("probes:", f"{load}\nmethod: {{shape: b2cpdi}}\nprobes:"))
+    assert (problem.path, problem.code, problem.severity) == ("method.shape", "inaccurate", "warning")
