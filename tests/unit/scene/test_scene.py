@@ -320,9 +320,7 @@ def test_imports_of_reading_a_scene(scene: str, tmp_path: Path) -> None:
 
 
 def test_tractions_on_spline_grids_are_warned_of(problems_with: Find) -> None:
-    load = (
-        "loads: [{name: push, kind: traction, on: {body: block, face: {axis: x, side: lower}}, pressure: 1}]"
-    )
-    assert not problems_with(("probes:", f"{load}\nprobes:"))
-    (problem,) = problems_with(("probes:", f"{load}\nmethod: {{shape: b2cpdi}}\nprobes:"))
+    push = "  - {name: push, kind: traction, on: {body: block, face: {axis: x, side: lower}}, pressure: 1}"
+    assert not problems_with(("loads:\n", f"loads:\n{push}\n"))
+    (problem,) = problems_with(("loads:\n", f"method: {{shape: b2cpdi}}\nloads:\n{push}\n"))
     assert (problem.path, problem.code, problem.severity) == ("method.shape", "inaccurate", "warning")
