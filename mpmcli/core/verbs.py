@@ -280,24 +280,7 @@ def _(analysis, S, G, base, offsets, across, v, X, p, L):
 
 @_for(gather_gradient, Axisymmetric)
 def _(analysis, S, G, base, offsets, across, v, X, p, L):
-    x, y = 0.0, 0.0
-    xx, xy, yx, yy = 0.0, 0.0, 0.0, 0.0
-    m = np.uint64(len(across) * len(across))
-    for j in range(m):
-        i = (base + offsets[j]) * TWO
-        s = S[j]
-        vx, vy = v[i], v[i + ONE]
-        gx, gy = G[j], G[m + j]
-        x += s * vx
-        y += s * vy
-        xx += vx * gx
-        xy += vx * gy
-        yx += vy * gx
-        yy += vy * gy
-    L[0, p] = xx
-    L[1, p] = xy
-    L[2, p] = yx
-    L[3, p] = yy
+    x, y = gather_gradient(PlaneStrain(), S, G, base, offsets, across, v, X, p, L)
     L[4, p] = x / X[0, p]
     return (x, y)
 

@@ -37,6 +37,10 @@ class NoConditions:
         """No work."""
         return 0.0
 
+    def idle(self, mp: Array) -> list[str]:
+        """No condition, none idle."""
+        return []
+
     def reactions(self, dt: float) -> dict[str, Array]:
         """No reactions."""
         return {}
@@ -96,6 +100,10 @@ class GridConditions(NoConditions):
     def work(self, v: Array) -> float:
         """Work of the conditions on the bodies in this step: reactions times held velocities, 0 for a fixed support."""
         return self.conditions.work(None, v)
+
+    def idle(self, mp: Array) -> list[str]:
+        """Names of conditions that hold no node with mass in this step."""
+        return self.conditions.empty_conditions(mp)
 
     def reactions(self, dt: float) -> dict[str, Array]:
         """Force of each condition on the bodies in this step, by name."""

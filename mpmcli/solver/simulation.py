@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time as timer
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -34,6 +35,7 @@ from mpmcli.solver.step import advance
 from mpmcli.solver.transfer import Transfer
 
 Array = np.ndarray
+LOGGER = logging.getLogger("mpmcli")
 
 GOOD_EVERY = 20
 """Steps between copies of the state, of which the last one is shown after a failure."""
@@ -131,6 +133,8 @@ class Simulation:
         try:
             self._dt = self.time_step.choose(self.wave_speed, self.particle_speed)
             advance(self, self._dt)
+            if self.state.step == 1:
+                self._warn_of_idle_conditions()
         except SimulationError as error:
             error.state = self._last_good
             raise
@@ -276,6 +280,10 @@ class Simulation:
         )
 
     # ------------------------------------------------------------------ what can go wrong
+
+    def _warn_of_idle_conditions(self) -> None:
+        for name in self.conditions.idle(self.grid.mp):
+            LOGGER.warning("boundary condition '%s' holds no node of a body at the start", name)
 
     def describe(self, particle: int) -> str:
         """Particle, body, position and time in words, for messages; ``particle`` is its place in memory."""

@@ -1,0 +1,27 @@
+"""A condition that holds nothing is said, not passed over in silence."""
+
+from __future__ import annotations
+
+import pytest
+
+from mpmcli.scene.loader import load_scene
+from mpmcli.solver.simulation import Simulation
+
+SCENE = """\
+version: 1
+analysis: {kind: uniaxial_stress}
+grid: {lower: [0], upper: [20], cell: 1}
+materials: {m: {kind: linear_elastic, density: 1, E: 1, nu: 0}}
+bodies: [{name: bar, material: m, region: {kind: box, lower: [2], upper: [8]}}]
+boundary: [{name: support, kind: velocity, on: {plane: {axis: x, at: AT}}, direction: x, value: 0}]
+time: {end: 1, courant: 0.2}
+"""
+
+
+@pytest.mark.parametrize(("at", "said"), [("20", 1), ("2", 0)])
+def test_a_condition_without_nodes_is_named_once(at, said, caplog):
+    simulation = Simulation(load_scene(SCENE.replace("AT", at)))
+    for _ in range(3):
+        simulation.step()
+    words = "boundary condition 'support' holds no node of a body at the start"
+    assert [record.message for record in caplog.records] == [words] * said
