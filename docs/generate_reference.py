@@ -24,6 +24,9 @@ NOUNS = {
     "region": "Region",
     "transfer": "Transfer",
     "hardening": "Hardening",
+    "normal": "Contact normal",
+    "separation": "Contact separation",
+    "law": "Contact law",
 }
 """What the alternatives below a key are called in headings."""
 
@@ -38,7 +41,8 @@ def write(folder: Path = FOLDER) -> list[Path]:
         "reference.md": reference(),
         "shapes.md": shapes(),
         "particle_quantities.md": quantities("particle"),
-        "global_quantities.md": quantities("global", "material", "body", "reaction"),
+        "global_quantities.md": quantities("global", "material", "body", "reaction", "pair", "field"),
+        "grid_quantities.md": grid_fields(),
     }
     for name, text in pages.items():
         path = folder / name
@@ -83,7 +87,6 @@ def not_built() -> Iterator[str]:
     for path, value, words in ENTRIES:
         key = ".".join("NAME" if part == "*" else part for part in path)
         yield f"- `{key}{f': {value}' if value is not None else ''}`: {words}"
-    yield "- `contact` with more than one velocity field"
 
 
 class Reference:
@@ -94,7 +97,7 @@ class Reference:
         self.definitions: dict[str, Schema] = schema["definitions"]
         self.written: set[str] = set()
         self.models = {**analyses_of_materials(), **axes_of_regions()}
-        self.made = {"transfer": default_transfer()}
+        self.made = {"transfer": default_transfer(), **defaults_of_contact()}
 
     def lines(self) -> Iterator[str]:
         """The lines of the page."""
@@ -310,6 +313,14 @@ def default_transfer() -> str:
     return f"`{plain(Method().transfer.model_dump())}`"
 
 
+def defaults_of_contact() -> dict[str, str]:
+    """What a contact has that names neither its normal nor its separation."""
+    from mpmcli.contact.model import Contact
+
+    made = Contact.model_validate({"law": {"kind": "frictionless"}})
+    return {key: f"`{plain({'kind': getattr(made, key).kind})}`" for key in ("normal", "separation")}
+
+
 def shapes() -> str:
     """The table of shape functions."""
     from mpmcli.shapes import SHAPES
@@ -330,6 +341,18 @@ def quantities(*places: str) -> str:
         lines.append(
             f"| `{quantity.name}` | {quantity.where} | {quantity.rank} | {quantity.dimension} | {meaning} |"
         )
+    return "\n".join(lines) + "\n"
+
+
+def grid_fields() -> str:
+    """The table of fields of the grid."""
+    from mpmcli.output.probes import GRID_FIELDS
+
+    lines = ["| name | rank | dimension | meaning |", "| --- | --- | --- | --- |"]
+    for name, field in GRID_FIELDS.items():
+        rank = "vector" if field.is_vector else "scalar"
+        where = " (scenes with contact)" if field.of_contact else ""
+        lines.append(f"| `{name}` | {rank} | {field.dimension} | {sentence(field.description)}{where} |")
     return "\n".join(lines) + "\n"
 
 

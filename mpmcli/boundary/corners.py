@@ -1,4 +1,4 @@
-"""Kernels of tractions: the force on each deformed face, given to the nodes around its corners."""
+"""Kernels of tractions: the force on each deformed face, given to the nodes around it."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.boundary.base import Array, Nodes
+from mpmcli.core.functions import hat, hat_integral, quadratic_spline, quadratic_spline_integral
 from mpmcli.core.kernel import inline
 
 
@@ -29,18 +30,18 @@ class Faces(NamedTuple):
 
 
 class Corners(NamedTuple):
-    """What the last ``add_tractions`` put on the grid, corner by corner (2^(d−1) per face)."""
+    """What the last ``add_tractions`` put on the grid, point by point of the faces (``Cells.points``^(d−1) each)."""
 
     base: Array
-    """(nc,) lowest node of the cell."""
+    """(nc,) lowest node of the point's stencil, velocity field included."""
     weight: Array
-    """(nc, 2^d) weights of the cell's nodes, x fastest; their sum is 1."""
+    """(nc, w^d) weights of the stencil's nodes, x fastest; their sum is 1."""
     force: Array
     """(nc, d) force [force]."""
 
 
 class Cells(NamedTuple):
-    """The grid as the kernels need it, ghost layers counted; loops over the length of tuples are unrolled."""
+    """The grid, ghost layers counted, and how particles see it; loops over the length of tuples are unrolled."""
 
     origin: tuple[float, ...]
     """Coordinates of node 0 [length]."""
@@ -50,10 +51,20 @@ class Cells(NamedTuple):
     """Distance between neighbouring nodes along each axis, in node indices."""
     last: tuple[int, ...]
     """Index of the last node along each axis."""
+    node_count: int
+    """Number of nodes: the distance between velocity fields, in node indices."""
+    quadratic: bool
+    """Whether grid functions are quadratic splines, not hats."""
+    points: int
+    """Points per axis of a face: 1 its middle, 2 its corners, 3 corners and middles."""
+    mean: bool
+    """Whether grid functions are averaged along the face, over the particle's undeformed box."""
+    width: int
+    """w, nodes per axis that see a point of a face."""
 
     @classmethod
-    def of(cls, grid: Nodes) -> Cells:
-        """The cells of a grid."""
+    def of(cls, grid: Nodes, grid_functions: str, domain: str) -> Cells:
+        """The cells of a grid, for grid functions and particle domains as ``shapes.ShapeEntry`` names them."""
         origin = grid.lower - grid.pad * grid.cell
         strides = (math.prod(grid.shape[:a]) for a in range(len(grid.shape)))
         return cls(
@@ -61,6 +72,11 @@ class Cells(NamedTuple):
             tuple(float(1 / h) for h in grid.cell),
             tuple(strides),
             tuple(n - 1 for n in grid.shape),
+            node_count=math.prod(grid.shape),
+            quadratic=grid_functions == "quadratic",
+            points={"point": 1, "box": 1, "corners": 2, "corners_and_middles": 3}[domain],
+            mean=domain == "box",
+            width=2 + (grid_functions == "quadratic") + (domain == "box"),
         )
 
 
@@ -72,7 +88,7 @@ def face_force(
 
     Dead: T A₀. Follower: a = J F⁻ᵀ N A₀ (Nanson); the normal component of T acts along a, the
     tangential ones along the deformed tangents F e_b/|F e_b|. Out of plane the face widens by F_zz unless
-    ``flat`` (axisymmetric, where the radius of the corners does that).
+    ``flat`` (axisymmetric, where the radius does that).
     """
     d = len(cells.stride)
     axis = faces.axis[k]
@@ -117,35 +133,57 @@ def face_force(
 
 
 @inline
-def cell_node(cells: Cells, base: int, w: int) -> Any:
-    """Node number w (bits: upper along x, y, z) of the cell whose lowest node is ``base``."""
+def stencil_node(cells: Cells, base: int, w: int) -> Any:
+    """Node number w (x fastest) of the stencil whose lowest node is ``base``."""
     node = base
     for a in range(len(cells.stride)):
-        node += cells.stride[a] * ((w >> a) & 1)
+        node += cells.stride[a] * (w % cells.width)
+        w //= cells.width
     return np.uint64(node)
 
 
 @inline
-def linear_weights(cells: Cells, x: Array, mp: Array, weight: Array, q: int) -> tuple[int, float]:
-    """Weights of the nodes of the cell at ``x`` (d,) into row q of ``weight``, zero at nodes without mass.
+def axis_weight(cells: Cells, r: float, reach: float) -> float:
+    """Grid function at distance r from its node, or its mean over r ± ``reach`` (in cells)."""
+    if reach == 0.0:
+        return quadratic_spline(r) if cells.quadratic else hat(r)
+    if cells.quadratic:
+        rise = quadratic_spline_integral(r + reach) - quadratic_spline_integral(r - reach)
+    else:
+        rise = hat_integral(r + reach) - hat_integral(r - reach)
+    return 0.5 * rise / reach
 
-    Returns the cell's lowest node (-1 outside the grid) and the sum of the weights.
+
+@inline
+def point_weights(
+    cells: Cells, x: Array, reach: Array, first: int, mp: Array, line: Array, weight: Array, q: int
+) -> tuple[int, float]:
+    """Weights of the nodes around ``x`` (d,) into row q of ``weight``, zero at nodes without mass.
+
+    ``reach`` (d,) half-sizes over which grid functions are averaged [length]; ``first`` is node 0 of the velocity
+    field, ``line`` (w,) work space. Returns the stencil's lowest node (-1 outside the grid) and the sum of the weights.
     """
-    base = 0
-    for w in range(1 << len(cells.stride)):
+    base = first
+    below = 1.0 if cells.quadratic else 0.0
+    count = cells.width ** len(cells.stride)
+    for w in range(count):
         weight[q, w] = 1.0
+    across = 1
     for a in range(len(cells.stride)):
         xi = (x[a] - cells.origin[a]) * cells.inverse_cell[a]
-        if not (xi >= 0.0 and xi < cells.last[a]):
+        extent = reach[a] * cells.inverse_cell[a]
+        low = np.floor(xi - extent + 0.5 * below) - below
+        if not (low >= 0.0 and low + cells.width <= cells.last[a] + 1.0):
             return -1, 0.0
-        i = int(xi)
-        base += cells.stride[a] * i
-        upper = xi - i
-        for w in range(1 << len(cells.stride)):
-            weight[q, w] *= upper if (w >> a) & 1 else 1.0 - upper
+        base += cells.stride[a] * int(low)
+        for i in range(cells.width):
+            line[i] = axis_weight(cells, xi - low - i, extent)
+        for w in range(count):
+            weight[q, w] *= line[(w // across) % cells.width]
+        across *= cells.width
     total = 0.0
-    for w in range(1 << len(cells.stride)):
-        if mp[cell_node(cells, base, w), 0] <= 0.0:
+    for w in range(count):
+        if mp[stencil_node(cells, base, w), 0] <= 0.0:
             weight[q, w] = 0.0
         total += weight[q, w]
     return base, total
@@ -159,39 +197,43 @@ def add_tractions(
     X: Array,
     F: Array,
     size: Array,
+    field: Array | None,
     position_of_id: Array,
     section: float,
     axisymmetric: bool,
     mp: Array,
     f: Array,
 ) -> int:
-    """Add the forces on all faces to nodal forces, in equal shares per corner.
+    """Add the forces on all faces to nodal forces, consistently with the particles' shape function.
 
-    At a corner the force goes to the nodes of its cell by linear functions; those without mass are left out
-    and the others take their part, so that the total is exact. Where no node of that cell has mass, the nodes
-    of the cell of the particle's centre are taken.
+    A face gives its force to the nodes as internal forces take stress from them: at its deformed corners (CPDI),
+    by grid functions averaged along the face (boxes), or at its middle (points), so that uniform stress balances
+    a uniform traction. Nodes without mass are left out and the others take their part, so that the total is
+    exact. Where no node around a point has mass, the nodes around the particle's centre are taken.
 
     Parameters
     ----------
     faces
         Loaded faces.
     corners
-        Overwritten with what each corner gave.
+        Overwritten with what each point gave.
     cells
         The grid.
     X, F, size
         (d, N), (nF, N), (d, N): current position, deformation gradient, initial half-sizes.
+    field
+        (N,) velocity fields, or None if there is only one.
     position_of_id
         (N,) place in memory of each identity, -1 if the particle is gone.
     section
         Thickness, or area in 1D.
     axisymmetric
-        Whether areas are weighted with r: of the deformed corner for followers, of the initial one for dead
-        loads.
+        Whether areas are weighted with r, as volumes are by that of the particle: r of the middle of the deformed
+        face for followers, of the initial one for dead loads.
     mp
-        (n, 1+d) mass and momentum.
+        (fields·n, 1+d) mass and momentum.
     f
-        (n, d) nodal forces; added to.
+        (fields·n, d) nodal forces; added to.
 
     Returns
     -------
@@ -199,9 +241,11 @@ def add_tractions(
         -1, or the first face that is off the grid (its forces are left out).
     """
     d = len(cells.stride)
-    shares = 1 << (d - 1)
+    shares = cells.points ** (d - 1)
     force = np.empty(d)
     x = np.empty(d)
+    reach = np.zeros(d)
+    line = np.empty(cells.width)
     lost = -1
     corners.force[:] = 0.0
     corners.weight[:] = 0.0
@@ -209,18 +253,26 @@ def add_tractions(
         p = position_of_id[faces.id[k]]
         if p < 0:
             continue
+        first = 0
+        if field is not None:
+            first = field[p] * cells.node_count
         face_force(faces, cells, k, F, p, size, axisymmetric, force)
-        for corner in range(shares):
-            q = k * shares + corner
-            radius = faces.radius[k] + place_corner(faces, cells, k, corner, X, F, p, size, x)
-            base, total = linear_weights(cells, x, mp, corners.weight, q)
-            share = section / shares
-            if axisymmetric:
-                share *= max(x[0], 0.0) if faces.follower[k] else radius
+        area = section
+        if axisymmetric:
+            place_middle(faces, cells, k, X, F, p, size, x, reach)
+            initial = faces.radius[k]
+            if faces.axis[k] == 0:
+                initial += faces.sign[k] * size[0, p]
+            area *= max(x[0], 0.0) if faces.follower[k] else initial
+        for point in range(shares):
+            q = k * shares + point
+            place_middle(faces, cells, k, X, F, p, size, x, reach)
+            share = area * move_along_face(faces, cells, k, point, F, p, size, x)
+            base, total = point_weights(cells, x, reach, first, mp, line, corners.weight, q)
             if base >= 0 and total <= 0.0:
                 for a in range(d):
                     x[a] = X[a, p]
-                base, total = linear_weights(cells, x, mp, corners.weight, q)
+                base, total = point_weights(cells, x, reach, first, mp, line, corners.weight, q)
             if base < 0 or total <= 0.0:
                 corners.weight[q] = 0.0
                 if lost < 0:
@@ -229,50 +281,76 @@ def add_tractions(
             corners.base[q] = base
             for a in range(d):
                 corners.force[q, a] = share * force[a]
-            for w in range(1 << d):
+            for w in range(corners.weight.shape[1]):
                 weight = corners.weight[q, w] / total
                 corners.weight[q, w] = weight
                 if weight != 0.0:
-                    i = cell_node(cells, base, w)
+                    i = stencil_node(cells, base, w)
                     for a in range(d):
                         f[i, a] += weight * share * force[a]
     return lost
 
 
 @inline
-def place_corner(
-    faces: Faces, cells: Cells, k: int, corner: int, X: Array, F: Array, p: int, size: Array, x: Array
-) -> float:
-    """Position of a corner of face k of particle p into ``x`` (d,); returns its initial distance in x."""
+def place_middle(
+    faces: Faces, cells: Cells, k: int, X: Array, F: Array, p: int, size: Array, x: Array, reach: Array
+) -> None:
+    """Middle of face k of particle p into ``x`` (d,), and half-sizes to average over into ``reach`` (d,).
+
+    Domains that do not follow the deformation keep their size (grid functions end where the undeformed box does) but
+    their faces turn with the particle: the middle lies at X + ℓ F e/|F e|, and the average runs along the axes that the
+    turned face is least normal to.
+    """
     d = len(cells.stride)
+    axis = faces.axis[k]
+    offset = faces.sign[k] * size[axis, p]
+    across = 0
+    length = 0.0
     for a in range(d):
-        x[a] = X[a, p]
-    first = 0.0
-    bit = 0
+        length += F[d * a + axis, p] ** 2
+        if abs(F[d * a + axis, p]) > abs(F[d * across + axis, p]):
+            across = a
+    if cells.points == 1:
+        offset /= np.sqrt(length)
+    for a in range(d):
+        x[a] = X[a, p] + F[d * a + axis, p] * offset
+        reach[a] = size[a, p] if cells.mean and a != across else 0.0
+
+
+@inline
+def move_along_face(
+    faces: Faces, cells: Cells, k: int, point: int, F: Array, p: int, size: Array, x: Array
+) -> float:
+    """Move ``x`` (d,) from the middle of face k to one of its points; returns the point's share of the face."""
+    d = len(cells.stride)
+    share = 1.0
+    rest = point
     for t in range(d):
+        if t == faces.axis[k] or cells.points == 1:
+            continue
+        place = rest % cells.points
+        rest //= cells.points
         offset = size[t, p]
-        if t == faces.axis[k]:
-            offset *= faces.sign[k]
+        if cells.points == 2:
+            share *= 0.5
+            offset *= 2.0 * place - 1.0
         else:
-            if not (corner >> bit) & 1:
-                offset = -offset
-            bit += 1
+            share *= 4.0 / 6.0 if place == 1 else 1.0 / 6.0
+            offset *= place - 1.0
         for a in range(d):
             x[a] += F[d * a + t, p] * offset
-        if t == 0:
-            first = offset
-    return first
+    return share
 
 
 @inline
 def sum_power(corners: Corners, cells: Cells, record: Array, momentum: bool) -> float:
-    """Σ f·v over corners; velocities are p/m of ``record`` = mp (n, 1+d), or its first columns."""
+    """Σ f·v over points; velocities are p/m of ``record`` = mp (n, 1+d), or its first columns."""
     power = 0.0
     for q in range(corners.base.shape[0]):
-        for w in range(1 << len(cells.stride)):
+        for w in range(corners.weight.shape[1]):
             weight = corners.weight[q, w]
             if weight != 0.0:
-                i = cell_node(cells, corners.base[q], w)
+                i = stencil_node(cells, corners.base[q], w)
                 for a in range(len(cells.stride)):
                     v = record[i, 1 + a] / record[i, 0] if momentum else record[i, a]
                     power += weight * corners.force[q, a] * v

@@ -1,4 +1,4 @@
-"""Tractions through the deformed faces of particles, put on the grid at the faces' corners."""
+"""Tractions through the deformed faces of particles, put on the grid as the shape function sees it."""
 
 from __future__ import annotations
 
@@ -32,6 +32,10 @@ class TractionFaces:
         Thickness in plane analyses, area of the section in 1D, else 1.
     initial_positions
         (d, N) by identity, where the particles are not at the start any more.
+    grid_functions, domain
+        The shape function's, as ``shapes.ShapeEntry`` names them.
+    several_fields
+        Forces go to the nodes of the velocity field of the face's particle.
 
     Attributes
     ----------
@@ -46,10 +50,15 @@ class TractionFaces:
         analysis: Analysis,
         section: float = 1.0,
         initial_positions: Array | None = None,
+        *,
+        grid_functions: str = "linear",
+        domain: str = "corners",
+        several_fields: bool = False,
     ):
         d = analysis.dimensions
         self._loads = [(traction, np.asarray(ids, dtype=np.int64)) for traction, ids in loads]
-        self._cells = Cells.of(grid)
+        self._cells = Cells.of(grid, grid_functions, domain)
+        self._several_fields = several_fields
         self._axisymmetric = isinstance(analysis, Axisymmetric)
         self._section = section
         counts = [ids.shape[0] for _, ids in self._loads]
@@ -71,8 +80,9 @@ class TractionFaces:
         half = particles.size[:, memory[ids]]
         for k, (a, sign) in enumerate(zip(self.faces.axis, self.faces.sign, strict=True)):
             self._centres[a, k] += sign * half[a, k]
-        nc = ids.shape[0] * 2 ** (d - 1)
-        self.corners = Corners(np.zeros(nc, dtype=np.int64), np.zeros((nc, 2**d)), np.zeros((nc, d)))
+        nc = ids.shape[0] * self._cells.points ** (d - 1)
+        weights = np.zeros((nc, self._cells.width**d))
+        self.corners = Corners(np.zeros(nc, dtype=np.int64), weights, np.zeros((nc, d)))
         self._evaluated = False
         self._varies = any(
             "t" in component.variables for traction, _ in loads for component, _ in traction.components(d)
@@ -101,8 +111,9 @@ class TractionFaces:
         if not self._evaluated or self._varies:
             self._evaluate(time)
         lost = add_tractions(
-            self.faces, self.corners, self._cells, particles.X, particles.F, particles.size, position_of_id,
-            self._section, self._axisymmetric, mp, f,
+            self.faces, self.corners, self._cells, particles.X, particles.F, particles.size,
+            particles.velocity_field if self._several_fields else None, position_of_id, self._section,
+            self._axisymmetric, mp, f,
         )  # fmt: skip
         if lost >= 0:
             raise SimulationError(

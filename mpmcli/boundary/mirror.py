@@ -63,6 +63,10 @@ class Mirror:
         """Find the ghosts among the sorted node indices ``active``."""
         self.pairs = self._find_pairs(active)
 
+    def lines(self) -> list[tuple[int, int]]:
+        """Normal axis of each plane and the index of its nodes along that axis."""
+        return [(plane.axis, plane.line) for _, plane in self._planes]
+
     def beyond(self, nodes: Array) -> Array:
         """Which nodes are beyond a plane, (n,) bool."""
         ghosts = np.zeros(nodes.shape[0], dtype=bool)

@@ -13,6 +13,9 @@ KINDS = (
     "regions",
     "conditions",
     "loads",
+    "normals",
+    "separations",
+    "laws",
     "transfers",
     "updates",
     "analyses",
@@ -48,6 +51,7 @@ def lines(kind: str) -> Iterator[str]:
 def _models(kind: str) -> list[Any]:
     from typing import get_args
 
+    from mpmcli.contact import model as contact
     from mpmcli.scene import method, models
 
     registries = {
@@ -55,6 +59,9 @@ def _models(kind: str) -> list[Any]:
         "regions": models.REGIONS,
         "conditions": models.CONDITIONS,
         "loads": models.LOADS,
+        "normals": contact.NORMALS,
+        "separations": contact.SEPARATIONS,
+        "laws": contact.LAWS,
     }
     if kind in registries:
         return registries[kind].models()

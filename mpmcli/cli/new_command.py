@@ -12,6 +12,7 @@ TEMPLATES = {
     "simple": "a block that falls and lands on a floor",
     "vibrating_bar": "a bar in one dimension, fixed at one end, with a known answer",
     "block_impact": "two blocks that meet at high speed",
+    "contact": "a block that slides down rigid ground with friction",
 }
 
 

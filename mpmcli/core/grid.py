@@ -133,9 +133,21 @@ class Grid:
     lower, upper, cell : (d,) corners of the user's grid and cell size [length]
     pad : ghost layers
     width : nodes per axis that the shape function's stencil spans
+    fields : velocity fields
+
+    A degree of freedom is velocity field × node: its index is ``field · node_count + node``, and all arrays and
+    ``active`` run over degrees of freedom, field after field.
     """
 
-    def __init__(self, lower: np.ndarray, upper: np.ndarray, cell: np.ndarray, pad: int, width: int):
+    def __init__(
+        self,
+        lower: np.ndarray,
+        upper: np.ndarray,
+        cell: np.ndarray,
+        pad: int,
+        width: int,
+        fields: int = 1,
+    ):
         self.lower = np.asarray(lower, dtype=np.float64)
         self.upper = np.asarray(upper, dtype=np.float64)
         self.cell = np.asarray(cell, dtype=np.float64)
@@ -147,8 +159,10 @@ class Grid:
         self.node_count = int(np.prod(self.shape))
         self.stride = tuple(int(np.prod(self.shape[:a])) for a in range(self.dimensions))
         d = self.dimensions
-        self.mp = np.zeros((self.node_count, 1 + d))
-        self.f = np.zeros((self.node_count, d))
+        self.fields = fields
+        self.dof_count = fields * self.node_count
+        self.mp = np.zeros((self.dof_count, 1 + d))
+        self.f = np.zeros((self.dof_count, d))
         self.active = np.zeros(0, dtype=np.int64)
         self.active_version = 0
 
@@ -172,13 +186,20 @@ class Grid:
         return offsets
 
     def coordinates(self, nodes: np.ndarray) -> np.ndarray:
-        """Positions (d, n) of nodes given by flat index (n,) [length]."""
+        """Positions (d, n) of nodes given by flat index (n,), or of degrees of freedom [length]."""
         rest = np.asarray(nodes, dtype=np.int64)
         out = np.empty((self.dimensions, len(rest)))
         for a, count in enumerate(self.shape):
             out[a] = self.lower[a] + (rest % count - self.pad) * self.cell[a]
             rest = rest // count
         return out
+
+    def sum_of_fields(self, array: np.ndarray, chosen: np.ndarray | None = None) -> np.ndarray:
+        """Sum over the velocity fields, or those of a mask (fields,), of (dof_count, …): (node_count, …)."""
+        if self.fields == 1:
+            return array
+        by_field = array.reshape(self.fields, self.node_count, *array.shape[1:])
+        return by_field.sum(axis=0) if chosen is None else by_field[chosen].sum(axis=0)
 
     def interior(self) -> np.ndarray:
         """Flat indices of the user's nodes (no ghosts), x fastest."""

@@ -112,29 +112,36 @@ def add_increment(active, dv, v):
 
 
 @kernel
-def start_projection(active, mp, p_start, order, dt, dv, w, out):
-    """XPIC(m): v*₁ = v; ``w`` turns from a into a Δt + m v, to which the other terms are added."""
+def start_projection(active, mp, p_start, u, out):
+    """XPIC(m): u = p/m of the start of the step, and zero for the first pass to add to."""
     for j in prange(active.shape[0]):
         i = np.uint64(active[j])
         m = mp[i, 0]
         inverse = 1.0 / m if m > 0.0 else 0.0
-        for a in range(w.shape[1]):
-            dv[i, a] = p_start[i, a] * inverse
-            w[i, a] = w[i, a] * dt + order * dv[i, a]
+        for a in range(u.shape[1]):
+            u[i, a] = p_start[i, a] * inverse
             out[i, a] = 0.0
 
 
 @kernel
-def add_projection(active, mp, out, scale, term, dv, w):
-    """XPIC(m): v*_k = scale · S⁺S v*_{k−1} (Nairn et al. 2020, Eq. 43), added to ``w`` with factor ``term``."""
+def next_projection(active, mp, p_start, out, u):
+    """XPIC(m): u ← p/m + u − S⁺S u; ``out`` holds m S⁺S u and is zeroed for the next pass."""
     for j in prange(active.shape[0]):
         i = np.uint64(active[j])
         m = mp[i, 0]
         inverse = 1.0 / m if m > 0.0 else 0.0
-        for a in range(w.shape[1]):
-            dv[i, a] = scale * out[i, a] * inverse
+        for a in range(u.shape[1]):
+            u[i, a] += (p_start[i, a] - out[i, a]) * inverse
             out[i, a] = 0.0
-            w[i, a] += term * dv[i, a]
+
+
+@kernel
+def add_projected(active, dt, u, w):
+    """XPIC(m): w = a Δt + u, from a in ``w``."""
+    for j in prange(active.shape[0]):
+        i = np.uint64(active[j])
+        for a in range(w.shape[1]):
+            w[i, a] = w[i, a] * dt + u[i, a]
 
 
 @kernel

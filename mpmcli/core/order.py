@@ -68,7 +68,11 @@ class CellOrder:
                     setattr(particles, name, np.ascontiguousarray(np.take(array, order, axis=-1)))
         layer = int(np.prod(extent[:-1]))
         self._divide(starts, layer, int(extent[-1]), count)
-        self._activate(starts, low, extent)
+        if grid.fields == 1:
+            grid.active = self._reach(np.diff(starts) > 0, low, extent)
+        else:
+            grid.active = self._reach_of_fields(cell[:, order])
+        grid.active_version += 1
         self.version += 1
         self.drift = 0.0
 
@@ -83,8 +87,22 @@ class CellOrder:
         """How many bands or chunks exist: each needs stencil buffers of its own."""
         return max(len(self.bands), len(self.chunks)) - 1
 
-    def _activate(self, starts: Array, low: Array, extent: Array) -> None:
-        """List every node that a particle may touch before the next sort."""
+    def _reach_of_fields(self, cell: Array) -> Array:
+        """The same field by field, as degrees of freedom; ``cell`` (d, N) the cells of the sorted particles."""
+        reached = []
+        for field in range(self.grid.fields):
+            mine = cell[:, self.particles.velocity_field == field]
+            if mine.shape[1] == 0:
+                continue
+            low = mine.min(axis=1)
+            extent = mine.max(axis=1) - low + 1
+            occupied = np.zeros(tuple(extent[::-1]), dtype=bool)
+            occupied[tuple(mine[a] - low[a] for a in range(len(extent)))[::-1]] = True
+            reached.append(self._reach(occupied.ravel(), low, extent) + field * self.grid.node_count)
+        return np.concatenate(reached)
+
+    def _reach(self, occupied: Array, low: Array, extent: Array) -> Array:
+        """Every node that particles in the occupied cells of a box may touch before the next sort."""
         grid, w = self.grid, self.grid.width
         below, above = w - 1, w
         shape = grid.shape[::-1]
@@ -93,12 +111,11 @@ class CellOrder:
         box = tuple(slice(int(a), int(b)) for a, b in zip(box_low, box_high, strict=True))[::-1]
         mark = self._mark.reshape(shape)[box]
         mark[...] = 0
-        occupied = (np.diff(starts) > 0).reshape(extent[::-1])
         at = tuple(
             slice(int(l + grid.pad - b), int(l + grid.pad - b + e))
             for l, b, e in zip(low, box_low, extent, strict=True)
         )[::-1]
-        mark[at] = occupied
+        mark[at] = occupied.reshape(extent[::-1])
         for axis in range(mark.ndim):
             spread = mark.copy()
             for shift in range(1, above + 1):
@@ -110,8 +127,7 @@ class CellOrder:
         index = np.zeros(len(inside[0]), dtype=np.int64)
         for axis, (where, start) in enumerate(zip(inside, box, strict=True)):
             index += (where + start.start) * grid.stride[grid.dimensions - 1 - axis]
-        grid.active = index
-        grid.active_version += 1
+        return index
 
 
 def band_height(rows: int, least: int) -> int:

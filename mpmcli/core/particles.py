@@ -27,6 +27,8 @@ class Particles:
     H : (n_history, N) history variables of the materials (rows named by each material)
     stress_work : (N,) accumulated work of the stress per particle [energy]
     viscous_pressure, viscous_work : (N,) or None; only with artificial viscosity [pressure], [energy]
+    X0 : (d, N) or None; initial position, only where a method of contact needs displacements [length]
+    bond : (N,) or None; 1 while contact nearby still adheres, else 0; only with adhesive contact [-]
     """
 
     X: Array
@@ -45,6 +47,8 @@ class Particles:
     stress_work: Array
     viscous_pressure: Array | None = None
     viscous_work: Array | None = None
+    X0: Array | None = None
+    bond: Array | None = None
 
     @property
     def count(self) -> int:

@@ -17,13 +17,45 @@ class GridView:
     """The grid at the end of a step: node spacing and lazily computed nodal fields.
 
     ``lower``, ``cell`` (d,) and ``nodes`` (d,) describe the user's grid without ghost layers; ``fields`` maps a name
-    (``mass``, ``velocity``, ``acceleration``) to a function returning an array (n_nodes,) or (n_nodes, d), x fastest.
+    (``mass``, ``velocity``, ``contact_normal``) to a function returning an array (n_nodes,) or (n_nodes, d), x
+    fastest. Rigid bodies have no part in mass, momentum, force and velocity.
     """
 
     lower: np.ndarray
     cell: np.ndarray
     nodes: tuple[int, ...]
     fields: dict[str, Callable[[], np.ndarray]]
+
+
+@dataclass
+class ContactView:
+    """Contact in the last step.
+
+    Attributes
+    ----------
+    pairs : names of the velocity fields of each pair, in the order of the scene
+    force : (pairs, d) force on the first field of each pair [force]
+    area : (pairs,) area in contact [area]
+    nodes, touching : number of nodes that see several fields, of contacts that touch
+    contacts, unconverged : number of contacts, of those whose normal did not converge
+    all_contacts, all_unconverged : the same, summed up over all steps so far
+    momentum_error : (d,) momentum that contacts of three or more fields have created so far [momentum]
+    rigid_work : work that each rigid field has done so far, by name [energy]
+    particle_normal : function giving the normal of the nearest contact of each particle, outward, (d, N); 0: none
+    """
+
+    pairs: list[tuple[str, str]]
+    force: np.ndarray
+    area: np.ndarray
+    momentum_error: np.ndarray
+    particle_normal: Callable[[], np.ndarray]
+    nodes: int = 0
+    touching: int = 0
+    contacts: int = 0
+    unconverged: int = 0
+    all_contacts: int = 0
+    all_unconverged: int = 0
+    rigid_work: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass
@@ -42,6 +74,8 @@ class State:
     reactions : force of each boundary condition on the bodies in the last step, by name, (d,)
     strain_energy_density : function giving the stored energy per initial volume, (N,)
     grid : the grid, or None before the first step
+    contact : contact, or None if the scene has none
+    rigid : indices of the rigid bodies, which count in no sum over the matter of the scene
     extra : further columns by name, e.g. ``deleted_mass``
     """
 
@@ -58,4 +92,6 @@ class State:
     work: dict[str, float] = field(default_factory=dict)
     reactions: dict[str, np.ndarray] = field(default_factory=dict)
     grid: GridView | None = None
+    contact: ContactView | None = None
+    rigid: tuple[int, ...] = ()
     extra: dict[str, float] = field(default_factory=dict)

@@ -26,9 +26,9 @@ class BodyReport:
     ----------
     name : the body's
     particles : their number
-    mass : [mass]
+    mass : [mass]; None of a rigid body, which has none
     volume : sum over the particles, thickness or area included [length³]
-    center : (d,) centre of mass [length]
+    center : (d,) centre of mass; of a rigid body that of its volume [length]
     lower, upper : (d,) bounds of the particles' domains [length]
     region_volume : the region's own volume [length³]
     exact : whether the region's volume is a closed form, or an estimate by sampling
@@ -37,7 +37,7 @@ class BodyReport:
 
     name: str
     particles: int
-    mass: float
+    mass: float | None
     volume: float
     center: Array
     lower: Array
@@ -55,7 +55,7 @@ class BodyReport:
 def body_report(
     bodies: Sequence[BodyRequest],
     filled: Sequence[BodyParticles],
-    densities: Sequence[float],
+    densities: Sequence[float | None],
     grid: GridBox,
     analysis: Analysis,
     thickness: float = 1.0,
@@ -65,7 +65,7 @@ def body_report(
     Parameters
     ----------
     bodies, filled : the bodies and what ``fill_bodies`` made of them, in the same order
-    densities : mass density of each body [mass/length³]
+    densities : mass density of each body [mass/length³], None of a rigid one
     grid : object with ``lower``, ``upper``, ``cell`` (d,) [length]
     analysis : tuple of ``core.analysis``
     thickness : thickness of plane analyses or area of 1D ones; ignored in others
@@ -81,7 +81,7 @@ def body_report(
             BodyReport(
                 name=body.name,
                 particles=particles.count,
-                mass=density * volume,
+                mass=None if density is None else density * volume,
                 volume=volume,
                 center=particles.X @ weight / volume,
                 lower=(particles.X - particles.size).min(axis=1),
@@ -164,7 +164,7 @@ def report_table(reports: Sequence[BodyReport], units: dict[str, str] | None = N
             [
                 r.name,
                 str(r.particles),
-                f"{r.mass:.6g}",
+                "rigid" if r.mass is None else f"{r.mass:.6g}",
                 f"{r.volume:.6g}",
                 f"{100 * r.difference:+.3f} %" if r.exact else f"~{100 * r.difference:+.2f} %",
                 _point(r.center),

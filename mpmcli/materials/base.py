@@ -8,7 +8,9 @@ implementations of ``kirchhoff_stress``, ``strain_energy``, ``wave_speed_squared
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
+
+from pydantic import Field
 
 from mpmcli.core.dispatch import generic
 from mpmcli.core.model import Density, Model
@@ -17,8 +19,8 @@ from mpmcli.core.registry import Registry
 MATERIALS = Registry("material")
 
 
-class MaterialModel(Model):
-    """Base of all materials.
+class Matter(Model):
+    """Base of everything that bodies are made of.
 
     Class attributes declare what the contract tests hold a material to.
     """
@@ -28,10 +30,10 @@ class MaterialModel(Model):
     history: ClassVar[tuple[str, ...]] = ()
     """Names of its history variables, in the order of their rows in ``Particles.H``."""
     properties: ClassVar[frozenset[str]] = frozenset()
-    """Any of ``hyperelastic``, ``isotropic``, ``stress_free_at_rest``, ``fluid``."""
+    """Any of ``hyperelastic``, ``isotropic``, ``stress_free_at_rest``, ``fluid``, ``rigid``."""
 
-    density: Density
-    """Initial mass density."""
+    field: Annotated[str, Field(min_length=1, max_length=80)] | None = None
+    """Name of its velocity field in contact of materials; materials that name the same one share it."""
 
     def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
         """The numbers that the compiled functions need, for one kind of analysis."""
@@ -44,6 +46,13 @@ class MaterialModel(Model):
     def initial_wave_speed(self, analysis: str) -> float:
         """Speed of the fastest wave at rest [velocity]: see the Courant number in the reference."""
         raise TypeError(f"{type(self).__name__} gives no wave speed")
+
+
+class MaterialModel(Matter):
+    """Base of materials with mass."""
+
+    density: Density
+    """Initial mass density."""
 
 
 @generic

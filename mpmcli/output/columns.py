@@ -8,12 +8,21 @@ from typing import Any
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.suggest import did_you_mean, listing
-from mpmcli.output import global_quantities, particle_quantities  # noqa: F401  (they fill the registry)
+from mpmcli.output import (  # noqa: F401  (they fill the registry)
+    contact_quantities,
+    global_quantities,
+    particle_quantities,
+)
 from mpmcli.output.quantities import QUANTITIES, Context, Quantity
 from mpmcli.output.snapshot import Snapshot
 
 DEFAULT = "default"
 """The word for "the columns that this scene has by itself" in a list of columns."""
+
+NAMED = ("reaction", "pair", "field")
+"""Places whose quantities are computed by name."""
+PLACES = ("global", "material", "body", *NAMED)
+"""Places whose quantities are columns."""
 
 
 @dataclass(frozen=True)
@@ -34,9 +43,11 @@ class Column:
     def pick(self, values: Any, snapshot: Snapshot) -> float:
         """Its number among the values of its quantity."""
         where = self.quantity.where
-        if where == "reaction":
-            force = values.get(self.owner)
-            return 0.0 if force is None else float(force[self.row])
+        if where in NAMED:
+            found = values.get(self.owner)
+            if found is None:
+                return 0.0
+            return float(found if self.row is None else found[self.row])
         if where in ("body", "material"):
             owners = snapshot.state.bodies if where == "body" else snapshot.state.materials
             index = owners.index(self.owner)
@@ -59,7 +70,7 @@ def evaluate(columns: Iterable[Column], snapshot: Snapshot) -> list[float]:
 def all_columns(context: Context) -> list[Column]:
     """Every column that a table of this scene can have, in their order."""
     columns: list[Column] = []
-    for quantity in QUANTITIES.at("global", "material", "body", "reaction"):
+    for quantity in QUANTITIES.at(*PLACES):
         if quantity.exists(context):
             columns += _columns_of(quantity, context)
     columns += [Column(name, _extra(name), aliases=(name,)) for name in context.extra]
@@ -79,7 +90,7 @@ def _columns_of(quantity: Quantity, context: Context) -> list[Column]:
         return [Column(name, quantity, row, "", (base, name)) for row, name in parts]
     return [
         Column(f"{name}[{owner}]", quantity, row, owner, (base, name, f"{base}[{owner}]", f"{name}[{owner}]"))
-        for owner in context.owners(quantity.where)
+        for owner in quantity.names(context)
         for row, name in parts
     ]
 

@@ -1,6 +1,7 @@
 """Quantities of tables: energies, momenta, averages over bodies and materials, reactions.
 
-Masses, energies, forces and momenta of axisymmetric analyses are those of the full ring.
+Masses, energies, forces and momenta of axisymmetric analyses are those of the full ring. Rigid bodies count in no
+sum or average over matter.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ def _work(snapshot: Snapshot, name: str) -> float:
 
 
 def _stress_work(snapshot: Snapshot) -> float:
-    return float(snapshot.particles.stress_work.sum()) * snapshot.full_ring
+    return float(snapshot.of_matter(snapshot.particles.stress_work).sum()) * snapshot.full_ring
 
 
 def _accumulated(name: str) -> Callable[[Snapshot], float]:
@@ -57,7 +58,7 @@ def _strain_energy(snapshot: Snapshot) -> float:
 
 def _viscous_work(snapshot: Snapshot) -> float:
     work = snapshot.particles.viscous_work
-    return 0.0 if work is None else float(work.sum()) * snapshot.full_ring
+    return 0.0 if work is None else float(snapshot.of_matter(work).sum()) * snapshot.full_ring
 
 
 def _history_energy(name: str) -> Callable[[Snapshot], float]:
@@ -113,8 +114,17 @@ def _when_remembered(name: str) -> Callable[[Context], bool]:
     return lambda context: name in context.history
 
 
-def _never(context: Context) -> bool:
+def never(context: Context) -> bool:
+    """For quantities that tables have only where asked."""
     return False
+
+
+def _deformable_materials(context: Context) -> tuple[str, ...]:
+    return tuple(name for name in context.materials if name not in context.rigid_materials)
+
+
+def _deformable_bodies(context: Context) -> tuple[str, ...]:
+    return tuple(name for name in context.bodies if name not in context.rigid_bodies)
 
 
 def _energy(name: str, symbol: str, compute: Callable[[Snapshot], Any], text: str, **when: Any) -> Quantity:
@@ -151,10 +161,15 @@ QUANTITIES.add(
         is_default=lambda context: context.has_viscosity,
     ),
     _accumulated_energy(
-        "contact_work", "W_c", "energy taken out by contact", exists=_when_accumulated("contact_work")
+        "contact_work",
+        "W_c",
+        "energy that contact takes out by sliding",
+        exists=_when_accumulated("contact_work"),
     ),
     _accumulated_energy("damping_work", "W_d", "energy taken out by particle and grid damping"),
-    _accumulated_energy("boundary_work", "W_b", "energy put in by boundary conditions and walls"),
+    _accumulated_energy(
+        "boundary_work", "W_b", "energy put in by boundary conditions, walls and rigid bodies"
+    ),
     _accumulated_energy("external_work", "W_e", "energy put in by loads and gravity"),
     Quantity(
         "energy_error",
@@ -189,7 +204,13 @@ QUANTITIES.add(
         components=lambda context: tuple("z" if context.dimensions == 2 else AXES),
     ),
     Quantity(
-        "largest_speed", "v_max", "velocity", "scalar", "global", _largest_speed, "largest particle speed"
+        "largest_speed",
+        "v_max",
+        "velocity",
+        "scalar",
+        "global",
+        _largest_speed,
+        "largest particle speed, rigid bodies included",
     ),
     Quantity(
         "smallest_J",
@@ -197,7 +218,7 @@ QUANTITIES.add(
         "1",
         "scalar",
         "global",
-        lambda s: float(s.J.min(initial=np.inf)),
+        lambda s: float(s.of_matter(s.J).min(initial=np.inf)),
         "smallest relative volume det F of a particle",
     ),
     Quantity(
@@ -208,6 +229,7 @@ QUANTITIES.add(
         "material",
         _average_stress("material"),
         "Cauchy stress of a material, mean over its current volume",
+        owners=_deformable_materials,
     ),
     Quantity(
         "strain",
@@ -217,7 +239,8 @@ QUANTITIES.add(
         "material",
         _average_strain("material"),
         "logarithmic strain ½ ln(F Fᵀ) of a material, mean over its current volume",
-        is_default=_never,
+        owners=_deformable_materials,
+        is_default=never,
     ),
     Quantity(
         "center",
@@ -226,7 +249,7 @@ QUANTITIES.add(
         "vector",
         "body",
         _body_mean("X"),
-        "centre of mass of a body (its mean radius r)",
+        "centre of mass of a body (its mean radius r); of a rigid one, of its volume",
     ),
     Quantity(
         "velocity", "v_c", "velocity", "vector", "body", _body_mean("V"), "mean velocity of a body by mass"
@@ -239,7 +262,8 @@ QUANTITIES.add(
         "body",
         _average_stress("body"),
         "Cauchy stress of a body, mean over its current volume",
-        is_default=_never,
+        owners=_deformable_bodies,
+        is_default=never,
     ),
     Quantity(
         "strain",
@@ -249,7 +273,8 @@ QUANTITIES.add(
         "body",
         _average_strain("body"),
         "logarithmic strain of a body, mean over its current volume",
-        is_default=_never,
+        owners=_deformable_bodies,
+        is_default=never,
     ),
     Quantity(
         "reaction",

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -67,8 +68,9 @@ class ParticleProbe:
 class PointProbe:
     """Stands at a fixed point and reads nodal fields through linear functions.
 
-    Only nodes with mass take part in a velocity (their weights are scaled to sum to 1); it is NaN where there
-    is none. Before the first step everything is NaN.
+    Only nodes with mass take part in a velocity, only those with contact in its normal, separation and traction
+    (their weights are scaled to sum to 1); these are NaN where there is none. Before the first step everything is
+    NaN.
     """
 
     def __init__(self, name: str, at: Sequence[float], fields: Sequence[str]):
@@ -77,9 +79,11 @@ class PointProbe:
         self.fields = list(fields)
         self.columns, self.dimensions = [], []
         for field in self.fields:
-            is_vector = field in GRID_VECTORS
-            self.columns += [f"{field}_{axis}" for axis in AXES[: len(self.at)]] if is_vector else [field]
-            self.dimensions += [GRID_DIMENSIONS[field]] * (len(self.at) if is_vector else 1)
+            entry = GRID_FIELDS[field]
+            self.columns += (
+                [f"{field}_{axis}" for axis in AXES[: len(self.at)]] if entry.is_vector else [field]
+            )
+            self.dimensions += [entry.dimension] * (len(self.at) if entry.is_vector else 1)
 
     def look(self, snapshot: Snapshot) -> list[float]:
         """The numbers of its columns."""
@@ -87,22 +91,84 @@ class PointProbe:
         if grid is None or not snapshot.has_grid:
             return [float("nan")] * len(self.columns)
         nodes, weights = linear_weights(grid, self.at)
-        held = grid.fields["mass"]()[nodes] > 0.0
-        shares = np.where(held, weights, 0.0)
-        total = shares.sum()
         numbers: list[float] = []
         for field in self.fields:
             values = nodal_values(snapshot, field)[nodes]
-            if field == "velocity":
-                values = shares @ values / total if total > 0.0 else np.full(len(self.at), np.nan)
+            among = GRID_FIELDS[field].among
+            if among:
+                held = np.atleast_2d(grid.fields[among]()[nodes].T).any(axis=0)
+                shares = np.where(held, weights, 0.0)
+                total = shares.sum()
+                values = shares @ values / total if total > 0.0 else np.full(values.shape[1:], np.nan)
             else:
                 values = weights @ values
             numbers += [number.item() for number in np.atleast_1d(values)]
         return numbers
 
 
-GRID_DIMENSIONS = {"mass": "mass", "velocity": "velocity", "momentum": "momentum", "force": "force"}
-GRID_VECTORS = ("velocity", "momentum", "force")
+@dataclass(frozen=True)
+class GridField:
+    """A nodal field that can be written.
+
+    Attributes
+    ----------
+    dimension : physical dimension
+    is_vector : one number per axis
+    description : one line for the documentation
+    among : another field, which is zero where this one has no value; empty for sums, which are of the full ring
+    of_contact : exists only in scenes where contact knows normals
+    """
+
+    dimension: str
+    is_vector: bool
+    description: str
+    among: str = ""
+    of_contact: bool = False
+
+
+def _of_contact(dimension: str, is_vector: bool, description: str) -> GridField:
+    return GridField(dimension, is_vector, description, among="contact_normal", of_contact=True)
+
+
+GRID_FIELDS = {
+    "mass": GridField("mass", False, "mass"),
+    "momentum": GridField("momentum", True, "momentum"),
+    "force": GridField("force", True, "total force in the last step"),
+    "velocity": GridField(
+        "velocity", True, "velocity of the centre of mass of all velocity fields", among="mass"
+    ),
+    "contact_normal": _of_contact(
+        "1", True, "unit normal, from the first velocity field at the node outward"
+    ),
+    "contact_separation": _of_contact(
+        "length",
+        False,
+        "distance of the two sides at the start of the last step, negative where they overlap; nan where unknown",
+    ),
+    "contact_traction": _of_contact("pressure", True, "contact force per area on the first velocity field"),
+}
+"""Nodal fields by name; rigid bodies are in none of them but those of contact."""
+
+
+def grid_fields(context: Context) -> dict[str, GridField]:
+    """The nodal fields that a scene has."""
+    return {name: entry for name, entry in GRID_FIELDS.items() if context.has_normals or not entry.of_contact}
+
+
+def resolve_grid_fields(
+    names: Iterable[str], context: Context, path: str = "archive.grid.fields"
+) -> list[str]:
+    """The names, each once; SceneError names all that the scene does not have."""
+    names = list(names)
+    known = grid_fields(context)
+    problems = [
+        Problem(f"{path}.{index}", unknown_name(name, "field of the grid", known), code="unknown_field")
+        for index, name in enumerate(names)
+        if name not in known
+    ]
+    if problems:
+        raise SceneError(problems)
+    return list(dict.fromkeys(names))
 
 
 def nodal_values(snapshot: Snapshot, name: str) -> np.ndarray:
@@ -111,7 +177,7 @@ def nodal_values(snapshot: Snapshot, name: str) -> np.ndarray:
     if grid is None:
         raise ValueError("the state has no grid")
     values = grid.fields[name]()
-    return values if name == "velocity" else values * snapshot.full_ring
+    return values if GRID_FIELDS[name].among else values * snapshot.full_ring
 
 
 def linear_weights(grid: GridView, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -157,8 +223,4 @@ def make_probe(model: Any, state: State, context: Context, path: str) -> Probe:
     if model.kind == "particle":
         quantities = resolve_fields(model.columns, context, f"{path}.columns")
         return ParticleProbe(model.name, state, model.body, model.near, quantities, context)
-    for name in model.columns:
-        if name not in GRID_DIMENSIONS:
-            text = unknown_name(name, "field of the grid", GRID_DIMENSIONS)
-            raise SceneError([Problem(f"{path}.columns", text, code="unknown_field")])
-    return PointProbe(model.name, model.at, model.columns)
+    return PointProbe(model.name, model.at, resolve_grid_fields(model.columns, context, f"{path}.columns"))

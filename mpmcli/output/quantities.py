@@ -2,7 +2,8 @@
 
 It feeds the arrays of particle archives, the columns of tables, and their units. A quantity of rank vector or
 tensor gives one column per component (``momentum_x``, ``stress_xy``); one that lives on materials, bodies or
-boundary conditions gives one per name, in brackets (``stress_xx[rubber]``). Materials come first: where a
+boundary conditions gives one per name, in brackets (``stress_xx[rubber]``), one of a pair of velocity fields one per
+pair (``contact_force_x[left|right]``). Materials come first: where a
 body has the name of a material and a quantity lives on both, the column in brackets is the material's.
 """
 
@@ -23,7 +24,9 @@ class Context:
     """What a scene has, as far as it decides which quantities exist.
 
     ``reactions`` are names of boundary conditions; ``work`` names the energies that the solver accumulates;
-    ``history`` the history variables of all materials; ``extra`` further columns by name.
+    ``history`` the history variables of all materials; ``extra`` further columns by name. ``velocity_fields`` are
+    several only where there is contact, ``pairs`` (``"left|right"``) those of them that can meet;
+    ``has_normals``: contact knows directions and areas; ``creates_momentum``: it may violate the balance of momentum.
     """
 
     analysis: str
@@ -34,6 +37,18 @@ class Context:
     work: tuple[str, ...] = ()
     has_viscosity: bool = False
     extra: tuple[str, ...] = ()
+    rigid_bodies: tuple[str, ...] = ()
+    rigid_materials: tuple[str, ...] = ()
+    velocity_fields: tuple[str, ...] = ()
+    rigid_fields: tuple[str, ...] = ()
+    pairs: tuple[str, ...] = ()
+    has_normals: bool = False
+    creates_momentum: bool = False
+
+    @property
+    def has_contact(self) -> bool:
+        """Whether several velocity fields can meet."""
+        return len(self.velocity_fields) > 1
 
     @property
     def dimensions(self) -> int:
@@ -47,7 +62,13 @@ class Context:
 
     def owners(self, where: str) -> tuple[str, ...]:
         """The names in brackets of quantities that live ``where``."""
-        return {"body": self.bodies, "material": self.materials, "reaction": self.reactions}.get(where, ())
+        return {
+            "body": self.bodies,
+            "material": self.materials,
+            "reaction": self.reactions,
+            "pair": self.pairs,
+            "field": self.velocity_fields,
+        }.get(where, ())
 
 
 @dataclass(frozen=True)
@@ -59,10 +80,11 @@ class Quantity:
     name, symbol, description : word of the tables, mathematical symbol, one line for the documentation
     dimension : physical dimension (``"energy"``, ``"pressure"``, ``"1"``, …), which the scene's units label
     rank : ``scalar``, ``vector``, ``tensor`` (symmetric) or ``gradient`` (nine components)
-    where : ``particle``, ``global``, ``body``, ``material`` or ``reaction``
+    where : ``particle``, ``global``, ``body``, ``material``, ``reaction``, ``pair`` or ``field`` (of velocity)
     compute : function of a ``Snapshot``. Particles give (N,) or (rows, N); globals a number or (rows,);
-        bodies and materials (groups,) or (rows, groups); reactions a dict from name to (d,)
+        bodies and materials (groups,) or (rows, groups); the others a dict from name to a number or (rows,)
     exists, is_default : functions of a ``Context``: whether the scene has it, and has it without being asked
+    owners : function of a ``Context``: the names in brackets, where they are not all of their kind
     components : names of the rows in a ``Context`` where they are not those of the rank
     """
 
@@ -76,6 +98,7 @@ class Quantity:
     exists: Callable[[Context], bool] = lambda context: True
     is_default: Callable[[Context], bool] = lambda context: True
     components: Callable[[Context], tuple[str, ...]] | None = None
+    owners: Callable[[Context], tuple[str, ...]] | None = None
 
     def rows(self, context: Context) -> tuple[str, ...]:
         """Names of the stored components; empty for a scalar."""
@@ -89,6 +112,10 @@ class Quantity:
             "gradient": F_COMPONENTS[d],
         }
         return by_rank[self.rank]
+
+    def names(self, context: Context) -> tuple[str, ...]:
+        """The names in brackets of its columns."""
+        return context.owners(self.where) if self.owners is None else self.owners(context)
 
 
 class Quantities:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,15 +11,17 @@ import numpy as np
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.state import State
-from mpmcli.output.columns import evaluate, resolve_columns, resolve_fields, unknown_name
+from mpmcli.output.columns import evaluate, resolve_columns, resolve_fields
+from mpmcli.output.contact_quantities import pair_name
 from mpmcli.output.files import FAILED, GLOBALS, make_folder
 from mpmcli.output.global_quantities import EnergyBalance
 from mpmcli.output.manifest import Manifest
-from mpmcli.output.probes import GRID_DIMENSIONS, Probe, make_probe
+from mpmcli.output.probes import GRID_FIELDS, Probe, make_probe, resolve_grid_fields
 from mpmcli.output.quantities import Context, Quantity
 from mpmcli.output.schedule import Schedule
 from mpmcli.output.snapshot import Snapshot
 from mpmcli.output.tables import Table
+from mpmcli.scene.fields import law_table, velocity_fields
 
 ALWAYS = ("id", "body", "material")
 """Fields of particles that every archive has."""
@@ -31,14 +34,17 @@ def context_of(scene: Any, state: State | None = None) -> Context:
     """What a scene has; with a state, its bodies and materials are those that were made."""
     models = list(scene.materials.values())
     damping = scene.method.damping
+    rigid_materials = tuple(name for name, model in scene.materials.items() if model.kind == "rigid")
+    contact = _contact_of(scene, rigid_materials)
     work = {
         "damping_work": damping.particle > 0.0 or damping.grid > 0.0,
-        "boundary_work": bool(scene.boundary) or scene.domain.on_exit != "error",
+        "boundary_work": bool(scene.boundary)
+        or scene.domain.on_exit != "error"
+        or bool(contact.get("rigid_fields")),
         "external_work": bool(scene.loads),
+        "contact_work": bool(contact),
     }
     names = [name for name, used in work.items() if used]
-    if state is not None and "contact_work" in state.work:
-        names.append("contact_work")
     return Context(
         analysis=scene.analysis.kind,
         bodies=tuple(state.bodies if state else (body.name for body in scene.bodies)),
@@ -48,7 +54,33 @@ def context_of(scene: Any, state: State | None = None) -> Context:
         work=tuple(names),
         has_viscosity=scene.method.artificial_viscosity is not None,
         extra=tuple(state.extra) if state else DELETED * (scene.domain.on_exit == "delete"),
+        rigid_bodies=tuple(body.name for body in scene.bodies if body.material in rigid_materials),
+        rigid_materials=rigid_materials,
+        **contact,
     )
+
+
+def _contact_of(scene: Any, rigid_materials: tuple[str, ...]) -> dict[str, Any]:
+    """What a ``Context`` says about contact; nothing in scenes without it."""
+    if scene.contact is None:
+        return {}
+    names, field_of_body = velocity_fields(scene)
+    if len(names) == 1:
+        return {}
+    rigid = {
+        names[f]
+        for body, f in zip(scene.bodies, field_of_body, strict=True)
+        if body.material in rigid_materials
+    }
+    laws, _ = law_table(scene, names)
+    pairs = [pair for pair in itertools.combinations(names, 2) if not rigid.issuperset(pair)]
+    return {
+        "velocity_fields": tuple(names),
+        "rigid_fields": tuple(name for name in names if name in rigid),
+        "pairs": tuple(pair_name(pair) for pair in pairs),
+        "has_normals": any(law.needs_normal for law in laws),
+        "creates_momentum": len(names) - len(rigid) > 2 or not scene.contact.normal.shares_normal,
+    }
 
 
 def check_output(scene: Any) -> None:
@@ -68,26 +100,15 @@ def check_output(scene: Any) -> None:
     if archive.particles is not None:
         collect(resolve_fields, archive.particles.fields, context)
     if archive.grid is not None:
-        collect(_grid_fields, archive.grid.fields)
+        collect(resolve_grid_fields, archive.grid.fields, context)
     for index, probe in enumerate(scene.probes):
         path = f"probes.{index}.columns"
         if probe.kind == "particle":
             collect(resolve_fields, probe.columns, context, path)
         else:
-            collect(_grid_fields, probe.columns, path)
+            collect(resolve_grid_fields, probe.columns, context, path)
     if problems:
         raise SceneError(problems)
-
-
-def _grid_fields(names: Any, path: str = "archive.grid.fields") -> list[str]:
-    problems = []
-    for index, name in enumerate(names):
-        if name not in GRID_DIMENSIONS:
-            text = unknown_name(name, "field of the grid", GRID_DIMENSIONS)
-            problems.append(Problem(path=f"{path}.{index}", message=text, code="unknown_field"))
-    if problems:
-        raise SceneError(problems)
-    return list(names)
 
 
 class Recorder:
@@ -203,12 +224,12 @@ class Recorder:
             return
         from mpmcli.output.vtu import Series, VtuWriter, write_grid
 
-        fields = _grid_fields(asked.fields)
+        fields = resolve_grid_fields(asked.fields, self.context)
         particles = scene.archive.particles
         writer = VtuWriter(particles.precision, particles.compression) if particles else VtuWriter()
         series = Series(self.directory, "grid")
         units["grid"] = {"Points": labels.label("length")}
-        units["grid"] |= {name: labels.label(GRID_DIMENSIONS[name]) for name in fields}
+        units["grid"] |= {name: labels.label(GRID_FIELDS[name].dimension) for name in fields}
 
         def record(snapshot: Snapshot) -> None:
             if snapshot.has_grid:

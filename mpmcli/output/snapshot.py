@@ -49,8 +49,20 @@ class Snapshot:
 
     @cached_property
     def mass(self) -> Array:
-        """Mass per particle, of the full ring if axisymmetric, shape (N,) [mass]."""
-        return self.particles.mass * self.full_ring
+        """Mass per particle, of the full ring if axisymmetric, 0 in rigid bodies, shape (N,) [mass]."""
+        mass = self.particles.mass * self.full_ring
+        if self.state.rigid:
+            mass[self.is_rigid] = 0.0
+        return mass
+
+    @cached_property
+    def is_rigid(self) -> Array:
+        """Whether each particle belongs to a rigid body, shape (N,)."""
+        return np.isin(self.particles.body, self.state.rigid)
+
+    def of_matter(self, values: Array) -> Array:
+        """The values (…, N) of the particles that belong to no rigid body."""
+        return values[..., ~self.is_rigid] if self.state.rigid else values
 
     @cached_property
     def stress(self) -> Array:

@@ -24,6 +24,8 @@ LOGGER = logging.getLogger("mpmcli")
 STOPPED_EARLY = 6
 COMPILING = "compiling, once: later runs start at once"
 SETTING_UP = "setting up"
+UNCONVERGED_SHARE = 0.05
+"""Share of all contacts whose normals may fail to converge before a run warns of it at its end."""
 
 
 @dataclass(frozen=True)
@@ -195,6 +197,7 @@ class _March:
                 LOGGER.error("%s", error)
                 code, ended = ArchiveError.exit_code, f"stopped: {error}"
         outcome = self._outcome(code, ended)
+        self._report_contacts()
         self._summarise(outcome)
         return outcome
 
@@ -258,6 +261,7 @@ class _March:
             seconds_per_task=self.simulation.timings | {"output": self.output_seconds},
             peak_memory_bytes=manifest.peak_memory(),
             thread_layer=manifest.thread_layer(),
+            **self._contacts(),
             energy_error=self.recorder.energy_error,
         )
 
@@ -279,6 +283,28 @@ class _March:
         state = self.simulation.state
         return Outcome(
             code, ended, self.directory, state.step, state.time, self._elapsed(), self.recorder.energy_error
+        )
+
+    def _contacts(self) -> dict[str, Any]:
+        """How many contacts there were in all steps, and of how many the normal did not converge."""
+        view = self.simulation.state.contact
+        if view is None:
+            return {}
+        return {"contacts": view.all_contacts, "contacts_unconverged": view.all_unconverged}
+
+    def _report_contacts(self) -> None:
+        counts = self._contacts()
+        if not counts:
+            return
+        number, unconverged = counts.values()
+        share = unconverged / max(number, 1)
+        level = logging.WARNING if share > UNCONVERGED_SHARE else logging.DEBUG
+        LOGGER.log(
+            level,
+            "%d contacts in all steps; the normals of %d (%.2g %%) did not converge: their last iterates were used",
+            number,
+            unconverged,
+            100.0 * share,
         )
 
     def _summarise(self, outcome: Outcome) -> None:

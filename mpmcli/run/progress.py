@@ -128,6 +128,8 @@ class Progress:
             left = max(0.0, self.end - state.time) / ((state.time - since) / seconds)
             pace = f"{rate:.0f}" if rate >= 100.0 else f"{rate:.3g}"
             text += f"  {pace}{'/s' if is_narrow else ' steps/s'}  left {duration_in_words(left)}"
+        if state.contact is not None:
+            text += f"  contact {'' if is_narrow else 'nodes '}{state.contact.nodes}"
         if energy_error is None:
             return text
         return f"{text}  {'' if is_narrow else 'energy '}error {energy_error:.1e}"

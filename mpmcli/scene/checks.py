@@ -20,7 +20,8 @@ from mpmcli.scene.parts import LISTS, Parts
 from mpmcli.scene.report import locate
 from mpmcli.scene.tree import Node
 
-_NAME = re.compile(r"\w[\w +-]*\Z")
+NAME = re.compile(r"\w[\w +-]*\Z")
+NAME_WORDS = "letters, digits, spaces, _, + and - are possible"
 MAX_OUTPUTS = 1_000_000
 
 Report = Callable[..., None]
@@ -66,10 +67,9 @@ def names_of(root: Node, key: str) -> list[str]:
 
 
 def _check_names(root: Node, report: Report) -> None:
-    words = "letters, digits, spaces, _, + and - are possible"
     for material in names_of(root, "materials"):
-        if not _NAME.match(material):
-            report(f"materials.{material}", f"'{material}' cannot be a name: {words}", "name")
+        if not NAME.match(material):
+            report(f"materials.{material}", f"'{material}' cannot be a name: {NAME_WORDS}", "name")
     for key in LISTS:
         node = root.value.get(key)
         lines: dict[str, int | None] = {}
@@ -78,8 +78,8 @@ def _check_names(root: Node, report: Report) -> None:
             if name is None or not isinstance(name.value, str):
                 continue
             path = f"{key}.{index}.name"
-            if not _NAME.match(name.value):
-                report(path, f"'{name.value}' cannot be a name: {words}", "name")
+            if not NAME.match(name.value):
+                report(path, f"'{name.value}' cannot be a name: {NAME_WORDS}", "name")
             if name.value in lines:
                 place = f"first in line {lines[name.value]}"
                 report(path, f"the name '{name.value}' is used twice ({place})", "duplicate_name")
@@ -300,10 +300,3 @@ def _check_effects(parts: Parts, report: Report) -> None:
     tracking = [m for m in parts.materials.values() if {"temperature", "internal_energy"} & set(m.history)]
     if parts.method.heating == "adiabatic" and parts.materials and not tracking:
         report("method.heating", "has no effect: no material tracks its temperature", "no_effect", "warning")
-    splines = parts.method.shape in ("bspline2", "b2gimp", "b2cpdi")
-    if splines and any(load.kind == "traction" for _, load in parts.loads):
-        words = (
-            f"with {parts.method.shape} the first particles behind a loaded face carry a wrong stress: tractions reach "
-            "the grid by linear functions; prefer lcpdi or ugimp"
-        )
-        report("method.shape", words, "inaccurate", "warning")

@@ -15,6 +15,7 @@ from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.expressions import Expression
 from mpmcli.scene.checks import check
 from mpmcli.scene.constants import read_constants
+from mpmcli.scene.contact_checks import check_contact
 from mpmcli.scene.context import Context
 from mpmcli.scene.models import BaseUnits, Scene
 from mpmcli.scene.not_built import take_out
@@ -152,7 +153,7 @@ def _read(root: Node, base: Path, allow_outside_files: bool) -> tuple[Scene | No
     except ValidationError as error:
         problems += translate(error, root, Scene)
         parts = Parts.salvage(plain, context)
-    problems += check(parts, root)
+    problems += check(parts, root) + check_contact(parts, root)
     if constant_problems or unit_problems:
         problems = [p for p in problems if not _is_echo(p, root, constants, bool(unit_problems))]
     return scene, context, [*unit_problems, *constant_problems, *problems]

@@ -30,6 +30,8 @@ class Xpic(Model):
     kind: Literal["xpic"]
     order: int = Field(default=2, ge=1, le=MAX_ORDER)
     """Order m; 1 is PIC."""
+    contact_correction: bool = True
+    """Take into account what contact does to the velocities that the filter uses [nairn2020, Eqs. 37-44]."""
     alpha: Alpha = 0.5  # type: ignore[valid-type]
     """Weight α of the acceleration in the position update [nairn2026, Eq. 7]."""
 

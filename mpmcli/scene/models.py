@@ -5,11 +5,12 @@ Materials, regions, boundary conditions, loads and shape functions come from the
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
 from mpmcli.boundary import CONDITIONS, LOADS
+from mpmcli.contact.model import Contact
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.model import Model, PositiveLength, quantity
 from mpmcli.geometry import REGIONS
@@ -131,11 +132,16 @@ class Body(Model):
     particles_per_axis: ParticlesPerAxis = 2
     """Particles per cell along each axis: one number, or one per axis."""
     velocity: tuple[VelocityField, ...] = ()  # type: ignore[valid-type]
-    """Initial velocity: one number or expression of x, y, z per axis; without it the body is at rest."""
+    """Initial velocity: one number or expression of x, y, z per axis; without it the body is at rest.
+
+    For rigid bodies the velocity at all times, of the points x, y, z where they are then, also of t.
+    """
     temperature: TemperatureField | None = None  # type: ignore[valid-type]
     """Initial temperature, for materials that track it."""
     overlap: Literal["error", "replace", "keep"] = "error"
     """What happens where an earlier body is already: error, replace it, or keep it."""
+    field: Name | None = None
+    """Name of its velocity field in contact of bodies; bodies that name the same one move together."""
 
 
 class Domain(Model):
@@ -169,7 +175,7 @@ class Scene(Model):
     """Materials by name."""
     bodies: tuple[Body, ...] = Field(min_length=1)
     """Bodies."""
-    contact: dict[str, Any] | None = None
+    contact: Contact | None = None
     """Contact between bodies; without it all bodies share one velocity field."""
     boundary: tuple[CONDITIONS.union(), ...] = ()  # type: ignore[valid-type]
     """Boundary conditions."""

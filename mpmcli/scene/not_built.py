@@ -15,12 +15,9 @@ ENTRIES: tuple[tuple[tuple[str, ...], Any, str], ...] = (
     (("method", "transfer", "blend"), None, "blended FMPM"),
     (("method", "transfer", "dynamic"), None, "an order chosen while running (dynamic)"),
     (("method", "transfer", "velocity_gradient"), None, "velocity gradients in the transfer"),
-    (("method", "transfer", "contact_correction"), None, "the contact correction of XPIC"),
     (("method", "precision"), "single", "single precision"),
     (("time", "courant"), "auto", "a Courant number chosen by the program (auto)"),
     (("archive", "checkpoint"), None, "checkpoints"),
-    (("bodies", "*", "field"), None, "a velocity field chosen by a body"),
-    (("materials", "*", "field"), None, "a velocity field chosen by a material"),
 )
 
 
@@ -29,31 +26,7 @@ def take_out(root: Node) -> tuple[Node, list[Problem]]:
     problems: list[Problem] = []
     for pattern, value, words in ENTRIES:
         root = _take(root, pattern, value, words, (), problems)
-    fields = _velocity_fields(root)
-    contact = root.value.get("contact")
-    if contact is not None:
-        place = root.keys["contact"]
-        if fields > 1:
-            message = (
-                f"contact between {fields} velocity fields is not built yet; without 'contact' they are one"
-            )
-            problems.append(place.problem("contact", message, "not_built"))
-        else:
-            message = "has no effect: the scene has a single velocity field"
-            problems.append(place.problem("contact", message, "no_effect", "warning"))
-        root = _without(root, "contact")
     return root, problems
-
-
-def _velocity_fields(root: Node) -> int:
-    """How many velocity fields the contact of a scene would have."""
-    contact, bodies = root.value.get("contact"), root.value.get("bodies")
-    if contact is None or bodies is None or not bodies.is_sequence:
-        return 1
-    owner = contact.member("fields") if contact.is_mapping else None
-    key = "material" if owner is not None and owner.value == "material" else "name"
-    members = [body.member(key) for body in bodies.value if body.is_mapping]
-    return len({str(member.value) for member in members if member is not None})
 
 
 def _take(

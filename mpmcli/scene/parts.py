@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 from mpmcli.scene.context import Context
 from mpmcli.scene.models import Scene
 
+SINGLE = ("analysis", "grid", "method", "time", "archive", "contact")
 LISTS = ("bodies", "boundary", "loads", "probes")
 
 
@@ -26,6 +27,7 @@ class Parts:
     method: Any = None
     time: Any = None
     archive: Any = None
+    contact: Any = None
     materials: dict[str, Any] = field(default_factory=dict)
     bodies: list[tuple[int, Any]] = field(default_factory=list)
     boundary: list[tuple[int, Any]] = field(default_factory=list)
@@ -35,7 +37,7 @@ class Parts:
     @classmethod
     def of(cls, scene: Scene) -> Parts:
         """All parts of a valid scene."""
-        single = {key: getattr(scene, key) for key in ("analysis", "grid", "method", "time", "archive")}
+        single = {key: getattr(scene, key) for key in SINGLE}
         lists = {key: list(enumerate(getattr(scene, key))) for key in LISTS}
         return cls(**single, materials=dict(scene.materials), **lists)
 
@@ -43,7 +45,7 @@ class Parts:
     def salvage(cls, plain: dict[str, Any], context: Context) -> Parts:
         """The parts of an invalid scene that are valid by themselves."""
         parts = cls()
-        for key in ("analysis", "grid", "method", "time", "archive"):
+        for key in SINGLE:
             if isinstance(plain.get(key), dict):
                 setattr(parts, key, _try(_adapter(Scene.model_fields[key]), plain[key], context))
         materials = plain.get("materials")

@@ -26,6 +26,9 @@ _NOUNS = {
     "probes": "probe",
     "analysis": "analysis",
     "transfer": "transfer",
+    "normal": "normal method",
+    "separation": "separation",
+    "law": "contact law",
 }
 _LIMITS = {
     "greater_than": ("gt", "above"),
@@ -179,6 +182,8 @@ def _words(kind: str, context: dict[str, Any], details: dict[str, Any]) -> str:
         return f"{describe(value)} is not possible here{hint} ({listing(choice, 40)})"
     if kind in _NEEDED:
         hint = ": put it in quotes" if kind == "string_type" and isinstance(value, int | float) else ""
+        if kind == "model_attributes_type" and isinstance(value, str) and details["loc"][-1] in _NOUNS:
+            hint = f": write {{kind: {value}}}" if value.isidentifier() else ""
         return f"{_NEEDED[kind]} is needed, not {describe(value)}{hint}"
     if kind in {"too_short", "too_long"}:
         limit = context.get("min_length", context.get("max_length"))

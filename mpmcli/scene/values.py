@@ -15,7 +15,7 @@ Name = Annotated[str, Field(min_length=1, max_length=80)]
 Point = Annotated[tuple[Length, ...], Field(min_length=1, max_length=3)]
 """One coordinate per axis."""
 
-VelocityField = field_of("velocity", ("x", "y", "z"))
+VelocityField = field_of("velocity")
 TemperatureField = field_of("temperature", ("x", "y", "z"))
 Rate = quantity("1/time", ge=0)
 

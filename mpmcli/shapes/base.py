@@ -7,7 +7,10 @@ A new shape function is one new file: a NamedTuple class (its type chooses the c
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
+
+GridFunctions = Literal["linear", "quadratic"]
+Domain = Literal["point", "box", "corners", "corners_and_middles"]
 
 
 @dataclass(frozen=True)
@@ -19,7 +22,9 @@ class ShapeEntry:
     name : its name in scenes
     parameters : the tuple handed to kernels
     width : nodes per axis that its stencil spans for undeformed particles
-    follows_deformation : the stencil depends on F (CPDI) and may widen as particles stretch
+    grid_functions : hats or quadratic splines
+    domain : where a particle sees them: at its middle, averaged over its undeformed box, or (CPDI) at the corners of
+        its deformed domain, or at these and the middles between them
     description : one line for people
     reference : where it comes from
     """
@@ -27,9 +32,15 @@ class ShapeEntry:
     name: str
     parameters: NamedTuple
     width: int
-    follows_deformation: bool
+    grid_functions: GridFunctions
+    domain: Domain
     description: str
     reference: str
+
+    @property
+    def follows_deformation(self) -> bool:
+        """The stencil depends on F (CPDI) and may widen as particles stretch."""
+        return self.domain in ("corners", "corners_and_middles")
 
     @property
     def pad(self) -> int:
@@ -44,9 +55,10 @@ def add_shape(
     name: str,
     parameters: NamedTuple,
     width: int,
-    follows_deformation: bool,
+    grid_functions: GridFunctions,
+    domain: Domain,
     description: str,
     reference: str,
 ) -> None:
     """Register a shape function."""
-    SHAPES[name] = ShapeEntry(name, parameters, width, follows_deformation, description, reference)
+    SHAPES[name] = ShapeEntry(name, parameters, width, grid_functions, domain, description, reference)

@@ -20,7 +20,8 @@ add_shape(
     "bspline2",
     QuadraticSpline(),
     width=3,
-    follows_deformation=False,
+    grid_functions="quadratic",
+    domain="point",
     description="point particles on quadratic B-splines",
     reference="Steffen, Kirby and Berzins, Int. J. Numer. Meth. Eng. 76 (2008) 922",
 )

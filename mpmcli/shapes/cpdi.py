@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmcli.core.dispatch import generic
+from mpmcli.core.functions import hat, quadratic_spline
 from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry
 from mpmcli.core.kernel import inline
 from mpmcli.core.stencil import DOMAIN_TOO_WIDE, fill, first_node
@@ -47,7 +48,8 @@ add_shape(
     "lcpdi",
     LinearCpdi(),
     width=3,
-    follows_deformation=True,
+    grid_functions="linear",
+    domain="corners",
     description="linear grid functions at the corners of deformed particle domains",
     reference=REFERENCE,
 )
@@ -55,7 +57,8 @@ add_shape(
     "qcpdi",
     QuadraticCpdi(),
     width=3,
-    follows_deformation=True,
+    grid_functions="linear",
+    domain="corners_and_middles",
     description="linear grid functions at three points per axis of deformed particle domains",
     reference=REFERENCE,
 )
@@ -63,7 +66,8 @@ add_shape(
     "b2cpdi",
     SplineCpdi(),
     width=4,
-    follows_deformation=True,
+    grid_functions="quadratic",
+    domain="corners",
     description="quadratic B-splines at the corners of deformed particle domains",
     reference="Nairn and Hammerquist, Comput. Methods Appl. Mech. Eng. 377 (2021) 113667",
 )
@@ -77,15 +81,12 @@ def grid_function(shape, r):
 @grid_function.register(LinearCpdi)
 @grid_function.register(QuadraticCpdi)
 def _(shape, r):
-    return max(1.0 - abs(r), 0.0)
+    return hat(r)
 
 
 @grid_function.register(SplineCpdi)
 def _(shape, r):
-    s = abs(r)
-    outer = max(1.5 - s, 0.0)
-    inner = max(0.5 - s, 0.0)
-    return 0.5 * outer * outer - 1.5 * inner * inner
+    return quadratic_spline(r)
 
 
 @inline

@@ -20,7 +20,8 @@ add_shape(
     "linear",
     Linear(),
     width=2,
-    follows_deformation=False,
+    grid_functions="linear",
+    domain="point",
     description="point particles on linear grid functions; cheap, noisy when particles cross cells",
     reference="Sulsky, Chen and Schreyer, Comput. Methods Appl. Mech. Eng. 118 (1994) 179",
 )

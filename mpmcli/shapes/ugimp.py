@@ -20,7 +20,8 @@ add_shape(
     "ugimp",
     UniformGimp(),
     width=3,
-    follows_deformation=False,
+    grid_functions="linear",
+    domain="box",
     description="linear grid functions averaged over undeformed particle boxes",
     reference="Bardenhagen and Kober, CMES 5 (2004) 477",
 )

@@ -7,13 +7,21 @@ from typing import Any
 import numpy as np
 
 from mpmcli.boundary.conditions import VelocityConditions
+from mpmcli.boundary.mirror import Mirror
 from mpmcli.core.grid import Grid
 
 Array = np.ndarray
 
 
 class NoConditions:
-    """A scene without conditions: nothing to select, nothing to fold, no reactions."""
+    """A scene without conditions: nothing to select, nothing to fold, no reactions.
+
+    Attributes
+    ----------
+    mirror : the symmetry planes, or None
+    """
+
+    mirror: Mirror | None = None
 
     def select(self, time: float) -> None:
         """Nothing is held."""
@@ -24,7 +32,7 @@ class NoConditions:
     def fold_increment(self, out: Array, weight: float) -> None:
         """No mirrors."""
 
-    def impose_on_momentum(self, mp: Array, f: Array, dt: float) -> None:
+    def impose_on_momentum(self, mp: Array, f: Array | None, dt: float) -> None:
         """Nothing is held."""
 
     def zero_increment(self, dv: Array, mp: Array, counts_reactions: bool) -> None:
@@ -54,31 +62,45 @@ class GridConditions(NoConditions):
     conditions : the scene's conditions on its grid
     grid : the grid that they act on
     replaces_velocity : grid velocities replace those of particles (FMPM, XPIC)
+    rigid_fields : for each velocity field, whether it belongs to a rigid body, which no condition holds
     """
 
-    def __init__(self, conditions: VelocityConditions, grid: Grid, replaces_velocity: bool):
+    def __init__(
+        self,
+        conditions: VelocityConditions,
+        grid: Grid,
+        replaces_velocity: bool,
+        rigid_fields: tuple[bool, ...],
+    ):
         self.conditions = conditions
+        self.mirror = conditions.mirror
         self.grid = grid
+        self._rigid = rigid_fields
+        self._version = -1
         self._weight = 1.0 if replaces_velocity else 0.0
 
     def select(self, time: float) -> None:
         """Choose held nodes and values for the step that starts now; call after masses are known."""
         grid = self.grid
-        self.conditions.select(time, grid.active, grid.active_version, grid.mp)
-        if self.conditions.mirror is not None:
-            self.conditions.mirror.fold_momentum(grid.mp, self._weight)
+        if grid.active_version != self._version:
+            self._version, self._active = grid.active_version, grid.active
+            if any(self._rigid):
+                self._active = grid.active[~np.array(self._rigid)[grid.active // grid.node_count]]
+        self.conditions.select(time, self._active, grid.active_version, grid.mp)
+        if self.mirror is not None:
+            self.mirror.fold_momentum(grid.mp, self._weight)
 
     def fold_forces(self, f: Array, dt: float) -> None:
         """Add the forces of mirrored particles."""
-        if self.conditions.mirror is not None:
-            self.conditions.mirror.fold_vectors(f, self.grid.mp, dt)
+        if self.mirror is not None:
+            self.mirror.fold_vectors(f, self.grid.mp, dt)
 
     def fold_increment(self, out: Array, weight: float) -> None:
         """Add what mirrored particles give in a pass S⁺S; ``weight`` is its share in the particles' velocity."""
-        if self.conditions.mirror is not None:
-            self.conditions.mirror.fold_vectors(out, self.grid.mp, weight)
+        if self.mirror is not None:
+            self.mirror.fold_vectors(out, self.grid.mp, weight)
 
-    def impose_on_momentum(self, mp: Array, f: Array, dt: float) -> None:
+    def impose_on_momentum(self, mp: Array, f: Array | None, dt: float) -> None:
         """Task 2.a: reaction forces that give held nodes their velocity."""
         self.conditions.impose_on_momentum(mp, f, dt)
 
@@ -108,16 +130,3 @@ class GridConditions(NoConditions):
     def reactions(self, dt: float) -> dict[str, Array]:
         """Force of each condition on the bodies in this step, by name."""
         return dict(zip(self.conditions.names, self.conditions.reactions(dt), strict=True))
-
-
-class NoContact:
-    """One velocity field: bodies that touch move together. The places where contact corrects momenta stay empty."""
-
-    def after_extrapolation(self) -> None:
-        """Task 1.a."""
-
-    def after_update(self, dt: float) -> None:
-        """Task 3.a."""
-
-    def after_new_extrapolation(self) -> None:
-        """Task 4.b."""

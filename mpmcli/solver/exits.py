@@ -27,14 +27,16 @@ def settle_exits(s: Simulation) -> None:
     if s.on_exit == "stop_at_wall":
         low, high = below[:, gone], above[:, gone]
         p.X[:, gone] = np.clip(p.X[:, gone], lower, upper)
-        before = kinetic_energy(s, gone)
+        matter = without_rigid(s, gone)
+        before = kinetic_energy(s, matter)
         outward = (low & (p.V[:, gone] < 0.0)) | (high & (p.V[:, gone] > 0.0))
         p.V[:, gone] = np.where(outward, 0.0, p.V[:, gone])
-        s.state.work["boundary_work"] -= before - kinetic_energy(s, gone)
+        s.state.work["boundary_work"] -= before - kinetic_energy(s, matter)
     elif s.on_exit == "delete":
         s.state.extra["deleted_particles"] += len(gone)
-        s.state.extra["deleted_mass"] += float(p.mass[gone].sum()) * s.state.full_ring
-        s.state.work["boundary_work"] -= kinetic_energy(s, gone) + float(p.stress_work[gone].sum())
+        matter = without_rigid(s, gone)
+        s.state.extra["deleted_mass"] += float(p.mass[matter].sum()) * s.state.full_ring
+        s.state.work["boundary_work"] -= kinetic_energy(s, matter) + float(p.stress_work[matter].sum())
         if len(gone) == p.count:
             raise SimulationError(f"the last particle left the grid at time {s.state.time:.6g}")
         s.remove_particles(inside)
@@ -44,6 +46,11 @@ def settle_exits(s: Simulation) -> None:
             f"{s.describe(int(gone[0]))} left the grid{others}; enlarge the grid, hold the body, or choose "
             "domain.on_exit: delete or stop_at_wall"
         )
+
+
+def without_rigid(s: Simulation, chosen: np.ndarray) -> np.ndarray:
+    """Those of the particles at these places in memory that belong to no rigid body."""
+    return chosen[~np.isin(s.particles.body[chosen], s.state.rigid)]
 
 
 def kinetic_energy(s: Simulation, chosen: np.ndarray) -> float:

@@ -7,9 +7,17 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.contact.clouds import find_candidates
+from mpmcli.core.grid import Grid
+from mpmcli.core.order import CellOrder
+from mpmcli.core.particles import Particles
+from mpmcli.core.suggest import listing
+from mpmcli.scene.fields import law_table
 from mpmcli.solver.limits import known_limit
 from mpmcli.solver.plan import PARALLEL_FROM, Plan, StepArrays, allocate_step_arrays, make_plan
 from mpmcli.solver.setup import make_grid, make_particles
+
+Array = np.ndarray
 
 STEP_NANOSECONDS = {1: 250.0, 2: 150.0, 3: 500.0}
 """Rough time per particle, step and thread for each number of axes (ugimp, FLIP); see benchmarks/."""
@@ -51,7 +59,10 @@ def explain(loaded: Any, threads: int = 2) -> dict[str, Any]:
     kept = {f.name: getattr(arrays, f.name) for f in fields(StepArrays)}
     dense = {f"grid.{key}": array for key, array in (("mp", grid.mp), ("f", grid.f))}
     dense |= {key: array for key, array in kept.items() if array is not None}
+    contact = ContactChoice(scene, plan)
+    dense |= contact.nodal_arrays(grid)
     particle_bytes = sum(array.nbytes for array in particles.arrays().values())
+    particle_bytes += contact.particle_bytes(particles)
     grid_bytes = sum(array.nbytes for array in dense.values())
     share = 1.0 + PASS_SHARE * (plan.order - 1)
     parallel = particles.count >= PARALLEL_FROM
@@ -59,13 +70,14 @@ def explain(loaded: Any, threads: int = 2) -> dict[str, Any]:
     facts: dict[str, Any] = {
         "title": scene.title,
         "analysis": name,
-        "velocity_fields": 1,
+        "velocity_fields": len(plan.fields),
         "particles": particles.count,
         "grid_nodes": grid.node_count,
         "shape": scene.method.shape,
-        "tasks": tasks_of(plan),
-        "not_modelled": left_out(plan),
-        "kernels": kernels_of(plan),
+        "contact": contact.facts(particles, grid),
+        "tasks": tasks_of(plan, contact),
+        "not_modelled": left_out(plan, contact),
+        "kernels": kernels_of(plan, contact),
         "arrays": sorted(dense),
         "particle_bytes": particle_bytes,
         "grid_bytes": grid_bytes,
@@ -81,30 +93,116 @@ def explain(loaded: Any, threads: int = 2) -> dict[str, Any]:
     return facts
 
 
-def tasks_of(plan: Plan) -> list[str]:
+class ContactChoice:
+    """What a scene chooses about contact.
+
+    Attributes
+    ----------
+    exists : several velocity fields can meet
+    laws : the laws that act on those that do
+    knows_normals : some law needs normals, separations and areas, and with them clouds of particles
+    lumped, increments, later : contact acts on updated momenta, on every FMPM increment, on final velocities
+    """
+
+    def __init__(self, scene: Any, plan: Plan):
+        self._model = scene.contact
+        self._plan = plan
+        self._scene = scene
+        self.exists = plan.has_contact
+        laws = law_table(scene, plan.fields)[0] if self.exists else []
+        self.laws = [law for law in laws if not law.skipped]
+        self.knows_normals = any(law.needs_normal for law in self.laws)
+        way = self._model.increments if self.laws and plan.has_full_mass_loop else "lumped"
+        self.lumped = bool(self.laws) and way != "after"
+        self.increments = way if way in ("net", "evolving") else ""
+        self.later = way in ("after", "combined")
+        self.starts = bool(self.laws) and not self._model.once
+
+    def facts(self, particles: Particles, grid: Grid) -> dict[str, Any]:
+        """The choices in words, and how many nodes and particles contact looks at in the first step."""
+        if not self.exists:
+            return {}
+        order = CellOrder(particles, grid)
+        order.sort(False)
+        near = find_candidates(order, grid)
+        rigid = [
+            name
+            for name, is_rigid in zip(self._plan.fields, self._plan.rigid_fields, strict=True)
+            if is_rigid
+        ]
+        return {
+            "fields": list(self._plan.fields),
+            "rigid_fields": rigid,
+            "laws": [law.kind for law in law_table(self._scene, self._plan.fields)[0]],
+            "normal": self._model.normal.kind if self.knows_normals else None,
+            "separation": self._model.separation.kind if self.knows_normals else None,
+            "increments": self.increments or None,
+            "candidate_nodes": len(near.node),
+            "candidate_particles": len(near.particle) if self.knows_normals else 0,
+        }
+
+    def nodal_arrays(self, grid: Grid) -> dict[str, Array]:
+        """Arrays over all nodes that contact asks for."""
+        arrays: dict[str, Array] = {}
+        if self.exists:
+            arrays["contact.slot_of_node"] = np.zeros(grid.node_count, dtype=np.int32)
+            if self.knows_normals and getattr(self._model.normal, "reuse", False):
+                arrays["contact.guesses"] = np.zeros((grid.dof_count, grid.dimensions))
+        return arrays
+
+    def particle_bytes(self, particles: Particles) -> int:
+        """Memory that contact adds to particles."""
+        if not self.knows_normals:
+            return 0
+        displacement = particles.X.nbytes if self._model.separation.needs_displacement else 0
+        return displacement + (particles.mass.nbytes if any(law.adhesive for law in self.laws) else 0)
+
+    def kernels(self) -> list[str]:
+        """Names of the kernels that contact runs where fields meet."""
+        if not self.laws:
+            return []
+        clouds = ["collect_sights", "sum_volumes", "find_geometry"] * self.knows_normals
+        settling = [f"settle_stage({type(law.parameters()).__name__})" for law in self.laws]
+        on_velocities = ["add_to_velocities"] * bool(self.increments or self.later)
+        on_momenta = ["add_to_momenta", "start_increments"] * (self.lumped or self.starts)
+        return [f"contact.{name}" for name in (*clouds, "find_slip", *settling, *on_momenta, *on_velocities)]
+
+
+def tasks_of(plan: Plan, contact: ContactChoice) -> list[str]:
     """The tasks of a step that this scene has, in order."""
     again, first, last = plan.update.again, plan.update.first, plan.update.last
     loop = f"FMPM loop, {plan.order - 1} further passes" if plan.has_full_mass_loop else ""
+    loop += f", contact ({contact.increments}) on every increment" if contact.increments else ""
+    geometry = "normals, separations and areas" if contact.knows_normals else "no normals"
+    filtered = ", aware of what contact corrected" if plan.corrects_filter else ""
     tasks = [
-        "1 extrapolate mass and momentum",
+        "1 extrapolate mass and momentum" + (" of every velocity field" if contact.exists else ""),
+        f"1.a find contacts, {geometry}" if contact.laws else "",
+        "1.a contact on extrapolated momenta" if contact.starts else "",
         "1.b–1.d strain and stress before the forces" if first else "",
         "2 internal forces",
         "2 forces of loads" if plan.has_loads else "",
         "2.a velocity conditions" if plan.imposes_lumped else "",
         "3 update momenta",
+        "3.a contact on updated momenta" if contact.lumped else "",
         f"3.b velocities by the {loop}" if loop else "3.b lumped velocities",
-        f"3.b XPIC filter, {plan.order - 1} passes" if plan.method.projects else "",
+        "3.b contact on the velocities" if contact.later else "",
+        f"3.b XPIC filter, {plan.order - 1} passes{filtered}" if plan.method.projects else "",
         "4 move particles",
-        "4.a–4.c extrapolate momenta again" if again else "",
+        "4 move rigid bodies" if any(plan.rigid_fields) else "",
+        "4.a–4.c extrapolate momenta again" + (", with contact" if contact.laws else "") if again else "",
         "5 strain and stress" if last else "",
     ]
     return [task for task in tasks if task]
 
 
-def left_out(plan: Plan) -> list[str]:
+def left_out(plan: Plan, contact: ContactChoice) -> list[str]:
     """What the scene does not ask for; nothing of it is stored, computed or compiled."""
     absent = {
-        "contact (one velocity field): nodal volumes, positions, gradients, normals": True,
+        "contact (one velocity field): nodal volumes, positions, gradients, normals": not contact.exists,
+        "contact normals, separations, areas and clouds of particles": contact.exists
+        and not contact.knows_normals,
+        "rigid bodies": not any(plan.rigid_fields),
         "FMPM loop": not plan.has_full_mass_loop,
         "XPIC filter": not plan.method.projects,
         "second extrapolation of momenta": not plan.update.again,
@@ -116,7 +214,7 @@ def left_out(plan: Plan) -> list[str]:
     return [name for name, is_absent in absent.items() if is_absent]
 
 
-def kernels_of(plan: Plan) -> list[str]:
+def kernels_of(plan: Plan, contact: ContactChoice) -> list[str]:
     """Names of the kernels that a step of this scene runs, with the tasks that the scatter is compiled for."""
     loop = plan.has_full_mass_loop
     projects = plan.method.projects
@@ -134,14 +232,15 @@ def kernels_of(plan: Plan) -> list[str]:
         "next_increment": loop,
         "add_increment": loop,
         "start_projection": projects,
-        "add_projection": projects and plan.order > 1,
+        "next_projection": projects and plan.order > 1,
+        "add_projected": projects,
         "move_particles": True,
         "find_velocity_gradients": again or first,
         "add_nodal": plan.has_loads,
         "external_power": plan.has_loads,
         "update_strain_and_stress": True,
     }
-    return [name for name, is_used in used.items() if is_used]
+    return [name for name, is_used in used.items() if is_used] + contact.kernels()
 
 
 def _text(facts: dict[str, Any]) -> str:
@@ -154,7 +253,8 @@ def _text(facts: dict[str, Any]) -> str:
     lines = [
         facts["title"] or "(no title)",
         f"{facts['analysis']}, {facts['particles']} particles, {facts['grid_nodes']} nodes with ghosts, "
-        f"{facts['shape']}, {facts['velocity_fields']} velocity field",
+        f"{facts['shape']}, {_fields_in_words(facts)}",
+        *_contact_in_words(facts["contact"]),
         "",
         "Each step:",
         *(f"  {task}" for task in facts["tasks"]),
@@ -172,6 +272,27 @@ def _text(facts: dict[str, Any]) -> str:
         "too small for threads",
     ]
     return "\n".join(lines)
+
+
+def _fields_in_words(facts: dict[str, Any]) -> str:
+    number = facts["velocity_fields"]
+    return "1 velocity field" if number == 1 else f"{number} velocity fields"
+
+
+def _contact_in_words(contact: dict[str, Any]) -> list[str]:
+    if not contact:
+        return []
+    named = [f"{name} (rigid)" if name in contact["rigid_fields"] else name for name in contact["fields"]]
+    geometry = (
+        f"normal {contact['normal']}, separation {contact['separation']}"
+        if contact["normal"]
+        else "no normals"
+    )
+    laws = "law" if len(contact["laws"]) == 1 else "laws"
+    return [
+        f"contact of {listing(named, 8)}: {geometry}, {laws} {', '.join(contact['laws'])}; in the first step "
+        f"{contact['candidate_nodes']} nodes and {contact['candidate_particles']} particles are looked at"
+    ]
 
 
 def _duration(seconds: float) -> str:

@@ -33,7 +33,11 @@ class NodalLoads:
             members = np.flatnonzero(p.body == bodies.index(traction.on.body))
             shown = surface_faces(p.X, p.size, face.index, face.side, members)
             faces.append((traction, p.id[shown]))
-        self.faces = TractionFaces(faces, p, s.grid, s.plan.analysis, section)
+        shape = s.plan.shape
+        self.faces = TractionFaces(
+            faces, p, s.grid, s.plan.analysis, section,
+            grid_functions=shape.grid_functions, domain=shape.domain, several_fields=s.grid.fields > 1,
+        )  # fmt: skip
         self._with_gravity = s.has_mirror
         self._place: Array | None = None
         self._version = -1
@@ -56,6 +60,8 @@ class NodalLoads:
                 self._place = place_of_identity(s.particles.id)
                 self._version = version
             self.faces.add(time, s.particles, self._place, s.grid.mp, f)
+        if s.state.rigid:
+            f[s.rigid_dofs] = 0.0
 
     def add_to(self, f: Array) -> None:
         """Add them to the nodal forces."""

@@ -10,6 +10,7 @@ import numpy as np
 from mpmcli.core.analysis import ANALYSES, Analysis
 from mpmcli.core.grid import Grid
 from mpmcli.core.order import CHUNKS
+from mpmcli.scene.fields import velocity_fields
 from mpmcli.shapes import SHAPES, ShapeEntry
 from mpmcli.solver.variants import STRAIN_UPDATES, TRANSFER_METHODS, StrainUpdate, TransferMethod
 
@@ -35,6 +36,11 @@ class Plan:
     viscosity : (linear, quadratic) coefficients of artificial viscosity, or None
     adiabatic : work heats the materials
     has_conditions, has_loads : the scene has some
+    fields : names of the velocity fields
+    field_of_body : field of each body
+    rigid_fields : for each field, whether it belongs to a rigid body
+    has_contact : fields meet by a contact law
+    corrects_filter : the filter of XPIC knows what contact corrects
     """
 
     analysis_name: str
@@ -51,6 +57,11 @@ class Plan:
     adiabatic: bool
     has_conditions: bool
     has_loads: bool
+    fields: list[str]
+    field_of_body: list[int]
+    rigid_fields: tuple[bool, ...]
+    has_contact: bool
+    corrects_filter: bool
 
     @property
     def imposes_lumped(self) -> bool:
@@ -86,6 +97,11 @@ def make_plan(scene: Any) -> Plan:
     """Read the choices of a checked scene."""
     method, transfer = scene.method, scene.method.transfer
     viscosity = method.artificial_viscosity
+    fields, field_of_body = velocity_fields(scene)
+    rigid_fields = [False] * len(fields)
+    for body, field in zip(scene.bodies, field_of_body, strict=True):
+        rigid_fields[field] |= scene.materials[body.material].kind == "rigid"
+    has_contact = len(fields) > 1
     axis_condition = scene.analysis.kind == "axisymmetric" and scene.grid.lower[0] == 0.0
     return Plan(
         analysis_name=scene.analysis.kind,
@@ -102,6 +118,11 @@ def make_plan(scene: Any) -> Plan:
         adiabatic=method.heating == "adiabatic",
         has_conditions=bool(scene.boundary) or axis_condition,
         has_loads=bool(scene.loads),
+        fields=fields,
+        field_of_body=field_of_body,
+        rigid_fields=tuple(rigid_fields),
+        has_contact=has_contact,
+        corrects_filter=has_contact and getattr(transfer, "contact_correction", False),
     )
 
 
@@ -137,7 +158,7 @@ class StepArrays:
 
 def allocate_step_arrays(plan: Plan, grid: Grid, particles: int) -> StepArrays:
     """Allocate what the plan needs and nothing else."""
-    n, d = grid.node_count, grid.dimensions
+    n, d = grid.dof_count, grid.dimensions
 
     def nodal(wanted: bool) -> Array | None:
         return np.zeros((n, d)) if wanted else None

@@ -22,7 +22,14 @@ def make_grid(scene: Any, plan: Plan) -> Grid:
     grid = scene.grid
     shape = plan.shape
     pad = min(shape.pad, 4) if plan.analysis.dimensions == 3 else shape.pad
-    return Grid(np.array(grid.lower), np.array(grid.upper), np.array(grid.cell), pad, shape.width)
+    return Grid(
+        np.array(grid.lower),
+        np.array(grid.upper),
+        np.array(grid.cell),
+        pad,
+        shape.width,
+        fields=len(plan.fields),
+    )
 
 
 def section_of(scene: Any) -> float:
@@ -57,7 +64,7 @@ def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[
         density[material] * vol0,
         body=index,
         material=material,
-        velocity_field=np.zeros(len(index)),
+        velocity_field=np.array(plan.field_of_body)[index],
         history_rows=max(len(model.history) for model in models),
         artificial_viscosity=plan.viscosity is not None,
     )

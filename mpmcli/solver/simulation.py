@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time as timer
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -25,11 +25,13 @@ from mpmcli.materials.strain import (
     stored_energy,
     update_strain_and_stress,
 )
-from mpmcli.solver.conditions import GridConditions, NoConditions, NoContact
+from mpmcli.solver.conditions import GridConditions, NoConditions
+from mpmcli.solver.contact import NoContact, NodalContact
 from mpmcli.solver.courant import TimeStep
 from mpmcli.solver.exits import settle_exits
 from mpmcli.solver.loads import NodalLoads, NoLoads, place_of_identity
 from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan
+from mpmcli.solver.rigid import NoRigidBodies, RigidBodies
 from mpmcli.solver.setup import full_ring, make_grid, make_particles, section_of
 from mpmcli.solver.step import advance
 from mpmcli.solver.transfer import Transfer
@@ -66,7 +68,8 @@ class Simulation:
         self.plan = make_plan(scene)
         self.grid = make_grid(scene, self.plan)
         self.particles, filled = make_particles(scene, self.plan, self.grid)
-        densities = [scene.materials[body.material].density for body in scene.bodies]
+        of_bodies = [scene.materials[body.material] for body in scene.bodies]
+        densities = [None if model.kind == "rigid" else model.density for model in of_bodies]
         section = section_of(scene)
         reports = body_report(scene.bodies, filled, densities, scene.grid, self.plan.analysis, section)
         self.setup_report = report_table(reports)
@@ -86,7 +89,6 @@ class Simulation:
             keeps_domain=self.plan.update.first > 0.0,
         )
         self.arrays = allocate_step_arrays(self.plan, self.grid, self.particles.count)
-        self.contact = NoContact()
         self.on_exit = scene.domain.on_exit
         self.timings: dict[str, float] = {}
         self._faces: dict[Any, Array] = {}
@@ -100,6 +102,7 @@ class Simulation:
         self.particle_speed = float(np.sqrt(np.square(self.particles.V).sum(axis=0).max()))
         self.time_step = TimeStep(scene.time, float(self.grid.cell.min()))
         self._dt = 0.0
+        self._rigid_version = -1
         self.max_steps = scene.time.max_steps
         self.state = State(
             analysis=self.plan.analysis,
@@ -110,11 +113,16 @@ class Simulation:
             strain_energy_density=self._strain_energy_density,
             full_ring=full_ring(self.plan),
             grid=self._grid_view(),
+            rigid=tuple(i for i, model in enumerate(of_bodies) if model.kind == "rigid"),
         )
         self._used_materials = [i for i in range(len(self.materials)) if np.any(self.particles.material == i)]
         self.conditions = self._make_conditions(scene)
         self.loads = NodalLoads(self, scene.loads, section) if self.plan.has_loads else NoLoads()
         self._start_accounts(scene)
+        self.rigid = RigidBodies(self, scene.bodies) if self.state.rigid else NoRigidBodies()
+        self.contact = NodalContact(self, scene) if self.plan.has_contact else NoContact()
+        self.state.contact = getattr(self.contact, "view", None)
+        self._show_on_grid(self.contact.nodal_fields())
         if any("stress_free_at_rest" not in self.materials[i].properties for i in self._used_materials):
             self.update_stress(0.0)
 
@@ -179,6 +187,7 @@ class Simulation:
             work["boundary_work"] += self.conditions.work(self.arrays.v)
         if "external_work" in work:
             work["external_work"] += self.loads.work(dt)
+        self.contact.account(self.arrays.v, dt)
 
     def finish_step(self, dt: float) -> None:
         """Task 6: what happened to time, speeds, damping and particles that left the domain."""
@@ -201,15 +210,29 @@ class Simulation:
     # ------------------------------------------------------------------ parts
 
     @property
+    def rigid_dofs(self) -> Array:
+        """Active degrees of freedom of rigid bodies."""
+        grid = self.grid
+        if grid.active_version != self._rigid_version:
+            self._rigid_version = grid.active_version
+            self._rigid_dofs = grid.active[np.array(self.plan.rigid_fields)[grid.active // grid.node_count]]
+        return self._rigid_dofs
+
+    @property
     def has_mirror(self) -> bool:
         """Whether the scene has symmetry planes."""
-        return isinstance(self.conditions, GridConditions) and self.conditions.conditions.mirror is not None
+        return self.conditions.mirror is not None
 
     def _make_conditions(self, scene: Any) -> NoConditions:
         if not self.plan.has_conditions:
             return NoConditions()
         conditions = VelocityConditions(scene.boundary, self.grid, self.plan.analysis, self._surface_nodes)
-        return GridConditions(conditions, self.grid, replaces_velocity=not self.plan.method.flip)
+        return GridConditions(
+            conditions,
+            self.grid,
+            replaces_velocity=not self.plan.method.flip,
+            rigid_fields=self.plan.rigid_fields,
+        )
 
     def _surface_nodes(self, body: str, face: Any) -> Array:
         """Nodes that the particles on a face of a body see now; the face is that of the undeformed body."""
@@ -262,22 +285,36 @@ class Simulation:
         grid = self.grid
         inside = grid.interior()
         d = grid.dimensions
+        deformable = None if not any(self.plan.rigid_fields) else ~np.array(self.plan.rigid_fields)
+
+        def summed(array: Array) -> Array:
+            return grid.sum_of_fields(array, deformable)[inside]
 
         def velocity() -> Array:
-            m = grid.mp[inside, 0]
-            return np.where(m[:, None] > 0.0, self.arrays.v[inside], 0.0)
+            m = summed(grid.mp[:, 0])[:, None]
+            momentum = summed(np.where(grid.mp[:, :1] > 0.0, grid.mp[:, :1] * self.arrays.v, 0.0))
+            return np.divide(momentum, m, out=np.zeros_like(momentum), where=m > 0.0)
 
         return GridView(
             lower=grid.lower,
             cell=grid.cell,
             nodes=tuple(int(n) for n in grid.cells + 1),
             fields={
-                "mass": lambda: grid.mp[inside, 0].copy(),
-                "momentum": lambda: grid.mp[inside, 1 : 1 + d].copy(),
-                "force": lambda: grid.f[inside].copy(),
+                "mass": lambda: summed(grid.mp[:, 0]),
+                "momentum": lambda: summed(grid.mp[:, 1 : 1 + d]),
+                "force": lambda: summed(grid.f),
                 "velocity": velocity,
             },
         )
+
+    def _show_on_grid(self, fields: dict[str, Callable[[], Array]]) -> None:
+        view, inside = self.state.grid, self.grid.interior()
+
+        def shown(field: Callable[[], Array]) -> Callable[[], Array]:
+            return lambda: field()[inside]
+
+        if view is not None:
+            view.fields.update({name: shown(field) for name, field in fields.items()})
 
     # ------------------------------------------------------------------ what can go wrong
 

@@ -19,14 +19,15 @@ def advance(s: Simulation, dt: float) -> None:
     # 1  extrapolate mass and momentum to the grid (and task 2's forces, if the stress is final already)
     with clock("1 extrapolation"):
         transfer.begin_step()
+        s.rigid.remember()
         transfer.extrapolate(grid.mp, None if plan.update.first > 0.0 else grid.f)
         s.loads.collect(s.time)
         conditions.select(s.time)
-        s.contact.after_extrapolation()  # 1.a
+        s.contact.after_extrapolation(dt)  # 1.a
 
     if plan.update.first > 0.0:
         with clock("1 strain first"):
-            _strain_from_momenta(s)  # 1.b, 1.c
+            _strain_from_momenta(s, dt)  # 1.b, 1.c
             s.update_stress(plan.update.first * dt)  # 1.d
 
     # 2  forces from Kirchhoff stress on initial volume, and from loads
@@ -49,7 +50,8 @@ def advance(s: Simulation, dt: float) -> None:
     with clock("3 velocities"):
         nodes.find_velocities[s.parallel](grid.active, grid.mp, grid.f, a.v, a.w)
         if plan.has_full_mass_loop:
-            add_full_mass_increments(s, a.v, counts_reactions=True)
+            add_full_mass_increments(s, a.v, dt, counts_reactions=True)
+            s.contact.after_velocities(a.v, dt)
         if plan.imposes_velocity:
             conditions.impose_on_velocity(a.v, grid.mp)
         if plan.method.projects:
@@ -63,10 +65,11 @@ def advance(s: Simulation, dt: float) -> None:
             a.v, a.w, plan.method.flip, plan.alpha, plan.particle_damping, dt,
             a.X_new if plan.update.again else s.particles.X, fused, a.damped,
         )  # fmt: skip
+        s.rigid.move(a.X_new if plan.update.again else s.particles.X, s.time, dt)
 
     if plan.update.again:
         with clock("4 momenta again"):
-            _strain_from_new_velocities(s)  # 4.a–4.c
+            _strain_from_new_velocities(s, dt)  # 4.a–4.c
             s.particles.X, a.X_new = a.X_new, s.particles.X
 
     # 5  particle strain and stress
@@ -79,30 +82,31 @@ def advance(s: Simulation, dt: float) -> None:
         s.finish_step(dt)
 
 
-def _strain_from_momenta(s: Simulation) -> None:
+def _strain_from_momenta(s: Simulation, dt: float) -> None:
     """Tasks 1.b–1.d: velocity gradients of the velocities that the momenta imply, conditions included."""
     grid, v = s.grid, s.arrays.v
     nodes.find_velocities[s.parallel](grid.active, grid.mp, grid.f, v, None)
-    _find_gradients(s, v)
+    _find_gradients(s, v, dt)
 
 
-def _strain_from_new_velocities(s: Simulation) -> None:
+def _strain_from_new_velocities(s: Simulation, dt: float) -> None:
     """Tasks 4.a–4.c: the same from particle velocities extrapolated again."""
     grid, v, p = s.grid, s.arrays.v, s.arrays.p_again
     nodes.clear_nodes[s.parallel](grid.active, p)
     s.transfer.add_vector(s.particles.V, p)
     s.conditions.fold_increment(p, weight=0.0)
     grid.mp[grid.active, 1:] = p[grid.active]
-    s.contact.after_new_extrapolation()  # 4.b
+    s.contact.after_new_extrapolation(dt)  # 4.b
     nodes.find_velocities[s.parallel](grid.active, grid.mp, grid.f, v, None)
-    _find_gradients(s, v)
+    _find_gradients(s, v, dt)
 
 
-def _find_gradients(s: Simulation, v) -> None:
+def _find_gradients(s: Simulation, v, dt: float) -> None:
     if s.plan.imposes_lumped:
         s.conditions.impose_on_velocity(v, s.grid.mp, counts_reactions=False)
     if s.plan.has_full_mass_loop:
-        add_full_mass_increments(s, v, counts_reactions=False)
+        add_full_mass_increments(s, v, dt, counts_reactions=False)
+        s.contact.after_velocities(v, dt)
     if s.plan.imposes_velocity:
         s.conditions.impose_on_velocity(v, s.grid.mp, counts_reactions=False)
     s.transfer.velocity_gradients(v)

@@ -37,7 +37,6 @@ class Transfer:
     parallel : run the parallel version of every kernel
     describe : names a particle (by its place in memory) in messages
     keeps_domain : the strain update changes F before the step is over, so that stencils need a copy of it
-    several_fields : particles see the nodes of their own velocity field only
     """
 
     def __init__(
@@ -50,7 +49,6 @@ class Transfer:
         parallel: bool,
         describe: Callable[[int], str],
         keeps_domain: bool = False,
-        several_fields: bool = False,
     ):
         self.analysis, self.shape = analysis, shape
         self.particles, self.grid, self.order = particles, grid, order
@@ -59,7 +57,6 @@ class Transfer:
         self.widest = grid.pad + 2 if shape.follows_deformation else grid.width
         self._domain_F = particles.F
         self._keeps_domain = keeps_domain and shape.follows_deformation
-        self._several_fields = several_fields
         self.speed_squared = np.zeros(CHUNKS)
         self.travel = np.zeros(CHUNKS)
         self.outside = np.zeros(CHUNKS, dtype=np.int64)
@@ -84,13 +81,18 @@ class Transfer:
             self.sort()
         self._fix_domains()
 
+    @property
+    def domain_F(self) -> Array:
+        """Deformation gradients (nF, N) that the stencils of this step are built from."""
+        return self._domain_F
+
     def _fix_domains(self) -> None:
         self._domain_F = self.particles.F.copy() if self._keeps_domain else self.particles.F
 
     def _operator(self, ranges: Array) -> tuple[Any, ...]:
         """What makes S and G: the arguments that all transfer kernels share, for bands or chunks of particles."""
         p = self.particles
-        field = p.velocity_field if self._several_fields else None
+        field = p.velocity_field if self.grid.fields > 1 else None
         where = (p.X, self._domain_F, p.size, field)
         return self.analysis, self.shape.parameters, self.geometry, self.across, ranges, self.stencil, *where
 
@@ -168,7 +170,7 @@ class Transfer:
         self.order.drift += float(self.travel[:chunks].max())
 
     def seen_nodes(self, particles: Array) -> Array:
-        """Nodes (sorted, unique) that particles at these places in memory have in their stencils with S > 0."""
+        """Degrees of freedom (sorted, unique) that particles at these places in memory see with S > 0."""
         p, stencil, d = self.particles, self.stencil, self.grid.dimensions
         X, size, F = (np.ascontiguousarray(q[:, particles]) for q in (p.X, p.size, self._domain_F))
         base = np.zeros(len(particles), dtype=np.uint64)
@@ -177,6 +179,7 @@ class Transfer:
         fill_stencils[False](
             self.shape.parameters, self.geometry, self.across, X, F, size, stencil, base, S, G
         )
+        base += p.velocity_field[particles].astype(np.uint64) * np.uint64(self.grid.node_count)
         return np.unique((base[:, None] + stencil.offsets)[S > SEEN]).astype(np.int64)
 
     @property

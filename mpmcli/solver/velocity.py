@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 Array = np.ndarray
 
 
-def add_full_mass_increments(s: Simulation, v: Array, counts_reactions: bool) -> None:
+def add_full_mass_increments(s: Simulation, v: Array, dt: float, counts_reactions: bool) -> None:
     """Turn lumped velocities v⁺(1) into v⁺(k) (the "FMPM loop", Table 1 of Nairn 2026); overwrites ``v`` (n, d).
 
     ``counts_reactions`` adds the impulse of the conditions on each increment to their reactions.
@@ -27,26 +27,26 @@ def add_full_mass_increments(s: Simulation, v: Array, counts_reactions: bool) ->
         s.conditions.fold_increment(out, -1.0 if counts_reactions else 0.0)
         nodes.next_increment[s.parallel](active, grid.mp, out, dv)
         if s.plan.zeroes_increments:
-            s.conditions.zero_increment(dv, grid.mp, counts_reactions)
+            s.conditions.zero_increment(dv, grid.mp, counts_reactions)  # (1)
+        s.contact.correct_increment(dv, dt, counts_reactions)  # (2)
         nodes.add_increment[s.parallel](active, dv, v)
 
 
 def add_filtered_velocities(s: Simulation, w: Array, dt: float) -> None:
-    """XPIC(m): w = m(v − v*) + a Δt from accelerations in ``w`` (n, d) (Nairn et al. 2020, Eqs. 35–43)."""
+    """XPIC(m): w = a Δt + u with the filtered velocity u, from accelerations in ``w`` (n, d).
+
+    u = Σ_j (I − S⁺S)ʲ v⁰ + (I − S⁺S)^(m−1) Δv for j = 0 … m − 1, with v⁰ extrapolated and Δv = v − v⁰ what contact
+    corrected (Nairn et al. 2020, Eq. 37), by u ← v⁰ + (I − S⁺S) u, which begins with u = v.
+    """
     grid, active, order = s.grid, s.grid.active, s.plan.order
-    dv, out = s.arrays.dv, s.arrays.out
-    nodes.start_projection[s.parallel](active, grid.mp, s.arrays.p_start, float(order), dt, dv, w, out)
-    scales = [(order + 1 - k) / k for k in range(2, order + 1)]
-    terms = [-order * (-1.0) ** k for k in range(2, order + 1)]
-    for scale, term, share in zip(scales, terms, _shares(scales, terms), strict=True):
-        s.transfer.project(dv, out)
-        s.conditions.fold_increment(out, share)
-        nodes.add_projection[s.parallel](active, grid.mp, out, scale, term, dv, w)
-
-
-def _shares(scales: list[float], terms: list[float]) -> list[float]:
-    """How much of each pass of the XPIC filter ends up in the particles' velocity, later passes included."""
-    shares = [0.0]
-    for scale, term in zip(reversed(scales), reversed(terms), strict=True):
-        shares.insert(0, scale * (term + shares[0]))
-    return shares[:-1]
+    u, out, p_start = s.arrays.dv, s.arrays.out, s.arrays.p_start
+    nodes.start_projection[s.parallel](active, grid.mp, p_start, u, out)
+    if s.plan.corrects_filter:
+        s.contact.take_out_start(p_start)
+    for m in range(2, order + 1):
+        s.transfer.project(u, out)
+        s.conditions.fold_increment(
+            out, -1.0 if m == order else 0.0
+        )  # what passes filter out gives no momentum
+        nodes.next_projection[s.parallel](active, grid.mp, p_start, out, u)
+    nodes.add_projected[s.parallel](active, dt, u, w)

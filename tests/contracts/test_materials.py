@@ -37,9 +37,10 @@ EXAMPLES = {
     ],
     "ideal_gas": [{"pressure": 0.7}],
     "tait_fluid": [{"K": 2}, {"K": 2, "viscosity": 0.1}],
+    "rigid": [{}],
 }
 MODELS = [
-    MATERIALS[kind].model_validate({"kind": kind, "density": 0.9, **numbers})
+    MATERIALS[kind].model_validate({"kind": kind, **({} if kind == "rigid" else {"density": 0.9}), **numbers})
     for kind in MATERIALS
     for numbers in EXAMPLES[kind]
 ]
@@ -47,8 +48,8 @@ NAMES = [f"{model.kind}-{i}" for i, model in enumerate(MODELS)]
 every = pytest.mark.parametrize("model", MODELS, ids=NAMES)
 
 
-def having(name):
-    chosen = [(m, n) for m, n in zip(MODELS, NAMES, strict=True) if name in m.properties]
+def having(name, wanted=True):
+    chosen = [(m, n) for m, n in zip(MODELS, NAMES, strict=True) if (name in m.properties) == wanted]
     return pytest.mark.parametrize("model", [m for m, _ in chosen], ids=[n for _, n in chosen])
 
 
@@ -90,7 +91,7 @@ def test_every_material_has_an_example_here():
 def test_declares_known_analyses_and_properties(model):
     assert model.analyses
     assert model.analyses <= set(ANALYSES)
-    assert model.properties <= {"hyperelastic", "isotropic", "stress_free_at_rest", "fluid"}
+    assert model.properties <= {"hyperelastic", "isotropic", "stress_free_at_rest", "fluid", "rigid"}
     assert set(model.initial_history()) <= set(model.history)
     assert type(model).__doc__
 
@@ -154,10 +155,24 @@ def test_a_resting_fluid_has_no_shear_stress(model):
         assert np.allclose(tau, tau[0, 0] * np.eye(3), atol=1e-15)
 
 
-@every
+@having("rigid", wanted=False)
 def test_compression_raises_the_pressure(model):
     pressures = [-np.trace(stress(model, c * np.eye(3))) / 3 / c**3 for c in (1.05, 1.0, 0.95, 0.9)]
     assert np.all(np.diff(pressures) > 0)
+
+
+@having("rigid")
+def test_rigid_matter_neither_resists_nor_carries_waves(model):
+    m = model.parameters("3d", True)
+    assert model.density == 1
+    assert not model.history
+    for F in deformations():
+        assert not stress(model, F).any()
+        assert strain_energy(m, nine(F), start(model), 0) == 0
+        assert wave_speed_squared(m, nine(F), start(model), 0) == 0
+        assert bulk_speed_squared(m, nine(F), start(model), 0) == 0
+        assert thickness_stretch(m, nine(F), nine(F), start(model), 0, 0.1) == F[2, 2]
+    assert {model.initial_wave_speed(analysis) for analysis in ANALYSES} == {0.0}
 
 
 @every

@@ -7,6 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mpmcli.boundary import TractionFaces
+from mpmcli.boundary.traction import Traction
+from mpmcli.core.analysis import ANALYSES
+from mpmcli.core.particles import Particles
 from mpmcli.core.stencil import DOMAIN_TOO_WIDE, OUTSIDE_GRID
 from mpmcli.shapes import SHAPES
 
@@ -207,3 +211,71 @@ def test_a_domain_that_exploded_is_reported(name, bad, find_stencils, make_grid_
     found = find_stencils(name, grid, place(grid, np.full((2, 1), 2.3)), 0.25 * grid.cell[:, None], F)
     assert found.status[0] in (OUTSIDE_GRID, DOMAIN_TOO_WIDE)
     assert found.nodes.max() < grid.node_count
+
+
+def loaded_block(name, kind, grid, G, shift):
+    """Two cells of particles (2 per cell and axis), x = G X + shift cells, under a pressure of 1 on every side.
+
+    Returns the particles, and the nodal forces (n, d) of the faces.
+    """
+    d = len(G)
+    shape, analysis = SHAPES[name], ANALYSES[kind]()
+    line = np.arange(4) / 2 + 0.25
+    cells = np.stack([c.ravel() for c in np.meshgrid(*[line] * d, indexing="ij")])
+    first = grid.lower[:, None] + (1 + cells) * grid.cell[:, None]
+    size = np.broadcast_to(grid.cell[:, None] / 4, first.shape)
+    count = first.shape[1]
+    volume = np.prod(2 * size, axis=0) * (first[0] if kind == "axisymmetric" else 1.0)
+    nothing = np.zeros(count, dtype=np.int32)
+    particles = Particles.at_rest(
+        analysis, first, size, volume, volume, body=nothing, material=nothing, velocity_field=nothing
+    )
+    loads = []
+    for axis in range(d):
+        for side, end in (("lower", cells[axis].min()), ("upper", cells[axis].max())):
+            on = {"body": "block", "face": {"axis": "xyz"[axis], "side": side}}
+            loads.append((Traction(name=side, on=on, pressure=1), np.flatnonzero(cells[axis] == end)))
+    faces = TractionFaces(
+        loads, particles, grid, analysis, grid_functions=shape.grid_functions, domain=shape.domain
+    )
+    middle = first.mean(axis=1, keepdims=True)
+    particles.X[:] = middle + G @ (first - middle) + shift[:, None] * grid.cell[:, None]
+    rows = [3 * i + j if d == 3 else d * i + j for i in range(d) for j in range(d)]
+    particles.F[rows] = G.reshape(-1, 1)
+    grid.mp[:, 0] = 1.0
+    grid.f[:] = 0.0
+    faces.add(0.0, particles, np.arange(count), grid.mp, grid.f)
+    return particles, grid.f
+
+
+@pytest.mark.parametrize("kind", ["uniaxial_strain", "plane_strain", "axisymmetric", "3d"])
+@pytest.mark.parametrize("name", SHAPES)
+def test_pressure_on_every_side_is_in_equilibrium_with_uniform_stress(
+    name, kind, find_stencils, make_grid_for
+):
+    """−Σ V σ G and the forces of the faces cancel at every node (axisymmetric: along the axis).
+
+    Boxes may lie anywhere and CPDI domains be deformed too; points stay where sums over them are exact integrals.
+    """
+    d = {"uniaxial_strain": 1, "3d": 3}.get(kind, 2)
+    shape = SHAPES[name]
+    grid = make_grid_for(name, d)
+    grid.lower = grid.lower + 5.0  # the axis of rotation is far
+    G, shift = np.eye(d), np.zeros(d)
+    if shape.domain != "point":
+        shift += np.array([0.13, 0.31, -0.07])[:d]
+    if shape.follows_deformation:
+        shear = 0.2 * np.random.default_rng(3).uniform(-1, 1, (d, d))
+        G += np.diag(np.diag(shear)) if kind == "axisymmetric" else shear
+    particles, f = loaded_block(name, kind, grid, G, shift)
+    found = find_stencils(name, grid, particles.X, particles.size, particles.F)
+    assert found.status[0] == 0
+    _, gradients = found.matrices()
+    volume = particles.vol0 * np.linalg.det(G)
+    if kind == "axisymmetric":
+        volume *= particles.X[0] / (particles.vol0 / np.prod(2 * particles.size, axis=0))
+    internal = np.einsum("p,apn->na", volume, gradients)
+    axes = slice(1, 2) if kind == "axisymmetric" else slice(None)
+    scale = np.abs(internal).max()
+    assert scale > 0.01
+    np.testing.assert_allclose((f + internal)[:, axes], 0.0, atol=1e-12 * scale)

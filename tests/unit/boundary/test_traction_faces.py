@@ -21,7 +21,7 @@ KIND = {1: "uniaxial_stress", 2: "plane_strain", 3: "3d"}
 
 def block(d, kind=None, n=2, start=2.0):
     """A block of n cells per axis from ``start``, two particles per cell and axis, on a grid of 8 cells."""
-    grid = Grid(np.zeros(d), np.full(d, 8.0), np.ones(d), 1, 2)
+    grid = Grid(np.zeros(d), np.full(d, 8.0), np.ones(d), 2, 2)
     line = start + (np.arange(2 * n) + 0.5) / 2
     X = np.stack([x.ravel() for x in np.meshgrid(*[line] * d, indexing="ij")])
     count = X.shape[1]
@@ -59,11 +59,11 @@ def deform(particles, G):
             particles.F[row] = G[i, j]
 
 
-def faces_of(grid, particles, traction, kind=None, section=1.0):
+def faces_of(grid, particles, traction, kind=None, section=1.0, **seen):
     face = traction.on.face
     ids = surface(particles, face.axis, face.side)
     analysis = ANALYSES[kind or KIND[particles.X.shape[0]]]()
-    return TractionFaces([(traction, ids)], particles, grid, analysis, section)
+    return TractionFaces([(traction, ids)], particles, grid, analysis, section, **seen)
 
 
 def apply(faces, grid, particles, time=0.0):
@@ -175,14 +175,64 @@ def test_axisymmetric_areas_are_per_radian():
         np.testing.assert_allclose(apply(moving, grid, particles), -current * np.eye(2)[a], atol=1e-12)
 
 
-def test_forces_keep_their_moment():
+SEEN = [(g, d) for g in ("linear", "quadratic") for d in ("point", "box", "corners", "corners_and_middles")]
+
+
+@pytest.mark.parametrize(("grid_functions", "domain"), SEEN)
+@pytest.mark.parametrize("angle", [0.0, 0.4, 1.2, 3.0])
+def test_forces_keep_their_sum_and_moment(grid_functions, domain, angle):
+    """Also where the body has turned and lies between grid lines."""
     grid, particles = block(2)
-    faces = faces_of(grid, particles, load(traction=[1.0, 0.5]))
-    apply(faces, grid, particles)
+    seen = {"grid_functions": grid_functions, "domain": domain}
+    faces = faces_of(grid, particles, load(traction=[1.0, 0.5]), **seen)
+    Q = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    deform(particles, Q)
+    to = np.array([4.1, 3.7])
+    particles.X += (to - particles.X.mean(axis=1))[:, None]
+    np.testing.assert_allclose(apply(faces, grid, particles), [2.0, 1.0])
     x, y = grid.coordinates(np.arange(grid.node_count))
     moment = x @ grid.f[:, 1] - y @ grid.f[:, 0]
-    # the face is x = 4, y in 2…4
-    assert moment == pytest.approx(2.0 * (4.0 * 0.5 - 3.0 * 1.0))
+    middle = to + Q @ [1.0, 0.0]
+    assert moment == pytest.approx(2.0 * (middle[0] * 0.5 - middle[1] * 1.0))
+
+
+@pytest.mark.parametrize(("grid_functions", "domain"), SEEN)
+@pytest.mark.parametrize("d", [1, 2, 3])
+def test_forces_go_to_the_nodes_that_see_the_face(grid_functions, domain, d):
+    """The particle at the end of a block, its face at x = 4: hats reach one node, splines three."""
+    grid, particles = block(d)
+    apply(
+        faces_of(grid, particles, load(traction=[1] * d), grid_functions=grid_functions, domain=domain),
+        grid, particles,
+    )  # fmt: skip
+    x = grid.coordinates(np.arange(grid.node_count))[0]
+    across = [grid.f[x == at, 0].sum() for at in (2, 3, 4, 5, 6)]
+    expected = [0, 0, 1, 0, 0] if grid_functions == "linear" else [0, 1 / 8, 6 / 8, 1 / 8, 0]
+    np.testing.assert_allclose(across, 2.0 ** (d - 1) * np.array(expected), atol=1e-14)
+
+
+@pytest.mark.parametrize("domain", ["point", "box", "corners"])
+def test_forces_go_to_the_velocity_field_of_the_particle(domain):
+    """Fields lie one behind the other; nodes without mass in the particle's own field get nothing."""
+    grid, particles = block(2)
+    traction = load(traction=[1.0, 0.5])
+    alone = faces_of(grid, particles, traction, domain=domain)
+    apply(alone, grid, particles)
+    expected = grid.f.copy()
+    lower = particles.X[1] < 3.0
+    particles.velocity_field[lower] = 2
+    n = grid.node_count
+    mp, f = np.zeros((3 * n, 3)), np.zeros((3 * n, 2))
+    mp[:n, 0] = mp[2 * n :, 0] = 1.0
+    mp[2 * n :, 1] = 4.0
+    faces = faces_of(grid, particles, traction, domain=domain, several_fields=True)
+    faces.add(0.0, particles, np.arange(particles.count), mp, f)
+    np.testing.assert_allclose(f[:n] + f[2 * n :], expected, atol=1e-14)
+    assert not f[n : 2 * n].any()
+    np.testing.assert_allclose(f[:n].sum(axis=0), [1.0, 0.5])
+    np.testing.assert_allclose(f[2 * n :].sum(axis=0), [1.0, 0.5])
+    assert faces.power_of_momentum(mp) == pytest.approx(4.0)
+    np.testing.assert_allclose(faces.total_forces(), [[2.0, 1.0]])
 
 
 def test_nodes_without_mass_get_nothing():

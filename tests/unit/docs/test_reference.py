@@ -9,6 +9,9 @@ from pathlib import Path
 import pytest
 
 from mpmcli.boundary import CONDITIONS, LOADS
+from mpmcli.contact.laws import LAWS
+from mpmcli.contact.normals import NORMALS
+from mpmcli.contact.separation import SEPARATIONS
 from mpmcli.geometry import REGIONS
 from mpmcli.materials import MATERIALS
 from mpmcli.output.columns import QUANTITIES
@@ -32,7 +35,10 @@ def test_every_top_level_key_has_a_row(pages):
         assert f"| `{name}` |" in pages["reference.md"]
 
 
-@pytest.mark.parametrize("registry", [MATERIALS, REGIONS, CONDITIONS, LOADS], ids=lambda r: r.noun)
+REGISTRIES = [MATERIALS, REGIONS, CONDITIONS, LOADS, NORMALS, SEPARATIONS, LAWS]
+
+
+@pytest.mark.parametrize("registry", REGISTRIES, ids=lambda r: r.noun)
 def test_every_kind_has_a_section(pages, registry):
     headings = re.findall(r"^### (.*)$", pages["reference.md"], re.MULTILINE)
     for kind in registry:

@@ -108,3 +108,12 @@ def test_table(body, grid):
     assert "~" in lines[2]
     assert len(lines) == 3
     assert "mass " in report_table(reports)
+
+
+def test_a_rigid_body_has_no_mass(body, grid):
+    bodies = [body("tool", kind="box", lower=[0, 0], upper=[1, 1])]
+    [tool] = reports = report(bodies, grid([0, 0], [2, 2], 0.1), PlaneStrain(), density=None)
+    assert tool.mass is None
+    assert tool.volume == pytest.approx(1)
+    assert tool.center == pytest.approx([0.5, 0.5])
+    assert "rigid" in report_table(reports).splitlines()[1].split()

@@ -92,8 +92,15 @@ def make_loaded(tmp_path):
         scene = SimpleNamespace(
             title="A test",
             analysis=SimpleNamespace(kind=kind),
-            materials={"rubber": SimpleNamespace(history=()), "steel": SimpleNamespace(history=history)},
-            bodies=[SimpleNamespace(name="left"), SimpleNamespace(name="right")],
+            materials={
+                "rubber": SimpleNamespace(kind="neo_hookean", history=()),
+                "steel": SimpleNamespace(kind="j2_plastic", history=history),
+            },
+            bodies=[
+                SimpleNamespace(name="left", material="rubber"),
+                SimpleNamespace(name="right", material="steel"),
+            ],
+            contact=None,
             boundary=[SimpleNamespace(name="base")],
             loads=[],
             method=SimpleNamespace(

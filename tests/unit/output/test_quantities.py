@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mpmcli.core.analysis import ANALYSES, F_COMPONENTS, STRESS_COMPONENTS
-from mpmcli.output.columns import all_columns, evaluate, fields_of
+from mpmcli.output.columns import PLACES, all_columns, evaluate, fields_of
 from mpmcli.output.global_quantities import EnergyBalance
 from mpmcli.output.quantities import QUANTITIES, Context, Quantity
 from mpmcli.output.snapshot import Snapshot, logarithmic_strain
@@ -186,7 +186,7 @@ def test_registry_entries_are_complete_and_unique():
         assert quantity.symbol
         assert quantity.description
         assert quantity.rank in ("scalar", "vector", "tensor", "gradient")
-        assert quantity.where in ("particle", "global", "body", "material", "reaction")
+        assert quantity.where in ("particle", *PLACES)
     with pytest.raises(ValueError, match="registered twice"):
         QUANTITIES.add(Quantity("mass", "M", "mass", "scalar", "global", lambda s: 0.0, "again"))
 

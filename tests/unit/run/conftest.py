@@ -57,8 +57,9 @@ def loaded(tmp_path):
     scene = SimpleNamespace(
         title="Flight",
         analysis=SimpleNamespace(kind="plane_strain"),
-        materials={"rubber": SimpleNamespace(history=())},
-        bodies=[SimpleNamespace(name="block")],
+        materials={"rubber": SimpleNamespace(kind="neo_hookean", history=())},
+        bodies=[SimpleNamespace(name="block", material="rubber")],
+        contact=None,
         boundary=[],
         loads=[],
         method=SimpleNamespace(damping=SimpleNamespace(particle=0.0, grid=0.0), artificial_viscosity=None),

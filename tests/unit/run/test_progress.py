@@ -11,7 +11,7 @@ from mpmcli.run.progress import Progress, duration_in_words, is_terminal
 
 
 def state(step: int, end: int = 100) -> SimpleNamespace:
-    return SimpleNamespace(step=step, time=step / end, dt=1 / end)
+    return SimpleNamespace(step=step, time=step / end, dt=1 / end, contact=None)
 
 
 def march(progress: Progress) -> None:
@@ -28,6 +28,15 @@ def test_a_line_every_ten_percent_without_a_terminal(capfd):
     assert "energy error 1.0e-03" in lines[0]
     assert "steps/s" in lines[0]
     assert "left 0:00:00" in lines[0]
+
+
+def test_contact_nodes_are_shown_where_there_is_contact(capfd):
+    progress = Progress(1.0)
+    progress.start(state(0))
+    touching = state(50)
+    touching.contact = SimpleNamespace(nodes=12)
+    progress.update(touching, 1e-3)
+    assert "  contact nodes 12  energy error" in capfd.readouterr().err
 
 
 def test_long_silence_is_broken_after_a_minute(capfd, monkeypatch):

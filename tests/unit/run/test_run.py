@@ -10,11 +10,13 @@ import signal
 import threading
 from types import SimpleNamespace
 
+import numpy as np
 import pandas
 import pytest
 from filelock import FileLock
 
 from mpmcli.core.errors import ArchiveError, Problem, SceneError, SimulationError
+from mpmcli.core.state import ContactView
 from mpmcli.output.files import LOCK
 from mpmcli.output.tables import Table
 from mpmcli.run.api import LOGGER, run, run_scene
@@ -65,6 +67,29 @@ def test_a_run_to_the_end(go, tmp_path, capfd):
     log = (out / "run.log").read_text()
     assert "2 particles in 1 body" in log
     assert "finished: 100 steps" in log
+
+
+@pytest.mark.parametrize(("unconverged", "warns"), [(0, False), (50, False), (51, True), (1000, True)])
+def test_normals_that_did_not_converge_are_counted_and_warned_of_once(
+    unconverged, warns, go, loaded, tmp_path, capfd
+):
+    view = ContactView(
+        pairs=[], force=np.zeros((0, 2)), area=np.zeros(0), momentum_error=np.zeros(2),
+        particle_normal=lambda: np.zeros((2, 2)), all_contacts=1000, all_unconverged=unconverged,
+    )  # fmt: skip
+    loaded.at[0] = lambda: setattr(loaded.simulation.state, "contact", view)
+    go()
+    facts = manifest_of(tmp_path / "out")["run"]
+    assert (facts["contacts"], facts["contacts_unconverged"]) == (1000, unconverged)
+    words = f"1000 contacts in all steps; the normals of {unconverged} ("
+    assert capfd.readouterr().err.count(f"warning: {words}") == warns
+    assert (tmp_path / "out" / "run.log").read_text().count(words) == 1
+
+
+def test_without_contact_nothing_is_said_of_it(go, tmp_path, capfd):
+    go()
+    assert "contacts" not in capfd.readouterr().err
+    assert "contacts" not in manifest_of(tmp_path / "out")["run"]
 
 
 def test_until_max_steps_and_quiet(go, loaded, tmp_path, capfd):

@@ -36,6 +36,17 @@ REFUSED = (
     "region_unknown_in_condition",
     "wrong_version",
     "checkpoint",
+    "contact_law_missing",
+    "contact_law_misspelt",
+    "contact_law_as_text",
+    "contact_unknown_key",
+    "contact_fields_misspelt",
+    "contact_is_a_list",
+    "contact_mass_ratio_of_one",
+    "pair_of_three",
+    "pair_without_law",
+    "field_is_a_number",
+    "rigid_with_density",
 )
 
 

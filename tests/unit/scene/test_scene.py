@@ -201,25 +201,12 @@ def test_warnings(problems_with: Find, old: str, new: str, path: str, words: str
         ),
         ("time: {end: 0.1}", "time: {end: 0.1, courant: auto}", "time.courant"),
         ("archive:\n", "archive:\n  checkpoint: {every: 1}\n", "archive.checkpoint"),
-        ("name: block\n", "name: block\n    field: 1\n", "bodies.block.field"),
-        ("nu: 0.33", "nu: 0.33, field: a", "materials.rubber.field"),
     ],
 )
 def test_what_is_not_built_says_so(problems_with: Find, old: str, new: str, path: str) -> None:
     (problem,) = problems_with((old, new))
     assert (problem.path, problem.code) == (path, "not_built")
     assert "not built yet" in problem.message
-
-
-def test_contact_between_fields_is_not_built(problems_with: Find) -> None:
-    other = (
-        "bodies:\n  - {name: other, material: rubber, region: {kind: box, lower: [6, 6], upper: [9, 9]}}\n"
-    )
-    (problem,) = problems_with(("bodies:\n", other), ("probes:", "contact: {}\nprobes:"))
-    assert (problem.path, problem.code) == ("contact", "not_built")
-    shared = problems_with(("bodies:\n", other), ("probes:", "contact: {fields: material}\nprobes:"))
-    assert [p.code for p in shared] == ["no_effect"]
-    assert not problems_with(("bodies:\n", other))
 
 
 def test_a_fault_in_one_part_does_not_hide_those_of_others(problems_with: Find) -> None:
@@ -317,10 +304,3 @@ def test_imports_of_reading_a_scene(scene: str, tmp_path: Path) -> None:
         [sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=True
     )
     assert result.stdout.strip() == "[]"
-
-
-def test_tractions_on_spline_grids_are_warned_of(problems_with: Find) -> None:
-    push = "  - {name: push, kind: traction, on: {body: block, face: {axis: x, side: lower}}, pressure: 1}"
-    assert not problems_with(("loads:\n", f"loads:\n{push}\n"))
-    (problem,) = problems_with(("loads:\n", f"method: {{shape: b2cpdi}}\nloads:\n{push}\n"))
-    assert (problem.path, problem.code, problem.severity) == ("method.shape", "inaccurate", "warning")

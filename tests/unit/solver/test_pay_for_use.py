@@ -11,6 +11,8 @@ from dataclasses import fields
 import pytest
 import yaml
 
+from mpmcli.scene.loader import load_scene
+from mpmcli.solver.explain import explain
 from mpmcli.solver.plan import StepArrays
 from mpmcli.solver.variants import STRAIN_UPDATES
 
@@ -27,17 +29,21 @@ print(json.dumps({
     "registered": sorted(k.name for k in Kernel.registered),
     "signatures": sum(k.compiled_signatures() for k in Kernel.registered),
     "misses": sum(k.cache_misses() for k in Kernel.registered),
+    "contact": sorted({k.name for k in Kernel.registered
+                       if k.compiled_signatures() and k[False].py_func.__module__.startswith("mpmcli.contact")}),
     "modules": [m for m in ("vtk", "vtkmodules", "matplotlib", "pandas", "meshio") if m in sys.modules],
 }))
 """
 
 
 def report_of(scene: dict, cache) -> dict:
-    """Run three steps of a scene in a fresh process with its compile cache in a folder."""
+    """Run three steps of a scene in a fresh process with its compile cache in a folder, or in the usual place."""
     environment = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"}
+    if cache is not None:
+        environment["MPMCLI_CACHE_DIR"] = str(cache)
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT], input=yaml.safe_dump(scene), capture_output=True, text=True,
-        env=environment | {"MPMCLI_CACHE_DIR": str(cache)}, timeout=300, check=False,
+        env=environment, timeout=300, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
@@ -93,6 +99,40 @@ def test_only_kernels_of_this_scene_are_compiled(two_processes):
     assert len(report["registered"]) > 15
 
 
+CONTACT = {"collect_sights", "find_geometry", "settle_stage", "find_slip", "add_to_momenta"}
+"""Some kernels of contact."""
+
+
+def test_without_contact_no_kernel_of_contact_is_compiled(two_processes):
+    report = two_processes[0]
+    assert set(report["registered"]) >= CONTACT
+    assert report["contact"] == []
+
+
+def two_blocks(scene, law, **changes):
+    first = scene["bodies"][0] | {"velocity": [0.2, 0]}
+    second = {"name": "other", "material": "soft", "velocity": [-0.2, 0],
+              "region": {"kind": "box", "lower": [2, -2], "upper": [3.5, 2]}}  # fmt: skip
+    return scene | {"bodies": [first, second], "contact": {"law": law}} | changes
+
+
+@pytest.mark.parametrize(
+    ("law", "used"),
+    [
+        ({"kind": "none"}, set()),
+        ({"kind": "perfect"}, {"settle_stage", "find_slip", "add_to_momenta", "start_increments"}),
+        ({"kind": "coulomb", "friction": 0.3}, CONTACT | {"sum_volumes", "start_increments"}),
+    ],
+    ids=lambda value: value["kind"] if isinstance(value, dict) else "",
+)
+def test_contact_compiles_the_kernels_that_explain_names(law, used, flip_scene):
+    scene = two_blocks(flip_scene, law)
+    report, facts = report_of(scene, None), explain(load_scene(yaml.safe_dump(scene)))
+    assert set(report["contact"]) == used
+    named = {name.split("(")[0].removeprefix("contact.") for name in facts["kernels"]}
+    assert set(report["compiled"]) == named | {"locate_cells"}
+
+
 def test_running_imports_no_writers(two_processes):
     assert two_processes[0]["modules"] == []
 
@@ -130,6 +170,16 @@ def test_particles_carry_no_history_or_viscosity_that_nobody_asked_for(block):
     assert p.viscous_work is None
     viscous = block(method__artificial_viscosity={"linear": 0.2}).particles
     assert viscous.viscous_pressure.shape == (viscous.count,)
+
+
+def test_a_scene_without_contact_has_no_array_of_it(block):
+    s = block().steps(1).simulation
+    assert s.grid.fields == 1
+    assert s.grid.dof_count == s.grid.node_count
+    assert s.particles.X0 is None
+    assert s.particles.bond is None
+    assert s.state.contact is None
+    assert not vars(s.contact)
 
 
 def test_a_scene_in_one_dimension_costs_one_dimension(bar):

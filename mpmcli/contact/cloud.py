@@ -1,0 +1,55 @@
+"""The particles around one contact node, gathered side by side for the methods that look at them."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+Array = np.ndarray
+
+WORK = 64
+"""Length of a cloud's scratch space."""
+
+
+class Cloud(NamedTuple):
+    """Particles that see a node; only the first ``count`` columns, passed beside it, are valid.
+
+    A contact is seen from one velocity field, α; all other fields at the node together are β.
+    """
+
+    x: Array
+    """(d, capacity) positions relative to the node [length]."""
+    side: Array
+    """(capacity,) −1 for particles of α, +1 for those of β."""
+    S: Array
+    """(capacity,) value of the node's shape function at the particle [-]."""
+    G: Array
+    """(d, capacity) its gradient [1/length]."""
+    volume: Array
+    """(capacity,) current volume; in axisymmetric analyses divided by the radius."""
+    mass: Array
+    """(capacity,)"""
+    displacement: Any
+    """(d, capacity) displacement since the start [length], or None if no method asks for it."""
+    radius_inverse: Any
+    """(d·d, capacity) M = diag(1/R₀) F⁻¹, rows first, or None: along a unit vector n the particle's
+    deformed ellipsoid has the radius 1/|M n| [1/length]."""
+    work: Array
+    """(``WORK``,) scratch."""
+
+
+def allocate_cloud(dimensions: int, capacity: int, displacement: bool, radius: bool) -> Cloud:
+    """A cloud that holds up to ``capacity`` particles."""
+    d = dimensions
+    return Cloud(
+        x=np.zeros((d, capacity)),
+        side=np.zeros(capacity),
+        S=np.zeros(capacity),
+        G=np.zeros((d, capacity)),
+        volume=np.zeros(capacity),
+        mass=np.zeros(capacity),
+        displacement=np.zeros((d, capacity)) if displacement else None,
+        radius_inverse=np.zeros((d * d, capacity)) if radius else None,
+        work=np.zeros(WORK),
+    )

@@ -1,0 +1,328 @@
+"""Which nodes see several velocity fields, and which particles each of them sees.
+
+Nodes that may meet two fields, and the particles near them, are listed once per sort of the particles; everything
+else happens at those alone. A particle and a node that see each other form a *sight*; the sights of a node hang
+together in a list, in an order that does not depend on the number of threads.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import prange
+
+from mpmcli.core.grid import Grid, unfold
+from mpmcli.core.kernel import inline, kernel
+from mpmcli.core.order import CellOrder, locate_cells
+from mpmcli.core.stencil import fill
+
+Array = np.ndarray
+
+SEEN = 1e-12
+"""Shape function value above which a particle counts as seeing a node."""
+
+IMAGE_BITS = 4
+"""Flags of a sight: bits 0 to 2 say which axes its mirror image turns; from this bit on follows the image."""
+
+NEAREST = 8
+"""Flag of the sight of a particle with the contact node at which its shape function is largest."""
+
+
+class Candidates(NamedTuple):
+    """Nodes that two fields may reach before the next sort, and particles that may reach such nodes."""
+
+    node: Array
+    """(c,) node indices, ascending."""
+    first: Array
+    """(c + 1,) where each node's entries in ``dof`` begin."""
+    dof: Array
+    """field · node_count + node for each field that may reach the node, fields ascending."""
+    particle: Array
+    """(b,) places in memory, ascending."""
+    bands: Array
+    """(n_bands + 1,) first of them in each band of the order, unsigned."""
+
+
+NOTHING = np.zeros(0, dtype=np.int64)
+NONE = Candidates(NOTHING, np.zeros(1, dtype=np.int64), NOTHING, NOTHING, np.zeros(1, dtype=np.uint64))
+"""Before the first sort."""
+
+
+class Images(NamedTuple):
+    """Mirror images that symmetry planes make of a particle: one row per combination of planes."""
+
+    line: Array
+    """(images, d) index of the mirroring line of nodes along each axis, −1 where the image is not turned."""
+    flag: Array
+    """(images,) bit a is set if axis a is turned; from bit 4 on the number of the image, counted from 1."""
+
+
+class Sights(NamedTuple):
+    """Sights of particles and nodes, linked by node.
+
+    head, number : (slots,) last sight of each contact node (−1: none) and how many it has
+    next : (room,) the sight before it in its list
+    particle, flag, S : (room,)
+    G : (room, d)
+    """
+
+    head: Array
+    number: Array
+    next: Array
+    particle: Array
+    flag: Array
+    S: Array
+    G: Array
+
+
+def find_candidates(order: CellOrder, grid: Grid) -> Candidates:
+    """List candidates after a sort (``grid.active`` holds the degrees of freedom that particles may touch)."""
+    n = grid.node_count
+    dof = grid.active[np.lexsort((grid.active // n, grid.active % n))]
+    node, fields = np.unique(dof % n, return_counts=True)
+    shared = fields > 1
+    keep = np.repeat(shared, fields)
+    first = np.concatenate([[0], np.cumsum(fields[shared])])
+    nodes = node[shared]
+    particle = _near(nodes, order, grid)
+    return Candidates(
+        node=nodes,
+        first=first.astype(np.int64),
+        dof=dof[keep],
+        particle=particle,
+        bands=np.searchsorted(particle, order.bands.astype(np.int64)).astype(np.uint64),
+    )
+
+
+def _near(nodes: Array, order: CellOrder, grid: Grid) -> Array:
+    """Particles in whose reach, until the next sort, one of the nodes is."""
+    if len(nodes) == 0:
+        return np.zeros(0, dtype=np.int64)
+    X = order.particles.X
+    cell = np.empty(X.shape, dtype=np.int64)
+    locate_cells[False](X, grid.lower, 1.0 / grid.cell, grid.cells, cell)
+    index = np.stack([nodes // stride % count for stride, count in zip(grid.stride, grid.shape, strict=True)])
+    # a particle in cell c reaches the nodes c + pad - (w - 1) ... c + pad + w
+    low = index.min(axis=1) - grid.pad - grid.width
+    extent = index.max(axis=1) - grid.pad + grid.width - 1 - low + 1
+    mark = np.zeros(tuple(extent[::-1]), dtype=bool)
+    mark[tuple((index[a] - grid.pad - low[a]) for a in range(len(extent)))[::-1]] = True
+    for axis in range(mark.ndim):
+        spread = mark.copy()
+        for shift in range(-grid.width, grid.width):
+            _or_shifted(spread, mark, axis, shift)
+        mark = spread
+    inside = np.all((cell >= low[:, None]) & (cell < (low + extent)[:, None]), axis=0)
+    near = np.flatnonzero(inside)
+    at = tuple((cell[a, near] - low[a]) for a in range(len(extent)))[::-1]
+    return near[mark[at]]
+
+
+def _or_shifted(target: Array, source: Array, axis: int, shift: int) -> None:
+    into, out_of = [slice(None)] * target.ndim, [slice(None)] * target.ndim
+    into[axis] = slice(shift, None) if shift > 0 else slice(None, shift or None)
+    out_of[axis] = slice(None, -shift) if shift > 0 else slice(-shift, None)
+    target[tuple(into)] |= source[tuple(out_of)]
+
+
+@inline
+def select_nodes(candidates, mp, slot_of_node, node, first, dof):
+    """List the candidates that see mass of two or more fields now; returns how many.
+
+    Overwrites ``slot_of_node`` (n,) at candidates (−1: no contact node), ``node`` (slots,), ``first``
+    (slots + 1,) and ``dof``, the degrees of freedom with mass at each contact node.
+    """
+    count, entries = 0, 0
+    first[0] = 0
+    for c in range(candidates.node.shape[0]):
+        begin = entries
+        for e in range(candidates.first[c], candidates.first[c + 1]):
+            if mp[candidates.dof[e], 0] > 0.0:
+                dof[entries] = candidates.dof[e]
+                entries += 1
+        i = candidates.node[c]
+        if entries - begin > 1:
+            slot_of_node[i] = count
+            node[count] = i
+            count += 1
+            first[count] = entries
+        else:
+            slot_of_node[i] = -1
+            entries = begin
+    return count
+
+
+@inline
+def link(sights, slot, at, p, flag, S, G, a, m):
+    """Append a sight to the list of a contact node."""
+    sights.particle[at] = p
+    sights.flag[at] = flag
+    sights.S[at] = S[a]
+    for axis in range(sights.G.shape[1]):
+        sights.G[at, axis] = G[axis * m + a]
+    sights.next[at] = sights.head[slot]
+    sights.head[slot] = at
+    sights.number[slot] += 1
+
+
+@kernel
+def collect_sights(
+    shape, grid, across, bands, particle, rooms, images, slot_of_node, shape_of_grid, stencil, X, F, size, line, flag,
+    head, number, following, seer, turned, S_seen, G_seen,
+):  # fmt: skip
+    """Link every sight of the candidate particles into its node's list.
+
+    ``rooms`` (n_bands,) says where the sights of each band begin; ``line`` and ``flag`` are those of ``Images``. The
+    lists must be empty on entry. Bands of one colour never see the same node, nor do their mirror images unless
+    planes exist: with planes the caller runs the serial version.
+    """
+    bands_count = bands.shape[0] - 1
+    for colour in range(2):
+        for half in prange((bands_count + 1 - colour) // 2):
+            b = np.uint64(2 * half + colour)
+            geometry = unfold(grid)
+            S, G, W, offsets = stencil.S[b], stencil.G[b], stencil.W[b], stencil.offsets
+            sights = Sights(head, number, following, seer, turned, S_seen, G_seen)
+            at = rooms[b]
+            for j in range(bands[b], bands[b + np.uint64(1)]):
+                p = np.uint64(particle[j])
+                base = fill(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
+                begin, largest, nearest = at, SEEN, np.int64(-1)
+                for a in range(offsets.shape[0]):
+                    if S[a] > SEEN:
+                        i = np.int64(base + offsets[a])
+                        slot = slot_of_node[i]
+                        if slot >= 0:
+                            if S[a] > largest:
+                                largest, nearest = S[a], at
+                            link(sights, slot, at, np.int64(p), 0, S, G, a, offsets.shape[0])
+                            at += 1
+                        for image in range(images):
+                            other = i
+                            for axis in range(len(geometry.stride)):
+                                if line[image, axis] >= 0:
+                                    stride = np.int64(geometry.stride[axis])
+                                    index = i // stride % shape_of_grid[axis]
+                                    reflected = 2 * line[image, axis] - index
+                                    if reflected < 0 or reflected >= shape_of_grid[axis]:
+                                        other = np.int64(-1)
+                                    elif other >= 0:
+                                        other += (reflected - index) * stride
+                            if other >= 0:
+                                slot = slot_of_node[other]
+                                if slot >= 0:
+                                    link(
+                                        sights, slot, at, np.int64(p), flag[image], S, G, a, offsets.shape[0]
+                                    )
+                                    at += 1
+                if nearest >= begin:
+                    turned[nearest] |= NEAREST
+
+
+class Clouds:
+    """Contact nodes of the step and the particles that each of them sees.
+
+    Parameters
+    ----------
+    order, grid : of the simulation
+    planes : (axis, line of nodes) of each symmetry plane
+
+    Attributes
+    ----------
+    node : (slots,) contact nodes
+    first : (slots + 1,) where the entries of each begin in ``dof``
+    dof : degrees of freedom with mass at the contact nodes, fields ascending
+    sights : which particles they see
+    """
+
+    def __init__(self, order: CellOrder, grid: Grid, planes: list[tuple[int, int]]):
+        self._order, self._grid = order, grid
+        self._slot_of_node = np.full(grid.node_count, -1, dtype=np.int32)
+        self._version = -1
+        self.candidates = NONE
+        self._shape = np.array(grid.shape, dtype=np.int64)
+        self.images = images_of(planes, grid.dimensions)
+        self._count = 0
+        self._rooms = np.zeros(0, dtype=np.int64)
+
+    @property
+    def count(self) -> int:
+        """Number of contact nodes in this step."""
+        return self._count
+
+    @property
+    def node(self) -> Array:
+        """(count,) node indices of the contact nodes."""
+        return self._node[: self._count]
+
+    @property
+    def first(self) -> Array:
+        """(count + 1,) where the entries of each contact node begin in ``dof``."""
+        return self._first[: self._count + 1]
+
+    @property
+    def dof(self) -> Array:
+        """Degrees of freedom with mass at the contact nodes."""
+        return self._dof[: self._first[self._count]]
+
+    def _renew(self) -> None:
+        self._slot_of_node[self.candidates.node] = -1
+        self.candidates = c = find_candidates(self._order, self._grid)
+        self._version = self._order.version
+        self._node = np.zeros(len(c.node), dtype=np.int64)
+        self._first = np.zeros(len(c.node) + 1, dtype=np.int64)
+        self._dof = np.zeros(len(c.dof), dtype=np.int64)
+        # untouched room costs nothing: sights are written one after another from the start of each band's room
+        reach = self._grid.width**self._grid.dimensions * (1 + len(self.images.flag))
+        room = len(c.particle) * reach
+        self._rooms = c.bands[:-1].astype(np.int64) * reach
+        d = self._grid.dimensions
+        self.sights = Sights(
+            head=np.empty(len(c.node), dtype=np.int64),
+            number=np.empty(len(c.node), dtype=np.int64),
+            next=np.empty(room, dtype=np.int64),
+            particle=np.empty(room, dtype=np.int64),
+            flag=np.empty(room, dtype=np.int64),
+            S=np.empty(room),
+            G=np.empty((room, d)),
+        )
+
+    def find_nodes(self) -> int:
+        """Choose the contact nodes of this step from the masses on the grid; returns how many."""
+        if self._order.version != self._version:
+            self._renew()
+        self._count = select_nodes(
+            self.candidates, self._grid.mp, self._slot_of_node, self._node, self._first, self._dof
+        )
+        return self._count
+
+    def collect(
+        self, shape: Any, across: Any, stencil: Any, X: Array, F: Array, size: Array, parallel: bool
+    ) -> None:
+        """Find the particles that the contact nodes see, with the stencils of this step."""
+        s, images = self.sights, self.images
+        s.head[: self._count] = -1
+        s.number[: self._count] = 0
+        collect_sights[parallel and len(images.flag) == 0](
+            shape, self._grid.geometry, across, self.candidates.bands, self.candidates.particle, self._rooms,
+            len(images.flag), self._slot_of_node, self._shape, stencil, X, F, size, images.line, images.flag,
+            s.head, s.number, s.next, s.particle, s.flag, s.S, s.G,
+        )  # fmt: skip
+
+
+def images_of(planes: list[tuple[int, int]], dimensions: int) -> Images:
+    """The images that planes on different axes make together."""
+    lines, flags = [], []
+    for chosen in range(1, 2 ** len(planes)):
+        mine = [plane for j, plane in enumerate(planes) if chosen >> j & 1]
+        if len({axis for axis, _ in mine}) < len(mine):
+            continue
+        line = np.full(dimensions, -1, dtype=np.int64)
+        for axis, at in mine:
+            line[axis] = at
+        lines.append(line)
+        flags.append(sum(1 << axis for axis, _ in mine) + (len(lines) << IMAGE_BITS))
+    if not lines:
+        return Images(np.zeros((0, dimensions), dtype=np.int64), np.zeros(0, dtype=np.int64))
+    return Images(np.stack(lines), np.array(flags, dtype=np.int64))

@@ -1,0 +1,50 @@
+"""Contact on the velocity increments of FMPM(k): the "Net" and "Evolving" methods (Nairn 2026, 3.2).
+
+For every contact two vectors are kept through the loop of a step: ``prior``, the Δp(0) that brings the velocity so far
+to that of the centre of mass, and ``net``, the sum of the contact's impulses so far. "Net" looks at the velocity before
+contact ever acted on it, "Evolving" at the one that contact has corrected. The other ways of a scene, "lumped", "after"
+and "combined", settle whole velocities and need nothing of this.
+"""
+
+from __future__ import annotations
+
+from mpmcli.core.kernel import inline
+
+
+@inline
+def start_increments(axes, evolving, dp0, settled, prior, net):
+    """Begin with the lumped-mass calculation: it was handed ``dp0`` and gave ``settled``, all (d,) [momentum].
+
+    Overwrites ``prior`` and ``net`` (d,).
+    """
+    for a in range(len(axes)):
+        net[a] = settled[a]
+        prior[a] = dp0[a] - settled[a] if evolving else dp0[a]
+
+
+@inline
+def total_increment(axes, prior, own, total):
+    """Δp*(0) of an increment, which is what ``settle`` is handed (Nairn 2026, Eq. 20), into ``total`` (d,).
+
+    ``own`` (d,) is m_red (Δv_β − Δv_α) of the increment alone, before contact.
+    """
+    for a in range(len(axes)):
+        total[a] = prior[a] + own[a]
+
+
+@inline
+def finish_increment(axes, evolving, own, total, settled, prior, net, effective):
+    """Momentum that contact adds to α for the increment, into ``effective`` (d,); ``prior``, ``net`` move on.
+
+    "Net": Δp_eff = Δp(ℓ) − Δp_net, written as the increment's own part and the change of what contact lets slip; so a
+    contact that sticks takes the increment to the centre of mass to the last digit. "Evolving": Δp_eff = Δp(ℓ).
+    """
+    for a in range(len(axes)):
+        if evolving:
+            effective[a] = settled[a]
+            prior[a] = total[a] - settled[a]
+            net[a] += settled[a]
+        else:
+            effective[a] = own[a] + ((settled[a] - total[a]) - (net[a] - prior[a]))
+            prior[a] = total[a]
+            net[a] = settled[a]

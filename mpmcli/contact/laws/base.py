@@ -1,0 +1,36 @@
+"""What a contact law is: a pydantic model (the scene's words), a named tuple of numbers, and one compiled function.
+
+A new law is one new file here: a model registered in ``LAWS``, its parameter tuple, decorated with
+``settle.contact_law``, and an implementation of ``settle.sliding_traction`` registered for the tuple's class.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, NamedTuple
+
+from mpmcli.core.model import Model
+from mpmcli.core.registry import Registry
+
+LAWS = Registry("contact law")
+
+
+class LawModel(Model):
+    """Base of all contact laws.
+
+    Class attributes declare what surrounds a law in a step, and what the contract tests hold it to.
+    """
+
+    skipped: ClassVar[bool] = False
+    """The law leaves the fields alone: its contacts need not be looked at."""
+    screened: ClassVar[bool] = True
+    """Nodes where one side has next to no mass are passed over."""
+    needs_normal: ClassVar[bool] = True
+    """Normal and separation matter."""
+    needs_area: ClassVar[bool] = False
+    """The contact area matters."""
+    adhesive: ClassVar[bool] = False
+    """Sides may be bonded, and break."""
+
+    def parameters(self) -> NamedTuple:
+        """The numbers that the compiled functions need."""
+        raise TypeError(f"{type(self).__name__} gives no parameters")

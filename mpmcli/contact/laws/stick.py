@@ -1,0 +1,33 @@
+"""Sides that stick while they touch."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, NamedTuple
+
+from mpmcli.contact.laws.base import LAWS
+from mpmcli.contact.laws.stiffness import PressedModel, with_stiffness
+from mpmcli.contact.settle import contact_law, sliding_traction
+
+
+@LAWS.register
+class Stick(PressedModel):
+    """No sliding while in contact: friction without limit. ``perfect`` holds sides together always."""
+
+    kind: Literal["stick"]
+
+    def parameters(self) -> Rough:
+        """Its stiffness."""
+        return Rough(stiffness=self.spring)
+
+
+@with_stiffness
+@contact_law()
+class Rough(NamedTuple):
+    """Contact stiffness D_c [pressure/length]."""
+
+    stiffness: float
+
+
+@sliding_traction.register(Rough)
+def _(law: Any, N: Any, stick: Any, speed: Any) -> Any:
+    return stick

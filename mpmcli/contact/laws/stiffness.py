@@ -1,0 +1,89 @@
+"""Finite contact stiffness: touching sides press on each other through a spring instead of not at all overlapping.
+
+Between penetration that costs nothing and one that is impossible a contact changes abruptly; a spring of stiffness D_c
+per area softens the change (Nairn 2023, 5.7). It acts in the calculation after the momentum update, on any law for
+sides that press.
+"""
+
+from __future__ import annotations
+
+import math
+
+from mpmcli.contact.laws.base import LawModel
+from mpmcli.contact.settle import (
+    HARD,
+    NARROWEST,
+    TINIEST,
+    Parameters,
+    dot,
+    end_separation,
+    is_soft,
+    leave,
+    settle,
+    settle_soft,
+    slide,
+)
+from mpmcli.core.kernel import inline
+from mpmcli.core.model import quantity
+
+FAR = 1e150
+"""Separations beyond this are no lengths, but a method's word for "always touching" or "nothing there"."""
+
+C3_TERMS = tuple((-1.0) ** k / math.factorial(2 * k + 3) for k in range(12))
+C4_TERMS = tuple((-1.0) ** k / math.factorial(2 * k + 4) for k in range(12))
+
+
+class PressedModel(LawModel):
+    """Base of laws for sides that press on each other."""
+
+    stiffness: quantity("pressure/length", gt=0) | None = None  # type: ignore[valid-type]
+    """Contact stiffness D_c: pressure per overlap; without it sides that touch are rigid."""
+
+    @property
+    def spring(self) -> float:
+        """D_c [pressure/length], or 0 for rigid sides."""
+        return 0.0 if self.stiffness is None else self.stiffness
+
+
+@inline
+def stumpff(u):
+    """c₂ = (1 − cos φ)/φ², c₃ = (1 − sin φ/φ)/φ² and c₄ = (½ − c₂)/φ² for u = φ² up to (π/2)², by their series."""
+    c3, c4 = 0.0, 0.0
+    for k in range(len(C3_TERMS) - 1, -1, -1):
+        c3 = c3 * u + C3_TERMS[k]
+        c4 = c4 * u + C4_TERMS[k]
+    return 0.5 - u * c4, c3, c4
+
+
+# fmt: off
+def settle_spring(law, axes, dp0, n, separation, force, area, reduced_mass, dt, displacement_only, bond, out):
+    """``settle_soft`` for laws with a ``stiffness``; 0 and contacts too stiff for the step are rigid."""
+    pressed = dot(axes, dp0, n)
+    spring = law.stiffness * area * dt
+    if law.stiffness == 0.0 or spring * dt > HARD * reduced_mass or abs(separation) > FAR:
+        end = end_separation(separation, pressed, force, reduced_mass, dt)
+        return settle(law, axes, dp0, n, end, area, reduced_mass, dt, displacement_only, bond, out)
+    # an oscillator with φ² = D_c A_c Δt²/m_red; Eqs. 5.149 and 5.150 without their differences of near equals
+    u = spring * dt / max(reduced_mass, TINIEST)
+    c2, c3, c4 = stumpff(u)
+    moved = (abs(pressed) + abs(force) * dt) * dt
+    per_mass = dt / max(reduced_mass, NARROWEST * moved, TINIEST)
+    free, pushed = pressed * per_mass, force * dt * per_mass
+    end = separation * (1.0 - u * c2) + free * (1.0 - u * c3) + pushed * (c2 + u * c3 - 1.0)
+    impulse = 2.0 * spring * (separation * c2 + free * c3 + pushed * (c4 - c3))
+    if end < 0.0 and (impulse < 0.0 or displacement_only):
+        return slide(law, axes, dp0, n, pressed, impulse, area * dt, reduced_mass, out)
+    return leave(axes, out)
+# fmt: on
+
+
+def has_stiffness(law):
+    """Whether the stiffness is finite."""
+    return law.stiffness > 0.0
+
+
+def with_stiffness(parameters: Parameters) -> Parameters:
+    """Class decorator of a law's parameter tuple with a field ``stiffness`` [pressure/length], 0 for rigid sides."""
+    settle_soft.register(parameters)(settle_spring)
+    is_soft.register(parameters)(has_stiffness)
+    return parameters

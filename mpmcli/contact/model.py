@@ -1,0 +1,61 @@
+"""What a scene says about contact."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from mpmcli.contact.laws import LAWS
+from mpmcli.contact.normals import NORMALS
+from mpmcli.contact.separation import SEPARATIONS
+from mpmcli.core.model import Model, quantity
+
+Name = Annotated[str, Field(min_length=1, max_length=80)]
+Names = Annotated[tuple[Name, ...], Field(min_length=2, max_length=2)]
+
+
+class Pair(Model):
+    """Two velocity fields with a law of their own."""
+
+    between: Names
+    """Names of two bodies (with ``fields: material`` of two materials), or of the fields that they share."""
+    law: LAWS.union()  # type: ignore[valid-type]
+    """The contact law of this pair."""
+
+
+class Contact(Model):
+    """Contact between velocity fields, where the particles of two or more of them see the same node.
+
+    Bodies (or materials) with a velocity field of their own pass, touch and slide; those that share one
+    move together.
+    """
+
+    fields: Literal["body", "material"] = "body"
+    """What owns a velocity field; several owners share one if they name the same ``field``."""
+    normal: NORMALS.union() = Field(  # type: ignore[valid-type]
+        default_factory=lambda: NORMALS["logistic_regression"].model_validate({"kind": "logistic_regression"})
+    )
+    """How the direction between two fields is found."""
+    separation: SEPARATIONS.union() = Field(  # type: ignore[valid-type]
+        default_factory=lambda: SEPARATIONS["regression"].model_validate({"kind": "regression"})
+    )
+    """How the distance between two fields is found; contact needs it to be negative."""
+    law: LAWS.union()  # type: ignore[valid-type]
+    """What fields in contact do to each other."""
+    pairs: tuple[Pair, ...] = ()
+    """Exceptions: pairs of fields with another law."""
+    increments: Literal["net", "evolving", "lumped", "after", "combined"] = "net"
+    """How contact acts in the FMPM loop [nairn2026, section 3.2]."""
+    once: bool = False
+    """Skip the correction at the start of the step, for comparison only."""
+    mass_ratio: quantity("1", ge=0, lt=0.5) = 1e-5  # type: ignore[valid-type]
+    """No contact at nodes where one side has less than this share of the mass; 0 for none [nairn2023notes]."""
+    displacement_only: bool = False
+    """Contact wherever the separation is negative, the fields approaching each other or not."""
+    three_or_more: Literal["lumped", "pairs"] = "lumped"
+    """At nodes of three or more fields: each against all others as one, or the pairs in contact."""
+
+    def problems(self, dimensions: int) -> list[tuple[str, str]]:
+        """What does not fit an analysis with so many axes: pairs of key and message."""
+        return [(f"normal.{key}", words) for key, words in self.normal.problems(dimensions)]

@@ -1,0 +1,118 @@
+"""Nodes of three or more fields settled pair by pair, where at most two pairs are in contact.
+
+One or two contact laws can be satisfied together while momentum is conserved; with three or more pairs in contact the
+fields are lumped (Nairn et al. 2020, section 3.4). Such nodes are few: these loops are serial.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmcli.contact.momenta import relative_momentum
+from mpmcli.contact.settle import settle
+from mpmcli.core.kernel import inline
+
+Array = np.ndarray
+
+SWEEPS = 40
+"""Rounds in which two pairs that share a field settle in turn; each round shrinks what is left by a mass ratio."""
+
+
+@inline
+def find_pair_impulses(
+    axes, count, members, node_count, dof, rigid_field, mp, v, prior, normal, separation, separation_now, advance, dp0,
+    total,
+):  # fmt: skip
+    """Δp_α(0) of every pair by itself into ``dp0``, with the total of earlier FMPM increments; clears ``total``."""
+    for k in range(count):
+        if not members.pair[k]:
+            continue
+        reduced = relative_momentum(
+            axes, members.alpha[k], members.first[k], members.last[k], False, rigid_field, node_count, dof, mp, v,
+            dp0[k],
+        )  # fmt: skip
+        if prior is None:
+            separation_now[k] = separation[k]
+        for a in range(len(axes)):
+            if prior is None:
+                separation_now[k] += dp0[k, a] * normal[k, a] * advance / reduced
+            else:
+                dp0[k, a] += prior[k, a]
+            total[k, a] = 0.0
+
+
+@inline
+def settle_pairs(
+    law, which, axes, count, members, begin, chosen, coupled, mp, normal, separation_now, area, bond, dt,
+    displacement_only, dp0, wanted, total, state,
+):  # fmt: skip
+    """Settle every pair that law ``which`` governs into ``total`` (k, d); ``wanted`` (k, d) is scratch.
+
+    With ``coupled`` only pairs of nodes that ``chosen`` (slots,) marks, each on what the others at its node do to it.
+    """
+    for k in range(count):
+        slot = members.slot[k]
+        if not members.pair[k] or members.law[k] != which or (coupled and not chosen[slot]):
+            continue
+        i, j = members.alpha[k], members.partner[k]
+        reduced = mp[i, 0] * mp[j, 0] / (mp[i, 0] + mp[j, 0])
+        for a in range(len(axes)):
+            wanted[k, a] = dp0[k, a]
+        if coupled:
+            for other in range(begin[slot], begin[slot + 1]):
+                if other == k or not members.pair[other]:
+                    continue
+                for end in range(2):
+                    at = members.alpha[other] if end == 0 else members.partner[other]
+                    sign = 1.0 if end == 0 else -1.0
+                    for a in range(len(axes)):
+                        if at == j:
+                            wanted[k, a] += sign * reduced * total[other, a] / mp[j, 0]
+                        elif at == i:
+                            wanted[k, a] -= sign * reduced * total[other, a] / mp[i, 0]
+        state[k] = settle(
+            law, axes, wanted[k], normal[k], separation_now[k], area[k], reduced, dt, displacement_only, bond[k],
+            total[k],
+        )  # fmt: skip
+
+
+@inline
+def choose_pairs(slots, members, begin, state, chosen):
+    """Mark the nodes where one or two pairs are in contact: ``chosen`` (slots,)."""
+    for slot in range(slots):
+        touching = 0
+        for k in range(begin[slot], begin[slot + 1]):
+            if members.pair[k] and state[k] > 0:
+                touching += 1
+        chosen[slot] = 0 < touching < 3
+
+
+@inline
+def finish_pairs(axes, count, members, begin, chosen, prior, net, evolving, dp0, total, dp, state):
+    """Momentum changes of pairs from their totals; at each node either pairs or lumped contacts act.
+
+    Where pairs are not chosen their rows become zero; where they are, those of the lumped contacts. ``prior``, ``net``
+    and ``evolving`` are those of ``momenta.settle_stage``.
+    """
+    for k in range(count):
+        slot = members.slot[k]
+        lumped = not members.pair[k] and members.stage[k] == 0 and not members.alone[k]
+        if members.pair[k]:
+            for a in range(len(axes)):
+                full = total[k, a] if chosen[slot] else 0.0
+                dp[k, a] = full
+                if prior is not None:
+                    if evolving:
+                        prior[k, a] = dp0[k, a] - full
+                        net[k, a] += full
+                    else:
+                        prior[k, a] = dp0[k, a]
+                        dp[k, a] = full - net[k, a]
+                        net[k, a] = full
+        elif lumped and chosen[slot]:
+            for a in range(len(axes)):
+                dp[k, a] = 0.0
+                if prior is not None:
+                    net[k, a] = 0.0
+        if (members.pair[k] and not chosen[slot]) or (lumped and chosen[slot]):
+            state[k] = 0

@@ -1,0 +1,8 @@
+"""Methods that tell how far apart two sides are, one per file; importing the room registers them all."""
+
+from mpmcli.contact.separation.base import SEPARATIONS, SeparationModel, find_separation
+from mpmcli.core.registry import discover
+
+discover(__name__, __path__)
+
+__all__ = ["SEPARATIONS", "SeparationModel", "find_separation"]

@@ -1,0 +1,38 @@
+"""Separation by extrapolated displacements, for sides that touch at the start and move little."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal, NamedTuple
+
+from mpmcli.contact.separation.base import APART, SEPARATIONS, UNKNOWN, SeparationModel, find_separation
+from mpmcli.contact.separation.extrapolated import extrapolate_along
+
+
+@SEPARATIONS.register
+class Displacement(SeparationModel):
+    """δ_n = (u_β − u_α)·n̂ from displacements since the start, extrapolated to the node [nairn2023notes, Eqs. 3.45
+    and 3.46].
+
+    Right only where the sides touch at the start and displacements stay small against a cell.
+    """
+
+    needs_displacement: ClassVar[bool] = True
+
+    kind: Literal["displacement"]
+
+    def parameters(self, dimensions: int, cell: tuple[float, ...], particles_per_axis: int) -> NamedTuple:
+        """The gap at the start."""
+        return Displacements(0.0)
+
+
+class Displacements(NamedTuple):
+    """Gap between the sides at the start [length]."""
+
+    initial_gap: float
+
+
+@find_separation.register(Displacements)
+def _(separation, axes, cloud, count, n, h, distances):
+    distances[0], distances[1] = UNKNOWN, UNKNOWN
+    alpha, beta, both = extrapolate_along(axes, cloud, cloud.displacement, count, n)
+    return separation.initial_gap + beta - alpha if both else APART

@@ -1,0 +1,395 @@
+"""What a scene says about contact, velocity fields and rigid bodies, held against each other."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.errors import Problem
+from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.scene.checks import NAME, NAME_WORDS, Report, label, names_of
+from mpmcli.scene.models import MAX_NODES
+from mpmcli.scene.parts import Parts
+from mpmcli.scene.report import locate
+from mpmcli.scene.tree import Node
+
+ALIKE = 0.8
+"""How much two names of fields must resemble each other for one to be a slip of the pen."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """A body as the scene names it: its path, name and material, whether it is rigid, and its velocity field."""
+
+    path: str
+    name: str
+    material: str
+    is_rigid: bool
+    owner: str
+    field: str
+    field_path: str
+
+
+@dataclass(frozen=True)
+class Fields:
+    """The velocity fields of a scene, as far as it can be read; ``noun`` is what owns them."""
+
+    noun: str
+    members: tuple[Member, ...]
+    complete: bool
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the fields in the order of the bodies."""
+        return list(dict.fromkeys(member.field for member in self.members))
+
+    def is_rigid(self, field: str) -> bool:
+        """Whether all bodies of a field are rigid."""
+        return all(member.is_rigid for member in self.members if member.field == field)
+
+
+def check_contact(parts: Parts, root: Node) -> list[Problem]:
+    """Everything that contact, fields and rigid bodies have against the rest of a scene."""
+    problems: list[Problem] = []
+
+    def report(path: str, message: str, code: str = "invalid", severity: str = "error") -> None:
+        problems.append(locate(root, path, message, code, severity))
+
+    contact = root.value.get("contact")
+    has_contact = contact is not None and contact.value is not None
+    fields = read_fields(root, contact if has_contact else None)
+    _check_field_keys(root, fields, has_contact, report)
+    _check_rigid(fields, has_contact, report)
+    _check_motion(parts, root, fields, report)
+    _check_transfer(parts, fields, has_contact, report)
+    if not has_contact:
+        return problems
+    if fields.complete and len(fields.names) == 1:
+        report("contact", f"has no effect: {_why_single(fields)}", "no_effect", "warning")
+    else:
+        _check_pairs(contact, root, fields, report)
+        if parts.contact is not None:
+            _check_choices(parts, fields, report)
+            _check_size(parts, fields, report)
+    if parts.contact is not None and parts.grid is not None:
+        for place, words in parts.contact.problems(parts.grid.dimensions):
+            report(f"contact.{place}", words, "axes")
+    return problems
+
+
+def read_fields(root: Node, contact: Node | None) -> Fields:
+    """The bodies of a scene and their velocity fields; bodies that cannot be read are left out."""
+    by_material = contact is not None and _text(contact, "fields") == "material"
+    bodies = root.value.get("bodies")
+    materials = root.value.get("materials")
+    found = []
+    nodes = bodies.value if bodies is not None and bodies.is_sequence else []
+    for index, body in enumerate(nodes):
+        name, material = _text(body, "name"), _text(body, "material")
+        made_of = materials.member(material) if materials is not None and material is not None else None
+        if name is None or material is None or made_of is None:
+            continue
+        path = label(root, "bodies", index)
+        owner, node = (material, made_of) if by_material else (name, body)
+        field_path = f"materials.{material}.field" if by_material else f"{path}.field"
+        field = _text(node, "field") or owner if contact is not None else "all"
+        is_rigid = _text(made_of, "kind") == "rigid"
+        found.append(Member(path, name, material, is_rigid, owner, field, field_path))
+    noun = "material" if by_material else "body"
+    return Fields(noun, tuple(found), bool(nodes) and len(found) == len(nodes))
+
+
+def _text(node: Node, key: str) -> str | None:
+    """The text at a key of a mapping, if there is one."""
+    member = node.value.get(key) if node.is_mapping else None
+    return member.value if member is not None and isinstance(member.value, str) else None
+
+
+def _why_single(fields: Fields) -> str:
+    words = "the scene has a single velocity field"
+    if len(fields.members) < 2:
+        return words
+    if fields.noun == "material" and len({member.material for member in fields.members}) == 1:
+        return f"{words}, for all bodies are of one material (fields: body gives each body its own)"
+    return f"{words}, for all {'bodies' if fields.noun == 'body' else 'materials'} share it"
+
+
+def _check_field_keys(root: Node, fields: Fields, has_contact: bool, report: Report) -> None:
+    """Keys ``field`` that change nothing, or name a field that no one else has but for a letter."""
+    other = "body" if fields.noun == "material" else "material"
+    given: dict[str, str] = {}
+    for path, noun, node in _holders(root):
+        field = _text(node, "field")
+        if field is None:
+            continue
+        if not NAME.match(field):
+            report(f"{path}.field", f"'{field}' cannot be a name: {NAME_WORDS}", "name")
+        elif not has_contact:
+            report(f"{path}.field", "has no effect: the scene has no 'contact'", "no_effect", "warning")
+        elif noun == other:
+            words = f"has no effect: with contact.fields: {fields.noun} the key belongs to the {_plural(fields.noun)}"
+            report(f"{path}.field", words, "no_effect", "warning")
+        else:
+            given[f"{path}.field"] = field
+    for path, field in given.items():
+        owners = {member.owner for member in fields.members if member.field == field}
+        alike = _alike(field, [name for name in fields.names if name != field])
+        if len(owners) == 1 and alike is not None:
+            words = f"no other {fields.noun} shares the field '{field}'; did you mean '{alike}'?"
+            report(path, words, "unused", "warning")
+
+
+def _holders(root: Node) -> list[tuple[str, str, Node]]:
+    """Path, noun and node of everything that may have a key ``field``."""
+    bodies, materials = root.value.get("bodies"), root.value.get("materials")
+    found = []
+    if bodies is not None and bodies.is_sequence:
+        found += [(label(root, "bodies", i), "body", node) for i, node in enumerate(bodies.value)]
+    if materials is not None and materials.is_mapping:
+        found += [(f"materials.{name}", "material", node) for name, node in materials.value.items()]
+    return found
+
+
+def _plural(noun: str) -> str:
+    return "bodies" if noun == "body" else "materials"
+
+
+def _alike(word: str, names: list[str]) -> str | None:
+    found = difflib.get_close_matches(word.lower(), [name.lower() for name in names], n=1, cutoff=ALIKE)
+    return next((name for name in names if found and name.lower() == found[0]), None)
+
+
+def _check_rigid(fields: Fields, has_contact: bool, report: Report) -> None:
+    rigid = [member for member in fields.members if member.is_rigid]
+    if not rigid:
+        return
+    if fields.complete and len(rigid) == len(fields.members):
+        report("bodies", "every body is rigid: nothing in the scene could deform", "rigid")
+        return
+    for member in rigid:
+        if not has_contact:
+            words = f"the rigid body '{member.name}' acts on others by contact only, and the scene has no 'contact'"
+            report(f"{member.path}.material", words, "rigid")
+            continue
+        soft = [m.name for m in fields.members if not m.is_rigid and m.field == member.field]
+        if soft:
+            words = (
+                f"the rigid body '{member.name}' shares the velocity field '{member.field}' with "
+                f"{'a deformable body' if len(soft) == 1 else 'deformable bodies'} ({listing(soft, 4)}): "
+                "contact is between fields only"
+            )
+            report(member.field_path, words, "rigid")
+
+
+def _check_motion(parts: Parts, root: Node, fields: Fields, report: Report) -> None:
+    """Only rigid bodies move as the scene says, and nothing else moves them."""
+    kinds = {member.name: member.is_rigid for member in fields.members}
+    moves: dict[str, tuple[str, tuple[Any, ...]]] = {}
+    for index, body in parts.bodies:
+        path = f"{label(root, 'bodies', index)}.velocity"
+        if kinds.get(body.name, True):
+            _check_shared_motion(body, fields, moves, path, report)
+            continue
+        for axis, component in enumerate(body.velocity):
+            if "t" in component.variables and body.material in parts.materials:
+                words = f"'t' is for rigid bodies: '{body.name}' has this velocity only at the start"
+                report(f"{path}.{axis}", words, "time")
+    for key in ("boundary", "loads"):
+        for index, model in getattr(parts, key):
+            for place, name in model.bodies():
+                if not kinds.get(name, False):
+                    continue
+                path = f"{label(root, key, index)}.{place}"
+                words = f"the body '{name}' is rigid: it moves as its 'velocity' says"
+                if key == "loads":
+                    report(path, f"has no effect: {words}", "no_effect", "warning")
+                else:
+                    report(path, words, "rigid")
+
+
+def _check_shared_motion(
+    body: Any, fields: Fields, moves: dict[str, tuple[str, tuple[Any, ...]]], path: str, report: Report
+) -> None:
+    """Rigid bodies of one field that move apart mix their velocities where they are close."""
+    field = next((member.field for member in fields.members if member.name == body.name), None)
+    if field is None:
+        return
+    motion = tuple(c.source if c.variables else float(c()) for c in body.velocity)
+    motion = motion if any(motion) else ()
+    name, other = moves.setdefault(field, (body.name, motion))
+    if other != motion:
+        words = (
+            f"moves otherwise than '{name}', with which it shares the velocity field '{field}': "
+            "where they are close their velocities mix"
+        )
+        report(path if body.velocity else path.removesuffix(".velocity"), words, "doubtful", "warning")
+
+
+def _check_transfer(parts: Parts, fields: Fields, has_contact: bool, report: Report) -> None:
+    if parts.method is None or "contact_correction" not in parts.method.transfer.model_fields_set:
+        return
+    path = "method.transfer.contact_correction"
+    if not has_contact:
+        report(path, "has no effect: the scene has no 'contact'", "no_effect", "warning")
+    elif parts.method.transfer.order == 1:
+        report(path, "has no effect with XPIC(1), which filters nothing", "no_effect", "warning")
+
+
+def _named_pairs(contact: Node) -> Iterator[tuple[int, tuple[str, str]]]:
+    """Index and names of every pair that names two fields; the others are reported already."""
+    pairs = contact.value.get("pairs") if contact.is_mapping else None
+    for index, pair in enumerate(pairs.value if pairs is not None and pairs.is_sequence else []):
+        between = pair.value.get("between") if pair.is_mapping else None
+        names = [name.value for name in between.value] if between is not None and between.is_sequence else []
+        if len(names) == 2 and all(isinstance(name, str) for name in names):
+            yield index, (names[0], names[1])
+
+
+def _check_pairs(contact: Node, root: Node, fields: Fields, report: Report) -> None:
+    owners = {member.owner: member.field for member in fields.members}
+    names = list(dict.fromkeys([*owners, *fields.names]))
+    lines: dict[frozenset[str], int | None] = {}
+    for index, between in _named_pairs(contact):
+        path = f"contact.pairs.{index}.between"
+        found = []
+        for place, name in enumerate(between):
+            if name not in names:
+                words = f"there is no {fields.noun} or velocity field '{name}'"
+                report(f"{path}.{place}", words + _other_kind(name, names, root, fields), "unknown_reference")
+            elif name in fields.names and owners.get(name, name) != name:
+                words = (
+                    f"'{name}' is a velocity field and also a {fields.noun} of the field '{owners[name]}': "
+                    "give the field another name"
+                )
+                report(f"{path}.{place}", words, "ambiguous")
+            else:
+                found.append(name if name in fields.names else owners[name])
+        if len(found) == 2:
+            _check_pair(between, found, path, lines, root, fields, report)
+
+
+def _other_kind(name: str, names: list[str], root: Node, fields: Fields) -> str:
+    """What else a name may have been meant for."""
+    other = "bodies" if fields.noun == "material" else "materials"
+    if name in names_of(root, other):
+        noun = "body" if other == "bodies" else "material"
+        return f": it is a {noun}, and the fields are those of {_plural(fields.noun)} ({listing(names)})"
+    return did_you_mean(name, names) or f" ({listing(names)})"
+
+
+def _check_pair(
+    between: tuple[str, str],
+    found: list[str],
+    path: str,
+    lines: dict[frozenset[str], int | None],
+    root: Node,
+    fields: Fields,
+    report: Report,
+) -> None:
+    a, b = between
+    if found[0] == found[1]:
+        reason = f"'{a}' is named twice" if a == b else f"'{a}' and '{b}' share the field '{found[0]}'"
+        report(path, f"{reason}: a pair is made of two velocity fields", "pair")
+        return
+    pair = frozenset(found)
+    if pair in lines:
+        words = f"the pair of '{a}' and '{b}' has a law already (first in line {lines[pair]})"
+        report(path, words, "duplicate_pair")
+        return
+    lines[pair] = locate(root, path, "").line
+    if fields.is_rigid(found[0]) and fields.is_rigid(found[1]):
+        words = "has no effect: both are rigid, and nothing moves rigid bodies"
+        report(path, words, "no_effect", "warning")
+
+
+def _check_choices(parts: Parts, fields: Fields, report: Report) -> None:
+    """Choices of a contact that change nothing, or do not go together."""
+    contact = parts.contact
+    given = contact.model_fields_set
+    laws = [contact.law, *(pair.law for pair in contact.pairs)]
+
+    def idle(key: str, reason: str) -> None:
+        report(f"contact.{key}", f"has no effect: {reason}", "no_effect", "warning")
+
+    kinds = " and ".join(dict.fromkeys(f"'{law.kind}'" for law in laws))
+    if not any(law.needs_normal for law in laws):
+        for key in ("normal", "separation", "displacement_only"):
+            if key in given and getattr(contact, key) is not False:
+                idle(key, f"the law {kinds} asks neither for normals nor for separations")
+    elif contact.separation.kind == "none":
+        _check_need_of_separation(contact, report)
+    if "mass_ratio" in given and not any(law.screened and not law.skipped for law in laws):
+        idle("mass_ratio", f"the law {kinds} takes all nodes alike")
+    _check_calibration(parts, report)
+    if contact.three_or_more == "pairs" and len(fields.names) < 3:
+        idle("three_or_more", f"the scene has {len(fields.names)} velocity fields")
+    if getattr(contact.normal, "rigid_bias", 1.0) != 1.0 and not any(m.is_rigid for m in fields.members):
+        idle("normal.rigid_bias", "no body is rigid")
+    if parts.method is None:
+        return
+    transfer = parts.method.transfer
+    if contact.increments not in ("net", "lumped"):
+        if transfer.kind != "fmpm":
+            idle("increments", f"with {transfer.kind} there are none, they belong to fmpm")
+        elif transfer.order == 1:
+            idle("increments", "FMPM(1) has none")
+    if contact.once:
+        if parts.method.update in ("usf", "usavg", "usavg+"):
+            words = (
+                f"with {parts.method.update} strains at the start of the step follow from momenta that contact has "
+                "not corrected"
+            )
+            report("contact.once", words, "inaccurate", "warning")
+        elif any(law.kind == "perfect" for law in laws):
+            words = "with once, bodies in perfect contact do not move quite as one"
+            report("contact.once", words, "inaccurate", "warning")
+
+
+def _check_need_of_separation(contact: Any, report: Report) -> None:
+    """What cannot be without knowing how far two fields are apart."""
+    if contact.displacement_only:
+        words = "needs a separation: with separation 'none' fields would never come apart"
+        report("contact.displacement_only", words, "combination")
+    laws = [("law", contact.law), *((f"pairs.{i}.law", pair.law) for i, pair in enumerate(contact.pairs))]
+    for path, law in laws:
+        if getattr(law, "stiffness", None) is not None:
+            words = "needs a separation: with separation 'none' nothing says how far fields overlap"
+            report(f"contact.{path}.stiffness", words, "combination")
+
+
+def _check_calibration(parts: Parts, report: Report) -> None:
+    """Separations by grid positions depend on how many particles a cell has."""
+    separation = parts.contact.separation
+    chosen = {"position_fit": ("fit", "auto"), "position_offset": ("offset", None)}
+    key, automatic = chosen.get(separation.kind, ("", None))
+    if not key or getattr(separation, key) != automatic:
+        return
+    counts = {n for _, body in parts.bodies for n in np.atleast_1d(body.particles_per_axis).tolist()}
+    if 1 in counts and len(counts) > 1:
+        both = " and ".join(map(str, sorted(counts)))
+        words = (
+            f"is chosen by the particles per axis, but bodies have {both}: give '{key}', or take separation "
+            "'regression'"
+        )
+        report("contact.separation", f"'{separation.kind}' {words}", "combination")
+    elif max(counts, default=2) > 2:
+        words = f"is known for one and two particles per axis, not for {max(counts)}"
+        report("contact.separation", f"'{separation.kind}' {words}", "inaccurate", "warning")
+
+
+def _check_size(parts: Parts, fields: Fields, report: Report) -> None:
+    """Every field has a grid of its own."""
+    if parts.grid is None:
+        return
+    nodes, count = math.prod(cells + 1 for cells in parts.grid.cells), len(fields.names)
+    if nodes * count > MAX_NODES:
+        words = (
+            f"{count} velocity fields on a grid of {nodes:.2g} nodes: at most {MAX_NODES:.0e} nodes of all fields "
+            "together are possible"
+        )
+        report("contact.fields", words, "range")

@@ -1,0 +1,75 @@
+"""Which velocity field each body moves in, and which contact law holds between two fields."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mpmcli.scene.models import Scene
+
+ONE_FIELD = "all"
+"""Name of the velocity field of a scene without contact."""
+
+
+def velocity_fields(scene: Scene) -> tuple[list[str], list[int]]:
+    """The velocity fields of a scene.
+
+    Returns
+    -------
+    names : names of the fields, in the order of the first body in each; a single one without contact
+    field_of_body : index of the field of each body
+    """
+    names: list[str] = []
+    indices = []
+    for body in scene.bodies:
+        name = field_name(scene, body)
+        if name not in names:
+            names.append(name)
+        indices.append(names.index(name))
+    return names, indices
+
+
+def field_name(scene: Scene, body: Any) -> str:
+    """Name of the velocity field of a body: that given for its owner, else the owner's own name."""
+    if scene.contact is None:
+        return ONE_FIELD
+    if scene.contact.fields == "material":
+        return scene.materials[body.material].field or body.material
+    return body.field or body.name
+
+
+def owners_of_fields(scene: Scene) -> dict[str, str]:
+    """What the scene may call a velocity field: names of fields, and of the bodies or materials that own them."""
+    by_material = scene.contact is not None and scene.contact.fields == "material"
+    owners = {body.material if by_material else body.name: field_name(scene, body) for body in scene.bodies}
+    return owners | {name: name for name in velocity_fields(scene)[0]}
+
+
+def law_table(scene: Scene, fields: list[str]) -> tuple[list[Any], np.ndarray]:
+    """The contact laws of a scene, and which of them holds between two velocity fields.
+
+    Parameters
+    ----------
+    scene : a checked scene
+    fields : names of its fields, from ``velocity_fields``
+
+    Returns
+    -------
+    laws : law models, each once; only those of a pair that exists
+    table : (fields, fields) index of the law of each pair, symmetric; -1 on the diagonal
+    """
+    n = len(fields)
+    table = np.full((n, n), -1, dtype=np.int64)
+    if scene.contact is None or n < 2:
+        return [], table
+    owners = owners_of_fields(scene)
+    chosen = {frozenset(owners[name] for name in pair.between): pair.law for pair in scene.contact.pairs}
+    laws: list[Any] = []
+    for a in range(n):
+        for b in range(a):
+            law = chosen.get(frozenset((fields[a], fields[b])), scene.contact.law)
+            if law not in laws:
+                laws.append(law)
+            table[a, b] = table[b, a] = laws.index(law)
+    return laws, table

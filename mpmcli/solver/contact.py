@@ -1,0 +1,439 @@
+"""Contact between velocity fields: where in the step it corrects momenta (Nairn 2026, section 3.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mpmcli.contact import momenta, pairs
+from mpmcli.contact.clouds import NEAREST, Clouds
+from mpmcli.contact.contacts import Contacts, Rules
+from mpmcli.contact.normals.base import NOT_CONVERGED
+from mpmcli.contact.separation.base import APART
+from mpmcli.contact.settle import BROKEN
+from mpmcli.core.analysis import Axisymmetric
+from mpmcli.core.state import ContactView
+from mpmcli.scene.fields import law_table
+from mpmcli.solver.loads import place_of_identity
+
+if TYPE_CHECKING:
+    from mpmcli.solver.simulation import Simulation
+
+Array = np.ndarray
+
+
+class NoContact:
+    """One velocity field: bodies that touch move together. The places where contact corrects momenta stay empty."""
+
+    def after_extrapolation(self, dt: float) -> None:
+        """Task 1.a."""
+
+    def after_update(self, dt: float) -> None:
+        """Task 3.a."""
+
+    def take_out_start(self, p: Array) -> None:
+        """Nothing was corrected in task 1.a."""
+
+    def correct_increment(self, dv: Array, dt: float, counts_reactions: bool) -> None:
+        """Part (2) of an FMPM increment."""
+
+    def after_velocities(self, v: Array, dt: float) -> None:
+        """After task 3.b."""
+
+    def after_new_extrapolation(self, dt: float) -> None:
+        """Task 4.b."""
+
+    def account(self, v: Array, dt: float) -> None:
+        """Task 6: forces and friction work."""
+
+    def nodal_fields(self) -> dict[str, Callable[[], Array]]:
+        """Nothing to show on nodes."""
+        return {}
+
+
+class NodalContact(NoContact):
+    """The contact of a scene.
+
+    Geometry (nodes, normals, separations, areas) is found once per step, in task 1.a, and used by all corrections of
+    the step.
+    """
+
+    def __init__(self, s: Simulation, scene: Any):
+        self._s = s
+        model = scene.contact
+        plan, grid = s.plan, s.grid
+        self._model = model
+        models, table = law_table(scene, plan.fields)
+        self._laws = [law.parameters() for law in models]
+        self._used = sorted({int(i) for i in table.ravel() if i >= 0})
+        d = grid.dimensions
+        cell = tuple(float(c) for c in grid.cell)
+        self._normal = model.normal.parameters(d, cell)
+        per_axis = min(min(np.ravel(body.particles_per_axis)) for body in scene.bodies)
+        self._separation = model.separation.parameters(d, cell, per_axis)
+        used = [models[i] for i in self._used]
+        self._has_geometry = any(law.needs_normal for law in used)
+        self._breaks = any(law.adhesive for law in used)
+        rigid = np.array(plan.rigid_fields, dtype=bool)
+        self._rules = Rules(
+            law=table,
+            skipped=np.array([law.skipped for law in models]),
+            screened=np.array([law.screened for law in models]),
+            rigid=rigid,
+            mass_ratio=model.mass_ratio,
+            explicit=model.three_or_more == "pairs",
+            shares_normal=model.normal.shares_normal,
+        )
+        self._axes = (0.0,) * d
+        self._ring = isinstance(plan.analysis, Axisymmetric)
+        self.clouds = Clouds(s.order, grid, self._planes())
+        self.contacts = Contacts(self.clouds, self._rules, grid.node_count, d)
+        p = s.particles
+        if model.separation.needs_displacement:
+            p.X0 = p.X.copy()
+        if self._breaks:
+            p.bond = np.ones(p.count)
+        self._guesses = np.zeros((grid.dof_count, d)) if getattr(model.normal, "reuse", False) else None
+        self._loop = plan.has_full_mass_loop and model.increments in ("net", "evolving")
+        self._evolving = model.increments == "evolving"
+        self._now = not (plan.has_full_mass_loop and model.increments == "after")
+        self._later = plan.has_full_mass_loop and model.increments in ("after", "combined")
+        self._rigid_dof = np.zeros(0, dtype=np.int64)
+        self._start_account(plan.fields, rigid)
+
+    def _planes(self) -> list[tuple[int, int]]:
+        s = self._s
+        planes = s.conditions.mirror.lines() if s.conditions.mirror is not None else []
+        if self._ring and s.grid.lower[0] == 0.0:
+            planes.append((0, s.grid.pad))
+        return planes
+
+    def _start_account(self, names: list[str], rigid: Array) -> None:
+        n, d = len(names), self._s.grid.dimensions
+        pairs = [(i, j) for i in range(n) for j in range(i + 1, n) if not (rigid[i] and rigid[j])]
+        self._pair = np.zeros((n, n), dtype=np.int64)
+        for row, (i, j) in enumerate(pairs):
+            self._pair[i, j] = self._pair[j, i] = row
+        self._names = names
+        self._rigid_work = np.zeros(n)
+        self.view = ContactView(
+            pairs=[(names[i], names[j]) for i, j in pairs],
+            force=np.zeros((len(pairs), d)),
+            area=np.zeros(len(pairs)),
+            momentum_error=np.zeros(d),
+            particle_normal=self.particle_normals,
+            rigid_work={names[i]: 0.0 for i in np.flatnonzero(rigid)},
+        )
+        self._s.state.work["contact_work"] = 0.0
+        if rigid.any():
+            self._s.state.work.setdefault("boundary_work", 0.0)
+
+    # ------------------------------------------------------------------ the places in the step
+
+    def after_extrapolation(self, dt: float) -> None:
+        """Task 1.a: find who meets whom, and let the extrapolated momenta satisfy contact: p += Δp⁽¹⁾."""
+        s, c = self._s, self.contacts
+        mp = s.grid.mp
+        c.count = 0
+        if self.clouds.find_nodes() == 0:
+            return
+        if self._has_geometry:
+            stencil = s.transfer.stencil
+            F = s.transfer.domain_F
+            self.clouds.collect(
+                s.plan.shape.parameters,
+                s.transfer.across,
+                stencil,
+                s.particles.X,
+                F,
+                s.particles.size,
+                s.parallel,
+            )
+            c.sum_volumes(s.particles, F, s.parallel)
+        c.find_members(mp)
+        if c.count == 0:
+            return
+        if self._has_geometry:
+            c.find_geometry(
+                self._normal, self._separation, s.grid, s.particles, F, self._ring, s.particles.X0,
+                self._model.separation.needs_radius, self._guesses, s.parallel,
+            )  # fmt: skip
+        self._keep_rigid()
+        c.start[: c.count] = 0.0
+        if not self._model.once:
+            self._settle_momenta(dt, None, advance=0.0)
+            c.start[: c.count] = c.dp[: c.count]
+            self._start_increments()
+        self._find_slip(None, c.slip)
+
+    def after_update(self, dt: float) -> None:
+        """Task 3.a: p⁺ += Δp⁽²⁾, which is also a force."""
+        s, c = self._s, self.contacts
+        if c.count == 0:
+            return
+        self._restore_rigid()
+        c.net[: c.count] = 0.0
+        if not self._now:
+            return
+        self._settle_momenta(dt, s.grid.f, advance=dt)
+        self._start_increments()
+        if s.plan.imposes_lumped:
+            s.conditions.impose_on_momentum(s.grid.mp, s.grid.f, dt)
+
+    def take_out_start(self, p: Array) -> None:
+        """Take Δp⁽¹⁾ out of momenta ``p`` (dofs, d) of the start of the step."""
+        c = self.contacts
+        momenta.take_out(self._axes, c.count, c.members, c.start, p)
+
+    def correct_increment(self, dv: Array, dt: float, counts_reactions: bool) -> None:
+        """Contact on an FMPM increment Δv(ℓ); conditions, whose impulses may count, have the last word."""
+        s, c = self._s, self.contacts
+        if c.count == 0 or not self._loop:
+            return
+        for stage in range(c.stages):
+            self._settle(stage, None, dv, c.prior, c.net, dt, 0.0)
+            momenta.add_to_velocities[self._parallel](
+                self._axes, c.count, stage, c.members, c.dp, s.grid.mp, dv
+            )
+        if s.plan.zeroes_increments:
+            s.conditions.zero_increment(dv, s.grid.mp, counts_reactions)
+
+    def after_velocities(self, v: Array, dt: float) -> None:
+        """Lumped contact on v⁺(k) itself (``after`` and ``combined``, for comparison)."""
+        s, c = self._s, self.contacts
+        if c.count == 0 or not self._later:
+            return
+        for stage in range(c.stages):
+            self._settle(stage, None, v, None, None, dt, dt)
+            momenta.add_to_velocities[self._parallel](
+                self._axes, c.count, stage, c.members, c.dp, s.grid.mp, v
+            )
+        c.net[: c.count] += c.dp[: c.count]
+
+    def after_new_extrapolation(self, dt: float) -> None:
+        """Task 4.b: momenta extrapolated again satisfy contact; no force, no work."""
+        s, c = self._s, self.contacts
+        if c.count == 0:
+            return
+        self._restore_rigid()
+        self._settle_momenta(dt, None, advance=0.0)
+        self._start_increments()
+        if s.plan.imposes_lumped:
+            s.conditions.impose_on_momentum(s.grid.mp, None, dt)
+
+    def account(self, v: Array, dt: float) -> None:
+        """Sum up forces, areas and friction work of the step from the final net Δp; mark broken adhesion."""
+        s, c, view = self._s, self.contacts, self.view
+        view.nodes = self.clouds.count
+        view.force[:] = 0.0
+        view.area[:] = 0.0
+        view.touching = view.unconverged = 0
+        view.contacts = c.count
+        view.all_contacts += c.count
+        if c.count == 0:
+            return
+        self._identity = s.particles.id
+        c.start[: c.count] = c.net[: c.count]  # whose rows are free now: for those who look later in the step
+        after = c.prior  # its rows are free now
+        self._find_slip(v, after)
+        before_work = self._rigid_work.copy()
+        work = momenta.tally(
+            self._axes, c.count, c.members, s.grid.node_count, self.clouds.dof, self._rules.rigid, self._pair,
+            self._weights(), c.geometry.normal, c.geometry.area, c.state, c.net, c.slip, after, s.grid.mp,
+            view.force, view.area, view.momentum_error, self._rigid_work,
+        )  # fmt: skip
+        view.force /= dt
+        view.touching = int(np.count_nonzero(c.state[: c.count]))
+        if self._has_geometry:
+            view.unconverged = int(np.count_nonzero(c.geometry.status[: c.count] == NOT_CONVERGED))
+            view.all_unconverged += view.unconverged
+        s.state.work["contact_work"] += work
+        if view.rigid_work:
+            s.state.work["boundary_work"] += float((self._rigid_work - before_work).sum())
+            for name in view.rigid_work:
+                view.rigid_work[name] = float(self._rigid_work[self._names.index(name)])
+        if self._breaks:
+            self._break_bonds()
+
+    # ------------------------------------------------------------------ parts
+
+    @property
+    def _parallel(self) -> bool:
+        return self._s.parallel and self.contacts.count >= PARALLEL_CONTACTS
+
+    def _settle_momenta(self, dt: float, f: Array | None, advance: float) -> None:
+        s, c = self._s, self.contacts
+        for stage in range(c.stages):
+            self._settle(stage, f, None, None, None, dt, advance)
+            momenta.add_to_momenta[self._parallel](
+                self._axes, c.count, stage, c.members, c.dp, dt, s.grid.mp, f
+            )
+
+    def _settle(
+        self, stage: int, f: Array | None, v: Array | None, prior: Array | None, net: Array | None, dt: float,
+        advance: float,
+    ) -> None:  # fmt: skip
+        s, c, g = self._s, self.contacts, self.contacts.geometry
+        for which in self._used:
+            if self._rules.skipped[which]:
+                continue
+            momenta.settle_stage[self._parallel](
+                self._laws[which], which, stage, self._axes, c.count, c.members, s.grid.node_count, self.clouds.dof,
+                self._rules.rigid, s.grid.mp, f, v, prior, net, self._evolving, g.normal, g.separation, g.area, g.bond,
+                dt,
+                advance, self._model.displacement_only, c.separation_now, c.push, c.dp0, c.total,
+                c.settled, c.dp, c.state,
+            )  # fmt: skip
+        if self._rules.explicit and stage == 0:
+            self._settle_pairs(v, prior, net, dt, advance)
+
+    def _settle_pairs(
+        self, v: Array | None, prior: Array | None, net: Array | None, dt: float, advance: float
+    ) -> None:
+        """The contacts that ``three_or_more: pairs`` asks for."""
+        s, c, g = self._s, self.contacts, self.contacts.geometry
+        slots, n = self.clouds.count, s.grid.node_count
+        chosen, total, wanted = np.zeros(slots, dtype=bool), np.zeros_like(c.dp), np.zeros_like(c.dp)
+        pairs.find_pair_impulses(
+            self._axes, c.count, c.members, n, self.clouds.dof, self._rules.rigid, s.grid.mp, v, prior, g.normal,
+            g.separation, c.separation_now, advance, c.dp0, total,
+        )  # fmt: skip
+        for sweep in range(pairs.SWEEPS + 1):
+            for which in self._used:
+                if not self._rules.skipped[which]:
+                    pairs.settle_pairs(
+                        self._laws[which], which, self._axes, c.count, c.members, c.begin, chosen, sweep > 0, s.grid.mp,
+                        g.normal, c.separation_now, g.area, g.bond, dt, self._model.displacement_only, c.dp0, wanted,
+                        total, c.state,
+                    )  # fmt: skip
+            if sweep == 0:
+                pairs.choose_pairs(slots, c.members, c.begin, c.state, chosen)
+                if not chosen.any():
+                    break
+        pairs.finish_pairs(
+            self._axes,
+            c.count,
+            c.members,
+            c.begin,
+            chosen,
+            prior,
+            net,
+            self._evolving,
+            c.dp0,
+            total,
+            c.dp,
+            c.state,
+        )
+
+    def _start_increments(self) -> None:
+        c = self.contacts
+        momenta.start_increments[self._parallel](
+            self._axes, c.count, c.dp0, c.dp, self._evolving, c.prior, c.net
+        )
+
+    def _find_slip(self, v: Array | None, out: Array) -> None:
+        c = self.contacts
+        momenta.find_slip[self._parallel](
+            self._axes, c.count, c.members, self._s.grid.node_count, self.clouds.dof, self._rules.rigid,
+            self._s.grid.mp, v, out,
+        )  # fmt: skip
+
+    def _keep_rigid(self) -> None:
+        self._rigid_dof = self._s.rigid_dofs
+        self._rigid_momentum = self._s.grid.mp[self._rigid_dof, 1:]
+
+    def _restore_rigid(self) -> None:
+        if len(self._rigid_dof):
+            self._s.grid.mp[self._rigid_dof, 1:] = self._rigid_momentum
+            self._s.grid.f[self._rigid_dof] = 0.0
+
+    def _weights(self) -> Array:
+        """Share of each contact that real particles have: images beyond symmetry planes share their mass."""
+        c = self.contacts
+        weight = np.ones(c.count)
+        mirror = self._s.conditions.mirror
+        if mirror is not None:
+            pairs = mirror.pairs
+            share = np.zeros(self._s.grid.dof_count)
+            share[pairs.image] = -pairs.share
+            alpha = c.members.alpha[: c.count]
+            weight += share[alpha]
+            share[pairs.image] = 0.0
+            share[pairs.ghost] = pairs.share - 1.0
+            weight += share[alpha]
+        return weight
+
+    def _break_bonds(self) -> None:
+        """Particles lose their bond with the node that they are nearest to."""
+        c, sights = self.contacts, self.clouds.sights
+        bond: Any = self._s.particles.bond
+        for k in np.flatnonzero(c.state[: c.count] == BROKEN):
+            at = sights.head[c.members.slot[k]]
+            while at >= 0:
+                if sights.flag[at] & NEAREST:
+                    bond[sights.particle[at]] = 0.0
+                at = sights.next[at]
+
+    def particle_normals(self) -> Array:
+        """Outward normal at the contact that each particle is nearest to, (d, N); zero where there is none."""
+        s, c = self._s, self.contacts
+        p, n = s.particles, s.grid.node_count
+        out = np.zeros_like(p.X)
+        if c.count == 0 or not self._has_geometry:
+            return out
+        sights = self.clouds.sights
+        place = None if p.id is self._identity else place_of_identity(p.id)  # some have been removed since
+        for k in range(c.count):
+            at = sights.head[c.members.slot[k]]
+            alpha, beta = c.members.alpha[k] // n, c.members.partner[k] // n
+            while at >= 0:
+                i = sights.particle[at]
+                if place is not None:
+                    identity = self._identity[i]
+                    i = place[identity] if identity < len(place) else -1
+                if i >= 0 and sights.flag[at] & NEAREST:
+                    if p.velocity_field[i] == alpha:
+                        out[:, i] = c.geometry.normal[k]
+                    elif (c.members.both[k] or c.members.rigid[k]) and p.velocity_field[i] == beta:
+                        out[:, i] = -c.geometry.normal[k]
+                at = sights.next[at]
+        return out
+
+    def nodal_fields(self) -> dict[str, Callable[[], Array]]:
+        """Normal, separation and traction of the first contact of every node, 0 where there is none, nan where unknown.
+
+        Of the contacts of a node the one of the field of lowest index counts; arrays (n,) or (n, d) run over all nodes
+        of the grid.
+        """
+        if not self._has_geometry:
+            return {}
+        return {
+            "contact_normal": lambda: self._on_nodes(self.contacts.geometry.normal),
+            "contact_separation": lambda: self._on_nodes(self._separations()),
+            "contact_traction": lambda: self._on_nodes(self._tractions()),
+        }
+
+    def _separations(self) -> Array:
+        gap = self.contacts.geometry.separation
+        return np.where(np.abs(gap) < APART, gap, np.nan)
+
+    def _tractions(self) -> Array:
+        c = self.contacts
+        out = np.zeros_like(c.start)
+        area = c.geometry.area[: c.count, None]
+        np.divide(c.start[: c.count], area * self._s.state.dt, out=out[: c.count], where=area > 0.0)
+        return out
+
+    def _on_nodes(self, rows: Array) -> Array:
+        """Rows (k, …) of the contacts on all nodes (n, …): that of the first contact of each."""
+        c = self.contacts
+        slot, first = np.unique(c.members.slot[: c.count], return_index=True)
+        out = np.zeros((self._s.grid.node_count, *rows.shape[1:]))
+        out[self.clouds.node[slot]] = rows[first]
+        return out
+
+
+PARALLEL_CONTACTS = 512
+"""Contacts from which parallel kernels pay for their launch."""

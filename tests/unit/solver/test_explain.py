@@ -1,0 +1,139 @@
+"""What ``explain`` says a scene will do is what it does."""
+
+from __future__ import annotations
+
+import json
+from copy import deepcopy
+
+import pytest
+import yaml
+
+from mpmcli.scene.loader import load_scene
+from mpmcli.solver.explain import explain
+
+BLOCKS = {
+    "version": 1,
+    "analysis": {"kind": "plane_strain"},
+    "grid": {"lower": [-12, -6], "upper": [12, 6], "cell": 1},
+    "method": {"shape": "ugimp", "update": "usl", "transfer": {"kind": "flip"}},
+    "materials": {"soft": {"kind": "linear_elastic", "density": 1.0, "E": 10.0, "nu": 0.3}},
+    "bodies": [
+        {"name": "left", "material": "soft", "region": {"kind": "box", "lower": [-10, -2], "upper": [0, 2]}},
+        {"name": "right", "material": "soft", "region": {"kind": "box", "lower": [0, -2], "upper": [10, 2]}},
+    ],
+    "time": {"end": 1},
+}  # fmt: skip
+
+
+def facts_of(contact: dict | None = None, **method) -> dict:
+    scene = deepcopy(BLOCKS)
+    scene["method"] |= method
+    if contact is not None:
+        scene["contact"] = {"law": {"kind": "coulomb", "friction": 0.3}} | contact
+    return explain(load_scene(yaml.safe_dump(scene)))
+
+
+def contact_kernels(facts: dict) -> set[str]:
+    return {name.removeprefix("contact.") for name in facts["kernels"] if name.startswith("contact.")}
+
+
+def test_without_contact_there_is_nothing_of_it():
+    facts = facts_of()
+    assert facts["velocity_fields"] == 1
+    assert facts["contact"] == {}
+    assert not contact_kernels(facts)
+    assert not [name for name in facts["arrays"] if "contact" in name]
+    assert not [task for task in facts["tasks"] if "contact" in task]
+    assert (
+        "contact (one velocity field): nodal volumes, positions, gradients, normals" in facts["not_modelled"]
+    )
+    assert "1 velocity field\n" in facts["text"]
+
+
+def test_contact_says_what_it_chooses_and_what_it_looks_at():
+    facts = facts_of({})
+    contact = facts["contact"]
+    assert facts["velocity_fields"] == 2
+    assert contact["fields"] == ["left", "right"]
+    assert (contact["normal"], contact["separation"]) == ("logistic_regression", "regression")
+    assert contact["laws"] == ["coulomb"]
+    assert 0 < contact["candidate_particles"] < facts["particles"]
+    assert 0 < contact["candidate_nodes"] < facts["grid_nodes"]
+    assert contact_kernels(facts) == {
+        "collect_sights", "sum_volumes", "find_geometry", "find_slip", "settle_stage(Friction)", "add_to_momenta",
+        "start_increments",
+    }  # fmt: skip
+    assert "contact.slot_of_node" in facts["arrays"]
+    assert "1.a contact on extrapolated momenta" in facts["tasks"]
+    assert "3.a contact on updated momenta" in facts["tasks"]
+    for words in ("2 velocity fields", "contact of left, right: normal logistic_regression", "law coulomb"):
+        assert words in facts["text"]
+    json.dumps(facts)
+
+
+def test_bodies_held_together_need_no_normals_and_no_clouds():
+    facts = facts_of({"law": {"kind": "perfect"}})
+    assert facts["contact"]["normal"] is None
+    assert facts["contact"]["candidate_particles"] == 0
+    assert contact_kernels(facts) == {
+        "find_slip",
+        "settle_stage(Joined)",
+        "add_to_momenta",
+        "start_increments",
+    }
+    assert "contact normals, separations, areas and clouds of particles" in facts["not_modelled"]
+    assert "no normals" in facts["text"]
+
+
+def test_bodies_that_ignore_each_other_cost_no_kernel():
+    facts = facts_of({"law": {"kind": "none"}})
+    assert not contact_kernels(facts)
+    assert not [task for task in facts["tasks"] if task.startswith(("1.a", "3.a"))]
+
+
+FMPM = {"kind": "fmpm", "order": 4}
+
+
+@pytest.mark.parametrize(
+    ("increments", "loop", "updated", "later"),
+    [("net", True, True, False), ("evolving", True, True, False), ("lumped", False, True, False),
+     ("after", False, False, True), ("combined", False, True, True)],
+)  # fmt: skip
+def test_the_place_of_contact_in_the_fmpm_loop(increments, loop, updated, later):
+    facts = facts_of({"increments": increments}, transfer=FMPM)
+    tasks = facts["tasks"]
+    assert any(f"contact ({increments}) on every increment" in task for task in tasks) == loop
+    assert ("3.a contact on updated momenta" in tasks) == updated
+    assert ("3.b contact on the velocities" in tasks) == later
+    assert ("add_to_velocities" in contact_kernels(facts)) == (loop or later)
+
+
+def test_xpic_kernels_go_by_their_names():
+    facts = facts_of({}, transfer={"kind": "xpic", "order": 5})
+    assert {"start_projection", "next_projection", "add_projected"} <= set(facts["kernels"])
+    assert "3.b XPIC filter, 4 passes, aware of what contact corrected" in facts["tasks"]
+    plain = facts_of({}, transfer={"kind": "xpic", "order": 5, "contact_correction": False})
+    assert "3.b XPIC filter, 4 passes" in plain["tasks"]
+
+
+def test_options_that_cost_memory_are_listed():
+    plain = facts_of({})
+    reuse = facts_of({"normal": {"kind": "logistic_regression", "reuse": True}})
+    assert set(reuse["arrays"]) - set(plain["arrays"]) == {"contact.guesses"}
+    displaced = facts_of({"separation": {"kind": "displacement"}})
+    assert displaced["particle_bytes"] == plain["particle_bytes"] + 16 * plain["particles"]
+    again = facts_of({"once": True}, update="usl+")
+    assert "1.a contact on extrapolated momenta" not in again["tasks"]
+    assert "4.a–4.c extrapolate momenta again, with contact" in again["tasks"]
+
+
+def test_rigid_bodies_are_named():
+    scene = deepcopy(BLOCKS)
+    scene["materials"]["tool"] = {"kind": "rigid"}
+    scene["bodies"][1] |= {"material": "tool", "velocity": [-1, 0]}
+    scene["contact"] = {"law": {"kind": "frictionless"}}
+    facts = explain(load_scene(yaml.safe_dump(scene)))
+    assert facts["contact"]["rigid_fields"] == ["right"]
+    assert "contact of left, right (rigid)" in facts["text"]
+    assert "4 move rigid bodies" in facts["tasks"]
+    assert "rigid bodies" not in facts["not_modelled"]
