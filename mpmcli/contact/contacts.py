@@ -260,8 +260,66 @@ def put_radius(axes, F, size, p, turned, M, at):
 
 @inline
 def row_of(array, row):
-    """Row of an array that may be None."""
+    """Row of an array, or None for None."""
     return None if array is None else array[row]
+
+
+@inline
+def gather(
+    axes, k, cloud, members, node, node_count, shape_of_grid, origin, cell, ring, head, following, seer, turned, S, G,
+    planes, field, rigid_field, X, F, size, vol0, mass, X0, bond,
+):  # fmt: skip
+    """Put the particles that contact ``k`` looks at into its cloud.
+
+    Returns their number, the volumes Σ S V of α and of β, and the share of the volume that is bonded. This must not
+    stand in a parallel loop itself: numba would take the writes through the tuple for dead and drop them.
+    """
+    slot = members.slot[k]
+    alpha = members.alpha[k] // node_count
+    beta = members.partner[k] // node_count
+    i = node[slot]
+    n = 0
+    bonded, sum_alpha, sum_beta = 0.0, 0.0, 0.0
+    at = head[slot]
+    while at >= 0:
+        p = seer[at]
+        mine = field[p] == alpha
+        if mine or (field[p] == beta if members.alone[k] else not rigid_field[field[p]]):
+            image = (turned[at] >> IMAGE_BITS) - 1
+            J = determinant(F, p)
+            for a in range(len(axes)):
+                stride = 1
+                for lower in range(a):
+                    stride *= shape_of_grid[lower]
+                index = i // stride % shape_of_grid[a]
+                at_node = origin[a] + index * cell[a]
+                x, g = X[a, p], G[at, a]
+                flip = turned[at] >> a & 1
+                if flip:
+                    x = 2.0 * (origin[a] + planes[image, a] * cell[a]) - x
+                    g = -g
+                cloud.x[a, n] = x - at_node
+                cloud.G[a, n] = g
+                if X0 is not None:
+                    u = X[a, p] - X0[a, p]
+                    cloud.displacement[a, n] = -u if flip else u
+            cloud.side[n] = -1.0 if mine else 1.0
+            cloud.S[n] = S[at]
+            v = J * vol0[p]
+            if bond is not None:
+                bonded += S[at] * v * bond[p]
+            if mine:
+                sum_alpha += S[at] * v
+            else:
+                sum_beta += S[at] * v
+            cloud.volume[n] = v if ring is None else v / X[0, p]
+            cloud.mass[n] = mass[p]
+            if cloud.radius_inverse is not None:
+                put_radius(axes, F, size, p, turned[at], cloud.radius_inverse, n)
+            n += 1
+        at = following[at]
+    whole = sum_alpha + sum_beta
+    return n, sum_alpha, sum_beta, bonded / whole if whole > 0.0 else 0.0
 
 
 @kernel
@@ -280,66 +338,25 @@ def find_geometry(
     workers = b_side.shape[0]
     for c in prange(workers):
         cloud = Cloud(
-            b_x[c], b_side[c], b_S[c], b_G[c], b_volume[c], b_mass[c],
-            row_of(b_displacement, c), row_of(b_radius, c), b_work[c],
+            b_x[c], b_side[c], b_S[c], b_G[c], b_volume[c], b_mass[c], row_of(b_displacement, c), row_of(b_radius, c),
+            b_work[c],
         )  # fmt: skip
         for k in range(count * c // workers, count * (c + 1) // workers):
-            slot = members.slot[k]
-            alpha = members.alpha[k] // node_count
-            beta = members.partner[k] // node_count
-            i = node[slot]
-            n = 0
-            bonded, whole = 0.0, 0.0
-            sum_alpha, sum_beta = 0.0, 0.0
-            at = head[slot]
-            while at >= 0:
-                p = seer[at]
-                mine = field[p] == alpha
-                if mine or (field[p] == beta if members.alone[k] else not rigid_field[field[p]]):
-                    image = (turned[at] >> IMAGE_BITS) - 1
-                    J = determinant(F, p)
-                    for a in range(len(axes)):
-                        stride = 1
-                        for lower in range(a):
-                            stride *= shape_of_grid[lower]
-                        index = i // stride % shape_of_grid[a]
-                        at_node = origin[a] + index * cell[a]
-                        x, g = X[a, p], G[at, a]
-                        flip = turned[at] >> a & 1
-                        if flip:
-                            x = 2.0 * (origin[a] + planes[image, a] * cell[a]) - x
-                            g = -g
-                        cloud.x[a, n] = x - at_node
-                        cloud.G[a, n] = g
-                        if X0 is not None:
-                            u = X[a, p] - X0[a, p]
-                            cloud.displacement[a, n] = -u if flip else u
-                    cloud.side[n] = -1.0 if mine else 1.0
-                    cloud.S[n] = S[at]
-                    v = J * vol0[p]
-                    if bond is not None:
-                        bonded += S[at] * v * bond[p]
-                        whole += S[at] * v
-                    if mine:
-                        sum_alpha += S[at] * v
-                    else:
-                        sum_beta += S[at] * v
-                    cloud.volume[n] = v if ring is None else v / X[0, p]
-                    cloud.mass[n] = mass[p]
-                    if b_radius is not None:
-                        put_radius(axes, F, size, p, turned[at], cloud.radius_inverse, n)
-                    n += 1
-                at = following[at]
-            guess = b_work[c] if guesses is None else guesses[members.alpha[k]]
-            side = 1.0 if members.rigid[k] else 0.0
-            status[k] = find_normal(normal_method, axes, cloud, n, side, members.order[k], guess, normal[k])
-            if guesses is not None:
+            n, volume_alpha, volume_beta, intact[k] = gather(
+                axes, k, cloud, members, node, node_count, shape_of_grid, origin, cell, ring, head, following, seer,
+                turned, S, G, planes, field, rigid_field, X, F, size, vol0, mass, X0, bond,
+            )  # fmt: skip
+            side, order = 1.0 if members.rigid[k] else 0.0, members.order[k]
+            if guesses is None:
+                status[k] = find_normal(normal_method, axes, cloud, n, side, order, b_work[c], normal[k])
+            else:
+                guess = guesses[members.alpha[k]]
+                status[k] = find_normal(normal_method, axes, cloud, n, side, order, guess, normal[k])
                 for a in range(len(axes)):
                     guesses[members.alpha[k], a] = normal[k, a]
             h = perpendicular_size(axes, cell, normal[k])
             separation[k] = find_separation(separation_method, axes, cloud, n, normal[k], h, distances[k])
-            area[k] = contact_area(sum_alpha, sum_beta, h, distances[k])
-            intact[k] = bonded / whole if whole > 0.0 else 0.0
+            area[k] = contact_area(volume_alpha, volume_beta, h, distances[k])
 
 
 class Contacts:
@@ -394,6 +411,7 @@ class Contacts:
         self.settled = np.zeros((room, d))
         self.state = np.zeros(room, dtype=np.int64)
         self.start = np.zeros((room, d))
+        self.kept = np.zeros((room, d))
         self.prior = np.zeros((room, d))
         self.net = np.zeros((room, d))
         self.slip = np.zeros((room, d))

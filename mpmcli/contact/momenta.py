@@ -6,7 +6,7 @@ import numpy as np
 from numba import prange
 
 from mpmcli.contact import increments
-from mpmcli.contact.settle import APART, is_soft, settle, settle_soft, slip_work
+from mpmcli.contact.settle import is_soft, leave, settle, settle_soft, slip_work
 from mpmcli.core.kernel import inline, kernel
 
 Array = np.ndarray
@@ -106,9 +106,7 @@ def settle_stage(
                 given,
             )  # fmt: skip
         else:  # a spring acts once in a step: settled hard elsewhere, the sides would never press on it
-            state[k] = APART
-            for a in range(len(axes)):
-                given[a] = 0.0
+            state[k] = leave(axes, given)
         if prior is not None:
             increments.finish_increment(axes, evolving, dp0[k], wanted, given, prior[k], net[k], dp[k])
 

@@ -91,14 +91,17 @@ def start_increments(active, v, dv, out):
 
 
 @kernel
-def next_increment(active, mp, out, dv):
-    """Δv(ℓ) = Δv(ℓ−1) − S⁺S Δv(ℓ−1) (Nairn 2026, Eq. 6); ``out`` holds m S⁺S Δv and is zeroed for the next pass."""
+def next_increment(active, mp, out, scale, dv):
+    """Δv(ℓ) = ``scale`` (Δv(ℓ−1) − S⁺S Δv(ℓ−1)) (Nairn 2026, Eq. 6 and section 3.3).
+
+    ``out`` holds m S⁺S Δv and is zeroed for the next pass; ``scale`` is 1 unless orders are blended.
+    """
     for j in prange(active.shape[0]):
         i = np.uint64(active[j])
         m = mp[i, 0]
         inverse = 1.0 / m if m > 0.0 else 0.0
         for a in range(dv.shape[1]):
-            dv[i, a] -= out[i, a] * inverse
+            dv[i, a] = scale * (dv[i, a] - out[i, a] * inverse)
             out[i, a] = 0.0
 
 
@@ -109,6 +112,43 @@ def add_increment(active, dv, v):
         i = np.uint64(active[j])
         for a in range(dv.shape[1]):
             v[i, a] += dv[i, a]
+
+
+@kernel
+def sum_magnitudes(active, mp, dv, v, sums):
+    """Per chunk of nodes with mass: Σ|Δv|, Σ|v|, the largest |v| and the number of nodes, into ``sums`` (CHUNKS, 4)."""
+    count = active.shape[0]
+    for c in prange(CHUNKS):
+        change, size, largest, nodes = 0.0, 0.0, 0.0, 0.0
+        for j in range(count * c // CHUNKS, count * (c + 1) // CHUNKS):
+            i = np.uint64(active[j])
+            if mp[i, 0] > 0.0:
+                change2, size2 = 0.0, 0.0
+                for a in range(v.shape[1]):
+                    change2 += dv[i, a] * dv[i, a]
+                    size2 += v[i, a] * v[i, a]
+                change += np.sqrt(change2)
+                size += np.sqrt(size2)
+                largest = max(largest, np.sqrt(size2))
+                nodes += 1.0
+        sums[c, 0], sums[c, 1], sums[c, 2], sums[c, 3] = change, size, largest, nodes
+
+
+@kernel
+def sum_changes(active, mp, dv, v, epsilon, sums):
+    """Per chunk of nodes with mass: Σ |Δv|/(|v| + ``epsilon``) into ``sums`` (CHUNKS, 4), first column."""
+    count = active.shape[0]
+    for c in prange(CHUNKS):
+        total = 0.0
+        for j in range(count * c // CHUNKS, count * (c + 1) // CHUNKS):
+            i = np.uint64(active[j])
+            if mp[i, 0] > 0.0:
+                change2, size2 = 0.0, 0.0
+                for a in range(v.shape[1]):
+                    change2 += dv[i, a] * dv[i, a]
+                    size2 += v[i, a] * v[i, a]
+                total += np.sqrt(change2) / (np.sqrt(size2) + epsilon)
+        sums[c, 0] = total
 
 
 @kernel

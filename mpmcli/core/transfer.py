@@ -20,12 +20,15 @@ from mpmcli.core.verbs import (
     column,
     gather_gradient,
     gather_vector,
+    scatter_gradient,
     scatter_momentum,
     scatter_stress,
     scatter_vector,
 )
 
 Array = np.ndarray
+
+ZERO, ONE = np.uint64(0), np.uint64(1)
 
 
 class MassAndMomentum(NamedTuple):
@@ -77,6 +80,46 @@ class VectorSum(NamedTuple):
     """(n·d,)"""
 
 
+class AffineMassAndMomentum(NamedTuple):
+    """``MassAndMomentum`` with velocity gradients: p_i = Σ S_i M (V + L·(x_i − X)) (Wallstedt and Guilkey 2007)."""
+
+    M: Array
+    V: Array
+    L: Array
+    """(nL, N) velocity gradients."""
+    mp: Array
+
+
+class AffineStateAndForces(NamedTuple):
+    """``StateAndForces`` with velocity gradients."""
+
+    M: Array
+    V: Array
+    L: Array
+    vol0: Array
+    tau: Array
+    mp: Array
+    f: Array
+
+
+class AffineProjection(NamedTuple):
+    """``Projection`` with the velocity gradient of ``v``, which passes through ``L`` (nL, N)."""
+
+    M: Array
+    v: Array
+    L: Array
+    out: Array
+
+
+class AffineVectorSum(NamedTuple):
+    """``VectorSum`` of velocities with their gradients."""
+
+    M: Array
+    V: Array
+    L: Array
+    out: Array
+
+
 @generic
 def gradients_for(task: Any, G: Any) -> Any:
     """The buffer ``G`` if a scatter needs gradients, else None: they are then not computed at all."""
@@ -84,6 +127,8 @@ def gradients_for(task: Any, G: Any) -> Any:
 
 @gradients_for.register(InternalForces)
 @gradients_for.register(StateAndForces)
+@gradients_for.register(AffineStateAndForces)
+@gradients_for.register(AffineProjection)
 def _(task, G):
     return G
 
@@ -91,40 +136,73 @@ def _(task, G):
 @gradients_for.register(MassAndMomentum)
 @gradients_for.register(Projection)
 @gradients_for.register(VectorSum)
+@gradients_for.register(AffineMassAndMomentum)
+@gradients_for.register(AffineVectorSum)
 def _(task, G):
     return None
 
 
 @generic
-def scatter_particle(task: Any, analysis: Any, S: Any, G: Any, base: Any, offsets: Any, across: Any, X: Any, p: Any) -> Any:  # fmt: skip  # noqa: E501
-    """Add what particle ``p`` gives to the nodes of its stencil."""
+def scatter_particle(task: Any, analysis: Any, grid: Any, S: Any, G: Any, corner: Any, base: Any, offsets: Any, across: Any, X: Any, p: Any) -> Any:  # fmt: skip  # noqa: E501
+    """Add what particle ``p`` gives to the nodes of its stencil, which begins at ``base`` in its velocity field.
+
+    ``corner`` is the same node in the first field.
+    """
 
 
 @scatter_particle.register(MassAndMomentum)
-def _(task, analysis, S, G, base, offsets, across, X, p):
+def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
     scatter_momentum(analysis, S, base, offsets, across, task.M, task.V, p, task.mp)
 
 
 @scatter_particle.register(InternalForces)
-def _(task, analysis, S, G, base, offsets, across, X, p):
+def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
     scatter_stress(analysis, S, G, base, offsets, across, task.vol0, task.tau, X, p, task.f)
 
 
 @scatter_particle.register(StateAndForces)
-def _(task, analysis, S, G, base, offsets, across, X, p):
+def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
     scatter_momentum(analysis, S, base, offsets, across, task.M, task.V, p, task.mp)
     scatter_stress(analysis, S, G, base, offsets, across, task.vol0, task.tau, X, p, task.f)
 
 
 @scatter_particle.register(Projection)
-def _(task, analysis, S, G, base, offsets, across, X, p):
+def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
     V = gather_vector(analysis, S, base, offsets, across, task.v)
     scatter_vector(analysis, S, base, offsets, across, task.M[p], V, task.out)
 
 
 @scatter_particle.register(VectorSum)
-def _(task, analysis, S, G, base, offsets, across, X, p):
+def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
     scatter_vector(analysis, S, base, offsets, across, task.M[p], column(analysis, task.V, p), task.out)
+
+
+# fmt: off
+@scatter_particle.register(AffineMassAndMomentum)
+def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
+    scatter_momentum(analysis, S, base, offsets, across, task.M, task.V, p, task.mp)
+    scatter_gradient(analysis, grid, S, corner, base, offsets, across, task.M[p], task.L, X, p, ONE, task.mp)
+
+
+@scatter_particle.register(AffineStateAndForces)
+def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
+    scatter_momentum(analysis, S, base, offsets, across, task.M, task.V, p, task.mp)
+    scatter_gradient(analysis, grid, S, corner, base, offsets, across, task.M[p], task.L, X, p, ONE, task.mp)
+    scatter_stress(analysis, S, G, base, offsets, across, task.vol0, task.tau, X, p, task.f)
+
+
+@scatter_particle.register(AffineProjection)
+def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
+    V = gather_gradient(analysis, S, G, base, offsets, across, task.v, X, p, task.L)
+    scatter_vector(analysis, S, base, offsets, across, task.M[p], V, task.out)
+    scatter_gradient(analysis, grid, S, corner, base, offsets, across, task.M[p], task.L, X, p, ZERO, task.out)
+
+
+@scatter_particle.register(AffineVectorSum)
+def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
+    scatter_vector(analysis, S, base, offsets, across, task.M[p], column(analysis, task.V, p), task.out)
+    scatter_gradient(analysis, grid, S, corner, base, offsets, across, task.M[p], task.L, X, p, ZERO, task.out)
+# fmt: on
 
 
 @kernel
@@ -142,10 +220,11 @@ def scatter(task, analysis, shape, grid, across, bands, stencil, X, F, size, fie
             S, G, W, offsets = stencil.S[b], stencil.G[b], stencil.W[b], stencil.offsets
             for p in range(bands[b], bands[b + np.uint64(1)]):
                 wanted = gradients_for(task, G)
-                base = fill(shape, geometry, across, X, F, size, p, S, wanted, W, stencil.status)
+                corner = fill(shape, geometry, across, X, F, size, p, S, wanted, W, stencil.status)
+                base = corner
                 if field is not None:
                     base += np.uint64(field[p]) * geometry.field_stride
-                scatter_particle(task, analysis, S, G, base, offsets, across, X, p)
+                scatter_particle(task, analysis, geometry, S, G, corner, base, offsets, across, X, p)
 
 
 @kernel

@@ -41,6 +41,14 @@ def scatter_vector(analysis: Any, S: Any, base: Any, offsets: Any, across: Any, 
 
 
 @generic
+def scatter_gradient(analysis: Any, grid: Any, S: Any, corner: Any, base: Any, offsets: Any, across: Any, M: Any, L: Any, X: Any, p: Any, lead: Any, f: Any) -> Any:  # noqa: E501
+    """Add what a velocity gradient, column p of L, gives to the nodes: f_i += S_i M L·(x_i − X).
+
+    ``corner`` is the stencil's first node in the first velocity field; ``f`` has ``lead`` columns before the vector.
+    """
+
+
+@generic
 def gather_vector(analysis: Any, S: Any, base: Any, offsets: Any, across: Any, v: Any) -> Any:
     """Σ_i S_i v_i, a tuple of d numbers."""
 
@@ -199,6 +207,58 @@ def _(analysis, S, base, offsets, across, M, B, f):
             f[i] += S[j] * bx
             f[i + ONE] += S[j] * by
             f[i + TWO] += S[j] * bz
+
+
+@_for(scatter_gradient, *LINE)
+def _(analysis, grid, S, corner, base, offsets, across, M, L, X, p, lead, f):
+    cell = 1.0 / grid.inverse_cell[0]
+    start = grid.origin[0] + np.float64(corner) * cell - X[0, p]
+    m = np.uint64(len(across))
+    for j in range(m):
+        i = (base + offsets[j]) * (lead + ONE) + lead
+        f[i] += S[j] * M * L[0, p] * (start + np.float64(j) * cell)
+
+
+@_for(scatter_gradient, *PLANE, Axisymmetric)
+def _(analysis, grid, S, corner, base, offsets, across, M, L, X, p, lead, f):
+    hx, hy = 1.0 / grid.inverse_cell[0], 1.0 / grid.inverse_cell[1]
+    row = corner // grid.stride[1]
+    x = grid.origin[0] + np.float64(corner - row * grid.stride[1]) * hx - X[0, p]
+    y = grid.origin[1] + np.float64(row) * hy - X[1, p]
+    xx, xy, yx, yy = M * L[0, p], M * L[1, p], M * L[2, p], M * L[3, p]
+    width = np.uint64(len(across))
+    for b in range(width):
+        ry = y + np.float64(b) * hy
+        for a in range(width):
+            j = b * width + a
+            rx = x + np.float64(a) * hx
+            i = (base + offsets[j]) * (lead + TWO) + lead
+            f[i] += S[j] * (xx * rx + xy * ry)
+            f[i + ONE] += S[j] * (yx * rx + yy * ry)
+
+
+@_for(scatter_gradient, Solid)
+def _(analysis, grid, S, corner, base, offsets, across, M, L, X, p, lead, f):
+    hx, hy, hz = 1.0 / grid.inverse_cell[0], 1.0 / grid.inverse_cell[1], 1.0 / grid.inverse_cell[2]
+    layer = corner // grid.stride[2]
+    rest = corner - layer * grid.stride[2]
+    row = rest // grid.stride[1]
+    x = grid.origin[0] + np.float64(rest - row * grid.stride[1]) * hx - X[0, p]
+    y = grid.origin[1] + np.float64(row) * hy - X[1, p]
+    z = grid.origin[2] + np.float64(layer) * hz - X[2, p]
+    width = np.uint64(len(across))
+    for c in range(width):
+        rz = z + np.float64(c) * hz
+        for b in range(width):
+            ry = y + np.float64(b) * hy
+            for a in range(width):
+                j = (c * width + b) * width + a
+                rx = x + np.float64(a) * hx
+                s = S[j] * M
+                i = (base + offsets[j]) * (lead + THREE) + lead
+                f[i] += s * (L[0, p] * rx + L[1, p] * ry + L[2, p] * rz)
+                f[i + ONE] += s * (L[3, p] * rx + L[4, p] * ry + L[5, p] * rz)
+                f[i + TWO] += s * (L[6, p] * rx + L[7, p] * ry + L[8, p] * rz)
 
 
 @_for(gather_vector, *LINE)

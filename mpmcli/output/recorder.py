@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.state import State
 from mpmcli.output.columns import evaluate, resolve_columns, resolve_fields
 from mpmcli.output.contact_quantities import pair_name
-from mpmcli.output.files import FAILED, GLOBALS, make_folder
+from mpmcli.output.files import FAILED, GLOBALS, cannot_write, make_folder
 from mpmcli.output.global_quantities import EnergyBalance
 from mpmcli.output.manifest import Manifest
 from mpmcli.output.probes import GRID_FIELDS, Probe, make_probe, resolve_grid_fields
@@ -28,6 +28,12 @@ ALWAYS = ("id", "body", "material")
 DELETED = ("deleted_particles", "deleted_mass")
 """Columns of scenes that delete particles which leave the grid."""
 FAILED_FIELDS = ("velocity", "stress", "deformation_gradient", "J", "mass")
+
+
+def _extra_columns(scene: Any) -> tuple[str, ...]:
+    transfer = scene.method.transfer
+    chooses = any(getattr(transfer, key, None) for key in ("dynamic", "every_courant", "every_steps"))
+    return DELETED * (scene.domain.on_exit == "delete") + ("mean_order",) * chooses
 
 
 def context_of(scene: Any, state: State | None = None) -> Context:
@@ -53,7 +59,7 @@ def context_of(scene: Any, state: State | None = None) -> Context:
         reactions=tuple(dict.fromkeys(condition.name for condition in scene.boundary)),
         work=tuple(names),
         has_viscosity=scene.method.artificial_viscosity is not None,
-        extra=tuple(state.extra) if state else DELETED * (scene.domain.on_exit == "delete"),
+        extra=tuple(state.extra) if state else _extra_columns(scene),
         rigid_bodies=tuple(body.name for body in scene.bodies if body.material in rigid_materials),
         rigid_materials=rigid_materials,
         **contact,
@@ -121,12 +127,22 @@ class Recorder:
     directory
         The folder; it is made. Files of the same names are written over.
     state
-        The state at the start, which fixes the columns and the particles that probes follow.
+        The state at time 0, which fixes the columns and the particles that probes follow.
     facts
         What the manifest says of the run from its start (threads, set-up report, …).
+    memory
+        What ``memory()`` gave an earlier run, whose files are continued from there: tables are cut back, later
+        files of archives removed.
     """
 
-    def __init__(self, loaded: Any, directory: Path, state: State, facts: dict[str, Any] | None = None):
+    def __init__(
+        self,
+        loaded: Any,
+        directory: Path,
+        state: State,
+        facts: dict[str, Any] | None = None,
+        memory: Mapping[str, Any] | None = None,
+    ):
         self.directory = Path(directory)
         scene = loaded.scene
         self.context = context_of(scene, state)
@@ -141,6 +157,7 @@ class Recorder:
         self.balance = EnergyBalance()
         self.energy_error: float | None = None
         self._parts: list[_Part] = []
+        self._memory = memory
         units: dict[str, dict[str, str]] = {}
         self._add_globals(scene, loaded.units, units)
         self._add_probes(scene, loaded.units, units, probes)
@@ -158,13 +175,16 @@ class Recorder:
                 "units": units,
             },
         )
+        if memory is not None:
+            self._recall(memory)
         self.manifest.write(ended="running", **(facts or {}))
 
     def _add_globals(self, scene: Any, labels: Any, units: dict[str, dict[str, str]]) -> None:
         asked = scene.archive.globals
         if asked is None:
             return
-        table = Table(self.directory / GLOBALS, ["step", "time", "dt", *(c.name for c in self.columns)])
+        columns = ["step", "time", "dt", *(c.name for c in self.columns)]
+        table = Table(self.directory / GLOBALS, columns, self._position("globals"))
         pairs = [
             ("step", "1"),
             ("time", "time"),
@@ -179,7 +199,7 @@ class Recorder:
             state = snapshot.state
             table.write([state.step, state.time, state.dt, *evaluate(self.columns, snapshot)])
 
-        self._parts.append(_Part(Schedule(asked.every), record, table.close))
+        self._parts.append(_TablePart("globals", Schedule(asked.every), record, table))
 
     def _add_probes(
         self, scene: Any, labels: Any, units: dict[str, dict[str, str]], probes: list[Probe]
@@ -188,7 +208,8 @@ class Recorder:
         for model, probe in zip(scene.probes, probes, strict=True):
             make_folder(self.directory / "probes")
             file = f"probes/{probe.name}.csv"
-            table = Table(self.directory / file, ["step", "time", *probe.columns])
+            part = f"probes.{probe.name}"
+            table = Table(self.directory / file, ["step", "time", *probe.columns], self._position(part))
             pairs = zip(["step", "time", *probe.columns], ["1", "time", *probe.dimensions], strict=True)
             units[file] = {name: labels.label(dimension) for name, dimension in pairs}
             every = model.every or (asked.every if asked else scene.time.end)
@@ -196,7 +217,7 @@ class Recorder:
             def record(snapshot: Snapshot, table: Table = table, probe: Probe = probe) -> None:
                 table.write([snapshot.state.step, snapshot.state.time, *probe.look(snapshot)])
 
-            self._parts.append(_Part(Schedule(every), record, table.close))
+            self._parts.append(_TablePart(part, Schedule(every), record, table))
 
     def _add_particles(self, scene: Any, labels: Any, units: dict[str, dict[str, str]]) -> None:
         asked = scene.archive.particles
@@ -207,7 +228,8 @@ class Recorder:
 
         fields = resolve_fields([*ALWAYS, *asked.fields], self.context)
         writer = VtuWriter(asked.precision, asked.compression)
-        series = Series(self.directory, "particles")
+        series = Series(self.directory, "particles", self._times("particles"))
+        self.frames = len(series.entries)
         units["particles"] = _units_of_fields(fields, labels)
 
         def record(snapshot: Snapshot) -> None:
@@ -216,7 +238,7 @@ class Recorder:
             series.add(snapshot.state.time, path)
             self.frames = len(series.entries)
 
-        self._parts.append(_Part(Schedule(asked.every), record))
+        self._parts.append(_SeriesPart("particles", Schedule(asked.every), record, series))
 
     def _add_grid(self, scene: Any, labels: Any, units: dict[str, dict[str, str]]) -> None:
         asked = scene.archive.grid
@@ -227,7 +249,7 @@ class Recorder:
         fields = resolve_grid_fields(asked.fields, self.context)
         particles = scene.archive.particles
         writer = VtuWriter(particles.precision, particles.compression) if particles else VtuWriter()
-        series = Series(self.directory, "grid")
+        series = Series(self.directory, "grid", self._times("grid"))
         units["grid"] = {"Points": labels.label("length")}
         units["grid"] |= {name: labels.label(GRID_FIELDS[name].dimension) for name in fields}
 
@@ -237,7 +259,42 @@ class Recorder:
                 write_grid(writer, path, snapshot, fields)
                 series.add(snapshot.state.time, path)
 
-        self._parts.append(_Part(Schedule(asked.every), record))
+        self._parts.append(_SeriesPart("grid", Schedule(asked.every), record, series))
+
+    def _position(self, part: str) -> tuple[int, int] | None:
+        """Where the table of a part goes on, or None for a new one."""
+        if self._memory is None:
+            return None
+        size, checksum = self._memory[f"{part}.position"]
+        return int(size), int(checksum)
+
+    def _times(self, part: str) -> list[float] | None:
+        """Times of the files after which a series goes on, or None for a new one."""
+        return None if self._memory is None else [float(t) for t in self._memory[f"{part}.times"]]
+
+    def memory(self, state: State) -> dict[str, Any]:
+        """Arrays and numbers by name from which another recorder continues these files; rows are on the disk then."""
+        found: dict[str, Any] = {
+            "time": np.float64(state.time),
+            "energy": np.array(
+                [np.nan if e is None else e for e in (self.balance.initial, self.energy_error)]
+            ),
+            "largest_energy": np.float64(self.balance.largest),
+        }
+        for part in self._parts:
+            found |= {f"{part.name}.{key}": value for key, value in part.memory().items()}
+        return found
+
+    def _recall(self, memory: Mapping[str, Any]) -> None:
+        initial, error = (None if np.isnan(e) else float(e) for e in memory["energy"])
+        self.balance.initial, self.energy_error = initial, error
+        self.balance.largest = float(memory["largest_energy"])
+        for part in self._parts:
+            part.recall(memory, float(memory["time"]))
+        try:
+            (self.directory / FAILED).unlink(missing_ok=True)
+        except OSError as error:
+            raise cannot_write(self.directory / FAILED, error) from error
 
     def due(self, state: State) -> bool:
         """Whether anything is to be written of this state."""
@@ -272,11 +329,56 @@ class Recorder:
 class _Part:
     """One kind of output: its schedule, what writes it, what closes it."""
 
-    def __init__(
-        self, schedule: Schedule, record: Callable[[Snapshot], None], close: Callable[[], None] = lambda: None
-    ):
-        self.schedule, self.record, self.close = schedule, record, close
+    def __init__(self, name: str, schedule: Schedule, record: Callable[[Snapshot], None]):
+        self.name, self.schedule, self.record = name, schedule, record
         self.last_step: int | None = None
+
+    def memory(self) -> dict[str, Any]:
+        """What a checkpoint keeps of it."""
+        last_step = -1 if self.last_step is None else self.last_step
+        return {
+            "every": np.float64(self.schedule.every),
+            "count": np.int64(self.schedule.count),
+            "last_step": np.int64(last_step),
+        }
+
+    def recall(self, memory: Mapping[str, Any], time: float) -> None:
+        """Go on as then."""
+        every, count, last_step = (memory[f"{self.name}.{key}"] for key in ("every", "count", "last_step"))
+        self.schedule.recall(float(every), int(count), time)
+        self.last_step = None if last_step < 0 else int(last_step)
+
+    def close(self) -> None:
+        """Close its files."""
+
+
+class _TablePart(_Part):
+    """Output to a table."""
+
+    def __init__(self, name: str, schedule: Schedule, record: Callable[[Snapshot], None], table: Table):
+        super().__init__(name, schedule, record)
+        self._table = table
+
+    def close(self) -> None:
+        """Close the table."""
+        self._table.close()
+
+    def memory(self) -> dict[str, Any]:
+        """What a checkpoint keeps of it: also how far the table is, for good."""
+        self._table.sync()
+        return super().memory() | {"position": np.array(self._table.position, dtype=np.int64)}
+
+
+class _SeriesPart(_Part):
+    """Output to a series of files."""
+
+    def __init__(self, name: str, schedule: Schedule, record: Callable[[Snapshot], None], series: Any):
+        super().__init__(name, schedule, record)
+        self._series = series
+
+    def memory(self) -> dict[str, Any]:
+        """What a checkpoint keeps of it: also the times of its files."""
+        return super().memory() | {"times": np.array(self._series.times, dtype=np.float64)}
 
 
 def _units_of_fields(fields: list[Quantity], labels: Any) -> dict[str, str]:

@@ -2,14 +2,47 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import math
+import re
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from mpmcli.core.model import Model, PositiveTime
+from mpmcli.core.suggest import listing
 from mpmcli.scene.values import Name, Point
 
 Column = Annotated[str, Field(min_length=1)]
+
+CLOCK_UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0, "day": 86400.0, "days": 86400.0, "d": 86400.0}
+CLOCK_TIME = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*([^\W\d_]+)\s*\Z")
+
+
+def clock_seconds(text: str) -> float:
+    """Seconds of a time by the clock such as ``"15 min"``; ValueError with words for the user."""
+    found = CLOCK_TIME.match(text)
+    if found is None or found[2] not in CLOCK_UNITS:
+        raise ValueError(f"'{text}' is no time by the clock: write '15 min' ({listing(CLOCK_UNITS)})")
+    seconds = float(found[1]) * CLOCK_UNITS[found[2]]
+    if not (seconds > 0.0 and math.isfinite(seconds)):
+        raise ValueError("must be longer than 0")
+    return seconds
+
+
+def _read_clock_time(value: Any) -> Any:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        raise ValueError(f"a time by the clock needs a unit, as in '{value:g} min'")
+    if isinstance(value, str):
+        clock_seconds(value)
+    return value
+
+
+ClockTime = Annotated[
+    str,
+    BeforeValidator(_read_clock_time),
+    WithJsonSchema({"type": "string", "pattern": rf"^\s*(\d+\.?\d*|\.\d+)\s*({'|'.join(CLOCK_UNITS)})\s*$"}),
+]
+"""A time by the clock, with its unit."""
 
 
 class ParticleArchive(Model):
@@ -43,6 +76,23 @@ class GridArchive(Model):
     """Quantities of the nodes to write."""
 
 
+class CheckpointArchive(Model):
+    """When the state is saved from which a run can be resumed.
+
+    With this key also at the end of the run; signals and ``--max-walltime`` save it in any case.
+    """
+
+    every: PositiveTime | None = None  # type: ignore[valid-type]
+    """Time between checkpoints."""
+    wall: ClockTime | None = None
+    """Time between checkpoints by the clock, with a unit: 15 min."""
+
+    @property
+    def wall_seconds(self) -> float:
+        """Seconds by the clock between checkpoints, infinite where none are asked for."""
+        return math.inf if self.wall is None else clock_seconds(self.wall)
+
+
 class Archive(Model):
     """Files of results; what is left out is not written."""
 
@@ -52,6 +102,8 @@ class Archive(Model):
     """The table of quantities of the whole scene."""
     grid: GridArchive | None = None
     """Files of the grid."""
+    checkpoint: CheckpointArchive | None = None
+    """The state from which a run can be resumed."""
 
 
 class ParticleProbe(Model):

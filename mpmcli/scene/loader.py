@@ -40,6 +40,7 @@ class LoadedScene:
     constants : values of its constants
     warnings : what is doubtful
     overrides : the options ``--set`` and ``-D`` that changed it
+    allow_outside_files : whether it may name files outside its folder
     """
 
     scene: Scene
@@ -49,6 +50,7 @@ class LoadedScene:
     warnings: list[Problem] = field(default_factory=list)
     overrides: dict[str, list[str]] = field(default_factory=dict)
     root: Node | None = None
+    allow_outside_files: bool = False
 
     def resolved(self) -> dict[str, Any]:
         """The whole scene with every default, numbers in the scene's units; ready for JSON."""
@@ -59,11 +61,19 @@ class LoadedScene:
     def hash(self) -> str:
         """SHA-256 of the resolved scene and of the files that it names."""
         digest = hashlib.sha256(json.dumps(self.resolved(), sort_keys=True).encode())
+        for found in self.file_digests.values():
+            digest.update(bytes.fromhex(found))
+        return digest.hexdigest()
+
+    @cached_property
+    def file_digests(self) -> dict[str, str]:
+        """SHA-256 of each file that the scene names, by its name there."""
         base = self.path.parent if self.path is not None else Path.cwd()
+        digests = {}
         for name in sorted({str(name) for body in self.scene.bodies for name in body.region.files()}):
             with (base / name).open("rb") as file:
-                digest.update(hashlib.file_digest(file, "sha256").digest())
-        return digest.hexdigest()
+                digests[name] = hashlib.file_digest(file, "sha256").hexdigest()
+        return digests
 
     def locate(self, error: SceneError) -> SceneError:
         """The same error with file, line and column where its problems have only a path."""
@@ -127,7 +137,9 @@ def load_scene(
     if scene is None or any(problem.severity == "error" for problem in problems):
         raise scene_error(problems)
     overrides = {"set": list(sets), "define": list(defines)}
-    return LoadedScene(scene, path, context.units, context.constants, problems, overrides, root)
+    return LoadedScene(
+        scene, path, context.units, context.constants, problems, overrides, root, allow_outside_files
+    )
 
 
 def scene_error(problems: list[Problem]) -> SceneError:

@@ -16,7 +16,47 @@ Coefficient = quantity("1", ge=0)
 MAX_ORDER = 100
 
 
-class Flip(Model):
+class Affine(Model):
+    """What all transfers share."""
+
+    velocity_gradient: bool = False
+    """Extrapolate velocities with their gradient, V + ∇V·(x_i − X) [wallstedt2007]; relatives: APIC, TPIC."""
+
+
+class Periodic(Affine):
+    """Transfers that may act on some steps only, with FLIP between."""
+
+    every_courant: quantity("1", gt=0) | None = None  # type: ignore[valid-type]
+    """Act on steps at least this Courant number apart, FLIP between [nairn2026, section 3.3]."""
+    every_steps: int | None = Field(default=None, ge=1)
+    """Act on every so many steps, FLIP between."""
+
+    @model_validator(mode="after")
+    def _one_period(self) -> Periodic:
+        if self.every_courant is not None and self.every_steps is not None:
+            raise ValueError("give either every_courant or every_steps, not both")
+        return self
+
+
+class Blend(Model):
+    """FMPM(k) blended with FMPM(m), for larger time steps [nairn2026, section 3.3]."""
+
+    order: int = Field(default=2, ge=1, le=MAX_ORDER)
+    """Order m of the method that is mixed in; 1 costs energy, 2 hardly any."""
+    fraction: quantity("1", ge=0, le=1) = 0.8  # type: ignore[valid-type]
+    """Fraction α of FMPM(k); 1 is FMPM(k) itself."""
+
+
+class Dynamic(Model):
+    """Stop the FMPM loop once velocities change little [nairn2026, section 3.4]."""
+
+    metric: Literal["means", "changes"] = "means"
+    """Mean change over mean velocity, or the mean over nodes of their relative changes."""
+    tolerance: quantity("1", gt=0) = 1e-2  # type: ignore[valid-type]
+    """The loop ends when the metric falls below it."""
+
+
+class Flip(Affine):
     """FLIP: particles take the change of the grid velocity."""
 
     kind: Literal["flip"]
@@ -24,7 +64,7 @@ class Flip(Model):
     """Weight α of the acceleration in the position update [nairn2026, Eq. 7]."""
 
 
-class Xpic(Model):
+class Xpic(Periodic):
     """XPIC(m): FLIP with the null space of the transfer filtered out in m steps [hammerquist2017]."""
 
     kind: Literal["xpic"]
@@ -36,14 +76,18 @@ class Xpic(Model):
     """Weight α of the acceleration in the position update [nairn2026, Eq. 7]."""
 
 
-class Fmpm(Model):
+class Fmpm(Periodic):
     """FMPM(k): velocities by an approximate full mass matrix of order k [nairn2021]."""
 
     kind: Literal["fmpm"]
     order: int = Field(default=2, ge=1, le=MAX_ORDER)
-    """Order k; 1 is PIC."""
+    """Order k; 1 is PIC. With ``dynamic`` the largest order."""
     alpha: Alpha = 0.5  # type: ignore[valid-type]
     """Weight α of the acceleration in the position update [nairn2026, Eq. 7]."""
+    blend: Blend | None = None
+    """Blend with a lower order."""
+    dynamic: Dynamic | None = None
+    """Choose the order while running."""
 
 
 Transfer = Annotated[Flip | Xpic | Fmpm, Field(discriminator="kind")]

@@ -10,14 +10,8 @@ from mpmcli.scene.tree import Node
 
 # where ("*" stands for any member), which value (None: any), what it is
 ENTRIES: tuple[tuple[tuple[str, ...], Any, str], ...] = (
-    (("method", "transfer", "every_courant"), None, "FMPM on some steps only (every_courant)"),
-    (("method", "transfer", "every_steps"), None, "FMPM on some steps only (every_steps)"),
-    (("method", "transfer", "blend"), None, "blended FMPM"),
-    (("method", "transfer", "dynamic"), None, "an order chosen while running (dynamic)"),
-    (("method", "transfer", "velocity_gradient"), None, "velocity gradients in the transfer"),
     (("method", "precision"), "single", "single precision"),
     (("time", "courant"), "auto", "a Courant number chosen by the program (auto)"),
-    (("archive", "checkpoint"), None, "checkpoints"),
 )
 
 

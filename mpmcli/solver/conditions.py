@@ -23,7 +23,7 @@ class NoConditions:
 
     mirror: Mirror | None = None
 
-    def select(self, time: float) -> None:
+    def select(self, time: float, replaces_velocity: bool) -> None:
         """Nothing is held."""
 
     def fold_forces(self, f: Array, dt: float) -> None:
@@ -61,7 +61,6 @@ class GridConditions(NoConditions):
     ----------
     conditions : the scene's conditions on its grid
     grid : the grid that they act on
-    replaces_velocity : grid velocities replace those of particles (FMPM, XPIC)
     rigid_fields : for each velocity field, whether it belongs to a rigid body, which no condition holds
     """
 
@@ -69,7 +68,6 @@ class GridConditions(NoConditions):
         self,
         conditions: VelocityConditions,
         grid: Grid,
-        replaces_velocity: bool,
         rigid_fields: tuple[bool, ...],
     ):
         self.conditions = conditions
@@ -77,10 +75,13 @@ class GridConditions(NoConditions):
         self.grid = grid
         self._rigid = rigid_fields
         self._version = -1
-        self._weight = 1.0 if replaces_velocity else 0.0
 
-    def select(self, time: float) -> None:
-        """Choose held nodes and values for the step that starts now; call after masses are known."""
+    def select(self, time: float, replaces_velocity: bool) -> None:
+        """Choose held nodes and values for the step that starts now; call after masses are known.
+
+        ``replaces_velocity``: grid velocities replace those of particles in this step (FMPM, XPIC).
+        """
+        weight = 1.0 if replaces_velocity else 0.0
         grid = self.grid
         if grid.active_version != self._version:
             self._version, self._active = grid.active_version, grid.active
@@ -88,7 +89,7 @@ class GridConditions(NoConditions):
                 self._active = grid.active[~np.array(self._rigid)[grid.active // grid.node_count]]
         self.conditions.select(time, self._active, grid.active_version, grid.mp)
         if self.mirror is not None:
-            self.mirror.fold_momentum(grid.mp, self._weight)
+            self.mirror.fold_momentum(grid.mp, weight)
 
     def fold_forces(self, f: Array, dt: float) -> None:
         """Add the forces of mirrored particles."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -96,10 +96,9 @@ class NodalContact(NoContact):
         if self._breaks:
             p.bond = np.ones(p.count)
         self._guesses = np.zeros((grid.dof_count, d)) if getattr(model.normal, "reuse", False) else None
-        self._loop = plan.has_full_mass_loop and model.increments in ("net", "evolving")
+        self._incremental = model.increments in ("net", "evolving")
         self._evolving = model.increments == "evolving"
-        self._now = not (plan.has_full_mass_loop and model.increments == "after")
-        self._later = plan.has_full_mass_loop and model.increments in ("after", "combined")
+        self._later = model.increments in ("after", "combined")
         self._rigid_dof = np.zeros(0, dtype=np.int64)
         self._start_account(plan.fields, rigid)
 
@@ -137,6 +136,9 @@ class NodalContact(NoContact):
         s, c = self._s, self.contacts
         mp = s.grid.mp
         c.count = 0
+        self._clear_account()
+        s.rigid.hold(mp, s.time)
+        self._keep_rigid()
         if self.clouds.find_nodes() == 0:
             return
         if self._has_geometry:
@@ -160,22 +162,30 @@ class NodalContact(NoContact):
                 self._normal, self._separation, s.grid, s.particles, F, self._ring, s.particles.X0,
                 self._model.separation.needs_radius, self._guesses, s.parallel,
             )  # fmt: skip
-        self._keep_rigid()
         c.start[: c.count] = 0.0
+        c.kept[: c.count] = 0.0
         if not self._model.once:
+            before = c.prior  # its rows are free until the increments start
+            if self._keeps_start:
+                self._find_slip(None, before)
             self._settle_momenta(dt, None, advance=0.0)
             c.start[: c.count] = c.dp[: c.count]
+            self._find_slip(None, c.slip)
+            if self._keeps_start:
+                c.kept[: c.count] = c.dp[: c.count]
+                self._add_up(c.kept, before, c.slip)
             self._start_increments()
-        self._find_slip(None, c.slip)
+        else:
+            self._find_slip(None, c.slip)
 
     def after_update(self, dt: float) -> None:
         """Task 3.a: p⁺ += Δp⁽²⁾, which is also a force."""
         s, c = self._s, self.contacts
+        self._restore_rigid()
         if c.count == 0:
             return
-        self._restore_rigid()
         c.net[: c.count] = 0.0
-        if not self._now:
+        if s.plan.has_full_mass_loop and self._model.increments == "after":
             return
         self._settle_momenta(dt, s.grid.f, advance=dt)
         self._start_increments()
@@ -190,7 +200,8 @@ class NodalContact(NoContact):
     def correct_increment(self, dv: Array, dt: float, counts_reactions: bool) -> None:
         """Contact on an FMPM increment Δv(ℓ); conditions, whose impulses may count, have the last word."""
         s, c = self._s, self.contacts
-        if c.count == 0 or not self._loop:
+        dv[s.rigid.held] = 0.0
+        if c.count == 0 or not self._incremental:
             return
         for stage in range(c.stages):
             self._settle(stage, None, dv, c.prior, c.net, dt, 0.0)
@@ -215,49 +226,91 @@ class NodalContact(NoContact):
     def after_new_extrapolation(self, dt: float) -> None:
         """Task 4.b: momenta extrapolated again satisfy contact; no force, no work."""
         s, c = self._s, self.contacts
+        self._restore_rigid()
         if c.count == 0:
             return
-        self._restore_rigid()
         self._settle_momenta(dt, None, advance=0.0)
         self._start_increments()
         if s.plan.imposes_lumped:
             s.conditions.impose_on_momentum(s.grid.mp, None, dt)
 
     def account(self, v: Array, dt: float) -> None:
-        """Sum up forces, areas and friction work of the step from the final net Δp; mark broken adhesion."""
+        """Sum up forces, areas and friction work of the step from the final net Δp; mark broken adhesion.
+
+        Δp⁽¹⁾ counts by itself where particles take on grid velocities, whose momentum it is part of; with FLIP it only
+        moves them, and XPIC(m > 1) filters it out again.
+        """
         s, c, view = self._s, self.contacts, self.view
         view.nodes = self.clouds.count
-        view.force[:] = 0.0
-        view.area[:] = 0.0
-        view.touching = view.unconverged = 0
         view.contacts = c.count
         view.all_contacts += c.count
         if c.count == 0:
             return
         self._identity = s.particles.id
-        c.start[: c.count] = c.net[: c.count]  # whose rows are free now: for those who look later in the step
         after = c.prior  # its rows are free now
         self._find_slip(v, after)
-        before_work = self._rigid_work.copy()
-        work = momenta.tally(
-            self._axes, c.count, c.members, s.grid.node_count, self.clouds.dof, self._rules.rigid, self._pair,
-            self._weights(), c.geometry.normal, c.geometry.area, c.state, c.net, c.slip, after, s.grid.mp,
-            view.force, view.area, view.momentum_error, self._rigid_work,
-        )  # fmt: skip
+        view.area[:] = 0.0
+        self._add_up(c.net, c.slip, after)
+        c.start[: c.count] = c.kept[: c.count] + c.net[: c.count]  # for those who look later in the step
         view.force /= dt
         view.touching = int(np.count_nonzero(c.state[: c.count]))
         if self._has_geometry:
             view.unconverged = int(np.count_nonzero(c.geometry.status[: c.count] == NOT_CONVERGED))
             view.all_unconverged += view.unconverged
-        s.state.work["contact_work"] += work
-        if view.rigid_work:
-            s.state.work["boundary_work"] += float((self._rigid_work - before_work).sum())
-            for name in view.rigid_work:
-                view.rigid_work[name] = float(self._rigid_work[self._names.index(name)])
+        for name in view.rigid_work:
+            view.rigid_work[name] = float(self._rigid_work[self._names.index(name)])
         if self._breaks:
             self._break_bonds()
 
+    # ------------------------------------------------------------------ from one step to the next
+
+    def memory(self) -> dict[str, Any]:
+        """What it remembers from step to step: accounts, and normals to begin the next search with."""
+        view = self.view
+        found = {"rigid_work": self._rigid_work, **{name: getattr(view, name) for name in VIEWED}}
+        if self._guesses is not None:
+            found["guessed"] = np.flatnonzero(self._guesses.any(axis=1))
+            found["guesses"] = self._guesses[found["guessed"]]
+        return found
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Remember it again."""
+        view = self.view
+        self._rigid_work[:] = memory["rigid_work"]
+        for name in view.rigid_work:
+            view.rigid_work[name] = float(self._rigid_work[self._names.index(name)])
+        for name in VIEWED:
+            value = memory[name]
+            setattr(view, name, value if value.ndim else int(value))
+        if self._guesses is not None:
+            self._guesses[memory["guessed"]] = memory["guesses"]
+
     # ------------------------------------------------------------------ parts
+
+    def _clear_account(self) -> None:
+        view = self.view
+        view.force[:] = 0.0
+        view.area[:] = 0.0
+        view.touching = view.unconverged = 0
+
+    def _add_up(self, impulse: Array, before: Array, after: Array) -> None:
+        """Add impulses (k, d), and the work they do between two relative velocities, to the account of the step."""
+        s, c, view = self._s, self.contacts, self.view
+        before_work = self._rigid_work.sum()
+        s.state.work["contact_work"] += momenta.tally(
+            self._axes, c.count, c.members, s.grid.node_count, self.clouds.dof, self._rules.rigid, self._pair,
+            self._weights(), c.geometry.normal, c.geometry.area, c.state, impulse, before, after, s.grid.mp,
+            view.force, view.area, view.momentum_error, self._rigid_work,
+        )  # fmt: skip
+        if view.rigid_work:
+            s.state.work["boundary_work"] += float(self._rigid_work.sum() - before_work)
+
+    @property
+    def _keeps_start(self) -> bool:
+        """Whether Δp⁽¹⁾ changes the particles' momentum (see ``account``)."""
+        plan = self._s.plan
+        filters_out = plan.method.projects and plan.corrects_filter and plan.order > 1
+        return not (plan.method.flip or filters_out)
 
     @property
     def _parallel(self) -> bool:
@@ -434,6 +487,12 @@ class NodalContact(NoContact):
         out[self.clouds.node[slot]] = rows[first]
         return out
 
+
+VIEWED = (
+    *("force", "area", "momentum_error", "nodes", "touching", "contacts", "unconverged"),
+    *("all_contacts", "all_unconverged"),
+)
+"""What is remembered of the account that output sees."""
 
 PARALLEL_CONTACTS = 512
 """Contacts from which parallel kernels pay for their launch."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from mpmcli.core.errors import SimulationError
@@ -38,6 +39,14 @@ class TimeStep:
                 f"is {wave_speed:.3g}, the largest particle speed {particle_speed:.3g}; try a smaller Courant number"
             )
         return dt
+
+    def memory(self) -> dict[str, float]:
+        """What it remembers from step to step: the first step, 0 before it."""
+        return {"first": self._first or 0.0}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Remember it again."""
+        self._first = float(memory["first"]) or None
 
     def courant_of(self, dt: float, wave_speed: float, particle_speed: float) -> float:
         """Courant number that a step of ``dt`` has."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -40,6 +40,10 @@ class Plan:
     field_of_body : field of each body
     rigid_fields : for each field, whether it belongs to a rigid body
     has_contact : fields meet by a contact law
+    every_courant, every_steps : period of the steps that take the transfer as asked, FLIP between; None: all
+    blend : (order m, fraction α) of blended FMPM, or None
+    dynamic : (metric, tolerance) that ends the FMPM loop early, or None
+    velocity_gradient : extrapolated velocities carry their gradient
     corrects_filter : the filter of XPIC knows what contact corrects
     """
 
@@ -62,6 +66,27 @@ class Plan:
     rigid_fields: tuple[bool, ...]
     has_contact: bool
     corrects_filter: bool
+    every_courant: float | None
+    every_steps: int | None
+    blend: tuple[int, float] | None
+    dynamic: tuple[str, float] | None
+    velocity_gradient: bool
+
+    @property
+    def is_periodic(self) -> bool:
+        """Some steps are FLIP's."""
+        return self.every_courant is not None or self.every_steps is not None
+
+    def of_flip(self) -> Plan:
+        """The plan of the steps between those of a periodic transfer."""
+        return replace(self, method=TRANSFER_METHODS["flip"], order=1)
+
+    def blend_scale(self, order: int) -> float:
+        """Factor of the increment of an order ℓ: α if ℓ mod m = 1 or m = 1 (Nairn 2026, section 3.3)."""
+        if self.blend is None:
+            return 1.0
+        m, fraction = self.blend
+        return fraction if m == 1 or order % m == 1 else 1.0
 
     @property
     def imposes_lumped(self) -> bool:
@@ -97,6 +122,7 @@ def make_plan(scene: Any) -> Plan:
     """Read the choices of a checked scene."""
     method, transfer = scene.method, scene.method.transfer
     viscosity = method.artificial_viscosity
+    blend, dynamic = getattr(transfer, "blend", None), getattr(transfer, "dynamic", None)
     fields, field_of_body = velocity_fields(scene)
     rigid_fields = [False] * len(fields)
     for body, field in zip(scene.bodies, field_of_body, strict=True):
@@ -123,6 +149,11 @@ def make_plan(scene: Any) -> Plan:
         rigid_fields=tuple(rigid_fields),
         has_contact=has_contact,
         corrects_filter=has_contact and getattr(transfer, "contact_correction", False),
+        every_courant=getattr(transfer, "every_courant", None),
+        every_steps=getattr(transfer, "every_steps", None),
+        blend=None if blend is None else (blend.order, float(blend.fraction)),
+        dynamic=None if dynamic is None else (dynamic.metric, float(dynamic.tolerance)),
+        velocity_gradient=transfer.velocity_gradient,
     )
 
 
@@ -141,6 +172,7 @@ class StepArrays:
     grid_damping : (1,) rate
     node_work : (chunks,) energy taken by grid damping
     damped : (chunks,) energy taken by particle damping
+    node_sums : (chunks, 4) what a dynamic order is judged by
     """
 
     v: Array
@@ -154,6 +186,7 @@ class StepArrays:
     grid_damping: Any
     node_work: Any
     damped: Any
+    node_sums: Any
 
 
 def allocate_step_arrays(plan: Plan, grid: Grid, particles: int) -> StepArrays:
@@ -165,7 +198,7 @@ def allocate_step_arrays(plan: Plan, grid: Grid, particles: int) -> StepArrays:
 
     return StepArrays(
         v=np.zeros((n, d)),
-        w=nodal(not plan.method.full_mass),
+        w=nodal(not plan.method.full_mass or plan.is_periodic),
         dv=nodal(plan.has_full_mass_loop or plan.method.projects),
         out=nodal(plan.has_full_mass_loop or plan.method.projects),
         p_start=nodal(plan.keeps_start_momenta),
@@ -175,4 +208,5 @@ def allocate_step_arrays(plan: Plan, grid: Grid, particles: int) -> StepArrays:
         grid_damping=np.array([plan.grid_damping]) if plan.grid_damping else None,
         node_work=np.zeros(CHUNKS) if plan.grid_damping else None,
         damped=np.zeros(CHUNKS) if plan.particle_damping else None,
+        node_sums=np.zeros((CHUNKS, 4)) if plan.dynamic is not None else None,
     )

@@ -72,7 +72,28 @@ def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[
         for row, name in enumerate(model.history):
             particles.H[row, material == m] = model.initial_history().get(name, 0.0)
     _set_initial_fields(scene, particles, models)
+    if plan.velocity_gradient:
+        _set_initial_gradients(scene, particles)
     return particles, filled
+
+
+def _set_initial_gradients(scene: Any, particles: Particles) -> None:
+    """Velocity gradients of the initial velocity fields, by differences over each particle's own width."""
+    d = particles.X.shape[0]
+    for i, body in enumerate(scene.bodies):
+        mine = np.flatnonzero(particles.body == i)
+        for row, component in enumerate(body.velocity):
+            for axis in range(d):
+                half = particles.size[axis, mine]
+                ahead, behind = particles.X[:, mine], particles.X[:, mine]
+                ahead[axis] += half
+                behind[axis] -= half
+                difference = component(*_point(ahead)) - component(*_point(behind))
+                particles.L[d * row + axis, mine] = difference / (2.0 * half)
+
+
+def _point(X: Array) -> tuple[Any, ...]:
+    return (*X, 0.0, 0.0)[:3]
 
 
 def _set_initial_fields(scene: Any, particles: Particles, models: list[Any]) -> None:

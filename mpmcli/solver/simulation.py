@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time as timer
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -26,10 +26,12 @@ from mpmcli.materials.strain import (
     update_strain_and_stress,
 )
 from mpmcli.solver.conditions import GridConditions, NoConditions
+from mpmcli.solver.continuation import restore, state_arrays
 from mpmcli.solver.contact import NoContact, NodalContact
 from mpmcli.solver.courant import TimeStep
 from mpmcli.solver.exits import settle_exits
 from mpmcli.solver.loads import NodalLoads, NoLoads, place_of_identity
+from mpmcli.solver.period import EveryStep, Period
 from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan
 from mpmcli.solver.rigid import NoRigidBodies, RigidBodies
 from mpmcli.solver.setup import full_ring, make_grid, make_particles, section_of
@@ -66,6 +68,8 @@ class Simulation:
         self.threads = min(threads or available_threads(), numba.config.NUMBA_NUM_THREADS)  # type: ignore[attr-defined]
         numba.set_num_threads(self.threads)
         self.plan = make_plan(scene)
+        self.period = Period(self.plan) if self.plan.is_periodic else EveryStep(self.plan)
+        self.reached_order = self.plan.order
         self.grid = make_grid(scene, self.plan)
         self.particles, filled = make_particles(scene, self.plan, self.grid)
         of_bodies = [scene.materials[body.material] for body in scene.bodies]
@@ -87,11 +91,12 @@ class Simulation:
             self.parallel,
             self.describe,
             keeps_domain=self.plan.update.first > 0.0,
+            affine=self.plan.velocity_gradient,
         )
         self.arrays = allocate_step_arrays(self.plan, self.grid, self.particles.count)
         self.on_exit = scene.domain.on_exit
         self.timings: dict[str, float] = {}
-        self._faces: dict[Any, Array] = {}
+        self.surface_identities: dict[Any, Array] = {}
         self._speed2 = np.zeros(block_count(self.particles.count))
         self._bad = np.full(block_count(self.particles.count), -1, dtype=np.int64)
         self.wave_speed = max(
@@ -136,10 +141,11 @@ class Simulation:
     def step(self) -> None:
         """Advance by one time step; raises SimulationError where the simulation cannot go on."""
         if self.state.step % GOOD_EVERY == 0:
-            self._last_good = None  # give its memory back before the next copy takes as much
-            self._last_good = self._copy_of_state()
+            self.keep_good_state()
         try:
             self._dt = self.time_step.choose(self.wave_speed, self.particle_speed)
+            self.plan = self.period.plan_of_step(self)
+            self.reached_order = self.plan.order
             advance(self, self._dt)
             if self.state.step == 1:
                 self._warn_of_idle_conditions()
@@ -147,8 +153,10 @@ class Simulation:
             error.state = self._last_good
             raise
 
-    def _copy_of_state(self) -> State:
-        return replace(
+    def keep_good_state(self) -> None:
+        """Copy the state, to be shown if a later step fails."""
+        self._last_good = None  # give its memory back before the next copy takes as much
+        self._last_good = replace(
             self.state,
             particles=self.particles.copy(),
             work=dict(self.state.work),
@@ -156,6 +164,14 @@ class Simulation:
             extra=dict(self.state.extra),
             grid=None,
         )
+
+    def state_arrays(self) -> dict[str, Any]:
+        """What the next step depends on, by name (see ``solver.continuation``); not copied."""
+        return state_arrays(self)
+
+    def restore(self, arrays: Mapping[str, Array]) -> None:
+        """Go back to a state that ``state_arrays`` gave; raises ArchiveError if it is not of this scene."""
+        restore(self, arrays)
 
     @contextmanager
     def clock(self, task: str) -> Iterator[None]:
@@ -204,10 +220,17 @@ class Simulation:
         if self.transfer.particle_outside() >= 0:
             settle_exits(self)
         state.step += 1
+        if "mean_order" in state.extra:
+            state.extra["mean_order"] += (self.reached_order - state.extra["mean_order"]) / state.step
         state.time += dt
         state.dt = dt
 
     # ------------------------------------------------------------------ parts
+
+    @property
+    def courant_of_step(self) -> float:
+        """Courant number of the current step."""
+        return self.time_step.courant_of(self._dt, self.wave_speed, self.particle_speed)
 
     @property
     def rigid_dofs(self) -> Array:
@@ -230,7 +253,6 @@ class Simulation:
         return GridConditions(
             conditions,
             self.grid,
-            replaces_velocity=not self.plan.method.flip,
             rigid_fields=self.plan.rigid_fields,
         )
 
@@ -238,10 +260,10 @@ class Simulation:
         """Nodes that the particles on a face of a body see now; the face is that of the undeformed body."""
         p = self.particles
         key = (body, face.index, face.side)
-        if key not in self._faces:
+        if key not in self.surface_identities:
             members = np.flatnonzero(p.body == self.state.bodies.index(body))
-            self._faces[key] = p.id[surface_faces(p.X, p.size, face.index, face.side, members)]
-        place = place_of_identity(p.id)[self._faces[key]]
+            self.surface_identities[key] = p.id[surface_faces(p.X, p.size, face.index, face.side, members)]
+        place = place_of_identity(p.id)[self.surface_identities[key]]
         return self.transfer.seen_nodes(place[place >= 0])
 
     def _start_accounts(self, scene: Any) -> None:
@@ -254,6 +276,8 @@ class Simulation:
             work["damping_work"] = 0.0
         if self.on_exit == "delete":
             self.state.extra.update(deleted_particles=0.0, deleted_mass=0.0)
+        if self.plan.is_periodic or self.plan.dynamic is not None:
+            self.state.extra["mean_order"] = 0.0
 
     def remove_particles(self, kept: Array) -> None:
         """Keep only the particles of the mask ``kept`` (N,) in memory."""
@@ -346,5 +370,5 @@ class Simulation:
         )
 
     def _advice(self) -> str:
-        courant = self.time_step.courant_of(self._dt, self.wave_speed, self.particle_speed)
+        courant = self.courant_of_step
         return f"The last step was {self._dt:.3g} (Courant number {courant:.2g}): most likely it is too long"

@@ -15,6 +15,7 @@ def advance(s: Simulation, dt: float) -> None:
     """Advance the simulation from t to t + dt."""
     grid, plan, transfer, conditions = s.grid, s.plan, s.transfer, s.conditions
     a, clock = s.arrays, s.clock
+    w = None if plan.method.full_mass else a.w
 
     # 1  extrapolate mass and momentum to the grid (and task 2's forces, if the stress is final already)
     with clock("1 extrapolation"):
@@ -22,7 +23,7 @@ def advance(s: Simulation, dt: float) -> None:
         s.rigid.remember()
         transfer.extrapolate(grid.mp, None if plan.update.first > 0.0 else grid.f)
         s.loads.collect(s.time)
-        conditions.select(s.time)
+        conditions.select(s.time, replaces_velocity=not plan.method.flip)
         s.contact.after_extrapolation(dt)  # 1.a
 
     if plan.update.first > 0.0:
@@ -48,21 +49,21 @@ def advance(s: Simulation, dt: float) -> None:
 
     # 3.b  grid velocities v⁺(k)
     with clock("3 velocities"):
-        nodes.find_velocities[s.parallel](grid.active, grid.mp, grid.f, a.v, a.w)
+        nodes.find_velocities[s.parallel](grid.active, grid.mp, grid.f, a.v, w)
         if plan.has_full_mass_loop:
             add_full_mass_increments(s, a.v, dt, counts_reactions=True)
             s.contact.after_velocities(a.v, dt)
         if plan.imposes_velocity:
             conditions.impose_on_velocity(a.v, grid.mp)
         if plan.method.projects:
-            add_filtered_velocities(s, a.w, dt)
+            add_filtered_velocities(s, w, dt)
         s.account_for_work(dt)
 
     # 4  move particles (with USL, task 5's velocity gradients come from the same stencils)
     with clock("4 particles"):
-        fused = plan.update.last > 0.0 and not plan.update.again
+        fused = plan.velocity_gradient or (plan.update.last > 0.0 and not plan.update.again)
         transfer.move(
-            a.v, a.w, plan.method.flip, plan.alpha, plan.particle_damping, dt,
+            a.v, w, plan.method.flip, plan.alpha, plan.particle_damping, dt,
             a.X_new if plan.update.again else s.particles.X, fused, a.damped,
         )  # fmt: skip
         s.rigid.move(a.X_new if plan.update.again else s.particles.X, s.time, dt)
@@ -93,7 +94,7 @@ def _strain_from_new_velocities(s: Simulation, dt: float) -> None:
     """Tasks 4.a–4.c: the same from particle velocities extrapolated again."""
     grid, v, p = s.grid, s.arrays.v, s.arrays.p_again
     nodes.clear_nodes[s.parallel](grid.active, p)
-    s.transfer.add_vector(s.particles.V, p)
+    s.transfer.add_velocities(p)
     s.conditions.fold_increment(p, weight=0.0)
     grid.mp[grid.active, 1:] = p[grid.active]
     s.contact.after_new_extrapolation(dt)  # 4.b

@@ -15,7 +15,17 @@ from mpmcli.core.nodes import clear_nodes
 from mpmcli.core.order import CHUNKS, CellOrder
 from mpmcli.core.particles import Particles
 from mpmcli.core.stencil import DOMAIN_TOO_WIDE, OUTSIDE_GRID, across_of, allocate_stencil, fill_stencils
-from mpmcli.core.transfer import InternalForces, MassAndMomentum, Projection, StateAndForces, VectorSum
+from mpmcli.core.transfer import (
+    AffineMassAndMomentum,
+    AffineProjection,
+    AffineStateAndForces,
+    AffineVectorSum,
+    InternalForces,
+    MassAndMomentum,
+    Projection,
+    StateAndForces,
+    VectorSum,
+)
 from mpmcli.shapes import ShapeEntry
 
 Array = np.ndarray
@@ -36,6 +46,7 @@ class Transfer:
     particles, grid, order : what is transferred, where to, and the cell order that keeps scatters apart
     parallel : run the parallel version of every kernel
     describe : names a particle (by its place in memory) in messages
+    affine : extrapolated velocities carry the velocity gradient of their particle
     keeps_domain : the strain update changes F before the step is over, so that stencils need a copy of it
     """
 
@@ -49,12 +60,15 @@ class Transfer:
         parallel: bool,
         describe: Callable[[int], str],
         keeps_domain: bool = False,
+        affine: bool = False,
     ):
         self.analysis, self.shape = analysis, shape
         self.particles, self.grid, self.order = particles, grid, order
         self.parallel = parallel
         self._describe = describe
         self.widest = grid.pad + 2 if shape.follows_deformation else grid.width
+        self._affine = affine
+        self._passing_L = np.zeros_like(particles.L) if affine else None
         self._domain_F = particles.F
         self._keeps_domain = keeps_domain and shape.follows_deformation
         self.speed_squared = np.zeros(CHUNKS)
@@ -69,6 +83,10 @@ class Transfer:
         for array in (self.grid.mp, self.grid.f):  # nodes that fall out of use stay empty
             clear_nodes[self.parallel](self.grid.active, array)
         self.order.sort(self.parallel)
+        self.size_buffers()
+
+    def size_buffers(self) -> None:
+        """Fit geometry and buffers to the grid's stencil width and the bands of the order."""
         self.geometry = self.grid.geometry
         self.across = across_of(self.grid.width)
         self.stencil = allocate_stencil(
@@ -107,11 +125,17 @@ class Transfer:
         p = self.particles
         while True:
             clear_nodes[self.parallel](self.grid.active, mp)
-            if f is None:
-                self._scatter(MassAndMomentum(p.mass, p.V, mp.reshape(-1)))
-            else:
+            flat = mp.reshape(-1)
+            if f is not None:
                 clear_nodes[self.parallel](self.grid.active, f)
-                self._scatter(StateAndForces(p.mass, p.V, p.vol0, p.tau, mp.reshape(-1), f.reshape(-1)))
+            if f is None and self._affine:
+                self._scatter(AffineMassAndMomentum(p.mass, p.V, p.L, flat))
+            elif f is None:
+                self._scatter(MassAndMomentum(p.mass, p.V, flat))
+            elif self._affine:
+                self._scatter(AffineStateAndForces(p.mass, p.V, p.L, p.vol0, p.tau, flat, f.reshape(-1)))
+            else:
+                self._scatter(StateAndForces(p.mass, p.V, p.vol0, p.tau, flat, f.reshape(-1)))
             problem, particle = self.stencil.status
             if problem == 0:
                 return
@@ -137,9 +161,23 @@ class Transfer:
         """out += Sᵀ M V."""
         self._scatter(VectorSum(self.particles.mass, V, out.reshape(-1)))
 
+    def add_velocities(self, out: Array) -> None:
+        """out += Sᵀ M V for the particles' velocities, with their gradients in affine transfers."""
+        p = self.particles
+        if self._affine:
+            self._scatter(AffineVectorSum(p.mass, p.V, p.L, out.reshape(-1)))
+        else:
+            self.add_vector(p.V, out)
+
     def project(self, v: Array, out: Array) -> None:
         """out += Sᵀ M S v."""
-        self._scatter(Projection(self.particles.mass, v.reshape(-1), out.reshape(-1)))
+        p = self.particles
+        if self._affine:
+            if self._passing_L is None or self._passing_L.shape != p.L.shape:  # particles were removed
+                self._passing_L = np.zeros_like(p.L)
+            self._scatter(AffineProjection(p.mass, v.reshape(-1), self._passing_L, out.reshape(-1)))
+        else:
+            self._scatter(Projection(p.mass, v.reshape(-1), out.reshape(-1)))
 
     def velocity_gradients(self, v: Array) -> None:
         """L = G v."""

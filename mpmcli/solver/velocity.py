@@ -22,14 +22,34 @@ def add_full_mass_increments(s: Simulation, v: Array, dt: float, counts_reaction
     grid, active = s.grid, s.grid.active
     dv, out = s.arrays.dv, s.arrays.out
     nodes.start_increments[s.parallel](active, v, dv, out)
-    for _ in range(2, s.plan.order + 1):
+    order = 1
+    while order < s.plan.order:
+        order += 1
         s.transfer.project(dv, out)
         s.conditions.fold_increment(out, -1.0 if counts_reactions else 0.0)
-        nodes.next_increment[s.parallel](active, grid.mp, out, dv)
+        nodes.next_increment[s.parallel](active, grid.mp, out, s.plan.blend_scale(order), dv)
         if s.plan.zeroes_increments:
             s.conditions.zero_increment(dv, grid.mp, counts_reactions)  # (1)
         s.contact.correct_increment(dv, dt, counts_reactions)  # (2)
         nodes.add_increment[s.parallel](active, dv, v)
+        if s.plan.dynamic is not None and has_converged(s, dv, v):  # (3)
+            break
+    s.reached_order = order
+
+
+def has_converged(s: Simulation, dv: Array, v: Array) -> bool:
+    """Whether the last increment is small by the metric of the scene (Nairn 2026, section 3.4), all fields together."""
+    metric, tolerance = s.plan.dynamic or ("means", 0.0)
+    grid, sums = s.grid, s.arrays.node_sums
+    nodes.sum_magnitudes[s.parallel](grid.active, grid.mp, dv, v, sums)
+    change, size, _, count = sums.sum(axis=0)
+    if metric == "means":
+        return bool(change <= tolerance * size)
+    epsilon = 0.01 * float(sums[:, 2].max())
+    if epsilon == 0.0:
+        return True
+    nodes.sum_changes[s.parallel](grid.active, grid.mp, dv, v, epsilon, sums)
+    return bool(sums[:, 0].sum() <= tolerance * count)
 
 
 def add_filtered_velocities(s: Simulation, w: Array, dt: float) -> None:

@@ -200,3 +200,47 @@ def test_serial_and_parallel_kernels_agree_to_the_last_bit(cloud):
         found.append([mp, f, out, p.X, p.V, p.L, damped, *report.values()])
     for serial, parallel in zip(*found, strict=True):
         np.testing.assert_array_equal(serial, parallel)
+
+
+def gradient_of(c):
+    """The particles' velocity gradients as (d, d, N), filled with random numbers."""
+    d, p = c.dimensions, c.particles
+    p.L[:] = np.random.default_rng(5).standard_normal(p.L.shape)
+    return p.L[: d * d].reshape(d, d, p.count)
+
+
+@EVERY_ANALYSIS
+def test_affine_momenta_add_the_velocity_gradient_times_the_distance(analysis, shape, cloud, dense_of):
+    """p_i = Σ S_i M (V + L·(x_i − X))."""
+    c = cloud(analysis, shape)
+    p = c.particles
+    S, _ = dense_of(c)
+    L = gradient_of(c)
+    nodes = c.grid.coordinates(np.arange(c.grid.node_count))
+    apart = nodes[:, None, :] - p.X[:, :, None]
+    velocity = p.V[:, :, None] + np.einsum("abp,bpn->apn", L, apart)
+    expected = np.einsum("pn,p,apn->na", S, p.mass, velocity)
+    mp, f = c.nodal(1 + c.dimensions), c.nodal()
+    c.scatter(transfer.AffineMassAndMomentum(p.mass, p.V, p.L, mp.reshape(-1)))
+    np.testing.assert_allclose(mp[:, 0], S.T @ p.mass, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(mp[:, 1:], expected, rtol=0, atol=1e-12)
+    both = c.nodal(1 + c.dimensions)
+    c.scatter(transfer.AffineStateAndForces(p.mass, p.V, p.L, p.vol0, p.tau, both.reshape(-1), f.reshape(-1)))
+    np.testing.assert_allclose(both, mp, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(f, c.forces(), rtol=0, atol=1e-13)
+    out = c.nodal()
+    c.scatter(transfer.AffineVectorSum(p.mass, p.V, p.L, out.reshape(-1)))
+    np.testing.assert_allclose(out, expected, rtol=0, atol=1e-12)
+
+
+@EVERY_ANALYSIS
+def test_affine_projection_reproduces_linear_fields(analysis, shape, cloud):
+    """Σ S M (S v + G v·(x_i − X)) = m v for a linear v: the pass takes nothing away."""
+    c = cloud(analysis, shape)
+    p = c.particles
+    rng = np.random.default_rng(3)
+    slope, start = rng.standard_normal((c.dimensions, c.dimensions)), rng.standard_normal(c.dimensions)
+    v = (start[:, None] + slope @ c.grid.coordinates(np.arange(c.grid.node_count))).T.copy()
+    out = c.nodal()
+    c.scatter(transfer.AffineProjection(p.mass, v.reshape(-1), p.L, out.reshape(-1)))
+    np.testing.assert_allclose(out, c.mass_and_momentum()[:, :1] * v, rtol=0, atol=1e-12)
