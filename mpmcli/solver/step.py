@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mpmcli.core import nodes
 from mpmcli.solver.velocity import add_filtered_velocities, add_full_mass_increments
@@ -15,7 +15,7 @@ def advance(s: Simulation, dt: float) -> None:
     """Advance the simulation from t to t + dt."""
     grid, plan, transfer, conditions = s.grid, s.plan, s.transfer, s.conditions
     a, clock = s.arrays, s.clock
-    w = None if plan.method.full_mass else a.w
+    w: Any = None if plan.method.full_mass else a.w
 
     # 1  extrapolate mass and momentum to the grid (and task 2's forces, if the stress is final already)
     with clock("1 extrapolation"):

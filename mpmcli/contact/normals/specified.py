@@ -69,17 +69,22 @@ class SpecifiedModel(NormalModel):
             cp, sp = _cos_sin(90.0 if self.polar is None else self.polar)
             v = [sp * ca, sp * sa, cp][:dimensions]
         norm = math.hypot(*v)
-        return Specified(tuple(c / norm for c in v))
+        return Specified(*(c / norm for c in [*v, 0.0, 0.0][:3]))
 
 
 class Specified(NamedTuple):
-    """Numbers of a specified normal: its d components [-]."""
+    """Numbers of a specified normal: its components, 0 along axes that are missing [-]."""
 
-    direction: tuple[float, ...]
+    x: float
+    y: float
+    z: float
 
 
 @find_normal.register(Specified)
 def _(normal: Any, axes: Any, cloud: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any) -> Any:
-    for a in range(len(axes)):
-        out[a] = order * normal.direction[a]
+    out[0] = order * normal.x
+    if len(axes) > 1:
+        out[1] = order * normal.y
+    if len(axes) > 2:
+        out[2] = order * normal.z
     return FOUND

@@ -1,0 +1,197 @@
+"""Contact nodes and what they see, against brute force; contacts listed from them, and momenta settled."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import yaml
+
+from mpmcli.contact.clouds import SEEN, images_of
+from mpmcli.core.stencil import fill_stencils
+from mpmcli.scene.loader import load_scene
+from mpmcli.solver.simulation import Simulation
+
+SOFT = {"kind": "neo_hookean", "density": 1.5, "E": 100.0, "nu": 0.3}
+
+
+def box(name, lower, upper, velocity=None, **more):
+    body = {"name": name, "material": "soft", "region": {"kind": "box", "lower": lower, "upper": upper}}
+    return body | ({"velocity": velocity} if velocity else {}) | more
+
+
+def simulation(bodies, contact=None, **changes):
+    scene = {
+        "version": 1,
+        "analysis": {"kind": "plane_strain"},
+        "grid": {"lower": [-8, -8], "upper": [8, 8], "cell": 1},
+        "method": {"shape": "ugimp", "transfer": {"kind": "flip"}},
+        "materials": {"soft": SOFT, "wall": {"kind": "rigid"}},
+        "bodies": bodies,
+        "contact": {"law": {"kind": "coulomb", "friction": 0.3}} | (contact or {}),
+        "time": {"end": 1.0, "courant": 0.2},
+    }
+    return Simulation(load_scene(yaml.safe_dump(scene | changes, sort_keys=False)))
+
+
+PAIR = (box("a", [-3, -2], [-0.2, 2.3], ["0.5", 0]), box("b", [0.1, -1.7], [3, 2]))
+TRIO = (*PAIR, box("c", [-2, 2.4], [2.2, 4], [0, "-0.4"]))
+
+
+def sights_by_node(s):
+    """For each contact node the set of (particle, image, value) that it sees."""
+    clouds = s.contact.clouds
+    seen = {}
+    for slot, node in enumerate(clouds.node):
+        at, found = clouds.sights.head[slot], []
+        while at >= 0:
+            found.append((clouds.sights.particle[at], clouds.sights.flag[at] & 7, clouds.sights.S[at]))
+            at = clouds.sights.next[at]
+        assert len(found) == clouds.sights.number[slot]
+        seen[int(node)] = found
+    return seen
+
+
+def stencils(s):
+    """Values (N, n) of all shape functions at the particles, over the nodes of one field."""
+    p, t = s.particles, s.transfer
+    m, d = len(t.stencil.offsets), s.grid.dimensions
+    base = np.zeros(p.count, dtype=np.uint64)
+    S, G = np.zeros((p.count, m)), np.zeros((p.count, d * m))
+    fill_stencils[False](t.shape.parameters, t.geometry, t.across, p.X, p.F, p.size, t.stencil, base, S, G)
+    dense = np.zeros((p.count, s.grid.node_count))
+    np.put_along_axis(dense, (base[:, None] + t.stencil.offsets).astype(np.int64), S, axis=1)
+    return dense
+
+
+@pytest.mark.parametrize("bodies", [PAIR, TRIO], ids=["two", "three"])
+@pytest.mark.parametrize("shape", ["ugimp", "lcpdi", "b2cpdi"])
+def test_contact_nodes_see_exactly_the_particles_whose_shape_functions_reach_them(bodies, shape):
+    s = simulation(list(bodies), method={"shape": shape, "transfer": {"kind": "flip"}})
+    for _ in range(25):
+        s.step()
+    before = stencils(s)  # the next step looks at these positions
+    s.step()
+    # the order of particles may have changed by a sort between the two looks
+    assert s.order.version >= 1
+    field_of = s.particles.velocity_field
+    if s.order.drift == 0.0:
+        pytest.skip("particles were sorted in the step looked at")
+    several = [
+        i for i in np.flatnonzero((before > 0).any(axis=0)) if len(set(field_of[before[:, i] > 0.0])) > 1
+    ]
+    seen = sights_by_node(s)
+    assert sorted(seen) == several
+    for node, found in seen.items():
+        expected = np.flatnonzero(before[:, node] > SEEN)
+        assert sorted(p for p, _, _ in found) == expected.tolist()
+        for p, image, value in found:
+            assert image == 0
+            assert value == pytest.approx(before[p, node], rel=1e-13)
+
+
+def test_particles_that_see_no_contact_node_cost_nothing():
+    s = simulation([box("a", [-7, -1], [-5, 1]), box("b", [5, -1], [7, 1])])
+    s.step()
+    assert len(s.contact.clouds.candidates.node) == 0
+    assert len(s.contact.clouds.candidates.particle) == 0
+    assert s.contact.clouds.count == 0
+
+
+def test_images_of_planes_on_one_axis_do_not_combine():
+    images = images_of([(0, 3), (1, 7), (0, 20)], 2)
+    lines = {tuple(line) for line in images.line}
+    assert lines == {(3, -1), (-1, 7), (20, -1), (3, 7), (20, 7)}
+    assert all(flag >> 4 == k + 1 for k, flag in enumerate(images.flag))
+
+
+def test_a_mirror_shows_nodes_near_it_the_images_of_their_particles():
+    plane = {"name": "mid", "kind": "symmetry", "plane": {"axis": "y", "at": -2.0}}
+    s = simulation([box("a", [-3, -2], [-0.1, 2]), box("b", [0.1, -2], [3, 2])], boundary=[plane])
+    s.step()
+    seen = sights_by_node(s)
+    coordinates = {node: s.grid.coordinates(np.array([node]))[:, 0] for node in seen}
+    on_plane = [node for node in seen if coordinates[node][1] == -2.0]
+    assert on_plane
+    for node in on_plane:
+        real = sorted((p, value) for p, image, value in seen[node] if image == 0)
+        turned = sorted((p, value) for p, image, value in seen[node] if image == 2)
+        assert [p for p, _ in real] == [p for p, _ in turned]
+        np.testing.assert_array_equal([v for _, v in real], [v for _, v in turned])
+
+
+def test_two_fields_make_one_contact_per_node_and_three_one_per_field():
+    s = simulation(list(TRIO))
+    s.step()
+    members, first = s.contact.contacts.members, s.contact.clouds.first
+    n = s.grid.node_count
+    counts = np.diff(first)
+    assert set(counts) == {2, 3}
+    for slot, fields in enumerate(counts):
+        mine = [k for k in range(s.contact.contacts.count) if members.slot[k] == slot]
+        if fields == 2:
+            assert len(mine) == 1
+            assert members.both[mine[0]]
+            assert members.alpha[mine[0]] < members.partner[mine[0]]
+        else:
+            assert [members.alpha[k] // n for k in mine] == [0, 1, 2]
+            assert not any(members.both[k] for k in mine)
+        assert members.alpha[mine].tolist() == sorted(members.alpha[mine])
+
+
+def test_a_rigid_field_meets_each_other_field_by_itself_after_they_have_met():
+    wall = {"name": "w", "material": "wall", "region": {"kind": "box", "lower": [-4, -4], "upper": [4, -2.1]}}
+    s = simulation([*PAIR[:1], box("b", [0.1, -2], [3, 2]), wall])
+    s.step()
+    members, n = s.contact.contacts.members, s.grid.node_count
+    rows = range(s.contact.contacts.count)
+    assert any(members.rigid[k] for k in rows)
+    for k in rows:
+        if members.rigid[k]:
+            assert members.partner[k] // n == 2
+            assert members.stage[k] == 1
+            assert not members.both[k]
+        else:
+            assert members.stage[k] == 0
+            assert 2 not in (members.alpha[k] // n, members.partner[k] // n)
+
+
+def test_small_shares_of_mass_are_passed_over_unless_the_bond_is_perfect():
+    for law, passed_over in (("stick", True), ("perfect", False)):
+        s = simulation(list(PAIR), {"law": {"kind": law}, "mass_ratio": 0.3})
+        s.step()
+        mp, clouds, c = s.grid.mp, s.contact.clouds, s.contact.contacts
+        shares = []
+        for slot in range(clouds.count):
+            m = mp[clouds.dof[clouds.first[slot] : clouds.first[slot + 1]], 0]
+            shares.append(m.min() / m.sum())
+        wanted = sum(share >= 0.3 for share in shares) if passed_over else len(shares)
+        assert min(shares) < 0.3 < max(shares)
+        assert c.count == wanted
+
+
+@pytest.mark.parametrize(
+    "transfer", [{"kind": "flip"}, {"kind": "fmpm", "order": 3}, {"kind": "xpic", "order": 3}]
+)
+@pytest.mark.parametrize("update", ["usf", "usl+", "usavg"])
+def test_contact_of_two_fields_keeps_momentum(transfer, update):
+    s = simulation(list(PAIR), method={"shape": "lcpdi", "update": update, "transfer": transfer})
+    before = (s.particles.mass * s.particles.V).sum(axis=1)
+    for _ in range(60):
+        s.step()
+    after = (s.particles.mass * s.particles.V).sum(axis=1)
+    b = s.particles.body == 1
+    assert np.abs((s.particles.mass * s.particles.V)[:, b].sum(axis=1)).max() > 1.0
+    np.testing.assert_allclose(after, before, rtol=0, atol=1e-11)
+
+
+def test_forces_of_the_table_are_what_the_bodies_gain():
+    s = simulation(list(PAIR))
+    while s.contact.view.touching == 0:
+        s.step()
+    b = s.particles.body == 0
+    before = (s.particles.mass * s.particles.V)[:, b].sum(axis=1)
+    s.step()
+    b = s.particles.body == 0
+    after = (s.particles.mass * s.particles.V)[:, b].sum(axis=1)
+    assert np.abs(s.contact.view.force).max() > 0.0
+    np.testing.assert_allclose((after - before) / s.state.dt, s.contact.view.force[0], rtol=1e-9, atol=1e-9)
