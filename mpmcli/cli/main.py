@@ -25,6 +25,10 @@ COMMANDS = {
     "new": "Print or write a commented scene to start from.",
     "compare": "Compare two tables or results folders as numbers.",
     "info": "Tell what a results folder holds.",
+    "plot": "Draw the tables and particles of a results folder.",
+    "cite": "Print BibTeX of the methods that a scene uses.",
+    "stability": "Find the largest stable Courant numbers of a scene.",
+    "tradeoff": "Measure what accuracy costs, over variations of a scene.",
 }
 
 OUR_BUG = 70

@@ -12,7 +12,7 @@ import click
 from mpmcli.cli.options import load_checked, scene_options, show_warnings, threads_option
 
 
-def _seconds(context: click.Context, option: click.Parameter, text: str | None) -> float | None:
+def seconds_by_the_clock(context: click.Context, option: click.Parameter, text: str | None) -> float | None:
     """Seconds of ``H:M:S``, ``M:S`` or plain seconds."""
     if text is None:
         return None
@@ -48,8 +48,13 @@ def until_in_scene_units(text: str | None, loaded: Any) -> float | None:
 @scene_options
 @click.option("--until", metavar="T", help="End of the run, instead of the scene's.")
 @click.option("--overwrite", is_flag=True, help="Replace results of an earlier run in the folder.")
-@click.option("--resume", is_flag=True, help="Continue from the last checkpoint (not built yet).")
-@click.option("--max-walltime", metavar="H:M:S", callback=_seconds, help="Stop after this time by the clock.")
+@click.option("--resume", is_flag=True, help="Go on from the last checkpoint in the folder.")
+@click.option(
+    "--max-walltime",
+    metavar="H:M:S",
+    callback=seconds_by_the_clock,
+    help="Stop after this time by the clock.",
+)
 @click.option("--dry-run", is_flag=True, help="Set everything up, write the start, and end.")
 @click.option("-q", "--quiet", is_flag=True, help="Show errors only.")
 @click.option("-v", "--verbose", count=True, help="Show more.")
@@ -71,8 +76,9 @@ def command(
     """Run SCENE, and write the results to a folder (results/NAME without -o)."""
     if quiet and verbose:
         raise click.UsageError("-q and -v exclude each other.")
-    if resume:
-        raise click.UsageError("--resume is not built yet: there are no checkpoints to continue from.")
+    if resume and (overwrite or dry_run):
+        other = "--overwrite" if overwrite else "--dry-run"
+        raise click.UsageError(f"--resume and {other} exclude each other.")
     loaded = load_checked(scene, sets, defines, allow_outside_files)
     end = until_in_scene_units(until, loaded)
     if not quiet:
@@ -88,6 +94,7 @@ def command(
             threads=threads,
             until=end,
             overwrite=overwrite,
+            resume=resume,
             max_walltime=max_walltime,
             dry_run=dry_run,
             verbosity=-1 if quiet else verbose,

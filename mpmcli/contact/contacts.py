@@ -267,11 +267,12 @@ def row_of(array, row):
 @inline
 def gather(
     axes, k, cloud, members, node, node_count, shape_of_grid, origin, cell, ring, head, following, seer, turned, S, G,
-    planes, field, rigid_field, X, F, size, vol0, mass, X0, bond,
+    planes, field, rigid_field, X, F, size, vol0, mass, X0, bond, radius_inverse,
 ):  # fmt: skip
     """Put the particles that contact ``k`` looks at into its cloud.
 
-    Returns their number, the volumes Σ S V of α and of β, and the share of the volume that is bonded. This must not
+    Returns their number, the volumes Σ S V of α and of β, and the share of the volume that is bonded. What may be None
+    is an argument of its own: numba leaves out branches for arguments only. This must not
     stand in a parallel loop itself: numba would take the writes through the tuple for dead and drop them.
     """
     slot = members.slot[k]
@@ -314,8 +315,8 @@ def gather(
                 sum_beta += S[at] * v
             cloud.volume[n] = v if ring is None else v / X[0, p]
             cloud.mass[n] = mass[p]
-            if cloud.radius_inverse is not None:
-                put_radius(axes, F, size, p, turned[at], cloud.radius_inverse, n)
+            if radius_inverse is not None:
+                put_radius(axes, F, size, p, turned[at], radius_inverse, n)
             n += 1
         at = following[at]
     whole = sum_alpha + sum_beta
@@ -344,7 +345,7 @@ def find_geometry(
         for k in range(count * c // workers, count * (c + 1) // workers):
             n, volume_alpha, volume_beta, intact[k] = gather(
                 axes, k, cloud, members, node, node_count, shape_of_grid, origin, cell, ring, head, following, seer,
-                turned, S, G, planes, field, rigid_field, X, F, size, vol0, mass, X0, bond,
+                turned, S, G, planes, field, rigid_field, X, F, size, vol0, mass, X0, bond, row_of(b_radius, c),
             )  # fmt: skip
             side, order = 1.0 if members.rigid[k] else 0.0, members.order[k]
             if guesses is None:

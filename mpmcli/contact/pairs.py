@@ -111,8 +111,14 @@ def finish_pairs(axes, count, members, begin, chosen, prior, net, evolving, dp0,
                         net[k, a] = full
         elif lumped and chosen[slot]:
             for a in range(len(axes)):
-                dp[k, a] = 0.0
-                if prior is not None:
+                if prior is None:
+                    dp[k, a] = 0.0
+                elif evolving:
+                    net[k, a] -= dp[k, a]
+                    prior[k, a] += dp[k, a]
+                    dp[k, a] = 0.0
+                else:  # what lumped contacts of earlier increments did is taken back: the totals of the pairs hold it
+                    dp[k, a] -= net[k, a]
                     net[k, a] = 0.0
         if (members.pair[k] and not chosen[slot]) or (lumped and chosen[slot]):
             state[k] = 0

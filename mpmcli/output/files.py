@@ -14,7 +14,11 @@ LOG = "run.log"
 LOCK = ".mpmcli.lock"
 GLOBALS = "globals.csv"
 FAILED = "failed.vtu"
-OWNED = (GLOBALS, MANIFEST, LOG, FAILED, "particles.pvd", "grid.pvd", "checkpoint.npz", "checkpoint_prev.npz")
+CHECKPOINT = "checkpoint.npz"
+CHECKPOINT_PREVIOUS = "checkpoint_prev.npz"
+CHECKPOINT_DAMAGED = "checkpoint_damaged.npz"
+CHECKPOINTS = (CHECKPOINT, CHECKPOINT_PREVIOUS, CHECKPOINT_DAMAGED)
+OWNED = (GLOBALS, MANIFEST, LOG, FAILED, "particles.pvd", "grid.pvd", *CHECKPOINTS)
 SERIES = {
     "particles": re.compile(r"particles_\d{6,}\.vtu(\.part)?"),
     "grid": re.compile(r"grid_\d{6,}\.vtu(\.part)?"),

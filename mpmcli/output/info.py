@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from mpmcli.core.errors import ArchiveError
-from mpmcli.output.files import FAILED, GLOBALS, SERIES, owned_files
+from mpmcli.output.checkpoint import read_checkpoint
+from mpmcli.output.files import CHECKPOINTS, FAILED, GLOBALS, SERIES, owned_files
 from mpmcli.output.manifest import read_manifest
 from mpmcli.output.tables import read_table
 
@@ -37,7 +38,9 @@ def describe(path: Path | str) -> str:
         return "\n".join(_of_table(path, {}))
     if path.suffix == ".vtu":
         return "\n".join(_of_vtu(path, {}))
-    raise ArchiveError(f"{path} is neither a results folder nor a .csv or .vtu file")
+    if path.suffix == ".npz":
+        return "\n".join(_of_checkpoint(path))
+    raise ArchiveError(f"{path} is neither a results folder nor a .csv, .vtu or .npz file")
 
 
 def _of_folder(directory: Path) -> Iterator[str]:
@@ -57,6 +60,9 @@ def _of_folder(directory: Path) -> Iterator[str]:
             span = f", time {float(times[0]):g} to {float(times[-1]):g}" if times else ""
             yield f"{name}: {len(files)} files, {size_in_words(size)}{span}"
             yield from ("  " + line for line in _of_vtu(files[-1], units.get(name, {})))
+    for name in CHECKPOINTS:
+        if (directory / name).exists():
+            yield _checkpoint_in_short(directory / name)
     if (directory / FAILED).exists():
         yield f"{FAILED}: the last state before the run failed"
     tables = [directory / GLOBALS, *sorted((directory / "probes").glob("*.csv"))]
@@ -103,6 +109,26 @@ def _of_vtu(path: Path, units: dict[str, str]) -> Iterator[str]:
         word = name.decode()
         components = f" × {int(count)}" if count else ""
         yield f"  {word:<24} {kind.decode()}{components}  {units.get(word, '')}".rstrip()
+
+
+def _checkpoint_in_short(path: Path) -> str:
+    try:
+        found = read_checkpoint(path, header_only=True)
+    except ArchiveError as error:
+        return str(error)
+    size = size_in_words(path.stat().st_size)
+    return f"{path.name}: step {found.step}, time {found.time:g}, {size}, mpmcli {found.header['mpmcli']}"
+
+
+def _of_checkpoint(path: Path) -> Iterator[str]:
+    found = read_checkpoint(path, header_only=True)
+    yield _checkpoint_in_short(path)
+    yield f"scene {found.header['scene_hash'][:12]}"
+    arrays = found.header["arrays"]
+    width = max(map(len, arrays))
+    for name, facts in arrays.items():
+        if facts["shape"]:
+            yield f"  {name:<{width}}  {facts['dtype']} × {' × '.join(map(str, facts['shape']))}"
 
 
 def size_in_words(count: float) -> str:

@@ -45,3 +45,10 @@ class Schedule:
         self.count = max(self.count, math.floor(time / self.every))
         while self.is_due(time):
             self.count += 1
+
+    def recall(self, every: float, count: int, time: float) -> None:
+        """Go on from a checkpoint of this ``time``: as before, or with another time between outputs."""
+        if every == self.every:
+            self.count = count
+        else:
+            self.advance(time)

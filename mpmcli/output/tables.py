@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import os
+import zlib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -24,16 +26,41 @@ class Table:
         The file; it is written anew.
     columns
         Names of the columns; names with a comma are quoted.
+    position
+        ``Table.position`` of an earlier run, to go on from there: what follows is cut off.
+
+    Attributes
+    ----------
+    position : how many bytes were written, and their CRC-32
     """
 
-    def __init__(self, path: Path, columns: Sequence[str]):
+    def __init__(self, path: Path, columns: Sequence[str], position: tuple[int, int] | None = None):
         self.path, self.columns = path, list(columns)
+        self.position = (0, 0)
         try:
             # the buffer is flushed with each row: what was written survives a crash of the program
-            self._stream = open(path, "w", encoding="utf-8", newline="")  # noqa: SIM115
+            self._stream = open(path, "wb" if position is None else "r+b")  # noqa: SIM115
+            if position is not None:
+                self._cut_back(position)
         except OSError as error:
             raise cannot_write(path, error) from error
-        self._write(_quoted(name) for name in self.columns)
+        if position is None:
+            self._write(_quoted(name) for name in self.columns)
+
+    def _cut_back(self, position: tuple[int, int]) -> None:
+        size, checksum = position
+        found, left = 0, size
+        while left > 0 and (block := self._stream.read(min(left, 1 << 22))):
+            found = zlib.crc32(block, found)
+            left -= len(block)
+        if left or found != checksum:
+            self._stream.close()
+            raise ArchiveError(
+                f"cannot continue {self.path}: it is not what the run had written at its checkpoint"
+            )
+        self._stream.truncate(size)
+        self._stream.seek(size)
+        self.position = (size, checksum)
 
     def write(self, numbers: Sequence[float | int]) -> None:
         """Add one row."""
@@ -43,8 +70,18 @@ class Table:
 
     def _write(self, cells: Iterable[str]) -> None:
         try:
-            self._stream.write(",".join(cells) + "\n")
+            line = (",".join(cells) + "\n").encode()
+            self._stream.write(line)
             self._stream.flush()
+            size, checksum = self.position
+            self.position = (size + len(line), zlib.crc32(line, checksum))
+        except OSError as error:
+            raise cannot_write(self.path, error) from error
+
+    def sync(self) -> None:
+        """Make sure that the rows are on the disk."""
+        try:
+            os.fsync(self._stream.fileno())
         except OSError as error:
             raise cannot_write(self.path, error) from error
 

@@ -19,7 +19,7 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkUnstructuredGrid
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from mpmcli.core.state import GridView
-from mpmcli.output.files import cannot_write, make_folder, write_text
+from mpmcli.output.files import SERIES, cannot_write, make_folder, write_text
 from mpmcli.output.probes import nodal_values
 from mpmcli.output.quantities import Quantity
 from mpmcli.output.snapshot import Snapshot
@@ -205,12 +205,40 @@ def mesh_of(grid: GridView) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Series:
-    """A time series: ``NAME/NAME_000012.vtu``, and ``NAME.pvd`` that lists them, rewritten with each file."""
+    """A time series: ``NAME/NAME_000012.vtu``, and ``NAME.pvd`` that lists them, rewritten with each file.
 
-    def __init__(self, directory: Path, name: str):
+    Parameters
+    ----------
+    times
+        Times of the files of an earlier run to go on from; those that follow are removed.
+    """
+
+    def __init__(self, directory: Path, name: str, times: Sequence[float] | None = None):
         self.directory, self.name = directory, name
         self.entries: list[tuple[float, str]] = []
         make_folder(directory / name)
+        if times is not None:
+            for time in times:
+                self.entries.append((float(time), self._relative(self.next_path())))
+            self._remove_others()
+            self._list()
+
+    @property
+    def times(self) -> list[float]:
+        """Times of the files so far."""
+        return [time for time, _ in self.entries]
+
+    def _remove_others(self) -> None:
+        kept = {self.directory / file for _, file in self.entries}
+        try:
+            for path in (self.directory / self.name).iterdir():
+                if SERIES[self.name].fullmatch(path.name) and path not in kept:
+                    path.unlink()
+        except OSError as error:
+            raise cannot_write(self.directory / self.name, error) from error
+
+    def _relative(self, path: Path) -> str:
+        return path.relative_to(self.directory).as_posix()
 
     def next_path(self) -> Path:
         """Path of the next file."""
@@ -218,7 +246,10 @@ class Series:
 
     def add(self, time: float, path: Path) -> None:
         """List a file that has been written."""
-        self.entries.append((time, path.relative_to(self.directory).as_posix()))
+        self.entries.append((time, self._relative(path)))
+        self._list()
+
+    def _list(self) -> None:
         lines = [
             f'    <DataSet timestep={quoteattr(f"{when:.17g}")} part="0" file={quoteattr(file)}/>'
             for when, file in self.entries

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import logging
+import math
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,12 +14,15 @@ from typing import Any
 from mpmcli.core import runtime
 from mpmcli.core.errors import ArchiveError, SimulationError
 from mpmcli.output import manifest
+from mpmcli.output.checkpoint import Checkpoint, write_checkpoint
 from mpmcli.output.files import LOG
 from mpmcli.output.recorder import Recorder, check_output
-from mpmcli.output.schedule import is_reached
-from mpmcli.run.folder import DRY_RUN, default_folder, owned_folder, refuse_occupied
+from mpmcli.output.schedule import Schedule, is_reached
+from mpmcli.run.folder import DRY_RUN, default_folder, locked_folder, owned_folder, refuse_occupied
 from mpmcli.run.interrupts import Interrupted, Interrupts, exit_code_of, name_of
 from mpmcli.run.progress import LOG_ONLY, MessageHandler, Progress, duration_in_words
+from mpmcli.run.resume import header_facts, last_checkpoint, refuse_changes, resumptions, source_of
+from mpmcli.run.watch import EnergyWatch
 
 LOGGER = logging.getLogger("mpmcli")
 STOPPED_EARLY = 6
@@ -62,6 +66,7 @@ def run(
     threads: int | None = None,
     until: float | None = None,
     overwrite: bool = False,
+    resume: bool = False,
     max_walltime: float | None = None,
     dry_run: bool = False,
     verbosity: int = 0,
@@ -82,8 +87,10 @@ def run(
         End of the run instead of the scene's [time].
     overwrite
         Whether results of an earlier run may be replaced; other files in the folder are left alone.
+    resume
+        Whether to go on from the last checkpoint in the folder instead of from the start.
     max_walltime
-        Stop after so many seconds by the clock, with a last archive.
+        Stop after so many seconds by the clock, with a last archive and a checkpoint.
     dry_run
         Set up, print the report to stdout, write the start, and end.
     verbosity
@@ -101,28 +108,45 @@ def run(
     Raises
     ------
     SceneError
-        If the scene asks for columns or fields that it cannot have, or cannot be set up.
+        If the scene asks for columns or fields that it cannot have, cannot be set up, or is not the one that is to be
+        resumed.
     ArchiveError
-        If the folder holds results, is in use, or cannot be written.
+        If the folder holds results, is in use, or cannot be written; if there is no checkpoint to resume from.
     """
     directory = default_folder(loaded.path) if directory is None else Path(directory)
     check_output(loaded.scene)
-    refuse_occupied(directory, overwrite)
+    if not resume:
+        refuse_occupied(directory, overwrite)
     end = float(loaded.scene.time.end if until is None else until)
     shown = Progress(end, progress and verbosity >= 0)
-    with Interrupts() as interrupts, _messages(shown, verbosity):
+    with Interrupts() as interrupts, _messages(shown, verbosity), ExitStack() as held:
         begin = time.perf_counter()
+        checkpoint = None
         is_cold = runtime.is_cold()
         try:
+            if resume:
+                held.enter_context(locked_folder(directory))
+                checkpoint = last_checkpoint(directory)
+                refuse_changes(loaded, checkpoint)
+                if is_over(checkpoint.step, checkpoint.time, end, loaded.scene.time.max_steps):
+                    LOGGER.info("nothing left to do: step %d, time %.6g", checkpoint.step, checkpoint.time)
+                    return Outcome(0, "finished", directory, checkpoint.step, checkpoint.time)
             with shown.waiting(COMPILING if is_cold else SETTING_UP, is_important=is_cold):
                 simulation = (make_simulation or _solver())(loaded, threads=threads)
         except Interrupted as signal:
             LOGGER.error("interrupted by %s during set-up; nothing was written", name_of(signal.number))
             return Outcome(exit_code_of(signal.number), "interrupted", directory)
         interrupts.is_patient = True
-        with owned_folder(directory, overwrite), _log_file(directory):
-            march = _March(loaded, directory, simulation, interrupts, shown, end, begin)
-            return march.dry_run() if dry_run else march.run(max_walltime)
+        if not resume:
+            held.enter_context(owned_folder(directory, overwrite))
+        held.enter_context(_log_file(directory, "a" if resume else "w"))
+        march = _March(loaded, directory, simulation, interrupts, shown, end, begin, checkpoint)
+        return march.dry_run() if dry_run else march.run(max_walltime)
+
+
+def is_over(step: int, now: float, end: float, max_steps: int | None) -> bool:
+    """Whether a run to ``end``, of so many steps at most, ends at this step and time."""
+    return is_reached(now, end) or (max_steps is not None and step >= max_steps)
 
 
 def _solver() -> Callable[..., Any]:
@@ -143,7 +167,9 @@ class _March:
         progress: Progress,
         end: float,
         begin: float,
+        checkpoint: Checkpoint | None = None,
     ):
+        self.loaded = loaded
         self.directory, self.simulation = directory, simulation
         self.interrupts, self.progress = interrupts, progress
         self.end, self.begin = end, begin
@@ -151,12 +177,29 @@ class _March:
         self.step_seconds, self.counted_steps, self.output_seconds = 0.0, 0, 0.0
         report = str(simulation.setup_report)
         facts = manifest.facts_of_machine(simulation.threads)
+        facts |= {"started": manifest.now(), "setup": report.splitlines(), "source": source_of(loaded)}
+        if checkpoint is not None:
+            here = {"step": checkpoint.step, "time": checkpoint.time, "at": manifest.now()}
+            facts["resumed"] = [*resumptions(directory), here]
         self.recorder = Recorder(
-            loaded,
-            directory,
-            simulation.state,
-            {**facts, "started": manifest.now(), "setup": report.splitlines()},
+            loaded, directory, simulation.state, facts, checkpoint.part("output") if checkpoint else None
         )
+        self.watch = EnergyWatch(simulation)
+        asked = loaded.scene.archive.checkpoint
+        self.saved_step: int | None = None
+        self.is_saved = asked is not None  # signals and the wall limit save in any case
+        self.next_save = Schedule(math.inf if asked is None or asked.every is None else asked.every)
+        self.seconds_between_saves = math.inf if asked is None else asked.wall_seconds
+        self.saved_at = time.perf_counter()
+        self.resumed_step = None if checkpoint is None else checkpoint.step
+        if checkpoint is not None:
+            simulation.restore(checkpoint.part("simulation"))
+            self.watch.recall(checkpoint.part("watch"))
+            self.saved_step = checkpoint.step
+            self.next_save.advance(checkpoint.time)
+            LOGGER.info(
+                "resumed from %s: step %d, time %.6g", checkpoint.path.name, checkpoint.step, checkpoint.time
+            )
         LOGGER.debug("%s, scene %s, on %s threads", loaded.path, loaded.hash, simulation.threads)
         for warning in loaded.warnings:
             LOGGER.warning("%s", warning, extra={LOG_ONLY: True})
@@ -173,7 +216,7 @@ class _March:
         """March to the end, or to whatever stops it."""
         try:
             code, ended = self._march(max_walltime)
-            self._record(everything=True)
+            self._end_files()
         except SimulationError as error:
             code, ended = error.exit_code, f"failed: {error}"
             self.progress.stop()
@@ -206,13 +249,17 @@ class _March:
         clock = time.perf_counter
         is_cold = runtime.is_cold()
         with self.progress.waiting(COMPILING if is_cold else SETTING_UP, is_important=is_cold):
-            self._record(everything=True)
+            if self.resumed_step is None:
+                self._record(everything=True)
+                self.watch.look()
+                self._save_if_due()
             if not self._is_over() and interrupts.received is None:
                 # this step may compile for seconds, and there is nothing to lose yet: stop at once if asked
                 interrupts.is_patient = False
                 simulation.step()
                 interrupts.is_patient = True
                 self._record()
+                self._save_if_due()
         LOGGER.debug("the first step was done after %.3g s", self._elapsed())
         self.progress.start(simulation.state)
         while not self._is_over():
@@ -224,16 +271,54 @@ class _March:
             simulation.step()
             self.step_seconds += clock() - before
             self.counted_steps += 1
+            self.watch.look()
             if recorder.due(simulation.state):
                 self._record()
+            self._save_if_due()
             self.progress.update(simulation.state, recorder.energy_error)
         return 0, "finished"
 
     def _is_over(self) -> bool:
         state = self.simulation.state
-        return is_reached(state.time, self.end) or (
-            self.max_steps is not None and state.step >= self.max_steps
-        )
+        return is_over(state.step, state.time, self.end, self.max_steps)
+
+    def _save_if_due(self) -> None:
+        """Write a checkpoint if it is time; at the end of the run ``_end_files`` does."""
+        if not self.is_saved:
+            return
+        time_is_up = time.perf_counter() - self.saved_at >= self.seconds_between_saves
+        if (time_is_up or self.next_save.is_due(self.simulation.state.time)) and not self._is_over():
+            self._save(self.recorder.memory(self.simulation.state))
+
+    def _save(self, output: dict[str, Any]) -> None:
+        """Write a checkpoint of the state, and of the files as ``output`` describes them."""
+        before = time.perf_counter()
+        state = self.simulation.state
+        arrays = {f"simulation.{name}": array for name, array in self.simulation.state_arrays().items()}
+        arrays |= {f"output.{name}": array for name, array in output.items()}
+        arrays |= {f"watch.{name}": array for name, array in self.watch.memory().items()}
+        write_checkpoint(self.directory, arrays, header_facts(self.loaded, state))
+        self.saved_step = state.step
+        self.next_save.advance(state.time)
+        self.saved_at = time.perf_counter()
+        self.output_seconds += self.saved_at - before
+
+    def _end_files(self) -> None:
+        """Write the last state, and a checkpoint that knows the files as they were before, for a run that goes on.
+
+        At the end of a run the checkpoint comes last, so that with it nothing is missing.
+        """
+        if self.resumed_step == self.simulation.state.step:
+            return  # interrupted before the first step: all is as the last run left it
+        memory = self.recorder.memory(self.simulation.state)
+        if self._is_over():
+            self._record(everything=True)
+            if self.is_saved:
+                self._save(memory)
+        else:
+            if self.saved_step != self.simulation.state.step:
+                self._save(memory)
+            self._record(everything=True)
 
     def _record(self, everything: bool = False) -> None:
         before = time.perf_counter()
@@ -340,9 +425,9 @@ class _LogFile(logging.FileHandler):
 
 
 @contextmanager
-def _log_file(directory: Path) -> Iterator[None]:
+def _log_file(directory: Path, mode: str) -> Iterator[None]:
     try:
-        handler = _LogFile(directory / LOG, mode="w", encoding="utf-8")
+        handler = _LogFile(directory / LOG, mode=mode, encoding="utf-8")
     except OSError as error:
         raise ArchiveError(f"cannot write {directory / LOG}: {error.strerror}") from error
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))

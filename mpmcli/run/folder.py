@@ -50,6 +50,23 @@ def owned_folder(directory: Path, overwrite: bool) -> Iterator[None]:
         If another run holds it, it holds results, or it cannot be written.
     """
     make_folder(directory)
+    with locked_folder(directory):
+        refuse_occupied(directory, overwrite)
+        remove_results(directory)
+        yield
+
+
+@contextmanager
+def locked_folder(directory: Path) -> Iterator[None]:
+    """Hold a folder that exists, so that no other run writes to it.
+
+    Raises
+    ------
+    ArchiveError
+        If there is none, another run holds it, or it cannot be written.
+    """
+    if not directory.is_dir():
+        raise ArchiveError(f"{directory} does not exist: there is no run to resume")
     path = directory / LOCK
     lock = FileLock(path)
     try:
@@ -59,8 +76,6 @@ def owned_folder(directory: Path, overwrite: bool) -> Iterator[None]:
     except OSError as error:
         raise cannot_write(directory, error) from error
     try:
-        refuse_occupied(directory, overwrite)
-        remove_results(directory)
         yield
     finally:
         path.unlink(missing_ok=True)

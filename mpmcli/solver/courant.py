@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from mpmcli.core.errors import SimulationError
@@ -26,17 +26,38 @@ class TimeStep:
         self.smallest_cell = smallest_cell
         self._first: float | None = None
 
-    def choose(self, wave_speed: float, particle_speed: float) -> float:
-        """Size of the next step for these largest speeds [velocity]."""
+    def choose(
+        self, wave_speed: float, particle_speed: float, describe: Callable[[str], str] = lambda which: ""
+    ) -> float:
+        """Size of the next step for these largest speeds [velocity].
+
+        ``describe`` tells, for messages, of the ``fastest`` or the most ``compressed`` particle.
+
+        Raises
+        ------
+        SimulationError
+            If a particle would move by more than a cell, or the step is next to nothing.
+        """
         if self.courant is None:
+            cells = self.fixed * particle_speed / self.smallest_cell
+            if cells > 1.0:
+                raise SimulationError(
+                    f"a particle would move by {cells:.3g} cells in one step of {self.fixed:.3g}; "
+                    f"{describe('fastest')}. Either the step is too long for this speed, or the run has become "
+                    f"unstable: try time.step below {self.smallest_cell / max(particle_speed, wave_speed):.2g}, "
+                    "or time.courant instead"
+                )
             return self.fixed
         dt = self.courant * self.smallest_cell / max(wave_speed, particle_speed)
         if self._first is None:
             self._first = dt
         if not dt > COLLAPSED * self._first:
+            which = "fastest" if particle_speed > wave_speed else "compressed"
             raise SimulationError(
                 f"the time step collapsed to {dt:.3g}, from {self._first:.3g} at the start: the largest wave speed "
-                f"is {wave_speed:.3g}, the largest particle speed {particle_speed:.3g}; try a smaller Courant number"
+                f"is {wave_speed:.3g}, the largest particle speed {particle_speed:.3g}; {describe(which)}. Most likely "
+                "the run has become unstable before: look at energy_error in globals.csv; try a smaller Courant "
+                f"number (time.courant: {0.5 * self.courant:.2g})"
             )
         return dt
 

@@ -65,7 +65,8 @@ class RigidBodies(NoRigidBodies):
         s, grid = self._s, self._s.grid
         dofs = s.rigid_dofs
         if s.has_mirror:
-            mirror = s.conditions.conditions.mirror
+            conditions: Any = s.conditions
+            mirror = conditions.conditions.mirror
             nodes = dofs % grid.node_count
             dofs = dofs[~(mirror.beyond(nodes) | np.isin(nodes, mirror.pairs.own))]
         self._nodes = []

@@ -26,8 +26,8 @@ from mpmcli.materials.strain import (
     update_strain_and_stress,
 )
 from mpmcli.solver.conditions import GridConditions, NoConditions
-from mpmcli.solver.continuation import restore, state_arrays
 from mpmcli.solver.contact import NoContact, NodalContact
+from mpmcli.solver.continuation import restore, state_arrays
 from mpmcli.solver.courant import TimeStep
 from mpmcli.solver.exits import settle_exits
 from mpmcli.solver.loads import NodalLoads, NoLoads, place_of_identity
@@ -143,7 +143,7 @@ class Simulation:
         if self.state.step % GOOD_EVERY == 0:
             self.keep_good_state()
         try:
-            self._dt = self.time_step.choose(self.wave_speed, self.particle_speed)
+            self._dt = self.time_step.choose(self.wave_speed, self.particle_speed, self.describe_extreme)
             self.plan = self.period.plan_of_step(self)
             self.reached_order = self.plan.order
             advance(self, self._dt)
@@ -347,13 +347,27 @@ class Simulation:
             LOGGER.warning("boundary condition '%s' holds no node of a body at the start", name)
 
     def describe(self, particle: int) -> str:
-        """Particle, body, position and time in words, for messages; ``particle`` is its place in memory."""
-        p, state = self.particles, self.state
-        at = ", ".join(f"{x:.6g}" for x in p.X[:, particle])
+        """Particle, body, position, cell and time in words, for messages; ``particle`` is its place in memory."""
+        p, state, grid = self.particles, self.state, self.grid
+        X = p.X[:, particle]
+        at = ", ".join(f"{x:.6g}" for x in X)
+        place = np.floor((X - grid.lower) / grid.cell)
+        cell = f", cell ({', '.join(f'{i:.0f}' for i in place)})," if np.isfinite(place).all() else ""
         return (
-            f"particle {p.id[particle]} of body '{state.bodies[p.body[particle]]}' at ({at}) "
+            f"particle {p.id[particle]} of body '{state.bodies[p.body[particle]]}' at ({at}){cell} "
             f"in step {state.step + 1}, time {state.time:.6g}"
         )
+
+    def describe_extreme(self, which: str) -> str:
+        """The ``fastest`` or the most ``compressed`` particle in words, for messages."""
+        p = self.particles
+        if which == "fastest":
+            speed = np.sqrt(np.square(p.V).sum(axis=0))
+            particle = int(np.argmax(speed))
+            return f"the fastest is {self.describe(particle)}, with speed {speed[particle]:.3g}"
+        J = p.determinant()
+        particle = int(np.argmin(J))
+        return f"the most compressed is {self.describe(particle)}, with J = {J[particle]:.3g}"
 
     def _report_bad(self, particle: int) -> None:
         J = float(self.particles.determinant()[particle])
@@ -371,4 +385,12 @@ class Simulation:
 
     def _advice(self) -> str:
         courant = self.courant_of_step
-        return f"The last step was {self._dt:.3g} (Courant number {courant:.2g}): most likely it is too long"
+        key, half = (
+            ("step", 0.5 * self._dt)
+            if self.time_step.courant is None
+            else ("courant", 0.5 * self.time_step.courant)
+        )
+        return (
+            f"The last step was {self._dt:.3g} (Courant number {courant:.2g}): most likely it is too long; "
+            f"try time.{key}: {half:.2g}"
+        )

@@ -68,3 +68,57 @@ def test_the_run_that_compiles_gives_the_same_bits(tmp_path):
     )
     assert cold == warm
     assert cold == threads
+
+
+def stripes(path: Path) -> str:
+    """Eight layers of two fields that shake and slide, in contact amid cells: enough nodes for parallel kernels."""
+    bodies = [
+        f"  - {{name: s{i}, field: {'ab'[i % 2]}, material: soft, velocity: ['{(-1) ** i}*sin(y/2)', 'cos(x/3+{i})'], "
+        f"region: {{kind: box, lower: [0, {3 * i + 0.5}], upper: [46, {3 * i + 3.5}]}}}}"
+        for i in range(8)
+    ]
+    text = """version: 1
+analysis: {kind: plane_strain}
+grid: {lower: [-8, -8], upper: [54, 32], cell: 1}
+method: {shape: ugimp, transfer: {kind: fmpm, order: 2}}
+materials: {soft: {kind: neo_hookean, density: 1, E: 100, nu: 0.3}}
+contact: {law: {kind: coulomb, friction: 0.3}}
+time: {end: 0.6, courant: 0.2}
+archive:
+  particles: {every: 0.3, fields: [velocity, stress, contact_normal]}
+  grid: {every: 0.3, fields: [mass, velocity]}
+  globals: {every: 0.01}
+bodies:
+"""
+    path.write_text(text + "\n".join(bodies) + "\n")
+    return str(path)
+
+
+def least_contact_nodes(files: dict[str, bytes]) -> int:
+    """Fewest contact nodes in a row of the table after the first."""
+    header, _, *rows = files["globals.csv"].decode().splitlines()
+    at = header.split(",").index("contact_nodes")
+    return min(int(float(row.split(",")[at])) for row in rows)
+
+
+@pytest.mark.slow
+def test_threads_never_change_a_bit_of_contact(tmp_path):
+    scene = stripes(tmp_path / "stripes.yaml")
+    first, *others = (
+        files_of(scene, tmp_path / name, n) for name, n in (("a", 1), ("b", 2), ("c", 2), ("d", 1))
+    )
+    assert least_contact_nodes(first) >= 512
+    assert sum(name.endswith(".vtu") for name in first) >= 4
+    for other in others:
+        assert other.keys() == first.keys()
+        assert [name for name in first if first[name] != other[name]] == []
+
+
+@pytest.mark.slow
+def test_the_run_that_compiles_contact_gives_the_same_bits(tmp_path):
+    scene, cache = stripes(tmp_path / "stripes.yaml"), tmp_path / "cache"
+    cold, warm, threads = (
+        files_of(scene, tmp_path / name, n, cache=cache) for name, n in (("cold", 2), ("warm", 2), ("one", 1))
+    )
+    assert cold == warm
+    assert cold == threads

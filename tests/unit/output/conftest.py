@@ -104,7 +104,9 @@ def make_loaded(tmp_path):
             boundary=[SimpleNamespace(name="base")],
             loads=[],
             method=SimpleNamespace(
-                damping=SimpleNamespace(particle=0.0, grid=0.0), artificial_viscosity=None
+                damping=SimpleNamespace(particle=0.0, grid=0.0),
+                artificial_viscosity=None,
+                transfer=SimpleNamespace(),
             ),
             time=SimpleNamespace(end=1.0, max_steps=None),
             domain=SimpleNamespace(on_exit="error"),

@@ -44,6 +44,15 @@ class FakeSimulation:
         self.timings = {"4 particles": 0.5}
         loaded.simulation = self
 
+    def state_arrays(self) -> dict:
+        p = self.state.particles
+        return {"X": p.X, "V": p.V, "time": self.state.time, "step": self.state.step, "dt": self.state.dt}
+
+    def restore(self, arrays) -> None:
+        p, state = self.state.particles, self.state
+        p.X[:], p.V[:] = arrays["X"], arrays["V"]
+        state.time, state.dt, state.step = float(arrays["time"]), float(arrays["dt"]), int(arrays["step"])
+
     def step(self) -> None:
         self.at.get(self.state.step, lambda: None)()
         self.state.particles.X += self.dt * self.state.particles.V
@@ -62,7 +71,11 @@ def loaded(tmp_path):
         contact=None,
         boundary=[],
         loads=[],
-        method=SimpleNamespace(damping=SimpleNamespace(particle=0.0, grid=0.0), artificial_viscosity=None),
+        method=SimpleNamespace(
+            damping=SimpleNamespace(particle=0.0, grid=0.0),
+            artificial_viscosity=None,
+            transfer=SimpleNamespace(dynamic=None),
+        ),
         time=SimpleNamespace(end=1.0, max_steps=None),
         domain=SimpleNamespace(on_exit="error"),
         archive=Archive.model_validate({"particles": {"every": 0.5}, "globals": {"every": 0.1}}),
@@ -73,6 +86,9 @@ def loaded(tmp_path):
         units=SimpleNamespace(label=lambda dimension: dimension),
         resolved=lambda: {"title": "Flight"},
         hash="abc",
+        file_digests={},
+        overrides={"set": [], "define": []},
+        allow_outside_files=False,
         warnings=[],
         path=tmp_path / "flight.yaml",
         at={},

@@ -188,19 +188,7 @@ def test_warnings(problems_with: Find, old: str, new: str, path: str, words: str
     ("old", "new", "path"),
     [
         ("probes:", "method: {precision: single}\nprobes:", "method.precision"),
-        ("probes:", "method: {transfer: {kind: fmpm, blend: {order: 1}}}\nprobes:", "method.transfer.blend"),
-        (
-            "probes:",
-            "method: {transfer: {kind: fmpm, dynamic: {metric: means}}}\nprobes:",
-            "method.transfer.dynamic",
-        ),
-        (
-            "probes:",
-            "method: {transfer: {kind: fmpm, velocity_gradient: true}}\nprobes:",
-            "method.transfer.velocity_gradient",
-        ),
         ("time: {end: 0.1}", "time: {end: 0.1, courant: auto}", "time.courant"),
-        ("archive:\n", "archive:\n  checkpoint: {every: 1}\n", "archive.checkpoint"),
     ],
 )
 def test_what_is_not_built_says_so(problems_with: Find, old: str, new: str, path: str) -> None:

@@ -89,3 +89,27 @@ def test_speeds_that_are_not_finite_collapse_the_step(speed):
 
 def test_courant_number_of_a_step():
     assert TimeStep(span(step=0.1), smallest_cell=0.5).courant_of(0.1, 3.0, 4.0) == pytest.approx(0.8)
+
+
+def test_a_particle_faster_than_a_cell_per_step_is_refused_by_name(block):
+    run = block(time={"end": 1, "step": 0.004})
+    run.particles.V[0, 3] = 251.0
+    run.simulation.particle_speed = 251.0
+    identity = run.particles.id[3]
+    before = run.particles.X.copy()
+    with pytest.raises(SimulationError, match=r"would move by 1 cells in one step of 0\.004") as caught:
+        run.simulation.step()
+    assert f"the fastest is particle {identity} of body 'block' at (" in str(caught.value)
+    assert "with speed 251" in str(caught.value)
+    assert "try time.step below" in str(caught.value)
+    assert caught.value.state.step == 0
+    np.testing.assert_array_equal(run.particles.X, before)
+
+
+def test_a_collapsed_step_names_what_controls_it(block):
+    run = block().steps(1)
+    run.simulation.wave_speed = 1e12
+    run.particles.F[0, 7] = 0.01
+    identity = run.particles.id[7]
+    with pytest.raises(SimulationError, match=rf"the most compressed is particle {identity} of body 'block'"):
+        run.simulation.step()

@@ -1,0 +1,134 @@
+"""``mpmcli plot DIR``."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+WHAT = (
+    "energies",
+    "stresses",
+    "strains",
+    "reactions",
+    "momentum",
+    "contact",
+    "motion",
+    "steps",
+    "probes",
+    "particles",
+    "all",
+)
+"""``mpmcli.study.pictures.request.WHAT``, which help does not import."""
+
+
+def _words(texts: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(word.strip() for text in texts for word in text.split(",") if word.strip())
+
+
+def time_in_scene_units(text: str | None, manifest: dict[str, Any]) -> float | None:
+    """A time from the command line: a number, text with a unit, or an expression of the scene's constants."""
+    if text is None:
+        return None
+    from mpmcli.scene.context import Context
+    from mpmcli.scene.units import Units
+
+    scene = manifest.get("scene") or {}
+    units, constants = scene.get("units") or {}, scene.get("constants") or {}
+    try:
+        time = Context(Units(**units), constants).number(text, "time")
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--time") from None
+    if not math.isfinite(time):
+        raise click.BadParameter("the time must be a finite number", param_hint="--time")
+    return time
+
+
+@click.command("plot")
+@click.argument("directory", metavar="DIR", type=click.Path(path_type=Path))
+@click.option("--what", metavar="WORD,…", multiple=True, help=f"Of what: {', '.join(WHAT)}.")
+@click.option(
+    "--column", "columns", metavar="NAME,…", multiple=True, help="Columns of tables; * stands for any text."
+)
+@click.option(
+    "--color", metavar="QUANTITY", help="Colour particles by an array of the archives, stress_xy, body, …"
+)
+@click.option(
+    "--range", "limits", nargs=2, type=float, metavar="LOW HIGH", help="Numbers at the ends of the colours."
+)
+@click.option("--time", metavar="T", help="Show the particles at the archive nearest to this time.")
+@click.option(
+    "--frame", metavar="N", help="Show archive N, from 0, or -1 for the last; 'failed' for failed.vtu."
+)
+@click.option("--animate", type=click.Choice(["gif", "mp4"]), help="Show the particles at all times.")
+@click.option(
+    "--rate",
+    type=click.FloatRange(min=0.1, max=50),
+    default=10.0,
+    show_default=True,
+    help="Pictures per second of an animation.",
+)
+@click.option(
+    "--view",
+    type=click.Choice(["iso", "xy", "xz", "yz"]),
+    default="iso",
+    show_default=True,
+    help="From where particles in three dimensions are seen.",
+)
+@click.option("--paraview", is_flag=True, help="Write a Python script that opens the result in ParaView.")
+@click.option(
+    "-o",
+    "--output",
+    metavar="FILE|DIR",
+    type=click.Path(path_type=Path),
+    help="File of the picture, or folder of several; DIR/plots by default.",
+)
+def command(
+    directory: Path,
+    what: tuple[str, ...],
+    columns: tuple[str, ...],
+    color: str | None,
+    limits: tuple[float, float] | None,
+    time: str | None,
+    frame: str | None,
+    animate: str | None,
+    rate: float,
+    view: str,
+    paraview: bool,
+    output: Path | None,
+) -> None:
+    """Draw the tables and the particles of a results folder.
+
+    Without options: the energies over time, and the particles at the last time.
+    """
+    from mpmcli.output.manifest import read_manifest
+    from mpmcli.study.pictures import Request, plot
+
+    def progress(words: str) -> None:
+        if sys.stderr.isatty():
+            click.echo(f"\r{words} ", err=True, nl=False)
+
+    request = Request(
+        what=_words(what),
+        columns=_words(columns),
+        color=color,
+        limits=limits,
+        time=time_in_scene_units(time, read_manifest(directory) or {}),
+        frame=frame,
+        animate=animate,
+        rate=rate,
+        view=view,
+        paraview=paraview,
+        output=output,
+        progress=progress,
+    )
+    paths, notes = plot(directory, request)
+    if animate and sys.stderr.isatty():
+        click.echo("", err=True)
+    for words in notes:
+        click.echo(f"note: {words}", err=True)
+    for path in paths:
+        click.echo(str(path))

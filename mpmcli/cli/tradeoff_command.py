@@ -1,0 +1,226 @@
+"""``mpmcli tradeoff SCENE``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from mpmcli.cli.options import load_checked, scene_options, show_warnings
+from mpmcli.cli.run_command import until_in_scene_units
+
+if TYPE_CHECKING:
+    from mpmcli.study.tradeoff import Case, Measure
+
+COSTS = {"run": "run_seconds", "step": "step_seconds", "memory": "peak_memory"}
+
+
+@click.command("tradeoff")
+@click.argument("scene", type=click.Path(path_type=str))
+@click.option(
+    "-o",
+    "--output",
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    help="Folder of the study (results/NAME_tradeoff without it).",
+)
+@click.option(
+    "--vary",
+    "variations",
+    metavar="KEY=V1,V2,…",
+    multiple=True,
+    required=True,
+    help="A dotted key of the scene and its values; transfers may be in short form (method.transfer=flip,fmpm:4). "
+    "Given several times, all products are run.",
+)
+@click.option(
+    "--against",
+    metavar="exact|finest|TABLE",
+    default="finest",
+    show_default=True,
+    help="The reference: expressions of t (see --error), the case with the smallest cells (of those the most "
+    "expensive one), or a CSV table with a column time.",
+)
+@click.option(
+    "--error",
+    "errors",
+    metavar="COLUMN[=EXPRESSION]",
+    multiple=True,
+    help="Columns of globals.csv whose error counts; kinetic_energy and strain_energy by default. The largest counts.",
+)
+@click.option(
+    "--measure",
+    type=click.Choice(["rms", "end"]),
+    default="rms",
+    show_default=True,
+    help="The error: root mean square over time, or at the end; relative to the largest reference value.",
+)
+@click.option(
+    "--cost",
+    type=click.Choice(list(COSTS)),
+    default="run",
+    show_default=True,
+    help="The cost of the front, the plot and the sentence: run time, time per step, or peak memory.",
+)
+@click.option(
+    "--within",
+    metavar="SHARE",
+    type=click.FloatRange(min=0, min_open=True),
+    default=0.01,
+    show_default=True,
+    help="The sentence names the cheapest case with at most this error.",
+)
+@click.option(
+    "--repeats", type=click.IntRange(1, 100), default=3, show_default=True, help="Runs of each case."
+)
+@click.option("--until", metavar="T", help="End of the runs, instead of the scene's.")
+@click.option(
+    "--jobs",
+    type=click.IntRange(1, 4096),
+    default=1,
+    show_default=True,
+    help="Runs side by side; times are honest with one only.",
+)
+@click.option("--threads", type=click.IntRange(1, 4096), help="Threads of each run; all by default.")
+@click.option(
+    "--timeout",
+    metavar="SECONDS",
+    type=click.FloatRange(min=0, min_open=True),
+    help="A case fails if one of its runs takes longer.",
+)
+@click.option("--scheduler", metavar="ADDRESS", help="Run the cases on this Dask cluster.")
+@click.option(
+    "--plot/--no-plot", default=None, help="Draw tradeoff.png; by default if matplotlib is installed."
+)
+@click.option("-q", "--quiet", is_flag=True, help="Show table and sentence only.")
+@scene_options
+def command(
+    scene: str,
+    output: Path | None,
+    variations: tuple[str, ...],
+    against: str,
+    errors: tuple[str, ...],
+    measure: str,
+    cost: str,
+    within: float,
+    repeats: int,
+    until: str | None,
+    jobs: int,
+    threads: int | None,
+    timeout: float | None,
+    scheduler: str | None,
+    plot: bool | None,
+    quiet: bool,
+    sets: tuple[str, ...],
+    defines: tuple[str, ...],
+    allow_outside_files: bool,
+) -> int:
+    """Measure what accuracy costs: SCENE is run with all products of the values given.
+
+    Each run has a process of its own, and the cases take turns, so that a busy machine is fair to all. Finished runs
+    are kept in DIR/runs.jsonl; started again, the study goes on where it was stopped. It leaves tradeoff.csv,
+    tradeoff.json and tradeoff.png, and says which case is the cheapest within a given error.
+    """
+    loaded = load_checked(scene, sets, defines, allow_outside_files)
+    end = until_in_scene_units(until, loaded)
+    if not quiet:
+        show_warnings(loaded)
+    from mpmcli.study import cluster, plotting, tradeoff, tradeoff_report
+    from mpmcli.study.interruption import run_until_interrupted
+    from mpmcli.study.journal import Journal, study_folder
+    from mpmcli.study.processes import Processes
+    from mpmcli.study.stability import Source
+
+    if plot and not plotting.can_plot():
+        raise click.UsageError("--plot needs matplotlib: pip install 'mpmcli[plot]'")
+    if scheduler is not None and not cluster.can_connect():
+        raise click.UsageError("--scheduler needs Dask: pip install distributed")
+    measures = _measures(errors, against, loaded.constants)
+    columns = [m.column for m in measures]
+    varied = _read(tradeoff.Variation.read, variations, "--vary")
+    keys = [variation.key for variation in varied]
+    if len(set(keys)) < len(keys):
+        raise click.BadParameter("a key is varied twice; give all its values at once", param_hint="--vary")
+    cases = tradeoff.make_cases(Source(scene, sets, defines, allow_outside_files), varied, end, columns)
+    known = None
+    if against not in ("exact", "finest"):
+        known = tradeoff.reference_of_table(tradeoff.read_columns(Path(against)), columns, against)
+
+    def tell(words: str) -> None:
+        if not quiet:
+            click.echo(words, err=True)
+
+    directory = output if output is not None else Path("results") / f"{Path(scene).stem}_tradeoff"
+    price: Any = COSTS[cost]
+    with study_folder(directory):
+        journal = Journal(directory / tradeoff.RUNS)
+        runner = Processes(timeout) if scheduler is None else cluster.Cluster(scheduler, timeout)
+        code = run_until_interrupted(
+            lambda: tradeoff.run_cases(
+                cases, repeats, runner, journal, directory,
+                jobs=jobs, threads=threads, until=end, columns=columns, tell=tell,
+            ),
+            runner.stop,
+        )  # fmt: skip
+        if code:
+            click.echo(f"interrupted; {len(journal.results)} runs are kept in {journal.path}", err=True)
+            return code
+        if against == "finest":
+            known, against = _finest(cases, columns)
+        elif known is None:
+            exact = {m.column: m.exact(loaded.constants) for m in measures}
+            known, against = (lambda column, t: exact[column](t)), "the exact values"
+        if known is not None:
+            tradeoff.find_errors(cases, measures, known, "end" if measure == "end" else "rms")
+        tradeoff.mark_front(cases, price)
+        words = tradeoff.sentence(cases, within, against, price)
+        title = loaded.scene.title or Path(scene).stem
+        settings = {
+            "against": against,
+            "measure": measure,
+            "cost": cost,
+            "within": within,
+            "repeats": repeats,
+        }
+        tradeoff_report.write_tradeoff(directory, title, cases, words, settings)
+        if plotting.can_plot() if plot is None else plot:
+            path = directory / "tradeoff.png"
+            tradeoff_report.plot_tradeoff(path, title, cases, price, within, against)
+    click.echo(tradeoff_report.tradeoff_as_text(cases))
+    click.echo(words)
+    tell(f"the tables are in {directory}")
+    return 0 if any(case.is_finished for case in cases) else 4
+
+
+def _read(function: Any, texts: tuple[str, ...], option: str) -> list[Any]:
+    try:
+        return [function(text) for text in texts]
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint=option) from None
+
+
+def _measures(errors: tuple[str, ...], against: str, constants: dict[str, float]) -> list[Measure]:
+    from mpmcli.study.tradeoff import DEFAULT_COLUMNS, Measure
+
+    if not errors and against == "exact":
+        raise click.UsageError(
+            "--against exact needs the exact values: --error 'kinetic_energy=EXPRESSION' of t and the scene's "
+            "constants, or --error energy_error, which is 0."
+        )
+    measures: list[Measure] = _read(Measure.read, errors or DEFAULT_COLUMNS, "--error")
+    if against == "exact":
+        _read(lambda m: m.exact(constants), tuple(measures), "--error")  # type: ignore[arg-type]
+    elif any(m.expression is not None for m in measures):
+        raise click.UsageError("Expressions of --error need --against exact.")
+    return measures
+
+
+def _finest(cases: list[Case], columns: list[str]) -> tuple[Any, str]:
+    from mpmcli.study import tradeoff
+
+    finest = tradeoff.find_finest(cases)
+    if finest is None or finest.table is None:
+        return None, "the finest case"
+    finest.is_reference = True
+    return tradeoff.reference_of_table(finest.table, columns, finest.name), f"the finest case ({finest.name})"

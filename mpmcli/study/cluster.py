@@ -1,0 +1,76 @@
+"""Jobs of a study on the machines of a Dask cluster, each still in a process of its own."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+from mpmcli.core.errors import ArchiveError
+from mpmcli.study.processes import Stopped, run_job
+
+
+def can_connect() -> bool:
+    """Whether Dask's distributed scheduler is installed."""
+    try:
+        import distributed  # type: ignore[import-not-found,unused-ignore]  # noqa: F401
+    except ImportError:
+        return False
+    return True
+
+
+class Cluster:
+    """Runs jobs on a Dask cluster; its machines need mpmcli and the scene at the same path.
+
+    Parameters
+    ----------
+    address
+        Of the scheduler, such as ``tcp://host:8786``.
+    timeout
+        Seconds by the clock after which a run is killed; none if None.
+
+    Raises
+    ------
+    ArchiveError
+        If the scheduler does not answer.
+    """
+
+    def __init__(self, address: str, timeout: float | None = None):
+        from distributed import Client
+
+        self.timeout = timeout
+        try:
+            self._client = Client(address)
+        except (OSError, ValueError) as error:
+            raise ArchiveError(f"the scheduler {address} does not answer: {error}") from error
+        self._running: set[Any] = set()
+        self._lock = threading.Lock()
+        self.is_stopped = False
+
+    def run(self, job: dict[str, Any]) -> dict[str, Any]:
+        """Run one job and wait for it."""
+        with self._lock:
+            if self.is_stopped:
+                raise Stopped
+            future = self._client.submit(run_job, job, self.timeout, pure=False)
+            self._running.add(future)
+        try:
+            result: dict[str, Any] = future.result()
+        except Exception:
+            if self.is_stopped:
+                raise Stopped from None
+            raise
+        finally:
+            with self._lock:
+                self._running.discard(future)
+        return result
+
+    def stop(self) -> None:
+        """Give up what runs and start nothing more."""
+        with self._lock:
+            self.is_stopped = True
+            for future in self._running:
+                future.cancel()
+
+    def close(self) -> None:
+        """Leave the cluster."""
+        self._client.close()

@@ -1,0 +1,103 @@
+"""What a study has finished: one line of JSON for each run, on disk before the next one begins."""
+
+from __future__ import annotations
+
+import json
+import os
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from filelock import FileLock, Timeout
+
+from mpmcli.core.errors import ArchiveError
+from mpmcli.output.files import LOCK, cannot_write, make_folder
+
+
+class Journal:
+    """Results by key, kept in a file that only grows; threads may share it.
+
+    Parameters
+    ----------
+    path
+        The file. What it holds already counts as finished; lines that a crash cut short are left out.
+
+    Raises
+    ------
+    ArchiveError
+        If the file cannot be read, or holds something else.
+    """
+
+    def __init__(self, path: Path):
+        self.path = Path(path)
+        self.results: dict[str, dict[str, Any]] = {}
+        self._lock = threading.Lock()
+        self._ends_open = False
+        self._read()
+
+    def _read(self) -> None:
+        try:
+            contents = self.path.read_bytes()
+        except FileNotFoundError:
+            return
+        except OSError as error:
+            raise ArchiveError(f"cannot read {self.path}: {error.strerror or error}") from error
+        lines = contents.split(b"\n")
+        self._ends_open = bool(lines[-1])
+        written = [line for line in lines if line.strip()]
+        for line in written:
+            try:
+                entry = json.loads(line)
+                self.results[entry["key"]] = entry["result"]
+            except (ValueError, KeyError, TypeError):
+                continue
+        if len(written) > 1 and not self.results:
+            raise ArchiveError(f"cannot read {self.path}: it holds no results of a study")
+
+    def get(self, key: str) -> dict[str, Any] | None:
+        """The result of this key, if it is finished."""
+        with self._lock:
+            return self.results.get(key)
+
+    def add(self, key: str, result: dict[str, Any]) -> None:
+        """Keep a result; it is on disk when this returns."""
+        line = json.dumps({"key": key, "result": result}, ensure_ascii=False) + "\n"
+        with self._lock:
+            try:
+                with open(self.path, "a", encoding="utf-8", newline="\n") as stream:
+                    stream.write("\n" + line if self._ends_open else line)
+                    stream.flush()
+                    os.fsync(stream.fileno())
+            except OSError as error:
+                raise cannot_write(self.path, error) from error
+            self._ends_open = False
+            self.results[key] = result
+
+
+@contextmanager
+def study_folder(directory: Path) -> Iterator[Path]:
+    """Make the folder of a study and hold it, so that no second study writes to it.
+
+    Raises
+    ------
+    ArchiveError
+        If another study or run holds it, or it cannot be written.
+    """
+    if directory.exists() and not directory.is_dir():
+        raise ArchiveError(f"{directory} is a file; a study needs a folder")
+    make_folder(directory)
+    path = directory / LOCK
+    lock = FileLock(path)
+    try:
+        lock.acquire(timeout=0)
+    except Timeout as error:
+        raise ArchiveError(f"another study or run writes to {directory}") from error
+    except OSError as error:
+        raise cannot_write(directory, error) from error
+    try:
+        yield directory
+    finally:
+        path.unlink(missing_ok=True)
+        lock.release()

@@ -1,0 +1,217 @@
+"""Columns of tables over time: one picture per subject, one panel per quantity."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.output.columns import QUANTITIES
+from mpmcli.output.files import GLOBALS
+from mpmcli.study.pictures.drawing import new_figure, shorten, wrapped
+from mpmcli.study.pictures.errors import PictureError
+from mpmcli.study.pictures.results import Results, Table, unit_in_brackets
+
+ENERGIES = "energies"
+SUBJECTS: dict[str, tuple[str, ...]] = {
+    ENERGIES: (*(q.name for q in QUANTITIES.at("global") if q.dimension == "energy"), "energy_error"),
+    "stresses": ("stress",),
+    "strains": ("strain",),
+    "reactions": ("reaction",),
+    "momentum": ("momentum", "angular_momentum", "contact_momentum_error"),
+    "contact": (
+        "contact_force",
+        "contact_area",
+        "contact_work",
+        "rigid_work",
+        "contact_nodes",
+        "contact_touching",
+        "contact_unconverged",
+    ),
+    "motion": ("center", "velocity", "largest_speed"),
+    "steps": ("dt", "smallest_J", "mass"),
+}
+"""Quantities of the tables that belong together, by what they are about."""
+
+_COLUMN = re.compile(r"(?P<base>.+?)(?:_(?P<component>[xyz]{1,2}))?(?:\[(?P<owner>.*)\])?", re.DOTALL)
+TOO_MANY = 8
+"""A panel with more lines is split by component."""
+MOST_IN_LEGEND = 16
+
+
+@dataclass(frozen=True)
+class Line:
+    """A column of a table in a panel."""
+
+    table: Table
+    column: str
+    label: str
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Lines that share an axis."""
+
+    label: str
+    unit: str
+    lines: tuple[Line, ...]
+
+
+def parts_of(column: str) -> tuple[str, str, str]:
+    """Quantity, component and owner of a column: ``stress_xx[rubber]`` is of ``stress``, ``xx`` and ``rubber``."""
+    match = _COLUMN.fullmatch(column)
+    if match is None:
+        return column, "", ""
+    return match["base"], match["component"] or "", match["owner"] or ""
+
+
+def subject_panels(results: Results, subject: str) -> list[Panel]:
+    """The panels about a subject; PictureError if the table has no such column."""
+    if GLOBALS not in results.table_names():
+        raise PictureError(
+            f"{results.directory} has no {GLOBALS} to draw {subject} from: the scene needs archive.globals"
+        )
+    table = results.table(GLOBALS)
+    wanted = SUBJECTS[subject]
+    columns = [name for name in table.columns if parts_of(name)[0] in wanted]
+    if not columns:
+        raise PictureError(
+            f"{results.directory / GLOBALS} has no columns about {subject} ({listing(wanted)})"
+        )
+    if subject == ENERGIES:
+        return _energy_panels(table, columns)
+    return _by_quantity([(table, name) for name in columns])
+
+
+def _energy_panels(table: Table, columns: list[str]) -> list[Panel]:
+    energies = [name for name in columns if name != "energy_error"]
+    panels = []
+    if energies:
+        lines = tuple(Line(table, name, name.replace("_", " ")) for name in energies)
+        panels.append(Panel("energy", table.units.get(energies[0], "1"), lines))
+    if "energy_error" in columns:
+        line = Line(table, "energy_error", "energy error")
+        panels.append(Panel("energy error", "1", (line,)))
+    return panels
+
+
+def probe_panels(results: Results, name: str) -> list[Panel]:
+    """The panels of the table of a probe."""
+    table = results.table(name)
+    columns = [column for column in table.columns if column not in ("step", "time")]
+    return _by_quantity([(table, column) for column in columns])
+
+
+def column_panels(results: Results, patterns: Sequence[str]) -> list[Panel]:
+    """The panels of columns by name, ``*`` standing for any text, from ``globals.csv`` and the probes.
+
+    A name with the probe in front (``tip:velocity_x``) is looked for in its table only.
+
+    Raises
+    ------
+    PictureError
+        If a name fits no column.
+    """
+    tables = [results.table(name) for name in results.table_names()]
+    found: dict[tuple[str, str], Table] = {}
+    for pattern in patterns:
+        fitting = [
+            (table, column)
+            for table in tables
+            for column in table.columns
+            if column not in ("step", "time") and _fits(pattern, table, column)
+        ]
+        if not fitting:
+            known = [column for table in tables for column in table.columns]
+            raise PictureError(
+                f"no table has a column '{pattern}'{did_you_mean(pattern, known)} ({listing(known, 30)})"
+            )
+        found |= {(table.name, column): table for table, column in fitting}
+    return _by_quantity([(table, column) for (_, column), table in found.items()])
+
+
+def _fits(pattern: str, table: Table, column: str) -> bool:
+    names = [column, f"{_probe_of(table)}:{column}"]
+    escaped = pattern.replace("[", "[[]").replace("?", "[?]")
+    return any(name == pattern or fnmatchcase(name, escaped) for name in names)
+
+
+def _probe_of(table: Table) -> str:
+    return table.name.removeprefix("probes/").removesuffix(".csv")
+
+
+def _by_quantity(columns: Iterable[tuple[Table, str]]) -> list[Panel]:
+    """One panel per quantity and unit; one per component where that would hold too many lines."""
+    groups: dict[tuple[str, str], list[Line]] = {}
+    for table, column in columns:
+        base, component, owner = parts_of(column)
+        probe = "" if table.name == GLOBALS else _probe_of(table)
+        words = " ".join(filter(None, [component, owner, probe and f"({probe})"]))
+        key = (base, table.units.get(column, "1"))
+        groups.setdefault(key, []).append(Line(table, column, words or base.replace("_", " ")))
+    panels = []
+    for (base, unit), lines in groups.items():
+        words = base.replace("_", " ")
+        if len(lines) <= TOO_MANY:
+            panels.append(Panel(words, unit, tuple(lines)))
+            continue
+        by_component: dict[str, list[Line]] = {}
+        for line in lines:
+            by_component.setdefault(parts_of(line.column)[1], []).append(line)
+        panels += [
+            Panel(f"{words} {component}".strip(), unit, tuple(each))
+            for component, each in by_component.items()
+        ]
+    return panels
+
+
+def draw_panels(panels: Sequence[Panel], results: Results) -> Any:
+    """A figure with the panels above each other, sharing the axis of time."""
+    figure = new_figure(8.0, 1.0 + 2.6 * len(panels) + 1.2 * (len(panels) == 1))
+    all_axes = np.atleast_1d(figure.subplots(len(panels), 1, sharex=True))
+    for axes, panel in zip(all_axes, panels, strict=True):
+        draw_panel(axes, panel)
+    all_axes[-1].set_xlabel(f"time{unit_in_brackets(results.time_unit)}")
+    figure.suptitle(wrapped(results.title, figure.get_figwidth(), 10), fontsize=10)
+    return figure
+
+
+def draw_panel(axes: Any, panel: Panel) -> None:
+    """Draw the lines of a panel, with a legend if there are several."""
+    few = len(panel.lines) == 1
+    drawn = []
+    for index, line in enumerate(panel.lines):
+        time, values = line.table.time, line.table[line.column]
+        mark = "." if len(time) < 3 else None
+        # a line that lies on another one, as the strain energy does on the work of the stress, is seen by its gaps
+        drawn += axes.plot(
+            time,
+            values,
+            "-" if index % 2 == 0 else "--",
+            linewidth=1.4,
+            marker=mark,
+            color=f"C{index % 10}",
+            zorder=3.0 - 0.01 * index,
+        )
+    axes.set_ylabel(f"{panel.label}{unit_in_brackets(panel.unit)}")
+    axes.grid(True, color="0.9", linewidth=0.6)
+    axes.margins(x=0.01)
+    if few and panel.lines[0].label in ("", panel.label):
+        return
+    labels = [shorten(line.label, 30) for line in panel.lines[:MOST_IN_LEGEND]]
+    more = len(panel.lines) - MOST_IN_LEGEND
+    axes.legend(
+        drawn[:MOST_IN_LEGEND],
+        labels,
+        title=f"and {more} more" if more > 0 else None,
+        title_fontsize=8,
+        fontsize=8,
+        frameon=False,
+        loc="center left",
+        bbox_to_anchor=(1.0, 0.5),
+    )

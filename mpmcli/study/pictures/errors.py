@@ -1,0 +1,30 @@
+"""What a picture cannot be made of, and what is missing to make it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mpmcli.core.errors import MpmcliError
+
+
+class PictureError(MpmcliError):
+    """A picture that was asked for cannot be made: wrong words, or a library that is not installed."""
+
+    exit_code = 2
+
+
+def matplotlib() -> Any:
+    """The package matplotlib.
+
+    Raises
+    ------
+    PictureError
+        With the command that installs it, if it is missing.
+    """
+    try:
+        import matplotlib
+    except ImportError:
+        raise PictureError(
+            "pictures need matplotlib, which is not installed: pip install 'mpmcli[plot]'"
+        ) from None
+    return matplotlib

@@ -1,0 +1,172 @@
+"""What particles can be coloured by: every array of an archive, its components, and what follows from them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.study.pictures.errors import PictureError
+from mpmcli.study.pictures.results import Frame, Results
+
+Array = np.ndarray
+
+DEFAULTS = ("von_mises", "pressure", "velocity")
+"""What particles are coloured by if nothing is asked for: the first of these that there is."""
+DEFAULTS_ON_A_LINE = ("stress_xx", "velocity_x")
+"""The same in one dimension."""
+GROUPS = {"body": "bodies", "material": "materials"}
+"""Arrays that are indices of names, and where the manifest has the names."""
+
+
+@dataclass(frozen=True)
+class Coloring:
+    """A number of each particle by which it is coloured; ``array`` names the array whose unit it has."""
+
+    name: str
+    array: str
+    compute: Callable[[Frame], Array]
+
+    def values(self, frame: Frame) -> Array:
+        """(N,) numbers."""
+        return np.asarray(self.compute(frame), dtype=float)
+
+    @property
+    def is_group(self) -> bool:
+        """Whether the numbers stand for names."""
+        return self.name in GROUPS
+
+
+def colorings(frame: Frame) -> dict[str, Coloring]:
+    """Everything that the particles of an archive can be coloured by, by name.
+
+    Scalars by their name, vectors by their magnitude (``velocity``) and components (``velocity_x``), tensors by their
+    components (``stress_xy``); ``pressure`` and ``von_mises`` follow from the stress where they are not archived.
+    """
+    found: dict[str, Coloring] = {}
+    for name, values in frame.arrays.items():
+        components = frame.components.get(name, ())
+        if not components:
+            found[name] = Coloring(name, name, lambda frame, name=name: frame.arrays[name])  # type: ignore[misc]
+            continue
+        if values.shape[1] == 3:
+            found[name] = Coloring(
+                name,
+                name,
+                lambda frame, name=name: np.linalg.norm(frame.arrays[name], axis=1),  # type: ignore[misc]
+            )
+        for index, component in enumerate(components):
+            each = f"{name}_{component.lower()}"
+            found[each] = Coloring(
+                each,
+                name,
+                lambda frame, name=name, index=index: frame.arrays[name][:, index],  # type: ignore[misc]
+            )
+    for axis, letter in enumerate("xyz"):
+        found[f"position_{letter}"] = Coloring(
+            f"position_{letter}",
+            "Points",
+            lambda frame, axis=axis: frame.X[:, axis],  # type: ignore[misc]
+        )
+    if "stress" in frame.components:
+        found.setdefault("pressure", Coloring("pressure", "stress", _pressure))
+        found.setdefault("von_mises", Coloring("von_mises", "stress", _von_mises))
+    return found
+
+
+def _pressure(frame: Frame) -> Array:
+    return -frame.arrays["stress"][:, :3].astype(float).mean(axis=1)
+
+
+def _von_mises(frame: Frame) -> Array:
+    stress = frame.arrays["stress"].astype(float)
+    normal = stress[:, :3] - stress[:, :3].mean(axis=1, keepdims=True)
+    return np.sqrt(1.5 * ((normal**2).sum(axis=1) + 2.0 * (stress[:, 3:] ** 2).sum(axis=1)))
+
+
+def find_coloring(name: str | None, frame: Frame, usual: tuple[str, ...] = DEFAULTS) -> Coloring:
+    """The quantity with a name; without one a usual one; PictureError with the nearest name if there is none."""
+    known = colorings(frame)
+    if name is None:
+        return next((known[each] for each in usual if each in known), known.get("body", known["position_x"]))
+    if name in known:
+        return known[name]
+    if name in frame.components:
+        parts = [each for each, coloring in known.items() if coloring.array == name]
+        raise PictureError(f"'{name}' has {len(frame.components[name])} components: choose {listing(parts)}")
+    raise PictureError(
+        f"the archives hold no '{name}'{did_you_mean(name, known)} ({listing(known, 40)}); "
+        "archive.particles.fields of the scene says what they hold"
+    )
+
+
+def unit_of(coloring: Coloring, results: Results) -> str:
+    """Unit of a quantity."""
+    return results.units_of("particles").get(coloring.array, "1")
+
+
+@dataclass(frozen=True)
+class Domains:
+    """The parts of space that particles stand for.
+
+    Attributes
+    ----------
+    edges : (N, d, d) half-edges, ``edges[p, :, a]`` the a-th edge of particle p [length]
+    are_deformed : whether they are deformed as the particles are
+    are_guessed : whether even their size is no more than a guess
+    """
+
+    edges: Array
+    are_deformed: bool
+    are_guessed: bool
+
+
+def domains_of(results: Results, frame: Frame) -> Domains:
+    """The domains of particles: deformed if the archive holds the deformation gradient, else as at the start.
+
+    Their size at the start is that of a sub-cell of the grid, or what the scene gives; where the scene is not known,
+    or gives no size, a particle is a square (cube) of a mean particle's share of the space that all fill.
+    """
+    d = results.dimensions(frame)
+    half, are_guessed = _half_sizes(results, frame, d)
+    gradient = frame.arrays.get("deformation_gradient")
+    if gradient is None or gradient.shape[1:] != (9,):
+        return Domains(half[:, None, :] * np.eye(d), False, are_guessed)
+    F = gradient.reshape(-1, 3, 3)[:, :d, :d].astype(float)
+    F[~np.isfinite(F).all(axis=(1, 2))] = np.eye(d)
+    return Domains(F * half[:, None, :], True, are_guessed)
+
+
+def _half_sizes(results: Results, frame: Frame, d: int) -> tuple[Array, bool]:
+    """(N, d) half-sizes at the start, and whether any is guessed."""
+    half = np.full((frame.count, d), _usual_half_size(frame, d))
+    owner = frame.arrays.get("body")
+    bodies = {str(body.get("name")): body for body in results.scene.get("bodies", [])}
+    cell = np.asarray(results.scene.get("grid", {}).get("cell", []), dtype=float)
+    names = results.names("bodies")
+    if owner is None or cell.shape != (d,) or not names:
+        return half, True
+    are_guessed = False
+    for index, name in enumerate(names):
+        body = bodies.get(name, {})
+        size = body.get("region", {}).get("size") if body.get("region", {}).get("kind") == "points" else None
+        if size is not None:
+            edge = np.broadcast_to(np.asarray(size, dtype=float), (d,))
+        elif body.get("region", {}).get("kind") in (None, "points"):
+            are_guessed = are_guessed or bool((owner == index).any())
+            continue
+        else:
+            edge = cell / np.asarray(body.get("particles_per_axis", 2), dtype=float)
+        half[owner == index] = 0.5 * edge
+    return half, are_guessed
+
+
+def _usual_half_size(frame: Frame, d: int) -> float:
+    """Half the edge of a cube that is a mean particle's share of the box around all."""
+    finite = frame.X[np.isfinite(frame.X).all(axis=1)]
+    if len(finite) < 2:
+        return 0.5
+    spread = np.ptp(finite[:, :d], axis=0)
+    return 0.5 * float(np.prod(np.maximum(spread, 1e-3 * max(spread.max(), 1e-300))) / len(finite)) ** (1 / d)

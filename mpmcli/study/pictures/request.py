@@ -1,0 +1,283 @@
+"""From a request to files: which pictures, of what, where."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.errors import ArchiveError
+from mpmcli.core.suggest import did_you_mean
+from mpmcli.output.files import GLOBALS
+from mpmcli.study.pictures.animation import KINDS, MOST_FRAMES, check_writer, write_animation
+from mpmcli.study.pictures.curves import (
+    ENERGIES,
+    SUBJECTS,
+    Panel,
+    column_panels,
+    draw_panels,
+    probe_panels,
+    subject_panels,
+)
+from mpmcli.study.pictures.drawing import FORMATS, drawing, pixels, save, write_bytes
+from mpmcli.study.pictures.errors import PictureError, matplotlib
+from mpmcli.study.pictures.paraview import default_path, paraview_script
+from mpmcli.study.pictures.particles import (
+    VIEWS,
+    Extent,
+    LinePicture,
+    Palette,
+    ParticlePicture,
+    PlanePicture,
+    ProjectedPicture,
+)
+from mpmcli.study.pictures.quantities import DEFAULTS, DEFAULTS_ON_A_LINE, Coloring, find_coloring
+from mpmcli.study.pictures.results import Frame, Results
+from mpmcli.study.pictures.space import SpacePicture, why_not
+
+PARTICLES, PROBES, ALL = "particles", "probes", "all"
+WHAT = (*SUBJECTS, PROBES, PARTICLES, ALL)
+"""What pictures can be of."""
+FOLDER = "plots"
+"""Pictures go to this folder of the results unless told otherwise."""
+FILES = (*FORMATS, *(f".{kind}" for kind in KINDS), ".py")
+"""Endings by which the name of a file is told from that of a folder."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What to draw.
+
+    Attributes
+    ----------
+    what : words of ``WHAT``; without any the energies and the particles at the last time, as far as there are such
+    columns : columns of tables, ``*`` for any text
+    color : quantity that particles are coloured by
+    limits : its numbers at both ends of the colours
+    time, frame : which archive of particles; the last without either
+    animate : ``gif`` or ``mp4`` instead of a single time
+    rate : pictures per second
+    view : direction from which particles in space are seen
+    paraview : write a script for ParaView, and no pictures
+    output : file or folder
+    progress : called with words while an animation is drawn
+    """
+
+    what: tuple[str, ...] = ()
+    columns: tuple[str, ...] = ()
+    color: str | None = None
+    limits: tuple[float, float] | None = None
+    time: float | None = None
+    frame: str | int | None = None
+    animate: str | None = None
+    rate: float = 10.0
+    view: str = "iso"
+    paraview: bool = False
+    output: Path | None = None
+    progress: Callable[[str], None] = field(default=lambda words: None)
+
+    @property
+    def is_about_particles(self) -> bool:
+        """Whether something is asked that only pictures of particles have."""
+        chosen = (self.color, self.limits, self.time, self.frame, self.animate)
+        return any(value is not None for value in chosen)
+
+
+def plot(directory: Path | str, request: Request | None = None) -> tuple[list[Path], list[str]]:
+    """Draw the pictures of a results folder.
+
+    Returns
+    -------
+    paths : the files written
+    notes : what the person should know about them
+
+    Raises
+    ------
+    PictureError
+        If what is asked for is not there, or a library is missing.
+    ArchiveError
+        If files cannot be read or written.
+    """
+    request = request or Request()
+    _check(request)
+    results = Results(directory)
+    if request.paraview:
+        return [_write_script(results, request)], []
+    matplotlib()
+    if request.animate:
+        check_writer(request.animate)
+    jobs = list(_jobs(results, request))
+    if not jobs:
+        raise ArchiveError(f"{directory} holds neither {GLOBALS} nor archives of particles: nothing to draw")
+    paths = _paths(results, request, [(name, ending) for name, ending, _ in jobs])
+    notes: list[str] = []
+    with drawing():
+        for (_, _, draw), path in zip(jobs, paths, strict=True):
+            notes += [words for words in draw(path) if words not in notes]
+    return paths, notes
+
+
+def _check(request: Request) -> None:
+    for word in request.what:
+        if word not in WHAT:
+            raise PictureError(f"there is no picture '{word}'{did_you_mean(word, WHAT)} ({', '.join(WHAT)})")
+    if request.animate not in (None, *KINDS):
+        raise PictureError(f"'{request.animate}' is no kind of animation ({', '.join(KINDS)})")
+    if request.view not in VIEWS:
+        raise PictureError(
+            f"there is no view '{request.view}'{did_you_mean(request.view, VIEWS)} ({', '.join(VIEWS)})"
+        )
+    if request.time is not None and request.frame is not None:
+        raise PictureError("a time and the number of an archive exclude each other")
+    if request.animate and (request.time is not None or request.frame is not None):
+        raise PictureError("an animation shows all times")
+    if request.limits is not None and not request.limits[0] < request.limits[1]:
+        raise PictureError("the first number of a range must be below the second")
+
+
+Draw = Callable[[Path], Sequence[str]]
+
+
+def _jobs(results: Results, request: Request) -> Iterator[tuple[str, str, Draw]]:
+    """Name, ending and maker of each picture."""
+    what = _what(results, request)
+    for subject in SUBJECTS:
+        if subject in what:
+            yield subject, ".png", _curves(results, subject_panels(results, subject))
+    if PROBES in what:
+        for name in results.table_names():
+            if name != GLOBALS:
+                probe = Path(name).stem
+                yield f"probe_{probe}", ".png", _curves(results, probe_panels(results, name))
+    if request.columns:
+        yield "columns", ".png", _curves(results, column_panels(results, request.columns))
+    if PARTICLES in what:
+        yield PARTICLES, f".{request.animate or 'png'}", _particles(results, request)
+
+
+def _what(results: Results, request: Request) -> list[str]:
+    """The subjects asked for; PictureError if one is not there."""
+    what = [word for word in request.what if word != ALL]
+    if ALL in request.what:
+        what += _existing(results)
+    if request.is_about_particles and PARTICLES not in what:
+        what.append(PARTICLES)
+    if not what and not request.columns:
+        what = [word for word in (ENERGIES, PARTICLES) if word in _existing(results)]
+    if PROBES in what and results.table_names() in ([], [GLOBALS]):
+        raise PictureError(f"{results.directory} has no tables of probes: the scene needs probes")
+    return what
+
+
+def _existing(results: Results) -> list[str]:
+    found = []
+    for subject in SUBJECTS:
+        try:
+            subject_panels(results, subject)
+        except PictureError:
+            continue
+        found.append(subject)
+    found += [PROBES] * any(name != GLOBALS for name in results.table_names())
+    return found + [PARTICLES] * results.has_particles
+
+
+def _paths(results: Results, request: Request, pictures: list[tuple[str, str]]) -> list[Path]:
+    output = request.output
+    if output is None or output.suffix.lower() not in FILES or output.is_dir():
+        folder = results.directory / FOLDER if output is None else output
+        return [folder / f"{name}{ending}" for name, ending in pictures]
+    if len(pictures) > 1:
+        names = ", ".join(name for name, _ in pictures)
+        raise PictureError(
+            f"{output} is one file, and {len(pictures)} are asked for ({names}): name a folder"
+        )
+    is_animation = f".{request.animate}" == pictures[0][1]
+    allowed = (pictures[0][1],) if is_animation else FORMATS
+    if output.suffix.lower() not in allowed:
+        raise PictureError(f"'{output.name}' must end with {' or '.join(allowed)}")
+    return [output]
+
+
+def _curves(results: Results, panels: list[Panel]) -> Draw:
+    def draw(path: Path) -> list[str]:
+        save(draw_panels(panels, results), path)
+        return []
+
+    return draw
+
+
+def _particles(results: Results, request: Request) -> Draw:
+    if request.animate:
+        files = _thinned([path for _, path in results.series])
+    elif request.time is not None:
+        files = [results.path_at(request.time)]
+    else:
+        files = [results.path_of(-1 if request.frame is None else request.frame)]
+    last = results.frame(files[-1])
+    usual = DEFAULTS_ON_A_LINE if results.dimensions(last) == 1 else DEFAULTS
+    coloring = find_coloring(request.color, last, usual)
+
+    def draw(path: Path) -> list[str]:
+        frames = (last if file == files[-1] else results.frame(file) for file in files)
+        extent = Extent.of(frames, coloring, results)
+        picture = _picture(results, last, coloring, extent, request)
+        try:
+            picture.lay_out(last)
+            if request.animate:
+                write_animation(path, _each(picture, results, files, request.progress), request.rate)
+            else:
+                picture.update(last)
+                save(picture.figure, path)
+        finally:
+            picture.close()
+        notes = picture.notes
+        if request.animate and len(files) < len(results.series):
+            notes.append(f"the animation shows {len(files)} of {len(results.series)} archives")
+        return notes
+
+    return draw
+
+
+def _thinned(files: list[Path]) -> list[Path]:
+    if len(files) <= MOST_FRAMES:
+        return files
+    return [files[i] for i in np.linspace(0, len(files) - 1, MOST_FRAMES).round().astype(int)]
+
+
+def _picture(
+    results: Results, frame: Frame, coloring: Coloring, extent: Extent, request: Request
+) -> ParticlePicture:
+    palette = Palette(results, coloring, extent, request.limits)
+    d = results.dimensions(frame)
+    if d == 1:
+        return LinePicture(results, palette, extent)
+    if d == 2:
+        return PlanePicture(results, palette, extent)
+    reason = why_not()
+    if reason is None:
+        return SpacePicture(results, palette, extent, request.view)
+    picture = ProjectedPicture(results, palette, extent, request.view)
+    picture.notes.append(reason)
+    return picture
+
+
+def _each(
+    picture: ParticlePicture, results: Results, files: list[Path], progress: Callable[[str], None]
+) -> Iterator[Any]:
+    """The pictures of an animation."""
+    for number, file in enumerate(files, start=1):
+        progress(f"archive {number} of {len(files)}")
+        picture.update(results.frame(file))
+        yield pixels(picture.figure)
+
+
+def _write_script(results: Results, request: Request) -> Path:
+    path = request.output or default_path(results)
+    if path.is_dir() or path.suffix.lower() != ".py":
+        path = path / default_path(results).name
+    text = paraview_script(results, results.frame(results.path_of(-1)), request.color)
+    write_bytes(path, text.encode())
+    return path

@@ -1,0 +1,245 @@
+"""A results folder as pictures see it: manifest, tables, and the particles of every archived time."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as xml
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.analysis import ANALYSES
+from mpmcli.core.errors import ArchiveError
+from mpmcli.output.files import FAILED, GLOBALS, owned_files
+from mpmcli.output.manifest import read_manifest
+from mpmcli.output.tables import read_table
+from mpmcli.study.pictures.errors import PictureError
+
+Array = np.ndarray
+
+SLACK = 1e-6
+"""How far beyond the first and last archive a time may lie, relative to the time between them."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """All particles at one time, in the order of their identity.
+
+    Attributes
+    ----------
+    time : of the state [time]
+    X : (N, 3) positions [length]
+    arrays : values (N,) or (N, components) by name
+    components : names of the components (``"X"``, ``"XY"``) of the arrays that have them
+    """
+
+    time: float
+    X: Array
+    arrays: dict[str, Array]
+    components: dict[str, tuple[str, ...]]
+
+    @property
+    def count(self) -> int:
+        """Number of particles."""
+        return len(self.X)
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table over time: names, numbers (rows, columns), units of the columns."""
+
+    name: str
+    columns: list[str]
+    numbers: Array
+    units: dict[str, str] = field(default_factory=dict)
+
+    def __getitem__(self, column: str) -> Array:
+        return self.numbers[:, self.columns.index(column)]
+
+    @property
+    def time(self) -> Array:
+        """Times of the rows [time]."""
+        return self["time"]
+
+
+class Results:
+    """The files of one run.
+
+    Parameters
+    ----------
+    directory
+        Folder of the results.
+
+    Raises
+    ------
+    ArchiveError
+        If there is nothing in it that mpmcli wrote.
+    """
+
+    def __init__(self, directory: Path | str):
+        self.directory = Path(directory)
+        if not self.directory.is_dir():
+            reason = "is no folder" if self.directory.exists() else "does not exist"
+            raise ArchiveError(f"{self.directory} {reason}: pictures are made of a results folder")
+        if not any(True for _ in owned_files(self.directory)):
+            raise ArchiveError(f"{self.directory} holds no results of mpmcli")
+        self.manifest: dict[str, Any] = read_manifest(self.directory) or {}
+
+    @cached_property
+    def scene(self) -> dict[str, Any]:
+        """The resolved scene; empty without a readable manifest."""
+        scene = self.manifest.get("scene")
+        return scene if isinstance(scene, dict) else {}
+
+    @property
+    def title(self) -> str:
+        """The scene's title, or the folder's name."""
+        return str(self.manifest.get("title") or self.directory.resolve().name)
+
+    @property
+    def is_axisymmetric(self) -> bool:
+        """Whether x is the radius."""
+        return self._analysis == "axisymmetric"
+
+    @property
+    def _analysis(self) -> str | None:
+        kind = self.scene.get("analysis", {}).get("kind")
+        return kind if kind in ANALYSES else None
+
+    def dimensions(self, frame: Frame) -> int:
+        """Number of axes of the grid; without a manifest those along which the particles differ."""
+        if self._analysis is not None:
+            return ANALYSES[self._analysis]().dimensions
+        spread = np.ptp(frame.X, axis=0) if frame.count else np.zeros(3)
+        return max((axis + 1 for axis in range(3) if spread[axis] > 0), default=1)
+
+    def units_of(self, file: str) -> dict[str, str]:
+        """Units of the columns of a table, or of the arrays of ``particles``; none where the scene declares none."""
+        units = self.manifest.get("units", {}).get(file, {})
+        is_declared = not self.scene or "length" in (self.scene.get("units") or {})
+        return units if is_declared and isinstance(units, dict) else {}
+
+    def names(self, owners: str) -> list[str]:
+        """Names of the ``bodies`` or ``materials``, in the order of the indices in archives."""
+        names = self.manifest.get(owners)
+        return [str(name) for name in names] if isinstance(names, list) else []
+
+    @cached_property
+    def time_unit(self) -> str:
+        """Unit of time."""
+        return next((units["time"] for units in self._all_units() if "time" in units), "1")
+
+    def _all_units(self) -> Iterator[dict[str, str]]:
+        yield from (self.units_of(name) for name in self.manifest.get("units", {}))
+        names = self.scene.get("units")
+        yield {"time": names["time"]} if isinstance(names, dict) and "time" in names else {}
+
+    def table_names(self) -> list[str]:
+        """Files of the tables that there are: ``globals.csv`` and ``probes/NAME.csv``."""
+        found = [GLOBALS] * (self.directory / GLOBALS).exists()
+        probes = sorted((self.directory / "probes").glob("*.csv"))
+        return found + [path.relative_to(self.directory).as_posix() for path in probes]
+
+    def table(self, name: str) -> Table:
+        """One table as numbers; ArchiveError if it cannot be read or has no rows."""
+        path = self.directory / name
+        columns, rows = read_table(path)
+        if not rows:
+            raise ArchiveError(f"{path} has no rows")
+        try:
+            numbers = np.array(rows, dtype=float)
+        except ValueError:
+            raise ArchiveError(f"cannot read {path}: it holds cells that are no numbers") from None
+        if "time" not in columns:
+            raise ArchiveError(f"cannot read {path}: it has no column 'time'")
+        return Table(name, columns, numbers, self.units_of(name))
+
+    @cached_property
+    def series(self) -> list[tuple[float, Path]]:
+        """Time and file of every archive of particles, in the order of time."""
+        pvd = self.directory / "particles.pvd"
+        try:
+            root = xml.parse(pvd).getroot()
+            entries = [
+                (float(e.attrib["timestep"]), self.directory / e.attrib["file"]) for e in root.iter("DataSet")
+            ]
+        except FileNotFoundError:
+            raise ArchiveError(
+                f"{self.directory} holds no archives of particles: the scene needs archive.particles"
+            ) from None
+        except (OSError, xml.ParseError, KeyError, ValueError) as error:
+            raise ArchiveError(f"cannot read {pvd}: {error}") from error
+        if not entries:
+            raise ArchiveError(f"{pvd} lists no archives")
+        return sorted(entries, key=lambda entry: entry[0])
+
+    @property
+    def has_particles(self) -> bool:
+        """Whether there are archives of particles."""
+        return (self.directory / "particles.pvd").exists()
+
+    def path_at(self, time: float) -> Path:
+        """File of the archive nearest to a time; PictureError if the time is outside all archives."""
+        times = [when for when, _ in self.series]
+        slack = SLACK * (times[-1] - times[0])
+        if not times[0] - slack <= time <= times[-1] + slack:
+            span = f"{times[0]:g} to {with_unit(times[-1], self.time_unit)}"
+            raise PictureError(f"time {time:g} is outside the archives of particles, which go from {span}")
+        return min(self.series, key=lambda entry: abs(entry[0] - time))[1]
+
+    def path_of(self, number: str | int) -> Path:
+        """File of an archive by its number, from 0, or −1 for the last; ``failed`` is the state of a failed run."""
+        if number == "failed":
+            path = self.directory / FAILED
+            if not path.exists():
+                raise PictureError(f"there is no {path}: the run has not failed")
+            return path
+        try:
+            return self.series[int(number)][1]
+        except ValueError:
+            raise PictureError(f"'{number}' is no number of an archive, and not 'failed'") from None
+        except IndexError:
+            raise PictureError(
+                f"there is no archive {number}: they are numbered from 0 to {len(self.series) - 1}"
+            ) from None
+
+    def frame(self, path: Path) -> Frame:
+        """Read one archive of particles; ArchiveError if it cannot be read."""
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+
+        from mpmcli.geometry.vtk_files import read_xml
+
+        try:
+            grid = read_xml(path)
+            points = grid.GetPoints()
+            X = np.zeros((0, 3)) if points is None else vtk_to_numpy(points.GetData()).astype(float)
+            arrays, components = {}, {}
+            for index in range(grid.GetPointData().GetNumberOfArrays()):
+                array = grid.GetPointData().GetArray(index)
+                if array is not None:
+                    name = str(array.GetName())
+                    arrays[name] = vtk_to_numpy(array)
+                    count = array.GetNumberOfComponents()
+                    if count > 1:
+                        components[name] = tuple(
+                            str(array.GetComponentName(i) or i).upper() for i in range(count)
+                        )
+            stamp = grid.GetFieldData().GetArray("TimeValue")
+            time = float("nan") if stamp is None else float(stamp.GetValue(0))
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise ArchiveError(f"cannot read {path}: {reason}") from error
+        return Frame(time, X, arrays, components)
+
+
+def unit_in_brackets(unit: str) -> str:
+    """``" [MPa]"``, or nothing for plain numbers."""
+    return "" if unit in ("", "1") else f" [{unit}]"
+
+
+def with_unit(value: float, unit: str) -> str:
+    """``"0.16 ms"``."""
+    return f"{value:.4g}" if unit in ("", "1") else f"{value:.4g} {unit}"

@@ -1,0 +1,322 @@
+"""Stability limits: the largest Courant number at which a scene stays bounded, or accurate, found by bisection.
+
+Courant numbers are whole multiples of the resolution. A search begins at the predicted limit, goes away from it in
+doubling strides until it has one stable and one unstable number, and halves what is between. It takes for granted that
+there is one limit: above the first unstable number that it meets it does not look again.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any, Literal, Protocol
+
+import mpmcli
+from mpmcli.core.errors import SceneError
+from mpmcli.scene.loader import LoadedScene
+from mpmcli.study.journal import Journal
+from mpmcli.study.prediction import predict
+from mpmcli.study.processes import TIMED_OUT, Stopped
+from mpmcli.study.transfers import label_of, transfer_value
+from mpmcli.study.trial import FINISHED, load_job
+
+Criterion = Literal["bounded", "accurate"]
+TRIALS = "trials.jsonl"
+DEFAULT_TRANSFERS = ("flip", "fmpm:1", "fmpm:2", "fmpm:4", "fmpm:8", "fmpm:16", "fmpm:40")
+FIRST_STRIDE = 0.03
+"""First stride of a search, as a share of where it begins."""
+DEFAULT_START = 0.5
+
+
+class Runner(Protocol):
+    """Whatever runs a job and waits for its result."""
+
+    def run(self, job: dict[str, Any]) -> dict[str, Any]:
+        """Run a job."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a limit is looked for.
+
+    Attributes
+    ----------
+    criterion : ``bounded`` or ``accurate``
+    energy : kinetic and strain energy may exceed what was put in by this share of it
+    loss : of ``accurate``: the energy lost may exceed that lost at half the Courant number by this share
+    resolution : step of the Courant numbers
+    lowest, highest : Courant numbers between which limits are looked for
+    until : end of the runs, or None for the scene's
+    threads : of each run
+    """
+
+    criterion: Criterion = "bounded"
+    energy: float = 0.05
+    loss: float = 0.01
+    resolution: float = 0.005
+    lowest: float = 0.02
+    highest: float = 2.0
+    until: float | None = None
+    threads: int = 1
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a scene comes from, and the options that change it, as ``load_scene`` takes them."""
+
+    scene: str
+    sets: tuple[str, ...] = ()
+    defines: tuple[str, ...] = ()
+    allow_outside_files: bool = False
+
+    def job(self) -> dict[str, Any]:
+        """As a job names it."""
+        return asdict(self) | {"scene": str(Path(self.scene).resolve())}
+
+
+@dataclass
+class Case:
+    """One transfer with one shape function, and what is found of it.
+
+    Attributes
+    ----------
+    shape, transfer : the latter in its short form
+    source, scene_hash : the scene of this case
+    limit : largest stable Courant number, None if there is none or it was not found
+    unstable_at : smallest Courant number above it that is unstable, None if there is none
+    predicted, predicted_worst : of a moving block, and of one at rest at the worst place (``study.prediction``)
+    loss, excess : energy lost, and most energy too much, at the limit, as shares of what was put in
+    trials : all that were looked at, by Courant number
+    remark : how the run at ``unstable_at`` ended, or why there is no limit
+    is_decided : the search came to its end
+    """
+
+    shape: str
+    transfer: str
+    source: Source
+    scene_hash: str
+    end: float
+    limit: float | None = None
+    unstable_at: float | None = None
+    predicted: float | None = None
+    predicted_worst: float | None = None
+    loss: float | None = None
+    excess: float | None = None
+    trials: dict[float, dict[str, Any]] = field(default_factory=dict)
+    remark: str = ""
+    is_decided: bool = False
+
+    @property
+    def name(self) -> str:
+        """Shape and transfer."""
+        return f"{self.shape} {self.transfer}"
+
+
+class Undecided(Exception):
+    """A trial gave no answer; the search cannot go on."""
+
+
+def make_cases(
+    source: Source, transfers: Sequence[str], shapes: Sequence[str], until: float | None = None
+) -> list[Case]:
+    """All transfers with all shape functions; the scene's own where none are named.
+
+    Raises
+    ------
+    ValueError
+        If a transfer is none.
+    SceneError
+        If the scene is not valid with one of them.
+    """
+    values = [f"method.transfer={transfer_value(text)}" for text in transfers] or [""]
+    functions = [f"method.shape={name}" for name in shapes] or [""]
+    cases: dict[str, Case] = {}
+    for function in functions:
+        for value in values:
+            sets = tuple(text for text in (function, value) if text)
+            changed = replace(source, sets=(*source.sets, *sets))
+            loaded = load_job(changed.job())
+            method = loaded.scene.method
+            end = float(loaded.scene.time.end if until is None else until)
+            case = Case(method.shape, label_of(method.transfer), changed, loaded.hash, end)
+            cases.setdefault(case.name, case)
+    return list(cases.values())
+
+
+def find_limits(
+    cases: Sequence[Case],
+    settings: Settings,
+    runner: Runner,
+    journal: Journal,
+    jobs: int = 1,
+    tell: Callable[[str], None] = lambda words: None,
+    predicts: bool = True,
+) -> None:
+    """Search the limits of all cases, some side by side; results are put into the cases.
+
+    Trials that the journal holds are not run again. An exception in one search is raised when all have ended; those
+    of the runner's being stopped are not.
+    """
+    with ThreadPoolExecutor(jobs) as pool:
+        searches = [
+            pool.submit(_Search(case, settings, runner, journal, tell, predicts).run) for case in cases
+        ]
+        try:
+            wait(searches)
+        except BaseException:
+            for search in searches:
+                search.cancel()
+            stop = getattr(runner, "stop", None)
+            if stop is not None:
+                stop()
+            raise
+    for search in searches:
+        try:
+            search.result()
+        except Stopped:
+            continue
+
+
+def bisect_limit(
+    is_stable: Callable[[int], bool], start: int, lowest: int, highest: int
+) -> tuple[int | None, int | None]:
+    """Neighbours (stable, unstable = stable + 1) between ``lowest`` and ``highest``, searched from ``start``.
+
+    The first is None if even ``lowest`` is unstable (the second is then ``lowest``), the second if even ``highest`` is
+    stable.
+    """
+    low, high = None, None
+    place = min(max(start, lowest), highest)
+    stride = max(1, round(FIRST_STRIDE * place))
+    while low is None or high is None:
+        if is_stable(place):
+            low = place
+            if place == highest:
+                return highest, None
+            place = min(place + stride, highest)
+        else:
+            high = place
+            if place == lowest:
+                return None, lowest
+            # not far below at once: runs with small steps are long
+            place = max(place - stride, place // 2, lowest)
+        stride *= 2
+    while high - low > 1:
+        middle = (low + high) // 2
+        if is_stable(middle):
+            low = middle
+        else:
+            high = middle
+    return low, high
+
+
+class _Search:
+    """The search of one limit."""
+
+    _predicting = threading.Lock()
+
+    def __init__(
+        self,
+        case: Case,
+        settings: Settings,
+        runner: Runner,
+        journal: Journal,
+        tell: Callable[[str], None],
+        predicts: bool,
+    ):
+        self.case, self.settings = case, settings
+        self.runner, self.journal, self.tell, self.predicts = runner, journal, tell, predicts
+
+    def run(self) -> None:
+        """Find the limit."""
+        case, settings = self.case, self.settings
+        loaded = load_job(case.source.job())
+        if self.predicts:
+            self._predict(loaded)
+        step = settings.resolution
+        start = round((case.predicted or DEFAULT_START) / step)
+        lowest, highest = max(1, round(settings.lowest / step)), round(settings.highest / step)
+        try:
+            low, high = bisect_limit(self._is_stable, start, lowest, highest)
+        except Undecided as reason:
+            case.remark = f"not decided: {reason}"
+            self.tell(f"{case.name}: {case.remark}")
+            return
+        case.is_decided = True
+        self._conclude(low, high)
+
+    def _predict(self, loaded: LoadedScene) -> None:
+        with self._predicting:  # numpy has its own threads
+            prediction = predict(loaded.scene)
+        if prediction is not None:
+            self.case.predicted, self.case.predicted_worst = prediction.moving, prediction.worst
+
+    def _courant(self, place: int) -> float:
+        return float(f"{place * self.settings.resolution:.9g}")
+
+    def _is_stable(self, place: int) -> bool:
+        courant = self._courant(place)
+        trial = self._trial(courant)
+        if not trial["bounded"]:
+            return False
+        if self.settings.criterion == "bounded":
+            return True
+        half = self._trial(float(f"{0.5 * courant:.9g}"))
+        return bool(half["bounded"]) and trial["loss"] <= half["loss"] + self.settings.loss
+
+    def _trial(self, courant: float) -> dict[str, Any]:
+        case, settings = self.case, self.settings
+        key = f"{mpmcli.__version__} {case.scene_hash} {courant:.9g} {case.end:.17g} {settings.energy:.9g}"
+        trial = self.journal.get(key)
+        if trial is None:
+            job = case.source.job() | {
+                "task": "trial",
+                "courant": courant,
+                "until": settings.until,
+                "threads": settings.threads,
+                "bound": settings.energy,
+            }
+            trial = self.runner.run(job)
+            if trial["ended"] == TIMED_OUT:
+                raise Undecided(f"at C = {courant:g} {trial['message']}")
+            if trial["ended"] in ("invalid scene", "files"):
+                raise SceneError(trial["message"])
+            trial = {"bounded": False, "loss": None, "excess": None} | trial
+            about = {"shape": case.shape, "transfer": case.transfer, "courant": courant}
+            self.journal.add(key, about | trial)
+            self.tell(f"{case.name}: C = {courant:g} {_words(trial)}")
+        case.trials[courant] = trial
+        return trial
+
+    def _conclude(self, low: int | None, high: int | None) -> None:
+        case = self.case
+        if high is not None:
+            case.unstable_at = self._courant(high)
+            case.remark = self._why(case.unstable_at)
+        if low is None:
+            case.remark = f"unstable from the least Courant number on: {case.remark}"
+            return
+        case.limit = self._courant(low)
+        case.loss, case.excess = (case.trials[case.limit][name] for name in ("loss", "excess"))
+        if high is None:
+            case.remark = "stable up to the largest Courant number that was looked at"
+
+    def _why(self, courant: float) -> str:
+        trial = case_trial = self.case.trials[courant]
+        if trial["bounded"]:
+            half = self.case.trials[float(f"{0.5 * courant:.9g}")]
+            if not half["bounded"]:
+                return "unstable at half of it"
+            return f"loses {case_trial['loss']:.3g}, at half of it {half['loss']:.3g}"
+        return str(trial["message"])
+
+
+def _words(trial: dict[str, Any]) -> str:
+    seconds = f", {trial['seconds']:.3g} s" if "seconds" in trial else ""
+    if trial["bounded"]:
+        return f"bounded, loss {trial['loss']:.3g}{seconds}"
+    how = trial["ended"] if trial["ended"] != FINISHED else "energy"
+    return f"unstable ({how}{seconds})"

@@ -1,0 +1,43 @@
+"""Ellipses pressed together in a box (Nairn et al. 2020, section 4.2): a short, coarse run of the scene."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from mpmcli.study.overlap import find_overlapping
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_picture_is_the_one_that_the_script_draws():
+    spec = importlib.util.spec_from_file_location("draw_ellipses", ROOT / "docs" / "draw_ellipses.py")
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    with Image.open(ROOT / "inputs" / "ellipse_compaction.png") as image:
+        np.testing.assert_array_equal(np.array(image), script.draw())
+
+
+def test_ellipses_keep_out_of_each_other(start):
+    """60 particles high, pressed by a fifth: 20 fields, nodes with several of them, no centre in another body."""
+    run = start("ellipse_compaction.yaml", "constants.cell=1/15", "constants.compression=0.2", threads=1)
+    s = run.simulation
+    most = 0
+
+    def look(run):
+        nonlocal most
+        most = max(most, int(np.diff(s.contact.contacts.clouds.first).max(initial=0)))
+
+    run.to(0.004, look)
+    p = run.particles
+    assert p.count == 1089
+    assert most >= 3
+    assert (p.F[:4] != p.F[:4].round()).any()
+    F = np.stack([p.F[0:2], p.F[2:4]])
+    assert not find_overlapping(p.X, F, p.size, p.body).any()
+    stress = np.average(run.stress[1], weights=run.ordered("vol0") * run.J)
+    assert -1500 < stress < -700
+    assert s.state.work["boundary_work"] > run.kinetic_energy + run.stress_work
