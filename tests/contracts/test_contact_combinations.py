@@ -27,7 +27,8 @@ LAW_KEYS: dict[str, dict[str, Any]] = {
     "adhesion_friction": {"normal_strength": 3.0, "shear_strength": 1.0, "friction": 0.2},
 }
 
-QUICK_NORMAL, QUICK_SEPARATION = "average_gradient", "regression"
+QUICK = (("logistic_regression", "regression"), ("average_gradient", "position_fit"))
+DEFAULTS = ("logistic_regression", "regression")
 
 
 def make(normal: str, separation: str) -> Simulation:
@@ -65,11 +66,14 @@ def energies(s: Simulation) -> np.ndarray:
     return np.bincount(p.body // 2, weights=each, minlength=len(list(LAWS)))
 
 
-COMBINATIONS = [
-    pytest.param(n, k, marks=() if n == QUICK_NORMAL or k == QUICK_SEPARATION else pytest.mark.slow)
-    for n in NORMALS
-    for k in SEPARATIONS
-]
+def effort(normal: str, separation: str) -> tuple[pytest.MarkDecorator, ...]:
+    """Each combination compiles kernels of its own: a few at once, one per method in CI, all on demand."""
+    if (normal, separation) in QUICK:
+        return ()
+    return (pytest.mark.slow if DEFAULTS[0] == normal or DEFAULTS[1] == separation else pytest.mark.long,)
+
+
+COMBINATIONS = [pytest.param(n, k, marks=effort(n, k)) for n in NORMALS for k in SEPARATIONS]
 
 
 @pytest.mark.parametrize(("normal", "separation"), COMBINATIONS)

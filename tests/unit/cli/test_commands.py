@@ -157,6 +157,7 @@ def test_run_hands_its_options_on(
         "max_walltime": 5400.0,
         "dry_run": True,
         "verbosity": 2,
+        "resume": False,
     }
 
 

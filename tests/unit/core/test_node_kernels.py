@@ -74,10 +74,10 @@ def test_an_increment_of_the_fmpm_loop(values):
     assert not out[ACTIVE].any()
     out[ACTIVE] = made[ACTIVE]
     total = v.copy()
-    nodes.next_increment[False](ACTIVE, mp, out, dv)
+    nodes.next_increment[False](ACTIVE, mp, out, 0.8, dv)
     nodes.add_increment[False](ACTIVE, dv, total)
     inverse = np.divide(1.0, mp[:, :1], out=np.zeros((9, 1)), where=mp[:, :1] > 0)
-    expected = v - made * inverse
+    expected = 0.8 * (v - made * inverse)
     np.testing.assert_allclose(dv[ACTIVE], expected[ACTIVE], rtol=1e-14)
     np.testing.assert_allclose(total[ACTIVE], (v + expected)[ACTIVE], rtol=1e-14)
     assert not out[ACTIVE].any()
