@@ -27,7 +27,6 @@ LAW_KEYS: dict[str, dict[str, Any]] = {
     "adhesion_friction": {"normal_strength": 3.0, "shear_strength": 1.0, "friction": 0.2},
 }
 
-QUICK = (("logistic_regression", "regression"), ("average_gradient", "position_fit"))
 DEFAULTS = ("logistic_regression", "regression")
 
 
@@ -67,8 +66,8 @@ def energies(s: Simulation) -> np.ndarray:
 
 
 def effort(normal: str, separation: str) -> tuple[pytest.MarkDecorator, ...]:
-    """Each combination compiles kernels of its own: a few at once, one per method in CI, all on demand."""
-    if (normal, separation) in QUICK:
+    """Each combination compiles kernels of its own: one at once, one per method in CI, all on demand."""
+    if (normal, separation) == DEFAULTS:
         return ()
     return (pytest.mark.slow if DEFAULTS[0] == normal or DEFAULTS[1] == separation else pytest.mark.long,)
 

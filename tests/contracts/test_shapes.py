@@ -248,7 +248,15 @@ def loaded_block(name, kind, grid, G, shift):
     return particles, grid.f
 
 
-@pytest.mark.parametrize("kind", ["uniaxial_strain", "plane_strain", "axisymmetric", "3d"])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        pytest.param("uniaxial_strain", marks=pytest.mark.slow),
+        "plane_strain",
+        "axisymmetric",
+        pytest.param("3d", marks=pytest.mark.slow),
+    ],
+)
 @pytest.mark.parametrize("name", SHAPES)
 def test_pressure_on_every_side_is_in_equilibrium_with_uniform_stress(
     name, kind, find_stencils, make_grid_for

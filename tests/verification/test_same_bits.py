@@ -40,7 +40,11 @@ def files_of(
 
 
 SCENES = [
-    ("block_impact.yaml", ("--until", "0.03", "--set", "archive.grid={every: 0.02}")),
+    pytest.param(
+        "block_impact.yaml",
+        ("--until", "0.03", "--set", "archive.grid={every: 0.02}"),
+        marks=pytest.mark.slow,
+    ),
     pytest.param("shock_nickel_symmetry.yaml", ("--until", "4e-4"), marks=pytest.mark.slow),
     pytest.param("stretched_bar.yaml", (), marks=pytest.mark.slow),
 ]

@@ -16,7 +16,7 @@ from mpmcli.study.journal import Journal
 from mpmcli.study.processes import Processes
 from mpmcli.study.stability import Settings, Source, find_limits, make_cases
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
+pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
 
 BAR = Path(__file__).parents[2] / "inputs" / "vibrating_bar.yaml"
 LIMITS = {"flip": (0.85, 0.02), "fmpm:2": (0.685, 0.015), "fmpm:4": (0.541, 0.015), "fmpm:8": (0.41, 0.015)}

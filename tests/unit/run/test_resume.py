@@ -566,7 +566,7 @@ def test_a_killed_program_goes_on(in_folder):
     assert kill_at_random(in_folder, kills=3, steps=1000, begin=start) >= 1
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @needs_fork
 def test_a_run_that_is_killed_two_hundred_times_goes_on(in_folder):
     hits = kill_at_random(in_folder, kills=200, steps=15000, begin=Forked)
