@@ -176,11 +176,13 @@ def next_projection(active, mp, p_start, out, u):
 
 
 @kernel
-def add_projected(active, dt, u, w):
-    """XPIC(m): w = a Δt + u, from a in ``w``."""
+def add_projected(active, dt, u, v, w, start):
+    """XPIC(m): w = a Δt + u, from a in ``w``; ``start`` (n, d), unless None, becomes v⁺ − a Δt."""
     for j in prange(active.shape[0]):
         i = np.uint64(active[j])
         for a in range(w.shape[1]):
+            if start is not None:
+                start[i, a] = v[i, a] - w[i, a] * dt
             w[i, a] = w[i, a] * dt + u[i, a]
 
 

@@ -229,13 +229,14 @@ def scatter(task, analysis, shape, grid, across, bands, stencil, X, F, size, fie
 
 @kernel
 def move_particles(
-    analysis, shape, grid, across, chunks, stencil, X, F, size, field, v, w, alpha, damping, dt, flip, V, X_new, L, M,
-    speed2, travel, outside, bounds, damped,
+    analysis, shape, grid, across, chunks, stencil, X, F, size, field, v, w, start, alpha, damping, dt, flip, V, X_new,
+    L, M, speed2, travel, outside, bounds, damped,
 ):  # fmt: skip
     """Tasks 4 and 5: effective acceleration 𝔸 and velocity 𝕍, positions and velocities by Eq. 7 of Nairn (2026).
 
     ``v`` (n·d,) holds v⁺(k); ``w`` (n·d,) the acceleration if ``flip`` is given (not None), the
-    projected velocity of XPIC, or None (FMPM: v⁺(k) itself). ``X_new`` may be ``X``. ``L`` (nL, N) receives the
+    projected velocity of XPIC, or None (FMPM: v⁺(k) itself); ``start`` (n·d,) the velocity of the step's start that
+    takes the place of the particles' own in 𝕍, or None. ``X_new`` may be ``X``. ``L`` (nL, N) receives the
     velocity gradient, or is None. Per chunk: ``speed2`` the largest |V|², ``travel`` the largest displacement along
     an axis in cells, ``outside`` a particle that left the domain ``bounds`` (d, 2) or −1, ``damped`` (or None) the work
     of particle damping.
@@ -260,6 +261,9 @@ def move_particles(
             Sw = Sv
             if w is not None:
                 Sw = gather_vector(analysis, S, base, offsets, across, w)
+            So = Sv
+            if start is not None:
+                So = gather_vector(analysis, S, base, offsets, across, start)
             square = 0.0
             for a in range(len(geometry.inverse_cell)):
                 old = V[a, p]
@@ -268,7 +272,7 @@ def move_particles(
                     U = Sv[a] - Sw[a] * dt
                 else:
                     A = (Sw[a] - old) / dt - damping * old
-                    U = old
+                    U = old if start is None else So[a]
                 step = (U + alpha * A * dt) * dt
                 new = old + A * dt
                 if damped is not None:

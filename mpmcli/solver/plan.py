@@ -164,6 +164,7 @@ class StepArrays:
     Attributes
     ----------
     v : (n, d) grid velocities
+    start : (n, d) velocities v⁺ − a Δt, contact included, that move positions of XPIC where bodies touch
     w : (n, d) accelerations (FLIP) or projected velocities (XPIC)
     dv, out : (n, d) velocity increment of the FMPM loop and what one pass makes of it
     p_start, p_again : (n, d) momenta at the start of the step; momenta extrapolated again
@@ -177,6 +178,7 @@ class StepArrays:
 
     v: Array
     w: Any
+    start: Any
     dv: Any
     out: Any
     p_start: Any
@@ -199,6 +201,7 @@ def allocate_step_arrays(plan: Plan, grid: Grid, particles: int) -> StepArrays:
     return StepArrays(
         v=np.zeros((n, d)),
         w=nodal(not plan.method.full_mass or plan.is_periodic),
+        start=nodal(plan.method.projects and plan.has_contact),
         dv=nodal(plan.has_full_mass_loop or plan.method.projects),
         out=nodal(plan.has_full_mass_loop or plan.method.projects),
         p_start=nodal(plan.keeps_start_momenta),

@@ -63,7 +63,7 @@ def advance(s: Simulation, dt: float) -> None:
     with clock("4 particles"):
         fused = plan.velocity_gradient or (plan.update.last > 0.0 and not plan.update.again)
         transfer.move(
-            a.v, w, plan.method.flip, plan.alpha, plan.particle_damping, dt,
+            a.v, w, a.start if plan.method.projects else None, plan.method.flip, plan.alpha, plan.particle_damping, dt,
             a.X_new if plan.update.again else s.particles.X, fused, a.damped,
         )  # fmt: skip
         s.rigid.move(a.X_new if plan.update.again else s.particles.X, s.time, dt)

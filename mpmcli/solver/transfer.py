@@ -189,6 +189,7 @@ class Transfer:
         self,
         v: Array,
         w: Array | None,
+        start: Array | None,
         flip: bool,
         alpha: float,
         damping: float,
@@ -201,7 +202,8 @@ class Transfer:
         p = self.particles
         kernels.move_particles[self.parallel](
             *self._operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1),
-            alpha, damping, dt, True if flip else None, p.V, X_new, p.L if with_gradients else None, p.mass,
+            None if start is None else start.reshape(-1), alpha, damping, dt, True if flip else None, p.V, X_new,
+            p.L if with_gradients else None, p.mass,
             self.speed_squared, self.travel, self.outside, self._bounds, damped,
         )  # fmt: skip
         chunks = len(self.order.chunks) - 1

@@ -69,4 +69,4 @@ def add_filtered_velocities(s: Simulation, w: Array, dt: float) -> None:
             out, -1.0 if m == order else 0.0
         )  # what passes filter out gives no momentum
         nodes.next_projection[s.parallel](active, grid.mp, p_start, out, u)
-    nodes.add_projected[s.parallel](active, dt, u, w)
+    nodes.add_projected[s.parallel](active, dt, u, s.arrays.v, w, s.arrays.start)

@@ -109,8 +109,8 @@ class Cloud:
         }
         bounds = np.stack([self.grid.lower, self.grid.upper], axis=1)
         transfer.move_particles[self.parallel](
-            *self.operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1), alpha, damping, dt,
-            True if flip else None, p.V, p.X, p.L if L else None, p.mass,
+            *self.operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1), None, alpha,
+            damping, dt, True if flip else None, p.V, p.X, p.L if L else None, p.mass,
             report["speed2"], report["travel"], report["outside"], bounds, damped,
         )  # fmt: skip
         return report
