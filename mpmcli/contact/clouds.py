@@ -79,8 +79,11 @@ class Sights(NamedTuple):
 def find_candidates(order: CellOrder, grid: Grid) -> Candidates:
     """List candidates after a sort (``grid.active`` holds the degrees of freedom that particles may touch)."""
     n = grid.node_count
-    dof = grid.active[np.lexsort((grid.active // n, grid.active % n))]
-    node, fields = np.unique(dof % n, return_counts=True)
+    by_node = np.argsort(grid.active % n, kind="stable")  # fields stay in their order
+    dof = grid.active[by_node]
+    at = dof % n
+    start = np.flatnonzero(np.diff(at, prepend=-1))
+    node, fields = at[start], np.diff(start, append=len(at))
     shared = fields > 1
     keep = np.repeat(shared, fields)
     first = np.concatenate([[0], np.cumsum(fields[shared])])
