@@ -69,13 +69,14 @@ def test_contact_nodes_see_exactly_the_particles_whose_shape_functions_reach_the
     s = simulation(list(bodies), method={"shape": shape, "transfer": {"kind": "flip"}})
     for _ in range(25):
         s.step()
-    before = stencils(s)  # the next step looks at these positions
-    s.step()
-    # the order of particles may have changed by a sort between the two looks
-    assert s.order.version >= 1
+    sorts = -1
+    while (
+        sorts != s.order.version
+    ):  # a step that sorts the particles leaves nothing to compare: look at the next
+        sorts = s.order.version
+        before = stencils(s)  # the next step looks at these positions
+        s.step()
     field_of = s.particles.velocity_field
-    if s.order.drift == 0.0:
-        pytest.skip("particles were sorted in the step looked at")
     several = [
         i for i in np.flatnonzero((before > 0).any(axis=0)) if len(set(field_of[before[:, i] > 0.0])) > 1
     ]
