@@ -24,6 +24,15 @@ SERIES = {
     "grid": re.compile(r"grid_\d{6,}\.vtu(\.part)?"),
 }
 
+PLOTS = "plots"
+"""Folder of the pictures that ``mpmcli plot`` makes of a run, unless told otherwise."""
+PARAVIEW = "open_in_paraview.py"
+"""Script that opens a result in ParaView; not ``paraview.py``: that would hide the module that it imports."""
+PICTURE = re.compile(
+    r"(energies|stresses|strains|reactions|momentum|contact|motion|steps|columns|particles|probe_.+)\.(png|gif|mp4)"
+)
+"""Names of pictures that ``mpmcli plot`` chooses."""
+
 
 def write_text(path: Path, text: str) -> None:
     """Replace a file by text in one move: readers see the old or the new file, never a part."""
@@ -63,12 +72,19 @@ def owned_files(directory: Path) -> Iterator[Path]:
         yield from sorted((directory / "probes").glob("*.csv"))
 
 
+def drawn_files(directory: Path) -> Iterator[Path]:
+    """The pictures of a run under the names that mpmcli gives them, and the script for ParaView."""
+    yield from (path for path in (directory / PARAVIEW,) if path.exists())
+    if (directory / PLOTS).is_dir():
+        yield from (p for p in sorted((directory / PLOTS).iterdir()) if PICTURE.fullmatch(p.name))
+
+
 def remove_results(directory: Path) -> None:
-    """Remove the files of an earlier run, and nothing else; folders that became empty go too."""
+    """Remove the files and pictures of an earlier run, and nothing else; folders that became empty go too."""
     try:
-        for path in list(owned_files(directory)):
+        for path in [*owned_files(directory), *drawn_files(directory)]:
             path.unlink()
-        for folder in (*SERIES, "probes"):
+        for folder in (*SERIES, "probes", PLOTS):
             path = directory / folder
             if path.is_dir() and not any(path.iterdir()):
                 path.rmdir()

@@ -81,7 +81,7 @@ def _of_manifest(contents: dict[str, Any]) -> Iterator[str]:
     yield f"{scene}, mpmcli {contents.get('mpmcli')}"
     words = [f"{run.get('ended', 'unknown')}"]
     if "steps" in run:
-        words.append(f"{run['steps']} steps to time {run.get('time'):g}")
+        words.append(f"{run['steps']} steps to time {float(run.get('time', 0.0)):g}")
     if "wall_seconds" in run:
         words.append(f"{run['wall_seconds']:.3g} s on {run.get('threads')} threads")
     if run.get("peak_memory_bytes"):

@@ -8,11 +8,24 @@ import math
 import os
 import platform
 import sys
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    Strict,
+    StrictBool,
+    StrictStr,
+    ValidationError,
+    model_validator,
+)
 
 import mpmcli
+from mpmcli.core.errors import ArchiveError
 from mpmcli.output.files import MANIFEST, write_text
 
 LIBRARIES = ("numpy", "numba", "llvmlite", "vtk", "pydantic", "pyyaml", "pint", "meshio", "tbb")
@@ -85,13 +98,112 @@ def now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 
+_Number = Annotated[float, Strict()]
+_Count = Annotated[int, Strict(), Field(ge=0, lt=2**63)]
+
+
+class _Part(BaseModel):
+    """A mapping that may hold more than is listed, and need not hold what is."""
+
+    model_config = ConfigDict(extra="allow")
+
+
+class _Source(_Part):
+    path: StrictStr | None = None
+    set: list[StrictStr] = []
+    define: list[StrictStr] = []
+    allow_outside_files: StrictBool = False
+
+
+class _Run(_Part):
+    ended: StrictStr = ""
+    steps: _Count = 0
+    time: _Number | Literal["nan", "inf", "-inf"] = 0.0
+    wall_seconds: _Number = 0.0
+    nanoseconds_per_particle_step: _Number | None = None
+    threads: _Count | None = None
+    peak_memory_bytes: _Count | None = None
+    source: _Source = _Source()
+    resumed: list[Any] = []
+
+
+class _Kind(_Part):
+    kind: StrictStr = ""
+
+
+class _Grid(_Part):
+    cell: list[_Number] = []
+
+
+class _Body(_Part):
+    name: StrictStr = ""
+    region: _Kind = _Kind()
+    particles_per_axis: _Count | list[_Count] = 1
+
+
+class _Scene(_Part):
+    units: dict[str, StrictStr] | None = None
+    constants: dict[str, _Number] = {}
+    analysis: _Kind = _Kind()
+    grid: _Grid = _Grid()
+    materials: dict[str, _Kind] = {}
+    bodies: list[_Body] = []
+
+    @model_validator(mode="after")
+    def _same_axes(self) -> _Scene:
+        counts = (body.particles_per_axis for body in self.bodies)
+        if any(isinstance(each, list) and len(each) != len(self.grid.cell) for each in counts):
+            raise ValueError("particles_per_axis of a body has not as many numbers as the grid's cell")
+        return self
+
+
+class _Contents(_Part):
+    """What the readers of ``run.json`` rely on."""
+
+    units: dict[str, dict[str, StrictStr]] = {}
+    bodies: list[StrictStr] = []
+    materials: list[StrictStr] = []
+    scene: _Scene = _Scene()
+    run: _Run = _Run()
+
+
 def read_manifest(directory: Path) -> dict[str, Any] | None:
-    """Contents of a folder's ``run.json``; None if there is none or it cannot be understood."""
+    """Contents of a folder's ``run.json``; None if there is none or it is no JSON text.
+
+    Raises
+    ------
+    ArchiveError
+        If something in it is of another kind than what mpmcli writes there.
+    """
+    path = directory / MANIFEST
     try:
-        contents = json.loads((directory / MANIFEST).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        contents = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
         return None
-    return contents if isinstance(contents, dict) else None
+    if not isinstance(contents, dict):
+        return None
+    try:
+        _Contents.model_validate(contents)
+    except ValidationError as error:
+        found = error.errors(include_url=False, include_context=False)[0]
+        words = str(found["msg"])
+        key = ".".join(_key_of(contents, found["loc"]))
+        raise ArchiveError(
+            f"{path} is not as mpmcli wrote it: {key}: {words[:1].lower()}{words[1:]}"
+        ) from None
+    return contents
+
+
+def _key_of(value: Any, place: tuple[Any, ...]) -> Iterator[str]:
+    """The keys of a place; what pydantic adds to them about its unions is left out."""
+    for part in place:
+        is_key = (
+            part in value if isinstance(value, dict) else isinstance(value, list) and isinstance(part, int)
+        )
+        if not is_key:
+            return
+        yield str(part)
+        value = value[part]
 
 
 def _plain(value: Any) -> Any:

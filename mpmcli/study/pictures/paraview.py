@@ -7,13 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.output.files import PARAVIEW
 from mpmcli.study.pictures.drawing import shorten
 from mpmcli.study.pictures.errors import PictureError
 from mpmcli.study.pictures.quantities import DEFAULTS, domains_of
 from mpmcli.study.pictures.results import Frame, Results, unit_in_brackets
-
-FILE = "open_in_paraview.py"
-"""Not ``paraview.py``: that would hide the module that it imports."""
 
 SCRIPT = '''\
 """{title}
@@ -103,4 +101,4 @@ def _array_of(frame: Frame, color: str | None) -> tuple[str, str]:
 
 def default_path(results: Results) -> Path:
     """Where the script is written without being asked."""
-    return results.directory / FILE
+    return results.directory / PARAVIEW

@@ -11,7 +11,7 @@ import numpy as np
 
 from mpmcli.core.errors import ArchiveError
 from mpmcli.core.suggest import did_you_mean
-from mpmcli.output.files import GLOBALS
+from mpmcli.output.files import GLOBALS, PLOTS
 from mpmcli.study.pictures.animation import KINDS, MOST_FRAMES, check_writer, write_animation
 from mpmcli.study.pictures.curves import (
     ENERGIES,
@@ -41,8 +41,6 @@ from mpmcli.study.pictures.space import SpacePicture, why_not
 PARTICLES, PROBES, ALL = "particles", "probes", "all"
 WHAT = (*SUBJECTS, PROBES, PARTICLES, ALL)
 """What pictures can be of."""
-FOLDER = "plots"
-"""Pictures go to this folder of the results unless told otherwise."""
 FILES = (*FORMATS, *(f".{kind}" for kind in KINDS), ".py")
 """Endings by which the name of a file is told from that of a folder."""
 
@@ -187,7 +185,7 @@ def _existing(results: Results) -> list[str]:
 def _paths(results: Results, request: Request, pictures: list[tuple[str, str]]) -> list[Path]:
     output = request.output
     if output is None or output.suffix.lower() not in FILES or output.is_dir():
-        folder = results.directory / FOLDER if output is None else output
+        folder = results.directory / PLOTS if output is None else output
         return [folder / f"{name}{ending}" for name, ending in pictures]
     if len(pictures) > 1:
         names = ", ".join(name for name, _ in pictures)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import math
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mpmcli.cli.main import call
 from mpmcli.core.errors import ArchiveError
 from mpmcli.output import manifest
 from mpmcli.output.files import write_text
@@ -45,6 +47,59 @@ def test_unreadable_manifests_are_none(tmp_path):
     assert manifest.read_manifest(tmp_path) is None
     (tmp_path / "run.json").write_text("[1]")
     assert manifest.read_manifest(tmp_path) is None
+
+
+CONTENTS = {
+    "title": "Bar",
+    "scene": {
+        "units": {"length": "mm"},
+        "constants": {"v": 1},
+        "analysis": {"kind": "3d"},
+        "grid": {"cell": [1.0, 1, 2.5]},
+        "materials": {"rubber": {"kind": "neo_hookean"}},
+        "bodies": [{"name": "bar", "region": {"kind": "box"}, "particles_per_axis": [1, 2, 2]}],
+    },
+    "bodies": ["bar"],
+    "materials": ["rubber"],
+    "units": {"globals.csv": {"time": "ms"}},
+    "run": {"ended": "finished", "steps": 3, "time": "nan", "wall_seconds": 1, "threads": None, "resumed": [],
+            "source": {"path": None, "set": [], "define": [], "allow_outside_files": False}},
+}  # fmt: skip
+
+
+def places_in(value, place=()):
+    members = (
+        value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    )
+    for key, member in members:
+        yield (*place, key)
+        yield from places_in(member, (*place, key))
+
+
+def test_a_manifest_that_somebody_edited_is_refused_in_words(tmp_path):
+    path = tmp_path / "run.json"
+    path.write_text(json.dumps(CONTENTS))
+    assert manifest.read_manifest(tmp_path) == CONTENTS
+    for place in places_in(CONTENTS):
+        changed = copy.deepcopy(CONTENTS)
+        holder = changed
+        for key in place[:-1]:
+            holder = holder[key]
+        # what stands for nothing there, and what mpmcli never writes
+        holder[place[-1]] = 10**400 if place in (("title",), ("run", "threads")) else [[None]]
+        path.write_text(json.dumps(changed))
+        if place in (("title",), ("run", "resumed")):
+            assert manifest.read_manifest(tmp_path) == changed
+            continue
+        with pytest.raises(ArchiveError, match=r"run\.json is not as mpmcli wrote it: [\w.]+: \w"):
+            manifest.read_manifest(tmp_path)
+
+
+def test_an_edited_manifest_ends_commands_with_words(tmp_path, capsys):
+    (tmp_path / "run.json").write_text('{"run": 3, "units": []}')
+    for command in ("info", "resume", "plot"):
+        assert call([command, str(tmp_path)]) == 5
+        assert "run.json is not as mpmcli wrote it" in capsys.readouterr().err
 
 
 def test_text_that_cannot_be_written_leaves_no_part(tmp_path):

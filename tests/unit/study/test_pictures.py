@@ -14,8 +14,9 @@ from PIL import Image
 
 from mpmcli.cli import plot_command
 from mpmcli.core.errors import ArchiveError
+from mpmcli.output.files import PICTURE, PLOTS, drawn_files, remove_results
 from mpmcli.study.pictures import Request, animation, plot, space
-from mpmcli.study.pictures.curves import draw_panels, parts_of, subject_panels
+from mpmcli.study.pictures.curves import SUBJECTS, draw_panels, parts_of, subject_panels
 from mpmcli.study.pictures.drawing import drawing, wrapped
 from mpmcli.study.pictures.errors import PictureError
 from mpmcli.study.pictures.particles import (
@@ -27,7 +28,7 @@ from mpmcli.study.pictures.particles import (
     directions,
 )
 from mpmcli.study.pictures.quantities import colorings, domains_of, find_coloring
-from mpmcli.study.pictures.request import FOLDER, WHAT
+from mpmcli.study.pictures.request import PARTICLES, WHAT
 from mpmcli.study.pictures.results import Results
 
 
@@ -60,11 +61,26 @@ def picture_of(directory, kind=PlanePicture, color=None, limits=None, frame=-1):
 # what is drawn without being asked
 
 
+def test_a_new_run_removes_the_old_pictures_and_nothing_else(make_results):
+    directory = make_results()
+    (directory / PLOTS).mkdir()
+    names = {f"{name}.png" for name in (*SUBJECTS, PARTICLES, "columns", "probe_tip")} | {"particles.gif"}
+    for name in {*names, "mine.png", "energies.svg"}:
+        (directory / PLOTS / name).write_bytes(b"")
+    assert {path.name for path in drawn_files(directory)} == names
+    remove_results(directory)
+    assert {path.name for path in (directory / PLOTS).iterdir()} == {"mine.png", "energies.svg"}
+    for name in ("mine.png", "energies.svg"):
+        (directory / PLOTS / name).unlink()
+    remove_results(directory)
+    assert not directory.exists() or not list(directory.iterdir())
+
+
 @pytest.mark.parametrize("d", [1, 2, 3])
 def test_energies_and_last_particles_without_options(make_results, d):
     directory = make_results(d)
     paths, notes = plot(directory)
-    assert paths == [directory / FOLDER / "energies.png", directory / FOLDER / "particles.png"]
+    assert paths == [directory / PLOTS / "energies.png", directory / PLOTS / "particles.png"]
     assert colors_of(paths[0]).shape == (744, 960, 3)
     rows, columns, _ = colors_of(paths[1]).shape
     assert 300 < rows < 1300
@@ -169,6 +185,7 @@ def test_everything_there_is(make_results, tmp_path):
     names = ["energies", "stresses", "reactions", "momentum", "contact", "probe_tip", "particles"]
     assert [path.stem for path in paths] == names
     for path in paths:
+        assert PICTURE.fullmatch(path.name), "it would stay when another run takes the folder"
         colors_of(path)
 
 
@@ -330,7 +347,7 @@ def test_animation_shows_all_times(make_results, d):
     directory = make_results(d, count=3)
     said = []
     (path,), _ = plot(directory, Request(animate="gif", rate=4, progress=said.append))
-    assert path == directory / FOLDER / "particles.gif"
+    assert path == directory / PLOTS / "particles.gif"
     with Image.open(path) as image:
         assert image.n_frames == 3
         pictures = []
