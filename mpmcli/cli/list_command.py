@@ -74,11 +74,14 @@ def _describe(model: Any) -> Iterator[str]:
     from typing import get_args
 
     from mpmcli.core.descriptions import field_descriptions
+    from mpmcli.core.plugins import plugin_of
 
     kinds = ", ".join(get_args(model.model_fields["kind"].annotation))
     yield f"{kinds}: {_first_line(model.__doc__)}"
     if hasattr(model, "analyses"):
         yield f"    for {', '.join(sorted(model.analyses))}"
+    if plugin := plugin_of(model):
+        yield f"    from the plugin {plugin}"
     words = field_descriptions(model)
     for name, field in model.model_fields.items():
         if name != "kind":

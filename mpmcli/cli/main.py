@@ -5,14 +5,11 @@ from __future__ import annotations
 import importlib
 import os
 import sys
-import traceback
 from collections.abc import Sequence
 
 import click
 
 from mpmcli import __version__
-from mpmcli.core.errors import MpmcliError
-from mpmcli.core.suggest import nearest
 
 # the command "run" lives in mpmcli.cli.run_command, imported when it is called
 COMMANDS = {
@@ -59,6 +56,8 @@ class Commands(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """As click does, with the nearest name if there is no such command."""
         if args and not args[0].startswith("-") and args[0] not in COMMANDS:
+            from mpmcli.core.suggest import nearest
+
             name = nearest(args[0], COMMANDS)
             hint = f" Did you mean '{name}'?" if name else f" There are {', '.join(COMMANDS)}."
             raise click.UsageError(f"There is no command '{args[0]}'.{hint}", context)
@@ -98,9 +97,6 @@ def call(args: Sequence[str] | None = None) -> int:
     except click.ClickException as error:
         error.show()
         return 2
-    except MpmcliError as error:
-        click.echo(str(error), err=True)
-        return error.exit_code
     except (KeyboardInterrupt, click.Abort):
         click.echo("interrupted", err=True)
         return INTERRUPTED
@@ -109,12 +105,28 @@ def call(args: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except Exception as error:
-        if os.environ.get("MPMCLI_DEBUG") == "1":
-            traceback.print_exc()
-        name = type(error).__name__
-        click.echo(f"mpmcli has a fault of its own ({name}: {error}); please report it.", err=True)
-        click.echo("Set MPMCLI_DEBUG=1 to see where.", err=True)
-        return OUR_BUG
+        return _tell(error)
+
+
+def _tell(error: Exception) -> int:
+    """Say what went wrong on stderr; returns the exit code."""
+    # imported here, because help needs none of it
+    from mpmcli.core.errors import MpmcliError
+    from mpmcli.core.plugins import installed
+
+    if os.environ.get("MPMCLI_DEBUG") == "1" and (error.__cause__ or not isinstance(error, MpmcliError)):
+        import traceback
+
+        traceback.print_exception(error)
+    if isinstance(error, MpmcliError):
+        click.echo(str(error), err=True)
+        return error.exit_code
+    name = type(error).__name__
+    click.echo(f"mpmcli has a fault of its own ({name}: {error}); please report it.", err=True)
+    if plugins := ", ".join(map(str, installed())):
+        click.echo(f"It may be one of an installed plugin: {plugins}.", err=True)
+    click.echo("Set MPMCLI_DEBUG=1 to see where.", err=True)
+    return OUR_BUG
 
 
 def main() -> None:

@@ -2,6 +2,7 @@
 
 MpmcliError            70  our bug, unless a subclass says otherwise
   SceneError            3  the scene, or a file that it names, is not valid
+  PluginError           3  an installed plugin cannot be used
   SimulationError       4  the simulation failed (not finite, particle lost, step collapsed)
   ArchiveError          5  output files cannot be read or written
 """
@@ -52,6 +53,12 @@ class SceneError(MpmcliError):
             problems = [Problem(path="", message=problems)]
         self.problems = problems
         super().__init__("\n".join(str(problem) for problem in problems))
+
+
+class PluginError(MpmcliError):
+    """An installed plugin cannot be used; the message names its package and what to do."""
+
+    exit_code = 3
 
 
 class SimulationError(MpmcliError):

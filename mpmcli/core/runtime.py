@@ -16,6 +16,7 @@ from functools import cache
 from pathlib import Path
 
 import mpmcli
+from mpmcli.core.plugins import installed
 
 PACKAGE = Path(mpmcli.__file__).parent
 
@@ -34,11 +35,13 @@ def available_threads() -> int:
 
 @cache
 def source_digest() -> str:
-    """Digest of mpmcli's sources and compile flags: compiled code is only valid for these."""
+    """Digest of the sources of mpmcli and all plugins, and of compile flags: compiled code is only valid for these."""
     flags = [os.environ.get(name, "") for name in ("MPMCLI_BOUNDSCHECK", "NUMBA_SLP_VECTORIZE", "NUMBA_OPT")]
     digest = hashlib.sha256(" ".join([mpmcli.__version__, *flags]).encode())
     for path in sorted(PACKAGE.rglob("*.py")):
         digest.update(path.read_bytes())
+    for plugin in installed():
+        digest.update(plugin.digest.encode())
     return digest.hexdigest()[:16]
 
 

@@ -78,7 +78,8 @@ def _of_manifest(contents: dict[str, Any]) -> Iterator[str]:
     if contents.get("title"):
         yield str(contents["title"])
     scene = f"scene {contents.get('scene_file')} ({str(contents.get('scene_hash'))[:12]})"
-    yield f"{scene}, mpmcli {contents.get('mpmcli')}"
+    used = [f"{name} {facts.get('version')}" for name, facts in contents.get("plugins", {}).items()]
+    yield ", ".join([scene, f"mpmcli {contents.get('mpmcli')}", *used])
     words = [f"{run.get('ended', 'unknown')}"]
     if "steps" in run:
         words.append(f"{run['steps']} steps to time {float(run.get('time', 0.0)):g}")

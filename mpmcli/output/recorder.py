@@ -170,6 +170,7 @@ class Recorder:
                 "scene_file": str(loaded.path),
                 "scene_hash": loaded.hash,
                 "scene": loaded.resolved(),
+                "plugins": loaded.plugins,
                 "bodies": list(state.bodies),
                 "materials": list(state.materials),
                 "units": units,

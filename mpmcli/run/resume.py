@@ -70,6 +70,7 @@ def header_facts(loaded: Any, state: Any) -> dict[str, Any]:
         "scene_hash": loaded.hash,
         "scene": loaded.resolved(),
         "files": loaded.file_digests,
+        "plugins": loaded.plugins,
         "step": state.step,
         "time": state.time,
     }
@@ -87,11 +88,11 @@ def refuse_changes(loaded: Any, checkpoint: Checkpoint) -> None:
             header["mpmcli"],
             mpmcli.__version__,
         )
-    if header["scene_hash"] == loaded.hash:
+    problems = list(_changed_plugins(header.get("plugins", {}), loaded.plugins))
+    if header["scene_hash"] == loaded.hash and not problems:
         return
     before, now = header["scene"], loaded.resolved()
     text = " ".join(_texts({key: (before.get(key), now.get(key)) for key in {*before, *now} - {"constants"}}))
-    problems = []
     for path, old, new in differences(before, now):
         constant = path.removeprefix("constants.")
         if constant != path and not re.search(rf"(?<![\w.]){re.escape(constant)}(?!\w)", text):
@@ -109,6 +110,18 @@ def refuse_changes(loaded: Any, checkpoint: Checkpoint) -> None:
         only = "a resumed run may change only its end, intervals of archives and checkpoints, and threads"
         problems.append(_problem("", f"{only}; run the changed scene from its start, into another folder"))
         raise SceneError(problems)
+
+
+def _changed_plugins(before: dict[str, dict[str, str]], now: dict[str, dict[str, str]]) -> Iterator[Problem]:
+    """What differs in the plugins that a scene uses."""
+    for name in sorted({*before, *now}):
+        old, new = before.get(name, {}), now.get(name, {})
+        if old == new:
+            continue
+        words = f"is {new.get('version', 'absent')}, was {old.get('version', 'absent')}"
+        if old.get("version") == new.get("version"):
+            words = f"its sources are not what they were (version {new['version']})"
+        yield _problem("plugins", f"{name}: {words}")
 
 
 def _problem(path: str, message: str) -> Problem:

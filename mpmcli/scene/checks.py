@@ -19,6 +19,7 @@ from mpmcli.scene.not_built import member_label
 from mpmcli.scene.parts import LISTS, Parts
 from mpmcli.scene.report import locate
 from mpmcli.scene.tree import Node
+from mpmcli.shapes import SHAPES
 
 NAME = re.compile(r"\w[\w +-]*\Z")
 NAME_WORDS = "letters, digits, spaces, _, + and - are possible"
@@ -46,6 +47,7 @@ def check(parts: Parts, root: Node) -> list[Problem]:
     _check_start(parts, root, report)
     _check_times(parts, report)
     _check_effects(parts, report)
+    _check_tractions(parts, root, report)
     return problems
 
 
@@ -267,6 +269,16 @@ def expressions_in(value: Any, path: str) -> Iterator[tuple[str, Expression]]:
     elif isinstance(value, tuple | list) and len(value) < 10:
         for index, member in enumerate(value):
             yield from expressions_in(member, f"{path}.{index}")
+
+
+def _check_tractions(parts: Parts, root: Node, report: Report) -> None:
+    """Faces give their force to the nodes as the grid functions ask, which must be known."""
+    if parts.method is None or SHAPES[parts.method.shape].grid_functions != "other":
+        return
+    for index, model in parts.loads:
+        if model.kind == "traction":
+            words = f"tractions need linear or quadratic grid functions, which '{parts.method.shape}' has not"
+            report(f"{label(root, 'loads', index)}.kind", words, "shape")
 
 
 def _check_times(parts: Parts, report: Report) -> None:

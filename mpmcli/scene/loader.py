@@ -21,6 +21,7 @@ from mpmcli.scene.models import BaseUnits, Scene
 from mpmcli.scene.not_built import take_out
 from mpmcli.scene.override import apply_defines, apply_sets
 from mpmcli.scene.parts import Parts
+from mpmcli.scene.plugins import check_plugins, plugins_of
 from mpmcli.scene.report import as_text, locate, ordered, translate
 from mpmcli.scene.tree import Mark, Node, compose
 from mpmcli.scene.units import BASE, Units, check_base_unit
@@ -75,6 +76,12 @@ class LoadedScene:
                 digests[name] = hashlib.file_digest(file, "sha256").hexdigest()
         return digests
 
+    @cached_property
+    def plugins(self) -> dict[str, dict[str, str]]:
+        """Version and digest of the sources of each plugin that the scene uses, by its name."""
+        found = plugins_of(self.scene)
+        return {plugin.name: {"version": plugin.version, "digest": plugin.digest} for plugin in found}
+
     def locate(self, error: SceneError) -> SceneError:
         """The same error with file, line and column where its problems have only a path."""
         if self.root is None:
@@ -120,6 +127,8 @@ def load_scene(
     ------
     SceneError
         With every problem, ordered by line.
+    PluginError
+        If an installed plugin that the scene uses is not complete.
     """
     is_text = isinstance(source, str) and "\n" in source
     path = None if is_text else Path(source)
@@ -136,6 +145,7 @@ def load_scene(
     problems = ordered(problems)
     if scene is None or any(problem.severity == "error" for problem in problems):
         raise scene_error(problems)
+    check_plugins(scene)
     overrides = {"set": list(sets), "define": list(defines)}
     return LoadedScene(
         scene, path, context.units, context.constants, problems, overrides, root, allow_outside_files

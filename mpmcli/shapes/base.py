@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-GridFunctions = Literal["linear", "quadratic"]
+GridFunctions = Literal["linear", "quadratic", "other"]
 Domain = Literal["point", "box", "corners", "corners_and_middles"]
 
 
@@ -22,7 +22,7 @@ class ShapeEntry:
     name : its name in scenes
     parameters : the tuple handed to kernels
     width : nodes per axis that its stencil spans for undeformed particles
-    grid_functions : hats or quadratic splines
+    grid_functions : hats, quadratic splines, or others, on which tractions and predicted limits are not defined
     domain : where a particle sees them: at its middle, averaged over its undeformed box, or (CPDI) at the corners of
         its deformed domain, or at these and the middles between them
     description : one line for people
@@ -61,4 +61,6 @@ def add_shape(
     reference: str,
 ) -> None:
     """Register a shape function."""
+    if name in SHAPES:
+        raise ValueError(f"shape function '{name}' is registered twice")
     SHAPES[name] = ShapeEntry(name, parameters, width, grid_functions, domain, description, reference)

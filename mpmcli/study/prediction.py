@@ -158,7 +158,7 @@ def lattices_of(scene: Any) -> Iterator[Lattice]:
     shape, kind = SHAPES[scene.method.shape], scene.analysis.kind
     models = {name: model for name, model in scene.materials.items() if model.kind != "rigid"}
     used = {body.material for body in scene.bodies if body.material in models}
-    if not used:
+    if not used or shape.grid_functions == "other":
         return
     speeds = {name: models[name].initial_wave_speed(kind) for name in used}
     fastest = max(speeds.values())

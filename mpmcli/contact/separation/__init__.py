@@ -1,8 +1,10 @@
 """Methods that tell how far apart two sides are, one per file; importing the room registers them all."""
 
 from mpmcli.contact.separation.base import SEPARATIONS, SeparationModel, find_separation
+from mpmcli.core.plugins import load_plugins
 from mpmcli.core.registry import discover
 
 discover(__name__, __path__)
+load_plugins("separations", SEPARATIONS, SeparationModel)
 
 __all__ = ["SEPARATIONS", "SeparationModel", "find_separation"]

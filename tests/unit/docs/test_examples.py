@@ -8,9 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).parents[3]
+EXAMPLE = ROOT / "tests" / "example_plugin"
 
 
 def blocks(page: str, language: str) -> list[str]:
@@ -20,7 +19,7 @@ def blocks(page: str, language: str) -> list[str]:
 
 
 def run_python(script: str, folder: Path, **environment: str) -> str:
-    """Run a script in a process of its own: registered examples must not reach other tests."""
+    """Run a script in a process of its own: what it registers must not reach other tests."""
     paths = os.pathsep.join([str(folder), str(ROOT)])
     # what this process chose for its own numba is not for the other
     inherited = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
@@ -36,30 +35,22 @@ def run_python(script: str, folder: Path, **environment: str) -> str:
     return done.stdout
 
 
-@pytest.fixture
-def folder(tmp_path):
-    """The worked examples of "Develop" as modules, and the scene that uses the material."""
-    material, region = blocks("develop.md", "python")
-    (scene,) = blocks("develop.md", "yaml")
-    (tmp_path / "log_fluid.py").write_text(material, encoding="utf-8")
-    (tmp_path / "annulus.py").write_text(region, encoding="utf-8")
-    (tmp_path / "drop.yaml").write_text(scene, encoding="utf-8")
-    ring = scene.replace(
-        "{kind: disk, center: [4, 4], radius: 2}", "{kind: annulus, center: [4, 4], inner: 1, outer: 2}"
-    )
-    assert ring != scene
-    (tmp_path / "ring.yaml").write_text(ring, encoding="utf-8")
-    return tmp_path
-
-
-CHECK_MATERIAL = """
+CHECKS = """
 import math
-import log_fluid
+import numpy as np
+from mpmcli_example import annulus, bspline3, capped_friction, centroids, log_fluid
+from mpmcli.contact.cloud import allocate_cloud
+from mpmcli.contact.laws import LAWS
+from mpmcli.contact.normals import NORMALS, find_normal
+from mpmcli.contact.settle import sliding_traction
+from mpmcli.core.stencil import axis_weights
+from mpmcli.geometry import REGIONS
+from mpmcli.materials import MATERIALS
 from mpmcli.materials.base import kirchhoff_stress, strain_energy, wave_speed_squared
-from mpmcli.scene.loader import load_scene
+from mpmcli.shapes import SHAPES
 
-scene = load_scene("drop.yaml").scene
-m = scene.materials["water"].parameters("plane_strain", adiabatic=False)
+material = MATERIALS["log_fluid"].model_validate({"kind": "log_fluid", "density": 1, "K": 100})
+m = material.parameters("plane_strain", adiabatic=False)
 I = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 def stretched(x):
@@ -71,49 +62,50 @@ below, above = (strain_energy(m, stretched(x), None, 0) for x in (0.1 - 1e-6, 0.
 slope = (above - below) / 2e-6
 assert abs(kirchhoff_stress(m, stretched(0.1), I, None, 0, 0.1, True)[0] - slope) < 1e-6
 print("stress is the slope of the energy")
+
+law = LAWS["capped_friction"].model_validate({"kind": "capped_friction", "friction": 0.5, "shear_strength": 3})
+assert [sliding_traction(law.parameters(), N, 9.0, 0.0) for N in (0.0, 4.0, 6.0, 8.0)] == [0.0, 2.0, 3.0, 3.0]
+print("friction is capped")
+
+shape = SHAPES["bspline3"].parameters
+for x in np.linspace(2.0, 4.0, 41):
+    lowest, values, slopes = axis_weights(shape, x, 0.25)
+    nodes = lowest + np.arange(4)
+    assert abs(sum(values) - 1.0) < 1e-14 and abs(np.array(values) @ nodes - x) < 1e-13 and min(values) >= 0.0
+    assert abs(sum(slopes)) < 1e-14 and abs(np.array(slopes) @ nodes - 1.0) < 1e-13
+    if x % 1.0 > 1e-6:
+        after = np.array(axis_weights(shape, x + 1e-7, 0.25)[1])
+        assert np.abs((after - values) / 1e-7 - slopes).max() < 1e-6
+print("linear fields are exact")
+
+cloud = allocate_cloud(2, 4, displacement=False, radius=False)
+cloud.x[:, :3] = [[-1.0, -1.0, 1.0], [0.0, 0.0, 2.0]]
+cloud.side[:3] = -1.0, -1.0, 1.0
+cloud.volume[:3] = 1.0
+normal = NORMALS["centroids"].model_validate({"kind": "centroids"}).parameters(2, (1.0, 1.0))
+out = np.zeros(2)
+assert find_normal(normal, (0.0, 0.0), cloud, 3, 0, 1, np.zeros(2), out) == 0
+assert np.allclose(out, np.sqrt(0.5))
+print("the normal points from side to side")
+
+given = {"kind": "annulus", "center": [4, 4], "inner": 1, "outer": 2, "translate": [1, 0]}
+ring = REGIONS["annulus"].model_validate(given)
+assert ring.contains(np.array([[5.0, 6.5, 7.5], [4.0, 4.0, 4.0]])).tolist() == [False, True, False]
+assert ring.measure(2) == math.pi * 3
+print("the ring has a hole")
 """
 
-CHECK_REGION = """
-import math
-import annulus
-import numpy as np
-from mpmcli.scene.loader import load_scene
 
-region = load_scene("drop.yaml", sets=[
-    "bodies.drop.region={kind: annulus, center: [4, 4], inner: 1, outer: 2, translate: [1, 0]}",
-    "materials.water={kind: tait_fluid, density: 1, K: 100}",
-]).scene.bodies[0].region
-inside = region.contains(np.array([[5.0, 6.5, 7.5], [4.0, 4.0, 4.0]]))
-assert inside.tolist() == [False, True, False]
-assert region.measure(2) == math.pi * 3
-print("annulus")
-"""
-
-RUN_SCENES = """
-import annulus, log_fluid
-from mpmcli.run.api import run
-from mpmcli.scene.loader import load_scene
-
-for name in ("drop", "ring"):
-    outcome = run(load_scene(f"{name}.yaml"), f"results/{name}", progress=False, verbosity=-1)
-    assert outcome.exit_code == 0
-    assert abs(outcome.energy_error) < 1e-2
-print("both ran")
-"""
+def test_examples_of_extend_do_what_they_say():
+    assert len(run_python(CHECKS, EXAMPLE).splitlines()) == 5
 
 
-def test_material_of_the_example_is_a_material(folder):
-    assert "slope of the energy" in run_python(CHECK_MATERIAL, folder)
-
-
-def test_region_of_the_example_is_a_region(folder):
-    assert "annulus" in run_python(CHECK_REGION, folder)
-
-
-@pytest.mark.slow
-def test_examples_run(folder):
-    # a cache of its own: the classes of the example are known to this process only
-    assert "both ran" in run_python(RUN_SCENES, folder, MPMCLI_CACHE_DIR=str(folder / "cache"))
+def test_extend_shows_every_file_of_the_example():
+    shown = re.findall(
+        r"literalinclude\} \.\./tests/example_plugin/(\S+)", (ROOT / "docs/extend.md").read_text("utf-8")
+    )
+    files = {path.relative_to(EXAMPLE).as_posix() for path in (EXAMPLE / "mpmcli_example").glob("[a-z]*.py")}
+    assert set(shown) == files | {"pyproject.toml", "drop_on_ring.yaml"}
 
 
 def test_python_examples_of_first_steps(tmp_path, monkeypatch, capsys):

@@ -117,6 +117,7 @@ def make_loaded(tmp_path):
             scene=scene,
             units=Labels(),
             resolved=lambda: {"title": "A test"},
+            plugins={},
             hash="0123456789abcdef",
             warnings=[],
             path=tmp_path / "test.yaml",

@@ -85,6 +85,7 @@ def loaded(tmp_path):
         scene=scene,
         units=SimpleNamespace(label=lambda dimension: dimension),
         resolved=lambda: {"title": "Flight"},
+        plugins={},
         hash="abc",
         file_digests={},
         overrides={"set": [], "define": []},

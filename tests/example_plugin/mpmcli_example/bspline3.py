@@ -1,0 +1,47 @@
+"""Cubic B-splines of point particles."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from mpmcli.core.stencil import axis_weights, fill, fill_tensor_product
+from mpmcli.shapes.base import add_shape
+
+
+class CubicSpline(NamedTuple):
+    """Particles are points; grid functions are cubic splines centred on the nodes."""
+
+    order: int = 3
+
+
+add_shape(
+    "bspline3",
+    CubicSpline(),
+    width=4,
+    grid_functions="other",
+    domain="point",
+    description="point particles on cubic B-splines",
+    reference="Steffen, Kirby and Berzins, Int. J. Numer. Meth. Eng. 76 (2008) 922",
+)
+
+
+@fill.register(CubicSpline)
+def _(shape, grid, across, X, F, size, p, S, G, W, status):
+    return fill_tensor_product(grid, shape, across, X, size, p, S, G, status)
+
+
+@axis_weights.register(CubicSpline)
+def _(shape, x, l):
+    below = np.floor(x)
+    t = x - below
+    u = 1.0 - t
+    values = (
+        u * u * u / 6.0,
+        (4.0 - 3.0 * t * t * (1.0 + u)) / 6.0,
+        (4.0 - 3.0 * u * u * (1.0 + t)) / 6.0,
+        t * t * t / 6.0,
+    )
+    slopes = (-0.5 * u * u, t * (1.5 * t - 2.0), u * (2.0 - 1.5 * u), 0.5 * t * t)
+    return below - 1.0, values, slopes
