@@ -412,7 +412,6 @@ class Contacts:
         self.settled = np.zeros((room, d))
         self.state = np.zeros(room, dtype=np.int64)
         self.start = np.zeros((room, d))
-        self.kept = np.zeros((room, d))
         self.prior = np.zeros((room, d))
         self.net = np.zeros((room, d))
         self.slip = np.zeros((room, d))

@@ -10,13 +10,10 @@ import numpy as np
 from mpmcli.contact import momenta, pairs
 from mpmcli.contact.clouds import NEAREST, Clouds
 from mpmcli.contact.contacts import Contacts, Rules
-from mpmcli.contact.normals.base import NOT_CONVERGED
-from mpmcli.contact.separation.base import APART
 from mpmcli.contact.settle import BROKEN
 from mpmcli.core.analysis import Axisymmetric
-from mpmcli.core.state import ContactView
 from mpmcli.scene.fields import law_table
-from mpmcli.solver.loads import place_of_identity
+from mpmcli.solver.contact_account import ContactAccount
 
 if TYPE_CHECKING:
     from mpmcli.solver.simulation import Simulation
@@ -100,7 +97,8 @@ class NodalContact(NoContact):
         self._evolving = model.increments == "evolving"
         self._later = model.increments in ("after", "combined")
         self._rigid_dof = np.zeros(0, dtype=np.int64)
-        self._start_account(plan.fields, rigid)
+        self._account = ContactAccount(s, self.contacts, rigid, self._has_geometry)
+        self.view = self._account.view
 
     def _planes(self) -> list[tuple[int, int]]:
         s = self._s
@@ -109,26 +107,6 @@ class NodalContact(NoContact):
             planes.append((0, s.grid.pad))
         return planes
 
-    def _start_account(self, names: list[str], rigid: Array) -> None:
-        n, d = len(names), self._s.grid.dimensions
-        pairs = [(i, j) for i in range(n) for j in range(i + 1, n) if not (rigid[i] and rigid[j])]
-        self._pair = np.zeros((n, n), dtype=np.int64)
-        for row, (i, j) in enumerate(pairs):
-            self._pair[i, j] = self._pair[j, i] = row
-        self._names = names
-        self._rigid_work = np.zeros(n)
-        self.view = ContactView(
-            pairs=[(names[i], names[j]) for i, j in pairs],
-            force=np.zeros((len(pairs), d)),
-            area=np.zeros(len(pairs)),
-            momentum_error=np.zeros(d),
-            particle_normal=self.particle_normals,
-            rigid_work={names[i]: 0.0 for i in np.flatnonzero(rigid)},
-        )
-        self._s.state.work["contact_work"] = 0.0
-        if rigid.any():
-            self._s.state.work.setdefault("boundary_work", 0.0)
-
     # ------------------------------------------------------------------ the places in the step
 
     def after_extrapolation(self, dt: float) -> None:
@@ -136,7 +114,7 @@ class NodalContact(NoContact):
         s, c = self._s, self.contacts
         mp = s.grid.mp
         c.count = 0
-        self._clear_account()
+        self._account.clear()
         s.rigid.hold(mp, s.time)
         self._keep_rigid()
         if self.clouds.find_nodes() == 0:
@@ -163,19 +141,13 @@ class NodalContact(NoContact):
                 self._model.separation.needs_radius, self._guesses, s.parallel,
             )  # fmt: skip
         c.start[: c.count] = 0.0
-        c.kept[: c.count] = 0.0
+        if self._keeps_start:
+            self._find_slip(None, c.slip)
         if not self._model.once:
-            before = c.prior  # its rows are free until the increments start
-            if self._keeps_start:
-                self._find_slip(None, before)
             self._settle_momenta(dt, None, advance=0.0)
             c.start[: c.count] = c.dp[: c.count]
-            self._find_slip(None, c.slip)
-            if self._keeps_start:
-                c.kept[: c.count] = c.dp[: c.count]
-                self._add_up(c.kept, before, c.slip)
             self._start_increments()
-        else:
+        if not self._keeps_start:
             self._find_slip(None, c.slip)
 
     def after_update(self, dt: float) -> None:
@@ -237,37 +209,24 @@ class NodalContact(NoContact):
     def account(self, v: Array, dt: float) -> None:
         """Sum up forces, areas and friction work of the step from the final net Δp; mark broken adhesion.
 
-        Δp⁽¹⁾ counts by itself where particles take on grid velocities, whose momentum it is part of; with FLIP it only
+        Δp⁽¹⁾ is part of it where particles take on grid velocities, whose momentum it is part of; with FLIP it only
         moves them, and XPIC(m > 1) filters it out again.
         """
-        s, c, view = self._s, self.contacts, self.view
-        view.nodes = self.clouds.count
-        view.contacts = c.count
-        view.all_contacts += c.count
-        if c.count == 0:
-            return
-        self._identity = s.particles.id
+        c = self.contacts
         after = c.prior  # its rows are free now
-        self._find_slip(v, after)
-        view.area[:] = 0.0
-        self._add_up(c.net, c.slip, after)
-        c.start[: c.count] = c.kept[: c.count] + c.net[: c.count]  # for those who look later in the step
-        view.force /= dt
-        view.touching = int(np.count_nonzero(c.state[: c.count]))
-        if self._has_geometry:
-            view.unconverged = int(np.count_nonzero(c.geometry.status[: c.count] == NOT_CONVERGED))
-            view.all_unconverged += view.unconverged
-        for name in view.rigid_work:
-            view.rigid_work[name] = float(self._rigid_work[self._names.index(name)])
-        if self._breaks:
+        if c.count > 0:
+            self._find_slip(v, after)
+            if self._keeps_start:
+                c.net[: c.count] += c.start[: c.count]
+        self._account.close(c.net, c.slip, after, dt)
+        if c.count > 0 and self._breaks:
             self._break_bonds()
 
     # ------------------------------------------------------------------ from one step to the next
 
     def memory(self) -> dict[str, Any]:
         """What it remembers from step to step: accounts, and normals to begin the next search with."""
-        view = self.view
-        found = {"rigid_work": self._rigid_work, **{name: getattr(view, name) for name in VIEWED}}
+        found = self._account.memory()
         if self._guesses is not None:
             found["guessed"] = np.flatnonzero(self._guesses.any(axis=1))
             found["guesses"] = self._guesses[found["guessed"]]
@@ -275,35 +234,15 @@ class NodalContact(NoContact):
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Remember it again."""
-        view = self.view
-        self._rigid_work[:] = memory["rigid_work"]
-        for name in view.rigid_work:
-            view.rigid_work[name] = float(self._rigid_work[self._names.index(name)])
-        for name in VIEWED:
-            value = memory[name]
-            setattr(view, name, value if value.ndim else int(value))
+        self._account.recall(memory)
         if self._guesses is not None:
             self._guesses[memory["guessed"]] = memory["guesses"]
 
+    def nodal_fields(self) -> dict[str, Callable[[], Array]]:
+        """Normal, separation and traction of contacts on nodes."""
+        return self._account.nodal_fields()
+
     # ------------------------------------------------------------------ parts
-
-    def _clear_account(self) -> None:
-        view = self.view
-        view.force[:] = 0.0
-        view.area[:] = 0.0
-        view.touching = view.unconverged = 0
-
-    def _add_up(self, impulse: Array, before: Array, after: Array) -> None:
-        """Add impulses (k, d), and the work they do between two relative velocities, to the account of the step."""
-        s, c, view = self._s, self.contacts, self.view
-        before_work = self._rigid_work.sum()
-        s.state.work["contact_work"] += momenta.tally(
-            self._axes, c.count, c.members, s.grid.node_count, self.clouds.dof, self._rules.rigid, self._pair,
-            self._weights(), c.geometry.normal, c.geometry.area, c.state, impulse, before, after, s.grid.mp,
-            view.force, view.area, view.momentum_error, self._rigid_work,
-        )  # fmt: skip
-        if view.rigid_work:
-            s.state.work["boundary_work"] += float(self._rigid_work.sum() - before_work)
 
     @property
     def _keeps_start(self) -> bool:
@@ -402,22 +341,6 @@ class NodalContact(NoContact):
             self._s.grid.mp[self._rigid_dof, 1:] = self._rigid_momentum
             self._s.grid.f[self._rigid_dof] = 0.0
 
-    def _weights(self) -> Array:
-        """Share of each contact that real particles have: images beyond symmetry planes share their mass."""
-        c = self.contacts
-        weight = np.ones(c.count)
-        mirror = self._s.conditions.mirror
-        if mirror is not None:
-            pairs = mirror.pairs
-            share = np.zeros(self._s.grid.dof_count)
-            share[pairs.image] = -pairs.share
-            alpha = c.members.alpha[: c.count]
-            weight += share[alpha]
-            share[pairs.image] = 0.0
-            share[pairs.ghost] = pairs.share - 1.0
-            weight += share[alpha]
-        return weight
-
     def _break_bonds(self) -> None:
         """Particles lose their bond with the node that they are nearest to."""
         c, sights = self.contacts, self.clouds.sights
@@ -429,70 +352,6 @@ class NodalContact(NoContact):
                     bond[sights.particle[at]] = 0.0
                 at = sights.next[at]
 
-    def particle_normals(self) -> Array:
-        """Outward normal at the contact that each particle is nearest to, (d, N); zero where there is none."""
-        s, c = self._s, self.contacts
-        p, n = s.particles, s.grid.node_count
-        out = np.zeros_like(p.X)
-        if c.count == 0 or not self._has_geometry:
-            return out
-        sights = self.clouds.sights
-        place = None if p.id is self._identity else place_of_identity(p.id)  # some have been removed since
-        for k in range(c.count):
-            at = sights.head[c.members.slot[k]]
-            alpha, beta = c.members.alpha[k] // n, c.members.partner[k] // n
-            while at >= 0:
-                i = sights.particle[at]
-                if place is not None:
-                    identity = self._identity[i]
-                    i = place[identity] if identity < len(place) else -1
-                if i >= 0 and sights.flag[at] & NEAREST:
-                    if p.velocity_field[i] == alpha:
-                        out[:, i] = c.geometry.normal[k]
-                    elif (c.members.both[k] or c.members.rigid[k]) and p.velocity_field[i] == beta:
-                        out[:, i] = -c.geometry.normal[k]
-                at = sights.next[at]
-        return out
-
-    def nodal_fields(self) -> dict[str, Callable[[], Array]]:
-        """Normal, separation and traction of the first contact of every node, 0 where there is none, nan where unknown.
-
-        Of the contacts of a node the one of the field of lowest index counts; arrays (n,) or (n, d) run over all nodes
-        of the grid.
-        """
-        if not self._has_geometry:
-            return {}
-        return {
-            "contact_normal": lambda: self._on_nodes(self.contacts.geometry.normal),
-            "contact_separation": lambda: self._on_nodes(self._separations()),
-            "contact_traction": lambda: self._on_nodes(self._tractions()),
-        }
-
-    def _separations(self) -> Array:
-        gap = self.contacts.geometry.separation
-        return np.where(np.abs(gap) < APART, gap, np.nan)
-
-    def _tractions(self) -> Array:
-        c = self.contacts
-        out = np.zeros_like(c.start)
-        area = c.geometry.area[: c.count, None]
-        np.divide(c.start[: c.count], area * self._s.state.dt, out=out[: c.count], where=area > 0.0)
-        return out
-
-    def _on_nodes(self, rows: Array) -> Array:
-        """Rows (k, …) of the contacts on all nodes (n, …): that of the first contact of each."""
-        c = self.contacts
-        slot, first = np.unique(c.members.slot[: c.count], return_index=True)
-        out = np.zeros((self._s.grid.node_count, *rows.shape[1:]))
-        out[self.clouds.node[slot]] = rows[first]
-        return out
-
-
-VIEWED = (
-    *("force", "area", "momentum_error", "nodes", "touching", "contacts", "unconverged"),
-    *("all_contacts", "all_unconverged"),
-)
-"""What is remembered of the account that output sees."""
 
 PARALLEL_CONTACTS = 512
 """Contacts from which parallel kernels pay for their launch."""

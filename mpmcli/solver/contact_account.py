@@ -1,0 +1,188 @@
+"""What contact did in a step: forces, areas and work for tables, normals and tractions for archives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mpmcli.contact import momenta
+from mpmcli.contact.clouds import NEAREST
+from mpmcli.contact.contacts import Contacts
+from mpmcli.contact.normals.base import NOT_CONVERGED
+from mpmcli.contact.separation.base import APART
+from mpmcli.core.state import ContactView
+from mpmcli.solver.loads import place_of_identity
+
+if TYPE_CHECKING:
+    from mpmcli.solver.simulation import Simulation
+
+Array = np.ndarray
+
+
+class ContactAccount:
+    """Sums up the impulses of every step, and shows the contacts of the last one.
+
+    Attributes
+    ----------
+    view : what output and watchdogs see
+    """
+
+    def __init__(self, s: Simulation, contacts: Contacts, rigid: Array, has_geometry: bool):
+        self._s = s
+        self._contacts = contacts
+        self._rigid = rigid
+        self._has_geometry = has_geometry
+        names = s.plan.fields
+        n, d = len(names), s.grid.dimensions
+        pairs = [(i, j) for i in range(n) for j in range(i + 1, n) if not (rigid[i] and rigid[j])]
+        self._pair = np.zeros((n, n), dtype=np.int64)
+        for row, (i, j) in enumerate(pairs):
+            self._pair[i, j] = self._pair[j, i] = row
+        self._names = names
+        self._rigid_work = np.zeros(n)
+        self._identity = s.particles.id
+        self._impulse = np.zeros((0, d))
+        self._share = share_of_particles(s)
+        self.view = ContactView(
+            pairs=[(names[i], names[j]) for i, j in pairs],
+            force=np.zeros((len(pairs), d)),
+            area=np.zeros(len(pairs)),
+            momentum_error=np.zeros(d),
+            particle_normal=self.particle_normals,
+            rigid_work={names[i]: 0.0 for i in np.flatnonzero(rigid)},
+        )
+        s.state.work["contact_work"] = 0.0
+        if rigid.any():
+            s.state.work.setdefault("boundary_work", 0.0)
+
+    def clear(self) -> None:
+        """Begin a step in which nothing has touched yet."""
+        view = self.view
+        view.force[:] = 0.0
+        view.area[:] = 0.0
+        view.nodes = view.contacts = view.touching = view.unconverged = 0
+
+    def close(self, impulse: Array, before: Array, after: Array, dt: float) -> None:
+        """Sum up forces, areas and friction work of a step from its final impulses.
+
+        ``impulse``, and relative velocities ``before`` and ``after`` it acted, have a row (d,) per contact.
+        """
+        s, c, view = self._s, self._contacts, self.view
+        view.nodes = c.clouds.count
+        view.contacts = c.count
+        view.all_contacts += c.count
+        if c.count == 0:
+            return
+        self._identity = s.particles.id
+        self._impulse = impulse[: c.count].copy()  # of the whole step, for those who look later
+        rigid_work = self._rigid_work.sum()
+        s.state.work["contact_work"] += momenta.tally(
+            (0.0,) * s.grid.dimensions, c.count, c.members, s.grid.node_count, c.clouds.dof, self._rigid, self._pair,
+            self._share[c.members.alpha[: c.count]], c.geometry.normal, c.geometry.area, c.state, impulse, before,
+            after, s.grid.mp, view.force, view.area, view.momentum_error, self._rigid_work,
+        )  # fmt: skip
+        view.force /= dt
+        view.touching = int(np.count_nonzero(c.state[: c.count]))
+        if self._has_geometry:
+            view.unconverged = int(np.count_nonzero(c.geometry.status[: c.count] == NOT_CONVERGED))
+            view.all_unconverged += view.unconverged
+        if view.rigid_work:
+            s.state.work["boundary_work"] += float(self._rigid_work.sum() - rigid_work)
+            self._show_rigid_work()
+
+    # ------------------------------------------------------------------ from one step to the next
+
+    def memory(self) -> dict[str, Any]:
+        """What it remembers from step to step."""
+        return {"rigid_work": self._rigid_work, **{name: getattr(self.view, name) for name in VIEWED}}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Remember it again."""
+        self._rigid_work[:] = memory["rigid_work"]
+        self._show_rigid_work()
+        for name in VIEWED:
+            value = memory[name]
+            setattr(self.view, name, value if value.ndim else int(value))
+
+    # ------------------------------------------------------------------ what archives show
+
+    def particle_normals(self) -> Array:
+        """Outward normal at the contact that each particle is nearest to, (d, N); zero where there is none."""
+        s, c = self._s, self._contacts
+        p, n = s.particles, s.grid.node_count
+        out = np.zeros_like(p.X)
+        if c.count == 0 or not self._has_geometry:
+            return out
+        sights = c.clouds.sights
+        place = None if p.id is self._identity else place_of_identity(p.id)  # some have been removed since
+        for k in range(c.count):
+            at = sights.head[c.members.slot[k]]
+            alpha, beta = c.members.alpha[k] // n, c.members.partner[k] // n
+            while at >= 0:
+                i = sights.particle[at]
+                if place is not None:
+                    identity = self._identity[i]
+                    i = place[identity] if identity < len(place) else -1
+                if i >= 0 and sights.flag[at] & NEAREST:
+                    if p.velocity_field[i] == alpha:
+                        out[:, i] = c.geometry.normal[k]
+                    elif (c.members.both[k] or c.members.rigid[k]) and p.velocity_field[i] == beta:
+                        out[:, i] = -c.geometry.normal[k]
+                at = sights.next[at]
+        return out
+
+    def nodal_fields(self) -> dict[str, Callable[[], Array]]:
+        """Normal, separation and traction of the first contact of every node, 0 where there is none, nan where unknown.
+
+        Of the contacts of a node the one of the field of lowest index counts; arrays (n,) or (n, d) run over all nodes
+        of the grid.
+        """
+        if not self._has_geometry:
+            return {}
+        return {
+            "contact_normal": lambda: self._on_nodes(self._contacts.geometry.normal),
+            "contact_separation": lambda: self._on_nodes(self._separations()),
+            "contact_traction": lambda: self._on_nodes(self._tractions()),
+        }
+
+    def _separations(self) -> Array:
+        gap = self._contacts.geometry.separation
+        return np.where(np.abs(gap) < APART, gap, np.nan)
+
+    def _tractions(self) -> Array:
+        c = self._contacts
+        out = np.zeros((c.count, self._s.grid.dimensions))
+        area = c.geometry.area[: c.count, None]
+        np.divide(self._impulse[: c.count], area * self._s.state.dt, out=out, where=area > 0.0)
+        return out
+
+    def _on_nodes(self, rows: Array) -> Array:
+        """Rows (k, …) of the contacts on all nodes (n, …): that of the first contact of each."""
+        c = self._contacts
+        slot, first = np.unique(c.members.slot[: c.count], return_index=True)
+        out = np.zeros((self._s.grid.node_count, *rows.shape[1:]))
+        out[c.clouds.node[slot]] = rows[first]
+        return out
+
+    def _show_rigid_work(self) -> None:
+        for name in self.view.rigid_work:
+            self.view.rigid_work[name] = float(self._rigid_work[self._names.index(name)])
+
+
+def share_of_particles(s: Simulation) -> Array:
+    """Share of a contact at each degree of freedom (dofs,) that real particles have: images share their mass."""
+    share = np.ones(s.grid.dof_count)
+    mirror = s.conditions.mirror
+    if mirror is not None:
+        share[mirror.pairs.image] -= mirror.pairs.share
+        share[mirror.pairs.ghost] += mirror.pairs.share - 1.0
+    return share
+
+
+VIEWED = (
+    *("force", "area", "momentum_error", "nodes", "touching", "contacts", "unconverged"),
+    *("all_contacts", "all_unconverged"),
+)
+"""What is remembered of the account that output sees."""
