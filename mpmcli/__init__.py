@@ -1,3 +1,31 @@
-"""mpmcli: a material point method simulator driven by YAML scenes."""
+"""mpmcli: a material point method simulator driven by YAML scenes.
+
+From Python::
+
+    from mpmcli import load, run
+
+    outcome = run(load("scene.yaml", sets=["time.end=2"]), "results/short")
+    energy = outcome.results["kinetic_energy"]
+"""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mpmcli.output.results import Results
+    from mpmcli.run.api import load, resume, run
 
 __version__ = "0.1.0"
+__all__ = ["Results", "load", "resume", "run"]
+
+_HOMES = {"Results": "mpmcli.output.results", "load": "mpmcli.run.api", "resume": "mpmcli.run.api"}
+
+
+def __getattr__(name: str) -> Any:
+    """The names of the library, imported when they are used: the command line's help needs none of them."""
+    import importlib
+
+    if name == "run":
+        return importlib.import_module("mpmcli.run")
+    if name in _HOMES:
+        return getattr(importlib.import_module(_HOMES[name]), name)
+    raise AttributeError(f"module 'mpmcli' has no attribute '{name}'")

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import json
+from typing import Unpack
 
 import click
 
-from mpmcli.cli.options import load_checked, scene_options, show_warnings
+from mpmcli.cli.options import SceneChanges, load_checked, scene_options, show_warnings
 
 
 @click.command("explain")
 @click.argument("scene", type=click.Path(path_type=str))
 @click.option("--json", "as_object", is_flag=True, help="Print a JSON object.")
 @scene_options
-def command(
-    scene: str, as_object: bool, sets: tuple[str, ...], defines: tuple[str, ...], allow_outside_files: bool
-) -> None:
+def command(scene: str, as_object: bool, **changes: Unpack[SceneChanges]) -> None:
     """Tell what SCENE will model and what not, its time step, memory and cost."""
-    loaded = load_checked(scene, sets, defines, allow_outside_files)
+    loaded = load_checked(scene, changes)
     show_warnings(loaded)
     from mpmcli.core.errors import SceneError
     from mpmcli.solver.explain import explain

@@ -1,14 +1,49 @@
-"""Options that several commands share."""
+"""Options that several commands share, and what commands do with them."""
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import click
 
 if TYPE_CHECKING:
+    from mpmcli.run.outcome import Outcome
     from mpmcli.scene.loader import LoadedScene
+
+Command = Callable[..., Any]
+
+
+class SceneChanges(TypedDict):
+    """What ``scene_options`` gives a command."""
+
+    sets: tuple[str, ...]
+    defines: tuple[str, ...]
+    allow_outside_files: bool
+
+
+class MarchOptions(TypedDict):
+    """What ``march_options`` gives a command."""
+
+    threads: int | None
+    until: str | None
+    max_walltime: float | None
+    quiet: bool
+    verbose: int
+
+
+def _together(*options: Callable[[Command], Command]) -> Callable[[Command], Command]:
+    """One decorator for several options; help lists them in this order."""
+
+    def add(command: Command) -> Command:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return add
 
 
 def _assignments(context: click.Context, option: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
@@ -19,63 +54,128 @@ def _assignments(context: click.Context, option: click.Parameter, values: tuple[
     return values
 
 
-def scene_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The options that change a scene while it is read."""
-    for option in (
-        click.option(
-            "--allow-outside-files", is_flag=True, help="Let the scene name files outside its own folder."
-        ),
-        click.option(
-            "-D",
-            "defines",
-            metavar="NAME=VALUE",
-            multiple=True,
-            callback=_assignments,
-            help="Set a constant.",
-        ),
-        click.option(
-            "--set",
-            "sets",
-            metavar="KEY=VALUE",
-            multiple=True,
-            callback=_assignments,
-            help="Replace what stands at a dotted key by a YAML value (list members by name or index).",
-        ),
-    ):
-        command = option(command)
-    return command
+def seconds_by_the_clock(context: click.Context, option: click.Parameter, text: str | None) -> float | None:
+    """Seconds of ``H:M:S``, ``M:S`` or plain seconds."""
+    if text is None:
+        return None
+    if not re.fullmatch(r"(\d+:){0,2}\d+(\.\d*)?", text):
+        raise click.BadParameter(f"'{text}' is no time by the clock: write H:M:S", context, option)
+    seconds = 0.0
+    for part in text.split(":"):
+        seconds = 60 * seconds + float(part)
+    if not seconds > 0:
+        raise click.BadParameter("the time must be longer than 0", context, option)
+    return seconds
 
 
-def threads_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The number of threads."""
-    return click.option(
+scene_options = _together(
+    click.option(
+        "--set",
+        "sets",
+        metavar="KEY=VALUE",
+        multiple=True,
+        callback=_assignments,
+        help="Replace what stands at a dotted key by a YAML value (list members by name or index).",
+    ),
+    click.option(
+        "-D", "defines", metavar="NAME=VALUE", multiple=True, callback=_assignments, help="Set a constant."
+    ),
+    click.option(
+        "--allow-outside-files", is_flag=True, help="Let the scene name files outside its own folder."
+    ),
+)
+"""The options that change a scene while it is read."""
+
+until_option = click.option("--until", metavar="T", help="End of the run, instead of the scene's.")
+
+march_options = _together(
+    click.option(
         "-j",
         "--threads",
         type=click.IntRange(1, 4096),
         envvar="MPMCLI_NUM_THREADS",
         help="Number of threads [env: MPMCLI_NUM_THREADS]; all by default. It never changes a result.",
-    )(command)
+    ),
+    until_option,
+    click.option(
+        "--max-walltime",
+        metavar="H:M:S",
+        callback=seconds_by_the_clock,
+        help="Stop after this time by the clock.",
+    ),
+    click.option("-q", "--quiet", is_flag=True, help="Show errors only."),
+    click.option("-v", "--verbose", count=True, help="Show more."),
+)
+"""The options of a run that is started or resumed."""
+
+study_options = _together(
+    click.option(
+        "-o",
+        "--output",
+        metavar="DIR",
+        type=click.Path(path_type=Path),
+        help="Folder of the study (results/NAME_COMMAND without it).",
+    ),
+    until_option,
+    click.option(
+        "--timeout",
+        metavar="SECONDS",
+        type=click.FloatRange(min=0, min_open=True),
+        help="Give a case up if one of its runs takes longer.",
+    ),
+    click.option(
+        "--plot/--no-plot", default=None, help="Draw the picture; by default if matplotlib is installed."
+    ),
+    click.option("-q", "--quiet", is_flag=True, help="Show the result only."),
+)
+"""The options of a study of many runs."""
 
 
-def load_checked(
-    scene: str, sets: tuple[str, ...], defines: tuple[str, ...], allow_outside_files: bool
-) -> LoadedScene:
-    """Read a scene and check the names of its columns and fields too; warnings stay in ``warnings``."""
-    from pathlib import Path
+def load_checked(scene: str, changes: SceneChanges) -> LoadedScene:
+    """Read and check a scene; warnings stay in ``warnings``."""
+    from mpmcli.run.load import load
 
-    from mpmcli.core.errors import SceneError
-    from mpmcli.output.recorder import check_output
-    from mpmcli.scene.loader import load_scene
-
-    loaded = load_scene(Path(scene), sets=sets, defines=defines, allow_outside_files=allow_outside_files)
-    try:
-        check_output(loaded.scene)
-    except SceneError as error:
-        raise loaded.locate(error) from None
-    return loaded
+    return load(Path(scene), **changes)
 
 
 def show_warnings(loaded: LoadedScene) -> None:
     """Write a scene's warnings to stderr."""
     for warning in loaded.warnings:
         click.echo(str(warning), err=True)
+
+
+def until_in_scene_units(text: str | None, loaded: LoadedScene) -> float | None:
+    """The end of a run from the command line: a number, text with a unit, or an expression of constants."""
+    if text is None:
+        return None
+    from mpmcli.scene.context import Context
+
+    try:
+        until = Context(loaded.units, loaded.constants).number(text, "time")
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--until") from None
+    if not (math.isfinite(until) and until > 0):
+        raise click.BadParameter("the time must be longer than 0", param_hint="--until")
+    return until
+
+
+def march(load: Callable[[], LoadedScene], directory: Path | None, options: MarchOptions, **more: Any) -> int:
+    """Read a scene, run it with the options of ``march_options``, and return the exit code."""
+    if options["quiet"] and options["verbose"]:
+        raise click.UsageError("-q and -v exclude each other.")
+    loaded = load()
+    until = until_in_scene_units(options["until"], loaded)
+    if not options["quiet"]:
+        show_warnings(loaded)
+    from mpmcli.run import api
+
+    outcome: Outcome = api.run(
+        loaded,
+        directory,
+        threads=options["threads"],
+        until=until,
+        max_walltime=options["max_walltime"],
+        verbosity=-1 if options["quiet"] else options["verbose"],
+        **more,
+    )
+    return outcome.exit_code

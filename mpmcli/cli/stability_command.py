@@ -6,19 +6,17 @@ from pathlib import Path
 
 import click
 
-from mpmcli.cli.options import load_checked, scene_options, show_warnings
-from mpmcli.cli.run_command import until_in_scene_units
+from mpmcli.cli.options import (
+    load_checked,
+    scene_options,
+    show_warnings,
+    study_options,
+    until_in_scene_units,
+)
 
 
 @click.command("stability")
 @click.argument("scene", type=click.Path(path_type=str))
-@click.option(
-    "-o",
-    "--output",
-    metavar="DIR",
-    type=click.Path(path_type=Path),
-    help="Folder of the study (results/NAME_stability without it).",
-)
 @click.option(
     "--transfer",
     "transfers",
@@ -70,19 +68,9 @@ from mpmcli.cli.run_command import until_in_scene_units
     metavar="LOW HIGH",
     help="Courant numbers between which limits are looked for.",
 )
-@click.option("--until", metavar="T", help="End of the runs, instead of the scene's.")
 @click.option("--jobs", type=click.IntRange(1, 4096), help="Runs side by side; one per processor by default.")
-@click.option(
-    "--timeout",
-    metavar="SECONDS",
-    type=click.FloatRange(min=0, min_open=True),
-    help="Give a case up if one of its runs takes longer.",
-)
 @click.option("--no-prediction", is_flag=True, help="Leave the predicted limits out.")
-@click.option(
-    "--plot/--no-plot", default=None, help="Draw limits.png; by default if matplotlib is installed."
-)
-@click.option("-q", "--quiet", is_flag=True, help="Show the table only.")
+@study_options
 @scene_options
 def command(
     scene: str,
@@ -114,7 +102,9 @@ def command(
         raise click.BadParameter("LOW must be below HIGH", param_hint="--between")
     if resolution > high:
         raise click.BadParameter("it must be below the largest Courant number", param_hint="--resolution")
-    loaded = load_checked(scene, sets, defines, allow_outside_files)
+    loaded = load_checked(
+        scene, {"sets": sets, "defines": defines, "allow_outside_files": allow_outside_files}
+    )
     end = until_in_scene_units(until, loaded)
     if not quiet:
         show_warnings(loaded)

@@ -7,8 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcli.cli.options import load_checked, scene_options, show_warnings
-from mpmcli.cli.run_command import until_in_scene_units
+from mpmcli.cli.options import (
+    load_checked,
+    scene_options,
+    show_warnings,
+    study_options,
+    until_in_scene_units,
+)
 
 if TYPE_CHECKING:
     from mpmcli.study.tradeoff import Case, Measure
@@ -18,13 +23,6 @@ COSTS = {"run": "run_seconds", "step": "step_seconds", "memory": "peak_memory"}
 
 @click.command("tradeoff")
 @click.argument("scene", type=click.Path(path_type=str))
-@click.option(
-    "-o",
-    "--output",
-    metavar="DIR",
-    type=click.Path(path_type=Path),
-    help="Folder of the study (results/NAME_tradeoff without it).",
-)
 @click.option(
     "--vary",
     "variations",
@@ -74,7 +72,6 @@ COSTS = {"run": "run_seconds", "step": "step_seconds", "memory": "peak_memory"}
 @click.option(
     "--repeats", type=click.IntRange(1, 100), default=3, show_default=True, help="Runs of each case."
 )
-@click.option("--until", metavar="T", help="End of the runs, instead of the scene's.")
 @click.option(
     "--jobs",
     type=click.IntRange(1, 4096),
@@ -83,17 +80,8 @@ COSTS = {"run": "run_seconds", "step": "step_seconds", "memory": "peak_memory"}
     help="Runs side by side; times are honest with one only.",
 )
 @click.option("--threads", type=click.IntRange(1, 4096), help="Threads of each run; all by default.")
-@click.option(
-    "--timeout",
-    metavar="SECONDS",
-    type=click.FloatRange(min=0, min_open=True),
-    help="A case fails if one of its runs takes longer.",
-)
 @click.option("--scheduler", metavar="ADDRESS", help="Run the cases on this Dask cluster.")
-@click.option(
-    "--plot/--no-plot", default=None, help="Draw tradeoff.png; by default if matplotlib is installed."
-)
-@click.option("-q", "--quiet", is_flag=True, help="Show table and sentence only.")
+@study_options
 @scene_options
 def command(
     scene: str,
@@ -122,7 +110,9 @@ def command(
     are kept in DIR/runs.jsonl; started again, the study goes on where it was stopped. It leaves tradeoff.csv,
     tradeoff.json and tradeoff.png, and says which case is the cheapest within a given error.
     """
-    loaded = load_checked(scene, sets, defines, allow_outside_files)
+    loaded = load_checked(
+        scene, {"sets": sets, "defines": defines, "allow_outside_files": allow_outside_files}
+    )
     end = until_in_scene_units(until, loaded)
     if not quiet:
         show_warnings(loaded)

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Unpack
+
 import click
 
-from mpmcli.cli.options import load_checked, scene_options
+from mpmcli.cli.options import SceneChanges, load_checked, scene_options
 
 
 @click.command("validate")
 @click.argument("scenes", nargs=-1, required=True, type=click.Path(path_type=str), metavar="SCENE...")
 @click.option("--json", "as_list", is_flag=True, help="Print a JSON list of problems.")
 @scene_options
-def command(
-    scenes: tuple[str, ...],
-    as_list: bool,
-    sets: tuple[str, ...],
-    defines: tuple[str, ...],
-    allow_outside_files: bool,
-) -> int:
+def command(scenes: tuple[str, ...], as_list: bool, **changes: Unpack[SceneChanges]) -> int:
     """Report every problem of every SCENE; exit code 3 if there is an error."""
     from mpmcli.core.errors import Problem, SceneError
     from mpmcli.scene.report import as_json, as_text
@@ -26,7 +22,7 @@ def command(
     exit_code = 0
     for scene in scenes:
         try:
-            found = load_checked(scene, sets, defines, allow_outside_files).warnings
+            found = load_checked(scene, changes).warnings
             verdict = f"{scene}: valid" + (f", {len(found)} warning{'s' * (len(found) > 1)}" if found else "")
         except SceneError as error:
             found, verdict, exit_code = error.problems, "", error.exit_code

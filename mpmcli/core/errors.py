@@ -1,6 +1,7 @@
 """Errors for people, and the exit code that each kind ends the program with.
 
 MpmcliError            70  our bug, unless a subclass says otherwise
+  RequestError          2  what was asked for of results is not there
   SceneError            3  the scene, or a file that it names, is not valid
   PluginError           3  an installed plugin cannot be used
   SimulationError       4  the simulation failed (not finite, particle lost, step collapsed)
@@ -59,6 +60,12 @@ class PluginError(MpmcliError):
     """An installed plugin cannot be used; the message names its package and what to do."""
 
     exit_code = 3
+
+
+class RequestError(MpmcliError):
+    """What was asked for of results is not there: a column, a time, a picture."""
+
+    exit_code = 2
 
 
 class SimulationError(MpmcliError):

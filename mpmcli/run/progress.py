@@ -1,4 +1,4 @@
-"""Progress and messages on stderr: a bar on a terminal, else a line every 10 % or 60 s."""
+"""Progress and messages on stderr: a bar on a terminal, one line in a notebook, else a line every 10 % or 60 s."""
 
 from __future__ import annotations
 
@@ -26,6 +26,73 @@ def is_terminal() -> bool:
     return sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
 
 
+def notebook_display() -> Any:
+    """IPython's ``display`` where this process serves a notebook, else None."""
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython is not None else None
+    # the shell of a terminal has another class
+    return ipython.display.display if type(shell).__name__ == "ZMQInteractiveShell" else None  # type: ignore[union-attr]
+
+
+class TerminalBar:
+    """A bar at the foot of a terminal, with messages above it."""
+
+    def __init__(self) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, TaskProgressColumn, TextColumn
+        from rich.progress import Progress as Bar
+
+        self._bar = Bar(
+            BarColumn(bar_width=12),
+            TaskProgressColumn(),
+            TextColumn("{task.fields[facts]}"),
+            console=Console(stderr=True),
+            auto_refresh=False,
+        )
+        self._task = self._bar.add_task("run", total=1.0, facts="")
+        self.is_narrow = self._bar.console.width < WIDE
+        self._bar.start()
+
+    def say(self, text: str) -> None:
+        """Show a message."""
+        self._bar.console.print(text, markup=False, highlight=False, soft_wrap=True)
+
+    def draw(self, share: float, facts: str) -> None:
+        """Show how much is done, and more in words."""
+        self.is_narrow = self._bar.console.width < WIDE
+        self._bar.update(self._task, completed=share, facts=facts)
+        self._bar.refresh()
+
+    def stop(self) -> None:
+        """Take it down."""
+        self._bar.stop()
+
+
+class NotebookLine:
+    """A line below the cell of a notebook, replaced as the run goes on; messages come on stderr."""
+
+    is_narrow = False
+
+    def __init__(self, display: Any):
+        self._display = display
+        self._handle: Any = None
+
+    def say(self, text: str) -> None:
+        """Show a message."""
+        print(text, file=sys.stderr, flush=True)
+
+    def draw(self, share: float, facts: str) -> None:
+        """Show how much is done, and more in words."""
+        line = {"text/plain": f"{100.0 * share:4.0f} %  {facts}"}
+        if self._handle is None:
+            self._handle = self._display(line, raw=True, display_id=True)
+        else:
+            self._handle.update(line, raw=True)
+
+    def stop(self) -> None:
+        """The last line stays."""
+
+
 def duration_in_words(seconds: float) -> str:
     """``0:00:12`` or ``3 d 4:05:06``."""
     if not 0.0 <= seconds < 1e9:
@@ -49,8 +116,7 @@ class Progress:
     def __init__(self, end: float, is_shown: bool = True):
         self.end = end
         self.is_shown = is_shown
-        self._bar: Any = None
-        self._task: Any = None
+        self._bar: TerminalBar | NotebookLine | None = None
         self._first: tuple[float, int, float] | None = None
         self._said: set[str] = set()
         self._next_look = 0.0
@@ -60,7 +126,7 @@ class Progress:
     def say(self, text: str) -> None:
         """Show a message."""
         if self._bar is not None:
-            self._bar.console.print(text, markup=False, highlight=False, soft_wrap=True)
+            self._bar.say(text)
         else:
             print(text, file=sys.stderr, flush=True)
 
@@ -84,9 +150,10 @@ class Progress:
         self._first = (now, state.step, state.time)
         self._next_line = now + LINE_SECONDS
         self._next_share = LINE_SHARE * (1 + int(self._share(state) / LINE_SHARE + 1e-9))
-        if self.is_shown and is_terminal():
-            self._bar, self._task = _make_bar()
-            self._bar.start()
+        if self.is_shown and (display := notebook_display()) is not None:
+            self._bar = NotebookLine(display)
+        elif self.is_shown and is_terminal():
+            self._bar = TerminalBar()
 
     def update(self, state: State, energy_error: float | None) -> None:
         """Look at a state; cheap unless it is time to show something."""
@@ -96,7 +163,7 @@ class Progress:
         if self._bar is not None:
             if now >= self._next_look:
                 self._next_look = now + REFRESH_SECONDS
-                self._draw(state, energy_error, now)
+                self._draw(self._bar, state, energy_error)
         elif now >= self._next_line or self._share(state) >= self._next_share - 1e-9:
             self._next_line = now + LINE_SECONDS
             share = self._share(state)
@@ -107,17 +174,16 @@ class Progress:
         """Take the bar down, with a last look at a state."""
         if self._bar is not None:
             if state is not None:
-                self._draw(state, energy_error, time.perf_counter())
+                self._draw(self._bar, state, energy_error)
             self._bar.stop()
             self._bar = None
 
     def _share(self, state: State) -> float:
         return min(1.0, state.time / self.end) if self.end > 0.0 else 1.0
 
-    def _draw(self, state: State, energy_error: float | None, now: float) -> None:
-        facts = self._facts(state, energy_error, now, is_narrow=self._bar.console.width < WIDE)
-        self._bar.update(self._task, completed=self._share(state), facts=facts)
-        self._bar.refresh()
+    def _draw(self, bar: TerminalBar | NotebookLine, state: State, energy_error: float | None) -> None:
+        facts = self._facts(state, energy_error, time.perf_counter(), is_narrow=bar.is_narrow)
+        bar.draw(self._share(state), facts)
 
     def _facts(self, state: State, energy_error: float | None, now: float, is_narrow: bool = False) -> str:
         text = f"step {state.step}  t {state.time:.5g}" + ("" if is_narrow else f"  dt {state.dt:.3g}")
@@ -133,21 +199,6 @@ class Progress:
         if energy_error is None:
             return text
         return f"{text}  {'' if is_narrow else 'energy '}error {energy_error:.1e}"
-
-
-def _make_bar() -> tuple[Any, Any]:
-    from rich.console import Console
-    from rich.progress import BarColumn, TaskProgressColumn, TextColumn
-    from rich.progress import Progress as Bar
-
-    bar = Bar(
-        BarColumn(bar_width=12),
-        TaskProgressColumn(),
-        TextColumn("{task.fields[facts]}"),
-        console=Console(stderr=True),
-        auto_refresh=False,
-    )
-    return bar, bar.add_task("run", total=1.0, facts="")
 
 
 class MessageHandler(logging.Handler):

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from mpmcli.core.errors import MpmcliError
+from mpmcli.core.errors import RequestError
 
 
-class PictureError(MpmcliError):
+class PictureError(RequestError):
     """A picture that was asked for cannot be made: wrong words, or a library that is not installed."""
-
-    exit_code = 2
 
 
 def matplotlib() -> Any:

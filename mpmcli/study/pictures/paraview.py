@@ -8,10 +8,10 @@ import numpy as np
 
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.files import PARAVIEW
+from mpmcli.output.results import Frame, Results, unit_in_brackets
 from mpmcli.study.pictures.drawing import shorten
 from mpmcli.study.pictures.errors import PictureError
 from mpmcli.study.pictures.quantities import DEFAULTS, domains_of
-from mpmcli.study.pictures.results import Frame, Results, unit_in_brackets
 
 SCRIPT = '''\
 """{title}

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.output.results import Frame, Results, unit_in_brackets, with_unit
 from mpmcli.study.pictures.drawing import new_figure, shorten, wrapped
 from mpmcli.study.pictures.errors import PictureError
 from mpmcli.study.pictures.quantities import GROUPS, Coloring, domains_of, find_coloring, unit_of
-from mpmcli.study.pictures.results import Frame, Results, unit_in_brackets, with_unit
 
 Array = np.ndarray
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.output.results import Frame, Results
 from mpmcli.study.pictures.errors import PictureError
-from mpmcli.study.pictures.results import Frame, Results
 
 Array = np.ndarray
 

@@ -12,6 +12,7 @@ import numpy as np
 from mpmcli.core.errors import ArchiveError
 from mpmcli.core.suggest import did_you_mean
 from mpmcli.output.files import GLOBALS, PLOTS
+from mpmcli.output.results import Frame, Results
 from mpmcli.study.pictures.animation import KINDS, MOST_FRAMES, check_writer, write_animation
 from mpmcli.study.pictures.curves import (
     ENERGIES,
@@ -35,7 +36,6 @@ from mpmcli.study.pictures.particles import (
     ProjectedPicture,
 )
 from mpmcli.study.pictures.quantities import DEFAULTS, DEFAULTS_ON_A_LINE, Coloring, find_coloring
-from mpmcli.study.pictures.results import Frame, Results
 from mpmcli.study.pictures.space import SpacePicture, why_not
 
 PARTICLES, PROBES, ALL = "particles", "probes", "all"

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.output.results import Frame, Results
 from mpmcli.study.pictures.drawing import new_figure
 from mpmcli.study.pictures.particles import Extent, Palette, ParticlePicture, directions, draw_axes
 from mpmcli.study.pictures.quantities import domains_of
-from mpmcli.study.pictures.results import Frame, Results
 
 WINDOW = (1000, 800)
 PATIENCE = 60.0

@@ -29,16 +29,17 @@ def scene(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def runs(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
-    """Calls of ``run_scene``, which does nothing."""
+    """Calls of ``run``, which does nothing."""
     from mpmcli.run import api
+    from mpmcli.run.outcome import Outcome
 
     seen: list[dict[str, Any]] = []
 
-    def run_scene(loaded: Any, directory: Path, **options: Any) -> int:
+    def run(loaded: Any, directory: Path | None, **options: Any) -> Outcome:
         seen.append({"loaded": loaded, "directory": directory, **options})
-        return 6
+        return Outcome(6, "stopped", Path("nowhere"))
 
-    monkeypatch.setattr(api, "run_scene", run_scene)
+    monkeypatch.setattr(api, "run", run)
     return seen
 
 
@@ -150,7 +151,7 @@ def test_run_hands_its_options_on(
     (run,) = runs
     assert run.pop("loaded").scene.method.transfer.kind == "flip"
     assert run == {
-        "directory": Path("results/bar"),
+        "directory": None,
         "threads": 3,
         "until": 60.0,
         "overwrite": True,

@@ -86,6 +86,7 @@ def loaded(tmp_path):
         units=SimpleNamespace(label=lambda dimension: dimension),
         resolved=lambda: {"title": "Flight"},
         plugins={},
+        locate=lambda error: error,
         hash="abc",
         file_digests={},
         overrides={"set": [], "define": []},

@@ -94,3 +94,34 @@ def test_a_dumb_terminal_gets_lines(monkeypatch):
 )
 def test_durations(seconds, words):
     assert duration_in_words(seconds) == words
+
+
+class Display:
+    """What IPython's ``display`` does with a display identity: shows, and replaces what it has shown."""
+
+    def __init__(self):
+        self.shown: list[list[str]] = []
+
+    def __call__(self, contents, raw, display_id):
+        assert raw
+        assert display_id
+        self.shown.append([contents["text/plain"]])
+        return SimpleNamespace(update=lambda new, raw: self.shown[-1].append(new["text/plain"]))
+
+
+@pytest.mark.parametrize(("shell", "lines"), [("ZMQInteractiveShell", 1), ("TerminalInteractiveShell", 0)])
+def test_one_line_in_a_notebook(shell, lines, monkeypatch, capfd):
+    display = Display()
+    kernel = type(shell, (), {})()
+    ipython = SimpleNamespace(get_ipython=lambda: kernel, display=SimpleNamespace(display=display))
+    monkeypatch.setitem(sys.modules, "IPython", ipython)
+    progress = Progress(1.0)
+    march(progress)
+    progress.say("a message")
+    assert len(display.shown) == lines
+    written = capfd.readouterr().err.splitlines()
+    assert "a message" in written
+    if lines:
+        assert written == ["a message"]
+        assert display.shown[0][0].startswith("   1 %  step 1 ")
+        assert display.shown[0][-1].startswith(" 100 %  step 100 ")

@@ -19,7 +19,7 @@ from mpmcli.core.errors import ArchiveError, Problem, SceneError, SimulationErro
 from mpmcli.core.state import ContactView
 from mpmcli.output.files import LOCK
 from mpmcli.output.tables import Table
-from mpmcli.run.api import LOGGER, run, run_scene
+from mpmcli.run.api import LOGGER, run
 from mpmcli.run.folder import default_folder
 
 
@@ -99,10 +99,6 @@ def test_until_max_steps_and_quiet(go, loaded, tmp_path, capfd):
     loaded.scene.time.max_steps = 7
     assert go(tmp_path / "b", verbosity=-1).steps == 7
     assert capfd.readouterr().err == ""
-
-
-def test_run_scene_returns_the_exit_code(loaded, simulation, tmp_path):
-    assert run_scene(loaded, tmp_path / "out", make_simulation=simulation, progress=False) == 0
 
 
 def test_default_folder_is_named_after_the_scene(go, loaded, simulation, tmp_path, monkeypatch):

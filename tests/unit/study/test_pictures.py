@@ -13,8 +13,9 @@ import pytest
 from PIL import Image
 
 from mpmcli.cli import plot_command
-from mpmcli.core.errors import ArchiveError
+from mpmcli.core.errors import ArchiveError, RequestError
 from mpmcli.output.files import PICTURE, PLOTS, drawn_files, remove_results
+from mpmcli.output.results import Results
 from mpmcli.study.pictures import Request, animation, plot, space
 from mpmcli.study.pictures.curves import SUBJECTS, draw_panels, parts_of, subject_panels
 from mpmcli.study.pictures.drawing import drawing, wrapped
@@ -29,7 +30,6 @@ from mpmcli.study.pictures.particles import (
 )
 from mpmcli.study.pictures.quantities import colorings, domains_of, find_coloring
 from mpmcli.study.pictures.request import PARTICLES, WHAT
-from mpmcli.study.pictures.results import Results
 
 
 @pytest.fixture(autouse=True)
@@ -456,7 +456,7 @@ def test_script_for_paraview_survives_any_title(make_results):
     ],
 )
 def test_wrong_requests(make_results, request_, words):
-    with pytest.raises(PictureError) as error:
+    with pytest.raises(RequestError) as error:
         plot(make_results(), request_)
     assert words in str(error.value)
     assert error.value.exit_code == 2

@@ -1,4 +1,4 @@
-"""A results folder as pictures see it: manifest, tables, and the particles of every archived time."""
+"""A results folder, opened: manifest, tables, and the particles of every archived time, as numpy arrays."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.analysis import ANALYSES
-from mpmcli.core.errors import ArchiveError
+from mpmcli.core.errors import ArchiveError, RequestError
+from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.files import FAILED, GLOBALS, owned_files
 from mpmcli.output.manifest import read_manifest
 from mpmcli.output.tables import read_table
-from mpmcli.study.pictures.errors import PictureError
 
 Array = np.ndarray
 
@@ -40,6 +40,9 @@ class Frame:
     X: Array
     arrays: dict[str, Array]
     components: dict[str, tuple[str, ...]]
+
+    def __getitem__(self, name: str) -> Array:
+        return self.arrays[name]
 
     @property
     def count(self) -> int:
@@ -83,10 +86,44 @@ class Results:
         self.directory = Path(directory)
         if not self.directory.is_dir():
             reason = "is no folder" if self.directory.exists() else "does not exist"
-            raise ArchiveError(f"{self.directory} {reason}: pictures are made of a results folder")
+            raise ArchiveError(f"{self.directory} {reason}: results are a folder")
         if not any(True for _ in owned_files(self.directory)):
             raise ArchiveError(f"{self.directory} holds no results of mpmcli")
         self.manifest: dict[str, Any] = read_manifest(self.directory) or {}
+
+    def __repr__(self) -> str:
+        ended = self.manifest.get("run", {}).get("ended", "unknown")
+        return f"<Results of '{self.title}' in {self.directory}: {ended}>"
+
+    def __getitem__(self, column: str) -> Array:
+        """A column of ``globals.csv`` over time."""
+        columns = self.globals.columns
+        if column not in columns:
+            hint = did_you_mean(column, columns) or f" ({listing(columns, 40)})"
+            raise RequestError(f"{self.directory / GLOBALS} has no column '{column}'{hint}")
+        return self.globals[column]
+
+    @cached_property
+    def globals(self) -> Table:
+        """The table ``globals.csv``."""
+        return self.table(GLOBALS)
+
+    @property
+    def times(self) -> Array:
+        """Times of the archives of particles [time]."""
+        return np.array([time for time, _ in self.series])
+
+    def particles(self, time: float | None = None) -> Frame:
+        """All particles at the archive nearest to a time, or at the last one.
+
+        Raises
+        ------
+        RequestError
+            If the time is outside all archives.
+        ArchiveError
+            If there are no archives, or one cannot be read.
+        """
+        return self.frame(self.path_of(-1) if time is None else self.path_at(time))
 
     @cached_property
     def scene(self) -> dict[str, Any]:
@@ -182,12 +219,12 @@ class Results:
         return (self.directory / "particles.pvd").exists()
 
     def path_at(self, time: float) -> Path:
-        """File of the archive nearest to a time; PictureError if the time is outside all archives."""
+        """File of the archive nearest to a time; RequestError if the time is outside all archives."""
         times = [when for when, _ in self.series]
         slack = SLACK * (times[-1] - times[0])
         if not times[0] - slack <= time <= times[-1] + slack:
             span = f"{times[0]:g} to {with_unit(times[-1], self.time_unit)}"
-            raise PictureError(f"time {time:g} is outside the archives of particles, which go from {span}")
+            raise RequestError(f"time {time:g} is outside the archives of particles, which go from {span}")
         return min(self.series, key=lambda entry: abs(entry[0] - time))[1]
 
     def path_of(self, number: str | int) -> Path:
@@ -195,14 +232,14 @@ class Results:
         if number == "failed":
             path = self.directory / FAILED
             if not path.exists():
-                raise PictureError(f"there is no {path}: the run has not failed")
+                raise RequestError(f"there is no {path}: the run has not failed")
             return path
         try:
             return self.series[int(number)][1]
         except ValueError:
-            raise PictureError(f"'{number}' is no number of an archive, and not 'failed'") from None
+            raise RequestError(f"'{number}' is no number of an archive, and not 'failed'") from None
         except IndexError:
-            raise PictureError(
+            raise RequestError(
                 f"there is no archive {number}: they are numbered from 0 to {len(self.series) - 1}"
             ) from None
 

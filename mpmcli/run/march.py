@@ -1,0 +1,292 @@
+"""The march of a run: the simulation steps, the recorder writes, and every end is an orderly one."""
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from mpmcli.core import runtime
+from mpmcli.core.errors import ArchiveError, SimulationError
+from mpmcli.output import manifest
+from mpmcli.output.checkpoint import Checkpoint, write_checkpoint
+from mpmcli.output.recorder import Recorder
+from mpmcli.output.schedule import Schedule, is_reached
+from mpmcli.run.folder import DRY_RUN
+from mpmcli.run.interrupts import Interrupted, Interrupts, exit_code_of, name_of
+from mpmcli.run.outcome import Outcome
+from mpmcli.run.progress import LOG_ONLY, Progress, duration_in_words
+from mpmcli.run.resume import header_facts, resumptions, source_of
+from mpmcli.run.watch import EnergyWatch
+
+LOGGER = logging.getLogger("mpmcli")
+STOPPED_EARLY = 6
+COMPILING = "compiling, once: later runs start at once"
+SETTING_UP = "setting up"
+UNCONVERGED_SHARE = 0.05
+"""Share of all contacts whose normals may fail to converge before a run warns of it at its end."""
+
+
+def is_over(step: int, now: float, end: float, max_steps: int | None) -> bool:
+    """Whether a run to ``end``, of so many steps at most, ends at this step and time."""
+    return is_reached(now, end) or (max_steps is not None and step >= max_steps)
+
+
+class March:
+    """One run, from the first record to the closed files."""
+
+    def __init__(
+        self,
+        loaded: Any,
+        directory: Path,
+        simulation: Any,
+        interrupts: Interrupts,
+        progress: Progress,
+        end: float,
+        begin: float,
+        checkpoint: Checkpoint | None = None,
+    ):
+        self.loaded = loaded
+        self.directory, self.simulation = directory, simulation
+        self.interrupts, self.progress = interrupts, progress
+        self.end, self.begin = end, begin
+        self.max_steps = loaded.scene.time.max_steps
+        self.step_seconds, self.counted_steps, self.output_seconds = 0.0, 0, 0.0
+        report = str(simulation.setup_report)
+        facts = manifest.facts_of_machine(simulation.threads)
+        facts |= {"started": manifest.now(), "setup": report.splitlines(), "source": source_of(loaded)}
+        if checkpoint is not None:
+            here = {"step": checkpoint.step, "time": checkpoint.time, "at": manifest.now()}
+            facts["resumed"] = [*resumptions(directory), here]
+        self.recorder = Recorder(
+            loaded, directory, simulation.state, facts, checkpoint.part("output") if checkpoint else None
+        )
+        self.watch = EnergyWatch(simulation)
+        asked = loaded.scene.archive.checkpoint
+        self.saved_step: int | None = None
+        self.is_saved = asked is not None  # signals and the wall limit save in any case
+        self.next_save = Schedule(math.inf if asked is None or asked.every is None else asked.every)
+        self.seconds_between_saves = math.inf if asked is None else asked.wall_seconds
+        self.saved_at = time.perf_counter()
+        self.resumed_step = None if checkpoint is None else checkpoint.step
+        if checkpoint is not None:
+            simulation.restore(checkpoint.part("simulation"))
+            self.watch.recall(checkpoint.part("watch"))
+            self.saved_step = checkpoint.step
+            self.next_save.advance(checkpoint.time)
+            LOGGER.info(
+                "resumed from %s: step %d, time %.6g", checkpoint.path.name, checkpoint.step, checkpoint.time
+            )
+        LOGGER.debug("%s, scene %s, on %s threads", loaded.path, loaded.hash, simulation.threads)
+        for warning in loaded.warnings:
+            LOGGER.warning("%s", warning, extra={LOG_ONLY: True})
+        LOGGER.debug("%s", report)
+
+    def dry_run(self) -> Outcome:
+        """Write the start only."""
+        print(self.simulation.setup_report)
+        self._record(everything=True)
+        self._close(DRY_RUN)
+        return self._outcome(0, DRY_RUN)
+
+    def run(self, max_walltime: float | None) -> Outcome:
+        """March to the end, or to whatever stops it."""
+        try:
+            code, ended = self._march(max_walltime)
+            self._end_files()
+        except SimulationError as error:
+            code, ended = error.exit_code, f"failed: {error}"
+            self.progress.stop()
+            LOGGER.error("%s", error)
+            self._write_failed(error)
+        except Interrupted as signal:
+            code, ended = exit_code_of(signal.number), f"interrupted at once by {name_of(signal.number)}"
+        except (ArchiveError, OSError) as error:
+            code, ended = ArchiveError.exit_code, f"stopped: {error}"
+            self.progress.stop()
+            LOGGER.error("%s", error)
+        except BaseException as error:
+            self._abandon(f"crashed: {type(error).__name__}: {error}")
+            raise
+        self.interrupts.is_closing = True
+        self.progress.stop(self.simulation.state, self.recorder.energy_error)
+        try:
+            self._close(ended)
+        except (ArchiveError, OSError) as error:
+            if code == 0:
+                LOGGER.error("%s", error)
+                code, ended = ArchiveError.exit_code, f"stopped: {error}"
+        outcome = self._outcome(code, ended)
+        self._report_contacts()
+        self._summarise(outcome)
+        return outcome
+
+    def _march(self, max_walltime: float | None) -> tuple[int, str]:
+        simulation, recorder, interrupts = self.simulation, self.recorder, self.interrupts
+        clock = time.perf_counter
+        is_cold = runtime.is_cold()
+        with self.progress.waiting(COMPILING if is_cold else SETTING_UP, is_important=is_cold):
+            if self.resumed_step is None:
+                self._record(everything=True)
+                self.watch.look()
+                self._save_if_due()
+            if not self._is_over() and interrupts.received is None:
+                # this step may compile for seconds, and there is nothing to lose yet: stop at once if asked
+                interrupts.is_patient = False
+                simulation.step()
+                interrupts.is_patient = True
+                self._record()
+                self._save_if_due()
+        LOGGER.debug("the first step was done after %.3g s", self._elapsed())
+        self.progress.start(simulation.state)
+        while not self._is_over():
+            if interrupts.received is not None:
+                return exit_code_of(interrupts.received), f"interrupted by {name_of(interrupts.received)}"
+            before = clock()
+            if max_walltime is not None and before - self.begin >= max_walltime:
+                return STOPPED_EARLY, f"stopped after {duration_in_words(max_walltime)} by the clock"
+            simulation.step()
+            self.step_seconds += clock() - before
+            self.counted_steps += 1
+            self.watch.look()
+            if recorder.due(simulation.state):
+                self._record()
+            self._save_if_due()
+            self.progress.update(simulation.state, recorder.energy_error)
+        return 0, "finished"
+
+    def _is_over(self) -> bool:
+        state = self.simulation.state
+        return is_over(state.step, state.time, self.end, self.max_steps)
+
+    def _save_if_due(self) -> None:
+        """Write a checkpoint if it is time; at the end of the run ``_end_files`` does."""
+        if not self.is_saved:
+            return
+        time_is_up = time.perf_counter() - self.saved_at >= self.seconds_between_saves
+        if (time_is_up or self.next_save.is_due(self.simulation.state.time)) and not self._is_over():
+            self._save(self.recorder.memory(self.simulation.state))
+
+    def _save(self, output: dict[str, Any]) -> None:
+        """Write a checkpoint of the state, and of the files as ``output`` describes them."""
+        before = time.perf_counter()
+        state = self.simulation.state
+        arrays = {f"simulation.{name}": array for name, array in self.simulation.state_arrays().items()}
+        arrays |= {f"output.{name}": array for name, array in output.items()}
+        arrays |= {f"watch.{name}": array for name, array in self.watch.memory().items()}
+        write_checkpoint(self.directory, arrays, header_facts(self.loaded, state))
+        self.saved_step = state.step
+        self.next_save.advance(state.time)
+        self.saved_at = time.perf_counter()
+        self.output_seconds += self.saved_at - before
+
+    def _end_files(self) -> None:
+        """Write the last state, and a checkpoint that knows the files as they were before, for a run that goes on.
+
+        At the end of a run the checkpoint comes last, so that with it nothing is missing.
+        """
+        if self.resumed_step == self.simulation.state.step:
+            return  # interrupted before the first step: all is as the last run left it
+        memory = self.recorder.memory(self.simulation.state)
+        if self._is_over():
+            self._record(everything=True)
+            if self.is_saved:
+                self._save(memory)
+        else:
+            if self.saved_step != self.simulation.state.step:
+                self._save(memory)
+            self._record(everything=True)
+
+    def _record(self, everything: bool = False) -> None:
+        before = time.perf_counter()
+        self.recorder.record(self.simulation.state, everything)
+        self.output_seconds += time.perf_counter() - before
+
+    def _write_failed(self, error: SimulationError) -> None:
+        good = error.state
+        try:
+            path = self.recorder.write_failed(self.simulation.state if good is None else good)
+            when = "at the failure" if good is None else f"of step {good.step} (time {good.time:.6g})"
+            LOGGER.error("the state %s is in %s", when, path)
+        except (ArchiveError, OSError) as problem:
+            LOGGER.error("%s", problem)
+
+    def _close(self, ended: str) -> None:
+        state = self.simulation.state
+        self.recorder.close(
+            ended,
+            finished=manifest.now(),
+            steps=state.step,
+            time=state.time,
+            wall_seconds=self._elapsed(),
+            nanoseconds_per_particle_step=self._nanoseconds(),
+            seconds_per_task=self.simulation.timings | {"output": self.output_seconds},
+            peak_memory_bytes=manifest.peak_memory(),
+            thread_layer=manifest.thread_layer(),
+            **self._contacts(),
+            energy_error=self.recorder.energy_error,
+        )
+
+    def _abandon(self, ended: str) -> None:
+        """Close what can be closed; the first error is the one to be seen."""
+        self.progress.stop()
+        with suppress(Exception):
+            self._close(ended)
+
+    def _elapsed(self) -> float:
+        return time.perf_counter() - self.begin
+
+    def _nanoseconds(self) -> float | None:
+        """Time per particle and step; the first step, which may compile, is left out."""
+        work = self.counted_steps * self.simulation.state.particles.count
+        return 1e9 * self.step_seconds / work if work else None
+
+    def _outcome(self, code: int, ended: str) -> Outcome:
+        state = self.simulation.state
+        return Outcome(
+            code, ended, self.directory, state.step, state.time, self._elapsed(), self.recorder.energy_error
+        )
+
+    def _contacts(self) -> dict[str, Any]:
+        """How many contacts there were in all steps, and of how many the normal did not converge."""
+        view = self.simulation.state.contact
+        if view is None:
+            return {}
+        return {"contacts": view.all_contacts, "contacts_unconverged": view.all_unconverged}
+
+    def _report_contacts(self) -> None:
+        counts = self._contacts()
+        if not counts:
+            return
+        number, unconverged = counts.values()
+        share = unconverged / max(number, 1)
+        level = logging.WARNING if share > UNCONVERGED_SHARE else logging.DEBUG
+        LOGGER.log(
+            level,
+            "%d contacts in all steps; the normals of %d (%.2g %%) did not converge: their last iterates were used",
+            number,
+            unconverged,
+            100.0 * share,
+        )
+
+    def _summarise(self, outcome: Outcome) -> None:
+        speed = self._nanoseconds()
+        pace = f" ({speed:.3g} ns per particle and step)" if speed is not None else ""
+        first = outcome.ended if outcome.exit_code != SimulationError.exit_code else "failed"
+        LOGGER.info(
+            "%s: %d steps to time %.6g in %s%s%s; results in %s",
+            first,
+            outcome.steps,
+            outcome.time,
+            _seconds_in_words(outcome.wall_seconds),
+            pace,
+            "" if outcome.energy_error is None else f", energy error {outcome.energy_error:.2e}",
+            outcome.directory,
+        )
+
+
+def _seconds_in_words(seconds: float) -> str:
+    return f"{seconds:.3g} s" if seconds < 100.0 else duration_in_words(seconds)
