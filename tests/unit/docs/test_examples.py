@@ -8,6 +8,17 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+from mpmcli.boundary import CONDITIONS, LOADS
+from mpmcli.contact.laws import LAWS
+from mpmcli.contact.normals import NORMALS
+from mpmcli.contact.separation import SEPARATIONS
+from mpmcli.core.analysis import ANALYSES
+from mpmcli.geometry import REGIONS
+from mpmcli.materials import MATERIALS
+from mpmcli.shapes import SHAPES
+
 ROOT = Path(__file__).parents[3]
 EXAMPLE = ROOT / "tests" / "example_plugin"
 
@@ -116,3 +127,56 @@ def test_python_examples_of_first_steps(tmp_path, monkeypatch, capsys):
     for example in examples:
         exec(compile(example, "start.md", "exec"), {})
     assert "finished" in capsys.readouterr().out
+
+
+def test_words_beside_those_of_other_programs_are_ours():
+    text = (ROOT / "docs/coming.md").read_text("utf-8")
+    ours = " ".join(
+        row.split("|")[2] for row in text.splitlines() if row.startswith("| ") and row.count("|") == 3
+    )
+    kinds = set(re.findall(r"kind: (\w+)", ours))
+    known = {
+        *MATERIALS,
+        *LAWS,
+        *NORMALS,
+        *SEPARATIONS,
+        *CONDITIONS,
+        *LOADS,
+        *ANALYSES,
+        "flip",
+        "xpic",
+        "fmpm",
+    }
+    assert len(kinds) > 10
+    assert kinds <= known
+    for names in (NORMALS, SHAPES, REGIONS):
+        mentioned = set(re.findall(r"`(\w+)`", ours)) & set(names)
+        assert len(mentioned) > 3, names
+
+
+@pytest.mark.slow
+def test_commands_of_the_tutorial(tmp_path):
+    (tmp_path / "inputs").symlink_to(ROOT / "inputs")
+    program = tmp_path / "bin" / "mpmcli"
+    program.parent.mkdir()
+    program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -W error -m mpmcli "$@"\n')
+    program.chmod(0o755)
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
+    environment |= {"PATH": f"{program.parent}:{environment['PATH']}", "PYTHONPATH": str(ROOT)}
+    install, *commands = blocks("tutorial.md", "bash")
+    assert install.splitlines()[-1] == "pip install -e '.[plot]'"
+    told = ""
+    for command in commands:
+        done = subprocess.run(
+            ["bash", "-euo", "pipefail", "-c", command],
+            cwd=tmp_path, env=environment, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, command + done.stderr
+        told += done.stdout + done.stderr
+    assert "did you mean 'coulomb'" in told
+    for picture in ("particles.png", "contact.png", "particles.gif"):
+        assert (tmp_path / "results" / "disks" / "plots" / picture).stat().st_size > 10_000, picture
+    assert len(list((tmp_path / "results" / "disks" / "particles").iterdir())) == 17
+    (example,) = blocks("tutorial.md", "python")
+    first, second = map(float, re.findall(r"\d+\.\d+", run_python(example, tmp_path)))
+    assert 0 < second != first > 0
