@@ -7,7 +7,7 @@ from typing import Unpack
 
 import click
 
-from mpmcli.cli.options import SceneChanges, load_checked, scene_options, show_warnings
+from mpmcli.cli.options import SceneChanges, check_time_step, load_checked, scene_options, show_warnings
 
 
 @click.command("explain")
@@ -17,6 +17,7 @@ from mpmcli.cli.options import SceneChanges, load_checked, scene_options, show_w
 def command(scene: str, as_object: bool, **changes: Unpack[SceneChanges]) -> None:
     """Tell what SCENE will model and what not, its time step, memory and cost."""
     loaded = load_checked(scene, changes)
+    check_time_step(loaded)
     show_warnings(loaded)
     from mpmcli.core.errors import SceneError
     from mpmcli.solver.explain import explain

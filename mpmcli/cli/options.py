@@ -138,6 +138,28 @@ def load_checked(scene: str, changes: SceneChanges) -> LoadedScene:
     return load(Path(scene), **changes)
 
 
+def check_time_step(loaded: LoadedScene) -> None:
+    """Add a warning to the scene if its step is above the known stability limit.
+
+    Raises
+    ------
+    SceneError
+        If it asks for a Courant number by itself and there is no known limit.
+    """
+    from mpmcli.core.errors import SceneError
+    from mpmcli.scene.report import locate, ordered
+    from mpmcli.solver.stability.scene_limit import chosen_courant, warning_of
+
+    try:
+        chosen_courant(loaded.scene)
+    except SceneError as error:
+        raise loaded.locate(error) from None
+    warning = warning_of(loaded.scene)
+    if warning is not None and loaded.root is not None:
+        place = locate(loaded.root, warning.path, warning.message, warning.code, warning.severity)
+        loaded.warnings = ordered([*loaded.warnings, place])
+
+
 def show_warnings(loaded: LoadedScene) -> None:
     """Write a scene's warnings to stderr."""
     for warning in loaded.warnings:

@@ -6,7 +6,7 @@ from typing import Unpack
 
 import click
 
-from mpmcli.cli.options import SceneChanges, load_checked, scene_options
+from mpmcli.cli.options import SceneChanges, check_time_step, load_checked, scene_options
 
 
 @click.command("validate")
@@ -22,7 +22,9 @@ def command(scenes: tuple[str, ...], as_list: bool, **changes: Unpack[SceneChang
     exit_code = 0
     for scene in scenes:
         try:
-            found = load_checked(scene, changes).warnings
+            loaded = load_checked(scene, changes)
+            check_time_step(loaded)
+            found = loaded.warnings
             verdict = f"{scene}: valid" + (f", {len(found)} warning{'s' * (len(found) > 1)}" if found else "")
         except SceneError as error:
             found, verdict, exit_code = error.problems, "", error.exit_code

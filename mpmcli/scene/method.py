@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    TypeAdapter,
+    ValidationInfo,
+    WithJsonSchema,
+    field_validator,
+    model_validator,
+)
 
 from mpmcli.core.model import Model, PositiveTime, quantity
 from mpmcli.core.suggest import did_you_mean
@@ -14,6 +22,24 @@ from mpmcli.shapes import SHAPES
 Alpha = quantity("1", ge=0, le=1)
 Coefficient = quantity("1", ge=0)
 MAX_ORDER = 100
+_courant: TypeAdapter[Any] = TypeAdapter(quantity("1", gt=0, le=1))
+
+
+def _read_courant(value: Any, info: ValidationInfo) -> Any:
+    return "auto" if value == "auto" else _courant.validate_python(value, context=info.context)
+
+
+Courant = Annotated[
+    Any,
+    BeforeValidator(_read_courant),
+    WithJsonSchema(
+        {
+            "anyOf": [{"type": "number", "exclusiveMinimum": 0, "maximum": 1}, {"type": "string"}],
+            "x-dimension": "1",
+        }
+    ),
+]
+"""A Courant number, or ``auto``."""
 
 
 class Affine(Model):
@@ -155,8 +181,8 @@ class TimeSpan(Model):
 
     end: PositiveTime  # type: ignore[valid-type]
     """The run ends with the first step at or past this time."""
-    courant: quantity("1", gt=0, le=1) | None = 0.4  # type: ignore[valid-type]
-    """Courant number: step over the time in which the fastest wave crosses a cell."""
+    courant: Courant | None = 0.4
+    """Courant number: step over the time in which the fastest wave crosses a cell; ``auto`` chooses a stable one."""
     step: PositiveTime | None = None  # type: ignore[valid-type]
     """A fixed time step, instead of a Courant number."""
     max_steps: int | None = Field(default=None, ge=1)

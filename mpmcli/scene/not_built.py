@@ -11,7 +11,6 @@ from mpmcli.scene.tree import Node
 # where ("*" stands for any member), which value (None: any), what it is
 ENTRIES: tuple[tuple[tuple[str, ...], Any, str], ...] = (
     (("method", "precision"), "single", "single precision"),
-    (("time", "courant"), "auto", "a Courant number chosen by the program (auto)"),
 )
 
 

@@ -16,13 +16,14 @@ class TimeStep:
 
     Parameters
     ----------
-    span : the scene's ``time``
+    step : fixed time step, or None
+    courant : Courant number, or None with a fixed step
     smallest_cell : Δx_min [length]
     """
 
-    def __init__(self, span: Any, smallest_cell: float):
-        self.fixed = float(span.step or 0.0)
-        self.courant = None if span.courant is None else float(span.courant)
+    def __init__(self, step: float | None, courant: float | None, smallest_cell: float):
+        self.fixed = float(step or 0.0)
+        self.courant = courant
         self.smallest_cell = smallest_cell
         self._first: float | None = None
 

@@ -13,9 +13,9 @@ from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
 from mpmcli.core.suggest import listing
 from mpmcli.scene.fields import law_table
-from mpmcli.solver.limits import known_limit
 from mpmcli.solver.plan import PARALLEL_FROM, Plan, StepArrays, allocate_step_arrays, make_plan
 from mpmcli.solver.setup import make_grid, make_particles
+from mpmcli.solver.stability.scene_limit import SAFETY, NoKnownLimit, chosen_courant, known_limit
 
 Array = np.ndarray
 
@@ -51,10 +51,15 @@ def explain(loaded: Any, threads: int = 2) -> dict[str, Any]:
     wave_speed = max(models[i].initial_wave_speed(name) for i in present)
     particle_speed = float(np.sqrt(np.square(particles.V).sum(axis=0).max()))
     fastest, cell = max(wave_speed, particle_speed), float(grid.cell.min())
-    courant = scene.time.courant
+    courant = chosen_courant(scene)
     dt = scene.time.step if courant is None else courant * cell / fastest
     courant = dt * fastest / cell
-    limit = known_limit(scene.method.shape, scene.method.transfer.kind, plan.order)
+    limit, known = None, ""
+    try:
+        found = known_limit(scene)
+        limit, known = found.courant, found.because
+    except NoKnownLimit as reason:
+        known = str(reason)
     steps = int(np.ceil(scene.time.end / dt))
     kept = {f.name: getattr(arrays, f.name) for f in fields(StepArrays)}
     dense = {f"grid.{key}": array for key, array in (("mp", grid.mp), ("f", grid.f))}
@@ -84,7 +89,10 @@ def explain(loaded: Any, threads: int = 2) -> dict[str, Any]:
         "wave_speed": wave_speed,
         "time_step": dt,
         "courant": courant,
+        "courant_is_chosen": scene.time.courant == "auto",
         "known_stability_limit": limit,
+        "stability_margin": None if limit is None else 1.0 - courant / limit,
+        "stability_limit_of": known,
         "steps": steps,
         "parallel": parallel,
         "estimated_seconds": seconds / (threads if parallel else 1),
@@ -244,11 +252,6 @@ def kernels_of(plan: Plan, contact: ContactChoice) -> list[str]:
 
 
 def _text(facts: dict[str, Any]) -> str:
-    limit = facts["known_stability_limit"]
-    margin = "no measured limit for this shape function and transfer"
-    if limit is not None:
-        verdict = "beyond it: expect the run to fail" if facts["courant"] > limit else "within it"
-        margin = f"measured limit of the 1D bar {limit:.2f}, {verdict}"
     size = (facts["particle_bytes"] + facts["grid_bytes"]) / 2**20
     lines = [
         facts["title"] or "(no title)",
@@ -265,13 +268,23 @@ def _text(facts: dict[str, Any]) -> str:
         f"kernels    {', '.join(facts['kernels'])}",
         f"arrays     particles {facts['particle_bytes'] / 2**20:.1f} MiB, grid {facts['grid_bytes'] / 2**20:.1f} MiB "
         f"if every node were used ({', '.join(facts['arrays'])}); {size:.1f} MiB together",
-        f"time step  {facts['time_step']:.4g} at the start: Courant number {facts['courant']:.3g}, {margin}",
+        f"time step  {facts['time_step']:.4g} at the start: Courant number {facts['courant']:.3g}{_margin_in_words(facts)}",
         f"run        about {facts['steps']} steps, very roughly {_duration(facts['estimated_seconds'])} on 2 threads"
         if facts["parallel"]
         else f"run        about {facts['steps']} steps, very roughly {_duration(facts['estimated_seconds'])}, "
         "too small for threads",
     ]
     return "\n".join(lines)
+
+
+def _margin_in_words(facts: dict[str, Any]) -> str:
+    limit, known = facts["known_stability_limit"], facts["stability_limit_of"]
+    chosen = f" (auto: {SAFETY:g} of the limit, 1 at most)" if facts["courant_is_chosen"] else ""
+    if limit is None:
+        return f"{chosen}; no stability limit is known: {known}"
+    margin = facts["stability_margin"]
+    verdict = f"{margin:.0%} below" if margin >= 0.0 else f"{-margin:.0%} above: the run may fail"
+    return f"{chosen}; stability limit {limit:.3g} ({known}), {verdict}"
 
 
 def _fields_in_words(facts: dict[str, Any]) -> str:

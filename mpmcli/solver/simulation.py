@@ -35,6 +35,7 @@ from mpmcli.solver.period import EveryStep, Period
 from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan
 from mpmcli.solver.rigid import NoRigidBodies, RigidBodies
 from mpmcli.solver.setup import full_ring, make_grid, make_particles, section_of
+from mpmcli.solver.stability.scene_limit import chosen_courant
 from mpmcli.solver.step import advance
 from mpmcli.solver.transfer import Transfer
 
@@ -105,7 +106,7 @@ class Simulation:
             if np.any(self.particles.material == i)
         )
         self.particle_speed = float(np.sqrt(np.square(self.particles.V).sum(axis=0).max()))
-        self.time_step = TimeStep(scene.time, float(self.grid.cell.min()))
+        self.time_step = TimeStep(scene.time.step, chosen_courant(scene), float(self.grid.cell.min()))
         self._dt = 0.0
         self._rigid_version = -1
         self.max_steps = scene.time.max_steps

@@ -15,10 +15,11 @@ from pathlib import Path
 from typing import Any, Literal, Protocol
 
 import mpmcli
+from mpmcli.core.bisection import bisect_limit
 from mpmcli.core.errors import SceneError
 from mpmcli.scene.loader import LoadedScene
+from mpmcli.solver.stability.scene_limit import predict
 from mpmcli.study.journal import Journal
-from mpmcli.study.prediction import predict
 from mpmcli.study.processes import TIMED_OUT, Stopped
 from mpmcli.study.transfers import label_of, transfer_value
 from mpmcli.study.trial import FINISHED, load_job
@@ -26,8 +27,6 @@ from mpmcli.study.trial import FINISHED, load_job
 Criterion = Literal["bounded", "accurate"]
 TRIALS = "trials.jsonl"
 DEFAULT_TRANSFERS = ("flip", "fmpm:1", "fmpm:2", "fmpm:4", "fmpm:8", "fmpm:16", "fmpm:40")
-FIRST_STRIDE = 0.03
-"""First stride of a search, as a share of where it begins."""
 DEFAULT_START = 0.5
 
 
@@ -87,7 +86,7 @@ class Case:
     source, scene_hash : the scene of this case
     limit : largest stable Courant number, None if there is none or it was not found
     unstable_at : smallest Courant number above it that is unstable, None if there is none
-    predicted, predicted_worst : of a moving block, and of one at rest at the worst place (``study.prediction``)
+    predicted, predicted_worst : of a moving block, and of one at rest at the worst place (``solver.stability``)
     loss, excess : energy lost, and most energy too much, at the limit, as shares of what was put in
     trials : all that were looked at, by Courant number
     remark : how the run at ``unstable_at`` ended, or why there is no limit
@@ -178,39 +177,6 @@ def find_limits(
             search.result()
         except Stopped:
             continue
-
-
-def bisect_limit(
-    is_stable: Callable[[int], bool], start: int, lowest: int, highest: int
-) -> tuple[int | None, int | None]:
-    """Neighbours (stable, unstable = stable + 1) between ``lowest`` and ``highest``, searched from ``start``.
-
-    The first is None if even ``lowest`` is unstable (the second is then ``lowest``), the second if even ``highest`` is
-    stable.
-    """
-    low, high = None, None
-    place = min(max(start, lowest), highest)
-    stride = max(1, round(FIRST_STRIDE * place))
-    while low is None or high is None:
-        if is_stable(place):
-            low = place
-            if place == highest:
-                return highest, None
-            place = min(place + stride, highest)
-        else:
-            high = place
-            if place == lowest:
-                return None, lowest
-            # not far below at once: runs with small steps are long
-            place = max(place - stride, place // 2, lowest)
-        stride *= 2
-    while high - low > 1:
-        middle = (low + high) // 2
-        if is_stable(middle):
-            low = middle
-        else:
-            high = middle
-    return low, high
 
 
 class _Search:

@@ -70,7 +70,7 @@ def span(**values):
 
 
 def test_a_collapsed_step_is_an_error_in_words():
-    step = TimeStep(span(courant=0.5), smallest_cell=2.0)
+    step = TimeStep(None, 0.5, smallest_cell=2.0)
     assert step.choose(10.0, 4.0) == 0.1
     assert step.choose(10.0, 40.0) == 0.025
     with pytest.raises(
@@ -81,14 +81,14 @@ def test_a_collapsed_step_is_an_error_in_words():
 
 @pytest.mark.parametrize("speed", [np.inf, np.nan])
 def test_speeds_that_are_not_finite_collapse_the_step(speed):
-    step = TimeStep(span(courant=0.5), smallest_cell=2.0)
+    step = TimeStep(None, 0.5, smallest_cell=2.0)
     step.choose(10.0, 0.0)
     with pytest.raises(SimulationError):
         step.choose(speed, 0.0)
 
 
 def test_courant_number_of_a_step():
-    assert TimeStep(span(step=0.1), smallest_cell=0.5).courant_of(0.1, 3.0, 4.0) == pytest.approx(0.8)
+    assert TimeStep(0.1, None, smallest_cell=0.5).courant_of(0.1, 3.0, 4.0) == pytest.approx(0.8)
 
 
 def test_a_particle_faster_than_a_cell_per_step_is_refused_by_name(block):

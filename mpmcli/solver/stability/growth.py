@@ -1,0 +1,157 @@
+"""Courant numbers at which the amplitude of a small block begins to grow.
+
+One step of the block's linearised update is a matrix 𝐁(δ, C) that depends on the offset δ of the block within a cell.
+The surface is part of it because it rules: between free nodes of little mass and particles that hardly reach them,
+FMPM(k) loses its stability long before it does so in an endless bar. Four limits come of it:
+
+moving
+    The block travels through a cell, at a fortieth of the wave speed. Unstable if the largest eigenvalue of the
+    product of all 𝐁 on the way, per step, is above ``exp(GROWTH)``. This is what bodies that move show; between 1/150
+    and 1/10 of the wave speed it depends little on the speed (most with ugimp and bspline2: slower is less stable).
+slow
+    The block is unstable at rest at no more than one of ``SLOW_PLACES`` places within a cell. What bodies show that
+    move slowly, or bend: they pass the worst place, but their particles do not stay there.
+worst
+    The block stays where the largest eigenvalue of one 𝐁 is largest. The limit of a body that rests at the worst
+    place: the lowest, and safe.
+at rest
+    The block stays at a given offset.
+
+All are whole multiples of ``RESOLUTION``, so that they do not depend on round-off.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+
+import numpy as np
+
+from mpmcli.core.bisection import bisect_limit
+from mpmcli.solver.stability.lattice import Lattice, stencils
+from mpmcli.solver.stability.linear_step import LinearStep, Scheme, State
+
+STEPS_PER_CELL = 40.0
+"""Steps at C = 1 in which the moving block crosses a cell."""
+GROWTH = 1e-3
+"""Growth per step (of the logarithm of the amplitude) above which an update counts as unstable."""
+PLACES = {1: 20, 2: 10}
+"""Places within half a cell (the other half mirrors it) that the worst one is looked for among, by number of axes."""
+NEAR = 0.01
+"""A place just off the grid lines (cells): some shape functions lose their stability by leaving them."""
+SLOW_PLACES = 12
+"""Places within half a cell, of which a body that moves slowly may be unstable at one."""
+RESOLUTION = 0.005
+LOWEST, HIGHEST = 0.02, 2.5
+"""Courant numbers between which limits are looked for."""
+START = 0.5
+OVERFLOW = 1e120
+SQUARINGS = 15
+"""A power of two, large enough that neither the norm nor growth with a power of time matters."""
+
+
+@functools.lru_cache(maxsize=256)
+def moving_limit(lattice: Lattice, scheme: Scheme) -> float:
+    """Largest stable Courant number of a block that travels along all axes."""
+    start = worst_limit(lattice, scheme) * 1.2 or START
+    return _largest_stable(lambda courant: _growth_moving(lattice, scheme, courant) <= GROWTH, start)
+
+
+@functools.lru_cache(maxsize=256)
+def slow_limit(lattice: Lattice, scheme: Scheme) -> float:
+    """Largest Courant number at which the block is unstable at rest at one of ``SLOW_PLACES`` at most."""
+    places = [(place + 0.5) / (2 * SLOW_PLACES) for place in range(SLOW_PLACES)]
+    return _stable_but_at(1, places, lattice, scheme)
+
+
+@functools.lru_cache(maxsize=256)
+def worst_limit(lattice: Lattice, scheme: Scheme) -> float:
+    """Largest stable Courant number of a block that rests at the worst place."""
+    count = PLACES[lattice.dimensions]
+    return _stable_but_at(0, [NEAR, *(0.5 * place / count for place in range(count + 1))], lattice, scheme)
+
+
+@functools.lru_cache(maxsize=256)
+def limit_at_rest(lattice: Lattice, scheme: Scheme, offsets: tuple[float, ...]) -> float:
+    """Largest stable Courant number of a block that rests at ``offsets`` (cells) along the axes."""
+    return _largest_stable(lambda courant: _growth_at_rest(lattice, scheme, courant, offsets) <= GROWTH, START)
+
+
+def _stable_but_at(allowed: int, places: list[float], lattice: Lattice, scheme: Scheme) -> float:
+    """Largest Courant number at which the block is unstable at ``allowed`` places along the diagonal at most."""
+    first = list(reversed(places))  # where it is unstable first, mostly
+
+    def is_stable(courant: float) -> bool:
+        unstable = 0
+        for place in list(first):
+            if _growth_at_rest(lattice, scheme, courant, (place,) * lattice.dimensions) > GROWTH:
+                first.remove(place)
+                first.insert(0, place)
+                unstable += 1
+                if unstable > allowed:
+                    return False
+        return True
+
+    return _largest_stable(is_stable, START)
+
+
+def _growth_moving(lattice: Lattice, scheme: Scheme, courant: float) -> float:
+    """Logarithm of the amplification per step of a block that travels along all axes by one cell."""
+    steps = max(6, round(STEPS_PER_CELL / courant))
+    period = steps_apart(scheme, courant)
+    if period > 1:
+        steps = period * max(1, round(steps / period))
+    step = LinearStep(lattice, scheme, courant)
+    state = step.identity()
+    with np.errstate(over="ignore", invalid="ignore"):
+        for number in range(steps):
+            offset = (number + 0.5) / steps
+            at = stencils(lattice, (offset,) * lattice.dimensions)
+            step.advance(state, at, is_flip=(number + 1) % period != 0)
+            if not np.abs(state.V).max() < OVERFLOW:
+                return np.inf
+    return _log_of_radius(state) / steps
+
+
+def _growth_at_rest(lattice: Lattice, scheme: Scheme, courant: float, offsets: tuple[float, ...]) -> float:
+    """Logarithm of the amplification per step of a block at rest."""
+    period = steps_apart(scheme, courant)
+    step = LinearStep(lattice, scheme, courant)
+    state, at = step.identity(), stencils(lattice, offsets)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for number in range(period):
+            step.advance(state, at, is_flip=number + 1 != period)
+    return _log_of_radius(state) / period if np.abs(state.V).max() < OVERFLOW else np.inf
+
+
+def steps_apart(scheme: Scheme, courant: float) -> int:
+    """Steps from one that takes the transfer as asked to the next."""
+    if scheme.every_steps is not None:
+        return scheme.every_steps
+    if scheme.every_courant is not None:
+        return max(1, int(np.ceil(scheme.every_courant / courant - 1e-9)))
+    return 1
+
+
+def _log_of_radius(state: State) -> float:
+    """Logarithm of the spectral radius, from a norm of the power ``2**SQUARINGS``: faster than eigenvalues."""
+    power, logarithm = state.matrix(), 0.0
+    for _ in range(SQUARINGS):
+        scale = np.abs(power).max()
+        if scale == 0.0:
+            return -np.inf
+        power = power / scale
+        logarithm = 2.0 * (logarithm + np.log(scale))
+        power = power @ power
+    scale = np.abs(power).max()
+    return float(logarithm + np.log(scale)) / 2**SQUARINGS if scale > 0.0 else -np.inf
+
+
+def _largest_stable(is_stable: Callable[[float], bool], start: float) -> float:
+    low, _ = bisect_limit(
+        lambda place: is_stable(place * RESOLUTION),
+        round(start / RESOLUTION),
+        round(LOWEST / RESOLUTION),
+        round(HIGHEST / RESOLUTION),
+    )
+    return 0.0 if low is None else low * RESOLUTION

@@ -1,0 +1,132 @@
+"""A small elastic block on the grid: its particles' stencils at any place within the cells."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+
+Array = np.ndarray
+
+MARGIN = 3
+MANY = 4
+"""With so many particles per cell and axis a block of one cell must do; its limits are a tenth lower."""
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """An elastic block in units of the smallest cell, the density and the wave modulus.
+
+    Attributes
+    ----------
+    grid_functions, domain : of the shape function, as in ``shapes.ShapeEntry``
+    particles : particles per cell and axis
+    cell : length of a cell along each axis, over the smallest one
+    lame, shear : λ and μ, over the wave modulus ρc²
+    """
+
+    grid_functions: str
+    domain: str
+    particles: int
+    cell: tuple[float, ...] = (1.0,)
+    lame: float = 1.0
+    shear: float = 0.0
+
+    @property
+    def dimensions(self) -> int:
+        """Number of axes."""
+        return len(self.cell)
+
+    @property
+    def edge(self) -> int:
+        """Cells along each edge of the block."""
+        if self.dimensions == 1:
+            return 6
+        return 2 if self.particles < MANY else 1
+
+    @property
+    def count(self) -> int:
+        """Number of particles."""
+        return (self.edge * self.particles) ** self.dimensions
+
+
+@dataclass
+class Stencils:
+    """Of N particles and n nodes: S (N, n), G (d, N, n), S·(x_i − X_p) (d, N, n), Σ_p S (n, 1)."""
+
+    S: Array
+    G: Array
+    reach: Array
+    mass: Array
+
+
+@functools.lru_cache(maxsize=512)
+def stencils(lattice: Lattice, offsets: tuple[float, ...]) -> Stencils:
+    """The tensor products of the axes, at nodes that have mass; ``offsets`` of the block along each axis in cells."""
+    along = [
+        axis_stencils(lattice.grid_functions, lattice.domain, lattice.particles, lattice.edge, offset)
+        for offset in offsets
+    ]
+
+    def product(*factors: Array) -> Array:
+        return functools.reduce(np.kron, factors)
+
+    value = product(*[S for S, _, _ in along])
+    mass = value.sum(axis=0)
+    kept = mass > 1e-12
+    gradients, reaches = [], []
+    for a, cell in enumerate(lattice.cell):
+        gradients.append(product(*[G / cell if b == a else S for b, (S, G, _) in enumerate(along)]))
+        reaches.append(product(*[R * cell if b == a else S for b, (S, _, R) in enumerate(along)]))
+    return Stencils(
+        value[:, kept],
+        np.stack(gradients)[:, :, kept],
+        np.stack(reaches)[:, :, kept],
+        mass[kept][:, None],
+    )
+
+
+@functools.lru_cache(maxsize=4096)
+def axis_stencils(
+    grid_functions: str, domain: str, particles: int, cells: int, offset: float
+) -> tuple[Array, Array, Array]:
+    """S, G and S·(x_i − X_p) of one axis in cells, for particles that fill ``cells`` cells."""
+    l = 0.5 / particles
+    X = (np.arange(cells * particles) + 0.5) / particles + offset
+    nodes = np.arange(-MARGIN, cells + 2 + MARGIN)
+    x = X[:, None] - nodes
+    value, integral = GRID_FUNCTIONS[grid_functions]
+    if domain == "point":
+        h = 1e-6
+        S, G = value(x), (value(x + h) - value(x - h)) / (2 * h)
+    elif domain == "box":
+        S, G = (integral(x + l) - integral(x - l)) / (2 * l), (value(x + l) - value(x - l)) / (2 * l)
+    else:
+        S, G = 0.5 * (value(x + l) + value(x - l)), (value(x + l) - value(x - l)) / (2 * l)
+        if domain == "corners_and_middles":
+            S = S / 3.0 + 2.0 / 3.0 * value(x)
+    return S, G, -S * x
+
+
+def _hat(r: Array) -> Array:
+    return np.maximum(0.0, 1.0 - np.abs(r))
+
+
+def _hat_integral(r: Array) -> Array:
+    s = np.clip(r, -1.0, 1.0)
+    return s - 0.5 * s * np.abs(s)
+
+
+def _spline(r: Array) -> Array:
+    a = np.abs(r)
+    return np.where(a < 0.5, 0.75 - a * a, 0.5 * np.maximum(0.0, 1.5 - a) ** 2)
+
+
+def _spline_integral(r: Array) -> Array:
+    a = np.minimum(np.abs(r), 1.5)
+    return np.sign(r) * np.where(a < 0.5, 0.75 * a - a**3 / 3.0, 0.5 - (1.5 - a) ** 3 / 6.0)
+
+
+GRID_FUNCTIONS = {"linear": (_hat, _hat_integral), "quadratic": (_spline, _spline_integral)}
+DOMAINS = ("point", "box", "corners", "corners_and_middles")

@@ -1,0 +1,292 @@
+"""The largest stable Courant number of a scene: what ``time.courant: auto``, warnings and ``explain`` go by.
+
+Where a body starts at ``FAST`` of the wave speed or more, and with CPDI, bodies have the limit of a moving block, else
+that of one that moves slowly (``growth``). In no case is the limit above that of a block that rests where the scene puts
+the faces of the body within their cells, along the axes along which it does not start to move. These rules, and
+``SAFETY``, were chosen by limits measured with ``mpmcli stability``; docs/studies.md has them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.core.expressions import Expression
+from mpmcli.shapes import SHAPES
+from mpmcli.solver.stability.growth import NEAR, limit_at_rest, moving_limit, slow_limit, worst_limit
+from mpmcli.solver.stability.lattice import DOMAINS, GRID_FUNCTIONS, Lattice
+from mpmcli.solver.stability.linear_step import Scheme
+
+Array = np.ndarray
+
+SAFETY = 0.98
+"""``courant: auto`` is this share of the limit."""
+LARGEST_COURANT = 1.0
+"""``courant: auto`` is never above it: no particle may pass a whole cell in a step."""
+FAST = 0.01
+"""Speed over wave speed from which a body counts as moving."""
+SPACE = 0.95
+"""Limits in space over those in the plane: 0.742/0.783 (FLIP) and 0.463/0.487 (FMPM(4)) for lcpdi and ν = 1/3, found
+once with cubes of 2³ cells, whose eigenvalues take a minute."""
+ELSEWHERE = 0.2
+"""Offset along axes along which a body moves: a place where few shape functions lose their stability early."""
+SAMPLES = 9
+
+
+class NoKnownLimit(ValueError):
+    """A scene whose limit nobody knows; the message says why."""
+
+
+@dataclass(frozen=True)
+class KnownLimit:
+    """The largest stable Courant number of a scene.
+
+    Attributes
+    ----------
+    courant : the limit
+    body : the body that sets it
+    because : in words, what kind of limit it is
+    """
+
+    courant: float
+    body: str
+    because: str
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Largest stable Courant numbers of a moving block, and of one that rests at the worst place."""
+
+    moving: float
+    worst: float
+
+
+@dataclass(frozen=True)
+class Block:
+    """The block that stands for a body.
+
+    Attributes
+    ----------
+    lattice : the block
+    body : the body's name
+    scale : Courant number of the scene over that of the block: wave speed of the fastest body over this one's, and
+        ``SPACE`` for three axes
+    faces : places of the lower and of the upper faces of the body within their cells, along the lattice's axes
+    """
+
+    lattice: Lattice
+    body: str
+    scale: float
+    faces: tuple[tuple[float, ...], ...]
+
+
+def chosen_courant(scene: Any) -> float | None:
+    """The scene's Courant number, chosen where it says ``auto``; None where it gives a time step.
+
+    Raises
+    ------
+    SceneError
+        If it says ``auto`` and there is no known limit.
+    """
+    if scene.time.courant != "auto":
+        return None if scene.time.courant is None else float(scene.time.courant)
+    try:
+        return min(SAFETY * known_limit(scene).courant, LARGEST_COURANT)
+    except NoKnownLimit as reason:
+        words = f"no stability limit is known: {reason}; give a number (and find it with mpmcli stability)"
+        raise SceneError([Problem(path="time.courant", message=words, code="no_known_limit")]) from None
+
+
+def known_limit(scene: Any) -> KnownLimit:
+    """The limit of a checked scene.
+
+    Raises
+    ------
+    NoKnownLimit
+        If the scene has something that the analysis knows nothing about.
+    """
+    if scene.method.artificial_viscosity is not None:
+        raise NoKnownLimit("artificial viscosity lowers it by an amount that depends on the shock")
+    scheme = scheme_of(scene)
+    is_fast = SHAPES[scene.method.shape].follows_deformation and _is_fast(scene)
+    found = [_limit_of(block, scheme, is_fast) for block in blocks_of(scene)]
+    if not found:
+        raise NoKnownLimit("all bodies are rigid")
+    return min(found, key=lambda limit: limit.courant)
+
+
+def predict(scene: Any) -> Prediction | None:
+    """The limits of moving and of resting blocks for the scene, or None where this analysis says nothing."""
+    try:
+        scheme, blocks = scheme_of(scene), list(blocks_of(scene))
+    except NoKnownLimit:
+        return None
+    if not blocks:
+        return None
+    return Prediction(
+        min(block.scale * moving_limit(block.lattice, scheme) for block in blocks),
+        min(block.scale * worst_limit(block.lattice, scheme) for block in blocks),
+    )
+
+
+def warning_of(scene: Any) -> Problem | None:
+    """A warning if the scene's Courant number, or its time step, is above the known limit."""
+    span = scene.time
+    if span.courant == "auto":
+        return None
+    try:
+        limit = known_limit(scene)
+    except NoKnownLimit:
+        return None
+    asked = courant_of_step(scene, span.step) if span.courant is None else float(span.courant)
+    if asked <= limit.courant:
+        return None
+    path, what = ("time.step", f"is the Courant number {asked:.3g}") if span.courant is None else (
+        "time.courant", f"{asked:.4g} is"
+    )  # fmt: skip
+    joint = ", which is above" if span.courant is None else " above"
+    words = f"{what}{joint} the stability limit {limit.courant:.3g} ({limit.because}): the run may fail"
+    return Problem(path=path, message=words, code="unstable", severity="warning")
+
+
+def courant_of_step(scene: Any, step: float) -> float:
+    """Courant number at the start of a fixed time step."""
+    kind = scene.analysis.kind
+    speed = max((model.initial_wave_speed(kind) for _, model in _deformable(scene)), default=0.0)
+    return step * max(speed, _largest_speed(scene)) / min(scene.grid.cell)
+
+
+def scheme_of(scene: Any) -> Scheme:
+    """What a scene's steps do; a dynamic order counts as the largest one."""
+    transfer = scene.method.transfer
+    blend = getattr(transfer, "blend", None)
+    return Scheme(
+        transfer.kind,
+        getattr(transfer, "order", 1),
+        scene.method.update,
+        None if blend is None else (blend.order, float(blend.fraction)),
+        getattr(transfer, "every_courant", None),
+        getattr(transfer, "every_steps", None),
+        bool(getattr(transfer, "velocity_gradient", False)),
+    )
+
+
+def blocks_of(scene: Any) -> Iterator[Block]:
+    """The blocks that stand for the scene's deformable bodies.
+
+    Materials that are not elastic at rest count as fluids of their wave speed, axisymmetric analyses as plane; in space
+    the block is a plane one of the two smallest edges of a cell.
+
+    Raises
+    ------
+    NoKnownLimit
+        If the shape function is of a kind that the analysis does not know.
+    """
+    shape, kind = SHAPES[scene.method.shape], scene.analysis.kind
+    if shape.grid_functions not in GRID_FUNCTIONS or shape.domain not in DOMAINS:
+        raise NoKnownLimit(f"the shape function {scene.method.shape} is of no kind that was analysed")
+    bodies = list(_deformable(scene))
+    fastest = max((model.initial_wave_speed(kind) for _, model in bodies), default=0.0)
+    cell = np.asarray(scene.grid.cell, dtype=float)
+    axes = np.sort(np.argsort(cell, kind="stable")[:2])
+    relative = tuple(float(h) for h in cell[axes] / cell.min())
+    space = SPACE if kind == "3d" else 1.0
+    for body, model in bodies:
+        speed = model.initial_wave_speed(kind)
+        modulus = model.density * speed**2
+        shear = float(getattr(model, "shear_modulus", 0.0)) / modulus if len(relative) > 1 else 0.0
+        parts = np.broadcast_to(np.asarray(body.particles_per_axis), cell.shape)
+        faces = tuple(tuple(float(f) for f in side[axes]) for side in _faces(scene, body, parts))
+        for particles in sorted({int(n) for n in parts}):
+            lattice = Lattice(
+                shape.grid_functions, shape.domain, particles, relative, 1.0 - 2.0 * shear, shear
+            )
+            yield Block(lattice, body.name, space * fastest / speed, faces)
+
+
+def _limit_of(block: Block, scheme: Scheme, is_fast: bool) -> KnownLimit:
+    if is_fast:
+        limit, because = moving_limit(block.lattice, scheme), f"body '{block.body}', moving"
+    else:
+        limit, because = slow_limit(block.lattice, scheme), f"body '{block.body}', moving slowly"
+    for faces in set(block.faces):
+        at_rest = limit_at_rest(block.lattice, scheme, faces)
+        if at_rest < limit:
+            where = "on grid lines" if set(faces) <= {NEAR, ELSEWHERE} else "amid cells"
+            limit, because = at_rest, f"body '{block.body}', whose faces lie {where}"
+    return KnownLimit(block.scale * limit, block.body, because)
+
+
+def _deformable(scene: Any) -> list[tuple[Any, Any]]:
+    models = {body.name: scene.materials[body.material] for body in scene.bodies}
+    return [(body, models[body.name]) for body in scene.bodies if models[body.name].kind != "rigid"]
+
+
+def _is_flat(region: Any) -> bool:
+    """Whether a region is a box along the axes, or is made with one."""
+    parts = [*getattr(region, "regions", ()), *filter(None, [getattr(region, "region", None)])]
+    return region.rotate is None and (region.kind == "box" or any(_is_flat(part) for part in parts))
+
+
+def _faces(scene: Any, body: Any, parts: Array) -> tuple[Array, Array]:
+    """Places within a cell (0 to ½, mirrored) of a body's lower and upper faces, as its particles have them.
+
+    It is ``ELSEWHERE`` along axes along which the body starts to move, and ``NEAR`` instead of 0, where the body has no
+    end, and where none of its faces is plane.
+    """
+    lower, cell = np.asarray(scene.grid.lower), np.asarray(scene.grid.cell, dtype=float)
+    sides = []
+    is_flat = _is_flat(body.region)
+    speeds = _start_speeds(scene, body)
+    wave = scene.materials[body.material].initial_wave_speed(scene.analysis.kind)
+    for bound, ceiling in zip(body.region.bounds(len(cell)), (0.5, -0.5), strict=True):
+        with np.errstate(invalid="ignore"):
+            sub_cells = (np.asarray(bound) - lower) / cell * parts
+            # sub-cells are filled whose middle is inside
+            face = np.ceil(sub_cells - ceiling - 1e-6) if ceiling > 0 else np.floor(sub_cells - ceiling + 1e-6)
+            place = np.where(np.isfinite(face) & is_flat, np.mod(face, parts) / parts, 0.0)
+        place = np.maximum(np.minimum(place, 1.0 - place), NEAR)
+        sides.append(np.where(speeds >= FAST * wave, ELSEWHERE, place))
+    return sides[0], sides[1]
+
+
+def _is_fast(scene: Any) -> bool:
+    """Whether some body starts at ``FAST`` of the largest wave speed or more."""
+    kind = scene.analysis.kind
+    wave = max((model.initial_wave_speed(kind) for _, model in _deformable(scene)), default=math.inf)
+    return _largest_speed(scene) >= FAST * wave
+
+
+def _largest_speed(scene: Any) -> float:
+    return max(float(np.linalg.norm(_start_speeds(scene, body))) for body in scene.bodies)
+
+
+def _start_speeds(scene: Any, body: Any) -> Array:
+    """Largest speed (d,) along each axis that particles of a body start with, at ``SAMPLES`` points along each axis."""
+    if not body.velocity:
+        return np.zeros(len(scene.grid.cell))
+    points = _points(scene, body)
+    return np.array([_largest(component, points, 0.0) for component in body.velocity])
+
+
+def _points(scene: Any, body: Any) -> list[Array]:
+    """Points x, y, z spread over a body, or over the grid."""
+    lower, upper = np.asarray(scene.grid.lower), np.asarray(scene.grid.upper)
+    if body is not None:
+        low, high = body.region.bounds(len(lower))
+        lower, upper = np.maximum(lower, low), np.minimum(upper, high)
+    along = [np.linspace(low, high, SAMPLES) for low, high in zip(lower, upper, strict=True)]
+    points = [axis.ravel() for axis in np.meshgrid(*along)]
+    return points + [np.zeros_like(points[0])] * (3 - len(points))
+
+
+def _largest(value: Any, points: list[Array], t: Any) -> float:
+    if not isinstance(value, Expression):
+        return abs(float(value))
+    found = np.abs(np.asarray(value(*points, t), dtype=float))
+    return float(found[np.isfinite(found)].max(initial=0.0))
