@@ -148,7 +148,7 @@ def check_time_step(loaded: LoadedScene) -> None:
     """
     from mpmcli.core.errors import SceneError
     from mpmcli.scene.report import locate, ordered
-    from mpmcli.solver.stability.scene_limit import chosen_courant, warning_of
+    from mpmcli.stability.scene_limit import chosen_courant, warning_of
 
     try:
         chosen_courant(loaded.scene)

@@ -15,7 +15,7 @@ from mpmcli.core.suggest import listing
 from mpmcli.scene.fields import law_table
 from mpmcli.solver.plan import PARALLEL_FROM, Plan, StepArrays, allocate_step_arrays, make_plan
 from mpmcli.solver.setup import make_grid, make_particles
-from mpmcli.solver.stability.scene_limit import SAFETY, NoKnownLimit, chosen_courant, known_limit
+from mpmcli.stability.scene_limit import SAFETY, NoKnownLimit, chosen_courant, known_limit
 
 Array = np.ndarray
 
@@ -268,7 +268,7 @@ def _text(facts: dict[str, Any]) -> str:
         f"kernels    {', '.join(facts['kernels'])}",
         f"arrays     particles {facts['particle_bytes'] / 2**20:.1f} MiB, grid {facts['grid_bytes'] / 2**20:.1f} MiB "
         f"if every node were used ({', '.join(facts['arrays'])}); {size:.1f} MiB together",
-        f"time step  {facts['time_step']:.4g} at the start: Courant number {facts['courant']:.3g}{_margin_in_words(facts)}",
+        f"time step  {facts['time_step']:.4g} at the start: {_courant_in_words(facts)}",
         f"run        about {facts['steps']} steps, very roughly {_duration(facts['estimated_seconds'])} on 2 threads"
         if facts["parallel"]
         else f"run        about {facts['steps']} steps, very roughly {_duration(facts['estimated_seconds'])}, "
@@ -277,9 +277,10 @@ def _text(facts: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _margin_in_words(facts: dict[str, Any]) -> str:
+def _courant_in_words(facts: dict[str, Any]) -> str:
     limit, known = facts["known_stability_limit"], facts["stability_limit_of"]
-    chosen = f" (auto: {SAFETY:g} of the limit, 1 at most)" if facts["courant_is_chosen"] else ""
+    chosen = f"Courant number {facts['courant']:.3g}"
+    chosen += f" (auto: {SAFETY:g} of the limit, 1 at most)" if facts["courant_is_chosen"] else ""
     if limit is None:
         return f"{chosen}; no stability limit is known: {known}"
     margin = facts["stability_margin"]

@@ -10,9 +10,9 @@ import numpy as np
 from mpmcli.core.analysis import ANALYSES, Analysis
 from mpmcli.core.grid import Grid
 from mpmcli.core.order import CHUNKS
+from mpmcli.core.variants import STRAIN_UPDATES, TRANSFER_METHODS, StrainUpdate, TransferMethod
 from mpmcli.scene.fields import velocity_fields
 from mpmcli.shapes import SHAPES, ShapeEntry
-from mpmcli.solver.variants import STRAIN_UPDATES, TRANSFER_METHODS, StrainUpdate, TransferMethod
 
 Array = np.ndarray
 
@@ -28,7 +28,7 @@ class Plan:
     ----------
     analysis_name, analysis : kind of analysis, as a word and as the tuple that selects compiled code
     shape : shape function
-    update, method : rows of data, see ``solver.variants``
+    update, method : rows of data, see ``core.variants``
     order : k of FMPM(k), m of XPIC(m), 1 in FLIP
     alpha : of the position update
     velocity_conditions : how conditions enter the FMPM loop

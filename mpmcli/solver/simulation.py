@@ -35,9 +35,9 @@ from mpmcli.solver.period import EveryStep, Period
 from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan
 from mpmcli.solver.rigid import NoRigidBodies, RigidBodies
 from mpmcli.solver.setup import full_ring, make_grid, make_particles, section_of
-from mpmcli.solver.stability.scene_limit import chosen_courant
 from mpmcli.solver.step import advance
 from mpmcli.solver.transfer import Transfer
+from mpmcli.stability.scene_limit import chosen_courant
 
 Array = np.ndarray
 LOGGER = logging.getLogger("mpmcli")

@@ -18,7 +18,7 @@ import mpmcli
 from mpmcli.core.bisection import bisect_limit
 from mpmcli.core.errors import SceneError
 from mpmcli.scene.loader import LoadedScene
-from mpmcli.solver.stability.scene_limit import predict
+from mpmcli.stability.scene_limit import predict
 from mpmcli.study.journal import Journal
 from mpmcli.study.processes import TIMED_OUT, Stopped
 from mpmcli.study.transfers import label_of, transfer_value
@@ -86,7 +86,7 @@ class Case:
     source, scene_hash : the scene of this case
     limit : largest stable Courant number, None if there is none or it was not found
     unstable_at : smallest Courant number above it that is unstable, None if there is none
-    predicted, predicted_worst : of a moving block, and of one at rest at the worst place (``solver.stability``)
+    predicted, predicted_worst : of a moving block, and of one at rest at the worst place (``stability``)
     loss, excess : energy lost, and most energy too much, at the limit, as shares of what was put in
     trials : all that were looked at, by Courant number
     remark : how the run at ``unstable_at`` ended, or why there is no limit

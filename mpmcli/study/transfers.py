@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 
 from mpmcli.core.suggest import did_you_mean
-from mpmcli.solver.variants import TRANSFER_METHODS
+from mpmcli.core.variants import TRANSFER_METHODS
 
 SHORT = re.compile(r"\s*([A-Za-z]\w*)\s*(?::\s*(\S+))?\s*")
 OPENING, CLOSING = "[{(", "]})"

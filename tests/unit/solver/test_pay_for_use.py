@@ -11,10 +11,10 @@ from dataclasses import fields
 import pytest
 import yaml
 
+from mpmcli.core.variants import STRAIN_UPDATES
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.explain import explain
 from mpmcli.solver.plan import StepArrays
-from mpmcli.solver.variants import STRAIN_UPDATES
 
 SCRIPT = """
 import json, pathlib, sys

@@ -13,10 +13,10 @@ from mpmcli.core.errors import SceneError
 from mpmcli.scene.loader import load_scene
 from mpmcli.shapes import SHAPES
 from mpmcli.solver.simulation import Simulation
-from mpmcli.solver.stability.growth import moving_limit, slow_limit, worst_limit
-from mpmcli.solver.stability.lattice import Lattice, axis_stencils, stencils
-from mpmcli.solver.stability.linear_step import LinearStep, Scheme, State
-from mpmcli.solver.stability.scene_limit import (
+from mpmcli.stability.growth import moving_limit, slow_limit, worst_limit
+from mpmcli.stability.lattice import Lattice, axis_stencils, stencils
+from mpmcli.stability.linear_step import LinearStep, Scheme, State
+from mpmcli.stability.scene_limit import (
     SAFETY,
     NoKnownLimit,
     Prediction,
@@ -89,7 +89,9 @@ def read_measured() -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-@pytest.mark.parametrize("row", read_measured(), ids=lambda row: f"{row['scene']} {row['shape']} {row['transfer']}")
+@pytest.mark.parametrize(
+    "row", read_measured(), ids=lambda row: f"{row['scene']} {row['shape']} {row['transfer']}"
+)
 @SLOW
 def test_the_chosen_courant_number_is_stable_and_wastes_little(row):
     """Less than 15 % of the measured limit is given away; where more is, the table says how much."""
@@ -151,6 +153,7 @@ def test_faces_amid_cells_lower_the_limit():
     assert "amid cells" in shifted.because
 
 
+@SLOW
 def test_the_step_of_a_simulation_is_the_chosen_one():
     loaded = load_scene(INPUTS / "vibrating_bar.yaml", sets=["time.courant=auto"])
     simulation = Simulation(loaded, threads=1)

@@ -28,8 +28,8 @@ from collections.abc import Callable
 import numpy as np
 
 from mpmcli.core.bisection import bisect_limit
-from mpmcli.solver.stability.lattice import Lattice, stencils
-from mpmcli.solver.stability.linear_step import LinearStep, Scheme, State
+from mpmcli.stability.lattice import Lattice, stencils
+from mpmcli.stability.linear_step import LinearStep, Scheme, State
 
 STEPS_PER_CELL = 40.0
 """Steps at C = 1 in which the moving block crosses a cell."""
@@ -74,7 +74,9 @@ def worst_limit(lattice: Lattice, scheme: Scheme) -> float:
 @functools.lru_cache(maxsize=256)
 def limit_at_rest(lattice: Lattice, scheme: Scheme, offsets: tuple[float, ...]) -> float:
     """Largest stable Courant number of a block that rests at ``offsets`` (cells) along the axes."""
-    return _largest_stable(lambda courant: _growth_at_rest(lattice, scheme, courant, offsets) <= GROWTH, START)
+    return _largest_stable(
+        lambda courant: _growth_at_rest(lattice, scheme, courant, offsets) <= GROWTH, START
+    )
 
 
 def _stable_but_at(allowed: int, places: list[float], lattice: Lattice, scheme: Scheme) -> float:

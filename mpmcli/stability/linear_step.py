@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from mpmcli.solver.stability.lattice import Lattice, Stencils
-from mpmcli.solver.variants import STRAIN_UPDATES, TRANSFER_METHODS
+from mpmcli.core.variants import STRAIN_UPDATES, TRANSFER_METHODS
+from mpmcli.stability.lattice import Lattice, Stencils
 
 Array = np.ndarray
 

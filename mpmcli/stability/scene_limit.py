@@ -1,8 +1,8 @@
 """The largest stable Courant number of a scene: what ``time.courant: auto``, warnings and ``explain`` go by.
 
 Where a body starts at ``FAST`` of the wave speed or more, and with CPDI, bodies have the limit of a moving block, else
-that of one that moves slowly (``growth``). In no case is the limit above that of a block that rests where the scene puts
-the faces of the body within their cells, along the axes along which it does not start to move. These rules, and
+that of one that moves slowly (``growth``). In no case is the limit above that of a block that rests where the scene
+puts the faces of the body within their cells, along the axes along which it does not start to move. These rules, and
 ``SAFETY``, were chosen by limits measured with ``mpmcli stability``; docs/studies.md has them.
 """
 
@@ -18,9 +18,9 @@ import numpy as np
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.expressions import Expression
 from mpmcli.shapes import SHAPES
-from mpmcli.solver.stability.growth import NEAR, limit_at_rest, moving_limit, slow_limit, worst_limit
-from mpmcli.solver.stability.lattice import DOMAINS, GRID_FUNCTIONS, Lattice
-from mpmcli.solver.stability.linear_step import Scheme
+from mpmcli.stability.growth import NEAR, limit_at_rest, moving_limit, slow_limit, worst_limit
+from mpmcli.stability.lattice import DOMAINS, GRID_FUNCTIONS, Lattice
+from mpmcli.stability.linear_step import Scheme
 
 Array = np.ndarray
 
@@ -248,7 +248,9 @@ def _faces(scene: Any, body: Any, parts: Array) -> tuple[Array, Array]:
         with np.errstate(invalid="ignore"):
             sub_cells = (np.asarray(bound) - lower) / cell * parts
             # sub-cells are filled whose middle is inside
-            face = np.ceil(sub_cells - ceiling - 1e-6) if ceiling > 0 else np.floor(sub_cells - ceiling + 1e-6)
+            face = (
+                np.ceil(sub_cells - ceiling - 1e-6) if ceiling > 0 else np.floor(sub_cells - ceiling + 1e-6)
+            )
             place = np.where(np.isfinite(face) & is_flat, np.mod(face, parts) / parts, 0.0)
         place = np.maximum(np.minimum(place, 1.0 - place), NEAR)
         sides.append(np.where(speeds >= FAST * wave, ELSEWHERE, place))
@@ -288,5 +290,6 @@ def _points(scene: Any, body: Any) -> list[Array]:
 def _largest(value: Any, points: list[Array], t: Any) -> float:
     if not isinstance(value, Expression):
         return abs(float(value))
-    found = np.abs(np.asarray(value(*points, t), dtype=float))
+    x, y, z = points
+    found: Array = np.abs(np.asarray(value(x, y, z, t), dtype=np.float64))
     return float(found[np.isfinite(found)].max(initial=0.0))
