@@ -105,9 +105,9 @@ def largest_magnitude(A: Any, start: Any, end: Any) -> Any:
 
 @njit(cache=True, nogil=True, fastmath=False)
 def first_bad_particle(
-    F: Any, L: Any, tau: Any, material: Any, material_index: Any, start: Any, end: Any
+    F: Any, L: Any, tau: Any, material: Any, material_index: Any, limits: Any, start: Any, end: Any
 ) -> Any:
-    """First particle of the material whose state is not finite or whose J is not positive, or -1."""
+    """First particle of the material whose state is not finite or whose J is out of its limits, or -1."""
     for p in range(start, end):
         if material_index >= 0 and material[p] != material_index:
             continue
@@ -119,7 +119,7 @@ def first_bad_particle(
             J = F[0, p] * (F[4, p] * F[8, p] - F[5, p] * F[7, p])
             J += F[1, p] * (F[5, p] * F[6, p] - F[3, p] * F[8, p])
             J += F[2, p] * (F[3, p] * F[7, p] - F[4, p] * F[6, p])
-        if not (J > 0.0 and math.isfinite(J)):
+        if not (J > 0.0 and limits[0] <= J <= limits[1] and math.isfinite(J)):
             return np.int64(p)
         for A in (F, L, tau):
             for row in range(A.shape[0]):
@@ -153,9 +153,10 @@ def stress_particles(
     start: Any,
     end: Any,
 ) -> Any:
-    """Stress, history and work of particles ``start`` to ``end``; returns the largest c² and smallest J."""
+    """Stress, history and work of particles ``start`` to ``end``; returns the largest c², smallest J and largest J."""
     fastest = 0.0
     smallest_J = 1.0
+    largest_J = 1.0
     for p in range(start, end):
         dF = load_increment(analysis, L, p, dt) if needs_increment(m) else IDENTITY
         F1 = load_gradient(analysis, F, p)
@@ -164,6 +165,7 @@ def stress_particles(
         store_lateral(analysis, F, p, F1)
         J = determinant(F1)
         smallest_J = min(smallest_J, J)
+        largest_J = max(largest_J, J)
         T0 = load_stress(analysis, tau, p)
         T = kirchhoff_stress(m, F1, dF, H, p, dt, True)
         viscous_work = 0.0
@@ -186,7 +188,7 @@ def stress_particles(
         store_stress(analysis, tau, p, T)
         absorb_work(m, F1, dF, H, p, work, viscous_work)
         fastest = max(fastest, wave_speed_squared(m, F1, H, p))
-    return fastest, smallest_J
+    return fastest, smallest_J, largest_J
 
 
 @kernel
@@ -204,6 +206,7 @@ def update_strain_and_stress(
     stress_work: Any,
     viscous: Any,
     dt: Any,
+    limits: Any,
     speed2: Any,
     bad: Any,
 ) -> None:
@@ -227,9 +230,11 @@ def update_strain_and_stress(
         None or ``ArtificialViscosity``, which acts in compression only and is part of ``tau``.
     dt
         Time step.
+    limits
+        Smallest and largest J that a particle may have; 0 or less is never allowed.
     speed2, bad
         (blocks,) overwritten: square of the fastest wave speed in each block (0 without particles of the
-        material), and the first particle with stress not finite or J ≤ 0, else -1.
+        material), and the first particle with stress not finite or J out of its limits, else -1.
     """
     n = mass.shape[0]
     largest_small = np.float64(SMALL_INCREMENT / max(abs(dt), 1e-300)).view(np.uint64)
@@ -238,6 +243,7 @@ def update_strain_and_stress(
         last = np.uint64(min(n, np.int64(first) + BLOCK))
         fastest = 0.0
         smallest_J = 1.0
+        largest_J = 1.0
         largest_L = np.uint64(0)
         start = first
         while start < last:
@@ -249,17 +255,18 @@ def update_strain_and_stress(
                 deform_little(analysis, F, L, start, end, dt)
             else:
                 deform(analysis, F, L, start, end, dt)
-            speed, J = stress_particles(
+            speed, low_J, high_J = stress_particles(
                 analysis, m, F, L, tau, H, mass, vol0, stress_work, viscous, dt, start, end
             )
             fastest = max(fastest, speed)
-            smallest_J = min(smallest_J, J)
+            smallest_J = min(smallest_J, low_J)
+            largest_J = max(largest_J, high_J)
             start = end
         speed2[block] = fastest
         bad[block] = -1
         worst = max(largest_L, largest_magnitude(F, first, last), largest_magnitude(tau, first, last))
-        if worst >= NOT_FINITE or smallest_J <= 0.0:
-            bad[block] = first_bad_particle(F, L, tau, material, material_index, first, last)
+        if worst >= NOT_FINITE or smallest_J <= 0.0 or smallest_J < limits[0] or largest_J > limits[1]:
+            bad[block] = first_bad_particle(F, L, tau, material, material_index, limits, first, last)
 
 
 @kernel

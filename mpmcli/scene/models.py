@@ -19,6 +19,7 @@ from mpmcli.scene.archive import Archive, Probe
 from mpmcli.scene.method import Method, TimeSpan
 from mpmcli.scene.values import CellSize, Name, ParticlesPerAxis, Point, TemperatureField, VelocityField
 
+VolumeRatio = quantity("1", ge=0)
 MAX_NODES = 2_000_000_000
 WHOLE = 1e-6
 """How far from a whole number the number of cells along an axis may be."""
@@ -149,6 +150,18 @@ class Domain(Model):
 
     on_exit: Literal["error", "delete", "stop_at_wall"] = "error"
     """What happens to a particle that leaves the grid."""
+    volume_ratio: tuple[VolumeRatio, VolumeRatio] = (1e-3, 1e3)  # type: ignore[valid-type]
+    """Smallest and largest volume of a particle over its initial one, J = det F: beyond them the run has failed."""
+
+    @field_validator("volume_ratio")
+    @classmethod
+    def _holds_the_start(cls, limits: tuple[float, float]) -> tuple[float, float]:
+        if not limits[0] < 1.0 < limits[1]:
+            raise ValueError(
+                f"the first must be below 1 and the second above, for particles begin with 1: "
+                f"not [{limits[0]:g}, {limits[1]:g}]"
+            )
+        return limits
 
 
 AnalysisKind = Annotated[Uniaxial | Planar | Axisymmetric | Spatial, Field(discriminator="kind")]

@@ -96,6 +96,7 @@ class Simulation:
         )
         self.arrays = allocate_step_arrays(self.plan, self.grid, self.particles.count)
         self.on_exit = scene.domain.on_exit
+        self._J_limits = tuple(float(J) for J in scene.domain.volume_ratio)
         self.timings: dict[str, float] = {}
         self.surface_identities: dict[Any, Array] = {}
         self._speed2 = np.zeros(block_count(self.particles.count))
@@ -147,7 +148,8 @@ class Simulation:
             self._dt = self.time_step.choose(self.wave_speed, self.particle_speed, self.describe_extreme)
             self.plan = self.period.plan_of_step(self)
             self.reached_order = self.plan.order
-            advance(self, self._dt)
+            with np.errstate(all="ignore"):  # the watchdogs say it better
+                advance(self, self._dt)
             if self.state.step == 1:
                 self._warn_of_idle_conditions()
         except SimulationError as error:
@@ -189,7 +191,7 @@ class Simulation:
         for i in self._used_materials:
             update_strain_and_stress[self.parallel](
                 self.plan.analysis, self._parameters[i], i if several else -1, p.F, p.L, p.tau, p.H, p.mass, p.vol0,
-                p.material, p.stress_work, self._viscous_now(), dt, self._speed2, self._bad,
+                p.material, p.stress_work, self._viscous_now(), dt, self._J_limits, self._speed2, self._bad,
             )  # fmt: skip
             bad = int(self._bad.max())
             if bad >= 0:
@@ -205,6 +207,14 @@ class Simulation:
         if "external_work" in work:
             work["external_work"] += self.loads.work(dt)
         self.contact.account(self.arrays.v, dt)
+
+    def refuse_leaps(self) -> None:
+        """Raise SimulationError if a particle has just moved by more than a cell along an axis."""
+        if 1.0 < self.transfer.farthest < np.inf:
+            raise SimulationError(
+                f"a particle moved by {self.transfer.farthest:.3g} cells in one step; "
+                f"{self.describe_extreme('fastest')}. {self._advice()}"
+            )
 
     def finish_step(self, dt: float) -> None:
         """Task 6: what happened to time, speeds, damping and particles that left the domain."""
@@ -374,6 +384,9 @@ class Simulation:
         J = float(self.particles.determinant()[particle])
         if np.isfinite(J) and J <= 0.0:
             what = f"J = {J:.3g}: the particle turned inside out"
+        elif np.isfinite(J) and not self._J_limits[0] <= J <= self._J_limits[1]:
+            low, high = self._J_limits
+            what = f"J = {J:.3g} is out of domain.volume_ratio, {low:g} to {high:g}"
         else:
             what = "the stress is not finite"
         raise SimulationError(f"{what}; {self.describe(particle)}. {self._advice()}")

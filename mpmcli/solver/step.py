@@ -66,6 +66,7 @@ def advance(s: Simulation, dt: float) -> None:
             a.v, w, a.start if plan.method.projects else None, plan.method.flip, plan.alpha, plan.particle_damping, dt,
             a.X_new if plan.update.again else s.particles.X, fused, a.damped,
         )  # fmt: skip
+        s.refuse_leaps()
         s.rigid.move(a.X_new if plan.update.again else s.particles.X, s.time, dt)
 
     if plan.update.again:

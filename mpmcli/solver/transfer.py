@@ -48,6 +48,10 @@ class Transfer:
     describe : names a particle (by its place in memory) in messages
     affine : extrapolated velocities carry the velocity gradient of their particle
     keeps_domain : the strain update changes F before the step is over, so that stencils need a copy of it
+
+    Attributes
+    ----------
+    farthest : largest displacement of a particle along an axis in the last motion [cells]
     """
 
     def __init__(
@@ -73,6 +77,7 @@ class Transfer:
         self._keeps_domain = keeps_domain and shape.follows_deformation
         self.speed_squared = np.zeros(CHUNKS)
         self.travel = np.zeros(CHUNKS)
+        self.farthest = 0.0
         self.outside = np.zeros(CHUNKS, dtype=np.int64)
         tolerance = 1e-9 * grid.cell
         self._bounds = np.stack([grid.lower - tolerance, grid.upper + tolerance], axis=1)
@@ -207,7 +212,8 @@ class Transfer:
             self.speed_squared, self.travel, self.outside, self._bounds, damped,
         )  # fmt: skip
         chunks = len(self.order.chunks) - 1
-        self.order.drift += float(self.travel[:chunks].max())
+        self.farthest = float(self.travel[:chunks].max())
+        self.order.drift += self.farthest
 
     def seen_nodes(self, particles: Array) -> Array:
         """Degrees of freedom (sorted, unique) that particles at these places in memory see with S > 0."""

@@ -1,5 +1,7 @@
 """What every registered material is held to, by the properties that it declares."""
 
+import math
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -254,7 +256,7 @@ def test_compiled_and_plain_python_agree_and_every_row_is_written(kind):
         for dt in (0.04, 0.3, -0.2):
             update(
                 analysis, m, 0, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material, p.stress_work, None, dt,
-                speed2, bad,
+                (0.0, math.inf), speed2, bad,
             )  # fmt: skip
         energy(analysis, m, 0, p.F, p.H, p.material, out)
         assert bad.tolist() == [-1]

@@ -74,6 +74,39 @@ def test_stretching_without_end_is_reported(bar):
     assert "body 'bar'" in words
 
 
+@pytest.mark.parametrize("name", ["X", "V", "F", "tau", "mass", "vol0"])
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_what_is_not_finite_is_found_wherever_it_is(name, bad, block):
+    run = block().steps(1)
+    getattr(run.particles, name)[..., 11] = bad
+    words = str(failure_of(run, 20))
+    assert re.search(r"particle \d+ of body 'block'", words), words
+    assert re.search(r"step (2|3|4), time", words), words
+
+
+@pytest.mark.parametrize(
+    ("limits", "rate", "words"), [([0.9, 50], -1, "0.9 to 50"), ([0.01, 1.1], 1, "0.01 to 1.1")]
+)
+def test_volumes_out_of_their_limits_end_the_run(limits, rate, words, block):
+    run = block(domain={"volume_ratio": limits}, bodies__0__velocity=[f"{rate}*x", f"{rate}*y"])
+    found = str(failure_of(run))
+    assert re.match(r"J = [\d.]+ is out of domain\.volume_ratio, " + words, found), found
+    assert re.search(PLACE, found), found
+    assert "try time.courant" in found
+
+
+def test_a_particle_that_is_flung_over_more_than_a_cell_ends_the_run(block):
+    """The step was chosen before the force that does it."""
+    run = block().steps(2)
+    run.particles.tau[0, 30] = -1e7
+    found = str(failure_of(run, 1))
+    assert re.match(r"a particle moved by [\d.e+]+ cells in one step; the fastest is particle \d+", found), (
+        found
+    )
+    assert re.search(PLACE, found), found
+    assert "try time.courant" in found
+
+
 FLIES = {
     "bodies__0__velocity": ["50", "0"],
     "bodies__0__region": {"kind": "box", "lower": [3, -2], "upper": [7, 2]},
