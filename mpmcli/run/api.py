@@ -10,6 +10,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from mpmcli.core import runtime
 from mpmcli.core.errors import SceneError
 from mpmcli.output.recorder import check_output
@@ -145,6 +147,7 @@ def _run(
     end = float(loaded.scene.time.end if until is None else until)
     shown = Progress(end, progress and verbosity >= 0)
     with Interrupts() as interrupts, messages(shown, verbosity), ExitStack() as held:
+        held.enter_context(np.errstate(all="ignore"))  # what is not finite the watchdogs name
         begin = time.perf_counter()
         checkpoint = None
         is_cold = runtime.is_cold()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -49,7 +50,14 @@ class TimeStep:
                     "or time.courant instead"
                 )
             return self.fixed
-        dt = self.courant * self.smallest_cell / max(wave_speed, particle_speed)
+        fastest = max(wave_speed, particle_speed)
+        dt = self.courant * self.smallest_cell / fastest if fastest > 0.0 else math.inf
+        if not (0.0 < dt < math.inf):
+            raise SimulationError(
+                f"no time step follows from the largest wave speed, {wave_speed:.3g}, the largest particle speed, "
+                f"{particle_speed:.3g}, and a cell of {self.smallest_cell:.3g}: look at the numbers of the materials, "
+                "velocities and the grid, and at their units"
+            )
         if self._first is None:
             self._first = dt
         if not dt > COLLAPSED * self._first:

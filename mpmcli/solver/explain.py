@@ -25,6 +25,7 @@ PASS_SHARE = 0.3
 """Rough share of a step that one more order of FMPM or XPIC costs."""
 
 
+@np.errstate(all="ignore")
 def explain(loaded: Any, threads: int = 2) -> dict[str, Any]:
     """Tell what a scene will do, without doing it.
 

@@ -42,6 +42,7 @@ def full_ring(plan: Plan) -> float:
     return 2 * math.pi if isinstance(plan.analysis, Axisymmetric) else 1.0
 
 
+@np.errstate(all="ignore")
 def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[BodyParticles]]:
     """Fill all bodies; particles with mass, velocity and the materials' initial history."""
     filled = fill_bodies(scene.bodies, grid, plan.analysis)
@@ -55,13 +56,15 @@ def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[
     if isinstance(plan.analysis, Axisymmetric):
         vol0 = vol0 * X[0]
     material = material_of_body[index]
+    mass = density[material] * vol0
+    _check_mass(scene, index, mass)
     models = list(scene.materials.values())
     particles = Particles.at_rest(
         plan.analysis,
         X,
         np.concatenate([b.size for b in filled], axis=1),
         vol0,
-        density[material] * vol0,
+        mass,
         body=index,
         material=material,
         velocity_field=np.array(plan.field_of_body)[index],
@@ -75,6 +78,22 @@ def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[
     if plan.velocity_gradient:
         _set_initial_gradients(scene, particles)
     return particles, filled
+
+
+def _check_mass(scene: Any, index: Array, mass: Array) -> None:
+    """Refuse bodies whose particles have masses that no computer number can hold."""
+    wrong = ~(np.isfinite(mass) & (mass > 0.0))
+    problems = [
+        Problem(
+            f"bodies.{body.name}.material",
+            f"a particle of it would have the mass {mass[index == i][0]:g}: density times volume is out of range",
+            code="mass",
+        )
+        for i, body in enumerate(scene.bodies)
+        if wrong[index == i].any()
+    ]
+    if problems:
+        raise SceneError(problems)
 
 
 def _set_initial_gradients(scene: Any, particles: Particles) -> None:

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from mpmcli.core.errors import SimulationError
+from mpmcli.core.errors import SceneError, SimulationError
 
 
 def failure_of(run, steps=400) -> SimulationError:
@@ -161,3 +161,21 @@ def test_deleting_works_with_every_work_array(update, block):
         run.steps(1)
     run.steps(3)
     assert np.isfinite(run.particles.V).all()
+
+
+@pytest.mark.parametrize(("density", "mass"), [(1e300, "inf"), (1e-320, "0")])
+def test_masses_beyond_what_numbers_hold_are_refused_at_set_up(density, mass, block):
+    with pytest.raises(SceneError, match=rf"bodies\.block\.material +a particle of it would have the mass {mass}:"):
+        block(
+            materials__soft__density=density,
+            analysis={"kind": "plane_strain", "thickness": 1e10 if mass == "inf" else 1e-10},
+        )
+
+
+@pytest.mark.parametrize(("E", "speed"), [(1e-300, "0"), (1e300, "inf")])
+def test_wave_speeds_that_give_no_step_end_the_run_in_words(E, speed, block):
+    run = block(materials__soft={"kind": "neo_hookean", "density": 1e-20 if speed == "inf" else 1e100, "E": E, "nu": 0.3},
+                bodies__0__velocity=[0, 0])  # fmt: skip
+    words = str(failure_of(run, 1))
+    assert words.startswith("no time step follows from the largest wave speed")
+    assert "their units" in words
