@@ -8,6 +8,7 @@ puts the faces of the body within their cells, along the axes along which it doe
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -76,7 +77,7 @@ class Block:
     body : the body's name
     scale : Courant number of the scene over that of the block: wave speed of the fastest body over this one's, and
         ``SPACE`` for three axes
-    faces : places of the lower and of the upper faces of the body within their cells, along the lattice's axes
+    faces : places of the lower and of the upper faces of the body within their cells, along one axis or pairs of axes
     """
 
     lattice: Lattice
@@ -201,7 +202,9 @@ def blocks_of(scene: Any) -> Iterator[Block]:
         modulus = model.density * speed**2
         shear = float(getattr(model, "shear_modulus", 0.0)) / modulus if len(relative) > 1 else 0.0
         parts = np.broadcast_to(np.asarray(body.particles_per_axis), cell.shape)
-        faces = tuple(tuple(float(f) for f in side[axes]) for side in _faces(scene, body, parts))
+        pairs = [list(pair) for pair in itertools.combinations(range(len(cell)), len(relative))]
+        sides = _faces(scene, body, parts)
+        faces = tuple(sorted({tuple(float(f) for f in side[pair]) for side in sides for pair in pairs}))
         for particles in sorted({int(n) for n in parts}):
             lattice = Lattice(
                 shape.grid_functions, shape.domain, particles, relative, 1.0 - 2.0 * shear, shear
@@ -214,7 +217,7 @@ def _limit_of(block: Block, scheme: Scheme, is_fast: bool) -> KnownLimit:
         limit, because = moving_limit(block.lattice, scheme), f"body '{block.body}', moving"
     else:
         limit, because = slow_limit(block.lattice, scheme), f"body '{block.body}', moving slowly"
-    for faces in set(block.faces):
+    for faces in block.faces:
         at_rest = limit_at_rest(block.lattice, scheme, faces)
         if at_rest < limit:
             where = "on grid lines" if set(faces) <= {NEAR, ELSEWHERE} else "amid cells"

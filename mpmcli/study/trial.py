@@ -17,6 +17,8 @@ FINISHED, FAILED, ENERGY, CRAWLED = "finished", "failed", "energy", "crawled"
 WORKS_ON_BODIES = ("boundary_work", "external_work")
 HOPELESS = 1.0
 """A trial is stopped when it has this share of the energy put in too much: what grows so far does not come back."""
+EARLY = 100
+"""Not in so many first steps: what begins at rest has been given next to no energy, and is off by much of it."""
 MOST_STEPS = 30
 """A trial is stopped after this many times the steps that its first one promised."""
 MANY, SELDOM = 4000, 5
@@ -92,7 +94,7 @@ def _march(simulation: Any, end: float, bound: float) -> tuple[str, str, EnergyW
                 most = MOST_STEPS * (end / state.dt + 10.0)
             if state.step % every == 0:
                 watch.look(state)
-                if not watch.running_excess <= max(HOPELESS, bound):
+                if state.step > EARLY and not watch.running_excess <= max(HOPELESS, bound):
                     return ENERGY, watch.words(), watch
             if state.step > most:
                 return CRAWLED, f"{state.step} ever shorter steps to time {state.time:.6g}", watch

@@ -1,0 +1,131 @@
+"""Stability limits of the vibrating bar, measured once with ``mpmcli stability``: still so, and predicted so.
+
+The limits are in ``tests/data/limits_of_the_bar.csv``, those of Nairn (2026), Fig. 12A, among them.
+"""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import pytest
+
+from mpmcli.scene.loader import load_scene
+from mpmcli.shapes import SHAPES
+from mpmcli.stability.scene_limit import predict
+from mpmcli.study.transfers import transfer_value
+from mpmcli.study.trial import march_trial
+
+ROOT = Path(__file__).parents[2]
+INPUTS = ROOT / "inputs"
+LOSS = 0.01
+"""Of the criterion ``accurate``."""
+
+
+def read_limits() -> list[dict[str, str]]:
+    with (ROOT / "tests" / "data" / "limits_of_the_bar.csv").open() as file:
+        return list(csv.DictReader(file))
+
+
+LIMITS = read_limits()
+
+
+def named(row: dict[str, str]) -> str:
+    return f"{row['scene']} {row['shape']} {row['transfer']} {row['criterion']}"
+
+
+def sets_of(row: dict[str, str]) -> list[str]:
+    return [f"method.shape={row['shape']}", f"method.transfer={transfer_value(row['transfer'])}"]
+
+
+def is_stable(row: dict[str, str], courant: float) -> bool:
+    def trial(courant: float) -> dict:
+        scene = str(INPUTS / f"{row['scene']}.yaml")
+        job = {"scene": scene, "sets": sets_of(row), "courant": courant, "threads": 1, "bound": 0.05}
+        return march_trial(job)
+
+    found = trial(courant)
+    if not found["bounded"] or row["criterion"] == "bounded":
+        return found["bounded"]
+    return found["loss"] <= trial(0.5 * courant)["loss"] + LOSS
+
+
+def limit_of(transfer: str, shape: str = "lcpdi", criterion: str = "bounded") -> float:
+    (found,) = [
+        float(row["stable"])
+        for row in LIMITS
+        if (row["scene"], row["shape"], row["transfer"], row["criterion"])
+        == ("vibrating_bar", shape, transfer, criterion)
+    ]
+    return found
+
+
+def blended(order: int, fraction: float) -> str:
+    return f"{{kind: fmpm, order: 40, blend: {{order: {order}, fraction: {fraction}}}}}"
+
+
+FIG_12A = [
+    ("flip", 0.85, 0.02),
+    ("fmpm:2", 0.685, 0.015),
+    ("fmpm:4", 0.541, 0.015),
+    ("fmpm:8", 0.41, 0.015),
+    ("fmpm:16", 0.323, 0.015),
+    ("fmpm:40", 0.255, 0.025),
+    ("fmpm:80", 0.255, 0.025),
+    (blended(1, 0.8), 0.52, 0.02),
+    (blended(1, 0.9), 0.41, 0.02),
+    (blended(2, 0.8), 0.41, 0.02),
+]
+
+
+@pytest.mark.parametrize(("transfer", "published", "within"), FIG_12A)
+def test_measured_limits_are_those_published(transfer, published, within):
+    assert limit_of(transfer) == pytest.approx(published, abs=within)
+
+
+def test_periodic_fmpm_as_published():
+    transfer = "{kind: fmpm, order: 80, every_courant: 2}"
+    assert limit_of(transfer, criterion="accurate") == pytest.approx(0.41, abs=0.0301)
+
+
+AGAIN = {
+    "flip",
+    "fmpm:4",
+    "fmpm:16",
+    blended(1, 0.8),
+    blended(2, 0.8),
+    "{kind: fmpm, order: 80, every_courant: 2}",
+}
+MARKED = [
+    pytest.param(row, id=named(row), marks=pytest.mark.slow if row["shape"] == "lcpdi" else pytest.mark.long)
+    for row in LIMITS
+    if row["scene"] == "vibrating_bar" and row["transfer"] in AGAIN
+] + [
+    pytest.param(row, id=named(row), marks=pytest.mark.long)
+    for row in LIMITS
+    if row["scene"] != "vibrating_bar" and row["transfer"] == "fmpm:4"
+]
+
+
+@pytest.mark.parametrize("row", MARKED)
+def test_the_limit_is_still_there(row):
+    limit, resolution = float(row["stable"]), float(row["resolution"])
+    assert is_stable(row, limit - 2 * resolution)
+    assert not is_stable(row, limit + 3 * resolution)
+
+
+def tolerance(row: dict[str, str]) -> float:
+    """How far the prediction of a moving block may be off."""
+    if SHAPES[row["shape"]].follows_deformation:
+        return 0.05
+    return 0.09 if row["shape"].startswith("b") else 0.2
+
+
+PLAIN = [row for row in LIMITS if row["scene"] == "vibrating_bar" and "{" not in row["transfer"]]
+
+
+@pytest.mark.parametrize("row", PLAIN, ids=named)
+@pytest.mark.slow
+def test_predicted_limits_of_the_bar(row):
+    scene = load_scene(INPUTS / "vibrating_bar.yaml", sets=sets_of(row)).scene
+    assert predict(scene).moving == pytest.approx(float(row["stable"]), rel=tolerance(row))
