@@ -13,6 +13,7 @@ import numpy as np
 from mpmcli.core.dispatch import generic
 from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry, unfold
 from mpmcli.core.kernel import inline, kernel
+from mpmcli.core.lanes import pack, store
 
 Array = np.ndarray
 
@@ -117,14 +118,14 @@ def _(grid, shape, across, X, size, p, S, G, status):
     hx, hy = grid.inverse_cell
     bx, wx, gx = axis_weights(shape, (X[0, p] - grid.origin[0]) * hx, size[0, p] * hx)
     by, wy, gy = axis_weights(shape, (X[1, p] - grid.origin[1]) * hy, size[1, p] * hy)
+    values = pack(wx)
     for j in range(w):
-        for i in range(w):
-            S[j * w + i] = wx[i] * wy[j]
+        store(S, j * w, wy[j] * values)
     if G is not None:
+        slopes = hx * pack(gx)
         for j in range(w):
-            for i in range(w):
-                G[j * w + i] = gx[i] * wy[j] * hx
-                G[(w + j) * w + i] = wx[i] * gy[j] * hy
+            store(G, j * w, wy[j] * slopes)
+            store(G, (w + j) * w, (gy[j] * hy) * values)
     return first_node(grid, (bx, by), p, status)
 
 
@@ -135,17 +136,18 @@ def _(grid, shape, across, X, size, p, S, G, status):
     bx, wx, gx = axis_weights(shape, (X[0, p] - grid.origin[0]) * hx, size[0, p] * hx)
     by, wy, gy = axis_weights(shape, (X[1, p] - grid.origin[1]) * hy, size[1, p] * hy)
     bz, wz, gz = axis_weights(shape, (X[2, p] - grid.origin[2]) * hz, size[2, p] * hz)
+    values = pack(wx)
     for k in range(w):
         for j in range(w):
-            for i in range(w):
-                S[(k * w + j) * w + i] = wx[i] * wy[j] * wz[k]
+            store(S, (k * w + j) * w, (wy[j] * wz[k]) * values)
     if G is not None:
+        slopes = hx * pack(gx)
         for k in range(w):
             for j in range(w):
-                for i in range(w):
-                    G[(k * w + j) * w + i] = gx[i] * wy[j] * wz[k] * hx
-                    G[((w + k) * w + j) * w + i] = wx[i] * gy[j] * wz[k] * hy
-                    G[((w + w + k) * w + j) * w + i] = wx[i] * wy[j] * gz[k] * hz
+                row = (k * w + j) * w
+                store(G, row, (wy[j] * wz[k]) * slopes)
+                store(G, w * w * w + row, (gy[j] * hy * wz[k]) * values)
+                store(G, 2 * w * w * w + row, (wy[j] * (gz[k] * hz)) * values)
     return first_node(grid, (bx, by, bz), p, status)
 
 

@@ -193,7 +193,7 @@ def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
 
 @scatter_particle.register(AffineProjection)
 def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
-    V = gather_gradient(analysis, S, G, base, offsets, across, task.v, X, p, task.L)
+    V, _ = gather_gradient(analysis, S, G, base, offsets, across, task.v, None, X, p, task.L)
     scatter_vector(analysis, S, base, offsets, across, task.M[p], V, task.out)
     scatter_gradient(analysis, grid, S, corner, base, offsets, across, task.M[p], task.L, X, p, ZERO, task.out)
 
@@ -256,11 +256,11 @@ def move_particles(
                 base += np.uint64(field[p]) * geometry.field_stride
             if L is None:
                 Sv = gather_vector(analysis, S, base, offsets, across, v)
+                Sw = Sv
+                if w is not None:
+                    Sw = gather_vector(analysis, S, base, offsets, across, w)
             else:
-                Sv = gather_gradient(analysis, S, G, base, offsets, across, v, X, p, L)
-            Sw = Sv
-            if w is not None:
-                Sw = gather_vector(analysis, S, base, offsets, across, w)
+                Sv, Sw = gather_gradient(analysis, S, G, base, offsets, across, v, w, X, p, L)
             So = Sv
             if start is not None:
                 So = gather_vector(analysis, S, base, offsets, across, start)
@@ -303,4 +303,4 @@ def find_velocity_gradients(analysis, shape, grid, across, chunks, stencil, X, F
             base = fill(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
             if field is not None:
                 base += np.uint64(field[p]) * geometry.field_stride
-            gather_gradient(analysis, S, G, base, offsets, across, v, X, p, L)
+            gather_gradient(analysis, S, G, base, offsets, across, v, None, X, p, L)

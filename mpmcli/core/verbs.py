@@ -3,8 +3,8 @@
 Each verb has one implementation per number of axes (and one for axisymmetric analyses, where the hoop direction has
 the "gradient" S/r). Nodal arrays come flat: component a of node i of a d-vector is ``v[d·i + a]``, mass and momentum
 of node i are ``mp[(1 + d)·i …]``. ``base`` is the first node of the stencil of particle ``p``, ``offsets`` (m,) lead
-from there to all its nodes; ``across`` has a member per node along an axis, so that m is known when compiled and the
-loops over nodes (in 3D those along a row) are unrolled. All indices are unsigned.
+from there to all its nodes; ``across`` has a member per node along an axis, so that m is known when compiled. What
+belongs to one node is handled as one register (``lanes``). All indices are unsigned.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from mpmcli.core.analysis import (
     UniaxialStress,
 )
 from mpmcli.core.dispatch import generic
+from mpmcli.core.lanes import each, load, pack, store
 
 
 # fmt: off
@@ -54,13 +55,26 @@ def gather_vector(analysis: Any, S: Any, base: Any, offsets: Any, across: Any, v
 
 
 @generic
-def gather_gradient(analysis: Any, S: Any, G: Any, base: Any, offsets: Any, across: Any, v: Any, X: Any, p: Any, L: Any) -> Any:  # noqa: E501
-    """Velocity gradient L_ab = Σ_i v_ia ∂S_i/∂x_b into column p of L; returns Σ_i S_i v_i."""
+def gather_gradient(analysis: Any, S: Any, G: Any, base: Any, offsets: Any, across: Any, v: Any, w: Any, X: Any, p: Any, L: Any) -> Any:  # noqa: E501
+    """Velocity gradient L_ab = Σ_i v_ia ∂S_i/∂x_b into column p of L; returns Σ_i S_i v_i and Σ_i S_i w_i.
+
+    Where ``w`` is None, the second is the first.
+    """
 
 
 @generic
 def column(analysis: Any, V: Any, p: Any) -> Any:
     """Column p of a (d, N) array as a tuple."""
+
+
+@generic
+def zero_vector(analysis: Any) -> Any:
+    """A tuple of d zeros."""
+
+
+@generic
+def nodes_of(analysis: Any, across: Any) -> Any:
+    """Number of nodes of a stencil, known when compiled."""
 # fmt: on
 
 
@@ -75,138 +89,80 @@ def _for(verb: Any, *analyses: type) -> Any:
 
 LINE = (UniaxialStrain, UniaxialStress)
 PLANE = (PlaneStrain, PlaneStress)
-ONE, TWO, THREE, FOUR = np.uint64(1), np.uint64(2), np.uint64(3), np.uint64(4)
+ALL = (*LINE, *PLANE, Axisymmetric, Solid)
+ONE, TWO, THREE = np.uint64(1), np.uint64(2), np.uint64(3)
 
 
-@_for(scatter_momentum, *LINE)
+@_for(nodes_of, *LINE)
+def _(analysis, across):
+    return np.uint64(len(across))
+
+
+@_for(nodes_of, *PLANE, Axisymmetric)
+def _(analysis, across):
+    return np.uint64(len(across) * len(across))
+
+
+@_for(nodes_of, Solid)
+def _(analysis, across):
+    return np.uint64(len(across) * len(across) * len(across))
+
+
+@_for(scatter_momentum, *ALL)
 def _(analysis, S, base, offsets, across, M, V, p, mp):
-    mass, vx = M[p], V[0, p]
-    m = np.uint64(len(across))
-    for j in range(m):
-        i = (base + offsets[j]) * TWO
-        w = S[j] * mass
-        mp[i] += w
-        mp[i + ONE] += w * vx
-
-
-@_for(scatter_momentum, *PLANE, Axisymmetric)
-def _(analysis, S, base, offsets, across, M, V, p, mp):
-    mass, vx, vy = M[p], V[0, p], V[1, p]
-    m = np.uint64(len(across) * len(across))
-    for j in range(m):
-        i = (base + offsets[j]) * THREE
-        w = S[j] * mass
-        mp[i] += w
-        mp[i + ONE] += w * vx
-        mp[i + TWO] += w * vy
-
-
-@_for(scatter_momentum, Solid)
-def _(analysis, S, base, offsets, across, M, V, p, mp):
-    mass, vx, vy, vz = M[p], V[0, p], V[1, p], V[2, p]
-    width = np.uint64(len(across))
-    for row in range(width * width):
-        for along in range(width):
-            j = row * width + along
-            i = (base + offsets[j]) * FOUR
-            w = S[j] * mass
-            mp[i] += w
-            mp[i + ONE] += w * vx
-            mp[i + TWO] += w * vy
-            mp[i + THREE] += w * vz
+    one = (1.0, *column(analysis, V, p))
+    matter = pack(one)
+    mass, lead = M[p], np.uint64(len(one))
+    for j in range(nodes_of(analysis, across)):
+        i = (base + offsets[j]) * lead
+        store(mp, i, load(mp, i, one) + (S[j] * mass) * matter)
 
 
 @_for(scatter_stress, *LINE)
 def _(analysis, S, G, base, offsets, across, vol0, tau, X, p, f):
-    volume = -vol0[p]
-    xx = volume * tau[0, p]
-    m = np.uint64(len(across))
-    for j in range(m):
-        i = base + offsets[j]
-        gx = G[j]
-        f[i] += xx * gx
+    xx = -vol0[p] * tau[0, p]
+    for j in range(nodes_of(analysis, across)):
+        f[base + offsets[j]] += xx * G[j]
 
 
 @_for(scatter_stress, *PLANE)
 def _(analysis, S, G, base, offsets, across, vol0, tau, X, p, f):
     volume = -vol0[p]
-    xx = volume * tau[0, p]
-    yy = volume * tau[1, p]
-    xy = volume * tau[3, p]
-    m = np.uint64(len(across) * len(across))
+    xx, yy, xy = volume * tau[0, p], volume * tau[1, p], volume * tau[3, p]
+    on_x, on_y = pack((xx, xy)), pack((xy, yy))
+    m = nodes_of(analysis, across)
     for j in range(m):
         i = (base + offsets[j]) * TWO
-        gx, gy = G[j], G[m + j]
-        f[i] += xx * gx + xy * gy
-        f[i + ONE] += xy * gx + yy * gy
+        store(f, i, load(f, i, (xx, yy)) + (G[j] * on_x + G[m + j] * on_y))
 
 
 @_for(scatter_stress, Axisymmetric)
 def _(analysis, S, G, base, offsets, across, vol0, tau, X, p, f):
-    volume = -vol0[p]
-    xx = volume * tau[0, p]
-    yy = volume * tau[1, p]
-    xy = volume * tau[3, p]
-    hoop = volume * tau[2, p] / X[0, p]
-    m = np.uint64(len(across) * len(across))
-    for j in range(m):
-        i = (base + offsets[j]) * TWO
-        gx, gy = G[j], G[m + j]
-        f[i] += xx * gx + xy * gy + hoop * S[j]
-        f[i + ONE] += xy * gx + yy * gy
+    scatter_stress(PlaneStrain(), S, G, base, offsets, across, vol0, tau, X, p, f)
+    hoop = -vol0[p] * tau[2, p] / X[0, p]
+    for j in range(nodes_of(analysis, across)):
+        f[(base + offsets[j]) * TWO] += hoop * S[j]
 
 
 @_for(scatter_stress, Solid)
 def _(analysis, S, G, base, offsets, across, vol0, tau, X, p, f):
     volume = -vol0[p]
-    xx = volume * tau[0, p]
-    yy = volume * tau[1, p]
-    zz = volume * tau[2, p]
-    xy = volume * tau[3, p]
-    yz = volume * tau[4, p]
-    xz = volume * tau[5, p]
-    width = np.uint64(len(across))
-    m = width * width * width
-    for row in range(width * width):
-        for along in range(width):
-            j = row * width + along
-            i = (base + offsets[j]) * THREE
-            gx, gy, gz = G[j], G[m + j], G[m + m + j]
-            f[i] += xx * gx + xy * gy + xz * gz
-            f[i + ONE] += xy * gx + yy * gy + yz * gz
-            f[i + TWO] += xz * gx + yz * gy + zz * gz
-
-
-@_for(scatter_vector, *LINE)
-def _(analysis, S, base, offsets, across, M, B, f):
-    bx = M * B[0]
-    m = np.uint64(len(across))
+    xx, yy, zz = volume * tau[0, p], volume * tau[1, p], volume * tau[2, p]
+    xy, yz, xz = volume * tau[3, p], volume * tau[4, p], volume * tau[5, p]
+    on_x, on_y, on_z = pack((xx, xy, xz)), pack((xy, yy, yz)), pack((xz, yz, zz))
+    m = nodes_of(analysis, across)
     for j in range(m):
-        i = base + offsets[j]
-        f[i] += S[j] * bx
+        i = (base + offsets[j]) * THREE
+        store(f, i, load(f, i, (xx, yy, zz)) + (G[j] * on_x + G[m + j] * on_y + G[m + m + j] * on_z))
 
 
-@_for(scatter_vector, *PLANE, Axisymmetric)
+@_for(scatter_vector, *ALL)
 def _(analysis, S, base, offsets, across, M, B, f):
-    bx, by = M * B[0], M * B[1]
-    m = np.uint64(len(across) * len(across))
-    for j in range(m):
-        i = (base + offsets[j]) * TWO
-        f[i] += S[j] * bx
-        f[i + ONE] += S[j] * by
-
-
-@_for(scatter_vector, Solid)
-def _(analysis, S, base, offsets, across, M, B, f):
-    bx, by, bz = M * B[0], M * B[1], M * B[2]
-    width = np.uint64(len(across))
-    for row in range(width * width):
-        for along in range(width):
-            j = row * width + along
-            i = (base + offsets[j]) * THREE
-            f[i] += S[j] * bx
-            f[i + ONE] += S[j] * by
-            f[i + TWO] += S[j] * bz
+    weighted = M * pack(B)
+    d = np.uint64(len(B))
+    for j in range(nodes_of(analysis, across)):
+        i = (base + offsets[j]) * d
+        store(f, i, load(f, i, B) + S[j] * weighted)
 
 
 @_for(scatter_gradient, *LINE)
@@ -261,125 +217,86 @@ def _(analysis, grid, S, corner, base, offsets, across, M, L, X, p, lead, f):
                 f[i + TWO] += s * (L[6, p] * rx + L[7, p] * ry + L[8, p] * rz)
 
 
-@_for(gather_vector, *LINE)
+@_for(zero_vector, *LINE)
+def _(analysis):
+    return (0.0,)
+
+
+@_for(zero_vector, *PLANE, Axisymmetric)
+def _(analysis):
+    return (0.0, 0.0)
+
+
+@_for(zero_vector, Solid)
+def _(analysis):
+    return (0.0, 0.0, 0.0)
+
+
+@_for(gather_vector, *ALL)
 def _(analysis, S, base, offsets, across, v):
-    x = 0.0
-    m = np.uint64(len(across))
-    for j in range(m):
-        i = base + offsets[j]
-        s = S[j]
-        x += s * v[i]
-    return (x,)
-
-
-@_for(gather_vector, *PLANE, Axisymmetric)
-def _(analysis, S, base, offsets, across, v):
-    x, y = 0.0, 0.0
-    m = np.uint64(len(across) * len(across))
-    for j in range(m):
-        i = (base + offsets[j]) * TWO
-        s = S[j]
-        x += s * v[i]
-        y += s * v[i + ONE]
-    return (x, y)
-
-
-@_for(gather_vector, Solid)
-def _(analysis, S, base, offsets, across, v):
-    x, y, z = 0.0, 0.0, 0.0
-    width = np.uint64(len(across))
-    for row in range(width * width):
-        for along in range(width):
-            j = row * width + along
-            i = (base + offsets[j]) * THREE
-            s = S[j]
-            x += s * v[i]
-            y += s * v[i + ONE]
-            z += s * v[i + TWO]
-    return (x, y, z)
+    zero = zero_vector(analysis)
+    total, d = pack(zero), np.uint64(len(zero))
+    for j in range(nodes_of(analysis, across)):
+        total += S[j] * load(v, (base + offsets[j]) * d, zero)
+    return each(total)
 
 
 @_for(gather_gradient, *LINE)
-def _(analysis, S, G, base, offsets, across, v, X, p, L):
-    x = 0.0
-    xx = 0.0
-    m = np.uint64(len(across))
-    for j in range(m):
+def _(analysis, S, G, base, offsets, across, v, w, X, p, L):
+    Sv, Sw, xx = 0.0, 0.0, 0.0
+    for j in range(nodes_of(analysis, across)):
         i = base + offsets[j]
-        s = S[j]
-        vx = v[i]
-        gx = G[j]
-        x += s * vx
-        xx += vx * gx
+        Sv += S[j] * v[i]
+        xx += G[j] * v[i]
+        if w is not None:
+            Sw += S[j] * w[i]
     L[0, p] = xx
-    return (x,)
+    return (Sv,), (Sv if w is None else Sw,)
 
 
 @_for(gather_gradient, *PLANE)
-def _(analysis, S, G, base, offsets, across, v, X, p, L):
-    x, y = 0.0, 0.0
-    xx, xy, yx, yy = 0.0, 0.0, 0.0, 0.0
-    m = np.uint64(len(across) * len(across))
+def _(analysis, S, G, base, offsets, across, v, w, X, p, L):
+    zero = zero_vector(analysis)
+    Sv, Sw, by_x, by_y = pack(zero), pack(zero), pack(zero), pack(zero)
+    m = nodes_of(analysis, across)
     for j in range(m):
         i = (base + offsets[j]) * TWO
-        s = S[j]
-        vx, vy = v[i], v[i + ONE]
-        gx, gy = G[j], G[m + j]
-        x += s * vx
-        y += s * vy
-        xx += vx * gx
-        xy += vx * gy
-        yx += vy * gx
-        yy += vy * gy
-    L[0, p] = xx
-    L[1, p] = xy
-    L[2, p] = yx
-    L[3, p] = yy
-    return (x, y)
+        u = load(v, i, zero)
+        Sv += S[j] * u
+        by_x += G[j] * u
+        by_y += G[m + j] * u
+        if w is not None:
+            Sw += S[j] * load(w, i, zero)
+    L[0, p], L[2, p] = each(by_x)
+    L[1, p], L[3, p] = each(by_y)
+    return each(Sv), each(Sv if w is None else Sw)
 
 
 @_for(gather_gradient, Axisymmetric)
-def _(analysis, S, G, base, offsets, across, v, X, p, L):
-    x, y = gather_gradient(PlaneStrain(), S, G, base, offsets, across, v, X, p, L)
-    L[4, p] = x / X[0, p]
-    return (x, y)
+def _(analysis, S, G, base, offsets, across, v, w, X, p, L):
+    Sv, Sw = gather_gradient(PlaneStrain(), S, G, base, offsets, across, v, w, X, p, L)
+    L[4, p] = Sv[0] / X[0, p]
+    return Sv, Sw
 
 
 @_for(gather_gradient, Solid)
-def _(analysis, S, G, base, offsets, across, v, X, p, L):
-    x, y, z = 0.0, 0.0, 0.0
-    xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    width = np.uint64(len(across))
-    m = width * width * width
-    for row in range(width * width):
-        for along in range(width):
-            j = row * width + along
-            i = (base + offsets[j]) * THREE
-            s = S[j]
-            vx, vy, vz = v[i], v[i + ONE], v[i + TWO]
-            gx, gy, gz = G[j], G[m + j], G[m + m + j]
-            x += s * vx
-            y += s * vy
-            z += s * vz
-            xx += vx * gx
-            xy += vx * gy
-            xz += vx * gz
-            yx += vy * gx
-            yy += vy * gy
-            yz += vy * gz
-            zx += vz * gx
-            zy += vz * gy
-            zz += vz * gz
-    L[0, p] = xx
-    L[1, p] = xy
-    L[2, p] = xz
-    L[3, p] = yx
-    L[4, p] = yy
-    L[5, p] = yz
-    L[6, p] = zx
-    L[7, p] = zy
-    L[8, p] = zz
-    return (x, y, z)
+def _(analysis, S, G, base, offsets, across, v, w, X, p, L):
+    zero = zero_vector(analysis)
+    Sv, Sw, by_x, by_y, by_z = pack(zero), pack(zero), pack(zero), pack(zero), pack(zero)
+    m = nodes_of(analysis, across)
+    for j in range(m):
+        i = (base + offsets[j]) * THREE
+        u = load(v, i, zero)
+        Sv += S[j] * u
+        by_x += G[j] * u
+        by_y += G[m + j] * u
+        by_z += G[m + m + j] * u
+        if w is not None:
+            Sw += S[j] * load(w, i, zero)
+    L[0, p], L[3, p], L[6, p] = each(by_x)
+    L[1, p], L[4, p], L[7, p] = each(by_y)
+    L[2, p], L[5, p], L[8, p] = each(by_z)
+    return each(Sv), each(Sv if w is None else Sw)
 
 
 @_for(column, *LINE)

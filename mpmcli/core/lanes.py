@@ -1,0 +1,134 @@
+"""Short vectors of float64 in registers: one instruction acts on all components of a nodal record.
+
+The compiler keeps the components of a sum over a stencil in separate registers, runs out of them, and spills. A sum
+of *lanes* is one register. The arithmetic is that of the components one by one, in the same order and with the same
+rounding, so that the digits do not depend on the machine's vector width.
+
+Compiled code only: ``load(array, i, like)`` and ``lanes(x, y, …)`` make lanes, ``+``, ``-`` and products with a number
+act on all of them, ``store(array, i, lanes)`` puts them back and ``each(lanes)`` is the tuple of the components.
+"""
+
+from __future__ import annotations
+
+import operator
+from typing import Any
+
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.imputils import lower_builtin
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import intrinsic, models, register_model
+
+DOUBLE = ir.DoubleType()
+INDEX = ir.IntType(32)
+
+written_in_llvm: Any = intrinsic  # its annotations know only the function before decoration
+
+
+class Lanes(types.Type):
+    """``count`` float64 in one register."""
+
+    def __init__(self, count: int):
+        self.count = count
+        super().__init__(name=f"Lanes({count})")
+
+
+@register_model(Lanes)
+class LanesModel(models.PrimitiveModel):
+    """A vector type of LLVM; the compiler splits what the machine has no register for."""
+
+    def __init__(self, manager: Any, lanes: Lanes):
+        super().__init__(manager, lanes, ir.VectorType(DOUBLE, lanes.count))
+
+
+def _address(context: Any, builder: Any, array_type: Any, array: Any, i: Any, count: int) -> Any:
+    data = cgutils.create_struct_proxy(array_type)(context, builder, array).data
+    return builder.bitcast(builder.gep(data, [i]), ir.VectorType(DOUBLE, count).as_pointer())
+
+
+@written_in_llvm
+def load(typing_context: Any, array: Any, i: Any, like: Any) -> Any:
+    """As many components as the tuple ``like`` has, from ``array`` (n,) at index ``i`` on."""
+    count = len(like)
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.load(_address(context, builder, sig.args[0], args[0], args[1], count), align=8)
+
+    return Lanes(count)(array, types.uint64, like), build
+
+
+@written_in_llvm
+def store(typing_context: Any, array: Any, i: Any, value: Any) -> Any:
+    """Put the components into ``array`` (n,) from index ``i`` on."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        address = _address(context, builder, sig.args[0], args[0], args[1], value.count)
+        builder.store(args[2], address, align=8)
+        return context.get_dummy_value()
+
+    return types.void(array, types.uint64, value), build
+
+
+@written_in_llvm
+def pack(typing_context: Any, components: Any) -> Any:
+    """Lanes of a tuple of numbers."""
+    count = len(components)
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        vector = ir.Constant(ir.VectorType(DOUBLE, count), ir.Undefined)
+        for lane, value in enumerate(cgutils.unpack_tuple(builder, args[0])):
+            vector = builder.insert_element(vector, value, INDEX(lane))
+        return vector
+
+    return Lanes(count)(types.UniTuple(types.float64, count)), build
+
+
+@written_in_llvm
+def each(typing_context: Any, value: Any) -> Any:
+    """The components as a tuple of numbers."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        parts = [builder.extract_element(args[0], INDEX(lane)) for lane in range(value.count)]
+        return context.make_tuple(builder, sig.return_type, parts)
+
+    return types.UniTuple(types.float64, value.count)(value), build
+
+
+class _Sum(AbstractTemplate):
+    def generic(self, args: Any, kws: Any) -> Any:
+        if len(args) == 2 and isinstance(args[0], Lanes) and args[0] == args[1]:
+            return signature(args[0], *args)
+        return None
+
+
+class _Product(AbstractTemplate):
+    def generic(self, args: Any, kws: Any) -> Any:
+        if len(args) == 2 and isinstance(args[1], Lanes) and isinstance(args[0], types.Float):
+            return signature(args[1], types.float64, args[1])
+        return None
+
+
+for _operator in (operator.add, operator.iadd, operator.sub, operator.isub):
+    infer_global(_operator)(type("_Sum", (_Sum,), {"key": _operator}))
+infer_global(operator.mul)(type("_Product", (_Product,), {"key": operator.mul}))
+
+
+@lower_builtin(operator.add, Lanes, Lanes)
+@lower_builtin(operator.iadd, Lanes, Lanes)
+def _add(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.fadd(*args)
+
+
+@lower_builtin(operator.sub, Lanes, Lanes)
+@lower_builtin(operator.isub, Lanes, Lanes)
+def _subtract(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.fsub(*args)
+
+
+@lower_builtin(operator.mul, types.Float, Lanes)
+def _scale(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    count = sig.args[1].count
+    empty = ir.Constant(ir.VectorType(DOUBLE, count), ir.Undefined)
+    one = builder.insert_element(empty, args[0], INDEX(0))
+    all_alike = builder.shuffle_vector(one, empty, ir.Constant(ir.VectorType(INDEX, count), [0] * count))
+    return builder.fmul(all_alike, args[1])
