@@ -6,8 +6,10 @@ Numba reads these settings from the environment when it is first imported, so th
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import hashlib
+import math
 import os
 import stat
 import sys
@@ -31,6 +33,16 @@ def available_threads() -> int:
     except (OSError, ValueError):
         pass
     return count
+
+
+def available_memory() -> float:
+    """Bytes of memory that this process may use: the machine's, limited by the container; infinite where unknown."""
+    found = math.inf
+    with contextlib.suppress(AttributeError, OSError, ValueError):
+        found = float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
+    with contextlib.suppress(OSError, ValueError):
+        found = min(found, float(Path("/sys/fs/cgroup/memory.max").read_text()))  # "max" is no number
+    return found
 
 
 @cache

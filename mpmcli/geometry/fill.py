@@ -14,6 +14,7 @@ import numpy as np
 
 from mpmcli.core.analysis import Analysis, Axisymmetric
 from mpmcli.core.errors import Problem, SceneError
+from mpmcli.core.runtime import available_memory
 from mpmcli.geometry.base import Region
 from mpmcli.geometry.overlap import settle_overlaps
 
@@ -21,6 +22,8 @@ Array = np.ndarray
 
 CHUNK = 1 << 15
 """Points that are tested at a time."""
+BYTES_PER_PARTICLE = {1: 250, 2: 450, 3: 700}
+"""Memory that a particle takes in a simulation, about."""
 MAX_TESTED = 1 << 30
 """Sub-cells of one body that may be tested at most."""
 MAX_OUTSIDE = 1 << 23
@@ -143,7 +146,8 @@ def _fill(body: BodyRequest, grid: GridBox, analysis: Analysis) -> BodyParticles
     if (last <= first).any() or (first >= total).any() or (last <= 0).any():
         raise ValueError(_nothing_words(body, grid))
     _check_extent(body, first, last, total)
-    positions, keys, outside, example = [], [], 0, None
+    positions, keys, outside, example, count = [], [], 0, None, 0
+    memory = available_memory()
     stride = np.concatenate([[1], np.cumprod(total[:-1])])
     for index in _chunks(first, last):
         X = np.stack([low + (i + 0.5) * h for low, i, h in zip(grid.lower, index, step, strict=True)])
@@ -155,6 +159,10 @@ def _fill(body: BodyRequest, grid: GridBox, analysis: Analysis) -> BodyParticles
             example = X[:, beyond][:, 0] if example is None else example
         positions.append(X)
         keys.append(stride @ index)
+        count += X.shape[1]
+        if count * BYTES_PER_PARTICLE[d] > memory:
+            most = float(np.prod((last - first).astype(float)))
+            raise ValueError(_memory_words(body, d, most, memory))
     if example is not None:
         raise ValueError(_outside_words(body, outside, example))
     X = np.concatenate(positions, axis=1)
@@ -211,6 +219,13 @@ def _point(x: Array) -> str:
 def _outside_words(body: BodyRequest, count: int, example: Array) -> str:
     what = "1 particle" if count == 1 else f"{count} particles"
     return f"body '{body.name}' reaches out of the grid: {what} outside, the first at {_point(example)}"
+
+
+def _memory_words(body: BodyRequest, d: int, most: float, memory: float) -> str:
+    return (
+        f"body '{body.name}' has up to {most:.2g} particles, which need {most * BYTES_PER_PARTICLE[d] / 1e9:.3g} GB "
+        f"of memory, and there are {memory / 1e9:.3g} GB: larger cells or fewer particles_per_axis are needed"
+    )
 
 
 def _nothing_words(body: BodyRequest, grid: GridBox) -> str:

@@ -11,10 +11,14 @@ from mpmcli.core.analysis import Axisymmetric
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
+from mpmcli.core.runtime import available_memory
 from mpmcli.geometry.fill import BodyParticles, fill_bodies
 from mpmcli.solver.plan import Plan
 
 Array = np.ndarray
+
+NUMBERS_PER_NODE = {d: 1 + 4 * d for d in (1, 2, 3)}
+"""Numbers that are kept of every node: mass, momentum, force, velocity, and a vector more for all but FLIP."""
 
 
 def make_grid(scene: Any, plan: Plan) -> Grid:
@@ -22,6 +26,7 @@ def make_grid(scene: Any, plan: Plan) -> Grid:
     grid = scene.grid
     shape = plan.shape
     pad = min(shape.pad, 4) if plan.analysis.dimensions == 3 else shape.pad
+    _check_memory(grid, pad, len(plan.fields))
     return Grid(
         np.array(grid.lower),
         np.array(grid.upper),
@@ -30,6 +35,20 @@ def make_grid(scene: Any, plan: Plan) -> Grid:
         shape.width,
         fields=len(plan.fields),
     )
+
+
+def _check_memory(grid: Any, pad: int, fields: int) -> None:
+    """Refuse grids whose arrays are larger than the memory, before any of them is made."""
+    nodes = math.prod(cells + 1.0 + 2 * pad for cells in grid.cells)
+    needed = nodes * fields * NUMBERS_PER_NODE[grid.dimensions] * 8
+    there = available_memory()
+    if needed > there:
+        several = f" in {fields} velocity fields" if fields > 1 else ""
+        words = (
+            f"a grid of {nodes:.2g} nodes{several} needs {needed / 1e9:.3g} GB of memory, and there are "
+            f"{there / 1e9:.3g} GB: larger cells or a smaller grid are needed"
+        )
+        raise SceneError([Problem("grid.cell", words, code="memory")])
 
 
 def section_of(scene: Any) -> float:
