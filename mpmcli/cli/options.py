@@ -86,8 +86,6 @@ scene_options = _together(
 )
 """The options that change a scene while it is read."""
 
-until_option = click.option("--until", metavar="T", help="End of the run, instead of the scene's.")
-
 march_options = _together(
     click.option(
         "-j",
@@ -96,7 +94,7 @@ march_options = _together(
         envvar="MPMCLI_NUM_THREADS",
         help="Number of threads [env: MPMCLI_NUM_THREADS]; all by default. It never changes a result.",
     ),
-    until_option,
+    click.option("--until", metavar="T", help="End of the run, instead of the scene's."),
     click.option(
         "--max-walltime",
         metavar="H:M:S",
@@ -108,27 +106,29 @@ march_options = _together(
 )
 """The options of a run that is started or resumed."""
 
-study_options = _together(
-    click.option(
-        "-o",
-        "--output",
-        metavar="DIR",
-        type=click.Path(path_type=Path),
-        help="Folder of the study (results/NAME_COMMAND without it).",
-    ),
-    until_option,
-    click.option(
-        "--timeout",
-        metavar="SECONDS",
-        type=click.FloatRange(min=0, min_open=True),
-        help="Give a case up if one of its runs takes longer.",
-    ),
-    click.option(
-        "--plot/--no-plot", default=None, help="Draw the picture; by default if matplotlib is installed."
-    ),
-    click.option("-q", "--quiet", is_flag=True, help="Show the result only."),
-)
-"""The options of a study of many runs."""
+
+def study_options(command: str, picture: str) -> Callable[[Command], Command]:
+    """The options of a study of many runs, for the command of this name, which draws this picture."""
+    return _together(
+        click.option(
+            "-o",
+            "--output",
+            metavar="DIR",
+            type=click.Path(path_type=Path),
+            help=f"Folder of the study (results/NAME_{command} without it).",
+        ),
+        click.option("--until", metavar="T", help="End of the runs, instead of the scene's."),
+        click.option(
+            "--timeout",
+            metavar="SECONDS",
+            type=click.FloatRange(min=0, min_open=True),
+            help="Give a case up if one of its runs takes longer.",
+        ),
+        click.option(
+            "--plot/--no-plot", default=None, help=f"Draw {picture}; by default if matplotlib is installed."
+        ),
+        click.option("-q", "--quiet", is_flag=True, help="Show the result only."),
+    )
 
 
 def load_checked(scene: str, changes: SceneChanges) -> LoadedScene:

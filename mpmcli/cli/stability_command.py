@@ -70,7 +70,7 @@ from mpmcli.cli.options import (
 )
 @click.option("--jobs", type=click.IntRange(1, 4096), help="Runs side by side; one per processor by default.")
 @click.option("--no-prediction", is_flag=True, help="Leave the predicted limits out.")
-@study_options
+@study_options("stability", "limits.png")
 @scene_options
 def command(
     scene: str,

@@ -81,7 +81,7 @@ COSTS = {"run": "run_seconds", "step": "step_seconds", "memory": "peak_memory"}
 )
 @click.option("--threads", type=click.IntRange(1, 4096), help="Threads of each run; all by default.")
 @click.option("--scheduler", metavar="ADDRESS", help="Run the cases on this Dask cluster.")
-@study_options
+@study_options("tradeoff", "tradeoff.png")
 @scene_options
 def command(
     scene: str,
