@@ -107,7 +107,10 @@ class Simulation:
             if np.any(self.particles.material == i)
         )
         self.particle_speed = float(np.sqrt(np.square(self.particles.V).sum(axis=0).max()))
-        self.time_step = TimeStep(scene.time.step, chosen_courant(scene), float(self.grid.cell.min()))
+        courant = chosen_courant(scene)
+        if scene.time.courant == "auto":
+            LOGGER.info("Courant number %.4g, chosen by the stability limit", courant)
+        self.time_step = TimeStep(scene.time.step, courant, float(self.grid.cell.min()))
         self._dt = 0.0
         self._rigid_version = -1
         self.max_steps = scene.time.max_steps

@@ -217,7 +217,7 @@ def _limit_of(block: Block, scheme: Scheme, is_fast: bool) -> KnownLimit:
         limit, because = moving_limit(block.lattice, scheme), f"body '{block.body}', moving"
     else:
         limit, because = slow_limit(block.lattice, scheme), f"body '{block.body}', moving slowly"
-    for faces in block.faces:
+    for faces in (places for places in block.faces if set(places) != {ELSEWHERE}):
         at_rest = limit_at_rest(block.lattice, scheme, faces)
         if at_rest < limit:
             where = "on grid lines" if set(faces) <= {NEAR, ELSEWHERE} else "amid cells"

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mpmcli.cli.main import call
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.errors import SceneError
 from mpmcli.scene.loader import load_scene
@@ -151,6 +152,21 @@ def test_faces_amid_cells_lower_the_limit():
     aligned, shifted = (known_limit(load_scene(plane, defines=[f"shift={s}"]).scene) for s in (0, 0.5))
     assert shifted.courant < 0.8 * aligned.courant
     assert "amid cells" in shifted.because
+
+
+def test_validate_and_explain_name_the_limit(capsys):
+    path = str(INPUTS / "vibrating_bar.yaml")
+    assert call(["validate", path, "--set", "time.courant=0.9"]) == 0
+    assert "warning: 0.9 is above the stability limit 0.52 (body 'bar', moving)" in capsys.readouterr().out
+    assert call(["explain", path, "--set", "time.courant=auto"]) == 0
+    assert (
+        "Courant number 0.51 (auto: 0.98 of the limit, 1 at most); stability limit 0.52"
+        in capsys.readouterr().out
+    )
+    viscous = ["--set", "method.artificial_viscosity={linear: 0.2}", "--set", "time.courant=auto"]
+    assert call(["validate", path, *viscous]) == 3
+    assert "time.courant" in (out := capsys.readouterr().out)
+    assert "no stability limit is known: artificial viscosity" in out
 
 
 @SLOW
