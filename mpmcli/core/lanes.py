@@ -4,8 +4,9 @@ The compiler keeps the components of a sum over a stencil in separate registers,
 of *lanes* is one register. The arithmetic is that of the components one by one, in the same order and with the same
 rounding, so that the digits do not depend on the machine's vector width.
 
-Compiled code only: ``load(array, i, like)`` and ``lanes(x, y, …)`` make lanes, ``+``, ``-`` and products with a number
-act on all of them, ``store(array, i, lanes)`` puts them back and ``each(lanes)`` is the tuple of the components.
+Compiled code only: ``load(array, i, like)``, ``pack((x, y, …))`` and ``zeros(like)`` make lanes; ``+``, ``-`` and
+products with a number act on all of them; ``store(array, i, lanes)`` puts them back, and ``each(lanes)`` is the tuple
+of the components.
 """
 
 from __future__ import annotations
@@ -81,6 +82,17 @@ def pack(typing_context: Any, components: Any) -> Any:
         return vector
 
     return Lanes(count)(types.UniTuple(types.float64, count)), build
+
+
+@written_in_llvm
+def zeros(typing_context: Any, like: Any) -> Any:
+    """As many zeros as the tuple ``like`` has members."""
+    count = len(like)
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return ir.Constant(ir.VectorType(DOUBLE, count), [0.0] * count)
+
+    return Lanes(count)(like), build
 
 
 @written_in_llvm

@@ -22,7 +22,7 @@ from mpmcli.core.analysis import (
     UniaxialStress,
 )
 from mpmcli.core.dispatch import generic
-from mpmcli.core.lanes import each, load, pack, store
+from mpmcli.core.lanes import each, load, pack, store, zeros
 
 
 # fmt: off
@@ -235,7 +235,7 @@ def _(analysis):
 @_for(gather_vector, *ALL)
 def _(analysis, S, base, offsets, across, v):
     zero = zero_vector(analysis)
-    total, d = pack(zero), np.uint64(len(zero))
+    total, d = zeros(zero), np.uint64(len(zero))
     for j in range(nodes_of(analysis, across)):
         total += S[j] * load(v, (base + offsets[j]) * d, zero)
     return each(total)
@@ -257,7 +257,7 @@ def _(analysis, S, G, base, offsets, across, v, w, X, p, L):
 @_for(gather_gradient, *PLANE)
 def _(analysis, S, G, base, offsets, across, v, w, X, p, L):
     zero = zero_vector(analysis)
-    Sv, Sw, by_x, by_y = pack(zero), pack(zero), pack(zero), pack(zero)
+    Sv, Sw, by_x, by_y = zeros(zero), zeros(zero), zeros(zero), zeros(zero)
     m = nodes_of(analysis, across)
     for j in range(m):
         i = (base + offsets[j]) * TWO
@@ -282,7 +282,7 @@ def _(analysis, S, G, base, offsets, across, v, w, X, p, L):
 @_for(gather_gradient, Solid)
 def _(analysis, S, G, base, offsets, across, v, w, X, p, L):
     zero = zero_vector(analysis)
-    Sv, Sw, by_x, by_y, by_z = pack(zero), pack(zero), pack(zero), pack(zero), pack(zero)
+    Sv, Sw, by_x, by_y, by_z = zeros(zero), zeros(zero), zeros(zero), zeros(zero), zeros(zero)
     m = nodes_of(analysis, across)
     for j in range(m):
         i = (base + offsets[j]) * THREE

@@ -16,6 +16,7 @@ from mpmcli.core.dispatch import generic
 from mpmcli.core.functions import hat, quadratic_spline
 from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry
 from mpmcli.core.kernel import inline
+from mpmcli.core.lanes import load, store, zeros
 from mpmcli.core.stencil import DOMAIN_TOO_WIDE, fill, first_node
 from mpmcli.shapes.base import add_shape
 
@@ -245,29 +246,29 @@ def _(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
     z1, z2, z3 = b * g - c * f, c * e - a * g, a * f - b * e
     inverse = 1.0 / (a * x1 + b * x2 + c * x3)
     m = w * w * w
+    zero = zeros(across)
     for n in range(w):
         for j in range(w):
-            for i in range(w):
-                value, g1, g2, g3 = 0.0, 0.0, 0.0, 0.0
-                for k in range(np.uint64(q)):
-                    for v in range(np.uint64(q)):
-                        for u in range(np.uint64(q)):
-                            _, s1, d1 = interval_point(q, u)
-                            _, s2, d2 = interval_point(q, v)
-                            _, s3, d3 = interval_point(q, k)
-                            row = np.uint64(3) * ((k * np.uint64(q) + v) * np.uint64(q) + u) * w
-                            N = W[row + i] * W[row + w + j] * W[row + w + w + n]
-                            value += s1 * s2 * s3 * N
-                            if G is not None:
-                                g1 += d1 * s2 * s3 * N
-                                g2 += s1 * d2 * s3 * N
-                                g3 += s1 * s2 * d3 * N
-                at = (n * w + j) * w + i
-                S[at] = value
-                if G is not None:
-                    G[at] = (x1 * g1 + x2 * g2 + x3 * g3) * inverse * hx
-                    G[m + at] = (y1 * g1 + y2 * g2 + y3 * g3) * inverse * hy
-                    G[m + m + at] = (z1 * g1 + z2 * g2 + z3 * g3) * inverse * hz
+            value, g1, g2, g3 = zero, zero, zero, zero
+            for k in range(np.uint64(q)):
+                for v in range(np.uint64(q)):
+                    for u in range(np.uint64(q)):
+                        _, s1, d1 = interval_point(q, u)
+                        _, s2, d2 = interval_point(q, v)
+                        _, s3, d3 = interval_point(q, k)
+                        row = np.uint64(3) * ((k * np.uint64(q) + v) * np.uint64(q) + u) * w
+                        N = (W[row + w + j] * W[row + w + w + n]) * load(W, row, across)
+                        value += (s1 * s2 * s3) * N
+                        if G is not None:
+                            g1 += (d1 * s2 * s3) * N
+                            g2 += (s1 * d2 * s3) * N
+                            g3 += (s1 * s2 * d3) * N
+            at = (n * w + j) * w
+            store(S, at, value)
+            if G is not None:
+                store(G, at, (inverse * hx) * (x1 * g1 + x2 * g2 + x3 * g3))
+                store(G, m + at, (inverse * hy) * (y1 * g1 + y2 * g2 + y3 * g3))
+                store(G, m + m + at, (inverse * hz) * (z1 * g1 + z2 * g2 + z3 * g3))
     return first_node(grid, (low_x, low_y, low_z), p, status)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from mpmcli.core.lanes import each, load, pack, store
+from mpmcli.core.lanes import each, load, pack, store, zeros
 
 FAST = {"error_model": "numpy", "fastmath": {"nnan", "ninf", "nsz"}}
 
@@ -12,7 +12,7 @@ FAST = {"error_model": "numpy", "fastmath": {"nnan", "ninf", "nsz"}}
 @njit(**FAST)
 def scale_and_add(values, start, factor, added, out):
     total = load(values, np.uint64(start), added) + factor * pack(added)
-    total -= pack(added)
+    total -= pack(added) + zeros(added)
     store(out, np.uint64(start), total)
     return each(total)
 
