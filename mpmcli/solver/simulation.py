@@ -42,7 +42,7 @@ from mpmcli.stability.scene_limit import chosen_courant
 Array = np.ndarray
 LOGGER = logging.getLogger("mpmcli")
 
-GOOD_EVERY = 20
+GOOD_EVERY = 100
 """Steps between copies of the state, of which the last one is shown after a failure."""
 
 

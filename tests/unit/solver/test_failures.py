@@ -10,6 +10,7 @@ import pytest
 from mpmcli.core.errors import SceneError, SimulationError
 from mpmcli.geometry import fill
 from mpmcli.solver import setup
+from mpmcli.solver.simulation import GOOD_EVERY
 
 
 def failure_of(run, steps=400) -> SimulationError:
@@ -61,7 +62,7 @@ def test_the_last_good_state_comes_with_the_failure(block):
     run.particles.F[0, 4] = -1.0
     error = failure_of(run, 60)
     good = error.state
-    assert good.step % 20 == 0
+    assert good.step % GOOD_EVERY == 0
     assert np.isfinite(good.particles.V).all()
     assert (good.particles.determinant() > 0).all()
 
