@@ -1,7 +1,7 @@
 """What the watchdogs cost, as a share of the step: ``python benchmarks/watchdogs.py [--particles 80000]``.
 
 One thread, time of the processor, medians of rounds in turn. Looking at all numbers of F and τ for what is not finite,
-and at the limits of J, is part of the loop over the particles' strains: that loop is compiled a second time without them.
+and at the limits of J, is part of the loop over strains: that loop is compiled a second time without it.
 The energy balance and the copy of the last good state, which ``failed.vtu`` shows, are timed by themselves. Speeds and
 displacements are largest numbers that the step has anyway.
 """

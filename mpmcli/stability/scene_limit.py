@@ -138,8 +138,10 @@ def predict(scene: Any) -> Prediction | None:
 def warning_of(scene: Any) -> Problem | None:
     """A warning if the scene's Courant number, or its time step, is above the known limit."""
     span = scene.time
-    if span.courant == "auto":
-        return None
+    if span.courant == "auto" or getattr(scene.method.transfer, "velocity_gradient", False):
+        return (
+            None  # with velocity gradients the analysis can take many seconds: too long to validate a scene
+        )
     try:
         limit = known_limit(scene)
     except NoKnownLimit:
@@ -199,7 +201,8 @@ def blocks_of(scene: Any) -> Iterator[Block]:
     space = SPACE if kind == "3d" else 1.0
     for body, model in bodies:
         speed = model.initial_wave_speed(kind)
-        modulus = model.density * speed**2
+        if not 0.0 < speed < math.inf or not 0.0 < (modulus := model.density * speed**2) < math.inf:
+            raise NoKnownLimit(f"body '{body.name}' has the wave speed {speed:.3g}")
         shear = float(getattr(model, "shear_modulus", 0.0)) / modulus if len(relative) > 1 else 0.0
         parts = np.broadcast_to(np.asarray(body.particles_per_axis), cell.shape)
         pairs = [list(pair) for pair in itertools.combinations(range(len(cell)), len(relative))]

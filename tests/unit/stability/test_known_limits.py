@@ -268,3 +268,11 @@ def test_functions_of_the_axes_sum_to_one():
         assert S.sum(axis=1) == pytest.approx(1.0), name
         assert G.sum(axis=1) == pytest.approx(0.0, abs=1e-8), name
         assert reach.sum(axis=1) == pytest.approx(0.0, abs=1e-8), name
+
+
+def test_wave_speeds_out_of_range_have_no_known_limit():
+    changes = ["materials.elastic.E=1e-300", "materials.elastic.density=1e100"]
+    scene = load_scene(INPUTS / "vibrating_bar.yaml", sets=changes).scene
+    with pytest.raises(NoKnownLimit, match="'bar' has the wave speed 0"):
+        known_limit(scene)
+    assert warning_of(scene) is None
