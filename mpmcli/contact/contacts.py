@@ -33,6 +33,7 @@ class Rules(NamedTuple):
     rigid : (fields,) whether a field belongs to a rigid body
     mass_ratio : smallest share of the mass at a node that counts
     explicit : nodes of three or more fields are settled pair by pair where that can be done
+    coupled : they always are, so that lumped contacts are not needed
     shares_normal : one normal serves both sides
     """
 
@@ -42,6 +43,7 @@ class Rules(NamedTuple):
     rigid: Array
     mass_ratio: float
     explicit: bool
+    coupled: bool
     shares_normal: bool
 
 
@@ -121,7 +123,7 @@ def list_contacts(rules, node_count, slots, first, dof, volume, mp, m, begin):
         for e in range(low, high):
             if not rules.rigid[dof[e] // node_count]:
                 soft += 1
-        if soft > 1:
+        if soft == 2 or (soft > 2 and not rules.coupled):
             total = 0.0
             for e in range(low, high):
                 if not rules.rigid[dof[e] // node_count]:

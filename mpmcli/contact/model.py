@@ -53,8 +53,9 @@ class Contact(Model):
     """No contact at nodes where one side has less than this share of the mass; 0 for none [nairn2023notes]."""
     displacement_only: bool = False
     """Contact wherever the separation is negative, the fields approaching each other or not."""
-    three_or_more: Literal["lumped", "pairs"] = "lumped"
-    """At nodes of three or more fields: each against all others as one, or the pairs in contact."""
+    three_or_more: Literal["lumped", "pairs", "coupled"] = "lumped"
+    """At nodes of three or more fields: each against all others as one (lumped), the pairs in contact where these are
+    one or two and else lumped [nairn2020, section 3.4], or all pairs at once, however many (coupled)."""
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What does not fit an analysis with so many axes: pairs of key and message."""

@@ -1,7 +1,9 @@
-"""Nodes of three or more fields settled pair by pair, where at most two pairs are in contact.
+"""Nodes of three or more fields settled pair by pair.
 
-One or two contact laws can be satisfied together while momentum is conserved; with three or more pairs in contact the
-fields are lumped (Nairn et al. 2020, section 3.4). Such nodes are few: these loops are serial.
+``three_or_more: pairs`` does so where at most two pairs are in contact, and lumps the fields elsewhere (Nairn et al.
+2020, section 3.4). ``coupled`` settles all pairs: each in turn on what the others do to it, until nothing changes, as
+blocked Gauss-Seidel iterations for many bodies in contact do (Jourdan, Alart and Jean 1998). Momentum is conserved. Such
+nodes are few: these loops are serial.
 """
 
 from __future__ import annotations
@@ -15,7 +17,10 @@ from mpmcli.core.kernel import inline
 Array = np.ndarray
 
 SWEEPS = 40
-"""Rounds in which two pairs that share a field settle in turn; each round shrinks what is left by a mass ratio."""
+"""Most rounds in which pairs that share a field settle in turn; each round shrinks what is left by a mass ratio."""
+
+SETTLED = 1e-14
+"""Rounds end when the impulses of all pairs together change by less than this share."""
 
 
 @inline
@@ -44,12 +49,14 @@ def find_pair_impulses(
 @inline
 def settle_pairs(
     law, which, axes, count, members, begin, chosen, coupled, mp, normal, separation_now, area, bond, dt,
-    displacement_only, dp0, wanted, total, state,
+    displacement_only, dp0, wanted, found, total, state,
 ):  # fmt: skip
-    """Settle every pair that law ``which`` governs into ``total`` (k, d); ``wanted`` (k, d) is scratch.
+    """Settle every pair that law ``which`` governs into ``total`` (k, d); ``wanted`` and ``found`` (k, d) are scratch.
 
     With ``coupled`` only pairs of nodes that ``chosen`` (slots,) marks, each on what the others at its node do to it.
+    Returns by how much totals changed and how large they are, sums of magnitudes.
     """
+    change, size = 0.0, 0.0
     for k in range(count):
         slot = members.slot[k]
         if not members.pair[k] or members.law[k] != which or (coupled and not chosen[slot]):
@@ -72,19 +79,24 @@ def settle_pairs(
                             wanted[k, a] -= sign * reduced * total[other, a] / mp[i, 0]
         state[k] = settle(
             law, axes, wanted[k], normal[k], separation_now[k], area[k], reduced, dt, displacement_only, bond[k],
-            total[k],
+            found[k],
         )  # fmt: skip
+        for a in range(len(axes)):
+            change += abs(found[k, a] - total[k, a])
+            size += abs(found[k, a])
+            total[k, a] = found[k, a]
+    return change, size
 
 
 @inline
-def choose_pairs(slots, members, begin, state, chosen):
-    """Mark the nodes where one or two pairs are in contact: ``chosen`` (slots,)."""
+def choose_pairs(slots, members, begin, most, state, chosen):
+    """Mark the nodes where one to ``most`` pairs are in contact: ``chosen`` (slots,)."""
     for slot in range(slots):
         touching = 0
         for k in range(begin[slot], begin[slot + 1]):
             if members.pair[k] and state[k] > 0:
                 touching += 1
-        chosen[slot] = 0 < touching < 3
+        chosen[slot] = 0 < touching <= most
 
 
 @inline

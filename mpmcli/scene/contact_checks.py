@@ -326,7 +326,7 @@ def _check_choices(parts: Parts, fields: Fields, report: Report) -> None:
     if "mass_ratio" in given and not any(law.screened and not law.skipped for law in laws):
         idle("mass_ratio", f"the law {kinds} takes all nodes alike")
     _check_calibration(parts, report)
-    if contact.three_or_more == "pairs" and len(fields.names) < 3:
+    if contact.three_or_more != "lumped" and len(fields.names) < 3:
         idle("three_or_more", f"the scene has {len(fields.names)} velocity fields")
     if getattr(contact.normal, "rigid_bias", 1.0) != 1.0 and not any(m.is_rigid for m in fields.members):
         idle("normal.rigid_bias", "no body is rigid")

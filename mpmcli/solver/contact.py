@@ -80,7 +80,8 @@ class NodalContact(NoContact):
             screened=np.array([law.screened for law in models]),
             rigid=rigid,
             mass_ratio=model.mass_ratio,
-            explicit=model.three_or_more == "pairs",
+            explicit=model.three_or_more != "lumped",
+            coupled=model.three_or_more == "coupled",
             shares_normal=model.normal.shares_normal,
         )
         self._axes = (0.0,) * d
@@ -284,7 +285,7 @@ class NodalContact(NoContact):
     def _settle_pairs(
         self, v: Array | None, prior: Array | None, net: Array | None, dt: float, advance: float
     ) -> None:
-        """The contacts that ``three_or_more: pairs`` asks for."""
+        """The contacts that ``three_or_more: pairs`` or ``coupled`` asks for."""
         s, c, g = self._s, self.contacts, self.contacts.geometry
         slots, n = self.clouds.count, s.grid.node_count
         chosen, total, wanted = np.zeros(slots, dtype=bool), np.zeros_like(c.dp), np.zeros_like(c.dp)
@@ -293,17 +294,22 @@ class NodalContact(NoContact):
             g.separation, c.separation_now, advance, c.dp0, total,
         )  # fmt: skip
         for sweep in range(pairs.SWEEPS + 1):
+            change = size = 0.0
             for which in self._used:
                 if not self._rules.skipped[which]:
-                    pairs.settle_pairs(
+                    moved, whole = pairs.settle_pairs(
                         self._laws[which], which, self._axes, c.count, c.members, c.begin, chosen, sweep > 0, s.grid.mp,
                         g.normal, c.separation_now, g.area, g.bond, dt, self._model.displacement_only, c.dp0, wanted,
-                        total, c.state,
+                        c.settled, total, c.state,
                     )  # fmt: skip
+                    change, size = change + moved, size + whole
             if sweep == 0:
-                pairs.choose_pairs(slots, c.members, c.begin, c.state, chosen)
+                most = len(c.members.pair) if self._rules.coupled else 2
+                pairs.choose_pairs(slots, c.members, c.begin, most, c.state, chosen)
                 if not chosen.any():
                     break
+            elif change <= pairs.SETTLED * size:
+                break
         pairs.finish_pairs(
             self._axes,
             c.count,

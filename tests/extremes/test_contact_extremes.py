@@ -190,7 +190,7 @@ FOUR = [box(f"b{i}", [x, y], [x + 2.5, y + 2.5], [-0.4 * x - 0.5, -0.4 * y - 0.5
 
 
 @pytest.mark.parametrize("transfer", TRANSFERS, ids=IDS)
-@pytest.mark.parametrize("way", ["lumped", "pairs"])
+@pytest.mark.parametrize("way", ["lumped", "pairs", "coupled"])
 @pytest.mark.parametrize("bodies", [THREE, FOUR], ids=["three", "four"])
 def test_many_fields_at_a_node(bodies, way, transfer):
     """What lumping does to momentum is in the column to the last digit; where pairs are settled none is lost."""

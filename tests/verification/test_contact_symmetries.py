@@ -75,7 +75,7 @@ def check(one: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> None:
 
 
 @pytest.mark.parametrize(("shape", "transfer"), SLOW)
-@pytest.mark.parametrize("way", ["two", "lumped", "pairs"])
+@pytest.mark.parametrize("way", ["two", "lumped", "pairs", "coupled"])
 def test_no_order_mirror_or_turn_matters(way, shape, transfer):
     bodies = DISKS if way == "two" else [*DISKS, THIRD]
     three = "lumped" if way == "two" else way
