@@ -2,8 +2,8 @@
 
 ``three_or_more: pairs`` does so where at most two pairs are in contact, and lumps the fields elsewhere (Nairn et al.
 2020, section 3.4). ``coupled`` settles all pairs: each in turn on what the others do to it, until nothing changes, as
-blocked Gauss-Seidel iterations for many bodies in contact do (Jourdan, Alart and Jean 1998). Momentum is conserved. Such
-nodes are few: these loops are serial.
+blocked Gauss-Seidel iterations for many bodies in contact do (Jourdan, Alart and Jean 1998). Momentum is conserved.
+Such nodes are few: these loops are serial.
 """
 
 from __future__ import annotations

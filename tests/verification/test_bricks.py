@@ -1,4 +1,4 @@
-"""Walls of bricks pressed together: smooth joints along the axes change nothing, so the answer is uniform compression."""
+"""Walls of bricks pressed together: smooth joints along the axes leave uniform compression as it is."""
 
 from __future__ import annotations
 
@@ -22,7 +22,13 @@ def wall_of_bricks(bricks, transfer):
             "grid": {"lower": [0, 0], "upper": [1, 2], "cell": 0.125},
             "method": {"shape": "lcpdi", "transfer": transfer},
             "materials": {
-                "metal": {"kind": "neo_hookean", "density": 2.78e-3, "K": 78090, "G": 27600, "split": "isochoric"}
+                "metal": {
+                    "kind": "neo_hookean",
+                    "density": 2.78e-3,
+                    "K": 78090,
+                    "G": 27600,
+                    "split": "isochoric",
+                }
             },
             "bodies": [
                 {
