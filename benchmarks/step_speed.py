@@ -1,6 +1,6 @@
 """Time per particle and step, beside what the machine can do in the same minutes.
 
-    python benchmarks/step_speed.py [--quick] [--json FILE] [--threads 1 2] [--repeats N]
+    python benchmarks/step_speed.py [--quick | --orders] [--json FILE] [--threads 1 2] [--repeats N]
 
 Every case is set up once; then all cases and the calibration loops are measured in turn, and again, so that a
 disturbance hits all of them alike. Medians are printed. See benchmarks/README.md for how to read the tables.
@@ -18,6 +18,7 @@ import statistics
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -41,6 +42,10 @@ TARGETS = {
 """Nanoseconds per particle and step with two threads."""
 
 
+UPDATES = ("usl", "usf", "usavg", "usl+", "usavg+")
+"""Strain updates; the first finds grid velocities once per step, the others relate to it."""
+
+
 @dataclass(frozen=True)
 class Case:
     """One scene to time."""
@@ -50,6 +55,7 @@ class Case:
     transfer: str
     order: int
     particles: int
+    update: str = "usl"
 
     @property
     def method(self) -> str:
@@ -59,7 +65,8 @@ class Case:
     @property
     def name(self) -> str:
         """Words for one line."""
-        return f"{self.dimensions}D {self.shape} {self.method} {self.particles // 1000}k"
+        update = "" if self.update == "usl" else f" {self.update}"
+        return f"{self.dimensions}D {self.shape} {self.method}{update} {self.particles // 1000}k"
 
 
 def full_list() -> list[Case]:
@@ -83,6 +90,16 @@ def quick_list() -> list[Case]:
     return [*cases, Case(3, "ugimp", "flip", 1, 20_000)]
 
 
+def orders_list() -> list[Case]:
+    """What Eq. 3 is fitted to: orders by update scheme and shape function."""
+    return [
+        Case(2, shape, *transfer, 20_000, update)
+        for shape in ("ugimp", "lcpdi")
+        for update in UPDATES
+        for transfer in (("flip", 1), ("fmpm", 4), ("fmpm", 8), ("fmpm", 16))
+    ]
+
+
 def scene_text(case: Case) -> str:
     """A block with a uniform velocity (a tenth of the wave speed) and a compressive gradient."""
     import yaml
@@ -101,6 +118,7 @@ def scene_text(case: Case) -> str:
         "grid": {"lower": [-margin] * d, "upper": [side + margin for side in sides], "cell": 1},
         "method": {
             "shape": case.shape,
+            "update": case.update,
             "transfer": {"kind": "flip"}
             if case.transfer == "flip"
             else {"kind": "fmpm", "order": case.order},
@@ -161,7 +179,7 @@ class Timed:
         passes = (case.order - 1) * (X + size + 1 + domain)
         return 8.0 * (scatter + motion + strain + passes)
 
-    def measure(self, threads: int) -> None:
+    def measure(self, threads: int, clock: Callable[[], float] = time.perf_counter) -> None:
         """Take one sample: nanoseconds per particle and step."""
         numba.set_num_threads(threads)
         s = self.simulation
@@ -169,10 +187,10 @@ class Timed:
             setattr(s.particles, name, array.copy())
         s.order.drift = math.inf
         s.timings.clear()
-        begin = time.perf_counter()
+        begin = clock()
         for _ in range(self.steps):
             s.step()
-        took = time.perf_counter() - begin
+        took = clock() - begin
         self.tasks[threads] = {task: t / (self.steps * self.particles) * 1e9 for task, t in s.timings.items()}
         self.samples.setdefault(threads, []).append(took / (self.steps * self.particles) * 1e9)
 
@@ -226,8 +244,14 @@ def peak_memory() -> float:
     )
 
 
-def run_all(cases: list[Case], threads: list[int], repeats: int, sizes: tuple[int, int]) -> dict[str, Any]:
-    """Measure everything."""
+def run_all(
+    cases: list[Case],
+    threads: list[int],
+    repeats: int,
+    sizes: tuple[int, int] | None,
+    clock: Callable[[], float] = time.perf_counter,
+) -> dict[str, Any]:
+    """Measure everything; without sizes no memory."""
 
     def say(words: str) -> None:
         print(words, file=sys.stderr, flush=True)
@@ -242,7 +266,7 @@ def run_all(cases: list[Case], threads: list[int], repeats: int, sizes: tuple[in
         for n in threads:
             calibration.measure(n)
             for entry in timed:
-                entry.measure(n)
+                entry.measure(n, clock)
     triad = {n: statistics.median(calibration.bandwidth[n]) for n in threads}
     scalar = {n: statistics.median(calibration.arithmetic[n]) for n in threads}
     most = max(threads)
@@ -264,7 +288,7 @@ def run_all(cases: list[Case], threads: list[int], repeats: int, sizes: tuple[in
         )
     timed.clear()
     memory = {}
-    for shape in ("ugimp", "lcpdi"):
+    for shape in ("ugimp", "lcpdi") if sizes else ():
         say(f"memory: {shape}")
         few, many = (measure_memory(n, shape) for n in sizes)
         slope = (many["peak"] - few["peak"]) / (many["particles"] - few["particles"])
@@ -293,6 +317,9 @@ def main() -> None:
     """Read the command line, measure, print."""
     parser = argparse.ArgumentParser(description="Time per particle and step.")
     parser.add_argument("--quick", action="store_true", help="few small cases, half a minute once compiled")
+    parser.add_argument(
+        "--orders", action="store_true", help="orders by strain update, by the CPU time of one thread"
+    )
     parser.add_argument("--json", type=Path, help="write all figures to this file")
     parser.add_argument(
         "--threads", type=int, nargs="+", help="numbers of threads (1 and 2, as far as there are)"
@@ -304,11 +331,14 @@ def main() -> None:
     if options.one:
         run_one(options.one[0], int(options.one[1]))
         return
-    cases = quick_list() if options.quick else full_list()
+    cases = orders_list() if options.orders else quick_list() if options.quick else full_list()
     cases = [case for case in cases if options.only is None or options.only in case.name]
     threads = options.threads or [n for n in (1, 2) if n <= numba.config.NUMBA_NUM_THREADS]
+    threads = [1] if options.orders else threads
     repeats = options.repeats or (3 if options.quick else 5)
-    result = run_all(cases, threads, repeats, (80_000, 320_000) if options.quick else (320_000, 2_000_000))
+    sizes = None if options.orders else (80_000, 320_000) if options.quick else (320_000, 2_000_000)
+    clock = time.process_time if options.orders else time.perf_counter
+    result = run_all(cases, threads, repeats, sizes, clock)
     print(report(result))
     if options.json:
         options.json.write_text(json.dumps(result, indent=1))

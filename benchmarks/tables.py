@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import statistics
 from typing import Any
 
 SCALES = 1.8
@@ -9,20 +10,32 @@ SCALES = 1.8
 
 
 def slope_of_orders(rows: list[dict[str, Any]], threads: int) -> list[dict[str, Any]]:
-    """Cost of one more order between the lowest and highest FMPM order from 4 on, beside the FLIP step of the same."""
-    found = []
-    kinds = dict.fromkeys(
-        (r["dimensions"], r["shape"], r["particles"]) for r in rows if r["transfer"] == "fmpm"
-    )
-    for d, shape, particles in kinds:
-        same = [r for r in rows if (r["dimensions"], r["shape"], r["particles"]) == (d, shape, particles)]
+    """Eq. 3 of Nairn (2026) fitted: relative time = 1 + φ (k − 1) F, by update scheme.
+
+    The cost of one more order is the slope of a straight line through the FMPM orders from 4 on. F is that of ``usl``,
+    which finds grid velocities once per step, over the FLIP step of the scheme; φ the slope over that of ``usl``.
+    """
+    found: list[dict[str, Any]] = []
+    once: dict[tuple[Any, ...], float] = {}
+    kinds = dict.fromkeys((*_block(r), r["update"]) for r in rows if r["transfer"] == "fmpm")
+    for *block, update in sorted(kinds, key=lambda kind: kind[-1] != "usl"):
+        same = [r for r in rows if _block(r) == tuple(block) and r["update"] == update]
         at = {r["order"]: r["ns"][threads] for r in same if r["transfer"] == "fmpm" and r["order"] >= 4}
         flip = next((r["ns"][threads] for r in same if r["transfer"] == "flip"), None)
         if len(at) > 1 and flip is not None:
-            low, high = min(at), max(at)
-            slope = (at[high] - at[low]) / (high - low)
-            found.append({"case": f"{d}D {shape} {particles // 1000}k", "ns": slope, "F": slope / flip})
+            slope = statistics.linear_regression(list(at), list(at.values())).slope
+            if update == "usl":
+                once[tuple(block)] = slope
+            one = once.get(tuple(block), slope)
+            d, shape, particles = block
+            entry = {"case": f"{d}D {shape} {update} {particles // 1000}k", "ns": slope, "F": one / flip}
+            entry |= {"phi": slope / one, "flip_ns": flip}
+            found.append(entry | {"relative": {k: ns / flip for k, ns in at.items()}})
     return found
+
+
+def _block(row: dict[str, Any]) -> tuple[Any, ...]:
+    return row["dimensions"], row["shape"], row["particles"]
 
 
 def report(result: dict[str, Any]) -> str:
@@ -60,7 +73,8 @@ def report(result: dict[str, Any]) -> str:
     ]
     for n in threads:
         for entry in result["slopes"][n]:
-            words = f"{entry['ns']:.1f} ns per order, F = {entry['F']:.2f} of a FLIP step"
+            words = f"{entry['ns']:.1f} ns per order, F = {entry['F']:.3f}, φ = {entry['phi']:.2f}; times over FLIP "
+            words += ", ".join(f"{ratio:.2f} (k = {k})" for k, ratio in entry["relative"].items())
             lines.append(f"FMPM, {entry['case']}, {_threads(n)}: {words}")
     for shape, entry in result["memory"].items():
         lines.append(
