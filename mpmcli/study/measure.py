@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+import time as timer
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -36,15 +37,18 @@ def measure_case(job: dict[str, Any]) -> dict[str, Any]:
     -------
     dict
         ``ended`` and ``message``; ``run_seconds`` (all steps at the mean of those after the first),
-        ``step_seconds``, ``peak_memory`` in bytes, ``steps``, ``particles``, ``smallest_cell``, and ``table`` as CSV.
+        ``step_seconds``, ``cpu_seconds`` (of all processors, set-up apart), ``peak_memory`` in bytes, ``steps``,
+        ``particles``, ``smallest_cell``, and ``table`` as CSV.
     """
     from mpmcli.run.api import run
     from mpmcli.solver.simulation import Simulation
 
     made: list[Any] = []
+    begins: list[float] = []
 
     def make(loaded: LoadedScene, threads: int | None) -> Any:
         made.append(Simulation(loaded, threads=threads))
+        begins.append(timer.process_time())
         return made[-1]
 
     options: dict[str, Any] = {"threads": job.get("threads"), "verbosity": -1, "progress": False}
@@ -56,6 +60,7 @@ def measure_case(job: dict[str, Any]) -> dict[str, Any]:
         run(short, Path(folder) / "warm-up", **options)
         loaded = only_table(load_job(job), job["columns"])
         outcome = run(loaded, Path(folder) / "run", until=until, make_simulation=make, **options)
+        cpu_seconds = timer.process_time() - begins[-1]
         facts = (read_manifest(Path(folder) / "run") or {}).get("run", {})
         table = (Path(folder) / "run" / GLOBALS).read_text(encoding="utf-8")
     simulation = made[-1]
@@ -68,6 +73,7 @@ def measure_case(job: dict[str, Any]) -> dict[str, Any]:
         "message": "" if outcome.exit_code == 0 else outcome.ended,
         "step_seconds": step_seconds,
         "run_seconds": None if step_seconds is None else step_seconds * outcome.steps,
+        "cpu_seconds": cpu_seconds,
         "peak_memory": peak_memory(),
         "steps": outcome.steps,
         "particles": particles,

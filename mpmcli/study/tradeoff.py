@@ -26,7 +26,7 @@ from mpmcli.study.transfers import label_of, split_list, transfer_value
 from mpmcli.study.trial import load_job
 
 Array = np.ndarray
-Cost = Literal["run_seconds", "step_seconds", "peak_memory"]
+Cost = Literal["run_seconds", "cpu_seconds", "step_seconds", "peak_memory"]
 RUNS, TABLES = "runs.jsonl", "tables"
 INVALID = "invalid scene"
 DEFAULT_COLUMNS = ("kinetic_energy", "strain_energy")
@@ -350,27 +350,32 @@ def sentence(cases: Sequence[Case], within: float, against: str, cost: Cost = "r
     able = _comparable(cases, cost)
     if not able:
         return "No case could be compared."
-    good = [case for case in able if case.error is not None and case.error <= within]
-    if not good:
+    chosen = find_cheapest(cases, within, cost)
+    if chosen is None:
         best = min(able, key=lambda c: c.error if c.error is not None else np.inf)
         return (
             f"No case comes within {100 * within:g} % of {against}; the nearest is {best.name}, "
             f"with an error of {100 * (best.error or 0.0):.3g} % in {_price(best, cost)}."
         )
-    best = min(good, key=lambda c: c.median(cost) or 0.0)
     words = (
-        f"The cheapest case within {100 * within:g} % of {against} is {best.name}: "
-        f"an error of {100 * (best.error or 0.0):.3g} % in {_price(best, cost)}"
+        f"The cheapest case within {100 * within:g} % of {against} is {chosen.name}: "
+        f"an error of {100 * (chosen.error or 0.0):.3g} % in {_price(chosen, cost)}"
     )
     dearest = max(able, key=lambda c: c.median(cost) or 0.0)
-    if dearest is not best:
-        ratio = (dearest.median(cost) or 0.0) / (best.median(cost) or 1.0)
+    if dearest is not chosen:
+        ratio = (dearest.median(cost) or 0.0) / (chosen.median(cost) or 1.0)
         words += f"; the most expensive one, {dearest.name}, costs {ratio:.2g} times as much"
     return words + "."
+
+
+def find_cheapest(cases: Sequence[Case], within: float, cost: Cost = "run_seconds") -> Case | None:
+    """The cheapest case within a given error, the one that ``sentence`` names."""
+    good = [case for case in _comparable(cases, cost) if case.error is not None and case.error <= within]
+    return min(good, key=lambda c: c.median(cost) or 0.0) if good else None
 
 
 def _price(case: Case, cost: Cost) -> str:
     value = case.median(cost) or 0.0
     if cost == "peak_memory":
         return f"{value / 2**20:.4g} MiB"
-    return f"{value:.3g} s" + (" per step" if cost == "step_seconds" else "")
+    return f"{value:.3g} s" + {"step_seconds": " per step", "cpu_seconds": " of the processor"}.get(cost, "")

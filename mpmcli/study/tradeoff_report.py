@@ -9,11 +9,12 @@ from typing import Any
 import mpmcli
 from mpmcli.study.plotting import finish, new_figure
 from mpmcli.study.report import as_text, write_csv, write_json
-from mpmcli.study.tradeoff import Case, Cost
+from mpmcli.study.tradeoff import Case, Cost, find_cheapest
 
 NAME = "tradeoff"
 COSTS: dict[Cost, str] = {
     "run_seconds": "run time, s",
+    "cpu_seconds": "processor time, s",
     "step_seconds": "time per step, s",
     "peak_memory": "peak memory, bytes",
 }
@@ -60,6 +61,7 @@ def tradeoff_as_text(cases: Sequence[Case]) -> str:
             | {
                 "error": None if case.error is None else 100.0 * case.error,
                 "run": row["run_seconds"],
+                "cpu": row["cpu_seconds"],
                 "step": None if step is None else 1e3 * step,
                 "memory": None if memory is None else memory / 2**20,
                 "remark": remark if len(remark) <= LONGEST_REMARK else remark[: LONGEST_REMARK - 1] + "…",
@@ -69,6 +71,7 @@ def tradeoff_as_text(cases: Sequence[Case]) -> str:
         "mark": "",
         "error": "error, %",
         "run": "run, s",
+        "cpu": "cpu, s",
         "step": "step, ms",
         "memory": "memory, MiB",
         "remark": "",
@@ -121,14 +124,28 @@ def plot_tradeoff(
     if len(others) > 1:
         for number, value in enumerate(others):
             axes.plot([], [], "osD^vP*Xh<>"[number % 11], color="0.3", fillstyle="none", label=value)
+    chosen = find_cheapest(cases, within, cost)
+    if chosen is not None:
+        place = chosen.median(cost), 100.0 * max(chosen.error or 0.0, FARTHEST)
+        axes.plot(*place, "o", color="black", fillstyle="none", markersize=15, label="cheapest within")
     if shown:
-        axes.set_xscale("log")
-        axes.set_yscale("log")
+        _logarithmic(axes)
         axes.axhline(100.0 * within, color="0.4", linestyle=":", linewidth=1, label=f"{100 * within:g} %")
     axes.set_xlabel(f"{COSTS[cost]}  (cheaper to the left)")
     axes.set_ylabel("error, %  (better below)")
     axes.set_title(f"{title}\nerror against {against}", fontsize="medium")
     finish(figure, axes, path)
+
+
+def _logarithmic(axes: Any) -> None:
+    """Logarithmic axes with plain numbers instead of powers of ten."""
+    from matplotlib.ticker import LogFormatter
+
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(LogFormatter())
+        axis.set_minor_formatter(LogFormatter(minor_thresholds=(2, 0.6)))
 
 
 def _others(case: Case, keys: Sequence[str]) -> str:

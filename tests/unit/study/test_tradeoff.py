@@ -20,6 +20,7 @@ from mpmcli.study.tradeoff import (
     Case,
     Measure,
     Variation,
+    find_cheapest,
     find_errors,
     find_finest,
     make_cases,
@@ -52,6 +53,7 @@ class Pretend:
             "message": "",
             "run_seconds": seconds,
             "step_seconds": seconds / 10,
+            "cpu_seconds": 3.0 / order,
             "peak_memory": 1000 + order,
             "steps": 10,
             "particles": 80,
@@ -230,6 +232,16 @@ def test_front_and_sentence():
         "No case comes within 0.1 % of the reference; the nearest is k d, with an error of 0.5 % in 4 s"
     )
     assert sentence([], 0.1, "x") == "No case could be compared."
+
+
+def test_the_processor_may_be_the_cost(tmp_path):
+    cases = measured(tmp_path, "fmpm:1,fmpm:2")
+    for one, error in zip(cases, (0.02, 0.01), strict=True):
+        one.error = error
+    assert find_cheapest(cases, 0.03) is cases[0]
+    assert find_cheapest(cases, 0.03, "cpu_seconds") is cases[1]
+    assert find_cheapest(cases, 0.001) is None
+    assert "fmpm:2: an error of 1 % in 1.5 s of the processor" in sentence(cases, 0.03, "x", "cpu_seconds")
 
 
 def test_the_finest_case_has_the_smallest_cells_then_the_highest_price():
