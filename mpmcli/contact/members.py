@@ -1,0 +1,177 @@
+"""Which velocity fields meet at which node.
+
+A contact is seen from one field, α, against β: the other field of a node with two, all others lumped at a node with
+more (Nairn et al. 2020, Eq. 50), or one rigid field. At a node with two fields that share a normal one contact serves
+both sides; otherwise each field has a contact of its own.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from mpmcli.core.kernel import inline
+
+Array = np.ndarray
+
+
+class Rules(NamedTuple):
+    """What fields do when they meet.
+
+    law : (fields, fields) index of the law of each pair
+    skipped, screened : (laws,) whether a law leaves fields alone; whether it passes over small mass ratios
+    rigid : (fields,) whether a field belongs to a rigid body
+    mass_ratio : smallest share of the mass at a node that counts
+    explicit : nodes of three or more fields are settled pair by pair where that can be done
+    coupled : they always are, so that lumped contacts are not needed
+    shares_normal : one normal serves both sides
+    """
+
+    law: Array
+    skipped: Array
+    screened: Array
+    rigid: Array
+    mass_ratio: float
+    explicit: bool
+    coupled: bool
+    shares_normal: bool
+
+
+class Members(NamedTuple):
+    """Who meets whom: one row per contact, (k,) each.
+
+    slot : contact node, as counted by ``Clouds``
+    alpha, partner : degrees of freedom of α and of the field of β with most volume
+    first, last : the entries of the node among which β is (all others but α, or the rigid one alone)
+    law : index of the law
+    stage : contacts of one stage act at once, those of the next on what comes of it
+    rigid : β is a rigid body
+    alone : β is the partner alone, else all other deformable fields lumped
+    pair : one of the pairs at a node of three or more fields that is to be settled pair by pair
+    both : the contact acts on both sides, else on α alone
+    order : +1 if α comes before its partner, or the partner is rigid; else −1
+    """
+
+    slot: Array
+    alpha: Array
+    partner: Array
+    first: Array
+    last: Array
+    law: Array
+    stage: Array
+    rigid: Array
+    alone: Array
+    pair: Array
+    both: Array
+    order: Array
+
+
+@inline
+def put_contact(m, k, slot, alpha, partner, first, last, law):
+    """Write row ``k`` of the members ``m``: a contact of α with others lumped, on α alone."""
+    m.slot[k] = slot
+    m.alpha[k] = alpha
+    m.partner[k] = partner
+    m.first[k], m.last[k] = first, last
+    m.law[k] = law
+    m.stage[k] = 0
+    m.rigid[k] = m.alone[k] = m.pair[k] = m.both[k] = False
+    m.order[k] = 1.0
+
+
+@inline
+def list_contacts(rules, node_count, slots, first, dof, volume, mp, m, begin):
+    """Write the contacts of all contact nodes into ``m``; returns their number.
+
+    ``first`` (slots + 1,), ``dof`` and ``volume`` (entries,) describe the nodes; ``begin`` (slots + 1,) receives
+    where the contacts of each node begin.
+    """
+    k = 0
+    for slot in range(slots):
+        begin[slot] = k
+        low, high = first[slot], first[slot + 1]
+        soft = 0
+        for e in range(low, high):
+            if not rules.rigid[dof[e] // node_count]:
+                soft += 1
+        if soft == 2 or (soft > 2 and not rules.coupled):
+            total = 0.0
+            for e in range(low, high):
+                if not rules.rigid[dof[e] // node_count]:
+                    total += mp[dof[e], 0]
+            both = soft == 2 and rules.shares_normal
+            for e in range(low, high):
+                field = dof[e] // node_count
+                if rules.rigid[field]:
+                    continue
+                partner = -1
+                for other in range(low, high):
+                    if other == e or rules.rigid[dof[other] // node_count]:
+                        continue
+                    if partner < 0 or volume[other] > volume[partner]:
+                        partner = other
+                law = rules.law[field, dof[partner] // node_count]
+                share = mp[dof[e], 0] / total
+                small = share < rules.mass_ratio or share > 1.0 - rules.mass_ratio
+                if rules.skipped[law] or (small and rules.screened[law]):
+                    if both:
+                        break
+                    continue
+                put_contact(m, k, slot, dof[e], dof[partner], low, high, law)
+                m.alone[k] = soft == 2
+                m.both[k] = both
+                m.order[k] = 1.0 if dof[e] < dof[partner] else -1.0
+                k += 1
+                if both:
+                    break
+        if soft > 2 and rules.explicit:
+            for e in range(low, high):
+                for other in range(e + 1, high):
+                    field, partner_field = dof[e] // node_count, dof[other] // node_count
+                    if rules.rigid[field] or rules.rigid[partner_field]:
+                        continue
+                    law = rules.law[field, partner_field]
+                    share = mp[dof[e], 0] / (mp[dof[e], 0] + mp[dof[other], 0])
+                    small = share < rules.mass_ratio or share > 1.0 - rules.mass_ratio
+                    if rules.skipped[law] or (small and rules.screened[law]):
+                        continue
+                    put_contact(m, k, slot, dof[e], dof[other], other, other + 1, law)
+                    m.alone[k] = True
+                    m.pair[k] = True
+                    m.both[k] = True
+                    k += 1
+        stage = 0
+        for r in range(low, high):
+            if not rules.rigid[dof[r] // node_count]:
+                continue
+            stage += 1
+            for e in range(low, high):
+                field = dof[e] // node_count
+                law = rules.law[field, dof[r] // node_count]
+                if rules.rigid[field] or rules.skipped[law]:
+                    continue
+                put_contact(m, k, slot, dof[e], dof[r], r, r + 1, law)
+                m.stage[k] = stage
+                m.rigid[k] = True
+                m.alone[k] = True
+                k += 1
+    begin[slots] = k
+    return k
+
+
+@inline
+def most_contacts(rules, node_count, slots, first, dof):
+    """Upper bound of the number of contacts of these nodes."""
+    most = 0
+    for slot in range(slots):
+        soft, hard = 0, 0
+        for e in range(first[slot], first[slot + 1]):
+            if rules.rigid[dof[e] // node_count]:
+                hard += 1
+            else:
+                soft += 1
+        most += soft + soft * hard
+        if rules.explicit:
+            most += soft * (soft - 1) // 2
+    return most
