@@ -13,9 +13,24 @@ from mpmcli.cli.options import SceneChanges, check_time_step, load_checked, scen
 @click.command("explain")
 @click.argument("scene", type=click.Path(path_type=str))
 @click.option("--json", "as_object", is_flag=True, help="Print a JSON object.")
+@click.option(
+    "--measure",
+    "measures",
+    is_flag=True,
+    help="Run some steps in memory (seconds) and tell what each part costs.",
+)
+@click.option(
+    "-j",
+    "--threads",
+    type=click.IntRange(1, 4096),
+    envvar="MPMCLI_NUM_THREADS",
+    help="Number of threads that times are for [env: MPMCLI_NUM_THREADS]; all by default.",
+)
 @scene_options
-def command(scene: str, as_object: bool, **changes: Unpack[SceneChanges]) -> None:
-    """Tell what SCENE will model and what not, its time step, memory and cost."""
+def command(
+    scene: str, as_object: bool, measures: bool, threads: int | None, **changes: Unpack[SceneChanges]
+) -> None:
+    """Tell what SCENE will model and what not, what could go, its time step, memory and cost."""
     loaded = load_checked(scene, changes)
     check_time_step(loaded)
     show_warnings(loaded)
@@ -23,7 +38,12 @@ def command(scene: str, as_object: bool, **changes: Unpack[SceneChanges]) -> Non
     from mpmcli.solver.explain import explain
 
     try:
-        report = explain(loaded)
+        measured = None
+        if measures:
+            from mpmcli.solver.shares import measure
+
+            measured = measure(loaded, threads)
+        report = explain(loaded, threads, measured)
     except SceneError as error:
         raise loaded.locate(error) from None
     if as_object:

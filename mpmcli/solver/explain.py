@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import asdict, fields
 from typing import Any
 
 import numpy as np
@@ -11,10 +11,12 @@ from mpmcli.contact.clouds import find_candidates
 from mpmcli.core.grid import Grid
 from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
+from mpmcli.core.runtime import available_threads
 from mpmcli.core.suggest import listing
 from mpmcli.scene.fields import law_table
 from mpmcli.solver.plan import PARALLEL_FROM, Plan, StepArrays, allocate_step_arrays, make_plan
 from mpmcli.solver.setup import make_grid, make_particles
+from mpmcli.solver.spare import find_questions, find_spare
 from mpmcli.stability.scene_limit import SAFETY, NoKnownLimit, chosen_courant, known_limit
 
 Array = np.ndarray
@@ -26,7 +28,9 @@ PASS_SHARE = 0.3
 
 
 @np.errstate(all="ignore")
-def explain(loaded: Any, threads: int = 2) -> dict[str, Any]:
+def explain(
+    loaded: Any, threads: int | None = None, measured: dict[str, Any] | None = None
+) -> dict[str, Any]:
     """Tell what a scene will do, without doing it.
 
     Parameters
@@ -34,7 +38,9 @@ def explain(loaded: Any, threads: int = 2) -> dict[str, Any]:
     loaded
         The scene as ``scene.load_scene`` read it.
     threads
-        Threads that the estimate of the run time counts on.
+        Threads that the estimate of the run time counts on; all that the process may use if None.
+    measured
+        What ``shares.measure`` found, to be told too.
 
     Returns
     -------
@@ -42,6 +48,7 @@ def explain(loaded: Any, threads: int = 2) -> dict[str, Any]:
         Facts by name, all of them fit for JSON, and under ``text`` the same for people.
     """
     scene = loaded.scene
+    threads = threads or available_threads()
     plan = make_plan(scene)
     grid = make_grid(scene, plan)
     particles, _ = make_particles(scene, plan, grid)
@@ -73,6 +80,9 @@ def explain(loaded: Any, threads: int = 2) -> dict[str, Any]:
     share = 1.0 + PASS_SHARE * (plan.order - 1)
     parallel = particles.count >= PARALLEL_FROM
     seconds = STEP_NANOSECONDS[grid.dimensions] * share * particles.count * steps * 1e-9
+    seconds /= threads if parallel else 1
+    if measured is not None and measured["seconds_per_step"] is not None:
+        seconds = measured["seconds_per_step"] * steps
     facts: dict[str, Any] = {
         "title": scene.title,
         "analysis": name,
@@ -96,7 +106,11 @@ def explain(loaded: Any, threads: int = 2) -> dict[str, Any]:
         "stability_limit_of": known,
         "steps": steps,
         "parallel": parallel,
-        "estimated_seconds": seconds / (threads if parallel else 1),
+        "threads": threads,
+        "estimated_seconds": seconds,
+        "measured": measured,
+        "could_be_dropped": [asdict(spare) for spare in find_spare(scene, plan, grid, particles, dt)],
+        "to_find_out": find_questions(scene, plan),
     }
     facts["text"] = _text(facts)
     return facts
@@ -270,12 +284,53 @@ def _text(facts: dict[str, Any]) -> str:
         f"arrays     particles {facts['particle_bytes'] / 2**20:.1f} MiB, grid {facts['grid_bytes'] / 2**20:.1f} MiB "
         f"if every node were used ({', '.join(facts['arrays'])}); {size:.1f} MiB together",
         f"time step  {facts['time_step']:.4g} at the start: {_courant_in_words(facts)}",
-        f"run        about {facts['steps']} steps, very roughly {_duration(facts['estimated_seconds'])} on 2 threads"
-        if facts["parallel"]
-        else f"run        about {facts['steps']} steps, very roughly {_duration(facts['estimated_seconds'])}, "
-        "too small for threads",
+        f"run        about {facts['steps']} steps, {_time_in_words(facts)}",
+        *_measured_in_words(facts["measured"]),
+        "",
+        "Could go, the answer being the same:"
+        if facts["could_be_dropped"]
+        else "Nothing in it is known to be idle.",
+        *(f"  {s['path']}: {s['because']}; {s['same']}" for s in facts["could_be_dropped"]),
+        *(["To be found out with mpmcli tradeoff:"] if facts["to_find_out"] else []),
+        *(f"  {question}" for question in facts["to_find_out"]),
     ]
     return "\n".join(lines)
+
+
+def _time_in_words(facts: dict[str, Any]) -> str:
+    time = _duration(facts["estimated_seconds"])
+    threads = f"on {facts['threads']} threads" if facts["parallel"] else "too small for threads"
+    measured = facts["measured"]
+    if measured is None or measured["seconds_per_step"] is None:
+        return f"very roughly {time}, {threads} (--measure finds out)"
+    return f"{time} as measured, {threads}, output and what changes on the way apart"
+
+
+def _measured_in_words(measured: dict[str, Any] | None) -> list[str]:
+    if measured is None:
+        return []
+    if measured["seconds_per_step"] is None:
+        return ["measured   nothing: the run is over too soon"]
+    lines = [
+        f"measured   {measured['nanoseconds']:.3g} ns per particle and step, median of {measured['steps']} of the "
+        f"first steps, {_duration(measured['seconds_per_step'])} each",
+        *(f"  {share:6.1%}  {task}" for task, share in measured["tasks"].items()),
+    ]
+    if measured["parts"]:
+        parts = ", ".join(f"{name} {share:.1%}" for name, share in measured["parts"].items())
+        lines.append(f"  of which {parts}")
+    if measured["contact_steps"] is not None:
+        lines.append(f"  fields were in contact in {measured['contact_steps']:.0%} of these steps")
+    if measured["mean_order"] < measured["order"]:
+        share = f"{measured['transfer_steps']:.0%} of the steps are not FLIP's"
+        lines.append(f"  mean order {measured['mean_order']:.3g} of {measured['order']}; {share}")
+    if measured["F"] is None:
+        return [*lines, f"  no F of Eq. 3 of Nairn (2026): {measured['without_F']}"]
+    return [
+        *lines,
+        f"  one more order costs F = {measured['F']:.3g} of the step of FLIP (Eq. 3 of Nairn 2026; {measured['F_of']} "
+        "and FLIP in turns)",
+    ]
 
 
 def _courant_in_words(facts: dict[str, Any]) -> str:

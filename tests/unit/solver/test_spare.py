@@ -1,0 +1,234 @@
+"""What ``explain`` says could go: it is said where it is so, and running the scene without it gives the same answer."""
+
+from __future__ import annotations
+
+import json
+from copy import deepcopy
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from mpmcli.scene.loader import load_scene
+from mpmcli.solver.explain import explain
+from mpmcli.solver.shares import measure
+from mpmcli.solver.simulation import Simulation
+
+FMPM = {"kind": "fmpm", "order": 4}
+SCENE: dict[str, Any] = {
+    "version": 1,
+    "analysis": {"kind": "plane_strain"},
+    "grid": {"lower": [-12, -6], "upper": [12, 6], "cell": 1},
+    "method": {"shape": "ugimp", "transfer": {"kind": "flip"}},
+    "materials": {"soft": {"kind": "linear_elastic", "density": 1.0, "E": 10.0, "nu": 0.3}},
+    "bodies": [
+        {"name": "left", "material": "soft", "region": {"kind": "box", "lower": [-9, -2], "upper": [-4, 2]}},
+        {"name": "right", "material": "soft", "region": {"kind": "box", "lower": [4, -2], "upper": [9, 2]}},
+    ],
+    "time": {"end": 1, "courant": 0.2},
+}
+COULOMB = {"law": {"kind": "coulomb", "friction": 0.3}}
+TOUCHING = {"bodies.0.region.upper": [0, 2], "bodies.1.region.lower": [0, -2]}
+CLOSING = {"bodies.0.velocity": [1, 0], "bodies.1.velocity": [-1, 0]}
+
+
+def loaded(changes: dict[str, Any]):
+    """The scene with keys replaced, or left out where the value is None."""
+    scene: Any = deepcopy(SCENE)
+    for key, value in changes.items():
+        *parents, last = key.split(".")
+        at = scene
+        for name in parents:
+            at = at[int(name)] if isinstance(at, list) else at.setdefault(name, {})
+        at[last] = value
+    return load_scene(yaml.safe_dump({key: value for key, value in scene.items() if value is not None}))
+
+
+def dropped(changes: dict[str, Any]) -> dict[str, str]:
+    """Keys that could go, with the reason."""
+    return {s["path"]: s["because"] for s in explain(loaded(changes))["could_be_dropped"]}
+
+
+def state_after(changes: dict[str, Any], steps: int = 25) -> dict[str, np.ndarray]:
+    """Particles after some steps, by identity."""
+    s = Simulation(loaded(changes), threads=1)
+    for _ in range(steps):
+        s.step()
+    order = np.argsort(s.particles.id)
+    return {name: getattr(s.particles, name)[:, order] for name in ("X", "V", "tau")}
+
+
+STRAINED = CLOSING | {"bodies.0.velocity": ["1 + 0.05*x", "0.03*y"]}
+BLEND = {"kind": "fmpm", "order": 6}
+GRAVITY = [{"name": "weight", "kind": "gravity", "acceleration": [0, 0]}]
+PERFECT = TOUCHING | CLOSING
+
+CASES = {
+    # key that could go: (scene with it, without it, a scene like it where it has to stay, agreement)
+    "contact": (
+        CLOSING | {"contact": COULOMB, "bodies.1.velocity": [-0.1, 0.2], "bodies.0.velocity": [0.3, 0]},
+        {"bodies.1.velocity": [-0.1, 0.2], "bodies.0.velocity": [0.3, 0]},
+        CLOSING | {"contact": COULOMB, "time.end": 10},
+        1e-12,
+    ),
+    "contact (perfect)": (
+        PERFECT | {"contact": {"law": {"kind": "perfect"}}, "method.transfer": FMPM},
+        PERFECT | {"method.transfer": FMPM},
+        PERFECT | {"contact": {"law": {"kind": "perfect"}}, "method.transfer": {"kind": "xpic", "order": 4}},
+        1e-10,
+    ),
+    "contact.pairs.0": (
+        PERFECT | {"contact": COULOMB | {"pairs": [{"between": ["left", "right"], **COULOMB}]}},
+        PERFECT | {"contact": COULOMB},
+        PERFECT | {"contact": COULOMB | {"pairs": [{"between": ["left", "right"], "law": {"kind": "stick"}}]}},
+        0.0,
+    ),
+    "method.transfer.blend": (
+        STRAINED | {"method.transfer": BLEND | {"blend": {"order": 6, "fraction": 0.5}}},
+        STRAINED | {"method.transfer": BLEND},
+        STRAINED | {"method.transfer": BLEND | {"blend": {"order": 5, "fraction": 0.5}}},
+        0.0,
+    ),
+    "method.transfer.order": (
+        STRAINED | {"method.transfer": BLEND | {"blend": {"order": 2, "fraction": 0}}},
+        STRAINED | {"method.transfer": BLEND | {"order": 2}},
+        STRAINED | {"method.transfer": BLEND | {"blend": {"order": 2, "fraction": 0.1}}},
+        0.0,
+    ),
+    "method.transfer.dynamic": (
+        STRAINED | {"method.transfer": BLEND | {"order": 2, "dynamic": {}}},
+        STRAINED | {"method.transfer": BLEND | {"order": 2}},
+        STRAINED | {"method.transfer": BLEND | {"dynamic": {}}},
+        0.0,
+    ),
+    "method.transfer.every_steps": (
+        STRAINED | {"method.transfer": FMPM | {"every_steps": 1}},
+        STRAINED | {"method.transfer": FMPM},
+        STRAINED | {"method.transfer": FMPM | {"every_steps": 2}},
+        0.0,
+    ),
+    "method.transfer.every_courant": (
+        STRAINED | {"method.transfer": FMPM | {"every_courant": 0.2}},
+        STRAINED | {"method.transfer": FMPM},
+        STRAINED | {"method.transfer": FMPM | {"every_courant": 0.21}},
+        0.0,
+    ),
+    "method.transfer": (
+        STRAINED | {"method.transfer": FMPM | {"every_steps": 26}, "time.max_steps": 25},
+        STRAINED,
+        STRAINED | {"method.transfer": FMPM | {"every_steps": 25}, "time.max_steps": 25},
+        0.0,
+    ),
+    "method.artificial_viscosity": (
+        STRAINED | {"method.artificial_viscosity": {"linear": 0, "quadratic": 0}},
+        STRAINED,
+        STRAINED | {"method.artificial_viscosity": {"linear": 0.1, "quadratic": 0}},
+        0.0,
+    ),
+    "loads.weight": (
+        STRAINED | {"loads": GRAVITY},
+        STRAINED,
+        STRAINED | {"loads": [GRAVITY[0] | {"acceleration": [0, "0*t"]}]},
+        1e-12,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_what_could_go_is_named_where_it_is_so(name):
+    with_it, without, needed, _ = CASES[name]
+    key = name.split()[0]
+    assert key in dropped(with_it)
+    assert key not in dropped(without)
+    assert key not in dropped(needed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CASES)
+def test_without_it_the_answer_is_the_same(name):
+    with_it, without, _, agreement = CASES[name]
+    one, other = state_after(with_it), state_after(without)
+    for field, array in one.items():
+        np.testing.assert_allclose(
+            other[field], array, rtol=0, atol=agreement * max(1.0, np.abs(array).max())
+        )
+
+
+@pytest.mark.parametrize(
+    "reason",
+    [
+        {"boundary": [{"name": "floor", "kind": "velocity", "on": {"plane": {"axis": "y", "at": -6}}, "direction": "y",
+                       "value": 0}]},
+        {"bodies.0.velocity": ["0.1*x", 0]},
+        {"loads": [{"name": "pull", "kind": "particle_force", "on": {"body": "left"}, "force": [1, 0]}]},
+        {"domain": {"on_exit": "stop_at_wall"}},
+        {"materials.soft": {"kind": "ideal_gas", "density": 1.0, "pressure": 1.0}},
+        {"bodies.1.velocity": [-6, 0]},
+    ],
+    ids=["held", "strained", "loaded", "walls", "pressure", "closing"],
+)  # fmt: skip
+def test_fields_stay_apart_only_where_that_is_certain(reason):
+    assert "contact" in dropped({"contact": COULOMB})
+    assert "contact" not in dropped({"contact": COULOMB} | reason)
+
+
+def test_bodies_that_pass_each_other_at_a_distance_never_meet():
+    """One above the other, crossing sideways; as close as stencils reach they may meet."""
+    passing = {
+        "grid": {"lower": [-30, -12], "upper": [30, 12], "cell": 1}, "contact": COULOMB, "time.end": 20,
+        "bodies.0.velocity": [1, 0], "bodies.1.velocity": [-1, 0],
+    }  # fmt: skip
+    over = {"bodies.1.region": {"kind": "box", "lower": [4, 7], "upper": [9, 11]}}
+    near = {"bodies.1.region": {"kind": "box", "lower": [4, 4], "upper": [9, 8]}}
+    assert "contact" in dropped(passing | over)
+    assert "contact" not in dropped(passing | near)
+    assert "contact" in dropped(passing | near | {"time.end": 1})  # not yet beside each other
+
+
+def test_output_finer_than_a_step_is_named():
+    step = {"time": {"end": 1, "step": 0.01}}
+    probe = [{"kind": "particle", "name": "tip", "body": "left", "near": [0, 0], "every": 0.001}]
+    for name in ("particles", "globals", "grid", "checkpoint"):
+        assert f"archive.{name}.every" in dropped(step | {"archive": {name: {"every": 0.005}}})
+        assert not dropped(step | {"archive": {name: {"every": 0.01}}})
+    assert "probes.tip.every" in dropped(step | {"probes": probe})
+
+
+def test_what_only_runs_can_tell_is_a_question():
+    def questions(changes: dict[str, Any]) -> str:
+        return "\n".join(explain(loaded(changes))["to_find_out"])
+
+    assert not questions({})
+    assert "--vary method.transfer=flip,fmpm:1,fmpm:2,fmpm:4,fmpm:5" in questions(
+        {"method.transfer": FMPM | {"order": 5}}
+    )
+    assert "order" not in questions({"method.transfer": FMPM | {"dynamic": {}}})
+    assert "--vary method.update=usl,usl+" in questions({"method.update": "usl+"})
+    assert "velocity_gradient=false,true" in questions(
+        {"method.transfer": {"kind": "flip", "velocity_gradient": True}}
+    )
+    assert "artificial_viscosity=null,{linear: 0.2" in questions({"method.artificial_viscosity": {}})
+
+
+def test_measured_shares_add_up_and_leave_the_scene_alone():
+    scene = loaded(PERFECT | {"contact": COULOMB, "method.transfer": FMPM})
+    found = measure(scene, threads=1, seconds=0.1)
+    assert found["steps"] > 0
+    assert sum(found["tasks"].values()) == pytest.approx(1.0)
+    assert set(found["parts"]) == {"contact"}
+    assert 0.0 < found["parts"]["contact"] < 1.0
+    assert found["contact_steps"] == 1.0
+    assert (found["order"], found["mean_order"], found["transfer_steps"]) == (4, 4.0, 1.0)
+    assert found["F"] > 0.0  # a pass more takes time, whatever else the machine does
+    assert found["F_of"] == "FMPM(4)"
+    facts = explain(scene, 1, found)
+    assert facts["estimated_seconds"] == pytest.approx(facts["steps"] * found["seconds_per_step"])
+    assert "one more order costs F" in facts["text"]
+    json.dumps(facts)
+
+
+def test_a_run_too_short_to_measure_says_so():
+    found = measure(loaded({"time.max_steps": 2}), threads=1, seconds=0.1)
+    assert found["seconds_per_step"] is None
+    assert "over too soon" in explain(loaded({"time.max_steps": 2}), 1, found)["text"]
