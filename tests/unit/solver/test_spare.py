@@ -212,16 +212,16 @@ def test_what_only_runs_can_tell_is_a_question():
 
 
 def test_measured_shares_add_up_and_leave_the_scene_alone():
-    scene = loaded(PERFECT | {"contact": COULOMB, "method.transfer": FMPM})
+    scene = loaded(PERFECT | {"contact": COULOMB, "method.transfer": FMPM | {"order": 16}})
     found = measure(scene, threads=1, seconds=0.1)
     assert found["steps"] > 0
     assert sum(found["tasks"].values()) == pytest.approx(1.0)
     assert set(found["parts"]) == {"contact"}
     assert 0.0 < found["parts"]["contact"] < 1.0
     assert found["contact_steps"] == 1.0
-    assert (found["order"], found["mean_order"], found["transfer_steps"]) == (4, 4.0, 1.0)
-    assert found["F"] > 0.0  # a pass more takes time, whatever else the machine does
-    assert found["F_of"] == "FMPM(4)"
+    assert (found["order"], found["mean_order"], found["transfer_steps"]) == (16, 16.0, 1.0)
+    assert found["F"] > 0.0  # fifteen passes take time, whatever else the machine does
+    assert found["F_of"] == "FMPM(16)"
     facts = explain(scene, 1, found)
     assert facts["estimated_seconds"] == pytest.approx(facts["steps"] * found["seconds_per_step"])
     assert "one more order costs F" in facts["text"]
