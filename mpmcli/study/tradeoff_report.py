@@ -21,6 +21,8 @@ COSTS: dict[Cost, str] = {
 FARTHEST = 1e-12
 """Errors below this share are drawn there."""
 LONGEST_REMARK = 50
+FEW_DECADES = 1e3
+"""Axes that span less than this ratio have numbers between their powers of ten."""
 
 
 def rows_of(cases: Sequence[Case]) -> list[dict[str, Any]]:
@@ -138,14 +140,17 @@ def plot_tradeoff(
 
 
 def _logarithmic(axes: Any) -> None:
-    """Logarithmic axes with plain numbers instead of powers of ten."""
-    from matplotlib.ticker import LogFormatter
+    """Logarithmic axes with plain numbers instead of powers of ten, between decades where there are few."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     axes.set_xscale("log")
     axes.set_yscale("log")
+    plain = FuncFormatter(lambda value, _: f"{value:g}")
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(LogFormatter())
-        axis.set_minor_formatter(LogFormatter(minor_thresholds=(2, 0.6)))
+        low, high = axis.get_view_interval()
+        axis.set_major_formatter(plain)
+        axis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+        axis.set_minor_formatter(plain if high < FEW_DECADES * low else NullFormatter())
 
 
 def _others(case: Case, keys: Sequence[str]) -> str:

@@ -1,0 +1,338 @@
+"""Run the studies behind the figures of ``docs/studies.md`` and draw them.
+
+    python docs/make_studies.py NAME [--results DIR] [--repeats N]
+
+NAME is trade, impact, shock, metrics, disks-courant or disks-cells. Runs are those of ``mpmcli tradeoff``: what is
+finished is kept in ``--results``, where a study that was stopped goes on. A study takes some minutes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import runpy
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from mpmcli.cli.main import call
+from mpmcli.scene.method import Dynamic
+from mpmcli.study.plotting import finish, new_figure
+from mpmcli.study.tradeoff import read_columns
+
+HERE = Path(__file__).parent
+IMAGES = HERE / "images" / "studies"
+INPUTS = HERE.parent / "inputs"
+LOSS = (
+    "--against",
+    "exact",
+    "--error",
+    "energy_error",
+    "--measure",
+    "end",
+    "--threads",
+    "1",
+    "--cost",
+    "cpu",
+)
+"""The error is the energy lost at the end, which should be none."""
+
+IMPACT_TOLERANCES = (0.1, 0.03, 0.01, 0.003, 0.0015, 0.001, 0.0003, 0.0001)
+SHOCK_TOLERANCES = (0.03, 0.01, 0.003, 0.001, 0.0003, 0.0001)
+METRICS = {"means": "-", "changes": "--"}
+MOST = 20
+"""Largest order of the dynamic runs."""
+
+
+def dynamic(metric: str, tolerance: float) -> str:
+    """A transfer whose order depends on a metric."""
+    return f"{{kind: fmpm, order: {MOST}, dynamic: {{metric: {metric}, tolerance: {tolerance}}}}}"
+
+
+def all_dynamic(tolerances: tuple[float, ...]) -> str:
+    """A list of transfers: both metrics with these tolerances."""
+    return ",".join(dynamic(metric, t) for metric in METRICS for t in tolerances)
+
+
+# ---------------------------------------------------------------------- what was measured
+
+
+@dataclass
+class Row:
+    """A case of a study: its values by key, energy lost at the end, processor time, mean order."""
+
+    values: dict[str, str]
+    loss: float | None
+    seconds: float | None
+    order: float | None
+
+
+def rows_of(folder: Path) -> list[Row]:
+    """The cases of a finished study."""
+    study = json.loads((folder / "tradeoff.json").read_text(encoding="utf-8"))
+    return [_row(folder, case, list(study["cases"][0])) for case in study["cases"]]
+
+
+def _row(folder: Path, case: dict[str, Any], names: list[str]) -> Row:
+    values = {name: case[name] for name in names if "." in name}
+    tables = list((folder / "tables").glob(f"{case['scene_hash'][:16]}_*.csv"))
+    if case["status"] != "finished" or not tables:
+        return Row(values, None, None, None)
+    table = read_columns(tables[0])
+    order = float(table["mean_order"][-1]) if "mean_order" in table else None
+    return Row(values, -float(table["energy_error"][-1]), case["cpu_seconds"], order)
+
+
+def _kind(row: Row) -> str:
+    return row.values["method.transfer"]
+
+
+def _find(rows: list[Row], kind: str) -> Row:
+    return next(row for row in rows if _kind(row) == kind)
+
+
+def _dynamic_rows(rows: list[Row], metric: str) -> list[tuple[float, Row]]:
+    """Dynamic rows of a metric with their tolerances."""
+    found = []
+    for row in rows:
+        _, brace, options = _kind(row).partition(" {")
+        if brace:
+            judged = Dynamic(**yaml.safe_load("{" + options)["dynamic"])
+            if judged.metric == metric:
+                found.append((float(judged.tolerance), row))
+    return sorted(found, key=lambda pair: pair[0])
+
+
+# ---------------------------------------------------------------------- drawing
+
+
+def draw_trade(folder: Path) -> str:
+    """The picture of the study itself."""
+    shutil.copy(folder / "tradeoff.png", IMAGES / "trade_impact.png")
+    return "trade_impact"
+
+
+def draw_impact(folder: Path) -> str:
+    """Energy lost and time relative to FLIP against the tolerance (Fig. 13B)."""
+    rows = rows_of(folder)
+    flip = _find(rows, "flip")
+    figure, axes = new_figure(6.4, 4.2)
+    times = axes.twinx()
+    for metric, line in METRICS.items():
+        found = _dynamic_rows(rows, metric)
+        x = [tolerance for tolerance, _ in found]
+        axes.plot(
+            x, [100 * (r.loss or 0) for _, r in found], line, color="black", marker="o", ms=4, label=metric
+        )
+        times.plot(
+            x, [(r.seconds or 0) / (flip.seconds or 1) for _, r in found], line, color="C0", marker="s", ms=3
+        )
+    for kind, colour in (("flip", "C3"), ("fmpm:2", "C1"), (f"fmpm:{MOST}", "C2")):
+        axes.axhline(100 * (_find(rows, kind).loss or 0), color=colour, lw=1, ls=":", label=kind)
+    axes.set(
+        xscale="log",
+        xlabel="tolerance",
+        ylabel="energy lost, % (black)",
+        title="Block impact, dynamic FMPM(20)",
+    )
+    times.set_ylabel("time over that of FLIP (blue)", color="C0")
+    finish(figure, axes, IMAGES / "dynamic_impact.png")
+    for row in rows:
+        print(_kind(row), row.loss, row.order, (row.seconds or 0) / (flip.seconds or 1))
+    return "dynamic_impact"
+
+
+def draw_orders(folder: Path) -> str:
+    """Mean order against the tolerance, block impact and shock (Fig. 14)."""
+    figure, axes = new_figure(6.4, 4.0)
+    for name, title, colour in (("impact", "block impact", "C0"), ("shock", "shock", "C3")):
+        rows = rows_of(folder.parent / name)
+        for metric, line in METRICS.items():
+            found = _dynamic_rows(rows, metric)
+            axes.plot(
+                [t for t, _ in found],
+                [r.order for _, r in found],
+                line,
+                color=colour,
+                marker="o",
+                ms=4,
+                label=f"{title}, {metric}",
+            )
+        for row in rows if name == "shock" else ():
+            print(_kind(row), row.loss, row.order)
+    axes.set(xscale="log", xlabel="tolerance", ylabel=f"mean order (at most {MOST})")
+    finish(figure, axes, IMAGES / "dynamic_orders.png")
+    return "dynamic_orders"
+
+
+def draw_metrics(_: Path) -> str:
+    """Both metrics against the order within one step, block impact and shock (Fig. 13A)."""
+    figure, axes = new_figure(6.4, 4.0)
+    for name, time, colour in (("block_impact", 0.08, "C0"), ("shock_nickel", 1.74e-3, "C3")):
+        for metric, line in METRICS.items():
+            values = metrics_of_step(INPUTS / f"{name}.yaml", metric, time)
+            orders = range(2, 2 + len(values))
+            title = name.replace("_", " ")
+            axes.plot(orders, values, line, color=colour, marker="o", ms=4, label=f"{title}, {metric}")
+            print(name, metric, values)
+    axes.set(yscale="log", xlabel="order ℓ", ylabel="metric", xticks=range(2, MOST + 1, 2))
+    finish(figure, axes, IMAGES / "dynamic_metrics.png")
+    return "dynamic_metrics"
+
+
+def metrics_of_step(scene: Path, metric: str, time: float) -> list[float]:
+    """What the loop of the step at a time is judged by, for the orders 2 to the largest."""
+    from mpmcli.scene.loader import load_scene
+    from mpmcli.solver import velocity
+    from mpmcli.solver.simulation import Simulation
+
+    # a tolerance that is never met, so that every order is judged
+    simulation = Simulation(load_scene(scene, sets=(f"method.transfer={dynamic(metric, 1e-12)}",)), threads=1)
+    while simulation.state.time < time:
+        simulation.step()
+    values: list[float] = []
+    original = velocity.has_converged
+
+    def watch(s: Simulation, dv: Any, v: Any) -> bool:
+        is_converged = original(s, dv, v)
+        sums = s.arrays.node_sums
+        total = sums[:, 1].sum() if metric == "means" else sums[:, 3].sum()
+        values.append(float(sums[:, 0].sum() / total))
+        return is_converged
+
+    velocity.has_converged = watch
+    try:
+        simulation.step()
+    finally:
+        velocity.has_converged = original
+    return values
+
+
+def draw_disks_courant(folder: Path) -> str:
+    """Energy lost by two disks against the Courant number (Fig. 11B)."""
+    names = {
+        "flip": "FLIP",
+        "fmpm:4": "FMPM(4)",
+        "fmpm:4 {every_courant: 0.8}": "periodic FMPM(4), $C_X$ = 0.8",
+    }
+    _draw_disks(
+        rows_of(folder),
+        "time.courant",
+        "Courant number",
+        lambda row: names[_kind(row)],
+        "disks_courant",
+        logarithmic=False,
+    )
+    return "disks_courant"
+
+
+def draw_disks_cells(folder: Path) -> str:
+    """Energy lost by two disks against the cell size (Fig. 11A)."""
+    _draw_disks(
+        rows_of(folder),
+        "constants.cell",
+        "cell, mm",
+        lambda row: f"{_kind(row)}, {row.values['method.update']}",
+        "disks_cells",
+        logarithmic=True,
+    )
+    return "disks_cells"
+
+
+def _draw_disks(
+    rows: list[Row], key: str, label: str, series: Callable[[Row], str], name: str, *, logarithmic: bool
+) -> None:
+    figure, axes = new_figure(6.4, 4.0)
+    for number, title in enumerate(dict.fromkeys(series(row) for row in rows)):
+        found = [(float(row.values[key]), row) for row in rows if series(row) == title]
+        x = [value for value, row in found if row.loss is not None]
+        y = [100 * row.loss for _, row in found if row.loss is not None]
+        axes.plot(x, y, "osD^"[number] + "-", color=f"C{number}", ms=5, label=title)
+        print(title, *(f"{v:g}: {row.loss if row.loss is None else 100 * row.loss}" for v, row in found))
+    axes.axhline(0.0, color="0.4", lw=1)
+    axes.set(xlabel=label, ylabel="energy lost, %")
+    if logarithmic:
+        axes.set_xscale("log")
+    axes.set_ylim(-3.0, 6.0)
+    finish(figure, axes, IMAGES / f"{name}.png")
+
+
+# ---------------------------------------------------------------------- the studies
+
+
+@dataclass(frozen=True)
+class Study:
+    """A scene, what ``mpmcli tradeoff`` is told, and who draws the result."""
+
+    scene: str | None
+    options: tuple[str, ...]
+    draws: Callable[[Path], str]
+
+
+STUDIES = {
+    "trade": Study(
+        "block_impact",
+        (
+            *("--vary", "method.transfer=flip,fmpm:1,fmpm:2,fmpm:4,fmpm:8,fmpm:16"),
+            *("--vary", "method.shape=ugimp,lcpdi", "--vary", "grid.cell=2,1"),
+            *("--until", "0.16", "--within", "0.01"),
+        ),
+        draw_trade,
+    ),
+    "impact": Study(
+        "block_impact",
+        (
+            *("--vary", f"method.transfer=flip,fmpm:2,fmpm:{MOST},{all_dynamic(IMPACT_TOLERANCES)}"),
+            *("--until", "0.16"),
+        ),
+        draw_impact,
+    ),
+    "shock": Study(
+        "shock_nickel",
+        ("--vary", f"method.transfer=fmpm:4,{all_dynamic(SHOCK_TOLERANCES)}"),
+        draw_orders,
+    ),
+    "metrics": Study(None, (), draw_metrics),
+    "disks-courant": Study(
+        "two_disks",
+        (
+            *("--vary", "method.transfer=flip,fmpm:4,{kind: fmpm, order: 4, every_courant: 0.8}"),
+            *("--vary", "time.courant=0.1,0.2,0.3,0.4,0.45,0.5,0.55,0.6,0.7,0.8,0.85"),
+        ),
+        draw_disks_courant,
+    ),
+    "disks-cells": Study(
+        "two_disks",
+        (
+            *("--vary", "method.transfer=flip,fmpm:4", "--vary", "method.update=usl,usl+"),
+            *("--vary", "constants.cell=1,0.5,0.3333333333333333,0.25"),
+        ),
+        draw_disks_cells,
+    ),
+}
+
+
+def main() -> None:
+    """Run a study, as far as it is not done already, and draw it."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("name", choices=STUDIES)
+    parser.add_argument("--results", metavar="DIR", type=Path, default=Path("results") / "studies")
+    parser.add_argument("--repeats", type=int, default=3, help="runs of each case (3)")
+    arguments = parser.parse_args()
+    study, folder = STUDIES[arguments.name], arguments.results / arguments.name
+    if study.scene is not None:
+        scene = str(INPUTS / f"{study.scene}.yaml")
+        repeats = ("--repeats", str(arguments.repeats))
+        if call(["tradeoff", scene, *study.options, *LOSS, *repeats, "-o", str(folder)]):
+            raise SystemExit(f"{arguments.name} failed")
+    IMAGES.mkdir(parents=True, exist_ok=True)
+    name = study.draws(folder)
+    runpy.run_path(str(HERE / "make_gallery.py"))["shrink"](IMAGES / f"{name}.png")
+
+
+if __name__ == "__main__":
+    main()
