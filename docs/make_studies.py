@@ -301,7 +301,7 @@ STUDIES = {
         "two_disks",
         (
             *("--vary", "method.transfer=flip,fmpm:4,{kind: fmpm, order: 4, every_courant: 0.8}"),
-            *("--vary", "time.courant=0.1,0.2,0.3,0.4,0.45,0.5,0.55,0.6,0.7,0.8,0.85"),
+            *("--vary", "time.courant=0.1,0.2,0.3,0.4,0.45,0.5,0.55,0.6,0.7,0.8"),
         ),
         draw_disks_courant,
     ),
@@ -309,7 +309,7 @@ STUDIES = {
         "two_disks",
         (
             *("--vary", "method.transfer=flip,fmpm:4", "--vary", "method.update=usl,usl+"),
-            *("--vary", "constants.cell=1,0.5,0.3333333333333333,0.25"),
+            *("--vary", "constants.cell=1,0.6666666666666666,0.5,0.3333333333333333"),
         ),
         draw_disks_cells,
     ),
