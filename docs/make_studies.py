@@ -164,7 +164,9 @@ def draw_orders(folder: Path) -> str:
             )
         for row in rows if name == "shock" else ():
             print(_kind(row), row.loss, row.order)
-    axes.set(xscale="log", xlabel="tolerance", ylabel=f"mean order (at most {MOST})")
+    axes.set(
+        xscale="log", xlabel="tolerance", ylabel=f"mean order (at most {MOST})", yticks=range(0, MOST + 1, 2)
+    )
     finish(figure, axes, IMAGES / "dynamic_orders.png")
     return "dynamic_orders"
 
