@@ -303,15 +303,16 @@ STUDIES = {
         "two_disks",
         (
             *("--vary", "method.transfer=flip,fmpm:4,{kind: fmpm, order: 4, every_courant: 0.8}"),
-            *("--vary", "time.courant=0.1,0.2,0.3,0.4,0.45,0.5,0.55,0.6,0.7,0.8"),
+            *("--vary", "time.courant=0.05,0.1,0.2,0.3,0.4,0.45,0.5,0.55,0.6,0.7,0.75,0.8"),
+            *("--set", "constants.cell=1"),
         ),
         draw_disks_courant,
     ),
     "disks-cells": Study(
         "two_disks",
         (
+            *("--vary", "constants.cell=1,0.6666666666666666,0.5"),
             *("--vary", "method.transfer=flip,fmpm:4", "--vary", "method.update=usl,usl+"),
-            *("--vary", "constants.cell=1,0.6666666666666666,0.5,0.3333333333333333"),
         ),
         draw_disks_cells,
     ),
