@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time as timer
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -16,7 +16,7 @@ from mpmcli.boundary.conditions import VelocityConditions
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.order import CellOrder
 from mpmcli.core.runtime import available_threads
-from mpmcli.core.state import GridView, State
+from mpmcli.core.state import State
 from mpmcli.geometry.faces import surface_faces
 from mpmcli.geometry.report import body_report, report_table
 from mpmcli.materials.strain import (
@@ -30,6 +30,7 @@ from mpmcli.solver.contact import NoContact, NodalContact
 from mpmcli.solver.continuation import restore, state_arrays
 from mpmcli.solver.courant import TimeStep
 from mpmcli.solver.exits import settle_exits
+from mpmcli.solver.grid_view import show_on_grid, view_of_grid
 from mpmcli.solver.loads import NodalLoads, NoLoads, place_of_identity
 from mpmcli.solver.period import EveryStep, Period
 from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan
@@ -122,7 +123,7 @@ class Simulation:
             material_models=self.materials,
             strain_energy_density=self._strain_energy_density,
             full_ring=full_ring(self.plan),
-            grid=self._grid_view(),
+            grid=view_of_grid(self),
             rigid=tuple(i for i, model in enumerate(of_bodies) if model.kind == "rigid"),
         )
         self._used_materials = [i for i in range(len(self.materials)) if np.any(self.particles.material == i)]
@@ -132,7 +133,7 @@ class Simulation:
         self.rigid = RigidBodies(self, scene.bodies) if self.state.rigid else NoRigidBodies()
         self.contact = NodalContact(self, scene) if self.plan.has_contact else NoContact()
         self.state.contact = getattr(self.contact, "view", None)
-        self._show_on_grid(self.contact.nodal_fields())
+        show_on_grid(self, self.contact.nodal_fields())
         if any("stress_free_at_rest" not in self.materials[i].properties for i in self._used_materials):
             self.update_stress(0.0)
 
@@ -318,41 +319,6 @@ class Simulation:
                 self.plan.analysis, self._parameters[i], i, p.F, p.H, p.material, out
             )
         return out
-
-    def _grid_view(self) -> GridView:
-        grid = self.grid
-        inside = grid.interior()
-        d = grid.dimensions
-        deformable = None if not any(self.plan.rigid_fields) else ~np.array(self.plan.rigid_fields)
-
-        def summed(array: Array) -> Array:
-            return grid.sum_of_fields(array, deformable)[inside]
-
-        def velocity() -> Array:
-            m = summed(grid.mp[:, 0])[:, None]
-            momentum = summed(np.where(grid.mp[:, :1] > 0.0, grid.mp[:, :1] * self.arrays.v, 0.0))
-            return np.divide(momentum, m, out=np.zeros_like(momentum), where=m > 0.0)
-
-        return GridView(
-            lower=grid.lower,
-            cell=grid.cell,
-            nodes=tuple(int(n) for n in grid.cells + 1),
-            fields={
-                "mass": lambda: summed(grid.mp[:, 0]),
-                "momentum": lambda: summed(grid.mp[:, 1 : 1 + d]),
-                "force": lambda: summed(grid.f),
-                "velocity": velocity,
-            },
-        )
-
-    def _show_on_grid(self, fields: dict[str, Callable[[], Array]]) -> None:
-        view, inside = self.state.grid, self.grid.interior()
-
-        def shown(field: Callable[[], Array]) -> Callable[[], Array]:
-            return lambda: field()[inside]
-
-        if view is not None:
-            view.fields.update({name: shown(field) for name, field in fields.items()})
 
     # ------------------------------------------------------------------ what can go wrong
 
