@@ -227,7 +227,7 @@ def draw_disks_courant(folder: Path) -> str:
         "Courant number",
         lambda row: names[_kind(row)],
         "disks_courant",
-        logarithmic=False,
+        limits=(-3.0, 6.0),
     )
     return "disks_courant"
 
@@ -240,13 +240,18 @@ def draw_disks_cells(folder: Path) -> str:
         "cell, mm",
         lambda row: f"{_kind(row)}, {row.values['method.update']}",
         "disks_cells",
-        logarithmic=True,
+        limits=(-0.5, 4.0),
     )
     return "disks_cells"
 
 
 def _draw_disks(
-    rows: list[Row], key: str, label: str, series: Callable[[Row], str], name: str, *, logarithmic: bool
+    rows: list[Row],
+    key: str,
+    label: str,
+    series: Callable[[Row], str],
+    name: str,
+    limits: tuple[float, float],
 ) -> None:
     figure, axes = new_figure(6.4, 4.0)
     for number, title in enumerate(dict.fromkeys(series(row) for row in rows)):
@@ -256,10 +261,7 @@ def _draw_disks(
         axes.plot(x, y, "osD^"[number] + "-", color=f"C{number}", ms=5, label=title)
         print(title, *(f"{v:g}: {row.loss if row.loss is None else 100 * row.loss}" for v, row in found))
     axes.axhline(0.0, color="0.4", lw=1)
-    axes.set(xlabel=label, ylabel="energy lost, %")
-    if logarithmic:
-        axes.set_xscale("log")
-    axes.set_ylim(-3.0, 6.0)
+    axes.set(xlabel=label, ylabel="energy lost, %", ylim=limits)
     finish(figure, axes, IMAGES / f"{name}.png")
 
 
