@@ -70,7 +70,7 @@ def stencils(lattice: Lattice, offsets: tuple[float, ...]) -> Stencils:
     ]
 
     def product(*factors: Array) -> Array:
-        return functools.reduce(np.kron, factors)
+        return functools.reduce(_kron, factors)
 
     value = product(*[S for S, _, _ in along])
     mass = value.sum(axis=0)
@@ -85,6 +85,11 @@ def stencils(lattice: Lattice, offsets: tuple[float, ...]) -> Stencils:
         np.stack(reaches)[:, :, kept],
         mass[kept][:, None],
     )
+
+
+def _kron(A: Array, B: Array) -> Array:
+    """The Kronecker product of two matrices; numpy's own, for any number of axes, takes ten times as long."""
+    return (A[:, None, :, None] * B[None, :, None, :]).reshape(len(A) * len(B), -1)
 
 
 @functools.lru_cache(maxsize=4096)
