@@ -65,11 +65,9 @@ def energies(s: Simulation) -> np.ndarray:
     return np.bincount(p.body // 2, weights=each, minlength=len(list(LAWS)))
 
 
-def effort(normal: str, separation: str) -> tuple[pytest.MarkDecorator, ...]:
-    """Each combination compiles kernels of its own: one at once, one per method in CI, all on demand."""
-    if (normal, separation) == DEFAULTS:
-        return ()
-    return (pytest.mark.slow if DEFAULTS[0] == normal or DEFAULTS[1] == separation else pytest.mark.long,)
+def effort(normal: str, separation: str) -> pytest.MarkDecorator:
+    """Each combination compiles kernels of its own: one per method in CI, all on demand."""
+    return pytest.mark.slow if DEFAULTS[0] == normal or DEFAULTS[1] == separation else pytest.mark.long
 
 
 COMBINATIONS = [pytest.param(n, k, marks=effort(n, k)) for n in NORMALS for k in SEPARATIONS]

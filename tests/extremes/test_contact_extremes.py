@@ -320,6 +320,7 @@ def rest(transfer: dict, steps: int) -> None:
     assert p.X[0, upper].mean() == pytest.approx(2.0, abs=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("transfer", TRANSFERS, ids=IDS)
 def test_at_rest_under_gravity(transfer):
     """10⁴ steps: the upper block stays where it is, and the contact force is its weight."""

@@ -121,7 +121,7 @@ def concentration(run):
 
 
 PLATES = [  # cell, shape, particles per axis; bounds of the error within 1.5 a and beyond
-    (0.125, "lcpdi", 2, 0.1, 0.008),
+    pytest.param(0.125, "lcpdi", 2, 0.1, 0.008, marks=SLOW),
     pytest.param(0.25, "lcpdi", 2, 0.15, 0.017, marks=SLOW),
     pytest.param(0.0625, "lcpdi", 2, 0.1, 0.004, marks=SLOW),
     pytest.param(0.125, "lcpdi", 4, 0.07, 0.008, marks=SLOW),

@@ -145,6 +145,7 @@ def test_block_in_a_rigid_corner(start):
     assert np.abs((run.X - run.X0)[:, block].mean(axis=1)).max() < 0.01
 
 
+@pytest.mark.slow
 def test_table_that_shakes_takes_a_stuck_block_along(start):
     """A velocity of time: the table is where its integral says, to the error of the midpoint rule."""
     run = start(

@@ -50,6 +50,7 @@ def largest_difference(two: Pressure, one: Pressure, cells: float) -> float:
     return float(np.abs(two.p - one.p)[one.near(cells)].max() / one.height)
 
 
+@pytest.mark.slow
 def test_shock_passes_an_interface(start):
     """FMPM(4): a perfect interface is none; frictionless contact hardly shows; "evolving" does."""
     one = bar(start, fmpm(4), SHORT, "contact=null")
