@@ -38,7 +38,8 @@ def write_text(path: Path, text: str) -> None:
     """Replace a file by text in one move: readers see the old or the new file, never a part."""
     partial = path.with_name(path.name + ".part")
     try:
-        with open(partial, "w", encoding="utf-8", newline="\n") as stream:
+        # names of files that the locale cannot decode are written as the bytes that they are
+        with open(partial, "w", encoding="utf-8", errors="surrogateescape", newline="\n") as stream:
             stream.write(text)
         os.replace(partial, path)
     except OSError as error:
