@@ -1,7 +1,8 @@
 """Every scene of ``inputs/``, changed at random: answered in words and quickly, run or refused, never a fault of ours.
 
 The same cases every time: 300 in CI, run as long as ``BUDGET`` lasts, and ``MPMCLI_MUTATIONS`` (10,000) in the long
-test, which prints how many ended with which exit code and keeps the scenes that should not have ended so.
+test, which prints how many ended with which exit code. Its parts, and the scenes that should not have ended so, are
+kept in the folder ``MPMCLI_CAMPAIGN``: what was counted there is not taken again, so that a cut loses one part at most.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import copy
 import io
+import json
 import math
 import os
 import re
@@ -22,7 +24,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given, seed, settings
 from hypothesis import strategies as st
 
 from mpmcli.cli.main import call
@@ -41,6 +43,8 @@ SECONDS_TO_RUN = 120.0
 BUDGET = 90.0
 """Seconds of processor time that CI spends on running cases, mostly on compiling; the rest it only validates."""
 ALLOWED = {0, 3, 4}
+PARTS = 20
+"""Of the long test."""
 
 JUNK = [None, True, 0, -1, 1e-300, 1e300, math.inf, math.nan, 10**30, "x", "", "1 GPa", "9**9**9", "1e308*10"]
 JUNK += [
@@ -244,6 +248,14 @@ def trial(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Trial:
     return Trial(tmp_path, BUDGET)
 
 
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of what the long test found."""
+    folder = Path(os.environ.get("MPMCLI_CAMPAIGN") or tmp_path_factory.mktemp("campaign"))
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
 HEALTH = [
     HealthCheck.too_slow,
     HealthCheck.data_too_large,
@@ -261,12 +273,15 @@ def test_mutated_scenes(trial: Trial, text: str) -> None:
 
 @pytest.mark.long
 @pytest.mark.timeout(0)
-def test_ten_thousand_mutated_scenes(trial: Trial, tmp_path: Path) -> None:
+@pytest.mark.parametrize("part", range(PARTS))
+def test_ten_thousand_mutated_scenes(trial: Trial, part: int, kept: Path) -> None:
+    counted = kept / f"part_{part:02}.json"
     findings: list[str] = []
     trial.budget = math.inf
 
+    @seed(part)
     @settings(
-        max_examples=int(os.environ.get("MPMCLI_MUTATIONS", "10000")),
+        max_examples=int(os.environ.get("MPMCLI_MUTATIONS", "10000")) // PARTS,
         database=None,
         suppress_health_check=HEALTH,
     )
@@ -275,11 +290,20 @@ def test_ten_thousand_mutated_scenes(trial: Trial, tmp_path: Path) -> None:
         words = trial.take(text)
         if words:
             findings.append(words)
-            (tmp_path / f"finding_{len(findings)}.yaml").write_text(text, encoding="utf-8")
-            (tmp_path / f"finding_{len(findings)}.txt").write_text(words, encoding="utf-8")
-        if sum(trial.codes["validate"].values()) % 500 == 0:
-            print(trial.summary(), flush=True)
+            name = f"finding_{part:02}_{len(findings)}"
+            (kept / f"{name}.yaml").write_text(text, encoding="utf-8")
+            (kept / f"{name}.txt").write_text(words, encoding="utf-8")
 
-    take_all()
-    print(trial.summary())
-    assert not findings, f"{len(findings)} findings in {tmp_path}, the first:\n{findings[0]}"
+    if not counted.exists():
+        take_all()
+        counts = {command: dict(codes) for command, codes in trial.codes.items()}
+        counted.write_text(json.dumps(counts | {"slowest": trial.slowest, "findings": findings}))
+    total = Trial(trial.folder, 0.0)
+    for path in kept.glob("part_*.json"):
+        counts = json.loads(path.read_text())
+        total.slowest = max(total.slowest, counts["slowest"])
+        for command, codes in total.codes.items():
+            codes.update({int(code): number for code, number in counts[command].items()})
+    print(f"after part {part}: {total.summary()}", flush=True)
+    findings = json.loads(counted.read_text())["findings"]
+    assert not findings, f"{len(findings)} findings in {kept}, the first:\n{findings[0]}"
