@@ -17,12 +17,15 @@ worst
 at rest
     The block stays at a given offset.
 
-All are whole multiples of ``RESOLUTION``, so that they do not depend on round-off.
+All are whole multiples of ``RESOLUTION``, so that they do not depend on round-off. Who only asks whether a Courant
+number is stable gives it as ``enough``: a limit at or above it is then not looked for, and the answer is some number
+at or above it.
 """
 
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -51,35 +54,48 @@ SQUARINGS = 15
 
 
 @functools.lru_cache(maxsize=256)
-def moving_limit(lattice: Lattice, scheme: Scheme) -> float:
+def moving_limit(lattice: Lattice, scheme: Scheme, enough: float = math.inf) -> float:
     """Largest stable Courant number of a block that travels along all axes."""
-    start = worst_limit(lattice, scheme) * 1.2 or START
-    return _largest_stable(lambda courant: _growth_moving(lattice, scheme, courant) <= GROWTH, start)
+
+    def is_stable(courant: float) -> bool:
+        return _growth_moving(lattice, scheme, courant) <= GROWTH
+
+    def start() -> float:
+        return worst_limit(lattice, scheme) * 1.2 or START
+
+    return _largest_stable(is_stable, start, enough)
 
 
 @functools.lru_cache(maxsize=256)
-def slow_limit(lattice: Lattice, scheme: Scheme) -> float:
+def slow_limit(lattice: Lattice, scheme: Scheme, enough: float = math.inf) -> float:
     """Largest Courant number at which the block is unstable at rest at one of ``SLOW_PLACES`` at most."""
     places = [(place + 0.5) / (2 * SLOW_PLACES) for place in range(SLOW_PLACES)]
-    return _stable_but_at(1, places, lattice, scheme)
+    return _stable_but_at(1, places, lattice, scheme, enough)
 
 
 @functools.lru_cache(maxsize=256)
 def worst_limit(lattice: Lattice, scheme: Scheme) -> float:
     """Largest stable Courant number of a block that rests at the worst place."""
     count = PLACES[lattice.dimensions]
-    return _stable_but_at(0, [NEAR, *(0.5 * place / count for place in range(count + 1))], lattice, scheme)
+    places = [NEAR, *(0.5 * place / count for place in range(count + 1))]
+    return _stable_but_at(0, places, lattice, scheme, math.inf)
 
 
 @functools.lru_cache(maxsize=256)
-def limit_at_rest(lattice: Lattice, scheme: Scheme, offsets: tuple[float, ...]) -> float:
+def limit_at_rest(
+    lattice: Lattice, scheme: Scheme, offsets: tuple[float, ...], enough: float = math.inf
+) -> float:
     """Largest stable Courant number of a block that rests at ``offsets`` (cells) along the axes."""
-    return _largest_stable(
-        lambda courant: _growth_at_rest(lattice, scheme, courant, offsets) <= GROWTH, START
-    )
+
+    def is_stable(courant: float) -> bool:
+        return _growth_at_rest(lattice, scheme, courant, offsets) <= GROWTH
+
+    return _largest_stable(is_stable, lambda: START, enough)
 
 
-def _stable_but_at(allowed: int, places: list[float], lattice: Lattice, scheme: Scheme) -> float:
+def _stable_but_at(
+    allowed: int, places: list[float], lattice: Lattice, scheme: Scheme, enough: float
+) -> float:
     """Largest Courant number at which the block is unstable at ``allowed`` places along the diagonal at most."""
     first = list(reversed(places))  # where it is unstable first, mostly
 
@@ -94,7 +110,7 @@ def _stable_but_at(allowed: int, places: list[float], lattice: Lattice, scheme: 
                     return False
         return True
 
-    return _largest_stable(is_stable, START)
+    return _largest_stable(is_stable, lambda: START, enough)
 
 
 def _growth_moving(lattice: Lattice, scheme: Scheme, courant: float) -> float:
@@ -149,10 +165,14 @@ def _log_of_radius(state: State) -> float:
     return float(logarithm + np.log(scale)) / 2**SQUARINGS if scale > 0.0 else -np.inf
 
 
-def _largest_stable(is_stable: Callable[[float], bool], start: float) -> float:
+def _largest_stable(is_stable: Callable[[float], bool], start: Callable[[], float], enough: float) -> float:
+    if enough <= HIGHEST:
+        place = math.ceil(max(enough, LOWEST) / RESOLUTION - 1e-9)
+        if is_stable(place * RESOLUTION):
+            return place * RESOLUTION
     low, _ = bisect_limit(
         lambda place: is_stable(place * RESOLUTION),
-        round(start / RESOLUTION),
+        round(start() / RESOLUTION),
         round(LOWEST / RESOLUTION),
         round(HIGHEST / RESOLUTION),
     )

@@ -103,8 +103,8 @@ def chosen_courant(scene: Any) -> float | None:
         raise SceneError([Problem(path="time.courant", message=words, code="no_known_limit")]) from None
 
 
-def known_limit(scene: Any) -> KnownLimit:
-    """The limit of a checked scene.
+def known_limit(scene: Any, enough: float = math.inf) -> KnownLimit:
+    """The limit of a checked scene; if it is ``enough`` or more, some number that is so too, found much faster.
 
     Raises
     ------
@@ -115,7 +115,7 @@ def known_limit(scene: Any) -> KnownLimit:
         raise NoKnownLimit("artificial viscosity lowers it by an amount that depends on the shock")
     scheme = scheme_of(scene)
     is_fast = SHAPES[scene.method.shape].follows_deformation and _is_fast(scene)
-    found = [_limit_of(block, scheme, is_fast) for block in blocks_of(scene)]
+    found = [_limit_of(block, scheme, is_fast, enough) for block in blocks_of(scene)]
     if not found:
         raise NoKnownLimit("all bodies are rigid")
     return min(found, key=lambda limit: limit.courant)
@@ -142,12 +142,12 @@ def warning_of(scene: Any) -> Problem | None:
         return (
             None  # with velocity gradients the analysis can take many seconds: too long to validate a scene
         )
+    asked = courant_of_step(scene, span.step) if span.courant is None else float(span.courant)
     try:
-        limit = known_limit(scene)
+        limit = known_limit(scene, enough=asked)
     except NoKnownLimit:
         return None
-    asked = courant_of_step(scene, span.step) if span.courant is None else float(span.courant)
-    if asked <= limit.courant:
+    if asked <= limit.courant * (1.0 + 1e-9):
         return None
     path, what = ("time.step", f"is the Courant number {asked:.3g}") if span.courant is None else (
         "time.courant", f"{asked:.4g} is"
@@ -215,13 +215,14 @@ def blocks_of(scene: Any) -> Iterator[Block]:
             yield Block(lattice, body.name, space * fastest / speed, faces)
 
 
-def _limit_of(block: Block, scheme: Scheme, is_fast: bool) -> KnownLimit:
+def _limit_of(block: Block, scheme: Scheme, is_fast: bool, enough: float) -> KnownLimit:
+    enough /= block.scale
     if is_fast:
-        limit, because = moving_limit(block.lattice, scheme), f"body '{block.body}', moving"
+        limit, because = moving_limit(block.lattice, scheme, enough), f"body '{block.body}', moving"
     else:
-        limit, because = slow_limit(block.lattice, scheme), f"body '{block.body}', moving slowly"
+        limit, because = slow_limit(block.lattice, scheme, enough), f"body '{block.body}', moving slowly"
     for faces in (places for places in block.faces if set(places) != {ELSEWHERE}):
-        at_rest = limit_at_rest(block.lattice, scheme, faces)
+        at_rest = limit_at_rest(block.lattice, scheme, faces, enough)
         if at_rest < limit:
             where = "on grid lines" if set(faces) <= {NEAR, ELSEWHERE} else "amid cells"
             limit, because = at_rest, f"body '{block.body}', whose faces lie {where}"

@@ -14,6 +14,7 @@ from mpmcli.core.errors import SceneError
 from mpmcli.scene.loader import load_scene
 from mpmcli.shapes import SHAPES
 from mpmcli.solver.simulation import Simulation
+from mpmcli.stability import growth
 from mpmcli.stability.growth import moving_limit, slow_limit, worst_limit
 from mpmcli.stability.lattice import Lattice, axis_stencils, stencils
 from mpmcli.stability.linear_step import LinearStep, Scheme, State
@@ -129,6 +130,28 @@ def test_a_step_above_the_limit_is_a_warning():
     above = warning_of(bar(step=0.3))
     assert above.path == "time.step"
     assert "Courant number 0.6, which is above the stability limit 0.52" in above.message
+
+
+def test_a_limit_is_only_looked_for_where_a_step_is_above_it(monkeypatch):
+    def search(*_):
+        raise AssertionError("no search is needed")
+
+    monkeypatch.setattr(growth, "bisect_limit", search)
+    for name, courant in (("vibrating_bar", 0.5051), ("two_disks", 0.4051), ("vibrating_bar_2d", 0.3351)):
+        scene = load_scene(INPUTS / f"{name}.yaml", sets=[f"time.courant={courant}"]).scene
+        assert warning_of(scene) is None
+        assert known_limit(scene, enough=courant).courant >= courant
+    with pytest.raises(AssertionError, match="no search"):
+        warning_of(bar(courant=0.6051))
+
+
+def test_a_limit_below_what_would_be_enough_is_the_limit():
+    scene = load_scene(INPUTS / "vibrating_bar_2d.yaml", defines=["shift=0.5"]).scene
+    limit = known_limit(scene)
+    for share in (0.5, 0.95, 1.0):
+        assert known_limit(scene, enough=share * limit.courant).courant >= share * limit.courant
+    for share in (1.02, 1.5, 10.0):
+        assert known_limit(scene, enough=share * limit.courant) == limit
 
 
 @pytest.mark.parametrize(
