@@ -1,7 +1,7 @@
 """How compiled code runs: thread layer, number of threads and the folder of the compile cache.
 
-Numba reads these settings from the environment when it is first imported, so this module must not import it;
-``mpmcli.core`` calls ``configure`` before any of its modules does.
+Numba reads these settings from the environment when it is first imported, so this module must not import it before
+``mpmcli.core`` has called ``configure``.
 """
 
 from __future__ import annotations
@@ -107,16 +107,23 @@ def _preload_tbb() -> bool:
 
 
 def configure() -> None:
-    """Set what numba reads at its import; settings that the user made in the environment stay."""
-    if "numba" in sys.modules:
-        return
+    """Set what numba reads from the environment; settings that the user made there stay.
+
+    A program that imports mpmcli after numba gets them too, but for the number of threads, which numba may have
+    started already.
+    """
     environment = os.environ
     # lets the vectoriser merge the straight-line arithmetic of stencils and small tensors
     environment.setdefault("NUMBA_SLP_VECTORIZE", "1")
     environment.setdefault("NUMBA_CACHE_DIR", str(cache_folder()))
-    environment.setdefault("NUMBA_NUM_THREADS", str(available_threads()))
     # a process inherits the setting of its parent, but not the loaded library
     layer = environment.get("NUMBA_THREADING_LAYER")
     has_tbb = layer in (None, "tbb") and _preload_tbb()
     if layer is None:
         environment["NUMBA_THREADING_LAYER"] = "tbb" if has_tbb else "workqueue"
+    if "numba" not in sys.modules:
+        environment.setdefault("NUMBA_NUM_THREADS", str(available_threads()))
+    else:
+        from numba.core.config import reload_config
+
+        reload_config()

@@ -78,3 +78,13 @@ def test_settings_of_the_user_stay():
         "import mpmcli.core.nodes, numba; print(numba.config.NUMBA_NUM_THREADS, numba.config.THREADING_LAYER)"
     )
     assert run_python(code, NUMBA_NUM_THREADS="1", NUMBA_THREADING_LAYER="workqueue") == "1 workqueue"
+
+
+def test_a_program_that_imports_numba_first_uses_the_same_compile_cache(tmp_path):
+    code = (
+        "import numba, mpmcli.core.transfer as transfer\n"
+        "print(transfer.scatter[False].stats.cache_path, numba.config.SLP_VECTORIZE)"
+    )
+    path, vectorised = run_python(code, MPMCLI_CACHE_DIR=str(tmp_path)).split()
+    assert path.startswith(str(tmp_path / runtime.source_digest()))
+    assert vectorised == "1"
