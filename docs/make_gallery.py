@@ -1,4 +1,4 @@
-"""Run small scenes of ``inputs/`` and draw them: the pictures and the text of ``docs/gallery.md``.
+"""Run small scenes of ``inputs/`` and draw them: the pictures and the text of ``docs/gallery/scenes.md``.
 
     python docs/make_gallery.py [--only NAME] [--results DIR [--reuse]]
 
@@ -20,14 +20,14 @@ from mpmcli.cli.main import call
 
 HERE = Path(__file__).parent
 IMAGES = HERE / "images" / "gallery"
-PAGE = HERE / "gallery.md"
+PAGE = HERE / "gallery" / "scenes.md"
 WIDTH, COLORS = 720, 256
 """Most pixels across, and colours, of the pictures on the page."""
 
 FIELDS = ("--set", "archive.particles.fields=[velocity, stress, deformation_gradient]")
 
 INTRODUCTION = """\
-# Gallery
+# Small scenes
 
 Small scenes of `inputs/`, run and drawn by the commands beside each picture. `python docs/make_gallery.py` makes this
 page.
@@ -119,7 +119,12 @@ def page() -> str:
         for picture in shown.pictures:
             plot = ["mpmcli", "plot", f"results/{shown.scene}", *picture.options]
             lines += [picture.words, "", "```bash", shlex.join(plot), "```", ""]
-            lines += [f"```{{image}} images/gallery/{picture.name}.png", f":alt: {picture.words}", "```", ""]
+            lines += [
+                f"```{{image}} ../images/gallery/{picture.name}.png",
+                f":alt: {picture.words}",
+                "```",
+                "",
+            ]
     return "\n".join(lines).rstrip() + "\n"
 
 

@@ -91,11 +91,11 @@ def _kind(row: Row) -> str:
     return row.values["method.transfer"]
 
 
-def _find(rows: list[Row], kind: str) -> Row:
+def find_row(rows: list[Row], kind: str) -> Row:
     return next(row for row in rows if _kind(row) == kind)
 
 
-def _dynamic_rows(rows: list[Row], metric: str) -> list[tuple[float, Row]]:
+def dynamic_rows(rows: list[Row], metric: str) -> list[tuple[float, Row]]:
     """Dynamic rows of a metric with their tolerances."""
     found = []
     for row in rows:
@@ -119,11 +119,11 @@ def draw_trade(folder: Path) -> str:
 def draw_impact(folder: Path) -> str:
     """Energy lost and time relative to FLIP against the tolerance (Fig. 13B)."""
     rows = rows_of(folder)
-    flip = _find(rows, "flip")
+    flip = find_row(rows, "flip")
     figure, axes = new_figure(6.4, 4.2)
     times = axes.twinx()
     for metric, line in METRICS.items():
-        found = _dynamic_rows(rows, metric)
+        found = dynamic_rows(rows, metric)
         x = [tolerance for tolerance, _ in found]
         axes.plot(
             x, [100 * (r.loss or 0) for _, r in found], line, color="black", marker="o", ms=4, label=metric
@@ -132,7 +132,7 @@ def draw_impact(folder: Path) -> str:
             x, [(r.seconds or 0) / (flip.seconds or 1) for _, r in found], line, color="C0", marker="s", ms=3
         )
     for kind, colour in (("flip", "C3"), ("fmpm:2", "C1"), (f"fmpm:{MOST}", "C2")):
-        axes.axhline(100 * (_find(rows, kind).loss or 0), color=colour, lw=1, ls=":", label=kind)
+        axes.axhline(100 * (find_row(rows, kind).loss or 0), color=colour, lw=1, ls=":", label=kind)
     axes.set(
         xscale="log",
         xlabel="tolerance",
@@ -152,7 +152,7 @@ def draw_orders(folder: Path) -> str:
     for name, title, colour in (("impact", "block impact", "C0"), ("shock", "shock", "C3")):
         rows = rows_of(folder.parent / name)
         for metric, line in METRICS.items():
-            found = _dynamic_rows(rows, metric)
+            found = dynamic_rows(rows, metric)
             axes.plot(
                 [t for t, _ in found],
                 [r.order for _, r in found],
@@ -328,15 +328,25 @@ def main() -> None:
     parser.add_argument("--results", metavar="DIR", type=Path, default=Path("results") / "studies")
     parser.add_argument("--repeats", type=int, default=3, help="runs of each case (3)")
     arguments = parser.parse_args()
-    study, folder = STUDIES[arguments.name], arguments.results / arguments.name
+    folder = arguments.results / arguments.name
+    run_study(arguments.name, folder, arguments.repeats)
+    draw_study(arguments.name, folder)
+
+
+def run_study(name: str, folder: Path, repeats: int) -> None:
+    """Run what is not done yet of a study."""
+    study = STUDIES[name]
     if study.scene is not None:
         scene = str(INPUTS / f"{study.scene}.yaml")
-        repeats = ("--repeats", str(arguments.repeats))
-        if call(["tradeoff", scene, *study.options, *LOSS, *repeats, "-o", str(folder)]):
-            raise SystemExit(f"{arguments.name} failed")
+        if call(["tradeoff", scene, *study.options, *LOSS, "--repeats", str(repeats), "-o", str(folder)]):
+            raise SystemExit(f"{name} failed")
+
+
+def draw_study(name: str, folder: Path) -> None:
+    """Draw a study from the folder of its results."""
     IMAGES.mkdir(parents=True, exist_ok=True)
-    name = study.draws(folder)
-    runpy.run_path(str(HERE / "make_gallery.py"))["shrink"](IMAGES / f"{name}.png")
+    drawn = STUDIES[name].draws(folder)
+    runpy.run_path(str(HERE / "make_gallery.py"))["shrink"](IMAGES / f"{drawn}.png")
 
 
 if __name__ == "__main__":

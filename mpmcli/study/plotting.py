@@ -34,11 +34,16 @@ def new_figure(width: float = 6.4, height: float = 4.4) -> tuple[Any, Any]:
     return figure, figure.add_subplot()
 
 
+def tidy(axes: Any) -> None:
+    """Draw a grid, and a legend if there is something to tell and none yet."""
+    axes.grid(True, alpha=0.3)
+    if axes.get_legend() is None and axes.get_legend_handles_labels()[0]:
+        axes.legend(fontsize="small")
+
+
 def finish(figure: Any, axes: Any, path: Path) -> None:
     """Draw grid and legend, and write the picture."""
-    axes.grid(True, alpha=0.3)
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(fontsize="small")
+    tidy(axes)
     try:
         figure.savefig(path, dpi=150)
     except OSError as error:

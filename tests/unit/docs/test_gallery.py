@@ -13,7 +13,7 @@ SHOWN = SCRIPT["GALLERY"]
 
 
 def test_page_is_current():
-    assert (DOCS / "gallery.md").read_text(encoding="utf-8") == SCRIPT["page"]()
+    assert (DOCS / "gallery" / "scenes.md").read_text(encoding="utf-8") == SCRIPT["page"]()
 
 
 def test_scenes_exist():

@@ -1,0 +1,99 @@
+"""Every figure of a paper has a page, a picture, a table, and commands whose scenes are valid; one is made anew."""
+
+from __future__ import annotations
+
+import csv
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+ROOT = Path(__file__).parents[3]
+DOCS = ROOT / "docs"
+sys.path.insert(0, str(DOCS))
+try:
+    import figures
+    from make_paper_figures import index
+    from make_studies import STUDIES
+
+    from mpmcli.study.stability import Source
+    from mpmcli.study.transfers import split_list, transfer_value
+    from mpmcli.study.trial import load_job
+
+    FIGURES = {name: figures.figure(name) for name in figures.names()}
+finally:
+    sys.path.remove(str(DOCS))
+
+
+def test_there_are_figures_and_each_is_named_like_its_file():
+    assert FIGURES
+    assert all(figure.name == name for name, figure in FIGURES.items())
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_page_picture_and_table_are_there(name):
+    figure = FIGURES[name]
+    assert (DOCS / "gallery" / f"{name}.md").read_text(encoding="utf-8") == figure.page()
+    assert figure.pictures
+    for file, seen in figure.pictures.items():
+        path = DOCS / "images" / file
+        assert seen
+        assert path.stat().st_size < 150_000
+        with Image.open(path) as image:
+            assert image.width > 500
+            assert image.convert("RGB").getcolors(10) is None
+    with figure.table.open(encoding="utf-8", newline="") as file:
+        header, *rows = csv.reader(file)
+    assert rows
+    assert all(len(row) == len(header) for row in rows)
+    assert any(cell.replace(".", "").isdigit() for row in rows for cell in row[1:])
+
+
+def test_index_is_current_and_nothing_is_left_over():
+    all_figures = list(FIGURES.values())
+    gallery = DOCS / "gallery"
+    assert (gallery / "index.md").read_text(encoding="utf-8") == index(all_figures)
+    pages = {path.stem for path in gallery.glob("*.md")} - {"index", "scenes"}
+    assert pages == {path.stem for path in gallery.glob("*.csv")} == set(FIGURES)
+    drawn = {file for figure in all_figures for file in figure.pictures if file.startswith("papers/")}
+    assert {f"papers/{path.name}" for path in (DOCS / "images" / "papers").iterdir()} == drawn
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_commands_are_of_valid_scenes(name):
+    figure = FIGURES[name]
+    assert figure.commands()
+    assert set(figure.studies) <= set(STUDIES)  # whose cases test_studies checks
+    cases = list(figure.cases.values())
+    for case in cases[:1] + cases[-1:]:
+        assert not case.load().warnings
+    for study in figure.limits.values():
+        options = dict(zip(study.options[::2], study.options[1::2], strict=True))
+        scene = str(ROOT / "inputs" / f"{study.scene}.yaml")
+        for transfer in split_list(options["--transfer"]):
+            load_job(Source(scene, sets=(f"method.transfer={transfer_value(transfer)}",)).job())
+
+
+@pytest.mark.slow
+def test_a_figure_is_made_by_its_command(tmp_path):
+    """In a copy of ``docs``: its numbers are those of the page, its picture is drawn."""
+    import shutil
+
+    docs = shutil.copytree(DOCS, tmp_path / "docs", ignore=shutil.ignore_patterns("_*"))
+    (tmp_path / "inputs").symlink_to(ROOT / "inputs")
+    name = "nairn2023notes_fig03_2"
+    table, picture = docs / "gallery" / f"{name}.csv", docs / "images" / "papers" / f"{name}.png"
+    expected = table.read_text(encoding="utf-8")
+    table.unlink()
+    picture.unlink()
+    done = subprocess.run(
+        [sys.executable, "-W", "error", str(docs / "make_paper_figures.py"), name],
+        cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert table.read_text(encoding="utf-8") == expected
+    assert picture.stat().st_size > 10_000
+    assert (docs / "gallery" / f"{name}.md").read_text(encoding="utf-8") == FIGURES[name].page()
