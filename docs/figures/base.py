@@ -195,10 +195,10 @@ class Figure:
                 "```",
                 "",
             ]
-            shown = commands if len(commands) <= SHOWN else commands[:2]
-            all_or_first = "" if shown is commands else f" the first two of {len(commands)} commands,"
-            rest = "" if shown is commands else " (`--list` shows them all)"
-            lines += [f"makes picture and table from{all_or_first or ' the results of'}{rest}:", ""]
+            is_all = len(commands) <= SHOWN
+            told = "these commands" if is_all else f"{len(commands)} commands like these (`--list` shows all)"
+            lines += [f"makes picture and table from the results of {told}:", ""]
+            shown = commands if is_all else commands[:2]
             lines += ["```bash", *shown, "```", ""]
         return "\n".join(lines).rstrip() + "\n"
 
