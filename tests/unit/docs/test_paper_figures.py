@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -28,6 +29,12 @@ finally:
     sys.path.remove(str(DOCS))
 
 
+def read_rows(path: Path) -> list[list[str]]:
+    """Cells of a CSV file."""
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.reader(file))
+
+
 def test_there_are_figures_and_each_is_named_like_its_file():
     assert FIGURES
     assert all(figure.name == name for name, figure in FIGURES.items())
@@ -45,8 +52,7 @@ def test_page_picture_and_table_are_there(name):
         with Image.open(path) as image:
             assert image.width > 500
             assert image.convert("RGB").getcolors(10) is None
-    with figure.table.open(encoding="utf-8", newline="") as file:
-        header, *rows = csv.reader(file)
+    header, *rows = read_rows(figure.table)
     assert rows
     assert all(len(row) == len(header) for row in rows)
     assert any(cell.replace(".", "").isdigit() for row in rows for cell in row[1:])
@@ -80,13 +86,10 @@ def test_commands_are_of_valid_scenes(name):
 @pytest.mark.slow
 def test_a_figure_is_made_by_its_command(tmp_path):
     """In a copy of ``docs``: its numbers are those of the page, its picture is drawn."""
-    import shutil
-
     docs = shutil.copytree(DOCS, tmp_path / "docs", ignore=shutil.ignore_patterns("_*"))
     (tmp_path / "inputs").symlink_to(ROOT / "inputs")
-    name = "nairn2023notes_fig03_2"
+    name = "nairn2020_fig07"
     table, picture = docs / "gallery" / f"{name}.csv", docs / "images" / "papers" / f"{name}.png"
-    expected = table.read_text(encoding="utf-8")
     table.unlink()
     picture.unlink()
     done = subprocess.run(
@@ -94,6 +97,9 @@ def test_a_figure_is_made_by_its_command(tmp_path):
         cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    assert table.read_text(encoding="utf-8") == expected
+    for made, shown in zip(read_rows(table), read_rows(FIGURES[name].table), strict=True):
+        assert made[0] == shown[0]
+        if made[1] != shown[1]:
+            assert float(made[1]) == pytest.approx(float(shown[1]), rel=0.02)
     assert picture.stat().st_size > 10_000
     assert (docs / "gallery" / f"{name}.md").read_text(encoding="utf-8") == FIGURES[name].page()
