@@ -98,9 +98,15 @@ class Particles:
         """Every allocated array by name (absent ones are left out)."""
         return {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) is not None}
 
-    def copy(self) -> Particles:
-        """An independent copy of the state."""
-        return replace(self, **{name: array.copy() for name, array in self.arrays().items()})
+    def copy(self, into: Particles | None = None) -> Particles:
+        """An independent copy of the state; in the arrays of ``into`` if they fit, which spares fresh memory."""
+        arrays = self.arrays()
+        there = {} if into is None else into.arrays()
+        if into is None or {n: a.shape for n, a in arrays.items()} != {n: a.shape for n, a in there.items()}:
+            return replace(self, **{name: array.copy() for name, array in arrays.items()})
+        for name, array in arrays.items():
+            np.copyto(there[name], array)
+        return into
 
     def keep(self, kept: Array) -> None:
         """Drop all particles but those of the mask ``kept`` (N,)."""

@@ -264,7 +264,8 @@ def update_strain_and_stress(
             start = end
         speed2[block] = fastest
         bad[block] = -1
-        worst = max(largest_L, largest_magnitude(F, first, last), largest_magnitude(tau, first, last))
+        # F itself needs no look: only L, and lateral stretches that the stress depends on, change it
+        worst = max(largest_L, largest_magnitude(tau, first, last))
         if worst >= NOT_FINITE or smallest_J <= 0.0 or smallest_J < limits[0] or largest_J > limits[1]:
             bad[block] = first_bad_particle(F, L, tau, material, material_index, limits, first, last)
 

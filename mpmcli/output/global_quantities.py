@@ -28,7 +28,7 @@ class EnergyBalance:
 
     def update(self, snapshot: Snapshot) -> float:
         """Take one state into account and return its energy error [-]."""
-        kinetic, work = float(snapshot.kinetic_energy.sum()), _stress_work(snapshot)
+        kinetic, work = snapshot.total_kinetic_energy, _stress_work(snapshot)
         total = kinetic + work + _work(snapshot, "contact_work") + _work(snapshot, "damping_work")
         total -= _work(snapshot, "boundary_work") + _work(snapshot, "external_work")
         if self.initial is None:
@@ -136,7 +136,7 @@ def _accumulated_energy(name: str, symbol: str, text: str, **when: Any) -> Quant
 
 
 QUANTITIES.add(
-    _energy("kinetic_energy", "K", lambda s: float(s.kinetic_energy.sum()), "½ Σ M V² of all particles"),
+    _energy("kinetic_energy", "K", lambda s: s.total_kinetic_energy, "½ Σ M V² of all particles"),
     _energy("strain_energy", "Ψ", _strain_energy, "stored (elastic) energy"),
     _energy("stress_work", "W", _stress_work, "work of the stress, Σ V⁰ ½(τⁿ + τⁿ⁺¹):D Δt, accumulated"),
     _energy(

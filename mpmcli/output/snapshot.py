@@ -12,6 +12,8 @@ from mpmcli.core.state import State
 Array = np.ndarray
 
 EIGEN_CHUNK = 65536
+SUM_CHUNK = 8192
+"""Particles at a time, so that intermediate arrays stay in the processor's cache."""
 
 
 class Snapshot:
@@ -91,6 +93,17 @@ class Snapshot:
         """½ M V² per particle, shape (N,) [energy]."""
         V = self.particles.V
         return 0.5 * self.mass * (V * V).sum(axis=0)
+
+    @cached_property
+    def total_kinetic_energy(self) -> float:
+        """½ Σ M V² [energy]; chunk by chunk, for the watchdog asks often and memory is slow."""
+        V = self.particles.V
+        mass, rings = (self.mass, 1.0) if self.state.rigid else (self.particles.mass, self.full_ring)
+        total = 0.0
+        for start in range(0, V.shape[1], SUM_CHUNK):
+            part = slice(start, start + SUM_CHUNK)
+            total += float((mass[part] * (V[:, part] * V[:, part]).sum(axis=0)).sum())
+        return 0.5 * rings * total
 
     @property
     def components(self) -> tuple[str, ...]:

@@ -113,6 +113,7 @@ class Simulation:
             LOGGER.info("Courant number %.4g, chosen by the stability limit", courant)
         self.time_step = TimeStep(scene.time.step, courant, float(self.grid.cell.min()))
         self._dt = 0.0
+        self._last_good: State | None = None
         self._rigid_version = -1
         self.max_steps = scene.time.max_steps
         self.state = State(
@@ -162,10 +163,12 @@ class Simulation:
 
     def keep_good_state(self) -> None:
         """Copy the state, to be shown if a later step fails."""
-        self._last_good = None  # give its memory back before the next copy takes as much
+        last = None if self._last_good is None else self._last_good.particles
+        if last is not None and last.count != self.particles.count:
+            last = self._last_good = None  # give its memory back before the next copy takes as much
         self._last_good = replace(
             self.state,
-            particles=self.particles.copy(),
+            particles=self.particles.copy(into=last),
             work=dict(self.state.work),
             reactions=dict(self.state.reactions),
             extra=dict(self.state.extra),

@@ -151,7 +151,7 @@ class EnergyWatch:
 def _energy(state: Any) -> float:
     snapshot = Snapshot(state)
     strain = float((snapshot.particles.vol0 * state.strain_energy_density()).sum()) * state.full_ring
-    return float(snapshot.kinetic_energy.sum()) + strain
+    return snapshot.total_kinetic_energy + strain
 
 
 def _share(energy: float, scale: float) -> float:

@@ -55,6 +55,21 @@ def test_determinant_is_that_of_the_matrix(kind):
         assert p.determinant()[n] == pytest.approx(np.linalg.det(F), rel=1e-12)
 
 
+def test_a_copy_reuses_arrays_that_fit_and_shares_none():
+    p = some("plane_strain", history_rows=2)
+    first = p.copy()
+    p.X[:] = 1.0
+    again = p.copy(into=first)
+    assert again is first
+    p.X[:] = 2.0
+    assert (again.X == 1.0).all()
+    fewer = some("plane_strain", 3, history_rows=2)
+    other = fewer.copy(into=first)
+    assert other.count == 3
+    assert first.count == 4
+    assert not any(np.shares_memory(a, b) for a in other.arrays().values() for b in fewer.arrays().values())
+
+
 def test_keeping_some_keeps_all_their_arrays():
     p = some("plane_strain", history_rows=2, artificial_viscosity=True)
     p.H[:] = [[1, 2, 3, 4], [5, 6, 7, 8]]

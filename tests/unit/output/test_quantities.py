@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mpmcli.core.analysis import ANALYSES, F_COMPONENTS, STRESS_COMPONENTS
+from mpmcli.output import snapshot
 from mpmcli.output.columns import PLACES, all_columns, evaluate, fields_of
 from mpmcli.output.global_quantities import EnergyBalance
 from mpmcli.output.quantities import QUANTITIES, Context, Quantity
@@ -70,6 +71,14 @@ def test_history_energies_belong_to_the_materials_that_have_them(make_state):
     assert table_of(state, "plane_strain")["plastic_work"] == pytest.approx(expected)
     temperature = Snapshot(state).history("temperature")
     assert np.array_equal(temperature, np.where(steel, state.particles.H[1], 0.0))
+
+
+def test_kinetic_energy_summed_in_chunks_is_that_of_all_particles(make_state, monkeypatch):
+    monkeypatch.setattr(snapshot, "SUM_CHUNK", 3)
+    state = make_state("3d")
+    assert state.particles.count > 3
+    found = Snapshot(state)
+    assert found.total_kinetic_energy == pytest.approx(found.kinetic_energy.sum())
 
 
 def test_angular_momentum_in_3d_is_the_cross_product(make_state):
