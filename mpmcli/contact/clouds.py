@@ -169,6 +169,31 @@ def link(sights, slot, at, p, flag, S, G, a, m):
     sights.number[slot] += 1
 
 
+@inline
+def reach_along(geometry, width, shape_of_grid, X, p, axis):
+    """First and last node along an axis that particle ``p`` may see, wherever it lies in its cell."""
+    if axis >= len(geometry.stride):
+        return 0, 0
+    c = np.int64(np.floor((X[axis, p] - geometry.origin[axis]) * geometry.inverse_cell[axis]))
+    return max(c - (width - 2), 0), min(c + (width - 1), shape_of_grid[axis] - 1)
+
+
+@inline
+def may_see(geometry, width, shape_of_grid, slot_of_node, X, p):
+    """Whether a contact node is in the reach of particle ``p``: cheap, to pass over most candidates."""
+    first_x, last_x = reach_along(geometry, width, shape_of_grid, X, p, 0)
+    first_y, last_y = reach_along(geometry, width, shape_of_grid, X, p, 1)
+    first_z, last_z = reach_along(geometry, width, shape_of_grid, X, p, 2)
+    layer = shape_of_grid[0] * shape_of_grid[min(1, len(geometry.stride) - 1)]
+    for k in range(first_z, last_z + 1):
+        for j in range(first_y, last_y + 1):
+            row = k * layer + j * shape_of_grid[0]
+            for i in range(first_x, last_x + 1):
+                if slot_of_node[row + i] >= 0:
+                    return True
+    return False
+
+
 @kernel
 def collect_sights(
     shape, grid, across, bands, particle, rooms, images, slot_of_node, shape_of_grid, stencil, X, F, size, line, flag,
@@ -190,6 +215,8 @@ def collect_sights(
             at = rooms[b]
             for j in range(bands[b], bands[b + np.uint64(1)]):
                 p = np.uint64(particle[j])
+                if images == 0 and not may_see(geometry, len(across), shape_of_grid, slot_of_node, X, p):
+                    continue
                 base = fill(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
                 begin, largest, nearest = at, SEEN, np.int64(-1)
                 for a in range(offsets.shape[0]):

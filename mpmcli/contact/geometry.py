@@ -122,17 +122,12 @@ def gather(
             image = (turned[at] >> IMAGE_BITS) - 1
             J = determinant(F, p)
             for a in range(len(axes)):
-                stride = 1
-                for lower in range(a):
-                    stride *= shape_of_grid[lower]
-                index = i // stride % shape_of_grid[a]
-                at_node = origin[a] + index * cell[a]
                 x, g = X[a, p], G[at, a]
                 flip = turned[at] >> a & 1
                 if flip:
                     x = 2.0 * (origin[a] + planes[image, a] * cell[a]) - x
                     g = -g
-                cloud.x[a, n] = x - at_node
+                cloud.x[a, n] = x
                 cloud.G[a, n] = g
                 if X0 is not None:
                     u = X[a, p] - X0[a, p]
@@ -152,6 +147,12 @@ def gather(
                 put_radius(axes, F, size, p, turned[at], radius_inverse, n)
             n += 1
         at = following[at]
+    stride = 1
+    for a in range(len(axes)):
+        at_node = origin[a] + (i // stride % shape_of_grid[a]) * cell[a]
+        for j in range(n):
+            cloud.x[a, j] -= at_node
+        stride *= shape_of_grid[a]
     whole = sum_alpha + sum_beta
     return n, sum_alpha, sum_beta, bonded / whole if whole > 0.0 else 0.0
 

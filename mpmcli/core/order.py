@@ -62,6 +62,7 @@ class CellOrder:
         starts = np.zeros(int(np.prod(extent)) + 1, dtype=np.int64)
         order = np.empty(count, dtype=np.int64)
         _counting_sort(key, starts, order)
+        field = particles.velocity_field
         if not np.array_equal(order, np.arange(count)):
             for name, array in particles.arrays().items():
                 if array.size:
@@ -71,7 +72,7 @@ class CellOrder:
         if grid.fields == 1:
             grid.active = self._reach(np.diff(starts) > 0, low, extent)
         else:
-            grid.active = self._reach_of_fields(cell[:, order])
+            grid.active = self._reach_of_fields(cell, field)
         grid.active_version += 1
         self.version += 1
         self.drift = 0.0
@@ -87,19 +88,23 @@ class CellOrder:
         """How many bands or chunks exist: each needs stencil buffers of its own."""
         return max(len(self.bands), len(self.chunks)) - 1
 
-    def _reach_of_fields(self, cell: Array) -> Array:
-        """The same field by field, as degrees of freedom; ``cell`` (d, N) the cells of the sorted particles."""
-        reached = []
-        for field in range(self.grid.fields):
-            mine = cell[:, self.particles.velocity_field == field]
-            if mine.shape[1] == 0:
-                continue
-            low = mine.min(axis=1)
-            extent = mine.max(axis=1) - low + 1
-            occupied = np.zeros(tuple(extent[::-1]), dtype=bool)
-            occupied[tuple(mine[a] - low[a] for a in range(len(extent)))[::-1]] = True
-            reached.append(self._reach(occupied.ravel(), low, extent) + field * self.grid.node_count)
-        return np.concatenate(reached)
+    def _reach_of_fields(self, cell: Array, field: Array) -> Array:
+        """The same field by field, as degrees of freedom; ``cell`` (d, N) and ``field`` (N,) of the particles."""
+        n, d = self.grid.fields, cell.shape[0]
+        low = np.full((n, d), np.iinfo(np.int64).max)
+        high = np.full((n, d), -1, dtype=np.int64)
+        _bound_cells(cell, field, low, high)
+        extent = np.maximum(high - low + 1, 0)
+        begin = np.concatenate([[0], np.cumsum(np.prod(extent, axis=1))])
+        occupied = np.zeros(begin[-1], dtype=bool)
+        _mark_cells(cell, field, low, extent, begin, occupied)
+        return np.concatenate(
+            [
+                self._reach(occupied[begin[f] : begin[f + 1]], low[f], extent[f]) + f * self.grid.node_count
+                for f in range(n)
+                if begin[f] < begin[f + 1]
+            ]
+        )
 
     def _reach(self, occupied: Array, low: Array, extent: Array) -> Array:
         """Every node that particles in the occupied cells of a box may touch before the next sort."""
@@ -168,3 +173,24 @@ def _counting_sort(key, starts, order):
     for p in range(key.shape[0]):
         order[place[key[p]]] = p
         place[key[p]] += 1
+
+
+@inline
+def _bound_cells(cell, field, low, high):
+    """Smallest and largest cell of each field along each axis, ``low`` and ``high`` (fields, d)."""
+    for p in range(cell.shape[1]):
+        f = field[p]
+        for a in range(cell.shape[0]):
+            low[f, a] = min(low[f, a], cell[a, p])
+            high[f, a] = max(high[f, a], cell[a, p])
+
+
+@inline
+def _mark_cells(cell, field, low, extent, begin, occupied):
+    """Mark the cells with particles of each field within its box, x fastest; the box of field f begins at ``begin``."""
+    for p in range(cell.shape[1]):
+        f = field[p]
+        at = 0
+        for a in range(cell.shape[0] - 1, -1, -1):
+            at = at * extent[f, a] + cell[a, p] - low[f, a]
+        occupied[begin[f] + at] = True

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple
+from typing import Any, ClassVar, Literal
 
 from mpmcli.contact.normals.base import NORMALS, find_normal
-from mpmcli.contact.normals.plane import IteratedRegressionModel, find_by_iteration, weigh
+from mpmcli.contact.normals.plane import IteratedPlane, IteratedRegressionModel, find_by_iteration, weigh
 from mpmcli.core.tensors import logarithm
+
+
+class IrlsPlane(IteratedPlane):
+    """Numbers of the reweighted regression."""
+
+    __slots__ = ()
 
 
 @NORMALS.register
@@ -14,25 +20,10 @@ class IrlsModel(IteratedRegressionModel):
     """Plane of greatest likelihood between the particles of both sides, by iteratively reweighted least
     squares [nairn2023notes, Eqs. 3.34–3.44]. It converges a little worse than ``logistic_regression``."""
 
+    numbers: ClassVar[type[IteratedPlane]] = IrlsPlane
+
     kind: Literal["irls"]
     """Normal method."""
-
-    def parameters(self, dimensions: int, cell: tuple[float, ...]) -> IrlsPlane:
-        """Penalties, cell size and what ends the iteration."""
-        return IrlsPlane(**self.plane(cell))
-
-
-class IrlsPlane(NamedTuple):
-    """Numbers of the reweighted regression: 1/h [1/length], penalties of normal (over h²) and offset, rigid
-    bias, tolerance, most passes, and whether (0, 1) the last normal is reused."""
-
-    inverse_cell: float
-    penalty: float
-    offset_penalty: float
-    bias: float
-    tolerance: float
-    iterations: float
-    reuse: float
 
 
 @weigh.register(IrlsPlane)

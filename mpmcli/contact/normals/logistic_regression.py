@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple
+from typing import Any, ClassVar, Literal
 
 from mpmcli.contact.normals.base import NORMALS, find_normal
-from mpmcli.contact.normals.plane import IteratedRegressionModel, find_by_iteration, weigh
+from mpmcli.contact.normals.plane import IteratedPlane, IteratedRegressionModel, find_by_iteration, weigh
+
+
+class LogisticPlane(IteratedPlane):
+    """Numbers of the logistic regression."""
+
+    __slots__ = ()
 
 
 @NORMALS.register
@@ -16,25 +22,10 @@ class LogisticRegressionModel(IteratedRegressionModel):
     Non-linear least squares for f(x) = 2/(1 + exp(−x·β)) − 1 against −1 on one side and +1 on the other.
     """
 
+    numbers: ClassVar[type[IteratedPlane]] = LogisticPlane
+
     kind: Literal["logistic_regression"]
     """Normal method."""
-
-    def parameters(self, dimensions: int, cell: tuple[float, ...]) -> LogisticPlane:
-        """Penalties, cell size and what ends the iteration."""
-        return LogisticPlane(**self.plane(cell))
-
-
-class LogisticPlane(NamedTuple):
-    """Numbers of the logistic regression: 1/h [1/length], penalties of normal (over h²) and offset, rigid
-    bias, tolerance, most passes, and whether (0, 1) the last normal is reused."""
-
-    inverse_cell: float
-    penalty: float
-    offset_penalty: float
-    bias: float
-    tolerance: float
-    iterations: float
-    reuse: float
 
 
 @weigh.register(LogisticPlane)

@@ -15,7 +15,7 @@ normal, given as a multiple of h², is a plain number there.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -39,6 +39,9 @@ BIAS_FOR_RIGID = 10.0
 
 CHUNK = WORK // 2
 """Particles whose probabilities fit the scratch space of a cloud."""
+
+NO_PLANE = (0.0, 0.0, 0.0, 0.0)
+NO_SUMS = (0.0,) * 14
 
 RIDGE = 1e-12
 """Fraction of its trace added to a matrix that may be singular."""
@@ -72,8 +75,23 @@ class RegressionModel(BiasedNormalModel):
     """What keeps the fit bounded and single."""
 
 
+class IteratedPlane(NamedTuple):
+    """Numbers of a regression that iterates, a subclass for each: 1/h [1/length], penalties of normal (over h²) and
+    offset, rigid bias, tolerance, most passes, and whether (0, 1) the last normal is reused."""
+
+    inverse_cell: float
+    penalty: float
+    offset_penalty: float
+    bias: float
+    tolerance: float
+    iterations: float
+    reuse: float
+
+
 class IteratedRegressionModel(RegressionModel):
-    """Base of the regressions that iterate."""
+    """Base of the regressions that iterate; ``numbers`` is their class of parameters."""
+
+    numbers: ClassVar[type[IteratedPlane]] = IteratedPlane
 
     tolerance: quantity("1", gt=0) = 1e-5  # type: ignore[valid-type]
     """The normal n is found when 1 − n·n of the last two passes is below this, half the square of the angle
@@ -84,13 +102,14 @@ class IteratedRegressionModel(RegressionModel):
     """Start from the normal of the last step at this node, if it still separates the particles, instead of
     a linear regression: fewer passes, about the same normals."""
 
-    def plane(self, cell: tuple[float, ...]) -> dict[str, float]:
-        """The numbers of an iterated regression by name."""
-        return plane_numbers(self, cell) | {
-            "tolerance": float(self.tolerance),
-            "iterations": float(self.iterations),
-            "reuse": float(self.reuse),
-        }
+    def parameters(self, dimensions: int, cell: tuple[float, ...]) -> IteratedPlane:
+        """Penalties, cell size and what ends the iteration."""
+        return self.numbers(
+            **plane_numbers(self, cell),
+            tolerance=float(self.tolerance),
+            iterations=float(self.iterations),
+            reuse=float(self.reuse),
+        )
 
 
 def plane_numbers(model: RegressionModel, cell: tuple[float, ...]) -> dict[str, float]:
@@ -157,43 +176,31 @@ def solve(A: Any, b: Any) -> Any:
 
 
 @compiled_too
-def linear_plane(plane: Any, axes: Any, cloud: Any, count: Any, factor: Any) -> Any:
-    """Linear regression, with penalties times ``factor`` (Nairn 2023 notes, Eqs. 3.17 and 3.18).
+def add_particle(axes: Any, cloud: Any, p: Any, w: Any, r: Any, sums: Any) -> Any:
+    """Add particle ``p`` of weight ``w`` and residual ``r`` to the fourteen sums of a pass.
 
-    Returns β in cells as four numbers and whether it has a direction: not where a side is empty or the
-    centroids of both sides coincide.
+    These are Σ w (xx, xy, xz, yy, yz, zz, x, y, z, 1) and Σ r (x, y, z, 1); those of absent axes stay zero.
     """
     d = len(axes)
-    xx = xy = xz = yy = yz = zz = x1 = y1 = z1 = one = rx = ry = rz = r1 = 0.0
-    for p in range(np.uint64(count)):
-        c = cloud.side[p]
-        x = cloud.x[0, p]
-        y = cloud.x[1, p] if d > 1 else 0.0
-        z = cloud.x[2, p] if d > 2 else 0.0
-        xx += x * x
-        xy += x * y
-        xz += x * z
-        yy += y * y
-        yz += y * z
-        zz += z * z
-        x1 += x
-        y1 += y
-        z1 += z
-        one += 1.0
-        rx += c * x
-        ry += c * y
-        rz += c * z
-        r1 += c
+    xx, xy, xz, yy, yz, zz, x1, y1, z1, one, rx, ry, rz, r1 = sums
+    x = cloud.x[0, p]
+    y = cloud.x[1, p] if d > 1 else 0.0
+    z = cloud.x[2, p] if d > 2 else 0.0
+    wx, wy, wz = w * x, w * y, w * z
+    return (
+        xx + wx * x, xy + wx * y, xz + wx * z, yy + wy * y, yz + wy * z, zz + wz * z, x1 + wx, y1 + wy, z1 + wz,
+        one + w, rx + r * x, ry + r * y, rz + r * z, r1 + r,
+    )  # fmt: skip
+
+
+@compiled_too
+def solve_sums(plane: Any, axes: Any, sums: Any, factor: Any, beta: Any) -> Any:
+    """The change of β in cells that the sums of a pass at ``beta`` ask for, with penalties times ``factor``."""
+    d = len(axes)
     h = plane.inverse_cell
     h2 = h * h
-    # towards β from the centroid of all, times the number of particles
-    if not abs(r1) < one:
-        return (0.0, 0.0, 0.0, 0.0), False
-    mean = r1 / one
-    way = (rx - mean * x1, ry - mean * y1, rz - mean * z1)
-    if length(way) <= VANISHES * math.sqrt(one * (xx + yy + zz)):
-        return (0.0, 0.0, 0.0, 0.0), False
-    k = factor * plane.penalty
+    k, k1 = factor * plane.penalty, factor * plane.offset_penalty
+    xx, xy, xz, yy, yz, zz, x1, y1, z1, one, rx, ry, rz, r1 = sums
     A = (
         h2 * xx + k,
         h2 * xy,
@@ -204,9 +211,30 @@ def linear_plane(plane: Any, axes: Any, cloud: Any, count: Any, factor: Any) -> 
         h * x1,
         h * y1,
         h * z1,
-        one + factor * plane.offset_penalty,
+        one + k1,
     )
-    return solve(A, (h * rx, h * ry, h * rz, r1)), True
+    return solve(A, (h * rx - k * beta[0], h * ry - k * beta[1], h * rz - k * beta[2], r1 - k1 * beta[3]))
+
+
+@compiled_too
+def linear_plane(plane: Any, axes: Any, cloud: Any, count: Any, factor: Any) -> Any:
+    """Linear regression, with penalties times ``factor`` (Nairn 2023 notes, Eqs. 3.17 and 3.18).
+
+    Returns β in cells as four numbers and whether it has a direction: not where a side is empty or the
+    centroids of both sides coincide.
+    """
+    sums = NO_SUMS
+    for p in range(np.uint64(count)):
+        sums = add_particle(axes, cloud, p, 1.0, cloud.side[p], sums)
+    xx, _, _, yy, _, zz, x1, y1, z1, one, rx, ry, rz, r1 = sums
+    # towards β from the centroid of all, times the number of particles
+    if not abs(r1) < one:
+        return NO_PLANE, False
+    mean = r1 / one
+    way = (rx - mean * x1, ry - mean * y1, rz - mean * z1)
+    if length(way) <= VANISHES * math.sqrt(one * (xx + yy + zz)):
+        return NO_PLANE, False
+    return solve_sums(plane, axes, sums, factor, NO_PLANE), True
 
 
 @compiled_too
@@ -215,7 +243,7 @@ def next_plane(plane: Any, axes: Any, cloud: Any, count: Any, beta: Any) -> Any:
     d = len(axes)
     h = plane.inverse_cell
     bx, by, bz, b1 = h * beta[0], h * beta[1], h * beta[2], beta[3]
-    xx = xy = xz = yy = yz = zz = x1 = y1 = z1 = one = rx = ry = rz = r1 = error = 0.0
+    sums, error = NO_SUMS, 0.0
     count = np.uint64(count)
     chunk = np.uint64(CHUNK)
     right, wrong = cloud.work[:CHUNK], cloud.work[CHUNK:]
@@ -232,44 +260,12 @@ def next_plane(plane: Any, axes: Any, cloud: Any, count: Any, beta: Any) -> Any:
             right[i] = q
             wrong[i] = c * (e * q)
         for i in range(m):
-            p = start + i
             w, r, e = weigh(plane, right[i], wrong[i])
             error += e
-            x = cloud.x[0, p]
-            y = cloud.x[1, p] if d > 1 else 0.0
-            z = cloud.x[2, p] if d > 2 else 0.0
-            wx, wy, wz = w * x, w * y, w * z
-            xx += wx * x
-            xy += wx * y
-            xz += wx * z
-            yy += wy * y
-            yz += wy * z
-            zz += wz * z
-            x1 += wx
-            y1 += wy
-            z1 += wz
-            one += w
-            rx += r * x
-            ry += r * y
-            rz += r * z
-            r1 += r
-    h2 = h * h
-    k, k1 = plane.penalty, plane.offset_penalty
-    A = (
-        h2 * xx + k,
-        h2 * xy,
-        h2 * xz,
-        h2 * yy + k if d > 1 else 0.0,
-        h2 * yz,
-        h2 * zz + k if d > 2 else 0.0,
-        h * x1,
-        h * y1,
-        h * z1,
-        one + k1,
-    )
-    x, y, z, c = solve(A, (h * rx - k * beta[0], h * ry - k * beta[1], h * rz - k * beta[2], r1 - k1 * b1))
+            sums = add_particle(axes, cloud, start + i, w, r, sums)
+    x, y, z, c = solve_sums(plane, axes, sums, 1.0, beta)
     normal2 = beta[0] * beta[0] + beta[1] * beta[1] + beta[2] * beta[2]
-    error += 0.5 * (k * normal2 + k1 * b1 * b1)
+    error += 0.5 * (plane.penalty * normal2 + plane.offset_penalty * b1 * b1)
     return (beta[0] + x, beta[1] + y, beta[2] + z, b1 + c), error
 
 
@@ -285,7 +281,7 @@ def guess_plane(plane: Any, axes: Any, cloud: Any, count: Any, guess: Any) -> An
     gy = guess[1] if d > 1 else 0.0
     gz = guess[2] if d > 2 else 0.0
     if gx == 0.0 and gy == 0.0 and gz == 0.0:
-        return (0.0, 0.0, 0.0, 0.0), False
+        return NO_PLANE, False
     upper, lower = -LARGE, LARGE
     for p in range(np.uint64(count)):
         y = cloud.x[1, p] if d > 1 else 0.0
@@ -296,11 +292,11 @@ def guess_plane(plane: Any, axes: Any, cloud: Any, count: Any, guess: Any) -> An
         else:
             lower = min(lower, t)
     if upper == -LARGE or lower == LARGE:
-        return (0.0, 0.0, 0.0, 0.0), False
+        return NO_PLANE, False
     h = plane.inverse_cell
     margin = 0.5 * h * (lower - upper)
     if margin < NARROWEST:
-        return (0.0, 0.0, 0.0, 0.0), False
+        return NO_PLANE, False
     slope = GUESSED_MARGIN / margin
     return (slope * gx, slope * gy, slope * gz, -0.5 * slope * h * (upper + lower)), True
 
@@ -318,7 +314,7 @@ def fit_plane(plane: Any, axes: Any, cloud: Any, count: Any, guess: Any) -> Any:
     β in cells as four numbers, the number of passes, and ``FOUND``, ``NOT_CONVERGED`` or ``DEGENERATE``.
     """
     has_direction = False
-    beta = (0.0, 0.0, 0.0, 0.0)
+    beta = NO_PLANE
     if plane.reuse > 0.0:
         beta, has_direction = guess_plane(plane, axes, cloud, count, guess)
     if not has_direction:
