@@ -1,0 +1,59 @@
+"""Energy that two disks lose, against the cell size and against the Courant number."""
+
+from __future__ import annotations
+
+from make_studies import Row, rows_of
+
+from figures.base import Figure, Runs, Table
+
+STUDIES = ("disks-cells", "disks-courant")
+PUBLISHED = {
+    ("disks-cells", "flip, usl"): "towards 0 with the cell",
+    ("disks-cells", "flip, usl+"): "near 0, not monotone, energy gained with fine cells",
+    ("disks-cells", "fmpm:4, usl"): "towards 0 with the cell, above FLIP",
+    ("disks-cells", "fmpm:4, usl+"): "as usl, but energy gained with fine cells",
+    ("disks-courant", "flip"): "the same for all steps; worse from 0.75, unstable above 0.8",
+    ("disks-courant", "fmpm:4"): "more with shorter steps; unstable above 0.46",
+    ("disks-courant", "periodic"): "the same for all steps; unstable above 0.6",
+}
+
+
+def _series(row: Row) -> str:
+    kind = row.values["method.transfer"]
+    kind = "periodic" if "every_courant" in kind else kind
+    return f"{kind}, {row.values['method.update']}" if "method.update" in row.values else kind
+
+
+def measure(runs: Runs) -> Table:
+    """Energies lost at the end, in percent."""
+    rows: Table = [["", "lost, % (by cell, mm, or Courant number)", "published"]]
+    for study, key in zip(STUDIES, ("constants.cell", "time.courant"), strict=True):
+        found = rows_of(runs.trade(study))
+        for name in dict.fromkeys(map(_series, found)):
+            numbers = [
+                f"{float(row.values[key]):.3g}: " + ("fails" if row.loss is None else f"{100 * row.loss:.2f}")
+                for row in found
+                if _series(row) == name
+            ]
+            shown = name.replace("periodic", "fmpm:4, every_courant: 0.8")
+            rows.append([shown, "; ".join(numbers), PUBLISHED.get((study, name))])
+    return rows
+
+
+FIGURE = Figure(
+    paper="nairn2026",
+    number="11",
+    title="Energy of two disks: cells and steps",
+    verdict="as published but for periodic FMPM, which loses more with shorter steps here",
+    studies=STUDIES,
+    drawn={
+        "studies/disks_cells.png": "Energy lost by two disks against the cell size with FLIP and FMPM(4), usl and usl+",
+        "studies/disks_courant.png": "Energy lost by two disks against the Courant number with three transfers",
+    },
+    measure=measure,
+    words="""
+The disks of [Fig. 8](nairn2026_fig08.md) with μ = 0.3. What agrees and what differs is discussed where the studies
+are: [cell size](../studies.md#two-disks-cell-size), [Courant number](../studies.md#two-disks-courant-number). A
+negative loss is energy gained.
+""",
+)
