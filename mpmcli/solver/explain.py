@@ -23,6 +23,8 @@ Array = np.ndarray
 
 STEP_NANOSECONDS = {1: 250.0, 2: 150.0, 3: 500.0}
 """Rough time per particle, step and thread for each number of axes (ugimp, FLIP); see benchmarks/."""
+EXACT_MASS_RATIO = 1e-8
+"""``contact.mass_ratio`` from which on it hardly matters (docs/verification.md, two blocks compressed)."""
 PASS_SHARE = 0.3
 """Rough share of a step that one more order of FMPM or XPIC costs."""
 
@@ -153,6 +155,7 @@ class ContactChoice:
             for name, is_rigid in zip(self._plan.fields, self._plan.rigid_fields, strict=True)
             if is_rigid
         ]
+        is_screened = len(rigid) + 1 < len(self._plan.fields) and any(law.screened for law in self.laws)
         return {
             "fields": list(self._plan.fields),
             "rigid_fields": rigid,
@@ -160,6 +163,7 @@ class ContactChoice:
             "normal": self._model.normal.kind if self.knows_normals else None,
             "separation": self._model.separation.kind if self.knows_normals else None,
             "increments": self.increments or None,
+            "mass_ratio": self._model.mass_ratio if is_screened else 0.0,
             "candidate_nodes": len(near.node),
             "candidate_particles": len(near.particle) if self.knows_normals else 0,
         }
@@ -359,9 +363,17 @@ def _contact_in_words(contact: dict[str, Any]) -> list[str]:
         else "no normals"
     )
     laws = "law" if len(contact["laws"]) == 1 else "laws"
+    screen = contact["mass_ratio"]
+    hint = ""
+    if screen > EXACT_MASS_RATIO:
+        hint = f"; where interfaces cross grid lines {EXACT_MASS_RATIO:g} or less is more exact"
+    passed_over = (
+        f"nodes are passed over where a side has less than {screen:g} of the mass (mass_ratio){hint}"
+    )
     return [
         f"contact of {listing(named, 8)}: {geometry}, {laws} {', '.join(contact['laws'])}; in the first step "
-        f"{contact['candidate_nodes']} nodes and {contact['candidate_particles']} particles are looked at"
+        f"{contact['candidate_nodes']} nodes and {contact['candidate_particles']} particles are looked at",
+        *([passed_over] if screen > 0.0 else []),
     ]
 
 

@@ -66,7 +66,13 @@ def test_contact_says_what_it_chooses_and_what_it_looks_at():
     assert "contact.slot_of_node" in facts["arrays"]
     assert "1.a contact on extrapolated momenta" in facts["tasks"]
     assert "3.a contact on updated momenta" in facts["tasks"]
-    for words in ("2 velocity fields", "contact of left, right: normal logistic_regression", "law coulomb"):
+    screen = "less than 1e-05 of the mass (mass_ratio); where interfaces cross grid lines 1e-08 or less is more exact"
+    for words in (
+        "2 velocity fields",
+        "contact of left, right: normal logistic_regression",
+        "law coulomb",
+        screen,
+    ):
         assert words in facts["text"]
     json.dumps(facts)
 
@@ -135,5 +141,6 @@ def test_rigid_bodies_are_named():
     facts = explain(load_scene(yaml.safe_dump(scene)))
     assert facts["contact"]["rigid_fields"] == ["right"]
     assert "contact of left, right (rigid)" in facts["text"]
+    assert "mass_ratio" not in facts["text"]  # one deformable field is never passed over
     assert "4 move rigid bodies" in facts["tasks"]
     assert "rigid bodies" not in facts["not_modelled"]
