@@ -216,13 +216,15 @@ def _cell(value: Any) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def panels(count: int = 1, width: float = 8.0, height: float = 3.6) -> tuple[Any, list[Any]]:
+def panels(
+    count: int = 1, width: float = 8.0, height: float = 3.6, ratios: Sequence[float] | None = None
+) -> tuple[Any, list[Any]]:
     """A figure with panels side by side, marked A, B and so on if there are several."""
     figure, first = new_figure(width, height)
     if count == 1:
         return figure, [first]
     first.remove()
-    axes = list(figure.subplots(1, count))
+    axes = list(figure.subplots(1, count, width_ratios=ratios))
     for letter, panel in zip("ABCDEF", axes, strict=False):
         panel.set_title(letter, loc="left", fontweight="bold")
     return figure, axes
