@@ -86,7 +86,8 @@ def test_commands_are_of_valid_scenes(name):
 @pytest.mark.slow
 def test_a_figure_is_made_by_its_command(tmp_path):
     """In a copy of ``docs``: its numbers are those of the page, its picture is drawn."""
-    docs = shutil.copytree(DOCS, tmp_path / "docs", ignore=shutil.ignore_patterns("_build", "_generated", "__pycache__"))
+    made_here = shutil.ignore_patterns("_build", "_generated", "__pycache__")
+    docs = shutil.copytree(DOCS, tmp_path / "docs", ignore=made_here)
     (tmp_path / "inputs").symlink_to(ROOT / "inputs")
     name = "nairn2020_fig07"
     table, picture = docs / "gallery" / f"{name}.csv", docs / "images" / "papers" / f"{name}.png"
