@@ -201,7 +201,7 @@ def blocks_of(scene: Any) -> Iterator[Block]:
     space = SPACE if kind == "3d" else 1.0
     for body, model in bodies:
         speed = model.initial_wave_speed(kind)
-        if not 0.0 < speed < math.inf or not 0.0 < (modulus := model.density * speed**2) < math.inf:
+        if not 0.0 < speed < math.inf or not 0.0 < (modulus := model.density * speed * speed) < math.inf:
             raise NoKnownLimit(f"body '{body.name}' has the wave speed {speed:.3g}")
         shear = float(getattr(model, "shear_modulus", 0.0)) / modulus if len(relative) > 1 else 0.0
         parts = np.broadcast_to(np.asarray(body.particles_per_axis), cell.shape)
@@ -272,7 +272,7 @@ def _is_fast(scene: Any) -> bool:
 
 
 def _largest_speed(scene: Any) -> float:
-    return max(float(np.linalg.norm(_start_speeds(scene, body))) for body in scene.bodies)
+    return max(math.hypot(*_start_speeds(scene, body)) for body in scene.bodies)
 
 
 def _start_speeds(scene: Any, body: Any) -> Array:

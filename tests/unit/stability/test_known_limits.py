@@ -293,6 +293,22 @@ def test_functions_of_the_axes_sum_to_one():
         assert reach.sum(axis=1) == pytest.approx(0.0, abs=1e-8), name
 
 
+@pytest.mark.parametrize(
+    "changes",
+    [
+        ["bodies.0.velocity=[1e200]"],
+        ["materials.elastic.E=1e300", "materials.elastic.density=1e-100"],
+        ["materials.elastic.E=1e-100", "materials.elastic.density=1e300", "bodies.0.velocity=[1e308]"],
+    ],
+)
+@pytest.mark.parametrize("time", [{"courant": 0.5}, {"step": 1e300}])
+def test_speeds_beyond_all_measure_are_no_fault(changes, time):
+    scene = load_scene(INPUTS / "vibrating_bar.yaml", sets=changes).scene
+    span = scene.time.model_copy(update={"courant": None, "step": None} | time)
+    warning = warning_of(scene.model_copy(update={"time": span}))
+    assert warning is None or warning.severity == "warning"
+
+
 def test_wave_speeds_out_of_range_have_no_known_limit():
     changes = ["materials.elastic.E=1e-300", "materials.elastic.density=1e100"]
     scene = load_scene(INPUTS / "vibrating_bar.yaml", sets=changes).scene
