@@ -152,6 +152,7 @@ def _from_vtk(path: Path) -> tuple[Array, Array]:
 
 def _from_meshio(path: Path) -> tuple[Array, Array]:
     """Triangles of a PLY or MSH file; where it has volume cells, those of their outside."""
+    _check_counts(path)
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         import meshio
@@ -174,6 +175,25 @@ def _from_meshio(path: Path) -> tuple[Array, Array]:
     if not pieces:
         return corners, np.zeros((0, 3), dtype=np.int64)
     return corners, np.concatenate(pieces).astype(np.int64)
+
+
+def _check_counts(path: Path) -> None:
+    """Refuse a PLY or MSH file on which meshio would count, or wait for the end of the header, for ever."""
+    content = path.read_bytes()
+    if path.suffix.lower() == ".ply":
+        end = _END_OF_HEADER.search(content)
+        if end is None:
+            raise Unreadable("damaged, its header has no end")
+        counts = _PLY_COUNT.findall(content[: end.start()])
+    else:
+        counts = [count for pair in _MSH_COUNTS.findall(content) for count in pair if count]
+    if any(len(count) > 15 or int(count) > len(content) for count in counts):
+        raise Unreadable("damaged, it claims to hold more than it can")
+
+
+_END_OF_HEADER = re.compile(rb"^[ \t]*end_header\s*$", re.MULTILINE)
+_PLY_COUNT = re.compile(rb"^[ \t]*element\s+\S+\s+(\d+)", re.MULTILINE)
+_MSH_COUNTS = re.compile(rb"\$(?:Nodes|Elements)\s+(\d+)(?:[ \t]+(\d+))?")
 
 
 def _outer_faces(faces: list[Array]) -> list[Array]:

@@ -79,7 +79,8 @@ def _of_manifest(contents: dict[str, Any]) -> Iterator[str]:
         yield str(contents["title"])
     scene = f"scene {contents.get('scene_file')} ({str(contents.get('scene_hash'))[:12]})"
     used = [f"{name} {facts.get('version')}" for name, facts in contents.get("plugins", {}).items()]
-    yield ", ".join([scene, f"mpmcli {contents.get('mpmcli')}", *used])
+    commit = f" ({run['commit'][:12]}{run['commit'][40:]})" if run.get("commit") else ""
+    yield ", ".join([scene, f"mpmcli {contents.get('mpmcli')}{commit}", *used])
     words = [f"{run.get('ended', 'unknown')}"]
     if "steps" in run:
         words.append(f"{run['steps']} steps to time {float(run.get('time', 0.0)):g}")

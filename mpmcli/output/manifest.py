@@ -7,6 +7,7 @@ import json
 import math
 import os
 import platform
+import subprocess
 import sys
 from collections.abc import Iterator
 from datetime import UTC, datetime
@@ -50,7 +51,9 @@ class Manifest:
 
 def facts_of_machine(threads: int | None = None) -> dict[str, Any]:
     """Versions, platform, threads and their layer."""
+    checkout = commit_of(Path(mpmcli.__file__).parents[1])
     return {
+        **({} if checkout is None else {"commit": checkout}),
         "python": platform.python_version(),
         "platform": platform.platform(),
         "processors": os.cpu_count(),
@@ -59,6 +62,25 @@ def facts_of_machine(threads: int | None = None) -> dict[str, Any]:
         "versions": versions(),
         "command": sys.argv,
     }
+
+
+def commit_of(root: Path) -> str | None:
+    """The commit that a checkout is of, with ``+`` if files have changed since; None if it is no checkout."""
+    if not (root / ".git").exists():
+        return None
+    describe = ["git", "-C", str(root), "describe", "--always", "--exclude=*", "--abbrev=40", "--dirty=+"]
+    try:
+        done = subprocess.run(
+            describe,
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=10,
+            env=os.environ | {"GIT_OPTIONAL_LOCKS": "0"},
+        )
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return done.stdout.strip()
 
 
 def versions() -> dict[str, str]:
@@ -117,6 +139,7 @@ class _Source(_Part):
 
 class _Run(_Part):
     ended: StrictStr = ""
+    commit: StrictStr | None = None
     steps: _Count = 0
     time: _Number | Literal["nan", "inf", "-inf"] = 0.0
     wall_seconds: _Number = 0.0

@@ -205,6 +205,12 @@ def test_a_million_points_take_about_a_second(region):
         ("no.obj", b"v 1 2\nf 1 2 3\n"),
         ("index.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"),
         ("no.ply", b"ply\nformat"),
+        ("header.ply", b"ply\nformat ascii 1.0\nelement vertex 3\n"),
+        (
+            "many.ply",
+            b"ply\nformat ascii 1.0\nelement vertex 1\nelement face 2147483648\nend_header\n0 0 0\n",
+        ),
+        ("many.msh", b"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2147483648\n1 0 0 0\n$EndNodes\n"),
         ("no.msh", b"$MeshFormat"),
         ("empty.obj", b"# nothing\n"),
         ("nan.obj", b"v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),

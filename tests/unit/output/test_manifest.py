@@ -5,6 +5,8 @@ from __future__ import annotations
 import copy
 import json
 import math
+import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +36,27 @@ def test_later_facts_are_added(tmp_path):
     written.write(ended="finished")
     assert manifest.read_manifest(tmp_path)["run"] == {"threads": 2, "ended": "finished"}
     assert [path.name for path in tmp_path.iterdir()] == ["run.json"]
+
+
+@pytest.mark.skipif(shutil.which("git") is None, reason="there is no git")
+def test_the_commit_of_a_checkout_and_whether_files_have_changed(tmp_path):
+    def git(*words):
+        names = ["-c", "user.name=n", "-c", "user.email=n@n", "-c", "commit.gpgsign=false"]
+        done = subprocess.run(
+            ["git", "-C", str(tmp_path), *names, *words], check=True, capture_output=True, text=True
+        )
+        return done.stdout.strip()
+
+    assert manifest.commit_of(tmp_path) is None
+    git("init", "-q")
+    assert manifest.commit_of(tmp_path) is None  # it has none yet
+    (tmp_path / "a.py").write_text("1")
+    git("add", "a.py")
+    git("commit", "-q", "-m", "a")
+    git("tag", "-m", "v1", "v1")
+    assert manifest.commit_of(tmp_path) == git("rev-parse", "HEAD")
+    (tmp_path / "a.py").write_text("2")
+    assert manifest.commit_of(tmp_path) == git("rev-parse", "HEAD") + "+"
 
 
 def test_facts_of_the_machine():
