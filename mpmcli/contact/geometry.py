@@ -92,6 +92,23 @@ def put_radius(axes, F, size, p, turned, M, at):
 
 
 @inline
+def share_on_planes(axes, i, shape_of_grid, planes):
+    """Share of node ``i`` on this side of the symmetry planes it lies on: its mass is that of real particles alone."""
+    share = 1.0
+    for image in range(planes.shape[0]):
+        turned, on_plane, stride = 0, 0, 1
+        for a in range(len(axes)):
+            if planes[image, a] >= 0:
+                turned += 1
+                if i // stride % shape_of_grid[a] == planes[image, a]:
+                    on_plane += 1
+            stride *= shape_of_grid[a]
+        if turned == 1 and on_plane == 1:
+            share *= 0.5
+    return share
+
+
+@inline
 def row_of(array, row):
     """Row of an array, or None for None."""
     return None if array is None else array[row]
@@ -191,4 +208,5 @@ def find_geometry(
                     guesses[members.alpha[k], a] = normal[k, a]
             h = perpendicular_size(axes, cell, normal[k])
             separation[k] = find_separation(separation_method, axes, cloud, n, normal[k], h, distances[k])
-            area[k] = contact_area(volume_alpha, volume_beta, h, distances[k])
+            part = share_on_planes(axes, node[members.slot[k]], shape_of_grid, planes)
+            area[k] = part * contact_area(volume_alpha, volume_beta, h, distances[k])

@@ -44,7 +44,6 @@ class ContactAccount:
         self._rigid_work = np.zeros(n)
         self._identity = s.particles.id
         self._impulse = np.zeros((0, d))
-        self._share = share_of_particles(s)
         self.view = ContactView(
             pairs=[(names[i], names[j]) for i, j in pairs],
             force=np.zeros((len(pairs), d)),
@@ -78,10 +77,11 @@ class ContactAccount:
         self._identity = s.particles.id
         self._impulse = impulse[: c.count].copy()  # of the whole step, for those who look later
         rigid_work = self._rigid_work.sum()
+        share = share_of_particles(s, c.members.alpha[: c.count])
         s.state.work["contact_work"] += momenta.tally(
             (0.0,) * s.grid.dimensions, c.count, c.members, s.grid.node_count, c.clouds.dof, self._rigid, self._pair,
-            self._share[c.members.alpha[: c.count]], c.geometry.normal, c.geometry.area, c.state, impulse, before,
-            after, s.grid.mp, view.force, view.area, view.momentum_error, self._rigid_work,
+            share, c.geometry.normal, c.geometry.area, c.state, impulse, before, after, s.grid.mp, view.force,
+            view.area, view.momentum_error, self._rigid_work,
         )  # fmt: skip
         view.force /= dt
         view.touching = int(np.count_nonzero(c.state[: c.count]))
@@ -171,14 +171,15 @@ class ContactAccount:
             self.view.rigid_work[name] = float(self._rigid_work[self._names.index(name)])
 
 
-def share_of_particles(s: Simulation) -> Array:
-    """Share of a contact at each degree of freedom (dofs,) that real particles have: images share their mass."""
-    share = np.ones(s.grid.dof_count)
+def share_of_particles(s: Simulation, dof: Array) -> Array:
+    """Share of a contact at each of these degrees of freedom that real particles have now: images share their mass."""
     mirror = s.conditions.mirror
-    if mirror is not None:
-        share[mirror.pairs.image] -= mirror.pairs.share
-        share[mirror.pairs.ghost] += mirror.pairs.share - 1.0
-    return share
+    if mirror is None:
+        return np.ones(len(dof))
+    pairs, share = mirror.pairs, np.ones(s.grid.dof_count)
+    np.subtract.at(share, pairs.image, pairs.share)
+    share[pairs.ghost] = pairs.share
+    return share[dof]
 
 
 VIEWED = (

@@ -83,3 +83,47 @@ def test_no_order_mirror_or_turn_matters(way, shape, transfer):
     check(straight, run(bodies[::-1], shape, transfer, three))
     for turn in TURNS.values():
         check(straight, run(bodies, shape, transfer, three, turn))
+
+
+@pytest.mark.parametrize("transfer", [{"kind": "flip"}, {"kind": "fmpm", "order": 4}], ids=["flip", "fmpm"])
+def test_halves_at_a_symmetry_plane_are_half_of_the_whole(transfer):
+    """Forces, areas and friction work of two disks, cut along the line through their centres, are half."""
+
+    def start(half: bool) -> Simulation:
+        bodies = []
+        for name, y, radius, speed in (("upper", 2.11, 2.2, -1.0), ("lower", -2.03, 1.9, 1.0)):
+            region: dict[str, Any] = {"kind": "disk", "center": [0, y], "radius": radius}
+            if half:
+                box = {"kind": "box", "lower": [0, -8], "upper": [8, 8]}
+                region = {"kind": "intersection", "regions": [region, box]}
+            material = "soft" if name == "upper" else "hard"
+            bodies.append({"name": name, "material": material, "region": region, "velocity": [0, speed]})
+        scene = {
+            "version": 1,
+            "analysis": {"kind": "plane_strain"},
+            "grid": {"lower": [0 if half else -8, -8], "upper": [8, 8], "cell": 1},
+            "method": {"shape": "ugimp", "transfer": transfer},
+            "materials": {
+                "soft": {"kind": "neo_hookean", "density": 1.5, "E": 20.0, "nu": 0.4},
+                "hard": {"kind": "neo_hookean", "density": 1.5, "E": 100.0, "nu": 0.3},
+            },
+            "bodies": bodies,
+            "contact": {"law": {"kind": "coulomb", "friction": 0.1}},
+            "time": {"end": 10.0, "step": 0.02},
+        }
+        if half:
+            scene["boundary"] = [{"name": "middle", "kind": "symmetry", "plane": {"axis": "x", "at": 0}}]
+        return Simulation(load_scene(yaml.safe_dump(scene, sort_keys=False)), threads=1)
+
+    half, whole = start(True), start(False)
+    for _ in range(STEPS):
+        half.step()
+        whole.step()
+        of_half, of_whole = half.contact.view, whole.contact.view
+        scale = max(1.0, abs(of_whole.force[0, 1]))
+        assert 2 * of_half.force[0, 1] == pytest.approx(of_whole.force[0, 1], abs=1e-9 * scale)
+        assert 2 * of_half.area[0] == pytest.approx(of_whole.area[0], abs=1e-9)
+    assert of_whole.force[0, 1] > 1.0
+    work = [s.state.work["contact_work"] for s in (half, whole)]
+    assert work[1] > 1e-4
+    assert 2 * work[0] == pytest.approx(work[1], rel=1e-8)
