@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -146,14 +147,18 @@ def command(
     price: Any = COSTS[cost]
     with study_folder(directory):
         journal = Journal(directory / tradeoff.RUNS)
-        runner = Processes(timeout) if scheduler is None else cluster.Cluster(scheduler, timeout)
-        code = run_until_interrupted(
-            lambda: tradeoff.run_cases(
-                cases, repeats, runner, journal, directory,
-                jobs=jobs, threads=threads, until=end, columns=columns, tell=tell,
-            ),
-            runner.stop,
-        )  # fmt: skip
+        with (
+            nullcontext(Processes(timeout))
+            if scheduler is None
+            else closing(cluster.Cluster(scheduler, timeout))
+        ) as runner:
+            code = run_until_interrupted(
+                lambda: tradeoff.run_cases(
+                    cases, repeats, runner, journal, directory,
+                    jobs=jobs, threads=threads, until=end, columns=columns, tell=tell,
+                ),
+                runner.stop,
+            )  # fmt: skip
         if code:
             click.echo(f"interrupted; {len(journal.results)} runs are kept in {journal.path}", err=True)
             return code

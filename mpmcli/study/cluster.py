@@ -6,7 +6,7 @@ import threading
 from typing import Any
 
 from mpmcli.core.errors import ArchiveError
-from mpmcli.study.processes import Stopped, run_job
+from mpmcli.study.processes import CRASHED, Stopped, run_job
 
 
 def can_connect() -> bool:
@@ -38,6 +38,7 @@ class Cluster:
         from distributed import Client
 
         self.timeout = timeout
+        self._address = address
         try:
             self._client = Client(address)
         except (OSError, ValueError) as error:
@@ -47,7 +48,15 @@ class Cluster:
         self.is_stopped = False
 
     def run(self, job: dict[str, Any]) -> dict[str, Any]:
-        """Run one job and wait for it."""
+        """Run one job and wait for it; where a machine of the cluster is lost, it is a result that says so.
+
+        Raises
+        ------
+        Stopped
+            If ``stop`` was called before it ended.
+        ArchiveError
+            If the scheduler is gone.
+        """
         with self._lock:
             if self.is_stopped:
                 raise Stopped
@@ -55,10 +64,12 @@ class Cluster:
             self._running.add(future)
         try:
             result: dict[str, Any] = future.result()
-        except Exception:
+        except Exception as error:
             if self.is_stopped:
                 raise Stopped from None
-            raise
+            if self._client.status != "running":
+                raise ArchiveError(f"the scheduler {self._address} is gone: {error}") from error
+            result = {"ended": CRASHED, "message": f"the cluster lost it: {type(error).__name__}: {error}"}
         finally:
             with self._lock:
                 self._running.discard(future)

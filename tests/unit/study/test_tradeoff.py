@@ -370,6 +370,9 @@ def test_a_cluster_runs_the_cases(tmp_path, capsys, monkeypatch):
             assert not pure
             return Future(runner.run(job))
 
+        def close(self):
+            asked.append("closed")
+
     monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=Client))
     arguments = [
         "tradeoff",
@@ -382,7 +385,7 @@ def test_a_cluster_runs_the_cases(tmp_path, capsys, monkeypatch):
         "-q",
     ]
     assert call(arguments) == 0
-    assert asked == ["tcp://host:8786"]
+    assert asked == ["tcp://host:8786", "closed"]
     assert len(runner.jobs) == 9
 
 
