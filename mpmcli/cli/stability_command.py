@@ -69,6 +69,9 @@ from mpmcli.cli.options import (
     help="Courant numbers between which limits are looked for.",
 )
 @click.option("--jobs", type=click.IntRange(1, 4096), help="Runs side by side; one per processor by default.")
+@click.option(
+    "--auto", is_flag=True, help="Also run what courant: auto chooses, and tell how much it gives away."
+)
 @click.option("--no-prediction", is_flag=True, help="Leave the predicted limits out.")
 @study_options("stability", "limits.png")
 @scene_options
@@ -85,6 +88,7 @@ def command(
     until: str | None,
     jobs: int | None,
     timeout: float | None,
+    auto: bool,
     no_prediction: bool,
     plot: bool | None,
     quiet: bool,
@@ -140,6 +144,7 @@ def command(
         high,
         end,
         max(1, processors // jobs),
+        auto,
     )
 
     def tell(words: str) -> None:

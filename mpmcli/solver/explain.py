@@ -17,7 +17,8 @@ from mpmcli.scene.fields import law_table
 from mpmcli.solver.plan import PARALLEL_FROM, Plan, StepArrays, allocate_step_arrays, make_plan
 from mpmcli.solver.setup import make_grid, make_particles
 from mpmcli.solver.spare import find_questions, find_spare
-from mpmcli.stability.scene_limit import SAFETY, NoKnownLimit, chosen_courant, known_limit
+from mpmcli.stability.choice import ChosenCourant
+from mpmcli.stability.scene_limit import SAFETY, NoKnownLimit, known_limit
 
 Array = np.ndarray
 
@@ -61,7 +62,8 @@ def explain(
     wave_speed = max(models[i].initial_wave_speed(name) for i in present)
     particle_speed = float(np.sqrt(np.square(particles.V).sum(axis=0).max()))
     fastest, cell = max(wave_speed, particle_speed), float(grid.cell.min())
-    courant = chosen_courant(scene)
+    auto = ChosenCourant(scene, particles) if scene.time.courant == "auto" else None
+    courant = scene.time.courant if auto is None else auto.at(0, particles)
     dt = scene.time.step if courant is None else courant * cell / fastest
     courant = dt * fastest / cell
     limit, known = None, ""
@@ -70,6 +72,8 @@ def explain(
         limit, known = found.courant, found.because
     except NoKnownLimit as reason:
         known = str(reason)
+    if auto is not None and auto.courant > auto.otherwise:
+        limit, known = auto.courant / SAFETY, "of what the bodies do at first"
     steps = int(np.ceil(scene.time.end / dt))
     kept = {f.name: getattr(arrays, f.name) for f in fields(StepArrays)}
     dense = {f"grid.{key}": array for key, array in (("mp", grid.mp), ("f", grid.f))}
@@ -102,7 +106,8 @@ def explain(
         "wave_speed": wave_speed,
         "time_step": dt,
         "courant": courant,
-        "courant_is_chosen": scene.time.courant == "auto",
+        "courant_is_chosen": auto is not None,
+        "auto_in_words": "" if auto is None else auto.in_words(),
         "known_stability_limit": limit,
         "stability_margin": None if limit is None else 1.0 - courant / limit,
         "stability_limit_of": known,
@@ -340,7 +345,8 @@ def _measured_in_words(measured: dict[str, Any] | None) -> list[str]:
 def _courant_in_words(facts: dict[str, Any]) -> str:
     limit, known = facts["known_stability_limit"], facts["stability_limit_of"]
     chosen = f"Courant number {facts['courant']:.3g}"
-    chosen += f" (auto: {SAFETY:g} of the limit, 1 at most)" if facts["courant_is_chosen"] else ""
+    if facts["courant_is_chosen"]:
+        chosen += f" (auto: {SAFETY:g} of the limit, 1 at most{facts['auto_in_words']})"
     if limit is None:
         return f"{chosen}; no stability limit is known: {known}"
     margin = facts["stability_margin"]

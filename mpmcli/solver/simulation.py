@@ -38,7 +38,7 @@ from mpmcli.solver.rigid import NoRigidBodies, RigidBodies
 from mpmcli.solver.setup import full_ring, make_grid, make_particles, section_of
 from mpmcli.solver.step import advance
 from mpmcli.solver.transfer import Transfer
-from mpmcli.stability.scene_limit import chosen_courant
+from mpmcli.stability.choice import ChosenCourant, GivenCourant
 
 Array = np.ndarray
 LOGGER = logging.getLogger("mpmcli")
@@ -108,10 +108,13 @@ class Simulation:
             if np.any(self.particles.material == i)
         )
         self.particle_speed = float(np.sqrt(np.square(self.particles.V).sum(axis=0).max()))
-        courant = chosen_courant(scene)
+        self.courant_choice = GivenCourant(scene.time.courant)
         if scene.time.courant == "auto":
-            LOGGER.info("Courant number %.4g, chosen by the stability limit", courant)
-        self.time_step = TimeStep(scene.time.step, courant, float(self.grid.cell.min()))
+            self.courant_choice = choice = ChosenCourant(scene, self.particles)
+            LOGGER.info(
+                "Courant number %.4g, chosen by the stability limit%s", choice.courant, choice.in_words()
+            )
+        self.time_step = TimeStep(scene.time.step, self.courant_choice.courant, float(self.grid.cell.min()))
         self._dt = 0.0
         self._last_good: State | None = None
         self._rigid_version = -1
@@ -150,6 +153,7 @@ class Simulation:
         if self.state.step % GOOD_EVERY == 0:
             self.keep_good_state()
         try:
+            self.time_step.courant = self.courant_choice.at(self.state.step, self.particles)
             self._dt = self.time_step.choose(self.wave_speed, self.particle_speed, self.describe_extreme)
             self.plan = self.period.plan_of_step(self)
             self.reached_order = self.plan.order

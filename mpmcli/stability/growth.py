@@ -44,7 +44,7 @@ NEAR = 0.01
 """A place just off the grid lines (cells): some shape functions lose their stability by leaving them."""
 SLOW_PLACES = 12
 """Places within half a cell, of which a body that moves slowly may be unstable at one."""
-RESOLUTION = 0.005
+RESOLUTION = 0.0025
 LOWEST, HIGHEST = 0.02, 2.5
 """Courant numbers between which limits are looked for."""
 START = 0.5
@@ -74,11 +74,11 @@ def slow_limit(lattice: Lattice, scheme: Scheme, enough: float = math.inf) -> fl
 
 
 @functools.lru_cache(maxsize=256)
-def worst_limit(lattice: Lattice, scheme: Scheme) -> float:
+def worst_limit(lattice: Lattice, scheme: Scheme, enough: float = math.inf) -> float:
     """Largest stable Courant number of a block that rests at the worst place."""
     count = PLACES[lattice.dimensions]
     places = [NEAR, *(0.5 * place / count for place in range(count + 1))]
-    return _stable_but_at(0, places, lattice, scheme, math.inf)
+    return _stable_but_at(0, places, lattice, scheme, enough)
 
 
 @functools.lru_cache(maxsize=256)

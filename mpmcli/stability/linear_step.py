@@ -27,6 +27,7 @@ class Scheme:
     blend : (order m, fraction α), or None
     every_courant, every_steps : period of the transfer, FLIP between; or None
     velocity_gradient : extrapolated velocities carry their gradient
+    viscosity : artificial viscosity, pressure per rate of compression over ρch; acts in compression and expansion here
     """
 
     kind: str = "flip"
@@ -36,6 +37,7 @@ class Scheme:
     every_courant: float | None = None
     every_steps: int | None = None
     velocity_gradient: bool = False
+    viscosity: float = 0.0
 
     def factor(self, order: int) -> float:
         """Factor of the increment of an order ℓ (Nairn 2026, section 3.3)."""
@@ -47,16 +49,19 @@ class Scheme:
 
 @dataclass
 class State:
-    """B states at once: V (d, N, B), stresses (pairs, N, B), velocity gradients (d, d, N, B) or None."""
+    """B states at once: V (d, N, B), stresses (pairs, N, B); velocity gradients (d, d, N, B) and viscous stress (N, B)
+    or None.
+    """
 
     V: Array
     stress: Array
     L: Array | None
+    viscous: Array | None = None
 
     def matrix(self) -> Array:
         """All rows below each other, (rows, B)."""
         columns = self.V.shape[-1]
-        parts = [self.V, self.stress] + ([] if self.L is None else [self.L])
+        parts = [part for part in (self.V, self.stress, self.L, self.viscous) if part is not None]
         return np.concatenate([part.reshape(-1, columns) for part in parts])
 
 
@@ -75,11 +80,15 @@ class LinearStep:
         """A state for every unknown, with 1 there and 0 elsewhere."""
         d = self.lattice.dimensions
         N = self.lattice.count
-        counts = [d, len(self.pairs)] + ([d * d] if self.scheme.velocity_gradient else [])
+        counts = [d, len(self.pairs), d * d * self.scheme.velocity_gradient, self.scheme.viscosity > 0.0]
         total = N * sum(counts)
-        parts = np.split(np.eye(total), np.cumsum([N * c for c in counts])[:-1])
-        L = parts[2].reshape(d, d, N, total) if self.scheme.velocity_gradient else None
-        return State(parts[0].reshape(d, N, total), parts[1].reshape(-1, N, total), L)
+        V, stress, L, viscous = np.split(np.eye(total), np.cumsum([N * c for c in counts])[:-1])
+        return State(
+            V.reshape(d, N, total),
+            stress.reshape(-1, N, total),
+            L.reshape(d, d, N, total) if len(L) else None,
+            viscous if len(viscous) else None,
+        )
 
     def advance(self, state: State, at: Stencils, is_flip: bool = False) -> None:
         """One step of all states in place; ``is_flip`` for those between the steps of a periodic transfer."""
@@ -93,7 +102,7 @@ class LinearStep:
         start = self._extrapolate(at, state.V, state.L)
         if strain.first > 0.0:
             self._add_stress(state, self._gradient(at, full(start)), strain.first * dt)
-        change = dt * self._acceleration(at, state.stress)
+        change = dt * self._acceleration(at, self._total(state))
         v = full(start + change)
         if method.flip:
             state.V = state.V + at.S @ change
@@ -143,9 +152,21 @@ class LinearStep:
                 f[b] -= at.G[a].T @ component
         return f / at.mass
 
+    def _total(self, state: State) -> Array:
+        """Stresses with the viscous part."""
+        if state.viscous is None:
+            return state.stress
+        total = state.stress.copy()
+        for row, (a, b) in enumerate(self.pairs):
+            if a == b:
+                total[row] += state.viscous
+        return total
+
     def _add_stress(self, state: State, L: Array, dt: float) -> None:
         lame, shear = self.lattice.lame, self.lattice.shear
         trace = sum(L[a, a] for a in range(len(L)))
+        if state.viscous is not None:
+            state.viscous = self.scheme.viscosity * trace
         for row, (a, b) in enumerate(self.pairs):
             state.stress[row] += dt * shear * (L[a, b] + L[b, a])
             if a == b:

@@ -1,9 +1,11 @@
 """The largest stable Courant number of a scene: what ``time.courant: auto``, warnings and ``explain`` go by.
 
 Where a body starts at ``FAST`` of the wave speed or more, and with CPDI, bodies have the limit of a moving block, else
-that of one that moves slowly (``growth``). In no case is the limit above that of a block that rests where the scene
-puts the faces of the body within their cells, along the axes along which it does not start to move. These rules, and
-``SAFETY``, were chosen by limits measured with ``mpmcli stability``; docs/studies.md has them.
+that of one that moves slowly (``growth``), or with ugimp that at the worst place. In no case is the limit above that of
+a block that rests where the scene puts the faces of the body within their cells, along the axes along which it does not
+start to move. Axes along which both faces are held (``held``) are no axes of the block. ``choice`` follows what the
+bodies do then. These rules, and ``SAFETY``, were chosen by limits measured with ``mpmcli stability``; docs/studies.md
+has them.
 """
 
 from __future__ import annotations
@@ -15,28 +17,35 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.expressions import Expression
 from mpmcli.shapes import SHAPES
 from mpmcli.stability.growth import NEAR, limit_at_rest, moving_limit, slow_limit, worst_limit
+from mpmcli.stability.held import held_axes
 from mpmcli.stability.lattice import DOMAINS, GRID_FUNCTIONS, Lattice
 from mpmcli.stability.linear_step import Scheme
 
 Array = np.ndarray
 
-SAFETY = 0.98
+SAFETY = 0.99
 """``courant: auto`` is this share of the limit."""
 LARGEST_COURANT = 1.0
 """``courant: auto`` is never above it: no particle may pass a whole cell in a step."""
 FAST = 0.01
 """Speed over wave speed from which a body counts as moving."""
+PERIODIC = 0.95
+"""Limits with a periodic transfer over those predicted: FMPM(8) with C_X = 2 in the bar, 0.63/0.67."""
 SPACE = 0.95
 """Limits in space over those in the plane: 0.742/0.783 (FLIP) and 0.463/0.487 (FMPM(4)) for lcpdi and ν = 1/3, found
 once with cubes of 2³ cells, whose eigenvalues take a minute."""
 ELSEWHERE = 0.2
 """Offset along axes along which a body moves: a place where few shape functions lose their stability early."""
 SAMPLES = 9
+IN_COMPRESSION = 0.5
+"""Share of the time in which artificial viscosity acts, as behind a shock, where bodies swing about their compression.
+The quadratic part is left out: it is large in the front only, which passes a particle within some steps."""
 
 
 class NoKnownLimit(ValueError):
@@ -77,12 +86,14 @@ class Block:
     body : the body's name
     scale : Courant number of the scene over that of the block: wave speed of the fastest body over this one's, and
         ``SPACE`` for three axes
-    faces : places of the lower and of the upper faces of the body within their cells, along one axis or pairs of axes
+    axes : one axis of the scene, or pairs of them, that the axes of the block stand for
+    faces : places of the lower and of the upper faces of the body within their cells, along ``axes``
     """
 
     lattice: Lattice
     body: str
     scale: float
+    axes: tuple[tuple[int, ...], ...]
     faces: tuple[tuple[float, ...], ...]
 
 
@@ -111,14 +122,18 @@ def known_limit(scene: Any, enough: float = math.inf) -> KnownLimit:
     NoKnownLimit
         If the scene has something that the analysis knows nothing about.
     """
-    if scene.method.artificial_viscosity is not None:
-        raise NoKnownLimit("artificial viscosity lowers it by an amount that depends on the shock")
     scheme = scheme_of(scene)
-    is_fast = SHAPES[scene.method.shape].follows_deformation and _is_fast(scene)
-    found = [_limit_of(block, scheme, is_fast, enough) for block in blocks_of(scene)]
+    is_fast = SHAPES[scene.method.shape].follows_deformation and is_fast_at_first(scene)
+    with one_thread():
+        found = [_limit_of(block, scheme, is_fast, enough) for block in blocks_of(scene)]
     if not found:
         raise NoKnownLimit("all bodies are rigid")
     return min(found, key=lambda limit: limit.courant)
+
+
+def one_thread() -> Any:
+    """A context in which matrix products stay on one thread: they are small, and threads that wait burn time."""
+    return threadpool_limits(1, user_api="blas")
 
 
 def predict(scene: Any) -> Prediction | None:
@@ -129,19 +144,18 @@ def predict(scene: Any) -> Prediction | None:
         return None
     if not blocks:
         return None
-    return Prediction(
-        min(block.scale * moving_limit(block.lattice, scheme) for block in blocks),
-        min(block.scale * worst_limit(block.lattice, scheme) for block in blocks),
-    )
+    with one_thread():
+        return Prediction(
+            min(block.scale * moving_limit(block.lattice, scheme) for block in blocks),
+            min(block.scale * worst_limit(block.lattice, scheme) for block in blocks),
+        )
 
 
 def warning_of(scene: Any) -> Problem | None:
     """A warning if the scene's Courant number, or its time step, is above the known limit."""
     span = scene.time
-    if span.courant == "auto" or getattr(scene.method.transfer, "velocity_gradient", False):
-        return (
-            None  # with velocity gradients the analysis can take many seconds: too long to validate a scene
-        )
+    if span.courant == "auto":
+        return None
     asked = courant_of_step(scene, span.step) if span.courant is None else float(span.courant)
     try:
         limit = known_limit(scene, enough=asked)
@@ -160,7 +174,7 @@ def warning_of(scene: Any) -> Problem | None:
 def courant_of_step(scene: Any, step: float) -> float:
     """Courant number at the start of a fixed time step."""
     kind = scene.analysis.kind
-    speed = max((model.initial_wave_speed(kind) for _, model in _deformable(scene)), default=0.0)
+    speed = max((model.initial_wave_speed(kind) for _, model in deformable(scene)), default=0.0)
     return step * max(speed, _largest_speed(scene)) / min(scene.grid.cell)
 
 
@@ -168,6 +182,7 @@ def scheme_of(scene: Any) -> Scheme:
     """What a scene's steps do; a dynamic order counts as the largest one."""
     transfer = scene.method.transfer
     blend = getattr(transfer, "blend", None)
+    viscosity = scene.method.artificial_viscosity
     return Scheme(
         transfer.kind,
         getattr(transfer, "order", 1),
@@ -176,14 +191,16 @@ def scheme_of(scene: Any) -> Scheme:
         getattr(transfer, "every_courant", None),
         getattr(transfer, "every_steps", None),
         bool(getattr(transfer, "velocity_gradient", False)),
+        0.0 if viscosity is None else IN_COMPRESSION * float(viscosity.linear),
     )
 
 
 def blocks_of(scene: Any) -> Iterator[Block]:
     """The blocks that stand for the scene's deformable bodies.
 
-    Materials that are not elastic at rest count as fluids of their wave speed, axisymmetric analyses as plane; in space
-    the block is a plane one of the two smallest edges of a cell.
+    Materials that are not elastic at rest count as fluids of their wave speed, axisymmetric analyses as plane. A block
+    has the axes along which its body is not held (the first one if it is held along all), in space the two of them with
+    the smallest edges of a cell.
 
     Raises
     ------
@@ -193,32 +210,41 @@ def blocks_of(scene: Any) -> Iterator[Block]:
     shape, kind = SHAPES[scene.method.shape], scene.analysis.kind
     if shape.grid_functions not in GRID_FUNCTIONS or shape.domain not in DOMAINS:
         raise NoKnownLimit(f"the shape function {scene.method.shape} is of no kind that was analysed")
-    bodies = list(_deformable(scene))
+    bodies = list(deformable(scene))
     fastest = max((model.initial_wave_speed(kind) for _, model in bodies), default=0.0)
     cell = np.asarray(scene.grid.cell, dtype=float)
-    axes = np.sort(np.argsort(cell, kind="stable")[:2])
-    relative = tuple(float(h) for h in cell[axes] / cell.min())
-    space = SPACE if kind == "3d" else 1.0
     for body, model in bodies:
+        free = np.flatnonzero(~held_axes(scene, body))
+        free = free if len(free) else np.array([0])
+        axes = np.sort(free[np.argsort(cell[free], kind="stable")[:2]])
+        relative = tuple(float(h) for h in cell[axes] / cell.min())
+        space = SPACE if len(free) == 3 else 1.0
         speed = model.initial_wave_speed(kind)
         if not 0.0 < speed < math.inf or not 0.0 < (modulus := model.density * speed * speed) < math.inf:
             raise NoKnownLimit(f"body '{body.name}' has the wave speed {speed:.3g}")
         shear = float(getattr(model, "shear_modulus", 0.0)) / modulus if len(relative) > 1 else 0.0
         parts = np.broadcast_to(np.asarray(body.particles_per_axis), cell.shape)
-        pairs = [list(pair) for pair in itertools.combinations(range(len(cell)), len(relative))]
+        pairs = tuple(tuple(map(int, pair)) for pair in itertools.combinations(free, len(relative)))
         sides = _faces(scene, body, parts)
-        faces = tuple(sorted({tuple(float(f) for f in side[pair]) for side in sides for pair in pairs}))
-        for particles in sorted({int(n) for n in parts}):
+        faces = tuple(sorted({tuple(float(side[a]) for a in pair) for side in sides for pair in pairs}))
+        for particles in sorted({int(n) for n in parts[free]}):
             lattice = Lattice(
                 shape.grid_functions, shape.domain, particles, relative, 1.0 - 2.0 * shear, shear
             )
-            yield Block(lattice, body.name, space * fastest / speed, faces)
+            yield Block(lattice, body.name, space * fastest / speed, pairs, faces)
 
 
 def _limit_of(block: Block, scheme: Scheme, is_fast: bool, enough: float) -> KnownLimit:
     enough /= block.scale
     if is_fast:
-        limit, because = moving_limit(block.lattice, scheme, enough), f"body '{block.body}', moving"
+        share = PERIODIC if scheme.every_courant or scheme.every_steps else 1.0
+        limit, because = (
+            share * moving_limit(block.lattice, scheme, enough / share),
+            f"body '{block.body}', moving",
+        )
+    elif block.lattice.domain == "box" and block.lattice.grid_functions == "linear":
+        limit = worst_limit(block.lattice, scheme, enough)
+        because = f"body '{block.body}', at the worst place in a cell"
     else:
         limit, because = slow_limit(block.lattice, scheme, enough), f"body '{block.body}', moving slowly"
     for faces in (places for places in block.faces if set(places) != {ELSEWHERE}):
@@ -229,7 +255,7 @@ def _limit_of(block: Block, scheme: Scheme, is_fast: bool, enough: float) -> Kno
     return KnownLimit(block.scale * limit, block.body, because)
 
 
-def _deformable(scene: Any) -> list[tuple[Any, Any]]:
+def deformable(scene: Any) -> list[tuple[Any, Any]]:
     models = {body.name: scene.materials[body.material] for body in scene.bodies}
     return [(body, models[body.name]) for body in scene.bodies if models[body.name].kind != "rigid"]
 
@@ -264,10 +290,10 @@ def _faces(scene: Any, body: Any, parts: Array) -> tuple[Array, Array]:
     return sides[0], sides[1]
 
 
-def _is_fast(scene: Any) -> bool:
+def is_fast_at_first(scene: Any) -> bool:
     """Whether some body starts at ``FAST`` of the largest wave speed or more."""
     kind = scene.analysis.kind
-    wave = max((model.initial_wave_speed(kind) for _, model in _deformable(scene)), default=math.inf)
+    wave = max((model.initial_wave_speed(kind) for _, model in deformable(scene)), default=math.inf)
     return _largest_speed(scene) >= FAST * wave
 
 

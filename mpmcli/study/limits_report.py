@@ -22,6 +22,8 @@ HEADINGS = {
     "predicted": "predicted",
     "predicted_worst": "at rest, worst place",
     "loss": "loss there",
+    "auto": "auto takes",
+    "waste": "gives away",
     "remark": "",
 }
 LONGEST_REMARK = 60
@@ -45,6 +47,11 @@ def rows_of(cases: Sequence[Case], settings: Settings) -> list[dict[str, Any]]:
             "is_decided": case.is_decided,
             "remark": case.remark,
         }
+        | (
+            {"auto": case.auto, "auto_is_stable": case.auto_is_stable, "waste": case.waste}
+            if settings.tries_auto
+            else {}
+        )
         for case in cases
     ]
 
@@ -55,7 +62,7 @@ def limits_as_text(cases: Sequence[Case], settings: Settings) -> str:
     for row in rows:
         remark = row["remark"].split("; particle")[0]
         row["remark"] = remark if len(remark) <= LONGEST_REMARK else remark[: LONGEST_REMARK - 1] + "…"
-    return as_text(rows, HEADINGS)
+    return as_text(rows, {name: words for name, words in HEADINGS.items() if name in rows[0]})
 
 
 def write_limits(directory: Path, title: str, cases: Sequence[Case], settings: Settings) -> None:

@@ -28,6 +28,7 @@ Criterion = Literal["bounded", "accurate"]
 TRIALS = "trials.jsonl"
 DEFAULT_TRANSFERS = ("flip", "fmpm:1", "fmpm:2", "fmpm:4", "fmpm:8", "fmpm:16", "fmpm:40")
 DEFAULT_START = 0.5
+AUTO = "auto"
 
 
 class Runner(Protocol):
@@ -50,6 +51,7 @@ class Settings:
     lowest, highest : Courant numbers between which limits are looked for
     until : end of the runs, or None for the scene's
     threads : of each run
+    tries_auto : also run what ``courant: auto`` chooses
     """
 
     criterion: Criterion = "bounded"
@@ -60,6 +62,7 @@ class Settings:
     highest: float = 2.0
     until: float | None = None
     threads: int = 1
+    tries_auto: bool = False
 
 
 @dataclass(frozen=True)
@@ -88,6 +91,8 @@ class Case:
     unstable_at : smallest Courant number above it that is unstable, None if there is none
     predicted, predicted_worst : of a moving block, and of one at rest at the worst place (``stability``)
     loss, excess : energy lost, and most energy too much, at the limit, as shares of what was put in
+    auto : mean Courant number of the steps of a run with ``courant: auto``; None if not asked
+    auto_is_stable : whether that run was bounded
     trials : all that were looked at, by Courant number
     remark : how the run at ``unstable_at`` ended, or why there is no limit
     is_decided : the search came to its end
@@ -104,6 +109,8 @@ class Case:
     predicted_worst: float | None = None
     loss: float | None = None
     excess: float | None = None
+    auto: float | None = None
+    auto_is_stable: bool | None = None
     trials: dict[float, dict[str, Any]] = field(default_factory=dict)
     remark: str = ""
     is_decided: bool = False
@@ -112,6 +119,11 @@ class Case:
     def name(self) -> str:
         """Shape and transfer."""
         return f"{self.shape} {self.transfer}"
+
+    @property
+    def waste(self) -> float | None:
+        """Share of the limit that ``courant: auto`` gives away."""
+        return None if self.auto is None or not self.limit else 1.0 - self.auto / self.limit
 
 
 class Undecided(Exception):
@@ -213,6 +225,8 @@ class _Search:
             return
         case.is_decided = True
         self._conclude(low, high)
+        if settings.tries_auto and case.limit is not None:
+            self._try_auto()
 
     def _predict(self, loaded: LoadedScene) -> None:
         with self._predicting:  # numpy has its own threads
@@ -234,8 +248,16 @@ class _Search:
         return bool(half["bounded"]) and trial["loss"] <= half["loss"] + self.settings.loss
 
     def _trial(self, courant: float) -> dict[str, Any]:
+        trial = self.case.trials[courant] = self._run(courant, f"{courant:.9g}")
+        return trial
+
+    def _try_auto(self) -> None:
+        trial = self._run(AUTO, AUTO)
+        self.case.auto, self.case.auto_is_stable = trial.get("mean_courant"), trial["bounded"]
+
+    def _run(self, courant: float | str, name: str) -> dict[str, Any]:
         case, settings = self.case, self.settings
-        key = f"{mpmcli.__version__} {case.scene_hash} {courant:.9g} {case.end:.17g} {settings.energy:.9g}"
+        key = f"{mpmcli.__version__} {case.scene_hash} {name} {case.end:.17g} {settings.energy:.9g}"
         trial = self.journal.get(key)
         if trial is None:
             job = case.source.job() | {
@@ -247,14 +269,13 @@ class _Search:
             }
             trial = self.runner.run(job)
             if trial["ended"] == TIMED_OUT:
-                raise Undecided(f"at C = {courant:g} {trial['message']}")
+                raise Undecided(f"at C = {name} {trial['message']}")
             if trial["ended"] in ("invalid scene", "files"):
                 raise SceneError(trial["message"])
             trial = {"bounded": False, "loss": None, "excess": None} | trial
             about = {"shape": case.shape, "transfer": case.transfer, "courant": courant}
             self.journal.add(key, about | trial)
-            self.tell(f"{case.name}: C = {courant:g} {_words(trial)}")
-        case.trials[courant] = trial
+            self.tell(f"{case.name}: C = {name} {_words(trial)}")
         return trial
 
     def _conclude(self, low: int | None, high: int | None) -> None:

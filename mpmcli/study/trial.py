@@ -38,13 +38,14 @@ def march_trial(job: dict[str, Any]) -> dict[str, Any]:
     -------
     dict
         ``ended`` in a word and ``message``; ``bounded``; ``excess``, the largest share of the energy put in that was
-        too much; ``loss``, the share that was missing at the end; ``steps``, ``time`` and ``seconds``.
+        too much; ``loss``, the share that was missing at the end; ``steps``, ``time``, ``seconds`` and
+        ``mean_courant``, over the steps.
     """
     from mpmcli.solver.simulation import Simulation
 
     begin = time.perf_counter()
     loaded = load_job(job)
-    set_courant(loaded, float(job["courant"]))
+    set_courant(loaded, job["courant"])
     simulation = Simulation(loaded, threads=job.get("threads"))
     until = job.get("until")
     end = float(loaded.scene.time.end if until is None else until)
@@ -61,6 +62,7 @@ def march_trial(job: dict[str, Any]) -> dict[str, Any]:
         "loss": watch.loss if ended in (FINISHED, ENERGY) and math.isfinite(watch.loss) else None,
         "steps": simulation.state.step,
         "time": simulation.state.time,
+        "mean_courant": watch.mean_courant,
         "seconds": time.perf_counter() - begin,
     }
 
@@ -75,8 +77,8 @@ def load_job(job: dict[str, Any]) -> LoadedScene:
     )
 
 
-def set_courant(loaded: LoadedScene, courant: float) -> None:
-    """Put a Courant number into a scene, also one that scenes may not ask for (above 1)."""
+def set_courant(loaded: LoadedScene, courant: float | str) -> None:
+    """Put a Courant number into a scene, also one that scenes may not ask for (above 1), or ``auto``."""
     scene = loaded.scene
     span = scene.time.model_copy(update={"courant": courant, "step": None})
     loaded.scene = scene.model_copy(update={"time": span})
@@ -90,6 +92,7 @@ def _march(simulation: Any, end: float, bound: float) -> tuple[str, str, EnergyW
     try:
         while not is_reached(state.time, end) and state.step < max_steps:
             simulation.step()
+            watch.mean_courant += ((simulation.time_step.courant or 0.0) - watch.mean_courant) / state.step
             if state.step == 1:
                 most = MOST_STEPS * (end / state.dt + 10.0)
             if state.step % every == 0:
@@ -113,6 +116,7 @@ class EnergyWatch:
     Attributes
     ----------
     running_excess : the last excess over the largest energy put in so far [-]
+    mean_courant : mean Courant number of the steps so far
     """
 
     def __init__(self, state: Any):
@@ -120,6 +124,7 @@ class EnergyWatch:
         self.put_in = self.largest_put_in = self.start
         self.largest_excess = 0.0
         self.running_excess = 0.0
+        self.mean_courant = 0.0
 
     def look(self, state: Any) -> None:
         """Take the energies of this state into account."""
