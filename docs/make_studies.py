@@ -3,7 +3,8 @@
     python docs/make_studies.py NAME [--results DIR] [--repeats N]
 
 NAME is trade, impact, shock, metrics, disks-courant or disks-cells. Runs are those of ``mpmcli tradeoff``: what is
-finished is kept in ``--results``, where a study that was stopped goes on. A study takes some minutes.
+finished is kept in ``--results``, where a study that was stopped goes on. A study takes some minutes,
+disks-courant an hour.
 """
 
 from __future__ import annotations
@@ -227,7 +228,7 @@ def draw_disks_courant(folder: Path) -> str:
         "Courant number",
         lambda row: names[_kind(row)],
         "disks_courant",
-        limits=(-3.0, 6.0),
+        limits=(-1.0, 2.0),
     )
     return "disks_courant"
 
@@ -305,8 +306,8 @@ STUDIES = {
         "two_disks",
         (
             *("--vary", "method.transfer=flip,fmpm:4,{kind: fmpm, order: 4, every_courant: 0.8}"),
-            *("--vary", "time.courant=0.05,0.1,0.2,0.3,0.4,0.45,0.5,0.55,0.6,0.7,0.75,0.8"),
-            *("--set", "constants.cell=1"),
+            *("--vary", "time.courant=0.8,0.7,0.6,0.55,0.5,0.4,0.3,0.2,0.1,0.05"),
+            *("--set", "constants.cell=0.3333333333333333"),
         ),
         draw_disks_courant,
     ),

@@ -1,0 +1,66 @@
+"""Studies that are killed in the middle and started again: finished runs stay, and are not repeated."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
+
+BAR = str(Path(__file__).parents[2] / "inputs" / "vibrating_bar.yaml")
+TRANSFERS = "flip,fmpm:2,fmpm:4"
+STUDIES = {  # arguments, journal, table, its list of cases, and when a case is done
+    "stability": (
+        ["--transfer", TRANSFERS, "--resolution", "0.1", "--jobs", "1", "--no-prediction"],
+        "trials.jsonl",
+        "limits.json",
+        lambda case: case["is_decided"],
+    ),
+    "tradeoff": (
+        ["--vary", f"method.transfer={TRANSFERS}", "--vary", "time.courant=0.2,0.4", "--repeats", "1"],
+        "runs.jsonl",
+        "tradeoff.json",
+        lambda case: case["status"] == "finished",
+    ),
+}
+
+
+def start(command: str, folder: Path) -> subprocess.Popen:
+    words = [command, BAR, "--until", "20", "-q", "-o", str(folder), *STUDIES[command][0]]
+    return subprocess.Popen(
+        [sys.executable, "-m", "mpmcli", *words],
+        env=os.environ,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+@pytest.mark.parametrize("command", STUDIES)
+def test_a_study_killed_in_the_middle_goes_on(command, number, tmp_path):
+    _, name, table, is_done = STUDIES[command]
+    journal = tmp_path / "s" / name
+    first = start(command, tmp_path / "s")
+    deadline = time.monotonic() + 600
+    while time.monotonic() < deadline and not (journal.exists() and journal.read_text().count("\n") >= 2):
+        time.sleep(0.02)
+    first.send_signal(number)
+    assert first.wait(60) == (143 if number == signal.SIGTERM else -number)
+    kept = journal.read_text().splitlines()
+    assert len(kept) >= 2
+    assert not (tmp_path / "s" / table).exists()
+    assert start(command, tmp_path / "s").wait(600) == 0
+    lines = journal.read_text().splitlines()
+    assert lines[: len(kept)] == kept
+    keys = [json.loads(line)["key"] for line in lines]
+    assert len(set(keys)) == len(keys) > len(kept)
+    cases = json.loads((tmp_path / "s" / table).read_text())["cases"]
+    assert len(cases) == (3 if command == "stability" else 6)
+    assert all(is_done(case) for case in cases)
