@@ -17,6 +17,7 @@ import numpy as np
 
 _READERS = {".vtp": "vtkXMLPolyDataReader", ".vtu": "vtkXMLUnstructuredGridReader"}
 _CLAIM = re.compile(rb"NumberOf\w+\s*=\s*[\"']([^\"']*)[\"']")
+_OFFSET = re.compile(rb"\boffset\s*=\s*[\"']([^\"']*)[\"']")
 _KEYS = rb"(?:<InformationKey.*?</InformationKey>\s*)*"
 _ARRAY = re.compile(rb"<(?:Data)?Array\b([^>]*)>\s*" + _KEYS + rb"([^<\s]*)", re.DOTALL)
 _TOO_MUCH = "damaged, it claims to hold more than it can"
@@ -65,6 +66,9 @@ def _check_claims(content: bytes) -> None:
     for claim in _CLAIM.findall(header):
         if not claim.strip().isdigit() or int(claim) > most:
             raise Unreadable(_TOO_MUCH)
+    for offset in _OFFSET.findall(header):
+        if not offset.isdigit() or int(offset) > len(content):
+            raise Unreadable("damaged, an array lies outside of it")
     if not _attribute(header, "compressor"):
         return
     wide = _attribute(header, "header_type").lower() == "uint64"

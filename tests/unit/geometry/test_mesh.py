@@ -277,6 +277,16 @@ def test_a_file_that_claims_too_much_is_refused_before_memory_is_asked_for(regio
             region("mesh", file="big.vtp")
 
 
+@pytest.mark.parametrize("offset", [b"1e999", b"-1", b"", b"99999999"])
+def test_an_array_outside_of_the_file_is_refused(region, folder, offset):
+    write(sphere(resolution=8), "ball.vtp", vtkXMLPolyDataWriter)
+    content = (folder / "ball.vtp").read_bytes()
+    start = content.index(b'offset="') + len(b'offset="')
+    (folder / "far.vtp").write_bytes(content[:start] + offset + content[content.index(b'"', start) :])
+    with pytest.raises(ValidationError, match="an array lies outside of it"):
+        region("mesh", file="far.vtp")
+
+
 def test_large_triangles_among_small_ones(region):
     both = vtkAppendPolyData()
     both.AddInputData(cube(4.0))
