@@ -53,11 +53,11 @@ def _of_folder(directory: Path) -> Iterator[str]:
         yield from _of_manifest(contents)
     for name in SERIES:
         pvd = directory / f"{name}.pvd"
-        times = DATASET.findall(pvd.read_text(encoding="utf-8")) if pvd.exists() else []
+        times = _times_of(pvd) if pvd.exists() else []
         files = sorted(path for path in owned_files(directory) if path.parent.name == name)
         if files:
             size = sum(path.stat().st_size for path in files)
-            span = f", time {float(times[0]):g} to {float(times[-1]):g}" if times else ""
+            span = f", time {times[0]:g} to {times[-1]:g}" if times else ""
             yield f"{name}: {len(files)} files, {size_in_words(size)}{span}"
             yield from ("  " + line for line in _of_vtu(files[-1], units.get(name, {})))
     for name in CHECKPOINTS:
@@ -71,6 +71,13 @@ def _of_folder(directory: Path) -> Iterator[str]:
             name = path.relative_to(directory).as_posix()
             yield f"{name}:"
             yield from ("  " + line for line in _of_table(path, units.get(name, {})))
+
+
+def _times_of(pvd: Path) -> list[float]:
+    try:
+        return [float(time) for time in DATASET.findall(pvd.read_text(encoding="utf-8"))]
+    except (OSError, ValueError) as error:
+        raise ArchiveError(f"cannot read {pvd}: {error}") from error
 
 
 def _of_manifest(contents: dict[str, Any]) -> Iterator[str]:
@@ -108,7 +115,7 @@ def _of_vtu(path: Path, units: dict[str, str]) -> Iterator[str]:
     yield f"{path.name}: {int(points[1])} points with"
     inside = head[head.find(b"<PointData") : head.find(b"</PointData>")]
     for kind, name, count in ARRAY.findall(inside):
-        word = name.decode()
+        word = name.decode(errors="replace")
         components = f" × {int(count)}" if count else ""
         yield f"  {word:<24} {kind.decode()}{components}  {units.get(word, '')}".rstrip()
 

@@ -207,7 +207,7 @@ class Results:
             raise ArchiveError(
                 f"{self.directory} holds no archives of particles: the scene needs archive.particles"
             ) from None
-        except (OSError, xml.ParseError, KeyError, ValueError) as error:
+        except (OSError, xml.ParseError, LookupError, ValueError) as error:
             raise ArchiveError(f"cannot read {pvd}: {error}") from error
         if not entries:
             raise ArchiveError(f"{pvd} lists no archives")

@@ -177,6 +177,15 @@ def test_info_of_what_is_not_ours(tmp_path):
         describe(tmp_path / "a.vtu")
 
 
+@pytest.mark.parametrize("damage", [b'<DataSet timestep="\x80"', b'<DataSet timestep="many"'])
+def test_info_of_a_damaged_list_of_archives(make_state, make_loaded, tmp_path, damage):
+    record(make_loaded({"particles": {"every": 0.5}}), tmp_path, make_state())
+    pvd = tmp_path / "particles.pvd"
+    pvd.write_bytes(pvd.read_bytes().replace(b'<DataSet timestep="0"', damage))
+    with pytest.raises(ArchiveError, match="cannot read .*particles.pvd"):
+        describe(tmp_path)
+
+
 def test_info_without_a_manifest(make_state, make_loaded, tmp_path):
     record(make_loaded(), tmp_path, make_state())
     (tmp_path / "run.json").write_text("{ broken")

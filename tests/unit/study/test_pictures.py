@@ -473,7 +473,10 @@ def test_no_results(tmp_path, make_results):
     (directory / "particles" / "particles_000002.vtu").write_bytes(b"<VTKFile")
     with pytest.raises(ArchiveError, match=r"cannot read .*particles_000002.vtu"):
         plot(directory)
-    (directory / "particles.pvd").write_text("<VTKFile>")
+    for damaged in ("<VTKFile>", "<?xml version='1.0' encoding='no-such'?><VTKFile/>"):
+        (directory / "particles.pvd").write_text(damaged)
+        with pytest.raises(ArchiveError, match=r"cannot read .*particles.pvd"):
+            _ = Results(directory).series
     with pytest.raises(ArchiveError, match=r"cannot read .*particles.pvd"):
         plot(directory)
 
