@@ -182,7 +182,7 @@ def test_info_of_a_damaged_list_of_archives(make_state, make_loaded, tmp_path, d
     record(make_loaded({"particles": {"every": 0.5}}), tmp_path, make_state())
     pvd = tmp_path / "particles.pvd"
     pvd.write_bytes(pvd.read_bytes().replace(b'<DataSet timestep="0"', damage))
-    with pytest.raises(ArchiveError, match="cannot read .*particles.pvd"):
+    with pytest.raises(ArchiveError, match=r"cannot read .*particles.pvd"):
         describe(tmp_path)
 
 
