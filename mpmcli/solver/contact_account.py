@@ -44,6 +44,7 @@ class ContactAccount:
         self._rigid_work = np.zeros(n)
         self._identity = s.particles.id
         self._impulse = np.zeros((0, d))
+        self._share: Array | None = None
         self.view = ContactView(
             pairs=[(names[i], names[j]) for i, j in pairs],
             force=np.zeros((len(pairs), d)),
@@ -77,7 +78,7 @@ class ContactAccount:
         self._identity = s.particles.id
         self._impulse = impulse[: c.count].copy()  # of the whole step, for those who look later
         rigid_work = self._rigid_work.sum()
-        share = share_of_particles(s, c.members.alpha[: c.count])
+        share = self._shares(c.members.alpha[: c.count])
         s.state.work["contact_work"] += momenta.tally(
             (0.0,) * s.grid.dimensions, c.count, c.members, s.grid.node_count, c.clouds.dof, self._rigid, self._pair,
             share, c.geometry.normal, c.geometry.area, c.state, impulse, before, after, s.grid.mp, view.force,
@@ -91,6 +92,20 @@ class ContactAccount:
         if view.rigid_work:
             s.state.work["boundary_work"] += float(self._rigid_work.sum() - rigid_work)
             self._show_rigid_work()
+
+    def _shares(self, dof: Array) -> Array:
+        """Share of a contact at each of these degrees of freedom that real particles have: images share their mass."""
+        mirror = self._s.conditions.mirror
+        if mirror is None:
+            return np.ones(len(dof))
+        if self._share is None:
+            self._share = np.ones(self._s.grid.dof_count)
+        pairs, share = mirror.pairs, self._share
+        np.subtract.at(share, pairs.image, pairs.share)
+        share[pairs.ghost] = pairs.share
+        found: Array = share[dof]
+        share[pairs.image] = share[pairs.ghost] = 1.0
+        return found
 
     # ------------------------------------------------------------------ from one step to the next
 
@@ -169,17 +184,6 @@ class ContactAccount:
     def _show_rigid_work(self) -> None:
         for name in self.view.rigid_work:
             self.view.rigid_work[name] = float(self._rigid_work[self._names.index(name)])
-
-
-def share_of_particles(s: Simulation, dof: Array) -> Array:
-    """Share of a contact at each of these degrees of freedom that real particles have now: images share their mass."""
-    mirror = s.conditions.mirror
-    if mirror is None:
-        return np.ones(len(dof))
-    pairs, share = mirror.pairs, np.ones(s.grid.dof_count)
-    np.subtract.at(share, pairs.image, pairs.share)
-    share[pairs.ghost] = pairs.share
-    return share[dof]
 
 
 VIEWED = (
