@@ -66,8 +66,9 @@ def _check_claims(content: bytes) -> None:
     for claim in _CLAIM.findall(header):
         if not claim.strip().isdigit() or int(claim) > most:
             raise Unreadable(_TOO_MUCH)
+    room = len(appended.partition(b"_")[2])
     for offset in _OFFSET.findall(header):
-        if not offset.isdigit() or int(offset) > len(content):
+        if not offset.isdigit() or int(offset) >= room:
             raise Unreadable("damaged, an array lies outside of it")
     if not _attribute(header, "compressor"):
         return
@@ -102,7 +103,10 @@ def _check_blocks(array: bytes, word: np.dtype, is_text: bool) -> None:
         return np.frombuffer(head[:size], dtype=word).astype(float)
 
     if len(array) <= 4 * word.itemsize * (4 / 3 if is_text else 1):
-        return  # room for the header of an empty array only
+        # room for the header of an empty array only
+        if len(array) < word.itemsize or words(1)[0]:
+            raise Unreadable("damaged, an array is cut short")
+        return
     count, size, last = words(3)
     most = 1100 * len(array) + 2**20
     if not 1 <= count <= len(array) or not last <= size or (count + 1) * size > most:

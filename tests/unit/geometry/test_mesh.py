@@ -287,6 +287,23 @@ def test_an_array_outside_of_the_file_is_refused(region, folder, offset):
         region("mesh", file="far.vtp")
 
 
+def test_arrays_that_are_cut_short_are_refused(folder, capfd):
+    output = vtkXMLPolyDataWriter()
+    output.EncodeAppendedDataOff()
+    output.SetFileName("ball.vtp")
+    output.SetInputData(sphere(resolution=8))
+    output.Write()
+    content = (folder / "ball.vtp").read_bytes()
+    start, tail = content.index(b"_", content.index(b"<AppendedData")), content.rindex(b"\n  </AppendedData>")
+    for left in range(start + 1, tail, 29):
+        for end in (b"", content[tail:]):
+            cut = folder / f"cut{left}{bool(end)}.vtp"
+            cut.write_bytes(content[:left] + end)
+            with pytest.raises(ValueError, match="cut"):
+                read_surface(cut)
+    assert capfd.readouterr() == ("", "")
+
+
 def test_large_triangles_among_small_ones(region):
     both = vtkAppendPolyData()
     both.AddInputData(cube(4.0))
