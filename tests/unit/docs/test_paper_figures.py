@@ -29,6 +29,14 @@ finally:
     sys.path.remove(str(DOCS))
 
 
+NAMED = {
+    "nairn2020": "02 05 06 07",
+    "nairn2023notes": "03_2 03_3 03_4",
+    "nairn2026": "03 04 05 08 09 10 11 12 13 14",
+}
+"""The figures that there must be."""
+
+
 def read_rows(path: Path) -> list[list[str]]:
     """Cells of a CSV file."""
     with path.open(encoding="utf-8", newline="") as file:
@@ -36,7 +44,7 @@ def read_rows(path: Path) -> list[list[str]]:
 
 
 def test_there_are_figures_and_each_is_named_like_its_file():
-    assert FIGURES
+    assert {f"{paper}_fig{number}" for paper in NAMED for number in NAMED[paper].split()} <= set(FIGURES)
     assert all(figure.name == name for name, figure in FIGURES.items())
 
 
