@@ -2,7 +2,7 @@
 
     python docs/make_studies.py NAME [--results DIR] [--repeats N]
 
-NAME is trade, trade-disk, impact, shock, metrics, disks-courant or disks-cells. Runs are those of
+NAME is trade, trade-disk, trade-vortex, impact, shock, metrics, disks-courant or disks-cells. Runs are those of
 ``mpmcli tradeoff``: what is finished is kept in ``--results``, where a study that was stopped goes on. A study takes
 some minutes, disks-courant an hour.
 """
@@ -297,6 +297,15 @@ STUDIES = {
         # that of the particles at the start, 47.18 and 47.20; a round disk has 46.65
         ("--against", "exact", "--error", "kinetic_energy=47.19", "--measure", "rms"),
     ),
+    "trade-vortex": Study(
+        "vortex",
+        (
+            *("--vary", f"method.transfer=flip,fmpm:2,fmpm:4,fmpm:8,{WITH_GRADIENTS}"),
+            *("--vary", "constants.cell=0.0625,0.03125", "--within", "0.02"),
+        ),
+        draw_trade("trade_vortex"),
+        ("--against", "exact", "--error", "kinetic_energy=0.6491715*(A*pi*cos(pi*t))**2", "--measure", "rms"),
+    ),
     "impact": Study(
         "block_impact",
         (
@@ -323,7 +332,7 @@ STUDIES = {
     "disks-cells": Study(
         "two_disks",
         (
-            *("--vary", "constants.cell=1,0.6666666666666666,0.5"),
+            *("--vary", "constants.cell=1,0.6666666666666666,0.5,0.3333333333333333"),
             *("--vary", "method.transfer=flip,fmpm:4", "--vary", "method.update=usl,usl+"),
         ),
         draw_disks_cells,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,8 @@ import yaml
 from mpmcli.core.errors import SimulationError
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
+from mpmcli.study.transfers import transfer_value
+from mpmcli.study.trial import march_trial
 
 FLIP, FMPM = {"kind": "flip"}, {"kind": "fmpm", "order": 4}
 every_transfer = pytest.mark.parametrize("transfer", [FLIP, FMPM], ids=["FLIP", "FMPM(4)"])
@@ -257,3 +260,14 @@ def test_one_body_cut_in_two_is_one_body(transfer, hold):
         np.abs(places[0] - places[1]).max(),
         1e-12,
     )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("transfer", "limit"), [("flip", 0.855), ("fmpm:4", 0.54), ("fmpm:16", 0.32)])
+def test_steps_near_the_limit(transfer, limit):
+    """The bar, whose limits were measured in steps of 0.005, at 0.5, 0.9, 0.99 and above 1.01 of it."""
+    scene = str(Path(__file__).parents[2] / "inputs" / "vibrating_bar.yaml")
+    sets = [f"method.transfer={transfer_value(transfer)}"]
+    for share, is_stable in ((0.5, True), (0.9, True), (0.99, True), (1.01 + 0.005 / limit, False)):
+        job = {"scene": scene, "sets": sets, "courant": share * limit, "threads": 1, "bound": 0.05}
+        assert march_trial(job)["bounded"] == is_stable, share

@@ -235,3 +235,62 @@ def test_time_goes_back_with_flip(shape, hold):
     hold("time turned about after 10 steps", named(shape, FLIP), "place missed, cells", coarse, 0.02)
     hold("the same with half the step", named(shape, FLIP), "place missed over that with the whole step",
          fine / coarse, 0.6)  # fmt: skip
+
+
+@every_way
+def test_the_order_of_particles_in_memory(shape, transfer, hold):
+    one = state(advanced(simulation(shape, transfer)))
+    shuffled = simulation(shape, transfer)
+    p = shuffled.particles
+    places = np.random.default_rng(3).permutation(p.count)
+    for name, array in p.arrays().items():
+        setattr(p, name, np.ascontiguousarray(array[..., places]))
+    shuffled.order.drift = np.inf  # sort by cell again
+    found = difference(one, state(advanced(shuffled)))
+    hold("particles in another order", named(shape, transfer), "largest difference", found, 1e-11)
+
+
+def boxes(shape: str, transfer: dict, space: bool) -> Simulation:
+    """Two boxes that strain, turn and meet, in the plane or as a slab of one cell between symmetry planes."""
+    bodies = [
+        {
+            "name": name,
+            "material": "soft",
+            "region": {"kind": "box", "lower": [*low, *([0] * space)], "upper": [*high, *([1] * space)]},
+            "velocity": [f"{v} + 0.05*x - 0.1*y", "0.2*x - 0.07*y", *([0] * space)],
+        }
+        for name, low, high, v in (
+            ("a", (-3.27, -1.27), (-0.27, 1.73), 1.0),
+            ("b", (0.23, -1.77), (2.23, 0.23), -1),
+        )
+    ]
+    sides = [{"name": f"z{z}", "kind": "symmetry", "plane": {"axis": "z", "at": z}} for z in (0, 1)]
+    scene = {
+        "version": 1,
+        "analysis": {"kind": "3d"} if space else {"kind": "plane_strain", "thickness": 1},
+        "grid": {"lower": [-8, -8, *([0] * space)], "upper": [8, 8, *([1] * space)], "cell": 1},
+        "method": {"shape": shape, "transfer": transfer},
+        "materials": {"soft": {"kind": "neo_hookean", "density": 1.5, "E": 100, "nu": 0.3}},
+        "bodies": bodies,
+        "boundary": sides if space else [],
+        "time": {"end": 100, "step": 0.02},
+    }
+    return Simulation(load_scene(yaml.safe_dump(scene, sort_keys=False)), threads=1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("transfer", [FLIP, FMPM], ids=lambda transfer: transfer["kind"])
+@pytest.mark.parametrize("shape", ["ugimp", "lcpdi", "bspline2"])
+def test_plane_strain_is_a_slab_of_one_cell(shape, transfer, hold):
+    plane, slab = (advanced(boxes(shape, transfer, space)) for space in (False, True))
+    assert slab.particles.count == 2 * plane.particles.count
+    found = 0.0
+    for layer in (0.25, 0.75):  # both layers of particles stay where they are, and move as the plane ones
+        mine = np.abs(slab.particles.X[2] - layer) < 1e-9
+        assert mine.sum() == plane.particles.count
+        other = np.flatnonzero(mine)
+        other = other[np.lexsort(np.round(slab.particles.X[:2, other], 6))]
+        order = np.lexsort(np.round(plane.particles.X, 6))
+        found = max(found, float(np.abs(slab.particles.X[:2, other] - plane.particles.X[:, order]).max()))
+        found = max(found, float(np.abs(slab.particles.V[:2, other] - plane.particles.V[:, order]).max()))
+    hold("a slab of one cell in space", named(shape, transfer), "difference from plane strain", found, 1e-11)
