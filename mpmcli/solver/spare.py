@@ -55,6 +55,7 @@ def find_spare(scene: Any, plan: Plan, grid: Grid, particles: Particles, dt: flo
         *_fields(scene, plan, grid, particles, dt),
         *_pairs(scene, plan),
         *_orders(scene, plan),
+        *_order_of_translation(scene, plan, grid, particles, dt),
         *_parts(scene),
         *_outputs(scene, dt),
     ]
@@ -113,6 +114,17 @@ def never_meet(scene: Any, plan: Plan, grid: Grid, particles: Particles, end: fl
     It is where every body moves at one velocity, nothing acts on it but gravity, and its materials have no stress at
     rest: then it is not strained, and boxes around fields, with the reach of the shape function, stay apart.
     """
+    boxes = _translating_fields(scene, plan, particles)
+    if boxes is None:
+        return False
+    reach = 2.0 * (grid.width - 1) * grid.cell
+    return not any(_boxes_meet(*boxes[a], *boxes[b], reach, end) for a in range(len(boxes)) for b in range(a))
+
+
+def _translating_fields(
+    scene: Any, plan: Plan, particles: Particles
+) -> list[tuple[Array, Array, Array]] | None:
+    """Lowest and highest particle and the velocity of each field, if it is certain that they only translate alone."""
     materials = [scene.materials[body.material] for body in scene.bodies]
     if (
         plan.has_conditions
@@ -124,17 +136,16 @@ def never_meet(scene: Any, plan: Plan, grid: Grid, particles: Particles, end: fl
         or any("stress_free_at_rest" not in material.properties for material in materials)
         or any(component.variables for body in scene.bodies for component in body.velocity)
     ):
-        return False
+        return None
     boxes = []
     for field in range(len(plan.fields)):
         mine = particles.velocity_field == field
         V = particles.V[:, mine]
         if np.any(np.ptp(V, axis=1) != 0.0):
-            return False
+            return None
         X = particles.X[:, mine]
         boxes.append((X.min(axis=1), X.max(axis=1), V[:, 0]))
-    reach = 2.0 * (grid.width - 1) * grid.cell
-    return not any(_boxes_meet(*boxes[a], *boxes[b], reach, end) for a in range(len(boxes)) for b in range(a))
+    return boxes
 
 
 def _boxes_meet(
@@ -195,6 +206,19 @@ def _orders(scene: Any, plan: Plan) -> Iterator[Spare]:
         if transfer.alpha != 0.5:
             words = words.replace("flip}", f"flip, alpha: {transfer.alpha:g}}}")
         yield Spare(path, words, BITS)
+
+
+def _order_of_translation(
+    scene: Any, plan: Plan, grid: Grid, particles: Particles, dt: float
+) -> Iterator[Spare]:
+    """An order above 1 where all that moves has one velocity: every pass finds an increment of zero."""
+    if plan.order == 1 or plan.dynamic is not None:
+        return
+    if _translating_fields(scene, plan, particles) is None:
+        return
+    if not plan.has_contact or never_meet(scene, plan, grid, particles, scene.time.end + dt):
+        words = "bodies only translate, each at one velocity, which all orders carry alike: order 1 is enough"
+        yield Spare("method.transfer.order", words, ROUND_OFF)
 
 
 def _most_steps(scene: Any) -> int | None:

@@ -120,6 +120,12 @@ CASES = {
         STRAINED | {"method.transfer": FMPM | {"every_steps": 25}, "time.max_steps": 25},
         0.0,
     ),
+    "method.transfer.order (translation)": (
+        {"bodies.0.velocity": [1, 0.5], "bodies.1.velocity": [1, 0.5], "method.transfer": FMPM},
+        {"bodies.0.velocity": [1, 0.5], "bodies.1.velocity": [1, 0.5], "method.transfer": FMPM | {"order": 1}},
+        CLOSING | {"method.transfer": FMPM},
+        1e-12,
+    ),
     "method.artificial_viscosity": (
         STRAINED | {"method.artificial_viscosity": {"linear": 0, "quadratic": 0}},
         STRAINED,
