@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.errors import Problem, SceneError
+from mpmcli.core.errors import ArchiveError, Problem, SceneError
 from mpmcli.core.state import State
 from mpmcli.output.columns import evaluate, resolve_columns, resolve_fields
 from mpmcli.output.contact_quantities import pair_name
@@ -159,10 +159,15 @@ class Recorder:
         self._parts: list[_Part] = []
         self._memory = memory
         units: dict[str, dict[str, str]] = {}
-        self._add_globals(scene, loaded.units, units)
-        self._add_probes(scene, loaded.units, units, probes)
-        self._add_particles(scene, loaded.units, units)
-        self._add_grid(scene, loaded.units, units)
+        try:
+            self._add_globals(scene, loaded.units, units)
+            self._add_probes(scene, loaded.units, units, probes)
+            self._add_particles(scene, loaded.units, units)
+            self._add_grid(scene, loaded.units, units)
+        except ArchiveError:
+            for part in self._parts:
+                part.close()
+            raise
         self.manifest = Manifest(
             self.directory,
             {
