@@ -1,4 +1,4 @@
-"""One name for many compiled functions, chosen by the type of the first argument.
+"""One name for many compiled functions, chosen by the type of the first argument (or the first few).
 
 A shape function or a material is a named tuple of numbers. A *generic* function looks up the implementation that was
 registered for the tuple's class: by ``type(...)`` when called from Python (tests, plotting), and when numba compiles
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, cast
 
 from numba.extending import overload
@@ -27,34 +27,42 @@ INLINED = COMPILE_OPTIONS | {"forceinline": True}
 """What the compiler would call by itself it inlines: stencils and tensors then stay in registers."""
 
 
-def generic(declaration: Callable[..., Any]) -> Any:
-    """Make a function generic over the class (a NamedTuple) of its first argument.
+def generic(declaration: Callable[..., Any] | None = None, *, over: int = 1) -> Any:
+    """Make a function generic over the class (a NamedTuple) of its first argument, or of its first ``over`` ones.
 
     ``declaration`` gives name, parameters and docstring; its body is never run. The result has a method
-    ``register(cls)``, a decorator for the implementation that serves ``cls``, and ``implementations``.
+    ``register(cls, …)``, a decorator for the implementation that serves ``cls``, and ``implementations``.
     """
-    implementations: dict[type, Callable[..., Any]] = {}
+    if declaration is None:
+        return functools.partial(generic, over=over)
+    implementations: dict[Any, Callable[..., Any]] = {}
     parameters = list(inspect.signature(declaration).parameters)
 
     @functools.wraps(declaration)
     def by_class(*args: Any) -> Any:
-        return implementations[type(args[0])](*args)
+        return implementations[_key([type(each) for each in args[:over]])](*args)
 
-    def register(cls: type) -> Callable[..., Any]:
+    def register(*classes: type) -> Callable[..., Any]:
         def add(function: Callable[..., Any]) -> Callable[..., Any]:
-            implementations[cls] = function
+            implementations[_key(classes)] = function
             return function
 
         return add
 
+    def implementation_of(*numba_types: Any) -> Callable[..., Any] | None:
+        return implementations.get(_key([getattr(each, "instance_class", None) for each in numba_types]))
+
     # numba insists that the chooser has the very parameters of the implementation
-    scope: dict[str, Any] = {"implementations": implementations}
+    scope: dict[str, Any] = {"implementation_of": implementation_of}
     exec(
-        f"def choose({', '.join(parameters)}):\n"
-        f"    return implementations.get(getattr({parameters[0]}, 'instance_class', None))",
+        f"def choose({', '.join(parameters)}):\n    return implementation_of({', '.join(parameters[:over])})",
         scope,
     )
     overload(by_class, strict=False, jit_options=cast(Any, INLINED))(scope["choose"])
     by_class.register = register  # type: ignore[attr-defined]
     by_class.implementations = implementations  # type: ignore[attr-defined]
     return by_class
+
+
+def _key(classes: Sequence[Any]) -> Any:
+    return classes[0] if len(classes) == 1 else tuple(classes)

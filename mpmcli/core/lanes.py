@@ -2,11 +2,11 @@
 
 The compiler keeps the components of a sum over a stencil in separate registers, runs out of them, and spills. A sum
 of *lanes* is one register. The arithmetic is that of the components one by one, in the same order and with the same
-rounding, so that the digits do not depend on the machine's vector width.
+rounding, so that the digits do not depend on the machine's vector width; where ``plus`` rounds once, it always does.
 
 Compiled code only: ``load(array, i, like)``, ``pack((x, y, …))`` and ``zeros(like)`` make lanes; ``+``, ``-`` and
-products with a number act on all of them; ``store(array, i, lanes)`` puts them back, and ``each(lanes)`` is the tuple
-of the components.
+products (with a number too) act on all of them, ``plus(total, number, lanes)`` multiplies and adds at once;
+``store(array, i, lanes)`` puts them back, and ``each(lanes)`` is the tuple of the components.
 """
 
 from __future__ import annotations
@@ -47,13 +47,44 @@ def _address(context: Any, builder: Any, array_type: Any, array: Any, i: Any, co
     return builder.bitcast(builder.gep(data, [i]), ir.VectorType(DOUBLE, count).as_pointer())
 
 
+def _load(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    count = sig.return_type.count
+    return builder.load(_address(context, builder, sig.args[0], args[0], args[1], count), align=8)
+
+
+def _all_alike(builder: Any, number: Any, count: int) -> Any:
+    empty = ir.Constant(ir.VectorType(DOUBLE, count), ir.Undefined)
+    one = builder.insert_element(empty, number, INDEX(0))
+    return builder.shuffle_vector(one, empty, ir.Constant(ir.VectorType(INDEX, count), [0] * count))
+
+
 @written_in_llvm
 def load(typing_context: Any, array: Any, i: Any, like: Any) -> Any:
     """As many components as the tuple ``like`` has, from ``array`` (n,) at index ``i`` on."""
+    return Lanes(len(like))(array, types.uint64, like), _load
+
+
+@written_in_llvm
+def read(typing_context: Any, array: Any, i: Any, like: Any) -> Any:
+    """``load`` for what is only read: in one piece, from which three components are taken.
+
+    A store of three components does not pass its parts on to it, so ``load`` is for sums that are stored again.
+    """
     count = len(like)
+    if count != 3:
+        return Lanes(count)(array, types.uint64, like), _load
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.load(_address(context, builder, sig.args[0], args[0], args[1], count), align=8)
+        four, mask = ir.VectorType(DOUBLE, 4), ir.VectorType(ir.IntType(1), 4)
+        address = _address(context, builder, sig.args[0], args[0], args[1], 4)
+        masked_load = cgutils.get_or_insert_function(
+            builder.module,
+            ir.FunctionType(four, [four.as_pointer(), INDEX, mask, four]),
+            "llvm.masked.load.v4f64.p0v4f64",
+        )
+        wanted, zero = ir.Constant(mask, [1, 1, 1, 0]), ir.Constant(four, [0.0] * 4)
+        whole = builder.call(masked_load, [address, INDEX(8), wanted, zero])
+        return builder.shuffle_vector(whole, whole, ir.Constant(ir.VectorType(INDEX, 3), [0, 1, 2]))
 
     return Lanes(count)(array, types.uint64, like), build
 
@@ -96,6 +127,35 @@ def zeros(typing_context: Any, like: Any) -> Any:
 
 
 @written_in_llvm
+def distances(typing_context: Any, start: Any, like: Any) -> Any:
+    """|start − 0|, |start − 1|, … for as many numbers as the tuple ``like`` has members."""
+    count = len(like)
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        vector = ir.VectorType(DOUBLE, count)
+        counted = ir.Constant(vector, [float(i) for i in range(count)])
+        difference = builder.fsub(_all_alike(builder, args[0], count), counted)
+        name = f"llvm.fabs.v{count}f64"
+        fabs = cgutils.get_or_insert_function(builder.module, ir.FunctionType(vector, [vector]), name)
+        return builder.call(fabs, [difference])
+
+    return Lanes(count)(types.float64, like), build
+
+
+@written_in_llvm
+def ramp_down(typing_context: Any, end: Any, value: Any) -> Any:
+    """max(end − value, 0) lane by lane."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        count = sig.return_type.count
+        zero = ir.Constant(ir.VectorType(DOUBLE, count), [0.0] * count)
+        left = builder.fsub(_all_alike(builder, args[0], count), args[1])
+        return builder.select(builder.fcmp_ordered(">", left, zero), left, zero)
+
+    return value(types.float64, value), build
+
+
+@written_in_llvm
 def each(typing_context: Any, value: Any) -> Any:
     """The components as a tuple of numbers."""
 
@@ -104,6 +164,21 @@ def each(typing_context: Any, value: Any) -> Any:
         return context.make_tuple(builder, sig.return_type, parts)
 
     return types.UniTuple(types.float64, value.count)(value), build
+
+
+@written_in_llvm
+def plus(typing_context: Any, total: Any, weight: Any, value: Any) -> Any:
+    """``total + weight · value``, rounded once."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        total, weight, value = args
+        count = sig.return_type.count
+        vector = ir.VectorType(DOUBLE, count)
+        name = f"llvm.fma.v{count}f64"
+        fma = cgutils.get_or_insert_function(builder.module, ir.FunctionType(vector, [vector] * 3), name)
+        return builder.call(fma, [_all_alike(builder, weight, count), value, total])
+
+    return total(total, types.float64, value), build
 
 
 class _Sum(AbstractTemplate):
@@ -115,8 +190,11 @@ class _Sum(AbstractTemplate):
 
 class _Product(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
-        if len(args) == 2 and isinstance(args[1], Lanes) and isinstance(args[0], types.Float):
-            return signature(args[1], types.float64, args[1])
+        if len(args) == 2 and isinstance(args[1], Lanes):
+            if args[0] == args[1]:
+                return signature(args[1], *args)
+            if isinstance(args[0], types.Float):
+                return signature(args[1], types.float64, args[1])
         return None
 
 
@@ -139,8 +217,9 @@ def _subtract(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 @lower_builtin(operator.mul, types.Float, Lanes)
 def _scale(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    count = sig.args[1].count
-    empty = ir.Constant(ir.VectorType(DOUBLE, count), ir.Undefined)
-    one = builder.insert_element(empty, args[0], INDEX(0))
-    all_alike = builder.shuffle_vector(one, empty, ir.Constant(ir.VectorType(INDEX, count), [0] * count))
-    return builder.fmul(all_alike, args[1])
+    return builder.fmul(_all_alike(builder, args[0], sig.args[1].count), args[1])
+
+
+@lower_builtin(operator.mul, Lanes, Lanes)
+def _multiply(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.fmul(*args)

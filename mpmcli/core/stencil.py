@@ -1,7 +1,8 @@
 """The stencil: which nodes a particle sees, with values S and gradients G of its shape function.
 
-A shape function fills two small buffers for one particle; the transfer verbs read them at once, from the first-level
-cache. So every shape function runs through the same transfer kernels, and nothing is stored per particle.
+A shape function weighs the nodes of one particle; the transfer verbs use the weights at once, from the first-level
+cache. So every shape function runs through the same transfer kernels, and nothing is stored per particle. The weights
+are a ``Table`` of all nodes, or the ``Rows`` of a product of one-dimensional functions (``products``).
 """
 
 from __future__ import annotations
@@ -11,9 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.core.dispatch import generic
-from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry, unfold
+from mpmcli.core.grid import unfold
 from mpmcli.core.kernel import inline, kernel
-from mpmcli.core.lanes import pack, store
 
 Array = np.ndarray
 
@@ -36,6 +36,13 @@ class Stencil(NamedTuple):
     W: Array
     offsets: Array
     status: Array
+
+
+class Table(NamedTuple):
+    """Weights of a stencil, node by node: ``S`` (m,) and ``G`` (d·m,) or None."""
+
+    S: Any
+    G: Any
 
 
 MOST_POINTS = 3
@@ -70,12 +77,22 @@ def fill(shape: Any, grid: Any, across: Any, X: Any, F: Any, size: Any, p: Any, 
 
 
 @generic
-def axis_weights(shape: Any, x: Any, l: Any) -> Any:
-    """One axis of a tensor-product shape function at ``x`` with half-size ``l``, both in cells.
+def weigh(shape: Any, grid: Any, across: Any, X: Any, F: Any, size: Any, p: Any, S: Any, G: Any, W: Any, status: Any) -> Any:  # noqa: E501
+    """What the verbs need of particle ``p``: the first node as ``fill`` returns it, and a ``Table`` or ``Rows``.
 
-    Returns the lowest node, and tuples of the values and slopes at the nodes from there on.
+    The arguments are those of ``fill``.
     """
 # fmt: on
+
+
+def weigh_by_table(*shapes: type) -> None:
+    """Shape functions of these classes have a ``fill`` that writes values and gradients node by node."""
+
+    def table(shape, grid, across, X, F, size, p, S, G, W, status):
+        return fill(shape, grid, across, X, F, size, p, S, G, W, status), Table(S, G)
+
+    for each in shapes:
+        weigh.register(each)(table)
 
 
 @inline
@@ -94,61 +111,6 @@ def first_node(grid, lowest, p, status):
             return np.uint64(0)
         base += i * grid.stride[a]
     return base
-
-
-@generic
-def fill_tensor_product(grid: Any, shape: Any, across: Any, X: Any, size: Any, p: Any, S: Any, G: Any, status: Any) -> Any:  # noqa: E501  # fmt: skip
-    """``fill`` for shape functions that are products of one-dimensional ones (see ``axis_weights``)."""
-
-
-@fill_tensor_product.register(LineGeometry)
-def _(grid, shape, across, X, size, p, S, G, status):
-    hx = grid.inverse_cell[0]
-    bx, wx, gx = axis_weights(shape, (X[0, p] - grid.origin[0]) * hx, size[0, p] * hx)
-    for i in range(len(across)):
-        S[i] = wx[i]
-        if G is not None:
-            G[i] = gx[i] * hx
-    return first_node(grid, (bx,), p, status)
-
-
-@fill_tensor_product.register(PlaneGeometry)
-def _(grid, shape, across, X, size, p, S, G, status):
-    w = len(across)
-    hx, hy = grid.inverse_cell
-    bx, wx, gx = axis_weights(shape, (X[0, p] - grid.origin[0]) * hx, size[0, p] * hx)
-    by, wy, gy = axis_weights(shape, (X[1, p] - grid.origin[1]) * hy, size[1, p] * hy)
-    values = pack(wx)
-    for j in range(w):
-        store(S, j * w, wy[j] * values)
-    if G is not None:
-        slopes = hx * pack(gx)
-        for j in range(w):
-            store(G, j * w, wy[j] * slopes)
-            store(G, (w + j) * w, (gy[j] * hy) * values)
-    return first_node(grid, (bx, by), p, status)
-
-
-@fill_tensor_product.register(SpaceGeometry)
-def _(grid, shape, across, X, size, p, S, G, status):
-    w = len(across)
-    hx, hy, hz = grid.inverse_cell
-    bx, wx, gx = axis_weights(shape, (X[0, p] - grid.origin[0]) * hx, size[0, p] * hx)
-    by, wy, gy = axis_weights(shape, (X[1, p] - grid.origin[1]) * hy, size[1, p] * hy)
-    bz, wz, gz = axis_weights(shape, (X[2, p] - grid.origin[2]) * hz, size[2, p] * hz)
-    values = pack(wx)
-    for k in range(w):
-        for j in range(w):
-            store(S, (k * w + j) * w, (wy[j] * wz[k]) * values)
-    if G is not None:
-        slopes = hx * pack(gx)
-        for k in range(w):
-            for j in range(w):
-                row = (k * w + j) * w
-                store(G, row, (wy[j] * wz[k]) * slopes)
-                store(G, w * w * w + row, (gy[j] * hy * wz[k]) * values)
-                store(G, 2 * w * w * w + row, (wy[j] * (gz[k] * hz)) * values)
-    return first_node(grid, (bx, by, bz), p, status)
 
 
 @kernel

@@ -10,12 +10,14 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import prange
+from numba import prange, types
+from numba.extending import overload
 
+from mpmcli.core import verbs_of_rows, verbs_of_tables  # noqa: F401 (registered there)
 from mpmcli.core.dispatch import generic
 from mpmcli.core.grid import unfold
 from mpmcli.core.kernel import kernel
-from mpmcli.core.stencil import fill
+from mpmcli.core.stencil import weigh
 from mpmcli.core.verbs import (
     column,
     gather_gradient,
@@ -143,7 +145,7 @@ def _(task, G):
 
 
 @generic
-def scatter_particle(task: Any, analysis: Any, grid: Any, S: Any, G: Any, corner: Any, base: Any, offsets: Any, across: Any, X: Any, p: Any) -> Any:  # fmt: skip  # noqa: E501
+def scatter_particle(task: Any, analysis: Any, grid: Any, weights: Any, corner: Any, base: Any, offsets: Any, across: Any, X: Any, p: Any) -> Any:  # fmt: skip  # noqa: E501
     """Add what particle ``p`` gives to the nodes of its stencil, which begins at ``base`` in its velocity field.
 
     ``corner`` is the same node in the first field.
@@ -151,57 +153,57 @@ def scatter_particle(task: Any, analysis: Any, grid: Any, S: Any, G: Any, corner
 
 
 @scatter_particle.register(MassAndMomentum)
-def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
-    scatter_momentum(analysis, S, base, offsets, across, task.M, task.V, p, task.mp)
+def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
+    scatter_momentum(weights, analysis, base, offsets, across, task.M, task.V, p, task.mp)
 
 
 @scatter_particle.register(InternalForces)
-def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
-    scatter_stress(analysis, S, G, base, offsets, across, task.vol0, task.tau, X, p, task.f)
+def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
+    scatter_stress(weights, analysis, base, offsets, across, task.vol0, task.tau, X, p, task.f)
 
 
 @scatter_particle.register(StateAndForces)
-def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
-    scatter_momentum(analysis, S, base, offsets, across, task.M, task.V, p, task.mp)
-    scatter_stress(analysis, S, G, base, offsets, across, task.vol0, task.tau, X, p, task.f)
+def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
+    scatter_momentum(weights, analysis, base, offsets, across, task.M, task.V, p, task.mp)
+    scatter_stress(weights, analysis, base, offsets, across, task.vol0, task.tau, X, p, task.f)
 
 
 @scatter_particle.register(Projection)
-def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
-    V = gather_vector(analysis, S, base, offsets, across, task.v)
-    scatter_vector(analysis, S, base, offsets, across, task.M[p], V, task.out)
+def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
+    V = gather_vector(weights, analysis, base, offsets, across, task.v)
+    scatter_vector(weights, analysis, base, offsets, across, task.M[p], V, task.out)
 
 
 @scatter_particle.register(VectorSum)
-def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
-    scatter_vector(analysis, S, base, offsets, across, task.M[p], column(analysis, task.V, p), task.out)
+def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
+    scatter_vector(weights, analysis, base, offsets, across, task.M[p], column(analysis, task.V, p), task.out)
 
 
 # fmt: off
 @scatter_particle.register(AffineMassAndMomentum)
-def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
-    scatter_momentum(analysis, S, base, offsets, across, task.M, task.V, p, task.mp)
-    scatter_gradient(analysis, grid, S, corner, base, offsets, across, task.M[p], task.L, X, p, ONE, task.mp)
+def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
+    scatter_momentum(weights, analysis, base, offsets, across, task.M, task.V, p, task.mp)
+    scatter_gradient(analysis, weights, grid, corner, base, offsets, across, task.M[p], task.L, X, p, ONE, task.mp)
 
 
 @scatter_particle.register(AffineStateAndForces)
-def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
-    scatter_momentum(analysis, S, base, offsets, across, task.M, task.V, p, task.mp)
-    scatter_gradient(analysis, grid, S, corner, base, offsets, across, task.M[p], task.L, X, p, ONE, task.mp)
-    scatter_stress(analysis, S, G, base, offsets, across, task.vol0, task.tau, X, p, task.f)
+def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
+    scatter_momentum(weights, analysis, base, offsets, across, task.M, task.V, p, task.mp)
+    scatter_gradient(analysis, weights, grid, corner, base, offsets, across, task.M[p], task.L, X, p, ONE, task.mp)
+    scatter_stress(weights, analysis, base, offsets, across, task.vol0, task.tau, X, p, task.f)
 
 
 @scatter_particle.register(AffineProjection)
-def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
-    V, _ = gather_gradient(analysis, S, G, base, offsets, across, task.v, None, X, p, task.L)
-    scatter_vector(analysis, S, base, offsets, across, task.M[p], V, task.out)
-    scatter_gradient(analysis, grid, S, corner, base, offsets, across, task.M[p], task.L, X, p, ZERO, task.out)
+def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
+    V, _ = gather_gradient(weights, analysis, base, offsets, across, task.v, None, X, p, task.L)
+    scatter_vector(weights, analysis, base, offsets, across, task.M[p], V, task.out)
+    scatter_gradient(analysis, weights, grid, corner, base, offsets, across, task.M[p], task.L, X, p, ZERO, task.out)
 
 
 @scatter_particle.register(AffineVectorSum)
-def _(task, analysis, grid, S, G, corner, base, offsets, across, X, p):
-    scatter_vector(analysis, S, base, offsets, across, task.M[p], column(analysis, task.V, p), task.out)
-    scatter_gradient(analysis, grid, S, corner, base, offsets, across, task.M[p], task.L, X, p, ZERO, task.out)
+def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
+    scatter_vector(weights, analysis, base, offsets, across, task.M[p], column(analysis, task.V, p), task.out)
+    scatter_gradient(analysis, weights, grid, corner, base, offsets, across, task.M[p], task.L, X, p, ZERO, task.out)
 # fmt: on
 
 
@@ -220,11 +222,23 @@ def scatter(task, analysis, shape, grid, across, bands, stencil, X, F, size, fie
             S, G, W, offsets = stencil.S[b], stencil.G[b], stencil.W[b], stencil.offsets
             for p in range(bands[b], bands[b + np.uint64(1)]):
                 wanted = gradients_for(task, G)
-                corner = fill(shape, geometry, across, X, F, size, p, S, wanted, W, stencil.status)
+                corner, weights = weigh(shape, geometry, across, X, F, size, p, S, wanted, W, stencil.status)
                 base = corner
                 if field is not None:
                     base += np.uint64(field[p]) * geometry.field_stride
-                scatter_particle(task, analysis, geometry, S, G, corner, base, offsets, across, X, p)
+                scatter_particle(task, analysis, geometry, weights, corner, base, offsets, across, X, p)
+
+
+def buffer_for(result: Any, buffer: Any) -> Any:
+    """``buffer`` if there is a ``result`` to find, else None, also as a compiled type."""
+    return None if result is None else buffer
+
+
+@overload(buffer_for)
+def _(result, buffer):
+    if isinstance(result, types.NoneType):
+        return lambda result, buffer: None
+    return lambda result, buffer: buffer
 
 
 @kernel
@@ -248,22 +262,20 @@ def move_particles(
         fastest, farthest, lost = 0.0, 0.0, 0.0
         lost_particle = np.int64(-1)
         for p in range(chunks[slot], chunks[slot + np.uint64(1)]):
-            if L is None:
-                base = fill(shape, geometry, across, X, F, size, p, S, None, W, stencil.status)
-            else:
-                base = fill(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
+            wanted = buffer_for(L, G)
+            base, weights = weigh(shape, geometry, across, X, F, size, p, S, wanted, W, stencil.status)
             if field is not None:
                 base += np.uint64(field[p]) * geometry.field_stride
             if L is None:
-                Sv = gather_vector(analysis, S, base, offsets, across, v)
+                Sv = gather_vector(weights, analysis, base, offsets, across, v)
                 Sw = Sv
                 if w is not None:
-                    Sw = gather_vector(analysis, S, base, offsets, across, w)
+                    Sw = gather_vector(weights, analysis, base, offsets, across, w)
             else:
-                Sv, Sw = gather_gradient(analysis, S, G, base, offsets, across, v, w, X, p, L)
+                Sv, Sw = gather_gradient(weights, analysis, base, offsets, across, v, w, X, p, L)
             So = Sv
             if start is not None:
-                So = gather_vector(analysis, S, base, offsets, across, start)
+                So = gather_vector(weights, analysis, base, offsets, across, start)
             square = 0.0
             for a in range(len(geometry.inverse_cell)):
                 old = V[a, p]
@@ -300,7 +312,7 @@ def find_velocity_gradients(analysis, shape, grid, across, chunks, stencil, X, F
         geometry = unfold(grid)
         S, G, W, offsets = stencil.S[slot], stencil.G[slot], stencil.W[slot], stencil.offsets
         for p in range(chunks[slot], chunks[slot + np.uint64(1)]):
-            base = fill(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
+            base, weights = weigh(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
             if field is not None:
                 base += np.uint64(field[p]) * geometry.field_stride
-            gather_gradient(analysis, S, G, base, offsets, across, v, None, X, p, L)
+            gather_gradient(weights, analysis, base, offsets, across, v, None, X, p, L)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmcli.core.functions import quadratic_spline, quadratic_spline_integral
-from mpmcli.core.stencil import axis_weights, fill, fill_tensor_product
+from mpmcli.core.products import product_of_axes
 from mpmcli.shapes.base import add_shape
 
 
@@ -28,12 +28,7 @@ add_shape(
 )
 
 
-@fill.register(SplineGimp)
-def _(shape, grid, across, X, F, size, p, S, G, W, status):
-    return fill_tensor_product(grid, shape, across, X, size, p, S, G, status)
-
-
-@axis_weights.register(SplineGimp)
+@product_of_axes(SplineGimp)
 def _(shape, x, l):
     lowest = np.floor(x) - 1.0
     r = x - lowest

@@ -13,15 +13,16 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmcli.core.dispatch import generic
-from mpmcli.core.functions import hat, quadratic_spline
 from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry
 from mpmcli.core.kernel import inline
-from mpmcli.core.lanes import load, store, zeros
-from mpmcli.core.stencil import DOMAIN_TOO_WIDE, fill, first_node
+from mpmcli.core.lanes import distances, load, plus, ramp_down, store, zeros
+from mpmcli.core.stencil import DOMAIN_TOO_WIDE, fill, first_node, weigh_by_table
 from mpmcli.shapes.base import add_shape
 
 REFERENCE = "Sadeghirad, Brannon and Burghardt, Int. J. Numer. Meth. Eng. 86 (2011) 1435"
 
+
+TWO, THREE = np.uint64(2), np.uint64(3)
 
 ROUND_OFF = 1e-11
 """Cells by which a domain may reach past a node without counting as wider: its value there is no larger."""
@@ -75,19 +76,21 @@ add_shape(
 
 
 @generic
-def grid_function(shape, r):
-    """One-dimensional grid function at distance r (in cells) from its node."""
+def grid_functions(shape, r, across):
+    """One-dimensional grid functions of the nodes of an axis, the lowest of which is at distance r (in cells)."""
 
 
-@grid_function.register(LinearCpdi)
-@grid_function.register(QuadraticCpdi)
-def _(shape, r):
-    return hat(r)
+@grid_functions.register(LinearCpdi)
+@grid_functions.register(QuadraticCpdi)
+def _(shape, r, across):
+    return ramp_down(1.0, distances(r, across))
 
 
-@grid_function.register(SplineCpdi)
-def _(shape, r):
-    return quadratic_spline(r)
+@grid_functions.register(SplineCpdi)
+def _(shape, r, across):
+    away = distances(r, across)
+    wide, narrow = ramp_down(1.5, away), ramp_down(0.5, away)
+    return 0.5 * (wide * wide) - 1.5 * (narrow * narrow)
 
 
 @inline
@@ -108,35 +111,6 @@ def lowest_node(x, extent, reach, offset, w, p, status):
     return low
 
 
-@inline
-def put_functions(shape, w, r, row, W):
-    """Grid functions of the w nodes of an axis at distance r from the lowest one, into ``W[row·w …]``."""
-    first = np.uint64(row) * w
-    for i in range(w):
-        W[first + i] = grid_function(shape, r - np.float64(np.int64(i)))
-
-
-@generic
-def functions(shape, r):
-    """Grid functions of the nodes of a narrow stencil at distance r from its lowest node, as a tuple."""
-
-
-@functions.register(LinearCpdi)
-@functions.register(QuadraticCpdi)
-def _(shape, r):
-    return grid_function(shape, r), grid_function(shape, r - 1.0), grid_function(shape, r - 2.0)
-
-
-@functions.register(SplineCpdi)
-def _(shape, r):
-    return (
-        grid_function(shape, r),
-        grid_function(shape, r - 1.0),
-        grid_function(shape, r - 2.0),
-        grid_function(shape, r - 3.0),
-    )
-
-
 @generic
 def fill_domain(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
     """The CPDI sum over q points per axis, by number of axes (the class of ``grid``)."""
@@ -150,7 +124,7 @@ def _(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
     x, a = (X[0, p] - grid.origin[0]) * h, F[0, p] * size[0, p] * h
     low = lowest_node(x, abs(a), reach, offset, w, p, status)
     for c in range(np.uint64(q)):
-        put_functions(shape, w, x - low + a * interval_point(q, c)[0], c, W)
+        store(W, c * w, grid_functions(shape, x - low + a * interval_point(q, c)[0], across))
     for i in range(w):
         value, slope = 0.0, 0.0
         for c in range(np.uint64(q)):
@@ -173,48 +147,32 @@ def _(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
     c, e = F[2, p] * size[0, p] * hy, F[3, p] * size[1, p] * hy
     low_x = lowest_node(x, abs(a) + abs(b), reach, offset, w, p, status)
     low_y = lowest_node(y, abs(c) + abs(e), reach, offset, w, p, status)
-    inverse = 1.0 / (a * e - b * c)
     x, y = x - low_x, y - low_y
+    for v in range(np.uint64(q)):
+        for u in range(np.uint64(q)):
+            xi, eta = interval_point(q, u)[0], interval_point(q, v)[0]
+            at = TWO * (v * np.uint64(q) + u) * w
+            store(W, at, grid_functions(shape, x + a * xi + b * eta, across))
+            store(W, at + w, grid_functions(shape, y + c * xi + e * eta, across))
+    inverse = 1.0 / (a * e - b * c)
     m = w * w
-    if q == 2 and len(across) == len(functions(shape, x)):
-        # corners of a domain that is not far stretched, written out: everything stays in registers
-        x0, y0 = functions(shape, x - a - b), functions(shape, y - c - e)
-        x1, y1 = functions(shape, x + a - b), functions(shape, y + c - e)
-        x2, y2 = functions(shape, x - a + b), functions(shape, y - c + e)
-        x3, y3 = functions(shape, x + a + b), functions(shape, y + c + e)
-        for j in range(w):
-            for i in range(w):
-                N0, N1, N2, N3 = x0[i] * y0[j], x1[i] * y1[j], x2[i] * y2[j], x3[i] * y3[j]
-                S[j * w + i] = 0.25 * ((N0 + N1) + (N2 + N3))
-                if G is not None:
-                    g1, g2 = 0.25 * ((N1 - N0) + (N3 - N2)), 0.25 * ((N2 - N0) + (N3 - N1))
-                    G[j * w + i] = (e * g1 - c * g2) * inverse * hx
-                    G[m + j * w + i] = (a * g2 - b * g1) * inverse * hy
-    else:
+    zero = zeros(across)
+    for j in range(w):
+        value, g1, g2 = zero, zero, zero
         for v in range(np.uint64(q)):
             for u in range(np.uint64(q)):
-                xi, eta = interval_point(q, u)[0], interval_point(q, v)[0]
-                put_functions(shape, w, x + a * xi + b * eta, np.uint64(2) * (v * np.uint64(q) + u), W)
-                put_functions(
-                    shape, w, y + c * xi + e * eta, np.uint64(2) * (v * np.uint64(q) + u) + np.uint64(1), W
-                )
-        for j in range(w):
-            for i in range(w):
-                value, g1, g2 = 0.0, 0.0, 0.0
-                for v in range(np.uint64(q)):
-                    for u in range(np.uint64(q)):
-                        _, s1, d1 = interval_point(q, u)
-                        _, s2, d2 = interval_point(q, v)
-                        row = np.uint64(2) * (v * np.uint64(q) + u) * w
-                        N = W[row + i] * W[row + w + j]
-                        value += s1 * s2 * N
-                        if G is not None:
-                            g1 += d1 * s2 * N
-                            g2 += s1 * d2 * N
-                S[j * w + i] = value
+                _, s1, d1 = interval_point(q, u)
+                _, s2, d2 = interval_point(q, v)
+                at = TWO * (v * np.uint64(q) + u) * w
+                N = W[at + w + j] * load(W, at, across)
+                value = plus(value, s1 * s2, N)
                 if G is not None:
-                    G[j * w + i] = (e * g1 - c * g2) * inverse * hx
-                    G[m + j * w + i] = (a * g2 - b * g1) * inverse * hy
+                    g1 = plus(g1, d1 * s2, N)
+                    g2 = plus(g2, s1 * d2, N)
+        store(S, j * w, value)
+        if G is not None:
+            store(G, j * w, plus((e * inverse * hx) * g1, -c * inverse * hx, g2))
+            store(G, m + j * w, plus((a * inverse * hy) * g2, -b * inverse * hy, g1))
     return first_node(grid, (low_x, low_y), p, status)
 
 
@@ -236,10 +194,10 @@ def _(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
         for v in range(np.uint64(q)):
             for u in range(np.uint64(q)):
                 xi, eta, zeta = interval_point(q, u)[0], interval_point(q, v)[0], interval_point(q, k)[0]
-                row = np.uint64(3) * ((k * np.uint64(q) + v) * np.uint64(q) + u)
-                put_functions(shape, w, x - low_x + a * xi + b * eta + c * zeta, row, W)
-                put_functions(shape, w, y - low_y + e * xi + f * eta + g * zeta, row + np.uint64(1), W)
-                put_functions(shape, w, z - low_z + o * xi + r * eta + t * zeta, row + np.uint64(2), W)
+                at = THREE * ((k * np.uint64(q) + v) * np.uint64(q) + u) * w
+                store(W, at, grid_functions(shape, x - low_x + a * xi + b * eta + c * zeta, across))
+                store(W, at + w, grid_functions(shape, y - low_y + e * xi + f * eta + g * zeta, across))
+                store(W, at + w + w, grid_functions(shape, z - low_z + o * xi + r * eta + t * zeta, across))
     # rows of the inverse transpose of A
     x1, x2, x3 = f * t - g * r, g * o - e * t, e * r - f * o
     y1, y2, y3 = c * r - b * t, a * t - c * o, b * o - a * r
@@ -256,19 +214,19 @@ def _(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
                         _, s1, d1 = interval_point(q, u)
                         _, s2, d2 = interval_point(q, v)
                         _, s3, d3 = interval_point(q, k)
-                        row = np.uint64(3) * ((k * np.uint64(q) + v) * np.uint64(q) + u) * w
-                        N = (W[row + w + j] * W[row + w + w + n]) * load(W, row, across)
-                        value += (s1 * s2 * s3) * N
+                        at = THREE * ((k * np.uint64(q) + v) * np.uint64(q) + u) * w
+                        N = (W[at + w + j] * W[at + w + w + n]) * load(W, at, across)
+                        value = plus(value, s1 * s2 * s3, N)
                         if G is not None:
-                            g1 += (d1 * s2 * s3) * N
-                            g2 += (s1 * d2 * s3) * N
-                            g3 += (s1 * s2 * d3) * N
-            at = (n * w + j) * w
-            store(S, at, value)
+                            g1 = plus(g1, d1 * s2 * s3, N)
+                            g2 = plus(g2, s1 * d2 * s3, N)
+                            g3 = plus(g3, s1 * s2 * d3, N)
+            row = (n * w + j) * w
+            store(S, row, value)
             if G is not None:
-                store(G, at, (inverse * hx) * (x1 * g1 + x2 * g2 + x3 * g3))
-                store(G, m + at, (inverse * hy) * (y1 * g1 + y2 * g2 + y3 * g3))
-                store(G, m + m + at, (inverse * hz) * (z1 * g1 + z2 * g2 + z3 * g3))
+                store(G, row, (inverse * hx) * (x1 * g1 + x2 * g2 + x3 * g3))
+                store(G, m + row, (inverse * hy) * (y1 * g1 + y2 * g2 + y3 * g3))
+                store(G, m + m + row, (inverse * hz) * (z1 * g1 + z2 * g2 + z3 * g3))
     return first_node(grid, (low_x, low_y, low_z), p, status)
 
 
@@ -285,3 +243,6 @@ def _(shape, grid, across, X, F, size, p, S, G, W, status):
 @fill.register(SplineCpdi)
 def _(shape, grid, across, X, F, size, p, S, G, W, status):
     return fill_domain(grid, shape, across, 2, X, F, size, p, S, G, W, status, 1.0, 0.5)
+
+
+weigh_by_table(LinearCpdi, QuadraticCpdi, SplineCpdi)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mpmcli.core.stencil import axis_weights, fill, fill_tensor_product
+from mpmcli.core.products import product_of_axes
 from mpmcli.shapes.base import add_shape
 
 
@@ -27,12 +27,7 @@ add_shape(
 )
 
 
-@fill.register(Linear)
-def _(shape, grid, across, X, F, size, p, S, G, W, status):
-    return fill_tensor_product(grid, shape, across, X, size, p, S, G, status)
-
-
-@axis_weights.register(Linear)
+@product_of_axes(Linear)
 def _(shape, x, l):
     left = np.floor(x)
     return left, (1.0 - (x - left), x - left), (-1.0, 1.0)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mpmcli.core.stencil import axis_weights, fill, fill_tensor_product
+from mpmcli.core.products import product_of_axes
 from mpmcli.shapes.base import add_shape
 
 
@@ -27,12 +27,7 @@ add_shape(
 )
 
 
-@fill.register(UniformGimp)
-def _(shape, grid, across, X, F, size, p, S, G, W, status):
-    return fill_tensor_product(grid, shape, across, X, size, p, S, G, status)
-
-
-@axis_weights.register(UniformGimp)
+@product_of_axes(UniformGimp)
 def _(shape, x, l):
     nearest = np.floor(x + 0.5)
     t = x - nearest

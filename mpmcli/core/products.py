@@ -1,0 +1,150 @@
+"""Shape functions that are products of one-dimensional ones: their stencils are kept factored, row by row.
+
+A row is the nodes along x. The value at node a of row r is ``x[a] · values[r]``; sums over a row come first, those over
+rows follow: less arithmetic than a table of all nodes, and no table to write.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mpmcli.core.dispatch import generic
+from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry
+from mpmcli.core.kernel import inline
+from mpmcli.core.lanes import each, pack, store
+from mpmcli.core.stencil import fill, first_node, weigh
+
+
+class Rows(NamedTuple):
+    """Weights of a stencil of w nodes per axis with R = w^(d−1) rows.
+
+    x, slopes : w values and slopes [1/length] along x, tuples
+    values : (R,) or more, products of the values along the other axes
+    gradients : ((d − 1)·R,) or more, their slopes along y, then along z; or None
+    """
+
+    x: Any
+    slopes: Any
+    values: Any
+    gradients: Any
+
+
+# fmt: off
+@generic
+def axis_weights(shape: Any, x: Any, l: Any) -> Any:
+    """One axis of a product shape function at ``x`` with half-size ``l``, both in cells.
+
+    Returns the lowest node, and tuples of the values and slopes at the nodes from there on.
+    """
+
+
+@generic
+def find_rows(grid: Any, shape: Any, across: Any, X: Any, size: Any, p: Any, values: Any, gradients: Any, status: Any) -> Any:  # noqa: E501
+    """First node and ``Rows`` of particle ``p``, with buffers for ``values`` and ``gradients`` (or None)."""
+
+
+@generic
+def put_nodes(grid: Any, across: Any, rows: Any, S: Any, G: Any) -> Any:
+    """Values ``S`` and gradients ``G`` (or None) of all nodes of the rows."""
+# fmt: on
+
+
+def product_of_axes(shape: type) -> Callable[..., Any]:
+    """Decorate the ``axis_weights`` of a shape function that is their product along the axes."""
+
+    def add(function: Callable[..., Any]) -> Callable[..., Any]:
+        axis_weights.register(shape)(function)
+        weigh.register(shape)(_weigh_by_rows)
+        fill.register(shape)(_fill_from_rows)
+        return function
+
+    return add
+
+
+def _weigh_by_rows(shape, grid, across, X, F, size, p, S, G, W, status):
+    return find_rows(grid, shape, across, X, size, p, S, G, status)
+
+
+def _fill_from_rows(shape, grid, across, X, F, size, p, S, G, W, status):
+    of_all_rows = len(across) * len(across)  # room for the values of the most rows
+    base, rows = find_rows(grid, shape, across, X, size, p, W, W[of_all_rows:], status)
+    put_nodes(grid, across, rows, S, G)
+    return base
+
+
+@inline
+def scaled(numbers, factor):
+    """The members of a tuple times ``factor``."""
+    return each(factor * pack(numbers))
+
+
+@find_rows.register(LineGeometry)
+def _(grid, shape, across, X, size, p, values, gradients, status):
+    hx = grid.inverse_cell[0]
+    bx, wx, gx = axis_weights(shape, (X[0, p] - grid.origin[0]) * hx, size[0, p] * hx)
+    values[0] = 1.0
+    return first_node(grid, (bx,), p, status), Rows(wx, scaled(gx, hx), values, gradients)
+
+
+@find_rows.register(PlaneGeometry)
+def _(grid, shape, across, X, size, p, values, gradients, status):
+    hx, hy = grid.inverse_cell
+    bx, wx, gx = axis_weights(shape, (X[0, p] - grid.origin[0]) * hx, size[0, p] * hx)
+    by, wy, gy = axis_weights(shape, (X[1, p] - grid.origin[1]) * hy, size[1, p] * hy)
+    store(values, np.uint64(0), pack(wy))
+    if gradients is not None:
+        store(gradients, np.uint64(0), hy * pack(gy))
+    return first_node(grid, (bx, by), p, status), Rows(wx, scaled(gx, hx), values, gradients)
+
+
+@find_rows.register(SpaceGeometry)
+def _(grid, shape, across, X, size, p, values, gradients, status):
+    w = len(across)
+    hx, hy, hz = grid.inverse_cell
+    bx, wx, gx = axis_weights(shape, (X[0, p] - grid.origin[0]) * hx, size[0, p] * hx)
+    by, wy, gy = axis_weights(shape, (X[1, p] - grid.origin[1]) * hy, size[1, p] * hy)
+    bz, wz, gz = axis_weights(shape, (X[2, p] - grid.origin[2]) * hz, size[2, p] * hz)
+    along_y = pack(wy)
+    for k in range(w):
+        store(values, k * w, wz[k] * along_y)
+    if gradients is not None:
+        slopes = hy * pack(gy)
+        for k in range(w):
+            store(gradients, k * w, wz[k] * slopes)
+            store(gradients, (w + k) * w, (gz[k] * hz) * along_y)
+    return first_node(grid, (bx, by, bz), p, status), Rows(wx, scaled(gx, hx), values, gradients)
+
+
+@put_nodes.register(LineGeometry)
+def _(grid, across, rows, S, G):
+    for i in range(len(across)):
+        S[i] = rows.x[i]
+        if G is not None:
+            G[i] = rows.slopes[i]
+
+
+@put_nodes.register(PlaneGeometry)
+def _(grid, across, rows, S, G):
+    w = len(across)
+    for j in range(w):
+        for i in range(w):
+            S[j * w + i] = rows.values[j] * rows.x[i]
+            if G is not None:
+                G[j * w + i] = rows.values[j] * rows.slopes[i]
+                G[(w + j) * w + i] = rows.gradients[j] * rows.x[i]
+
+
+@put_nodes.register(SpaceGeometry)
+def _(grid, across, rows, S, G):
+    w = len(across)
+    R, m = w * w, w * w * w
+    for r in range(R):
+        for i in range(w):
+            S[r * w + i] = rows.values[r] * rows.x[i]
+            if G is not None:
+                G[r * w + i] = rows.values[r] * rows.slopes[i]
+                G[m + r * w + i] = rows.gradients[r] * rows.x[i]
+                G[2 * m + r * w + i] = rows.gradients[R + r] * rows.x[i]

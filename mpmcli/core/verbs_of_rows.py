@@ -1,0 +1,196 @@
+"""The verbs on ``Rows``: sums along x first, one factor per row after."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from mpmcli.core.analysis import Axisymmetric, PlaneStrain, Solid
+from mpmcli.core.lanes import each, load, pack, plus, read, store, zeros
+from mpmcli.core.products import Rows
+from mpmcli.core.verbs import (
+    ALL,
+    LINE,
+    PLANE,
+    THREE,
+    TWO,
+    column,
+    for_each,
+    gather_gradient,
+    gather_vector,
+    rows_of,
+    scatter_momentum,
+    scatter_stress,
+    scatter_vector,
+    value_at,
+    zero_vector,
+)
+
+of_rows = partial(for_each, weights=Rows)
+
+
+@value_at.register(Rows)
+def _(weights, row, a, across):
+    return weights.x[a] * weights.values[row]
+
+
+@of_rows(scatter_momentum, *ALL)
+def _(weights, analysis, base, offsets, across, M, V, p, mp):
+    x, values = weights.x, weights.values
+    one = (1.0, *column(analysis, V, p))
+    matter = M[p] * pack(one)
+    w, lead = np.uint64(len(across)), np.uint64(len(one))
+    for r in range(rows_of(analysis, across)):
+        first = (base + offsets[r * w]) * lead
+        of_row = values[r] * matter
+        for a in range(w):
+            i = first + a * lead
+            store(mp, i, plus(load(mp, i, one), x[a], of_row))
+
+
+@of_rows(scatter_vector, *ALL)
+def _(weights, analysis, base, offsets, across, M, B, f):
+    x, values = weights.x, weights.values
+    weighted = M * pack(B)
+    w, d = np.uint64(len(across)), np.uint64(len(B))
+    for r in range(rows_of(analysis, across)):
+        first = (base + offsets[r * w]) * d
+        of_row = values[r] * weighted
+        for a in range(w):
+            i = first + a * d
+            store(f, i, plus(load(f, i, B), x[a], of_row))
+
+
+@of_rows(gather_vector, *ALL)
+def _(weights, analysis, base, offsets, across, v):
+    x, values = weights.x, weights.values
+    zero = zero_vector(analysis)
+    w, d = np.uint64(len(across)), np.uint64(len(zero))
+    total = zeros(zero)
+    for r in range(rows_of(analysis, across)):
+        first = (base + offsets[r * w]) * d
+        along = zeros(zero)
+        for a in range(w):
+            along = plus(along, x[a], read(v, first + a * d, zero))
+        total = plus(total, values[r], along)
+    return each(total)
+
+
+@of_rows(scatter_stress, *LINE)
+def _(weights, analysis, base, offsets, across, vol0, tau, X, p, f):
+    xx = -vol0[p] * tau[0, p]
+    for a in range(np.uint64(len(across))):
+        f[base + a] += xx * weights.slopes[a]
+
+
+@of_rows(scatter_stress, *PLANE)
+def _(weights, analysis, base, offsets, across, vol0, tau, X, p, f):
+    volume = -vol0[p]
+    xx, yy, xy = volume * tau[0, p], volume * tau[1, p], volume * tau[3, p]
+    on_x, on_y = pack((xx, xy)), pack((xy, yy))
+    w = np.uint64(len(across))
+    for r in range(w):
+        first = (base + offsets[r * w]) * TWO
+        by_slope, by_value = weights.values[r] * on_x, weights.gradients[r] * on_y
+        for a in range(w):
+            i = first + a * TWO
+            store(f, i, plus(plus(load(f, i, (xx, yy)), weights.slopes[a], by_slope), weights.x[a], by_value))
+
+
+@of_rows(scatter_stress, Axisymmetric)
+def _(weights, analysis, base, offsets, across, vol0, tau, X, p, f):
+    scatter_stress(weights, PlaneStrain(), base, offsets, across, vol0, tau, X, p, f)
+    hoop = -vol0[p] * tau[2, p] / X[0, p]
+    w = np.uint64(len(across))
+    for r in range(w):
+        for a in range(w):
+            f[(base + offsets[r * w] + a) * TWO] += hoop * value_at(weights, r, a, across)
+
+
+@of_rows(scatter_stress, Solid)
+def _(weights, analysis, base, offsets, across, vol0, tau, X, p, f):
+    volume = -vol0[p]
+    xx, yy, zz = volume * tau[0, p], volume * tau[1, p], volume * tau[2, p]
+    xy, yz, xz = volume * tau[3, p], volume * tau[4, p], volume * tau[5, p]
+    on_x, on_y, on_z = pack((xx, xy, xz)), pack((xy, yy, yz)), pack((xz, yz, zz))
+    w = np.uint64(len(across))
+    R = w * w
+    for r in range(R):
+        first = (base + offsets[r * w]) * THREE
+        by_slope = weights.values[r] * on_x
+        by_value = plus(weights.gradients[r] * on_y, weights.gradients[R + r], on_z)
+        for a in range(w):
+            i = first + a * THREE
+            force = plus(load(f, i, (xx, yy, zz)), weights.slopes[a], by_slope)
+            store(f, i, plus(force, weights.x[a], by_value))
+
+
+@of_rows(gather_gradient, *LINE)
+def _(weights, analysis, base, offsets, across, v, w, X, p, L):
+    Sv, Sw, xx = 0.0, 0.0, 0.0
+    for a in range(np.uint64(len(across))):
+        Sv += weights.x[a] * v[base + a]
+        xx += weights.slopes[a] * v[base + a]
+        if w is not None:
+            Sw += weights.x[a] * w[base + a]
+    L[0, p] = xx
+    return (Sv,), (Sv if w is None else Sw,)
+
+
+@of_rows(gather_gradient, *PLANE)
+def _(weights, analysis, base, offsets, across, v, w, X, p, L):
+    zero = zero_vector(analysis)
+    Sv, Sw, by_x, by_y = zeros(zero), zeros(zero), zeros(zero), zeros(zero)
+    width = np.uint64(len(across))
+    for r in range(width):
+        first = (base + offsets[r * width]) * TWO
+        along, slope, along_w = zeros(zero), zeros(zero), zeros(zero)
+        for a in range(width):
+            u = read(v, first + a * TWO, zero)
+            along = plus(along, weights.x[a], u)
+            slope = plus(slope, weights.slopes[a], u)
+            if w is not None:
+                along_w = plus(along_w, weights.x[a], read(w, first + a * TWO, zero))
+        Sv = plus(Sv, weights.values[r], along)
+        by_x = plus(by_x, weights.values[r], slope)
+        by_y = plus(by_y, weights.gradients[r], along)
+        if w is not None:
+            Sw = plus(Sw, weights.values[r], along_w)
+    L[0, p], L[2, p] = each(by_x)
+    L[1, p], L[3, p] = each(by_y)
+    return each(Sv), each(Sv if w is None else Sw)
+
+
+@of_rows(gather_gradient, Axisymmetric)
+def _(weights, analysis, base, offsets, across, v, w, X, p, L):
+    Sv, Sw = gather_gradient(weights, PlaneStrain(), base, offsets, across, v, w, X, p, L)
+    L[4, p] = Sv[0] / X[0, p]
+    return Sv, Sw
+
+
+@of_rows(gather_gradient, Solid)
+def _(weights, analysis, base, offsets, across, v, w, X, p, L):
+    zero = zero_vector(analysis)
+    Sv, Sw, by_x, by_y, by_z = zeros(zero), zeros(zero), zeros(zero), zeros(zero), zeros(zero)
+    width = np.uint64(len(across))
+    R = width * width
+    for r in range(R):
+        first = (base + offsets[r * width]) * THREE
+        along, slope, along_w = zeros(zero), zeros(zero), zeros(zero)
+        for a in range(width):
+            u = read(v, first + a * THREE, zero)
+            along = plus(along, weights.x[a], u)
+            slope = plus(slope, weights.slopes[a], u)
+            if w is not None:
+                along_w = plus(along_w, weights.x[a], read(w, first + a * THREE, zero))
+        Sv = plus(Sv, weights.values[r], along)
+        by_x = plus(by_x, weights.values[r], slope)
+        by_y = plus(by_y, weights.gradients[r], along)
+        by_z = plus(by_z, weights.gradients[R + r], along)
+        if w is not None:
+            Sw = plus(Sw, weights.values[r], along_w)
+    L[0, p], L[3, p], L[6, p] = each(by_x)
+    L[1, p], L[4, p], L[7, p] = each(by_y)
+    L[2, p], L[5, p], L[8, p] = each(by_z)
+    return each(Sv), each(Sv if w is None else Sw)

@@ -1,0 +1,170 @@
+"""The verbs on a ``Table``: every node of the stencil has a value and a gradient of its own (CPDI)."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from mpmcli.core.analysis import Axisymmetric, PlaneStrain, Solid
+from mpmcli.core.lanes import each, load, pack, plus, read, store, zeros
+from mpmcli.core.stencil import Table
+from mpmcli.core.verbs import (
+    ALL,
+    LINE,
+    PLANE,
+    THREE,
+    TWO,
+    column,
+    for_each,
+    gather_gradient,
+    gather_vector,
+    nodes_of,
+    scatter_momentum,
+    scatter_stress,
+    scatter_vector,
+    value_at,
+    zero_vector,
+)
+
+of_table = partial(for_each, weights=Table)
+
+
+@value_at.register(Table)
+def _(weights, row, a, across):
+    return weights.S[row * np.uint64(len(across)) + a]
+
+
+@of_table(scatter_momentum, *ALL)
+def _(weights, analysis, base, offsets, across, M, V, p, mp):
+    S = weights.S
+    one = (1.0, *column(analysis, V, p))
+    matter = pack(one)
+    mass, lead = M[p], np.uint64(len(one))
+    for j in range(nodes_of(analysis, across)):
+        i = (base + offsets[j]) * lead
+        store(mp, i, plus(load(mp, i, one), S[j] * mass, matter))
+
+
+@of_table(scatter_stress, *LINE)
+def _(weights, analysis, base, offsets, across, vol0, tau, X, p, f):
+    G = weights.G
+    xx = -vol0[p] * tau[0, p]
+    for j in range(nodes_of(analysis, across)):
+        f[base + offsets[j]] += xx * G[j]
+
+
+@of_table(scatter_stress, *PLANE)
+def _(weights, analysis, base, offsets, across, vol0, tau, X, p, f):
+    G = weights.G
+    volume = -vol0[p]
+    xx, yy, xy = volume * tau[0, p], volume * tau[1, p], volume * tau[3, p]
+    on_x, on_y = pack((xx, xy)), pack((xy, yy))
+    m = nodes_of(analysis, across)
+    for j in range(m):
+        i = (base + offsets[j]) * TWO
+        store(f, i, plus(plus(load(f, i, (xx, yy)), G[j], on_x), G[m + j], on_y))
+
+
+@of_table(scatter_stress, Axisymmetric)
+def _(weights, analysis, base, offsets, across, vol0, tau, X, p, f):
+    S = weights.S
+    scatter_stress(weights, PlaneStrain(), base, offsets, across, vol0, tau, X, p, f)
+    hoop = -vol0[p] * tau[2, p] / X[0, p]
+    for j in range(nodes_of(analysis, across)):
+        f[(base + offsets[j]) * TWO] += hoop * S[j]
+
+
+@of_table(scatter_stress, Solid)
+def _(weights, analysis, base, offsets, across, vol0, tau, X, p, f):
+    G = weights.G
+    volume = -vol0[p]
+    xx, yy, zz = volume * tau[0, p], volume * tau[1, p], volume * tau[2, p]
+    xy, yz, xz = volume * tau[3, p], volume * tau[4, p], volume * tau[5, p]
+    on_x, on_y, on_z = pack((xx, xy, xz)), pack((xy, yy, yz)), pack((xz, yz, zz))
+    m = nodes_of(analysis, across)
+    for j in range(m):
+        i = (base + offsets[j]) * THREE
+        force = plus(plus(load(f, i, (xx, yy, zz)), G[j], on_x), G[m + j], on_y)
+        store(f, i, plus(force, G[m + m + j], on_z))
+
+
+@of_table(scatter_vector, *ALL)
+def _(weights, analysis, base, offsets, across, M, B, f):
+    S = weights.S
+    weighted = M * pack(B)
+    d = np.uint64(len(B))
+    for j in range(nodes_of(analysis, across)):
+        i = (base + offsets[j]) * d
+        store(f, i, plus(load(f, i, B), S[j], weighted))
+
+
+@of_table(gather_vector, *ALL)
+def _(weights, analysis, base, offsets, across, v):
+    S = weights.S
+    zero = zero_vector(analysis)
+    total, d = zeros(zero), np.uint64(len(zero))
+    for j in range(nodes_of(analysis, across)):
+        total = plus(total, S[j], read(v, (base + offsets[j]) * d, zero))
+    return each(total)
+
+
+@of_table(gather_gradient, *LINE)
+def _(weights, analysis, base, offsets, across, v, w, X, p, L):
+    S, G = weights.S, weights.G
+    Sv, Sw, xx = 0.0, 0.0, 0.0
+    for j in range(nodes_of(analysis, across)):
+        i = base + offsets[j]
+        Sv += S[j] * v[i]
+        xx += G[j] * v[i]
+        if w is not None:
+            Sw += S[j] * w[i]
+    L[0, p] = xx
+    return (Sv,), (Sv if w is None else Sw,)
+
+
+@of_table(gather_gradient, *PLANE)
+def _(weights, analysis, base, offsets, across, v, w, X, p, L):
+    S, G = weights.S, weights.G
+    zero = zero_vector(analysis)
+    Sv, Sw, by_x, by_y = zeros(zero), zeros(zero), zeros(zero), zeros(zero)
+    m = nodes_of(analysis, across)
+    for j in range(m):
+        i = (base + offsets[j]) * TWO
+        u = read(v, i, zero)
+        Sv = plus(Sv, S[j], u)
+        by_x = plus(by_x, G[j], u)
+        by_y = plus(by_y, G[m + j], u)
+        if w is not None:
+            Sw = plus(Sw, S[j], read(w, i, zero))
+    L[0, p], L[2, p] = each(by_x)
+    L[1, p], L[3, p] = each(by_y)
+    return each(Sv), each(Sv if w is None else Sw)
+
+
+@of_table(gather_gradient, Axisymmetric)
+def _(weights, analysis, base, offsets, across, v, w, X, p, L):
+    Sv, Sw = gather_gradient(weights, PlaneStrain(), base, offsets, across, v, w, X, p, L)
+    L[4, p] = Sv[0] / X[0, p]
+    return Sv, Sw
+
+
+@of_table(gather_gradient, Solid)
+def _(weights, analysis, base, offsets, across, v, w, X, p, L):
+    S, G = weights.S, weights.G
+    zero = zero_vector(analysis)
+    Sv, Sw, by_x, by_y, by_z = zeros(zero), zeros(zero), zeros(zero), zeros(zero), zeros(zero)
+    m = nodes_of(analysis, across)
+    for j in range(m):
+        i = (base + offsets[j]) * THREE
+        u = read(v, i, zero)
+        Sv = plus(Sv, S[j], u)
+        by_x = plus(by_x, G[j], u)
+        by_y = plus(by_y, G[m + j], u)
+        by_z = plus(by_z, G[m + m + j], u)
+        if w is not None:
+            Sw = plus(Sw, S[j], read(w, i, zero))
+    L[0, p], L[3, p], L[6, p] = each(by_x)
+    L[1, p], L[4, p], L[7, p] = each(by_y)
+    L[2, p], L[5, p], L[8, p] = each(by_z)
+    return each(Sv), each(Sv if w is None else Sw)
