@@ -45,6 +45,17 @@ class Table(NamedTuple):
     G: Any
 
 
+class StoredValues(NamedTuple):
+    """Takes the place of a shape function in passes that need no gradients: its values of all particles, kept.
+
+    first : (N,) first nodes of the stencils, unsigned
+    S : (N, m) values
+    """
+
+    first: Array
+    S: Array
+
+
 MOST_POINTS = 3
 """Points per axis at which a shape function evaluates grid functions, at most."""
 
@@ -93,6 +104,11 @@ def weigh_by_table(*shapes: type) -> None:
 
     for each in shapes:
         weigh.register(each)(table)
+
+
+@weigh.register(StoredValues)
+def _(shape, grid, across, X, F, size, p, S, G, W, status):
+    return shape.first[p], Table(shape.S[p], None)
 
 
 @inline

@@ -17,7 +17,7 @@ from mpmcli.core import verbs_of_rows, verbs_of_tables  # noqa: F401 (registered
 from mpmcli.core.dispatch import generic
 from mpmcli.core.grid import unfold
 from mpmcli.core.kernel import kernel
-from mpmcli.core.stencil import weigh
+from mpmcli.core.stencil import fill, weigh
 from mpmcli.core.verbs import (
     column,
     gather_gradient,
@@ -316,3 +316,14 @@ def find_velocity_gradients(analysis, shape, grid, across, chunks, stencil, X, F
             if field is not None:
                 base += np.uint64(field[p]) * geometry.field_stride
             gather_gradient(weights, analysis, base, offsets, across, v, None, X, p, L)
+
+
+@kernel
+def store_values(shape, grid, across, chunks, stencil, X, F, size, first, S):
+    """Keep the stencils' first nodes ``first`` (N,) and values ``S`` (N, m) for ``StoredValues``."""
+    for c in prange(chunks.shape[0] - 1):
+        slot = np.uint64(c)
+        geometry = unfold(grid)
+        W = stencil.W[slot]
+        for p in range(chunks[slot], chunks[slot + np.uint64(1)]):
+            first[p] = fill(shape, geometry, across, X, F, size, p, S[p], None, W, stencil.status)

@@ -14,7 +14,14 @@ from mpmcli.core.grid import Grid
 from mpmcli.core.nodes import clear_nodes
 from mpmcli.core.order import CHUNKS, CellOrder
 from mpmcli.core.particles import Particles
-from mpmcli.core.stencil import DOMAIN_TOO_WIDE, OUTSIDE_GRID, across_of, allocate_stencil, fill_stencils
+from mpmcli.core.stencil import (
+    DOMAIN_TOO_WIDE,
+    OUTSIDE_GRID,
+    StoredValues,
+    across_of,
+    allocate_stencil,
+    fill_stencils,
+)
 from mpmcli.core.transfer import (
     AffineMassAndMomentum,
     AffineProjection,
@@ -47,6 +54,7 @@ class Transfer:
     parallel : run the parallel version of every kernel
     describe : names a particle (by its place in memory) in messages
     affine : extrapolated velocities carry the velocity gradient of their particle
+    projections : passes of the FMPM loop per step; the values of CPDI are found once for all
     keeps_domain : the strain update changes F before the step is over, so that stencils need a copy of it
 
     Attributes
@@ -65,6 +73,7 @@ class Transfer:
         describe: Callable[[int], str],
         keeps_domain: bool = False,
         affine: bool = False,
+        projections: int = 0,
     ):
         self.analysis, self.shape = analysis, shape
         self.particles, self.grid, self.order = particles, grid, order
@@ -72,6 +81,8 @@ class Transfer:
         self._describe = describe
         self.widest = grid.pad + 2 if shape.follows_deformation else grid.width
         self._affine = affine
+        self._stores = projections > 1 and shape.follows_deformation and not affine
+        self._stored: StoredValues | None = None
         self._passing_L = np.zeros_like(particles.L) if affine else None
         self._domain_F = particles.F
         self._keeps_domain = keeps_domain and shape.follows_deformation
@@ -119,8 +130,21 @@ class Transfer:
         where = (p.X, self._domain_F, p.size, field)
         return self.analysis, self.shape.parameters, self.geometry, self.across, ranges, self.stencil, *where
 
-    def _scatter(self, task: NamedTuple) -> None:
-        kernels.scatter[self.parallel](task, *self._operator(self.order.bands))
+    def _scatter(self, task: NamedTuple, shape: NamedTuple | None = None) -> None:
+        analysis, own_shape, *rest = self._operator(self.order.bands)
+        kernels.scatter[self.parallel](task, analysis, own_shape if shape is None else shape, *rest)
+
+    def _stored_values(self, refresh: bool) -> StoredValues:
+        """The shape function that reads its values from memory; ``refresh`` finds them anew."""
+        p, nodes = self.particles, self.grid.width**self.grid.dimensions
+        if self._stored is None or self._stored.S.shape != (p.count, nodes):
+            self._stored = StoredValues(np.zeros(p.count, dtype=np.uint64), np.zeros((p.count, nodes)))
+        if refresh:
+            kernels.store_values[self.parallel](
+                self.shape.parameters, self.geometry, self.across, self.order.chunks, self.stencil,
+                p.X, self._domain_F, p.size, *self._stored,
+            )  # fmt: skip
+        return self._stored
 
     def extrapolate(self, mp: Array, f: Array | None) -> None:
         """Task 1, and unless ``f`` is None task 2's internal forces with the same stencils.
@@ -174,15 +198,16 @@ class Transfer:
         else:
             self.add_vector(p.V, out)
 
-    def project(self, v: Array, out: Array) -> None:
-        """out += Sᵀ M S v."""
+    def project(self, v: Array, out: Array, first: bool = True) -> None:
+        """out += Sᵀ M S v; ``first`` says that particles have moved or changed since the last projection."""
         p = self.particles
         if self._affine:
             if self._passing_L is None or self._passing_L.shape != p.L.shape:  # particles were removed
                 self._passing_L = np.zeros_like(p.L)
             self._scatter(AffineProjection(p.mass, v.reshape(-1), self._passing_L, out.reshape(-1)))
         else:
-            self._scatter(Projection(p.mass, v.reshape(-1), out.reshape(-1)))
+            task = Projection(p.mass, v.reshape(-1), out.reshape(-1))
+            self._scatter(task, self._stored_values(first) if self._stores else None)
 
     def velocity_gradients(self, v: Array) -> None:
         """L = G v."""

@@ -25,7 +25,7 @@ def add_full_mass_increments(s: Simulation, v: Array, dt: float, counts_reaction
     order = 1
     while order < s.plan.order:
         order += 1
-        s.transfer.project(dv, out)
+        s.transfer.project(dv, out, first=order == 2)
         s.conditions.fold_increment(out, -1.0 if counts_reactions else 0.0)
         nodes.next_increment[s.parallel](active, grid.mp, out, s.plan.blend_scale(order), dv)
         if s.plan.zeroes_increments:
@@ -64,7 +64,7 @@ def add_filtered_velocities(s: Simulation, w: Array, dt: float) -> None:
     if s.plan.corrects_filter:
         s.contact.take_out_start(p_start)
     for m in range(2, order + 1):
-        s.transfer.project(u, out)
+        s.transfer.project(u, out, first=m == 2)
         s.conditions.fold_increment(
             out, -1.0 if m == order else 0.0
         )  # what passes filter out gives no momentum

@@ -46,6 +46,37 @@ def test_python_and_compiled_code_choose_alike(figure, value):
     assert twice(figure) == 2 * value
 
 
+@generic(over=2)
+def holds(outer, inner):
+    """Whether one figure has room for the other."""
+
+
+@holds.register(Square, Circle)
+def _(outer, inner):
+    return outer.side >= 2 * inner.radius
+
+
+@holds.register(Circle, Square)
+def _(outer, inner):
+    return 2 * outer.radius**2 >= inner.side**2
+
+
+@njit
+def compiled_holds(outer, inner):
+    return holds(outer, inner)
+
+
+@pytest.mark.parametrize(
+    ("outer", "inner", "answer"),
+    [(Square(2.0), Circle(1.0), True), (Circle(1.0), Square(2.0), False), (Circle(1.0), Square(1.0), True)],
+)
+def test_two_classes_choose(outer, inner, answer):
+    assert holds(outer, inner) == answer
+    assert compiled_holds(outer, inner) == answer
+    with pytest.raises(KeyError):
+        holds(inner, inner)
+
+
 def test_the_generic_function_keeps_name_and_words():
     assert area.__name__ == "area"
     assert area.__doc__ == "Area of a figure."

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from mpmcli.core.lanes import each, load, pack, store, zeros
+from mpmcli.core.lanes import distances, each, load, pack, plus, ramp_down, read, store, zeros
 
 FAST = {"error_model": "numpy", "fastmath": {"nnan", "ninf", "nsz"}}
 
@@ -28,3 +28,30 @@ def test_lanes_round_like_single_numbers(count):
     assert list(got) == list(wanted)
     np.testing.assert_array_equal(out[2 : 2 + count], wanted)
     assert np.isnan(np.delete(out, np.arange(2, 2 + count))).all()
+
+
+@njit(**FAST)
+def multiply_and_add(values, weight, added):
+    return each(plus(pack(added), weight, read(values, np.uint64(1), added)))
+
+
+@njit(**FAST)
+def parabola(start, end, like):
+    height = ramp_down(end, distances(start, like))
+    return each(height * height)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5])
+def test_multiply_and_add_rounds_once(count):
+    """(1 + ε)² − (1 + 2ε) is ε² if rounded once and 0 if rounded twice; also at the very end of an array."""
+    epsilon = 2.0**-30
+    values = np.full(1 + count, 1.0 + epsilon)
+    got = multiply_and_add(values, 1.0 + epsilon, (-1.0 - 2 * epsilon,) * count)
+    assert list(got) == [epsilon**2] * count
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 6])
+def test_functions_of_the_distance_to_each_node(count):
+    got = parabola(1.25, 1.5, (0.0,) * count)
+    wanted = np.maximum(1.5 - np.abs(1.25 - np.arange(count)), 0.0) ** 2
+    assert list(got) == list(wanted)
