@@ -206,3 +206,20 @@ def _(analysis, weights, grid, corner, base, offsets, across, M, L, X, p, lead, 
                 f[i] += s * (L[0, p] * rx + L[1, p] * ry + L[2, p] * rz)
                 f[i + ONE] += s * (L[3, p] * rx + L[4, p] * ry + L[5, p] * rz)
                 f[i + TWO] += s * (L[6, p] * rx + L[7, p] * ry + L[8, p] * rz)
+
+
+def scatter_stress_around_axis(weights, analysis, base, offsets, across, vol0, tau, X, p, f):
+    """``scatter_stress`` of axisymmetric analyses, for all weights: that of the plane, and the hoop stress on S/r."""
+    scatter_stress(weights, PlaneStrain(), base, offsets, across, vol0, tau, X, p, f)
+    hoop = -vol0[p] * tau[2, p] / X[0, p]
+    w = np.uint64(len(across))
+    for r in range(w):
+        for a in range(w):
+            f[(base + offsets[r * w] + a) * TWO] += hoop * value_at(weights, r, a, across)
+
+
+def gather_gradient_around_axis(weights, analysis, base, offsets, across, v, w, X, p, L):
+    """``gather_gradient`` of axisymmetric analyses, for all weights: that of the plane, and v_r/r."""
+    Sv, Sw = gather_gradient(weights, PlaneStrain(), base, offsets, across, v, w, X, p, L)
+    L[4, p] = Sv[0] / X[0, p]
+    return Sv, Sw

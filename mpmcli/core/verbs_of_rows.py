@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from mpmcli.core.analysis import Axisymmetric, PlaneStrain, Solid
+from mpmcli.core.analysis import Axisymmetric, Solid
 from mpmcli.core.lanes import each, load, pack, plus, read, store, zeros
 from mpmcli.core.products import Rows
 from mpmcli.core.verbs import (
@@ -18,10 +18,12 @@ from mpmcli.core.verbs import (
     column,
     for_each,
     gather_gradient,
+    gather_gradient_around_axis,
     gather_vector,
     rows_of,
     scatter_momentum,
     scatter_stress,
+    scatter_stress_around_axis,
     scatter_vector,
     value_at,
     zero_vector,
@@ -98,14 +100,7 @@ def _(weights, analysis, base, offsets, across, vol0, tau, X, p, f):
             store(f, i, plus(plus(load(f, i, (xx, yy)), weights.slopes[a], by_slope), weights.x[a], by_value))
 
 
-@of_rows(scatter_stress, Axisymmetric)
-def _(weights, analysis, base, offsets, across, vol0, tau, X, p, f):
-    scatter_stress(weights, PlaneStrain(), base, offsets, across, vol0, tau, X, p, f)
-    hoop = -vol0[p] * tau[2, p] / X[0, p]
-    w = np.uint64(len(across))
-    for r in range(w):
-        for a in range(w):
-            f[(base + offsets[r * w] + a) * TWO] += hoop * value_at(weights, r, a, across)
+of_rows(scatter_stress, Axisymmetric)(scatter_stress_around_axis)
 
 
 @of_rows(scatter_stress, Solid)
@@ -162,11 +157,7 @@ def _(weights, analysis, base, offsets, across, v, w, X, p, L):
     return each(Sv), each(Sv if w is None else Sw)
 
 
-@of_rows(gather_gradient, Axisymmetric)
-def _(weights, analysis, base, offsets, across, v, w, X, p, L):
-    Sv, Sw = gather_gradient(weights, PlaneStrain(), base, offsets, across, v, w, X, p, L)
-    L[4, p] = Sv[0] / X[0, p]
-    return Sv, Sw
+of_rows(gather_gradient, Axisymmetric)(gather_gradient_around_axis)
 
 
 @of_rows(gather_gradient, Solid)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -145,7 +146,7 @@ class Palette:
             )
 
 
-class ParticlePicture:
+class ParticlePicture(ABC):
     """A figure of particles that can be brought to another time; the base of those in one, two and three dimensions.
 
     Attributes
@@ -166,11 +167,11 @@ class ParticlePicture:
         self.figure.canvas.draw()
         self.figure.set_layout_engine("none")
 
+    @abstractmethod
     def update(self, frame: Frame) -> None:
         """Show another time."""
-        raise NotImplementedError
 
-    def close(self) -> None:
+    def close(self) -> None:  # noqa: B027 (most pictures hold nothing)
         """Give back what the picture holds beside the figure."""
 
     def _set_title(self, frame: Frame) -> None:
