@@ -14,7 +14,7 @@ from mpmcli.output.snapshot import Snapshot
 
 LOGGER = logging.getLogger("mpmcli")
 
-EVERY = 20
+EVERY = 50
 """Steps between two looks."""
 WARN_AT = 0.01
 """Energy error above which a run is warned of once."""

@@ -43,7 +43,7 @@ from mpmcli.stability.choice import ChosenCourant, GivenCourant
 Array = np.ndarray
 LOGGER = logging.getLogger("mpmcli")
 
-GOOD_EVERY = 100
+GOOD_EVERY = 200
 """Steps between copies of the state, of which the last one is shown after a failure."""
 
 
