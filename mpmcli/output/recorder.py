@@ -365,6 +365,11 @@ class _TablePart(_Part):
         super().__init__(name, schedule, record)
         self._table = table
 
+    def recall(self, memory: Mapping[str, Any], time: float) -> None:
+        """Go on as then: later rows are cut off."""
+        super().recall(memory, time)
+        self._table.cut_back()
+
     def close(self) -> None:
         """Close the table."""
         self._table.close()

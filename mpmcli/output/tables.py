@@ -27,7 +27,8 @@ class Table:
     columns
         Names of the columns; names with a comma are quoted.
     position
-        ``Table.position`` of an earlier run, to go on from there: what follows is cut off.
+        ``Table.position`` of an earlier run, to go on from there: what stands before is compared, and what follows is
+        cut off by ``cut_back``.
 
     Attributes
     ----------
@@ -41,13 +42,13 @@ class Table:
             # the buffer is flushed with each row: what was written survives a crash of the program
             self._stream = open(path, "wb" if position is None else "r+b")  # noqa: SIM115
             if position is not None:
-                self._cut_back(position)
+                self._compare(position)
         except OSError as error:
             raise cannot_write(path, error) from error
         if position is None:
             self._write(_quoted(name) for name in self.columns)
 
-    def _cut_back(self, position: tuple[int, int]) -> None:
+    def _compare(self, position: tuple[int, int]) -> None:
         size, checksum = position
         found, left = 0, size
         while left > 0 and (block := self._stream.read(min(left, 1 << 22))):
@@ -58,9 +59,15 @@ class Table:
             raise ArchiveError(
                 f"cannot continue {self.path}: it is not what the run had written at its checkpoint"
             )
-        self._stream.truncate(size)
         self._stream.seek(size)
         self.position = (size, checksum)
+
+    def cut_back(self) -> None:
+        """Cut off what follows: a step of its own, so that a run that is refused has cut none of its tables."""
+        try:
+            self._stream.truncate(self.position[0])
+        except OSError as error:
+            raise cannot_write(self.path, error) from error
 
     def write(self, numbers: Sequence[float | int]) -> None:
         """Add one row."""

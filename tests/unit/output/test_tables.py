@@ -78,3 +78,19 @@ def test_damaged_tables_are_named(tmp_path, content, message):
 def test_comments_above_the_header_are_left_out(tmp_path):
     (tmp_path / "a.csv").write_text("# made by hand\nt,x\n0,1\n")
     assert read_table(tmp_path / "a.csv") == (["t", "x"], [["0", "1"]])
+
+
+def test_what_follows_is_cut_off_only_when_asked(tmp_path):
+    """All tables of a run are compared before one is cut: a refused run leaves them as they are."""
+    path = tmp_path / "a.csv"
+    table = Table(path, ["step", "time"])
+    table.write([1, 0.5])
+    position = table.position
+    table.write([2, 1.0])
+    table.close()
+    later = Table(path, ["step", "time"], position)
+    assert path.read_text() == "step,time\n1,0.5\n2,1\n"
+    later.cut_back()
+    later.write([2, 1.25])
+    later.close()
+    assert path.read_text() == "step,time\n1,0.5\n2,1.25\n"
