@@ -6,6 +6,8 @@ Beside each ``NAME.yaml`` stands ``NAME.json``: line, column, path, code and som
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -47,6 +49,22 @@ def test_all_at_once(capsys: pytest.CaptureFixture[str]) -> None:
     assert "Traceback" not in written.out + written.err
     for path in paths:
         assert path in written.out
+
+
+@pytest.mark.slow
+def test_memory_of_the_whole_corpus() -> None:
+    """Aliases, nesting, grids and pictures that claim to be huge: all together stay far below a gigabyte."""
+    code = (
+        "import resource, sys\n"
+        "from mpmcli.cli.main import call\n"
+        "code = call(['validate', *sys.argv[1:]])\n"
+        "print(code, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
+    )
+    paths = [str(CORPUS / f"{name}.yaml") for name in NAMES]
+    done = subprocess.run([sys.executable, "-c", code, *paths], capture_output=True, text=True, check=True)
+    exit_code, kilobytes = done.stdout.splitlines()[-1].split()
+    assert exit_code == "3"
+    assert int(kilobytes) < 500_000
 
 
 def test_run_refuses_as_validate_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
