@@ -22,11 +22,11 @@ from mpmcli.stability.scene_limit import SAFETY, NoKnownLimit, known_limit
 
 Array = np.ndarray
 
-STEP_NANOSECONDS = {1: 250.0, 2: 150.0, 3: 500.0}
+STEP_NANOSECONDS = {1: 250.0, 2: 130.0, 3: 280.0}
 """Rough time per particle, step and thread for each number of axes (ugimp, FLIP); see benchmarks/."""
 EXACT_MASS_RATIO = 1e-8
 """``contact.mass_ratio`` from which on it hardly matters (docs/verification.md, two blocks compressed)."""
-PASS_SHARE = 0.3
+PASS_SHARE = 0.2
 """Rough share of a step that one more order of FMPM or XPIC costs."""
 
 
@@ -82,6 +82,8 @@ def explain(
     dense |= contact.nodal_arrays(grid)
     particle_bytes = sum(array.nbytes for array in particles.arrays().values())
     particle_bytes += contact.particle_bytes(particles)
+    if plan.stores_stencils:
+        particle_bytes += particles.count * 8 * (1 + grid.width**grid.dimensions)
     grid_bytes = sum(array.nbytes for array in dense.values())
     share = 1.0 + PASS_SHARE * (plan.order - 1)
     parallel = particles.count >= PARALLEL_FROM

@@ -94,7 +94,7 @@ class Simulation:
             self.describe,
             keeps_domain=self.plan.update.first > 0.0,
             affine=self.plan.velocity_gradient,
-            projections=self.plan.order - 1,
+            stores_stencils=self.plan.stores_stencils,
         )
         self.arrays = allocate_step_arrays(self.plan, self.grid, self.particles.count)
         self.on_exit = scene.domain.on_exit

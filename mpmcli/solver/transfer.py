@@ -54,7 +54,7 @@ class Transfer:
     parallel : run the parallel version of every kernel
     describe : names a particle (by its place in memory) in messages
     affine : extrapolated velocities carry the velocity gradient of their particle
-    projections : passes of the FMPM loop per step; the values of CPDI are found once for all
+    stores_stencils : the values of the stencils are found once for all passes of the FMPM loop
     keeps_domain : the strain update changes F before the step is over, so that stencils need a copy of it
 
     Attributes
@@ -73,7 +73,7 @@ class Transfer:
         describe: Callable[[int], str],
         keeps_domain: bool = False,
         affine: bool = False,
-        projections: int = 0,
+        stores_stencils: bool = False,
     ):
         self.analysis, self.shape = analysis, shape
         self.particles, self.grid, self.order = particles, grid, order
@@ -81,7 +81,7 @@ class Transfer:
         self._describe = describe
         self.widest = grid.pad + 2 if shape.follows_deformation else grid.width
         self._affine = affine
-        self._stores = projections > 1 and shape.follows_deformation and not affine
+        self._stores = stores_stencils
         self._stored: StoredValues | None = None
         self._passing_L = np.zeros_like(particles.L) if affine else None
         self._domain_F = particles.F
