@@ -7,6 +7,7 @@ import json
 import math
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -130,3 +131,12 @@ def test_text_that_cannot_be_written_leaves_no_part(tmp_path):
     with pytest.raises(ArchiveError, match="cannot write"):
         write_text(tmp_path / "folder", "text")
     assert [path.name for path in tmp_path.iterdir()] == ["folder"]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="elsewhere getrusage is all there is")
+def test_peak_memory_is_not_that_of_the_starting_process() -> None:
+    large = np.ones(50_000_000)
+    code = "from mpmcli.output import manifest; print(manifest.peak_memory())"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert int(done.stdout) < large.nbytes
