@@ -8,7 +8,7 @@ import numpy as np
 
 Array = np.ndarray
 
-WORK = 64
+WORK = 96
 """Length of a cloud's scratch space."""
 
 

@@ -19,6 +19,8 @@ Symmetric: TypeAlias = tuple[float, float, float, float, float, float]
 Vector: TypeAlias = tuple[float, float, float]
 
 LN2 = math.log(2.0)
+NEXT_WHOLE = 1.5 * 2.0**52
+"""Added to a number and taken away again, it leaves the next whole number."""
 SQRT_HALF_BITS = 0x3FE6A09E667F3BCD
 
 SMALL_INCREMENT = 0.05
@@ -145,18 +147,24 @@ def exponential_1d(x: float) -> float:
     numbers the result is inf or 2⁻¹⁰²²; for NaN it is meaningless.
     """
     x = min(max(x, -708.0), 710.0)
-    k = np.int64(math.floor(x * (1.0 / LN2) + 0.5))
-    scale = np.int64((k + 1023) << 52).view(np.float64)
-    return scale * _small_exponential(x - k * LN2)
+    # k is in the last bits of what is so large that its spacing is 1
+    shifted = np.float64(x * (1.0 / LN2) + NEXT_WHOLE)
+    scale = np.int64((shifted.view(np.int64) + 1023) << 52).view(np.float64)
+    return scale * _small_exponential(x - (shifted - NEXT_WHOLE) * LN2)
 
 
 @inline
 def _small_exponential(x: float) -> float:
-    """exp x by its series, exact to round-off for |x| < 0.35."""
-    s = 1.0 / 39916800.0 + x * (1.0 / 479001600.0 + x * (1.0 / 6227020800.0))
-    s = 1.0 / 40320.0 + x * (1.0 / 362880.0 + x * (1.0 / 3628800.0 + x * s))
-    s = 1.0 / 120.0 + x * (1.0 / 720.0 + x * (1.0 / 5040.0 + x * s))
-    return 1.0 + x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x * (1.0 / 24.0 + x * s))))
+    """exp x by its series, exact to round-off for |x| < 0.35.
+
+    Pairs of terms, pairs of pairs and so on do not wait for each other, as those of Horner's scheme do.
+    """
+    x2 = x * x
+    x4 = x2 * x2
+    a = 1.0 / 24.0 + x * (1.0 / 120.0) + x2 * (1.0 / 720.0 + x * (1.0 / 5040.0))
+    b = 1.0 / 40320.0 + x * (1.0 / 362880.0) + x2 * (1.0 / 3628800.0 + x * (1.0 / 39916800.0))
+    c = 1.0 / 479001600.0 + x * (1.0 / 6227020800.0)
+    return 1.0 + (x + (x2 * (0.5 + x * (1.0 / 6.0)) + x4 * (a + x4 * (b + x4 * c))))
 
 
 @inline

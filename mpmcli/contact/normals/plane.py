@@ -30,6 +30,7 @@ from mpmcli.contact.normals.gradients import (
     set_normal,
     volume_gradients,
 )
+from mpmcli.contact.normals.sums import NO_SUMS, add_particles
 from mpmcli.core.dispatch import generic
 from mpmcli.core.model import Model, quantity
 from mpmcli.core.tensors import exponential_1d
@@ -37,11 +38,10 @@ from mpmcli.core.tensors import exponential_1d
 BIAS_FOR_RIGID = 10.0
 """From this rigid bias on, the regressions take the normal from the rigid body."""
 
-CHUNK = WORK // 2
-"""Particles whose probabilities fit the scratch space of a cloud."""
+CHUNK = WORK // 3
+"""Particles whose weights, residuals and errors fit the scratch space of a cloud."""
 
 NO_PLANE = (0.0, 0.0, 0.0, 0.0)
-NO_SUMS = (0.0,) * 14
 
 RIDGE = 1e-12
 """Fraction of its trace added to a matrix that may be singular."""
@@ -176,24 +176,6 @@ def solve(A: Any, b: Any) -> Any:
 
 
 @compiled_too
-def add_particle(axes: Any, cloud: Any, p: Any, w: Any, r: Any, sums: Any) -> Any:
-    """Add particle ``p`` of weight ``w`` and residual ``r`` to the fourteen sums of a pass.
-
-    These are Σ w (xx, xy, xz, yy, yz, zz, x, y, z, 1) and Σ r (x, y, z, 1); those of absent axes stay zero.
-    """
-    d = len(axes)
-    xx, xy, xz, yy, yz, zz, x1, y1, z1, one, rx, ry, rz, r1 = sums
-    x = cloud.x[0, p]
-    y = cloud.x[1, p] if d > 1 else 0.0
-    z = cloud.x[2, p] if d > 2 else 0.0
-    wx, wy, wz = w * x, w * y, w * z
-    return (
-        xx + wx * x, xy + wx * y, xz + wx * z, yy + wy * y, yz + wy * z, zz + wz * z, x1 + wx, y1 + wy, z1 + wz,
-        one + w, rx + r * x, ry + r * y, rz + r * z, r1 + r,
-    )  # fmt: skip
-
-
-@compiled_too
 def solve_sums(plane: Any, axes: Any, sums: Any, factor: Any, beta: Any) -> Any:
     """The change of β in cells that the sums of a pass at ``beta`` ask for, with penalties times ``factor``."""
     d = len(axes)
@@ -217,6 +199,12 @@ def solve_sums(plane: Any, axes: Any, sums: Any, factor: Any, beta: Any) -> Any:
 
 
 @compiled_too
+def scratch(cloud: Any) -> Any:
+    """Weights, residuals and errors of ``CHUNK`` particles."""
+    return cloud.work[:CHUNK], cloud.work[CHUNK : 2 * CHUNK], cloud.work[2 * CHUNK : 3 * CHUNK]
+
+
+@compiled_too
 def linear_plane(plane: Any, axes: Any, cloud: Any, count: Any, factor: Any) -> Any:
     """Linear regression, with penalties times ``factor`` (Nairn 2023 notes, Eqs. 3.17 and 3.18).
 
@@ -224,8 +212,14 @@ def linear_plane(plane: Any, axes: Any, cloud: Any, count: Any, factor: Any) -> 
     centroids of both sides coincide.
     """
     sums = NO_SUMS
-    for p in range(np.uint64(count)):
-        sums = add_particle(axes, cloud, p, 1.0, cloud.side[p], sums)
+    count, chunk = np.uint64(count), np.uint64(CHUNK)
+    weight, residual, _ = scratch(cloud)
+    weight[:] = 1.0
+    for start in range(np.uint64(0), count, chunk):
+        m = min(chunk, count - start)
+        for i in range(m):
+            residual[i] = cloud.side[start + i]
+        sums = add_particles(axes, cloud, start, m, weight, residual, sums)
     xx, _, _, yy, _, zz, x1, y1, z1, one, rx, ry, rz, r1 = sums
     # towards β from the centroid of all, times the number of particles
     if not abs(r1) < one:
@@ -244,12 +238,10 @@ def next_plane(plane: Any, axes: Any, cloud: Any, count: Any, beta: Any) -> Any:
     h = plane.inverse_cell
     bx, by, bz, b1 = h * beta[0], h * beta[1], h * beta[2], beta[3]
     sums, error = NO_SUMS, 0.0
-    count = np.uint64(count)
-    chunk = np.uint64(CHUNK)
-    right, wrong = cloud.work[:CHUNK], cloud.work[CHUNK:]
+    count, chunk = np.uint64(count), np.uint64(CHUNK)
+    weight, residual, errors = scratch(cloud)
     for start in range(np.uint64(0), count, chunk):
         m = min(chunk, count - start)
-        # this loop vectorises, the sums do not
         for i in range(m):
             p = start + i
             c = cloud.side[p]
@@ -257,12 +249,10 @@ def next_plane(plane: Any, axes: Any, cloud: Any, count: Any, beta: Any) -> Any:
             z = cloud.x[2, p] if d > 2 else 0.0
             e = exponential_1d(-c * (bx * cloud.x[0, p] + by * y + bz * z + b1))
             q = 1.0 / (1.0 + e)
-            right[i] = q
-            wrong[i] = c * (e * q)
+            weight[i], residual[i], errors[i] = weigh(plane, q, c * (e * q))
         for i in range(m):
-            w, r, e = weigh(plane, right[i], wrong[i])
-            error += e
-            sums = add_particle(axes, cloud, start + i, w, r, sums)
+            error += errors[i]
+        sums = add_particles(axes, cloud, start, m, weight, residual, sums)
     x, y, z, c = solve_sums(plane, axes, sums, 1.0, beta)
     normal2 = beta[0] * beta[0] + beta[1] * beta[1] + beta[2] * beta[2]
     error += 0.5 * (plane.penalty * normal2 + plane.offset_penalty * b1 * b1)

@@ -10,7 +10,7 @@ import pytest
 from numba import prange
 from pydantic import ValidationError
 
-from mpmcli.contact.cloud import Cloud, allocate_cloud
+from mpmcli.contact.cloud import WORK, Cloud, allocate_cloud
 from mpmcli.contact.normals import DEGENERATE, FOUND, NORMALS, NOT_CONVERGED, find_normal
 from mpmcli.contact.normals.gradients import volume_gradients
 from mpmcli.contact.normals.plane import fit_plane, linear_plane, solve
@@ -494,7 +494,9 @@ def test_compiled_code_agrees_with_python(parallel):
     status = np.zeros(12, dtype=np.int64)
     for kind in ("logistic_regression", "maximum_gradient"):
         normal = parameters(kind)
-        find_all[parallel](normal, (0.0, 0.0), x, side, S, G, volume, np.zeros((12, 64)), guess, status, out)
+        find_all[parallel](
+            normal, (0.0, 0.0), x, side, S, G, volume, np.zeros((12, WORK)), guess, status, out
+        )
         for k, cloud in enumerate(clouds):
             n, expected = normal_of(normal, cloud, side.shape[1])
             assert status[k] == expected
