@@ -120,14 +120,9 @@ class VelocityConditions:
         """Conditions on a grid velocity: see ``impose.impose_on_velocity``."""
         impose.impose_on_velocity(self.entries, v, mp, self.impulse)
 
-    def held_speeds(self, mp: Array) -> Array:
-        """Velocity p/m along each entry's direction, (nb,); for ``work``, at the start of the step."""
-        impose.held_speeds(self.entries, mp, self._start_speed)
-        return self._start_speed
-
-    def work(self, start_speed: Array | None, v: Array) -> float:
+    def work(self, v: Array) -> float:
         """Work of the conditions on the bodies in this step: see ``impose.sum_work`` [energy]."""
-        return float(impose.sum_work(self.entries, self._real_impulse(), start_speed, v))
+        return float(impose.sum_work(self.entries, self._real_impulse(), v))
 
     def reactions(self, dt: float) -> Array:
         """Force (n_conditions, d) of each condition of the scene on the bodies in this step [force]."""
@@ -167,7 +162,6 @@ class VelocityConditions:
             node, np.empty((nb, d)), np.empty(nb), np.zeros(nb, dtype=bool), owner, (0.0,) * d
         )
         self.impulse = np.zeros(nb)
-        self._start_speed = np.zeros(nb)
         self._wanted = np.empty(nb)
         self._leader = np.empty(nb, dtype=np.int64)
         self._held = np.empty(nb)

@@ -340,18 +340,3 @@ def move_along_face(
         for a in range(d):
             x[a] += F[d * a + t, p] * offset
     return share
-
-
-@inline
-def sum_power(corners: Corners, cells: Cells, record: Array, momentum: bool) -> float:
-    """Σ f·v over points; velocities are p/m of ``record`` = mp (n, 1+d), or its first columns."""
-    power = 0.0
-    for q in range(corners.base.shape[0]):
-        for w in range(corners.weight.shape[1]):
-            weight = corners.weight[q, w]
-            if weight != 0.0:
-                i = stencil_node(cells, corners.base[q], w)
-                for a in range(len(cells.stride)):
-                    v = record[i, 1 + a] / record[i, 0] if momentum else record[i, a]
-                    power += weight * corners.force[q, a] * v
-    return power

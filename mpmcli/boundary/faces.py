@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from mpmcli.boundary.base import Array, Nodes
-from mpmcli.boundary.corners import Cells, Corners, Faces, add_tractions, sum_power
+from mpmcli.boundary.corners import Cells, Corners, Faces, add_tractions
 from mpmcli.boundary.traction import Traction
 from mpmcli.boundary.velocity import evaluate
 from mpmcli.core.analysis import Analysis, Axisymmetric
@@ -119,21 +119,6 @@ class TractionFaces:
             raise SimulationError(
                 f"a loaded face of particle {self.faces.id[lost]} left the grid at time {time:g}"
             )
-
-    def power_of_momentum(self, mp: Array) -> float:
-        """Power of the forces last added, with nodal velocities p/m of ``mp`` (n, 1+d) [power]."""
-        return float(sum_power(self.corners, self._cells, mp, True))
-
-    def power_of_velocity(self, v: Array) -> float:
-        """Power of the forces last added, with velocities in the first columns of ``v`` (n, ≥d) [power]."""
-        return float(sum_power(self.corners, self._cells, v, False))
-
-    def total_forces(self) -> Array:
-        """Force (n_loads, d) that each traction put on the grid last (per radian if axisymmetric) [force]."""
-        shares = self.corners.force.shape[0] // max(self.faces.id.shape[0], 1)
-        return np.array(
-            [self.corners.force[r.start * shares : r.stop * shares].sum(axis=0) for r in self._rows]
-        ).reshape(len(self._rows), len(self._cells.stride))
 
     def _evaluate(self, time: float) -> None:
         for (traction, _), rows in zip(self._loads, self._rows, strict=True):

@@ -134,30 +134,15 @@ def sum_reactions(entries: Entries, impulse: Array, dt: float, reactions: Array)
 
 
 @inline
-def held_speeds(entries: Entries, mp: Array, speed: Array) -> None:
-    """Velocity p/m of held nodes along each entry's direction into ``speed`` (nb,) [velocity]."""
-    for b in range(entries.node.shape[0]):
-        i = np.uint64(entries.node[b])
-        total = 0.0
-        if mp[i, 0] > 0.0:
-            for a in range(len(entries.axes)):
-                total += mp[i, 1 + a] * entries.direction[b, a]
-            total /= mp[i, 0]
-        speed[b] = total
+def sum_work(entries: Entries, impulse: Array, v: Array) -> float:
+    """Work done on the bodies, Σ impulse v⁺·e [energy].
 
-
-@inline
-def sum_work(entries: Entries, impulse: Array, start_speed: Array | None, v: Array) -> float:
-    """Work done on the bodies, Σ impulse ½ (v + v⁺)·e, or Σ impulse v⁺·e [energy].
+    Forces work on the held velocity alone: conditions at rest do no work, and what stopping nodes costs is not theirs.
 
     Parameters
     ----------
     entries, impulse
         Held components and their momentum changes in the step.
-    start_speed
-        (nb,) velocity along the directions at the start of the step (``held_speeds``): the work is then the
-        change of the nodes' kinetic energy. None: forces work on the held velocity alone, so that conditions
-        at rest do no work, and what stopping nodes costs is not theirs.
     v
         (n, ≥d) velocity v⁺ in the first d columns.
     """
@@ -167,7 +152,5 @@ def sum_work(entries: Entries, impulse: Array, start_speed: Array | None, v: Arr
         end = 0.0
         for a in range(len(entries.axes)):
             end += v[i, a] * entries.direction[b, a]
-        if start_speed is not None:
-            end = 0.5 * (start_speed[b] + end)
         work += impulse[b] * end
     return work

@@ -6,13 +6,8 @@ from pathlib import Path
 
 import click
 
-from mpmcli.cli.options import (
-    load_checked,
-    scene_options,
-    show_warnings,
-    study_options,
-    until_in_scene_units,
-)
+from mpmcli.cli.options import SceneChanges, scene_options, study_options
+from mpmcli.cli.studies import begin_study
 
 
 @click.command("stability")
@@ -106,30 +101,24 @@ def command(
         raise click.BadParameter("LOW must be below HIGH", param_hint="--between")
     if resolution > high:
         raise click.BadParameter("it must be below the largest Courant number", param_hint="--resolution")
-    loaded = load_checked(
-        scene, {"sets": sets, "defines": defines, "allow_outside_files": allow_outside_files}
-    )
-    end = until_in_scene_units(until, loaded)
-    if not quiet:
-        show_warnings(loaded)
+    changes: SceneChanges = {
+        "sets": sets, "defines": defines, "allow_outside_files": allow_outside_files,
+    }  # fmt: skip
+    study = begin_study("stability", scene, changes, until, output, plot, quiet)
     from mpmcli.core.runtime import available_threads
     from mpmcli.shapes import SHAPES
-    from mpmcli.study import limits_report, plotting, stability
-    from mpmcli.study.interruption import run_until_interrupted
+    from mpmcli.study import limits_report, stability
     from mpmcli.study.journal import Journal, study_folder
     from mpmcli.study.processes import Processes
     from mpmcli.study.transfers import check_names, split_lists
 
-    if plot and not plotting.can_plot():
-        raise click.UsageError("--plot needs matplotlib: pip install 'mpmcli[plot]'")
-    source = stability.Source(scene, sets, defines, allow_outside_files)
     try:
         names = check_names(split_lists(shapes), SHAPES, "shape function")
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--shape") from None
     try:
         cases = stability.make_cases(
-            source, split_lists(transfers) or list(stability.DEFAULT_TRANSFERS), names, end
+            study.source, split_lists(transfers) or list(stability.DEFAULT_TRANSFERS), names, study.end
         )
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--transfer") from None
@@ -142,30 +131,27 @@ def command(
         resolution,
         low,
         high,
-        end,
+        study.end,
         max(1, processors // jobs),
         auto,
     )
 
-    def tell(words: str) -> None:
-        if not quiet:
-            click.echo(words, err=True)
-
-    directory = output if output is not None else Path("results") / f"{Path(scene).stem}_stability"
     processes = Processes(timeout)
+    directory = study.directory
     with study_folder(directory):
         journal = Journal(directory / stability.TRIALS)
-        code = run_until_interrupted(
-            lambda: stability.find_limits(cases, settings, processes, journal, jobs, tell, not no_prediction),
+        code = study.run(
+            lambda: stability.find_limits(
+                cases, settings, processes, journal, jobs, study.tell, not no_prediction
+            ),
             processes.stop,
+            journal,
         )
         if code:
-            click.echo(f"interrupted; {len(journal.results)} runs are kept in {journal.path}", err=True)
             return code
-        title = loaded.scene.title or Path(scene).stem
-        limits_report.write_limits(directory, title, cases, settings)
-        if plotting.can_plot() if plot is None else plot:
-            limits_report.plot_limits(directory / "limits.png", title, cases, settings)
+        limits_report.write_limits(directory, study.title, cases, settings)
+        if study.draws:
+            limits_report.plot_limits(directory / "limits.png", study.title, cases, settings)
     click.echo(limits_report.limits_as_text(cases, settings))
-    tell(f"the tables are in {directory}")
+    study.tell(f"the tables are in {directory}")
     return 0 if any(case.is_decided for case in cases) else 4

@@ -8,13 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcli.cli.options import (
-    load_checked,
-    scene_options,
-    show_warnings,
-    study_options,
-    until_in_scene_units,
-)
+from mpmcli.cli.options import SceneChanges, scene_options, study_options
+from mpmcli.cli.studies import begin_study
 
 if TYPE_CHECKING:
     from mpmcli.study.tradeoff import Case, Measure
@@ -112,38 +107,28 @@ def command(
     are kept in DIR/runs.jsonl; started again, the study goes on where it was stopped. It leaves tradeoff.csv,
     tradeoff.json and tradeoff.png, and says which case is the cheapest within a given error.
     """
-    loaded = load_checked(
-        scene, {"sets": sets, "defines": defines, "allow_outside_files": allow_outside_files}
-    )
-    end = until_in_scene_units(until, loaded)
-    if not quiet:
-        show_warnings(loaded)
-    from mpmcli.study import cluster, plotting, tradeoff, tradeoff_report
-    from mpmcli.study.interruption import run_until_interrupted
+    changes: SceneChanges = {
+        "sets": sets, "defines": defines, "allow_outside_files": allow_outside_files,
+    }  # fmt: skip
+    study = begin_study("tradeoff", scene, changes, until, output, plot, quiet)
+    from mpmcli.study import cluster, tradeoff, tradeoff_report
     from mpmcli.study.journal import Journal, study_folder
     from mpmcli.study.processes import Processes
-    from mpmcli.study.stability import Source
 
-    if plot and not plotting.can_plot():
-        raise click.UsageError("--plot needs matplotlib: pip install 'mpmcli[plot]'")
     if scheduler is not None and not cluster.can_connect():
         raise click.UsageError("--scheduler needs Dask: pip install distributed")
-    measures = _measures(errors, against, loaded.constants)
+    measures = _measures(errors, against, study.constants)
     columns = [m.column for m in measures]
     varied = _read(tradeoff.Variation.read, variations, "--vary")
     keys = [variation.key for variation in varied]
     if len(set(keys)) < len(keys):
         raise click.BadParameter("a key is varied twice; give all its values at once", param_hint="--vary")
-    cases = tradeoff.make_cases(Source(scene, sets, defines, allow_outside_files), varied, end, columns)
+    cases = tradeoff.make_cases(study.source, varied, study.end, columns)
     known = None
     if against not in ("exact", "finest"):
         known = tradeoff.reference_of_table(tradeoff.read_columns(Path(against)), columns, against)
 
-    def tell(words: str) -> None:
-        if not quiet:
-            click.echo(words, err=True)
-
-    directory = output if output is not None else Path("results") / f"{Path(scene).stem}_tradeoff"
+    directory = study.directory
     price: Any = COSTS[cost]
     with study_folder(directory):
         journal = Journal(directory / tradeoff.RUNS)
@@ -152,26 +137,25 @@ def command(
             if scheduler is None
             else closing(cluster.Cluster(scheduler, timeout))
         ) as runner:
-            code = run_until_interrupted(
+            code = study.run(
                 lambda: tradeoff.run_cases(
                     cases, repeats, runner, journal, directory,
-                    jobs=jobs, threads=threads, until=end, columns=columns, tell=tell,
+                    jobs=jobs, threads=threads, until=study.end, columns=columns, tell=study.tell,
                 ),
                 runner.stop,
+                journal,
             )  # fmt: skip
         if code:
-            click.echo(f"interrupted; {len(journal.results)} runs are kept in {journal.path}", err=True)
             return code
         if against == "finest":
             known, against = _finest(cases, columns)
         elif known is None:
-            exact = {m.column: m.exact(loaded.constants) for m in measures}
+            exact = {m.column: m.exact(study.constants) for m in measures}
             known, against = (lambda column, t: exact[column](t)), "the exact values"
         if known is not None:
             tradeoff.find_errors(cases, measures, known, "end" if measure == "end" else "rms")
         tradeoff.mark_front(cases, price)
         words = tradeoff.sentence(cases, within, against, price)
-        title = loaded.scene.title or Path(scene).stem
         settings = {
             "against": against,
             "measure": measure,
@@ -179,13 +163,13 @@ def command(
             "within": within,
             "repeats": repeats,
         }
-        tradeoff_report.write_tradeoff(directory, title, cases, words, settings)
-        if plotting.can_plot() if plot is None else plot:
+        tradeoff_report.write_tradeoff(directory, study.title, cases, words, settings)
+        if study.draws:
             path = directory / "tradeoff.png"
-            tradeoff_report.plot_tradeoff(path, title, cases, price, within, against)
+            tradeoff_report.plot_tradeoff(path, study.title, cases, price, within, against)
     click.echo(tradeoff_report.tradeoff_as_text(cases))
     click.echo(words)
-    tell(f"the tables are in {directory}")
+    study.tell(f"the tables are in {directory}")
     return 0 if any(case.is_finished for case in cases) else 4
 
 

@@ -122,7 +122,7 @@ class GridConditions(NoConditions):
 
     def work(self, v: Array) -> float:
         """Work of the conditions on the bodies in this step: reactions times held velocities, 0 for a fixed support."""
-        return self.conditions.work(None, v)
+        return self.conditions.work(v)
 
     def idle(self, mp: Array) -> list[str]:
         """Names of conditions that hold no node with mass in this step."""
