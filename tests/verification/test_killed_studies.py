@@ -19,14 +19,14 @@ TRANSFERS = "flip,fmpm:2,fmpm:4"
 STUDIES = {  # arguments, more of them for the study that is killed, journal, table, and when a case is done
     "stability": (
         ["--transfer", TRANSFERS, "--jobs", "1", "--no-prediction"],
-        (["--resolution", "0.001"], ["--resolution", "0.1"]),
+        (["--resolution", "0.0001"], ["--resolution", "0.1"]),
         "trials.jsonl",
         "limits.json",
         lambda case: case["is_decided"],
     ),
     "tradeoff": (
         ["--vary", f"method.transfer={TRANSFERS}", "--vary", "time.courant=0.2,0.4"],
-        (["--repeats", "7"], ["--repeats", "1"]),
+        (["--repeats", "20"], ["--repeats", "1"]),
         "runs.jsonl",
         "tradeoff.json",
         lambda case: case["status"] == "finished",
