@@ -70,8 +70,7 @@ def _check_claims(content: bytes) -> None:
     for offset in _OFFSET.findall(header):
         if not offset.isdigit() or int(offset) >= room:
             raise Unreadable("damaged, an array lies outside of it")
-    if not _attribute(header, "compressor"):
-        return
+    check = _check_blocks if _attribute(header, "compressor") else _check_size
     wide = _attribute(header, "header_type").lower() == "uint64"
     word = np.dtype(np.uint64 if wide else np.uint32)
     word = word.newbyteorder(">" if _attribute(header, "byte_order") == "BigEndian" else "<")
@@ -80,12 +79,12 @@ def _check_claims(content: bytes) -> None:
     offsets = [len(appended)]
     for attributes, inline in _ARRAY.findall(header):
         if _attribute(attributes, "format") == "binary":
-            _check_blocks(inline, word, True)
+            check(inline, word, True)
         elif _attribute(attributes, "offset").isdigit():
             offsets.append(int(_attribute(attributes, "offset")))
     offsets = sorted(set(offsets))
     for first, last in pairwise(offsets):
-        _check_blocks(appended[first:last], word, is_text)
+        check(appended[first:last], word, is_text)
 
 
 def _attribute(tag: bytes, name: str) -> str:
@@ -94,22 +93,32 @@ def _attribute(tag: bytes, name: str) -> str:
     return found[1].decode("ascii", "replace").strip() if found else ""
 
 
+def _words(array: bytes, word: np.dtype, is_text: bool, count: int) -> np.ndarray:
+    """The first whole numbers of an array, at most ``count``."""
+    size = count * word.itemsize
+    head = base64.b64decode(array[: 4 * -(-size // 3)]) if is_text else array
+    head = head[: min(size, len(head) // word.itemsize * word.itemsize)]
+    return np.frombuffer(head, dtype=word).astype(float)
+
+
+def _check_size(array: bytes, word: np.dtype, is_text: bool) -> None:
+    """Check the size in bytes before an array that is not compressed."""
+    size = _words(array, word, is_text, 1)
+    if not len(size) or size[0] > len(array):
+        raise Unreadable(_TOO_MUCH)
+
+
 def _check_blocks(array: bytes, word: np.dtype, is_text: bool) -> None:
     """Check the sizes before a compressed array: count, size and last size of its blocks, and compressed."""
 
-    def words(count: int) -> np.ndarray:
-        size = count * word.itemsize
-        head = base64.b64decode(array[: 4 * -(-size // 3)]) if is_text else array
-        return np.frombuffer(head[:size], dtype=word).astype(float)
-
     if len(array) <= 4 * word.itemsize * (4 / 3 if is_text else 1):
         # room for the header of an empty array only
-        if len(array) < word.itemsize or words(1)[0]:
+        if len(array) < word.itemsize or _words(array, word, is_text, 1)[0]:
             raise Unreadable("damaged, an array is cut short")
         return
-    count, size, last = words(3)
+    count, size, last = _words(array, word, is_text, 3)
     most = 1100 * len(array) + 2**20
     if not 1 <= count <= len(array) or not last <= size or (count + 1) * size > most:
         raise Unreadable(_TOO_MUCH)
-    if words(3 + int(count))[3:].sum() > len(array):
+    if _words(array, word, is_text, 3 + int(count))[3:].sum() > len(array):
         raise Unreadable(_TOO_MUCH)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -14,6 +15,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.errors import ArchiveError
+from mpmcli.geometry.vtk_files import Unreadable, read_xml
 from mpmcli.output.columns import fields_of, resolve_fields
 from mpmcli.output.quantities import Context
 from mpmcli.output.snapshot import Snapshot
@@ -104,6 +106,21 @@ def test_same_data_same_bytes(make_state, tmp_path):
 def test_no_particles_is_a_file_too(make_state, tmp_path):
     write_particles(VtuWriter(), tmp_path / "a.vtu", Snapshot(make_state(count=0)), fields("plane_strain"))
     assert read(tmp_path / "a.vtu").GetNumberOfPoints() == 0
+
+
+def test_sizes_that_point_beyond_a_damaged_file_are_refused(make_state, tmp_path):
+    """vtk would ask for as much memory as the bytes in the wrong place say, and end the program."""
+    write_particles(VtuWriter(), tmp_path / "a.vtu", Snapshot(make_state()), fields("plane_strain"))
+    content = (tmp_path / "a.vtu").read_bytes()
+    read_xml(tmp_path / "a.vtu")
+    for lost in range(1, 120, 7):
+        (tmp_path / "b.vtu").write_bytes(content[: -300 - lost] + content[-300:])
+        with contextlib.suppress(Unreadable):
+            read_xml(tmp_path / "b.vtu")
+    first = content.index(b"_") + 1
+    (tmp_path / "b.vtu").write_bytes(content[:first] + b"\xff" * 8 + content[first + 8 :])
+    with pytest.raises(Unreadable, match="claims to hold more than it can"):
+        read_xml(tmp_path / "b.vtu")
 
 
 @pytest.mark.parametrize("d", [1, 2, 3])
