@@ -15,7 +15,11 @@ from typing import Any, cast
 
 from numba.extending import overload
 
-COMPILE_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"nnan", "ninf", "nsz"}}
+COMPILE_OPTIONS: dict[str, Any] = {
+    "error_model": "numpy",
+    "fastmath": {"nnan", "ninf", "nsz"},
+    "no_cfunc_wrapper": True,  # C calls none of ours
+}
 """Fast floating point as far as it leaves every digit alone.
 
 Contraction (fused multiply-add), reciprocals and reassociation would let the digits depend on how the optimiser inlined

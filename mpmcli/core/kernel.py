@@ -13,9 +13,8 @@ from typing import Any
 
 from numba import njit
 
+from mpmcli.core.cache import SharedCache
 from mpmcli.core.dispatch import COMPILE_OPTIONS
-
-compile_with: Any = njit  # its annotations know neither ``_nrt`` nor options kept in a dict
 
 BOUNDS_CHECK = os.environ.get("MPMCLI_BOUNDSCHECK") == "1"
 
@@ -42,6 +41,14 @@ class Kernel:
         return sum(sum(version.stats.cache_misses.values()) for version in self._versions)
 
 
+def compiled(function: Callable[..., Any], **options: Any) -> Any:
+    """A function that numba compiles when it is first called, or loads from the cache."""
+    options = {"nogil": True, "boundscheck": BOUNDS_CHECK} | COMPILE_OPTIONS | options
+    dispatcher: Any = njit(**options)(function)  # type: ignore[call-overload]
+    dispatcher._cache = SharedCache(function)
+    return dispatcher
+
+
 def _compile(function: Callable[..., Any], parallel: bool, fastmath: bool) -> Any:
     named = types.FunctionType(
         function.__code__,
@@ -54,11 +61,8 @@ def _compile(function: Callable[..., Any], parallel: bool, fastmath: bool) -> An
     named.__qualname__ = named.__name__ = function.__name__ + suffix
     named.__module__ = function.__module__
     named.__doc__ = function.__doc__
-    options = COMPILE_OPTIONS | {"fastmath": fastmath}
     # without numba's reference counts: kernels allocate nothing, and counting views costs more than the arithmetic
-    return compile_with(
-        cache=True, nogil=True, parallel=parallel, boundscheck=BOUNDS_CHECK, _nrt=False, **options
-    )(named)
+    return compiled(named, parallel=parallel, fastmath=fastmath, _nrt=False)
 
 
 def kernel(function: Callable[..., Any]) -> Kernel:
@@ -68,4 +72,4 @@ def kernel(function: Callable[..., Any]) -> Kernel:
 
 def inline(function: Callable[..., Any]) -> Any:
     """Decorate a small function that kernels call."""
-    return compile_with(cache=True, nogil=True, boundscheck=BOUNDS_CHECK, **COMPILE_OPTIONS)(function)
+    return compiled(function)

@@ -7,13 +7,13 @@ parameter tuple decides the material. Both are known when the loop is compiled.
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
-from mpmcli.core.dispatch import COMPILE_OPTIONS
-from mpmcli.core.kernel import BOUNDS_CHECK, inline, kernel
+from mpmcli.core.kernel import compiled, inline, kernel
 from mpmcli.core.tensors import IDENTITY, SMALL_INCREMENT, determinant, exponential_1d, multiply
 from mpmcli.materials.base import (
     absorb_work,
@@ -62,11 +62,6 @@ class ArtificialViscosity(NamedTuple):
     work: Any
 
 
-def block_loop(function: Any) -> Any:
-    """Decorate a loop over part of a block; compiled by itself, which lets the compiler vectorise it."""
-    return njit(cache=True, nogil=True, boundscheck=BOUNDS_CHECK, **COMPILE_OPTIONS)(function)  # type: ignore[call-overload]
-
-
 def block_count(particles: int) -> int:
     """Number of blocks, the length of ``speed2`` and ``bad``."""
     return max(1, -(-particles // BLOCK))
@@ -103,7 +98,7 @@ def largest_magnitude(A: Any, start: Any, end: Any) -> Any:
     return worst
 
 
-@njit(cache=True, nogil=True, fastmath=False)
+@partial(compiled, fastmath=False)
 def first_bad_particle(
     F: Any, L: Any, tau: Any, material: Any, material_index: Any, limits: Any, start: Any, end: Any
 ) -> Any:
@@ -128,7 +123,7 @@ def first_bad_particle(
     return np.int64(-1)
 
 
-@block_loop
+@compiled  # by itself, which lets the compiler vectorise it
 def deform(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> None:
     """F becomes exp(L dt)·F; lateral stretches that the stress decides stay."""
     for p in range(start, end):
@@ -137,7 +132,7 @@ def deform(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> None
         )
 
 
-@block_loop
+@compiled  # by itself, which lets the compiler vectorise it
 def stress_particles(
     analysis: Any,
     m: Any,
