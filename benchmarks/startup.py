@@ -48,7 +48,8 @@ def measure(scene: Path, repeats: int) -> dict[str, float]:
     with tempfile.TemporaryDirectory() as folder:
         cache = Path(folder)
         found = {"bare python": [], "--help": [], "validate": [], "first step, warm": []}
-        cold = seconds(first_step, cache)
+        one_step = ["run", str(scene), "-q", "-o", str(cache / "results"), "--set", "time.max_steps=1"]
+        cold = seconds([*command, *one_step], cache)
         for _ in range(repeats):
             found["bare python"].append(seconds(["-c", ""], cache))
             found["--help"].append(seconds([*command, "--help"], cache))

@@ -168,7 +168,7 @@ def _run(
         if not resume:
             held.enter_context(owned_folder(directory, overwrite))
         held.enter_context(log_file(directory, "a" if resume else "w"))
-        march = March(loaded, directory, simulation, interrupts, shown, end, begin, checkpoint)
+        march = March(loaded, directory, simulation, interrupts, shown, end, begin, checkpoint, is_cold)
         return march.dry_run() if dry_run else march.run(max_walltime)
 
 

@@ -9,12 +9,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from mpmcli.core import runtime
 from mpmcli.core.errors import ArchiveError, SimulationError
 from mpmcli.output import manifest
 from mpmcli.output.checkpoint import Checkpoint, write_checkpoint
 from mpmcli.output.recorder import Recorder
 from mpmcli.output.schedule import Schedule, is_reached
+from mpmcli.run.ahead import compiling_ahead
 from mpmcli.run.folder import DRY_RUN
 from mpmcli.run.interrupts import Interrupted, Interrupts, exit_code_of, name_of
 from mpmcli.run.outcome import Outcome
@@ -48,11 +48,12 @@ class March:
         end: float,
         begin: float,
         checkpoint: Checkpoint | None = None,
+        is_cold: bool = False,
     ):
         self.loaded = loaded
         self.directory, self.simulation = directory, simulation
         self.interrupts, self.progress = interrupts, progress
-        self.end, self.begin = end, begin
+        self.end, self.begin, self.is_cold = end, begin, is_cold
         self.max_steps = loaded.scene.time.max_steps
         self.step_seconds, self.counted_steps, self.output_seconds = 0.0, 0, 0.0
         report = str(simulation.setup_report)
@@ -127,8 +128,10 @@ class March:
     def _march(self, max_walltime: float | None) -> tuple[int, str]:
         simulation, recorder, interrupts = self.simulation, self.recorder, self.interrupts
         clock = time.perf_counter
-        is_cold = runtime.is_cold()
-        with self.progress.waiting(COMPILING if is_cold else SETTING_UP, is_important=is_cold):
+        with (
+            compiling_ahead(simulation, self.is_cold),
+            self.progress.waiting(COMPILING if self.is_cold else SETTING_UP, is_important=self.is_cold),
+        ):
             if self.resumed_step is None:
                 self._record(everything=True)
                 self.watch.look()
