@@ -104,6 +104,18 @@ class Region(Model):
             lower, upper = self._turned_bounds(turn)
         return lower + shift, upper + shift
 
+    def own_bounds(self, d: int) -> tuple[Array, Array]:
+        """Lower and upper corner, (d,) each [length], of the box around it before it is turned and moved."""
+        return self._bounds(d)
+
+    def holds(self, points: Array) -> Array:
+        """Tell which points (d, n), in coordinates before it is turned and moved, are inside: (n,) booleans."""
+        return self._inside(points)
+
+    def turn(self, d: int) -> Array:
+        """The orthogonal matrix (d, d) by which it is turned."""
+        return self._placement(d)[0]
+
     def measure(self, d: int) -> float | None:
         """Length, area or volume of the region in closed form, or None where none is known."""
         return self._measure(d)

@@ -1,7 +1,8 @@
 """Filling regions with particles: one in the middle of each sub-cell whose centre is inside the region.
 
 The lattice of sub-cells is that of the grid: ``particles_per_axis`` k cuts every cell into k parts along each
-axis, and sub-cell s of an axis has its centre at ``lower + (s + ½) cell/k``. Particles are ordered x fastest.
+axis, and sub-cell s of an axis has its centre at ``lower + (s + ½) cell/k``. Particles are ordered x fastest. A body
+may instead be filled along its region's own sides, on a lattice that is turned and moved with them.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from mpmcli.core.analysis import Analysis, Axisymmetric
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.runtime import available_memory
 from mpmcli.geometry.base import Region
+from mpmcli.geometry.lattice import GridBox, GridLattice, OwnLattice
 from mpmcli.geometry.overlap import settle_overlaps
 
 Array = np.ndarray
@@ -36,15 +38,8 @@ class BodyRequest(Protocol):
     name: str
     region: Region
     particles_per_axis: int | Sequence[int]
+    particles_along: str
     overlap: str
-
-
-class GridBox(Protocol):
-    """What filling asks of the grid: corners and cell size, (d,) each [length]."""
-
-    lower: Array
-    upper: Array
-    cell: Array
 
 
 @dataclass(frozen=True)
@@ -55,10 +50,11 @@ class BodyParticles:
     ----------
     name : the body's
     X : (d, n) positions [length]
-    size : (d, n) half-sizes of the particles' domains along the axes [length]; read only, may share memory
+    size : (d, n) half-sizes of the particles' domains along their sides [length]; read only, may share memory
     volume : (n,) length, area or volume of a particle (without thickness, area or radius); read only likewise
-    key : (n,) number of each particle's sub-cell, ascending, or None for given particles
-    parts : (d,) sub-cells per cell along each axis, or None for given particles
+    key : (n,) number of each particle's sub-cell of the grid, ascending, or None for others
+    parts : (d,) sub-cells per cell along each axis, or None likewise
+    turn : (d, d) from the sides of the domains to the grid's axes, or None where they lie along these
     """
 
     name: str
@@ -67,6 +63,12 @@ class BodyParticles:
     volume: Array
     key: Array | None = None
     parts: tuple[int, ...] | None = None
+    turn: Array | None = None
+
+    @property
+    def reach(self) -> Array:
+        """How far the domains reach along the grid's axes, (d, n) [length]."""
+        return self.size if self.turn is None else np.abs(self.turn) @ self.size
 
     @property
     def count(self) -> int:
@@ -84,7 +86,8 @@ def fill_bodies(bodies: Sequence[BodyRequest], grid: GridBox, analysis: Analysis
 
     Parameters
     ----------
-    bodies : objects with ``name``, ``region``, ``particles_per_axis`` (one, or one per axis), ``overlap``
+    bodies : objects with ``name``, ``region``, ``particles_per_axis`` (one, or one per axis), ``particles_along``
+        (``grid`` or ``region``), ``overlap``
     grid : object with ``lower``, ``upper``, ``cell`` (d,) [length]
     analysis : tuple of ``core.analysis``; in axisymmetric ones the mirror image at r < 0 is left out
 
@@ -140,63 +143,59 @@ def _fill(body: BodyRequest, grid: GridBox, analysis: Analysis) -> BodyParticles
     """Test the sub-cells within the bounds of a body's region."""
     d = analysis.dimensions
     parts = parts_per_axis(body.particles_per_axis, d)
-    step = np.asarray(grid.cell) / parts
-    total = np.rint((np.asarray(grid.upper) - grid.lower) / step).astype(np.int64)
-    first, last = _range(body.region, grid, step, total, isinstance(analysis, Axisymmetric))
-    if (last <= first).any() or (first >= total).any() or (last <= 0).any():
+    ring = isinstance(analysis, Axisymmetric)
+    lattice: GridLattice | OwnLattice
+    if body.particles_along == "region":
+        lattice = OwnLattice(body.region, grid, parts)
+    else:
+        lattice = GridLattice(body.region, grid, parts, ring)
+    first, last, total = lattice.first, lattice.last, lattice.total
+    if lattice.misses_the_grid:
         raise ValueError(_nothing_words(body, grid))
-    _check_extent(body, first, last, total)
+    _check_extent(body, lattice)
     positions, keys, outside, example, count = [], [], 0, None, 0
     memory = available_memory()
     stride = np.concatenate([[1], np.cumprod(total[:-1])])
     for index in _chunks(first, last):
-        X = np.stack([low + (i + 0.5) * h for low, i, h in zip(grid.lower, index, step, strict=True)])
-        inside = body.region.contains(X)
-        index, X = index[:, inside], np.ascontiguousarray(X[:, inside])
-        beyond = ((index < 0) | (index >= total[:, None])).any(axis=0)
+        X, inside = lattice.centres_inside(index)
+        beyond = ((np.c_[grid.lower] > X) | (np.c_[grid.upper] < X)).any(axis=0)
         if beyond.any():
             outside += int(beyond.sum())
             example = X[:, beyond][:, 0] if example is None else example
         positions.append(X)
-        keys.append(stride @ index)
+        keys.append(stride @ index[:, inside])
         count += X.shape[1]
         if count * BYTES_PER_PARTICLE[d] > memory:
             most = float(np.prod((last - first).astype(float)))
             raise ValueError(_memory_words(body, d, most, memory))
+    if example is not None and ring and example[0] < 0.0:
+        raise ValueError(_across_words(body))
     if example is not None:
         raise ValueError(_outside_words(body, outside, example))
     X = np.concatenate(positions, axis=1)
     n = X.shape[1]
     if n == 0:
         raise ValueError(_nothing_words(body, grid))
-    size = np.broadcast_to(0.5 * step[:, None], (d, n))
-    volume = np.broadcast_to(np.prod(step), (n,))
-    return BodyParticles(body.name, X, size, volume, np.concatenate(keys), parts)
+    volume = np.broadcast_to(np.prod(lattice.step), (n,))
+    if isinstance(lattice, GridLattice):
+        size = np.broadcast_to(0.5 * lattice.step[:, None], (d, n))
+        return BodyParticles(body.name, X, size, volume, np.concatenate(keys), parts)
+    size = np.broadcast_to(lattice.size[:, None], (d, n))
+    filled = BodyParticles(body.name, X, size, volume, turn=lattice.turn)
+    if ring and (X[0] - filled.reach[0]).min() < -1e-9 * lattice.step.max():
+        raise ValueError(_across_words(body))
+    return filled
 
 
-def _check_extent(body: BodyRequest, first: Array, last: Array, total: Array) -> None:
+def _check_extent(body: BodyRequest, lattice: GridLattice | OwnLattice) -> None:
     """Refuse regions so large that testing all their sub-cells, or those out of the grid, would take long."""
-    whole = float(np.prod((last - first).astype(float)))
-    within = float(np.prod((np.minimum(last, total) - np.maximum(first, 0)).astype(float)))
-    lower, upper = body.region.bounds(len(total))
+    whole = float(np.prod((lattice.last - lattice.first).astype(float)))
+    lower, upper = body.region.bounds(len(lattice.total))
     spans = f"the region of body '{body.name}' spans {_point(lower)} to {_point(upper)}"
-    if whole > max(MAX_OUTSIDE, 2 * within):
+    if whole > max(MAX_OUTSIDE, 2 * lattice.within):
         raise ValueError(f"{spans}, which reaches far out of the grid; cut it with an intersection")
     if whole > MAX_TESTED:
         raise ValueError(f"{spans}: {whole:.2g} sub-cells, more than can be tested")
-
-
-def _range(region: Region, grid: GridBox, step: Array, total: Array, mirrored: bool) -> tuple[Array, Array]:
-    """First and one past the last sub-cell per axis that may be inside; beyond the grid if the region is."""
-    lower, upper = region.bounds(len(step))
-    lower = np.where(np.isfinite(lower), lower, grid.lower)
-    upper = np.where(np.isfinite(upper), upper, grid.upper)
-    if mirrored:
-        lower[0] = max(lower[0], 0.0)
-    margin = 1e-6
-    first = np.ceil(np.clip((lower - grid.lower) / step - 0.5 - margin, -1e15, 1e15))
-    last = np.floor(np.clip((upper - grid.lower) / step - 0.5 + margin, -1e15, 1e15)) + 1
-    return first.astype(np.int64), last.astype(np.int64)
 
 
 def _chunks(first: Array, last: Array) -> Iterator[Array]:
@@ -219,6 +218,10 @@ def _point(x: Array) -> str:
 def _outside_words(body: BodyRequest, count: int, example: Array) -> str:
     what = "1 particle" if count == 1 else f"{count} particles"
     return f"body '{body.name}' reaches out of the grid: {what} outside, the first at {_point(example)}"
+
+
+def _across_words(body: BodyRequest) -> str:
+    return f"body '{body.name}' reaches across the axis of symmetry: its particles can only lie along the grid"
 
 
 def _memory_words(body: BodyRequest, d: int, most: float, memory: float) -> str:

@@ -10,7 +10,8 @@ import numpy as np
 
 from mpmcli.core.analysis import Analysis, Axisymmetric
 from mpmcli.geometry.base import Region
-from mpmcli.geometry.fill import BodyParticles, BodyRequest, GridBox
+from mpmcli.geometry.fill import BodyParticles, BodyRequest
+from mpmcli.geometry.lattice import GridBox
 
 Array = np.ndarray
 
@@ -84,8 +85,8 @@ def body_report(
                 mass=None if density is None else density * volume,
                 volume=volume,
                 center=particles.X @ weight / volume,
-                lower=(particles.X - particles.size).min(axis=1),
-                upper=(particles.X + particles.size).max(axis=1),
+                lower=(particles.X - particles.reach).min(axis=1),
+                upper=(particles.X + particles.reach).max(axis=1),
                 region_volume=own * factor,
                 exact=exact,
                 notes=tuple(body.region.notes()),

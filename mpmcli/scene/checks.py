@@ -15,6 +15,7 @@ from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.errors import Problem
 from mpmcli.core.expressions import Expression
 from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.scene.lattice_checks import check_lattices
 from mpmcli.scene.not_built import member_label
 from mpmcli.scene.parts import LISTS, Parts
 from mpmcli.scene.report import locate
@@ -41,6 +42,7 @@ def check(parts: Parts, root: Node) -> list[Problem]:
         dimensions = ANALYSES[parts.analysis.kind]().dimensions
         _check_grid(parts, dimensions, report)
         _check_bodies(parts, dimensions, root, report)
+        check_lattices(parts, dimensions, root, report)
         for key in ("boundary", "loads"):
             _check_conditions(getattr(parts, key), key, parts, dimensions, root, report)
         _check_probes(parts, dimensions, root, report)

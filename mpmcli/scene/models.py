@@ -132,6 +132,12 @@ class Body(Model):
     """The space that it fills."""
     particles_per_axis: ParticlesPerAxis = 2
     """Particles per cell along each axis: one number, or one per axis."""
+    particles_along: Literal["grid", "region"] = "grid"
+    """What the particles lie along: the grid, or the region's own sides, turned by its `rotate` and moved with it.
+
+    Along the region, particles are as large as whole numbers of them in the box around it allow, so that they fill
+    a box exactly, and a turned one has flat faces. Domains of `ugimp`, `b2gimp` lie along the grid nevertheless.
+    """
     velocity: tuple[VelocityField, ...] = ()  # type: ignore[valid-type]
     """Initial velocity: one number or expression of x, y, z per axis; without it the body is at rest.
 

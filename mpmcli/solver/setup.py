@@ -99,6 +99,13 @@ def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[
     return particles, filled
 
 
+def turns_of_bodies(filled: list[BodyParticles]) -> Array | None:
+    """Turns (bodies, d, d) from the sides of each body's particle domains to the grid's axes; None without any."""
+    if all(body.turn is None for body in filled):
+        return None
+    return np.stack([np.eye(len(body.X)) if body.turn is None else body.turn for body in filled])
+
+
 def _check_mass(scene: Any, index: Array, mass: Array) -> None:
     """Refuse bodies whose particles have masses that no computer number can hold."""
     wrong = ~(np.isfinite(mass) & (mass > 0.0))

@@ -35,7 +35,7 @@ from mpmcli.solver.loads import NodalLoads, NoLoads, place_of_identity
 from mpmcli.solver.period import EveryStep, Period
 from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan
 from mpmcli.solver.rigid import NoRigidBodies, RigidBodies
-from mpmcli.solver.setup import full_ring, make_grid, make_particles, section_of
+from mpmcli.solver.setup import full_ring, make_grid, make_particles, section_of, turns_of_bodies
 from mpmcli.solver.step import advance
 from mpmcli.solver.transfer import Transfer
 from mpmcli.stability.choice import ChosenCourant, GivenCourant
@@ -95,6 +95,7 @@ class Simulation:
             keeps_domain=self.plan.update.first > 0.0,
             affine=self.plan.velocity_gradient,
             stores_stencils=self.plan.stores_stencils,
+            turns=turns_of_bodies(filled),
         )
         self.arrays = allocate_step_arrays(self.plan, self.grid, self.particles.count)
         self.on_exit = scene.domain.on_exit

@@ -9,6 +9,7 @@ import numpy as np
 
 from mpmcli.core import transfer as kernels
 from mpmcli.core.analysis import Analysis
+from mpmcli.core.domains import turn_domains
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
 from mpmcli.core.nodes import clear_nodes
@@ -56,6 +57,7 @@ class Transfer:
     affine : extrapolated velocities carry the velocity gradient of their particle
     stores_stencils : the values of the stencils are found once for all passes of the FMPM loop
     keeps_domain : the strain update changes F before the step is over, so that stencils need a copy of it
+    turns : (bodies, d, d) from the sides of each body's particle domains to the grid's axes; None where all are along
 
     Attributes
     ----------
@@ -74,6 +76,7 @@ class Transfer:
         keeps_domain: bool = False,
         affine: bool = False,
         stores_stencils: bool = False,
+        turns: Array | None = None,
     ):
         self.analysis, self.shape = analysis, shape
         self.particles, self.grid, self.order = particles, grid, order
@@ -84,8 +87,9 @@ class Transfer:
         self._stores = stores_stencils
         self._stored: StoredValues | None = None
         self._passing_L = np.zeros_like(particles.L) if affine else None
-        self._domain_F = particles.F
         self._keeps_domain = keeps_domain and shape.follows_deformation
+        self._turns = turns
+        self._domain_F = particles.F
         self.speed_squared = np.zeros(CHUNKS)
         self.travel = np.zeros(CHUNKS)
         self.farthest = 0.0
@@ -93,6 +97,7 @@ class Transfer:
         tolerance = 1e-9 * grid.cell
         self._bounds = np.stack([grid.lower - tolerance, grid.upper + tolerance], axis=1)
         self.sort()
+        self._fix_domains()
 
     def sort(self) -> None:
         """Sort particles by cell and size the buffers for the bands that result."""
@@ -117,11 +122,19 @@ class Transfer:
 
     @property
     def domain_F(self) -> Array:
-        """Deformation gradients (nF, N) that the stencils of this step are built from."""
+        """Deformation gradients (nF, N) that the stencils of this step are built from; F Q of turned domains."""
+        if self._turns is not None and not self._keeps_domain:
+            self._fix_domains()
         return self._domain_F
 
     def _fix_domains(self) -> None:
-        self._domain_F = self.particles.F.copy() if self._keeps_domain else self.particles.F
+        F = self.particles.F
+        if self._turns is None:
+            self._domain_F = F.copy() if self._keeps_domain else F
+            return
+        if self._domain_F is F or self._domain_F.shape != F.shape:
+            self._domain_F = np.empty_like(F)
+        turn_domains[self.parallel](F, self.particles.body, self._turns, self._domain_F)
 
     def _operator(self, ranges: Array) -> tuple[Any, ...]:
         """What makes S and G: the arguments that all transfer kernels share, for bands or chunks of particles."""

@@ -21,6 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.expressions import Expression
+from mpmcli.geometry.lattice import is_by_right_angles
 from mpmcli.shapes import SHAPES
 from mpmcli.stability.growth import NEAR, limit_at_rest, moving_limit, slow_limit, worst_limit
 from mpmcli.stability.held import held_axes
@@ -260,10 +261,12 @@ def deformable(scene: Any) -> list[tuple[Any, Any]]:
     return [(body, models[body.name]) for body in scene.bodies if models[body.name].kind != "rigid"]
 
 
-def _is_flat(region: Any) -> bool:
+def _is_flat(region: Any, d: int) -> bool:
     """Whether a region is a box along the axes, or is made with one."""
     parts = [*getattr(region, "regions", ()), *filter(None, [getattr(region, "region", None)])]
-    return region.rotate is None and (region.kind == "box" or any(_is_flat(part) for part in parts))
+    if not is_by_right_angles(region.turn(d)):
+        return False
+    return region.kind == "box" or any(_is_flat(part, d) for part in parts)
 
 
 def _faces(scene: Any, body: Any, parts: Array) -> tuple[Array, Array]:
@@ -274,7 +277,7 @@ def _faces(scene: Any, body: Any, parts: Array) -> tuple[Array, Array]:
     """
     lower, cell = np.asarray(scene.grid.lower), np.asarray(scene.grid.cell, dtype=float)
     sides = []
-    is_flat = _is_flat(body.region)
+    is_flat = _is_flat(body.region, len(cell))
     speeds = _start_speeds(scene, body)
     wave = scene.materials[body.material].initial_wave_speed(scene.analysis.kind)
     for bound, ceiling in zip(body.region.bounds(len(cell)), (0.5, -0.5), strict=True):
@@ -284,6 +287,8 @@ def _faces(scene: Any, body: Any, parts: Array) -> tuple[Array, Array]:
             face = (
                 np.ceil(sub_cells - ceiling - 1e-6) if ceiling > 0 else np.floor(sub_cells - ceiling + 1e-6)
             )
+            if body.particles_along == "region":
+                face = sub_cells
             place = np.where(np.isfinite(face) & is_flat, np.mod(face, parts) / parts, 0.0)
         place = np.maximum(np.minimum(place, 1.0 - place), NEAR)
         sides.append(np.where(speeds >= FAST * wave, ELSEWHERE, place))

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
+from pydantic import ValidationError
 
 from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.geometry.rotation import Rotation
 from mpmcli.output.results import Frame, Results
 from mpmcli.study.pictures.errors import PictureError
 
@@ -126,17 +129,36 @@ class Domains:
 def domains_of(results: Results, frame: Frame) -> Domains:
     """The domains of particles: deformed if the archive holds the deformation gradient, else as at the start.
 
-    Their size at the start is that of a sub-cell of the grid, or what the scene gives; where the scene is not known,
-    or gives no size, a particle is a square (cube) of a mean particle's share of the space that all fill.
+    Their size at the start is that of a sub-cell of the grid (about, along a region), or what the scene gives; where
+    the scene is not known, or gives no size, a particle is a square (cube) of a mean particle's share of the space
+    that all fill.
     """
     d = results.dimensions(frame)
     half, are_guessed = _half_sizes(results, frame, d)
+    sides = _turns(results, frame, d) * half[:, None, :]
     gradient = frame.arrays.get("deformation_gradient")
     if gradient is None or gradient.shape[1:] != (9,):
-        return Domains(half[:, None, :] * np.eye(d), False, are_guessed)
+        return Domains(sides, False, are_guessed)
     F = gradient.reshape(-1, 3, 3)[:, :d, :d].astype(float)
     F[~np.isfinite(F).all(axis=(1, 2))] = np.eye(d)
-    return Domains(F * half[:, None, :], True, are_guessed)
+    return Domains(F @ sides, True, are_guessed)
+
+
+def _turns(results: Results, frame: Frame, d: int) -> Array:
+    """(N, d, d) from the sides of the particles to the grid's axes."""
+    turns = np.broadcast_to(np.eye(d), (frame.count, d, d))
+    owner = frame.arrays.get("body")
+    bodies = {str(body.get("name")): body for body in results.scene.get("bodies", [])}
+    for index, name in enumerate(results.names("bodies")):
+        body = bodies.get(name, {})
+        rotate = body.get("region", {}).get("rotate")
+        if owner is None or rotate is None or body.get("particles_along") != "region":
+            continue
+        with suppress(ValidationError):
+            turn = Rotation.model_validate(rotate)
+            if not list(turn.misfits(d)):
+                turns = np.where((owner == index)[:, None, None], turn.matrix(d), turns)
+    return turns
 
 
 def _half_sizes(results: Results, frame: Frame, d: int) -> tuple[Array, bool]:

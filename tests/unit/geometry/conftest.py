@@ -27,9 +27,13 @@ def region():
 def body(region):
     """A function that makes a body with a region."""
 
-    def make(name, *, per_axis=2, overlap="error", **words):
+    def make(name, *, per_axis=2, along="grid", overlap="error", **words):
         return SimpleNamespace(
-            name=name, region=region(**words), particles_per_axis=per_axis, overlap=overlap
+            name=name,
+            region=region(**words),
+            particles_per_axis=per_axis,
+            particles_along=along,
+            overlap=overlap,
         )
 
     return make

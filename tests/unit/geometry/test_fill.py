@@ -86,7 +86,9 @@ def test_volume_of_a_disk_is_within_the_bound_of_its_boundary(x, y, radius, per_
     disk = TypeAdapter(REGIONS.union()).validate_python({"kind": "disk", "center": [x, y], "radius": radius})
     step = 1 / cells / per_axis
     box = SimpleNamespace(lower=np.zeros(2), upper=np.ones(2), cell=np.full(2, 1 / cells))
-    request = SimpleNamespace(name="disk", region=disk, particles_per_axis=per_axis, overlap="error")
+    request = SimpleNamespace(
+        name="disk", region=disk, particles_per_axis=per_axis, particles_along="grid", overlap="error"
+    )
     # a sub-cell that is counted wrongly has its centre within half a diagonal of the circle
     reach = step / np.sqrt(2)
     most = np.pi * (radius + reach) ** 2

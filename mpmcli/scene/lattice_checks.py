@@ -1,0 +1,44 @@
+"""What particles that lie along their region's own sides do not go with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from mpmcli.geometry.lattice import is_by_right_angles
+from mpmcli.scene.not_built import member_label
+from mpmcli.scene.parts import Parts
+from mpmcli.scene.tree import Node
+from mpmcli.shapes import SHAPES
+
+
+def check_lattices(parts: Parts, dimensions: int, root: Node, report: Callable[..., None]) -> None:
+    """Report bodies that have no sides of their own, and what needs sides along the grid."""
+    turned = set()
+    for index, body in parts.bodies:
+        if body.particles_along != "region" or list(body.region.misfits(dimensions)):
+            continue
+        path = f"bodies.{member_label(root.value['bodies'].value[index], index)}"
+        if body.region.gives_particles:
+            words = f"a region of kind '{body.region.kind}' gives its particles: they lie along nothing"
+            report(f"{path}.particles_along", words, "lattice")
+        elif not np.isfinite(body.region.own_bounds(dimensions)).all():
+            words = "the region has no end, and so no sides of its own; cut it with an intersection, or write 'grid'"
+            report(f"{path}.particles_along", words, "lattice")
+        elif not is_by_right_angles(body.region.turn(dimensions)):
+            turned.add(body.name)
+            shape = None if parts.method is None else SHAPES[parts.method.shape]
+            if shape is not None and shape.domain == "box":
+                words = f"the domains of '{shape.name}' lie along the grid: beside turned particles they leave gaps"
+                report(f"{path}.particles_along", f"{words}; CPDI shapes turn theirs", "lattice", "warning")
+    for key in ("boundary", "loads"):
+        for index, model in getattr(parts, key):
+            on: Any = getattr(model, "on", None)
+            if getattr(on, "face", None) is not None and on.body in turned:
+                words = (
+                    f"the particles of body '{on.body}' are turned, and none of their faces is across an axis"
+                )
+                path = f"{key}.{member_label(root.value[key].value[index], index)}.on.face"
+                report(path, f"{words}: let them lie along the grid, or hold nodes in a region", "lattice")
