@@ -221,7 +221,9 @@ def _outside_words(body: BodyRequest, count: int, example: Array) -> str:
 
 
 def _across_words(body: BodyRequest) -> str:
-    return f"body '{body.name}' reaches across the axis of symmetry: its particles can only lie along the grid"
+    return (
+        f"body '{body.name}' reaches across the axis of symmetry: its particles can only lie along the grid"
+    )
 
 
 def _memory_words(body: BodyRequest, d: int, most: float, memory: float) -> str:
