@@ -9,6 +9,7 @@ runs ``inputs/hertz_contact.yaml`` with 2 and 4 particles per axis (some minutes
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -49,7 +50,8 @@ def press(per_axis: int) -> tuple[Array, Array]:
 
 def nodal_forces(simulation: Simulation) -> tuple[Array, Array]:
     """The same in the last step; a node on the symmetry plane has the force of both halves, and half of it counts."""
-    view, contacts = simulation.state.grid, simulation.contact.contacts
+    contact: Any = simulation.contact
+    contacts = contact.contacts
     snapshot = Snapshot(simulation.state)
     at = np.abs(nodal_values(snapshot, "contact_normal")).sum(axis=1) > 0.0
     traction = nodal_values(snapshot, "contact_traction")[at, 1]
@@ -58,7 +60,6 @@ def nodal_forces(simulation: Simulation) -> tuple[Array, Array]:
     real = x > -0.5 * CELL
     x, area = x[real], contacts.geometry.area[: contacts.count][real]
     force = np.abs(traction) * area * np.where(x < 0.5 * CELL, 0.5, 1.0)
-    assert view is not None
     return np.round(x / CELL) * CELL, force
 
 
