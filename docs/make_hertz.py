@@ -34,7 +34,7 @@ Array = np.ndarray
 
 
 def press(per_axis: int) -> tuple[Array, Array]:
-    """Places x (n,) of the nodes in contact at the end [mm], and the force (n,) at each [N]."""
+    """Places x (n,) of the columns of nodes in contact at the end [mm], and the force (n,) on each [N]."""
     sets = (f"bodies.cylinder.particles_per_axis={per_axis}", "time.courant=0.34")
     simulation = Simulation(load_scene(SCENE, sets=sets))
     steps: list[tuple[Array, Array]] = []
@@ -44,7 +44,7 @@ def press(per_axis: int) -> tuple[Array, Array]:
     x = np.unique(np.concatenate([place for place, _ in steps]))
     force = np.zeros(len(x))
     for place, pressed in steps:
-        force[np.searchsorted(x, place)] += pressed / len(steps)
+        np.add.at(force, np.searchsorted(x, place), pressed / len(steps))  # several rows of nodes
     return x, force
 
 
