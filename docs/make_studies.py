@@ -2,9 +2,9 @@
 
     python docs/make_studies.py NAME [--results DIR] [--repeats N]
 
-NAME is trade, trade-disk, trade-vortex, impact, shock, metrics, disks-courant or disks-cells. Runs are those of
-``mpmcli tradeoff``: what is finished is kept in ``--results``, where a study that was stopped goes on. A study takes
-some minutes, disks-courant an hour.
+NAME is trade, trade-disk, trade-vortex, impact, shock, metrics, disks-courant, disks-cells, disks-fine or periodic.
+Runs are those of ``mpmcli tradeoff``: what is finished is kept in ``--results``, where a study that was stopped goes
+on. A study takes some minutes, those of the disks up to an hour.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
 
 from mpmcli.cli.main import call
@@ -228,9 +229,11 @@ def draw_disks_courant(folder: Path) -> str:
 
 
 def draw_disks_cells(folder: Path) -> str:
-    """Energy lost by two disks against the cell size (Fig. 11A)."""
+    """Energy lost by two disks against the cell size (Fig. 11A), from two studies side by side."""
+    both = [folder.parent / name for name in ("disks-cells", "disks-fine")]
+    rows = [row for each in both if each.exists() for row in rows_of(each)]
     _draw_disks(
-        rows_of(folder),
+        rows,
         "constants.cell",
         "cell, mm",
         lambda row: f"{_kind(row)}, {row.values['method.update']}",
@@ -238,6 +241,30 @@ def draw_disks_cells(folder: Path) -> str:
         limits=(-0.5, 4.0),
     )
     return "disks_cells"
+
+
+def draw_periodic(folder: Path) -> str:
+    """Energy lost by a free disk against the Courant number, with a law fitted to those of periodic FMPM."""
+    rows = rows_of(folder)
+    figure, axes = new_figure(6.4, 4.0)
+    for number, kind in enumerate(dict.fromkeys(map(_kind, rows))):
+        found = sorted((float(row.values["time.courant"]), row) for row in rows if _kind(row) == kind)
+        C = np.array([courant for courant, row in found if row.loss is not None])
+        lost = np.array([100 * row.loss for _, row in found if row.loss is not None])
+        is_periodic = "every_courant" in kind
+        order = kind.partition(" ")[0].removeprefix("fmpm:")
+        label = f"FMPM({order})" + (f", $C_X$ = {APART:g}" if is_periodic else "")
+        axes.plot(C, lost, "o" if is_periodic else "D-", color=f"C{number}", ms=5, label=label)
+        print(kind, *(f"{c:g}: {value:.4g}" for c, value in zip(C, lost, strict=True)))
+        if is_periodic:
+            kept = lost > 0.0
+            slope, limit = np.polyfit((1.0 - C[kept] / APART) ** 2, lost[kept], 1)
+            smooth = np.linspace(0.0, 0.4, 100)
+            axes.plot(smooth, limit + slope * (1.0 - smooth / APART) ** 2, "--", color=f"C{number}", lw=1)
+            print(f"  {limit:.4g} + {slope:.4g} (1 - C/C_X)^2, {limit + slope:.4g} with steps without end")
+    axes.set(xlabel="Courant number", ylabel="energy lost, %", ylim=(0.0, 30.0), xlim=(0.0, 0.42))
+    finish(figure, axes, IMAGES / "periodic_courant.png")
+    return "periodic_courant"
 
 
 def _draw_disks(
@@ -250,7 +277,9 @@ def _draw_disks(
 ) -> None:
     figure, axes = new_figure(6.4, 4.0)
     for number, title in enumerate(dict.fromkeys(series(row) for row in rows)):
-        found = [(float(row.values[key]), row) for row in rows if series(row) == title]
+        found = sorted(
+            ((float(row.values[key]), row) for row in rows if series(row) == title), key=lambda pair: pair[0]
+        )
         x = [value for value, row in found if row.loss is not None]
         y = [100 * row.loss for _, row in found if row.loss is not None]
         axes.plot(x, y, "osD^"[number] + "-", color=f"C{number}", ms=5, label=title)
@@ -277,6 +306,9 @@ WITH_GRADIENTS = ",".join(
     f"{{{kind}, velocity_gradient: true}}"
     for kind in ("kind: flip", "kind: fmpm, order: 2", "kind: fmpm, order: 4")
 )
+APART = 0.8
+"""Courant numbers between the FMPM steps of the study of periodic FMPM."""
+PERIODIC = ",".join(f"{{kind: fmpm, order: {k}, every_courant: {APART}}}" for k in (2, 4, 8, 16))
 STUDIES = {
     "trade": Study(
         "block_impact",
@@ -329,10 +361,31 @@ STUDIES = {
         ),
         draw_disks_courant,
     ),
+    "periodic": Study(
+        "spinning_disk",
+        (
+            *("--set", "bodies.disk.velocity=['-8*x', '8*y']", "--until", "0.16"),
+            *("--vary", f"method.transfer=fmpm:4,{PERIODIC}"),
+            *("--vary", "time.courant=0.4,0.2,0.1,0.05,0.025"),
+        ),
+        draw_periodic,
+    ),
+    "disks-fine": Study(
+        "two_disks",
+        (
+            "--vary",
+            "constants.cell=0.1",
+            "--vary",
+            "method.transfer=flip",
+            "--vary",
+            "method.update=usl,usl+",
+        ),
+        draw_disks_cells,
+    ),
     "disks-cells": Study(
         "two_disks",
         (
-            *("--vary", "constants.cell=1,0.6666666666666666,0.5,0.3333333333333333"),
+            *("--vary", "constants.cell=1,0.6666666666666666,0.5,0.3333333333333333,0.25,0.2"),
             *("--vary", "method.transfer=flip,fmpm:4", "--vary", "method.update=usl,usl+"),
         ),
         draw_disks_cells,
@@ -374,7 +427,7 @@ def run_study(name: str, folder: Path, repeats: int) -> None:
 
 
 def draw_study(name: str, folder: Path) -> None:
-    """Draw a study from the folder of its results."""
+    """Draw a study from the folder of its results, and of those that belong to it."""
     IMAGES.mkdir(parents=True, exist_ok=True)
     drawn = STUDIES[name].draws(folder)
     runpy.run_path(str(HERE / "make_gallery.py"))["shrink"](IMAGES / f"{drawn}.png")
