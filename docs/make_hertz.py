@@ -49,7 +49,7 @@ def press(per_axis: int) -> tuple[Array, Array]:
 
 
 def nodal_forces(simulation: Simulation) -> tuple[Array, Array]:
-    """The same in the last step; a node on the symmetry plane has the force of both halves, and half of it counts."""
+    """The same node by node in the last step."""
     contact: Any = simulation.contact
     contacts = contact.contacts
     snapshot = Snapshot(simulation.state)
@@ -59,7 +59,7 @@ def nodal_forces(simulation: Simulation) -> tuple[Array, Array]:
     x = simulation.grid.coordinates(nodes)[0]
     real = x > -0.5 * CELL
     x, area = x[real], contacts.geometry.area[: contacts.count][real]
-    force = np.abs(traction) * area * np.where(x < 0.5 * CELL, 0.5, 1.0)
+    force = np.abs(traction) * area
     return np.round(x / CELL) * CELL, force
 
 
