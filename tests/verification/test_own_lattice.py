@@ -47,6 +47,7 @@ def test_uniform_stress_leaves_no_force_inside(start, shape):
     assert run.mass.sum() == pytest.approx(60, rel=1e-13)
 
 
+@pytest.mark.slow
 def test_turned_block_flies_without_stress(start):
     """It crosses cells as a block along the grid does."""
     run = start(TILTED, "bodies.block.velocity=[20, 30]")
