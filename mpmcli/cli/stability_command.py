@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import cast
 
 import click
 
@@ -24,11 +25,11 @@ from mpmcli.cli.studies import begin_study
 )
 @click.option(
     "--criterion",
-    type=click.Choice(["bounded", "accurate"]),
+    type=click.Choice(["bounded", "accurate", "quiet"]),
     default="bounded",
     show_default=True,
     help="bounded: the run ends, and its energy stays below what was put in; accurate: and it loses hardly more "
-    "than at half the Courant number.",
+    "than at half the Courant number; quiet: bounded, and a small disturbance of the velocities does not grow.",
 )
 @click.option(
     "--tolerance",
@@ -46,6 +47,14 @@ from mpmcli.cli.studies import begin_study
     default=0.01,
     show_default=True,
     help="For accurate: share of the energy by which the loss may exceed that at half the Courant number.",
+)
+@click.option(
+    "--growth",
+    metavar="TIMES",
+    type=click.FloatRange(min=1),
+    default=10.0,
+    show_default=True,
+    help="For quiet: a disturbance may grow so many times, or so many times more than at half the Courant number.",
 )
 @click.option(
     "--resolution",
@@ -78,6 +87,7 @@ def command(
     criterion: str,
     energy: float,
     loss: float,
+    growth: float,
     resolution: float,
     between: tuple[float, float],
     until: str | None,
@@ -125,9 +135,10 @@ def command(
     processors = available_threads()
     jobs = min(jobs or processors, len(cases))
     settings = stability.Settings(
-        "accurate" if criterion == "accurate" else "bounded",
+        cast("stability.Criterion", criterion),
         energy,
         loss,
+        growth,
         resolution,
         low,
         high,

@@ -63,7 +63,7 @@ def explain(
     particle_speed = float(np.sqrt(np.square(particles.V).sum(axis=0).max()))
     fastest, cell = max(wave_speed, particle_speed), float(grid.cell.min())
     auto = ChosenCourant(scene, particles) if scene.time.courant == "auto" else None
-    courant = scene.time.courant if auto is None else auto.at(0, particles)
+    courant = scene.time.courant if auto is None else auto.at(0, particles, wave_speed, particle_speed)
     dt = scene.time.step if courant is None else courant * cell / fastest
     courant = dt * fastest / cell
     limit, known = None, ""
@@ -72,7 +72,7 @@ def explain(
         limit, known = found.courant, found.because
     except NoKnownLimit as reason:
         known = str(reason)
-    if auto is not None and auto.courant > auto.otherwise:
+    if auto is not None and auto.follows_faces:
         limit, known = auto.courant / SAFETY, "of what the bodies do at first"
     steps = int(np.ceil(scene.time.end / dt))
     kept = {f.name: getattr(arrays, f.name) for f in fields(StepArrays)}

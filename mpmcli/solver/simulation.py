@@ -155,7 +155,9 @@ class Simulation:
         if self.state.step % GOOD_EVERY == 0:
             self.keep_good_state()
         try:
-            self.time_step.courant = self.courant_choice.at(self.state.step, self.particles)
+            self.time_step.courant = self.courant_choice.at(
+                self.state.step, self.particles, self.wave_speed, self.particle_speed
+            )
             self._dt = self.time_step.choose(self.wave_speed, self.particle_speed, self.describe_extreme)
             self.plan = self.period.plan_of_step(self)
             self.reached_order = self.plan.order

@@ -1,41 +1,53 @@
 """The Courant number that ``courant: auto`` takes from step to step: the limit of what the bodies do just then.
 
-in place
-    No particle is farther than ``REACH`` from where it started, along axes along which its body has a free face, and
-    all particles together fill a box: its faces stay near the places within their cells where they started. Not with
-    contact: a block pressed on a rigid table was unstable at 0.51, where one on its own is not.
+by their faces
+    If all deformable particles fill a box at the start, move in one velocity field and start slowly along axes with a
+    free face, the faces of that box are followed: the step is that of a block that rests with its faces where they lie
+    now. It is so as long as the particles of each face lie within ``2 REACH`` along its normal. Rigid bodies must hold
+    a face along an axis without free faces: no face that is followed is one that they touch.
 else
     The limit of the scene (``scene_limit``), as for bodies that pass all places slowly. So it is at all times where a
-    body starts fast.
+    body starts fast, is no box, or touches another deformable one.
+
+Limits are those of waves. Where particles are faster than waves, the Courant number, which is that of the faster of
+both, is greater by the ratio of the speeds, 1 at most.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import itertools
+import math
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
-from mpmcli.stability.growth import NEAR, limit_at_rest
-from mpmcli.stability.held import held_axes
-from mpmcli.stability.linear_step import Scheme
+from mpmcli.core.analysis import F_COMPONENTS
+from mpmcli.shapes import SHAPES
+from mpmcli.stability.growth import NEAR, limit_at_rest, worst_limit
+from mpmcli.stability.held import held_axes, rigid_bodies_hold_no_free_axis
 from mpmcli.stability.scene_limit import (
     LARGEST_COURANT,
     SAFETY,
-    Block,
     blocks_of,
     chosen_courant,
+    deformable,
     is_fast_at_first,
     one_thread,
+    particles_over_waves,
     scheme_of,
 )
 
 Array = np.ndarray
 
 REACH = 0.2
-"""Cells that particles of bodies "in place" may be away from where they started."""
+"""Half of the cells over which the particles of a face may be spread along its normal."""
+MARGIN = 0.02
+"""Cells to both sides of the places of a face that count too, besides what it moves until it is looked at again."""
 EVERY = 20
 """Steps between looks at the particles."""
+PLACES_PER_CELL = 48
+"""Places of faces are rounded to so many."""
 ROUND_OFF = 1e-6
 
 
@@ -45,8 +57,10 @@ class GivenCourant:
     def __init__(self, courant: float | None):
         self.courant = courant
 
-    def at(self, step: int, particles: Any) -> float | None:
-        """That of the step that begins."""
+    def at(
+        self, step: int, particles: Any, wave_speed: float = 0.0, particle_speed: float = 0.0
+    ) -> float | None:
+        """That of the step that begins, with the largest speeds [velocity] of waves and particles."""
         return self.courant
 
 
@@ -60,8 +74,9 @@ class ChosenCourant(GivenCourant):
 
     Attributes
     ----------
-    otherwise, in_place : Courant numbers; the second None where that does not occur
-    courant : the current one
+    otherwise : where faces are not followed
+    follows_faces : whether they are followed
+    courant : the current one, of waves
 
     Raises
     ------
@@ -72,29 +87,40 @@ class ChosenCourant(GivenCourant):
     courant: float
 
     def __init__(self, scene: Any, particles: Any):
-        self.otherwise = chosen_courant(scene) or LARGEST_COURANT
+        chosen = chosen_courant(scene) or LARGEST_COURANT
+        self.otherwise = min(chosen / particles_over_waves(scene), LARGEST_COURANT)
         super().__init__(self.otherwise)
-        self.in_place: float | None = None
-        places = None if is_fast_at_first(scene) else _places_of_box(scene, particles)
-        if places is None:
+        self._free = np.any([~held_axes(scene, body) for body, _ in deformable(scene)], axis=0)
+        self._blocks, self._scheme = list(blocks_of(scene)), scheme_of(scene)
+        self.follows_faces = (
+            not is_fast_at_first(scene)
+            and _is_one_box(scene, particles)
+            and all(rigid_bodies_hold_no_free_axis(scene, body) for body, _ in deformable(scene))
+        )
+        if not self.follows_faces:
             return
-        blocks, scheme = list(blocks_of(scene)), scheme_of(scene)
-        with one_thread():
-            limits = [min(_at_rest(b, scheme, _near(places, b.axes))) * b.scale for b in blocks]
-        courant = min(SAFETY * min(limits), LARGEST_COURANT)
-        if courant <= self.otherwise:
-            return
-        self.in_place = courant
-        free = np.array([~held_axes(scene, body) for body in scene.bodies]).T
-        self._free = free / np.asarray(scene.grid.cell, dtype=float)[:, None]
-        self._start = np.empty((len(particles.X), int(particles.id.max()) + 1))
-        self._start[:, particles.id] = particles.X
+        self._lower = np.asarray(scene.grid.lower, dtype=float)
+        self._cell = np.asarray(scene.grid.cell, dtype=float)
+        self._stretches = SHAPES[scene.method.shape].follows_deformation
+        self._layers = np.zeros((2, len(self._cell), int(particles.id.max()) + 1), dtype=bool)
+        low, high = particles.X - particles.size, particles.X + particles.size
+        soft = _is_soft(scene, particles)
+        near = ROUND_OFF * self._cell
+        self._held: list[list[tuple[float, ...]]] = []
+        for a, cell in enumerate(self._cell):
+            ends = low[a, soft].min(), high[a, soft].max()
+            self._layers[0, a, particles.id] = soft & (low[a] <= ends[0] + near[a])
+            self._layers[1, a, particles.id] = soft & (high[a] >= ends[1] - near[a])
+            within = [float(end - self._lower[a]) / cell for end in ends]
+            self._held.append([_places(place - REACH, place + REACH) for place in within])
+        self._look(particles, math.inf)
 
-    def at(self, step: int, particles: Any) -> float:
+    def at(self, step: int, particles: Any, wave_speed: float = 0.0, particle_speed: float = 0.0) -> float:
         """That of the step that begins, by what the particles do; they are looked at every ``EVERY`` steps."""
-        if step % EVERY == 0 and self.in_place is not None:
-            self.courant = self.in_place if self._farthest(particles) <= REACH else self.otherwise
-        return self.courant
+        if step % EVERY == 0 and self.follows_faces:
+            self._look(particles, wave_speed)
+        faster = particle_speed / wave_speed if wave_speed > 0.0 else 1.0
+        return min(self.courant * max(1.0, faster), LARGEST_COURANT)
 
     def memory(self) -> dict[str, float]:
         """What it remembers from step to step."""
@@ -105,40 +131,82 @@ class ChosenCourant(GivenCourant):
         self.courant = float(memory["courant"])
 
     def in_words(self) -> str:
-        """When it takes which number, after a semicolon; empty if it is always the same."""
-        if self.in_place is None:
+        """What it goes by later, after a semicolon; empty if it is always the same."""
+        if not self.follows_faces:
             return ""
-        place = f"{self.in_place:.3g} while no free face is more than {REACH:g} cells from its start"
-        return f"; {place}, else {self.otherwise:.3g}"
+        return f"; as the faces lie within their cells, {self.otherwise:.3g} when they are no longer flat"
 
-    def _farthest(self, p: Any) -> float:
-        """Cells that the particle is from its start that is farthest, along free axes."""
-        away = np.abs(p.X - self._start[:, p.id])
-        away *= self._free[:, p.body]
-        return float(away.max())
+    def _look(self, p: Any, wave_speed: float) -> None:
+        """Choose the Courant number by where the faces are."""
+        sides = self._sides(p, wave_speed)
+        if sides is None:
+            self.courant = self.otherwise
+            return
+        with one_thread():
+            limit = min(self._limits(sides))
+        self.courant = min(SAFETY * limit, LARGEST_COURANT)
+
+    def _limits(self, sides: list[list[tuple[float, ...]]]) -> Iterator[float]:
+        """Limits of all blocks with faces at these places of both sides along each axis."""
+        for block in self._blocks:
+            if block.lattice.is_endless:
+                yield block.scale * worst_limit(block.lattice, self._scheme)
+                continue
+            for axes in block.axes:
+                of_axes = [sorted({*sides[a][0], *sides[a][1]}) for a in axes]
+                for places in itertools.product(*of_axes):
+                    yield block.scale * limit_at_rest(block.lattice, self._scheme, places)
+
+    def _sides(self, p: Any, wave_speed: float) -> list[list[tuple[float, ...]]] | None:
+        """Places within their cells of the lower and the upper face, along each axis; None if one is not flat."""
+        found: list[list[tuple[float, ...]]] = []
+        for a, cell in enumerate(self._cell):
+            of_axis: list[tuple[float, ...]] = []
+            if not self._free[a]:  # of a body that is held along all axes: where its faces lie at the start
+                found.append(self._held[a])
+                continue
+            for side, sign in enumerate((-1.0, 1.0)):
+                face = self._layers[side, a, p.id]
+                if not face.any():
+                    return None  # it has left the grid
+                half = p.size[a, face]
+                if self._stretches:
+                    half = half * p.F[F_COMPONENTS[len(self._cell)].index("xyz"[a] * 2), face]
+                at = (p.X[a, face] + sign * half - self._lower[a]) / cell
+                moved = EVERY * self.courant * self._cell.min() * float(np.abs(p.V[a, face]).max()) / cell
+                margin = MARGIN + moved / wave_speed
+                low, high = float(at.min()), float(at.max())
+                if not high - low + 2.0 * margin <= 2.0 * (REACH + MARGIN):
+                    return None
+                of_axis.append(_places(low - margin, high + margin))
+            found.append(of_axis)
+        return found
 
 
-def _at_rest(block: Block, scheme: Scheme, faces: Iterable[tuple[float, ...]]) -> list[float]:
-    """Limits (over the block's scale) at rest with faces at these places."""
-    return [limit_at_rest(block.lattice, scheme, places) for places in faces]
+def _places(low: float, high: float) -> tuple[float, ...]:
+    """Where within a cell, 0 to ½ and mirrored, limits may be least between two places: ends, grid lines, middles."""
+    inside = range(math.ceil(2.0 * low), math.floor(2.0 * high) + 1)
+    found = set()
+    for place in (low, high, *(0.5 * half for half in inside)):
+        within = round(place * PLACES_PER_CELL) / PLACES_PER_CELL % 1.0
+        found.add(max(min(within, 1.0 - within), NEAR))
+    return tuple(sorted(found))
 
 
-def _near(sides: Array, axes: tuple[tuple[int, ...], ...]) -> Iterator[tuple[float, ...]]:
-    """Places of faces, along the axes of a block, where they start (``sides``, (2, d)) and ``REACH`` to both sides."""
-    shifted = np.mod(sides[:, None] + np.array([-REACH, 0.0, REACH])[:, None], 1.0).reshape(
-        -1, sides.shape[1]
-    )
-    places = np.maximum(np.minimum(shifted, 1.0 - shifted).round(9), NEAR)
-    return iter({tuple(float(side[a]) for a in pair) for side in places for pair in axes})
-
-
-def _places_of_box(scene: Any, p: Any) -> Array | None:
-    """Places (2, d) within their cells of the lower and upper faces of the box that the particles fill, if they do."""
-    if (p.velocity_field != p.velocity_field[0]).any():
-        return None
-    low, high = (p.X - p.size).min(axis=1), (p.X + p.size).max(axis=1)
-    volume = np.prod(high - low)
-    if abs(np.prod(2.0 * p.size, axis=0).sum() - volume) > ROUND_OFF * volume:
-        return None
-    found: Array = np.mod((np.array([low, high]) - scene.grid.lower) / scene.grid.cell, 1.0)
+def _is_soft(scene: Any, p: Any) -> Array:
+    """Which particles are of deformable materials."""
+    rigid = np.array([model.kind == "rigid" for model in scene.materials.values()])
+    found: Array = ~rigid[p.material]
     return found
+
+
+def _is_one_box(scene: Any, p: Any) -> bool:
+    """Whether the deformable particles move in one velocity field and fill a box."""
+    soft = _is_soft(scene, p)
+    fields = p.velocity_field[soft]
+    if not soft.any() or (fields != fields[0]).any():
+        return False
+    X, size = p.X[:, soft], p.size[:, soft]
+    low, high = (X - size).min(axis=1), (X + size).max(axis=1)
+    volume = np.prod(high - low)
+    return bool(abs(np.prod(2.0 * size, axis=0).sum() - volume) <= ROUND_OFF * volume)

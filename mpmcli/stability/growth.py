@@ -2,12 +2,16 @@
 
 One step of the block's linearised update is a matrix 𝐁(δ, C) that depends on the offset δ of the block within a cell.
 The surface is part of it because it rules: between free nodes of little mass and particles that hardly reach them,
-FMPM(k) loses its stability long before it does so in an endless bar. Four limits come of it:
+FMPM(k) loses its stability long before it does so in an endless bar. Five limits come of it:
 
 moving
     The block travels through a cell, at a fortieth of the wave speed. Unstable if the largest eigenvalue of the
     product of all 𝐁 on the way, per step, is above ``exp(GROWTH)``. This is what bodies that move show; between 1/150
     and 1/10 of the wave speed it depends little on the speed (most with ugimp and bspline2: slower is less stable).
+swinging
+    The block moves as the free end of a body that swings. Unstable if a disturbance grows by more than
+    ``exp(TOTAL_GROWTH)`` in all the steps of a run: just above a limit the growth is slow, and a short run hardly shows
+    it.
 slow
     The block is unstable at rest at no more than one of ``SLOW_PLACES`` places within a cell. What bodies show that
     move slowly, or bend: they pass the worst place, but their particles do not stay there.
@@ -27,6 +31,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -38,6 +43,11 @@ STEPS_PER_CELL = 40.0
 """Steps at C = 1 in which the moving block crosses a cell."""
 GROWTH = 1e-3
 """Growth per step (of the logarithm of the amplitude) above which an update counts as unstable."""
+TOTAL_GROWTH = 8.0
+"""Growth in a whole run above which a swinging block counts as unstable: from a ten-thousandth of the velocities, which
+a smooth start may have in modes of the grid, to tenths, which the energy shows."""
+SWING_PLACES = 200
+"""Places per cell at which a swinging block is looked at."""
 PLACES = {1: 20, 2: 10}
 """Places within half a cell (the other half mirrors it) that the worst one is looked for among, by number of axes."""
 NEAR = 0.01
@@ -66,6 +76,32 @@ def moving_limit(lattice: Lattice, scheme: Scheme, enough: float = math.inf) -> 
     return _largest_stable(is_stable, start, enough)
 
 
+@dataclass(frozen=True)
+class Swing:
+    """How the free end of a body swings for a while; in cells, and times in which a wave crosses a cell.
+
+    Attributes
+    ----------
+    amplitude : to both sides of where it starts [cells]
+    period, duration : of one swing, and of the run
+    """
+
+    amplitude: float
+    period: float
+    duration: float
+
+
+@functools.lru_cache(maxsize=256)
+def swinging_limit(lattice: Lattice, scheme: Scheme, swing: Swing) -> float:
+    """Largest stable Courant number of a block that swings along all axes."""
+
+    def is_stable(courant: float) -> bool:
+        steps = swing.duration / courant
+        return steps * _growth_swinging(lattice, scheme, courant, swing) <= TOTAL_GROWTH
+
+    return _largest_stable(is_stable, lambda: moving_limit(lattice, scheme), math.inf)
+
+
 @functools.lru_cache(maxsize=256)
 def slow_limit(lattice: Lattice, scheme: Scheme, enough: float = math.inf) -> float:
     """Largest Courant number at which the block is unstable at rest at one of ``SLOW_PLACES`` at most."""
@@ -81,7 +117,7 @@ def worst_limit(lattice: Lattice, scheme: Scheme, enough: float = math.inf) -> f
     return _stable_but_at(0, places, lattice, scheme, enough)
 
 
-@functools.lru_cache(maxsize=256)
+@functools.lru_cache(maxsize=1024)
 def limit_at_rest(
     lattice: Lattice, scheme: Scheme, offsets: tuple[float, ...], enough: float = math.inf
 ) -> float:
@@ -124,6 +160,25 @@ def _growth_moving(lattice: Lattice, scheme: Scheme, courant: float) -> float:
     with np.errstate(over="ignore", invalid="ignore"):
         for number in range(steps):
             offset = (number + 0.5) / steps
+            at = stencils(lattice, (offset,) * lattice.dimensions)
+            step.advance(state, at, is_flip=(number + 1) % period != 0)
+            if not np.abs(state.V).max() < OVERFLOW:
+                return np.inf
+    return _log_of_radius(state) / steps
+
+
+def _growth_swinging(lattice: Lattice, scheme: Scheme, courant: float, swing: Swing) -> float:
+    """Logarithm of the amplification per step of a block that swings: of half a period, the other half mirrors it."""
+    steps = max(6, round(0.5 * swing.period / courant))
+    period = steps_apart(scheme, courant)
+    if period > 1:
+        steps = period * max(1, round(steps / period))
+    step = LinearStep(lattice, scheme, courant)
+    state = step.identity()
+    with np.errstate(over="ignore", invalid="ignore"):
+        for number in range(steps):
+            place = swing.amplitude * math.sin(math.pi * (number + 0.5) / steps)
+            offset = round(place * SWING_PLACES) % SWING_PLACES / SWING_PLACES
             at = stencils(lattice, (offset,) * lattice.dimensions)
             step.advance(state, at, is_flip=(number + 1) % period != 0)
             if not np.abs(state.V).max() < OVERFLOW:

@@ -15,7 +15,12 @@ NEAR = 0.5
 
 
 def held_axes(scene: Any, body: Any) -> Array:
-    """Axes (d,) along which both faces of the body's box are held at the start.
+    """Axes (d,) along which both faces of the body's box are held at the start."""
+    return np.asarray(held_faces(scene, body).all(axis=0))
+
+
+def held_faces(scene: Any, body: Any) -> Array:
+    """Lower and upper faces (2, d) of the body's box that are held at the start.
 
     Symmetry planes, walls and velocity conditions on planes hold the face they lie at, velocity conditions on a box
     around the body both faces, rigid bodies those that they cover.
@@ -36,7 +41,16 @@ def held_axes(scene: Any, body: Any) -> Array:
     for other in scene.bodies:
         if scene.materials[other.material].kind == "rigid":
             held[_covered(bounds, _bounds(scene, other), near)] = True
-    return np.asarray(held.all(axis=0))
+    return held
+
+
+def rigid_bodies_hold_no_free_axis(scene: Any, body: Any) -> bool:
+    """Whether each rigid body covers a face of the body at the start, along an axis along which both faces are held."""
+    bounds, held = _bounds(scene, body), held_axes(scene, body)
+    near = NEAR * np.asarray(scene.grid.cell, dtype=float)
+    rigid = [other for other in scene.bodies if scene.materials[other.material].kind == "rigid"]
+    covered = [_covered(bounds, _bounds(scene, other), near).any(axis=0) for other in rigid]
+    return all(axes.any() and not (axes & ~held).any() for axes in covered)
 
 
 def _bounds(scene: Any, body: Any) -> Array:

@@ -24,6 +24,7 @@ class Lattice:
     particles : particles per cell and axis
     cell : length of a cell along each axis, over the smallest one
     lame, shear : λ and μ, over the wave modulus ρc²
+    is_endless : no block, but a row or a layer of particles without surface, repeated after ``edge`` cells
     """
 
     grid_functions: str
@@ -32,6 +33,7 @@ class Lattice:
     cell: tuple[float, ...] = (1.0,)
     lame: float = 1.0
     shear: float = 0.0
+    is_endless: bool = False
 
     @property
     def dimensions(self) -> int:
@@ -51,7 +53,7 @@ class Lattice:
         return (self.edge * self.particles) ** self.dimensions
 
 
-@dataclass
+@dataclass(eq=False)
 class Stencils:
     """Of N particles and n nodes: S (N, n), G (d, N, n), S·(x_i − X_p) (d, N, n), Σ_p S (n, 1)."""
 
@@ -68,6 +70,11 @@ def stencils(lattice: Lattice, offsets: tuple[float, ...]) -> Stencils:
         axis_stencils(lattice.grid_functions, lattice.domain, lattice.particles, lattice.edge, offset)
         for offset in offsets
     ]
+    if lattice.is_endless:
+        along = [
+            (_repeated(S, lattice.edge), _repeated(G, lattice.edge), _repeated(R, lattice.edge))
+            for S, G, R in along
+        ]
 
     def product(*factors: Array) -> Array:
         return functools.reduce(_kron, factors)
@@ -112,6 +119,11 @@ def axis_stencils(
         if domain == "corners_and_middles":
             S = S / 3.0 + 2.0 / 3.0 * value(x)
     return S, G, -S * x
+
+
+def _repeated(A: Array, period: int) -> Array:
+    """Nodes that are a multiple of ``period`` apart made one, (N, period)."""
+    return np.stack([A[:, node::period].sum(axis=1) for node in range(period)], axis=1)
 
 
 def _hat(r: Array) -> Array:

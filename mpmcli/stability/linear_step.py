@@ -5,6 +5,7 @@ What comes from the motion of a particle within a step is left out.
 
 from __future__ import annotations
 
+import functools
 import itertools
 from dataclasses import dataclass
 
@@ -93,7 +94,7 @@ class LinearStep:
     def advance(self, state: State, at: Stencils, is_flip: bool = False) -> None:
         """One step of all states in place; ``is_flip`` for those between the steps of a periodic transfer."""
         method, strain, dt = self.flip if is_flip else self.method, self.strain, self.dt
-        series = self._series(at) if method.full_mass or method.projects else None
+        series = series_of(at, self.scheme) if method.full_mass or method.projects else None
 
         def full(v: Array) -> Array:
             """v⁺(k) of the lumped v."""
@@ -131,19 +132,6 @@ class LinearStep:
         """∂v_a/∂x_b as (d, d, N, B)."""
         return np.stack([at.G[b] @ v for b in range(len(v))], axis=1)
 
-    def _series(self, at: Stencils) -> Array:
-        """I + 𝐀 + 𝐀² + … to the order of the transfer, blended, with 𝐀 = I − S⁺S of the nodes, (n, n)."""
-        passed = at.S.T @ at.S
-        if self.scheme.velocity_gradient:
-            passed = passed + sum(R.T @ G for R, G in zip(at.reach, at.G, strict=True))
-        identity = np.eye(len(at.mass))
-        passed = identity - passed / at.mass
-        total = increment = identity
-        for order in range(2, self.scheme.order + 1):
-            increment = self.scheme.factor(order) * (passed @ increment)
-            total = total + increment
-        return total
-
     def _acceleration(self, at: Stencils, stress: Array) -> Array:
         f = np.zeros((self.lattice.dimensions, at.S.shape[1], stress.shape[-1]))
         for (a, b), component in zip(self.pairs, stress, strict=True):
@@ -171,3 +159,18 @@ class LinearStep:
             state.stress[row] += dt * shear * (L[a, b] + L[b, a])
             if a == b:
                 state.stress[row] += dt * lame * trace
+
+
+@functools.lru_cache(maxsize=512)
+def series_of(at: Stencils, scheme: Scheme) -> Array:
+    """I + 𝐀 + 𝐀² + … to the order of the transfer, blended, with 𝐀 = I − S⁺S of the nodes, (n, n)."""
+    passed = at.S.T @ at.S
+    if scheme.velocity_gradient:
+        passed = passed + sum(R.T @ G for R, G in zip(at.reach, at.G, strict=True))
+    identity = np.eye(len(at.mass))
+    passed = identity - passed / at.mass
+    total = increment = identity
+    for order in range(2, scheme.order + 1):
+        increment = scheme.factor(order) * (passed @ increment)
+        total = total + increment
+    return total

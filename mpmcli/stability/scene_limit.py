@@ -3,9 +3,9 @@
 Where a body starts at ``FAST`` of the wave speed or more, and with CPDI, bodies have the limit of a moving block, else
 that of one that moves slowly (``growth``), or with ugimp that at the worst place. In no case is the limit above that of
 a block that rests where the scene puts the faces of the body within their cells, along the axes along which it does not
-start to move. Axes along which both faces are held (``held``) are no axes of the block. ``choice`` follows what the
-bodies do then. These rules, and ``SAFETY``, were chosen by limits measured with ``mpmcli stability``; docs/studies.md
-has them.
+start to move. Axes along which both faces are held (``held``) are no axes of the block: along them the body is an
+endless row. ``choice`` follows what the bodies do then. These rules, and ``SAFETY``, were chosen by limits measured
+with ``mpmcli stability``; docs/studies.md has them.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,8 +23,16 @@ from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.expressions import Expression
 from mpmcli.geometry.lattice import is_by_right_angles
 from mpmcli.shapes import SHAPES
-from mpmcli.stability.growth import NEAR, limit_at_rest, moving_limit, slow_limit, worst_limit
-from mpmcli.stability.held import held_axes
+from mpmcli.stability.growth import (
+    NEAR,
+    Swing,
+    limit_at_rest,
+    moving_limit,
+    slow_limit,
+    swinging_limit,
+    worst_limit,
+)
+from mpmcli.stability.held import held_axes, held_faces
 from mpmcli.stability.lattice import DOMAINS, GRID_FUNCTIONS, Lattice
 from mpmcli.stability.linear_step import Scheme
 
@@ -71,7 +79,10 @@ class KnownLimit:
 
 @dataclass(frozen=True)
 class Prediction:
-    """Largest stable Courant numbers of a moving block, and of one that rests at the worst place."""
+    """Largest stable Courant numbers of a moving block, and of one that rests at the worst place.
+
+    The first is that of a swinging block where a body on one axis starts to move and is held at one end.
+    """
 
     moving: float
     worst: float
@@ -88,7 +99,8 @@ class Block:
     scale : Courant number of the scene over that of the block: wave speed of the fastest body over this one's, and
         ``SPACE`` for three axes
     axes : one axis of the scene, or pairs of them, that the axes of the block stand for
-    faces : places of the lower and of the upper faces of the body within their cells, along ``axes``
+    faces : places of the lower and of the upper faces of the body within their cells, along ``axes``; none if endless
+    swing : how its free end swings, if that is known
     """
 
     lattice: Lattice
@@ -96,6 +108,7 @@ class Block:
     scale: float
     axes: tuple[tuple[int, ...], ...]
     faces: tuple[tuple[float, ...], ...]
+    swing: Swing | None = None
 
 
 def chosen_courant(scene: Any) -> float | None:
@@ -125,11 +138,21 @@ def known_limit(scene: Any, enough: float = math.inf) -> KnownLimit:
     """
     scheme = scheme_of(scene)
     is_fast = SHAPES[scene.method.shape].follows_deformation and is_fast_at_first(scene)
+    faster = particles_over_waves(scene)
     with one_thread():
-        found = [_limit_of(block, scheme, is_fast, enough) for block in blocks_of(scene)]
+        found = [_limit_of(block, scheme, is_fast, enough / faster) for block in blocks_of(scene)]
     if not found:
         raise NoKnownLimit("all bodies are rigid")
-    return min(found, key=lambda limit: limit.courant)
+    least = min(found, key=lambda limit: limit.courant)
+    return replace(least, courant=faster * least.courant)
+
+
+def particles_over_waves(scene: Any) -> float:
+    """Largest speed at the start over that of waves, 1 at least: Courant numbers are those of the faster of both."""
+    kind = scene.analysis.kind
+    wave = max((model.initial_wave_speed(kind) for _, model in deformable(scene)), default=0.0)
+    share = _largest_speed(scene) / wave if wave > 0.0 else 1.0
+    return share if 1.0 < share < math.inf else 1.0
 
 
 def one_thread() -> Any:
@@ -147,9 +170,15 @@ def predict(scene: Any) -> Prediction | None:
         return None
     with one_thread():
         return Prediction(
-            min(block.scale * moving_limit(block.lattice, scheme) for block in blocks),
+            min(block.scale * _moving(block, scheme) for block in blocks),
             min(block.scale * worst_limit(block.lattice, scheme) for block in blocks),
         )
+
+
+def _moving(block: Block, scheme: Scheme) -> float:
+    if block.swing is None:
+        return moving_limit(block.lattice, scheme)
+    return swinging_limit(block.lattice, scheme, block.swing)
 
 
 def warning_of(scene: Any) -> Problem | None:
@@ -201,7 +230,7 @@ def blocks_of(scene: Any) -> Iterator[Block]:
 
     Materials that are not elastic at rest count as fluids of their wave speed, axisymmetric analyses as plane. A block
     has the axes along which its body is not held (the first one if it is held along all), in space the two of them with
-    the smallest edges of a cell.
+    the smallest edges of a cell. For each axis along which it is held there is an endless row.
 
     Raises
     ------
@@ -232,11 +261,24 @@ def blocks_of(scene: Any) -> Iterator[Block]:
             lattice = Lattice(
                 shape.grid_functions, shape.domain, particles, relative, 1.0 - 2.0 * shear, shear
             )
-            yield Block(lattice, body.name, space * fastest / speed, pairs, faces)
+            swing = _swing(scene, body, int(axes[0])) if len(axes) == 1 else None
+            yield Block(lattice, body.name, space * fastest / speed, pairs, faces, swing)
+        for a in np.setdiff1d(np.arange(len(cell)), free):
+            row = Lattice(
+                shape.grid_functions,
+                shape.domain,
+                int(parts[a]),
+                (float(cell[a] / cell.min()),),
+                is_endless=True,
+            )
+            yield Block(row, body.name, fastest / speed, ((int(a),),), ())
 
 
 def _limit_of(block: Block, scheme: Scheme, is_fast: bool, enough: float) -> KnownLimit:
     enough /= block.scale
+    if block.lattice.is_endless:
+        inside = worst_limit(block.lattice, scheme, enough)
+        return KnownLimit(block.scale * inside, block.body, f"body '{block.body}', between held faces")
     if is_fast:
         share = PERIODIC if scheme.every_courant or scheme.every_steps else 1.0
         limit, because = (
@@ -295,11 +337,30 @@ def _faces(scene: Any, body: Any, parts: Array) -> tuple[Array, Array]:
     return sides[0], sides[1]
 
 
+def _swing(scene: Any, body: Any, axis: int) -> Swing | None:
+    """How the free end of a body swings that is held at the other: as fast as it starts, at the frequency πc/(2L)."""
+    speed = float(_start_speeds(scene, body)[axis])
+    held = held_faces(scene, body)[:, axis]
+    low, high = body.region.bounds(len(scene.grid.cell))
+    length = float(high[axis]) - float(low[axis])
+    wave = scene.materials[body.material].initial_wave_speed(scene.analysis.kind)
+    cell = float(min(scene.grid.cell))
+    if held.sum() != 1 or not 0.0 < speed < wave or not 0.0 < length < math.inf:
+        return None
+    end = float(scene.time.end)
+    return Swing(2.0 * length * speed / (math.pi * wave * cell), 4.0 * length / cell, end * wave / cell)
+
+
 def is_fast_at_first(scene: Any) -> bool:
-    """Whether some body starts at ``FAST`` of the largest wave speed or more."""
+    """Whether some body starts at ``FAST`` of the largest wave speed or more, along axes with a free face."""
     kind = scene.analysis.kind
+    soft = [body for body, _ in deformable(scene)]
     wave = max((model.initial_wave_speed(kind) for _, model in deformable(scene)), default=math.inf)
-    return _largest_speed(scene) >= FAST * wave
+    speeds = [
+        math.hypot(*np.where(held_axes(scene, body) & (body in soft), 0.0, _start_speeds(scene, body)))
+        for body in scene.bodies
+    ]
+    return max(speeds) >= FAST * wave
 
 
 def _largest_speed(scene: Any) -> float:

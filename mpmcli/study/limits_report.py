@@ -48,7 +48,12 @@ def rows_of(cases: Sequence[Case], settings: Settings) -> list[dict[str, Any]]:
             "remark": case.remark,
         }
         | (
-            {"auto": case.auto, "auto_is_stable": case.auto_is_stable, "waste": case.waste}
+            {
+                "auto": case.auto,
+                "auto_is_stable": case.auto_is_stable,
+                "auto_growth": case.auto_growth,
+                "waste": case.waste,
+            }
             if settings.tries_auto
             else {}
         )

@@ -1,4 +1,4 @@
-"""Stability limits: the largest Courant number at which a scene stays bounded, or accurate, found by bisection.
+"""Stability limits: the largest Courant number at which a scene stays bounded, accurate or quiet, found by bisection.
 
 Courant numbers are whole multiples of the resolution. A search begins at the predicted limit, goes away from it in
 doubling strides until it has one stable and one unstable number, and halves what is between. It takes for granted that
@@ -24,7 +24,7 @@ from mpmcli.study.processes import TIMED_OUT, Stopped
 from mpmcli.study.transfers import label_of, transfer_value
 from mpmcli.study.trial import FINISHED, load_job
 
-Criterion = Literal["bounded", "accurate"]
+Criterion = Literal["bounded", "accurate", "quiet"]
 TRIALS = "trials.jsonl"
 DEFAULT_TRANSFERS = ("flip", "fmpm:1", "fmpm:2", "fmpm:4", "fmpm:8", "fmpm:16", "fmpm:40")
 DEFAULT_START = 0.5
@@ -44,9 +44,10 @@ class Settings:
 
     Attributes
     ----------
-    criterion : ``bounded`` or ``accurate``
+    criterion : ``bounded``, ``accurate`` or ``quiet``
     energy : kinetic and strain energy may exceed what was put in by this share of it
     loss : of ``accurate``: the energy lost may exceed that lost at half the Courant number by this share
+    growth : of ``quiet``: a disturbance may grow so many times, or so many times more than at half the Courant number
     resolution : step of the Courant numbers
     lowest, highest : Courant numbers between which limits are looked for
     until : end of the runs, or None for the scene's
@@ -57,6 +58,7 @@ class Settings:
     criterion: Criterion = "bounded"
     energy: float = 0.05
     loss: float = 0.01
+    growth: float = 10.0
     resolution: float = 0.005
     lowest: float = 0.02
     highest: float = 2.0
@@ -93,6 +95,7 @@ class Case:
     loss, excess : energy lost, and most energy too much, at the limit, as shares of what was put in
     auto : mean Courant number of the steps of a run with ``courant: auto``; None if not asked
     auto_is_stable : whether that run was bounded
+    auto_growth : of the disturbance in that run; None if there was none
     trials : all that were looked at, by Courant number
     remark : how the run at ``unstable_at`` ended, or why there is no limit
     is_decided : the search came to its end
@@ -111,6 +114,7 @@ class Case:
     excess: float | None = None
     auto: float | None = None
     auto_is_stable: bool | None = None
+    auto_growth: float | None = None
     trials: dict[float, dict[str, Any]] = field(default_factory=dict)
     remark: str = ""
     is_decided: bool = False
@@ -244,8 +248,17 @@ class _Search:
             return False
         if self.settings.criterion == "bounded":
             return True
-        half = self._trial(float(f"{0.5 * courant:.9g}"))
+        if self.settings.criterion == "quiet":
+            return self._is_quiet(courant, trial)
+        half = self._trial(_half(courant))
         return bool(half["bounded"]) and trial["loss"] <= half["loss"] + self.settings.loss
+
+    def _is_quiet(self, courant: float, trial: dict[str, Any]) -> bool:
+        growth, most = trial["growth"], self.settings.growth
+        if growth is None or growth <= most:
+            return growth is not None
+        half = self._trial(_half(courant))
+        return bool(half["bounded"]) and half["growth"] is not None and growth <= most * half["growth"]
 
     def _trial(self, courant: float) -> dict[str, Any]:
         trial = self.case.trials[courant] = self._run(courant, f"{courant:.9g}")
@@ -254,10 +267,13 @@ class _Search:
     def _try_auto(self) -> None:
         trial = self._run(AUTO, AUTO)
         self.case.auto, self.case.auto_is_stable = trial.get("mean_courant"), trial["bounded"]
+        self.case.auto_growth = trial["growth"]
 
     def _run(self, courant: float | str, name: str) -> dict[str, Any]:
         case, settings = self.case, self.settings
+        is_disturbed = settings.criterion == "quiet"
         key = f"{mpmcli.__version__} {case.scene_hash} {name} {case.end:.17g} {settings.energy:.9g}"
+        key += " disturbed" * is_disturbed
         trial = self.journal.get(key)
         if trial is None:
             job = case.source.job() | {
@@ -266,13 +282,14 @@ class _Search:
                 "until": settings.until,
                 "threads": settings.threads,
                 "bound": settings.energy,
+                "is_disturbed": is_disturbed,
             }
             trial = self.runner.run(job)
             if trial["ended"] == TIMED_OUT:
                 raise Undecided(f"at C = {name} {trial['message']}")
             if trial["ended"] in ("invalid scene", "files"):
                 raise SceneError(trial["message"])
-            trial = {"bounded": False, "loss": None, "excess": None} | trial
+            trial = {"bounded": False, "loss": None, "excess": None, "growth": None} | trial
             about = {"shape": case.shape, "transfer": case.transfer, "courant": courant}
             self.journal.add(key, about | trial)
             self.tell(f"{case.name}: C = {name} {_words(trial)}")
@@ -294,16 +311,25 @@ class _Search:
     def _why(self, courant: float) -> str:
         trial = case_trial = self.case.trials[courant]
         if trial["bounded"]:
-            half = self.case.trials[float(f"{0.5 * courant:.9g}")]
+            half = self.case.trials.get(_half(courant), {"bounded": True})
             if not half["bounded"]:
                 return "unstable at half of it"
+            if self.settings.criterion == "quiet":
+                growth = trial["growth"]
+                return "a disturbance grows " + ("without bound" if growth is None else f"{growth:.3g} times")
             return f"loses {case_trial['loss']:.3g}, at half of it {half['loss']:.3g}"
         return str(trial["message"])
+
+
+def _half(courant: float) -> float:
+    return float(f"{0.5 * courant:.9g}")
 
 
 def _words(trial: dict[str, Any]) -> str:
     seconds = f", {trial['seconds']:.3g} s" if "seconds" in trial else ""
     if trial["bounded"]:
-        return f"bounded, loss {trial['loss']:.3g}{seconds}"
+        growth = trial.get("growth")
+        grown = "" if growth is None else f", disturbance times {growth:.3g}"
+        return f"bounded, loss {trial['loss']:.3g}{grown}{seconds}"
     how = trial["ended"] if trial["ended"] != FINISHED else "energy"
     return f"unstable ({how}{seconds})"

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 import time
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mpmcli.core.errors import SimulationError
 from mpmcli.output.schedule import is_reached
 from mpmcli.output.snapshot import Snapshot
 from mpmcli.scene.loader import LoadedScene, load_scene
+
+if TYPE_CHECKING:
+    from mpmcli.study.disturbance import DisturbedTwin
 
 FINISHED, FAILED, ENERGY, CRAWLED = "finished", "failed", "energy", "crawled"
 """How a trial ended: at its end, by an error of the simulation, with too much energy, by ever shorter steps."""
@@ -32,14 +35,16 @@ def march_trial(job: dict[str, Any]) -> dict[str, Any]:
     ----------
     job
         ``scene`` (path), ``sets``, ``defines``, ``allow_outside_files``, ``courant``, ``until`` (or None),
-        ``threads``, ``bound`` (share of the energy put in that may be too much).
+        ``threads``, ``bound`` (share of the energy put in that may be too much), ``is_disturbed`` (run a disturbed
+        twin beside it).
 
     Returns
     -------
     dict
         ``ended`` in a word and ``message``; ``bounded``; ``excess``, the largest share of the energy put in that was
         too much; ``loss``, the share that was missing at the end; ``steps``, ``time``, ``seconds`` and
-        ``mean_courant``, over the steps.
+        ``mean_courant``, over the steps; ``growth`` of the disturbance, None where it went beyond all measure or
+        there was none.
     """
     from mpmcli.solver.simulation import Simulation
 
@@ -49,7 +54,12 @@ def march_trial(job: dict[str, Any]) -> dict[str, Any]:
     simulation = Simulation(loaded, threads=job.get("threads"))
     until = job.get("until")
     end = float(loaded.scene.time.end if until is None else until)
-    ended, message, watch = _march(simulation, end, float(job["bound"]))
+    twin = None
+    if job.get("is_disturbed"):
+        from mpmcli.study.disturbance import DisturbedTwin
+
+        twin = DisturbedTwin(loaded, simulation, job.get("threads"))
+    ended, message, watch = _march(simulation, end, float(job["bound"]), twin)
     excess = watch.excess
     bounded = ended == FINISHED and excess <= job["bound"]
     if ended == FINISHED and not bounded:
@@ -63,6 +73,7 @@ def march_trial(job: dict[str, Any]) -> dict[str, Any]:
         "steps": simulation.state.step,
         "time": simulation.state.time,
         "mean_courant": watch.mean_courant,
+        "growth": twin.growth if twin is not None and math.isfinite(twin.growth) else None,
         "seconds": time.perf_counter() - begin,
     }
 
@@ -84,7 +95,9 @@ def set_courant(loaded: LoadedScene, courant: float | str) -> None:
     loaded.scene = scene.model_copy(update={"time": span})
 
 
-def _march(simulation: Any, end: float, bound: float) -> tuple[str, str, EnergyWatch]:
+def _march(
+    simulation: Any, end: float, bound: float, twin: DisturbedTwin | None = None
+) -> tuple[str, str, EnergyWatch]:
     watch = EnergyWatch(simulation.state)
     every = SELDOM if simulation.particles.count > MANY else 1
     most, max_steps = math.inf, simulation.max_steps or math.inf
@@ -92,6 +105,8 @@ def _march(simulation: Any, end: float, bound: float) -> tuple[str, str, EnergyW
     try:
         while not is_reached(state.time, end) and state.step < max_steps:
             simulation.step()
+            if twin is not None:
+                twin.step()
             watch.mean_courant += ((simulation.time_step.courant or 0.0) - watch.mean_courant) / state.step
             if state.step == 1:
                 most = MOST_STEPS * (end / state.dt + 10.0)
@@ -102,6 +117,8 @@ def _march(simulation: Any, end: float, bound: float) -> tuple[str, str, EnergyW
             if state.step > most:
                 return CRAWLED, f"{state.step} ever shorter steps to time {state.time:.6g}", watch
         watch.look(state)
+        if twin is not None:
+            twin.look()
     except (SimulationError, ArithmeticError) as error:
         return FAILED, str(error), watch
     return FINISHED, "", watch

@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from mpmcli.scene.loader import load_scene
-from mpmcli.shapes import SHAPES
 from mpmcli.stability.scene_limit import predict
 from mpmcli.study.transfers import transfer_value
 from mpmcli.study.trial import march_trial
@@ -115,16 +114,16 @@ def test_the_limit_is_still_there(row):
 
 
 def tolerance(row: dict[str, str]) -> float:
-    """How far the prediction of a moving block may be off."""
-    if SHAPES[row["shape"]].follows_deformation:
-        return 0.05
-    return 0.09 if row["shape"].startswith("b") else 0.2
+    """How far the prediction of a swinging block may be off."""
+    if "order: 80, every_courant" in row["transfer"]:
+        return 0.12
+    return 0.09 if (row["shape"], row["transfer"]) == ("bspline2", "fmpm:1") else 0.05
 
 
-PLAIN = [row for row in LIMITS if row["scene"] == "vibrating_bar" and "{" not in row["transfer"]]
+BARS = [row for row in LIMITS if row["scene"] == "vibrating_bar"]
 
 
-@pytest.mark.parametrize("row", PLAIN, ids=named)
+@pytest.mark.parametrize("row", BARS, ids=named)
 @pytest.mark.slow
 def test_predicted_limits_of_the_bar(row):
     scene = load_scene(INPUTS / "vibrating_bar.yaml", sets=sets_of(row)).scene

@@ -77,6 +77,26 @@ def test_limits_of_several_cases_side_by_side(tmp_path):
     assert all(c.is_decided and c.remark == "it blew up" and c.loss == 0.001 for c in cases)
 
 
+def test_a_quiet_limit_is_where_a_disturbance_begins_to_grow(tmp_path):
+    class Noisy(Pretend):
+        """Disturbances grow more with the Courant number, threefold in any case if there is contact."""
+
+        def __init__(self, least):
+            super().__init__({0: 0.9})
+            self.least = least
+
+        def run(self, job):
+            assert job["is_disturbed"]
+            growth = self.least * (1.0 if job["courant"] < 0.505 else 4.0 if job["courant"] < 0.605 else 40.0)
+            return super().run(job) | {"growth": growth if job["courant"] < 0.8 else None}
+
+    for least in (0.3, 9.0, 90.0):
+        (folder := tmp_path / str(least)).mkdir()
+        (case,) = search(folder, ["flip"], Noisy(least), Settings("quiet", resolution=0.05))
+        assert (case.limit, case.unstable_at) == (0.6, 0.65)
+        assert case.remark == f"a disturbance grows {40 * least:.3g} times"
+
+
 def test_a_crash_is_unstable(tmp_path):
     (case,) = search(tmp_path, ["flip"], Pretend({0: 0.4}, ended="crashed"))
     assert case.limit == 0.4
