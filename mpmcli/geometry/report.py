@@ -33,7 +33,7 @@ class BodyReport:
     lower, upper : (d,) bounds of the particles' domains [length]
     region_volume : the region's own volume [length³]
     exact : whether the region's volume is a closed form, or an estimate by sampling
-    notes : what else the region has to say, e.g. whether a mesh is closed
+    notes : what else there is to say, e.g. whether a mesh is closed, or along what the particles lie
     """
 
     name: str
@@ -89,10 +89,19 @@ def body_report(
                 upper=(particles.X + particles.reach).max(axis=1),
                 region_volume=own * factor,
                 exact=exact,
-                notes=tuple(body.region.notes()),
+                notes=(*body.region.notes(), *_lattice_notes(body, particles)),
             )
         )
     return reports
+
+
+def _lattice_notes(body: BodyRequest, particles: BodyParticles) -> list[str]:
+    """Edges of the particles that lie along their region's own sides, which are not those of sub-cells."""
+    if body.particles_along != "region":
+        return []
+    edges = " × ".join(f"{2.0 * half:.5g}" for half in particles.size[:, 0])
+    turned = "" if particles.turn is None else ", turned with it"
+    return [f"particles of {edges} along the region's own sides{turned}"]
 
 
 def _region_volume(region: Region, grid: GridBox, ring: bool) -> tuple[float, bool]:

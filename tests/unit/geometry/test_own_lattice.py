@@ -20,6 +20,7 @@ def test_turned_box_is_filled_exactly(body, grid):
     assert block.count == 4 * 2 * 4
     [report] = body_report(bodies, [block], [1.0], space, analysis)
     assert report.exact
+    assert report.notes == ("particles of 0.5 × 0.5 along the region's own sides, turned with it",)
     assert report.difference == pytest.approx(0, abs=1e-14)
     lower, upper = bodies[0].region.bounds(2)
     np.testing.assert_allclose([report.lower, report.upper], [lower, upper], atol=1e-12)
