@@ -71,3 +71,21 @@ def test_block_slides_down_tilted_ground(start, bias, ratio, tolerance):
         ratio, abs=tolerance
     )
     assert abs(way @ [0.5, np.sqrt(0.75)]) < 0.04
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("update", ["usl", "usavg+"])
+def test_turned_block_goes_on_to_the_same_bits(start, update):
+    """A state that is restored knows how its particles are turned."""
+    sets = (TILTED, f"method.update={update}", "bodies.block.velocity=['5 - 0.5*x', '3 + 0.3*y']")
+    whole, again = start(*sets), start(*sets)
+    for _ in range(12):
+        whole.simulation.step()
+    again.simulation.restore(
+        {name: np.array(array) for name, array in whole.simulation.state_arrays().items()}
+    )
+    for run in (whole, again):
+        for _ in range(8):
+            run.simulation.step()
+    np.testing.assert_array_equal(whole.particles.X, again.particles.X)
+    np.testing.assert_array_equal(whole.particles.tau, again.particles.tau)
