@@ -97,6 +97,22 @@ def test_a_quiet_limit_is_where_a_disturbance_begins_to_grow(tmp_path):
         assert case.remark == f"a disturbance grows {40 * least:.3g} times"
 
 
+@pytest.mark.slow
+def test_a_disturbance_grows_where_energy_does_not_show_it():
+    def trial(courant):
+        scene = str(BAR.parent / "stretched_bar.yaml")
+        return march_trial(
+            {"scene": scene, "courant": courant, "threads": 1, "bound": 0.05, "is_disturbed": True}
+        )
+
+    stable, unstable = trial(0.5), trial(0.65)
+    assert stable["bounded"]
+    assert unstable["bounded"]
+    assert 0.1 < stable["growth"] < 2.0
+    assert unstable["growth"] > 1000.0
+    assert stable["mean_courant"] == pytest.approx(0.5)
+
+
 def test_a_crash_is_unstable(tmp_path):
     (case,) = search(tmp_path, ["flip"], Pretend({0: 0.4}, ended="crashed"))
     assert case.limit == 0.4
