@@ -32,6 +32,7 @@ class Contacts:
     members, geometry : rows of all contacts; the first ``count`` are valid
     count : number of contacts
     begin : (slots + 1,) where the contacts of each node begin
+    volume : (entries,) volume Ω of each field at each contact node; the first ones are valid
     """
 
     def __init__(self, clouds: Clouds, rules: Rules, node_count: int, dimensions: int):
@@ -39,7 +40,7 @@ class Contacts:
         self._node_count, self._dimensions = node_count, dimensions
         self.count = 0
         self.stages = 0
-        self._volume = np.zeros(0)
+        self.volume = np.zeros(0)
         self.begin = np.zeros(1, dtype=np.int64)
         self._room = -1
         self._make_room(0)
@@ -74,6 +75,7 @@ class Contacts:
         self.slip = np.zeros((room, d))
         self.separation_now = np.zeros(room)
         self.push = np.zeros(room)
+        self.drive = np.zeros(room)
 
     def sum_volumes(self, p: Any, F: Array, parallel: bool) -> None:
         """Find the volume of each field at each contact node."""
@@ -81,12 +83,12 @@ class Contacts:
         self._size_volumes()
         sum_volumes[parallel](
             c.count, c.first, c.dof, self._node_count, s.head, s.next, s.particle, s.S, p.velocity_field, F, p.vol0,
-            self._volume,
+            self.volume,
         )  # fmt: skip
 
     def _size_volumes(self) -> None:
-        if len(self._volume) < len(self.clouds.dof):
-            self._volume = np.zeros(2 * len(self.clouds.dof))
+        if len(self.volume) < len(self.clouds.dof):
+            self.volume = np.zeros(2 * len(self.clouds.dof))
 
     def find_members(self, mp: Array) -> None:
         """List who meets whom at the contact nodes; masses from ``mp``."""
@@ -96,7 +98,7 @@ class Contacts:
         if len(self.begin) < c.count + 1:
             self.begin = np.zeros(2 * c.count + 1, dtype=np.int64)
         self.count = list_contacts(
-            self.rules, self._node_count, c.count, c.first, c.dof, self._volume, mp, self.members, self.begin
+            self.rules, self._node_count, c.count, c.first, c.dof, self.volume, mp, self.members, self.begin
         )
         self.stages = 1 + int(self.members.stage[: self.count].max(initial=0))
 

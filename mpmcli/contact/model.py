@@ -53,6 +53,8 @@ class Contact(Model):
     """No contact at nodes where one side has less than this share of the mass; 0 for none [nairn2023notes]."""
     displacement_only: bool = False
     """Contact wherever the separation is negative, the fields approaching each other or not."""
+    overlap_removal: quantity("1", ge=0, le=1) = 0.0  # type: ignore[valid-type]
+    """Share of their overlap by which a step drives apart sides in contact [baumgarte1972]; 0 for none."""
     three_or_more: Literal["lumped", "pairs", "coupled"] = "lumped"
     """At nodes of three or more fields: each against all others as one (lumped), the pairs in contact where these are
     one or two and else lumped [nairn2020, section 3.4], or all pairs at once, however many (coupled)."""

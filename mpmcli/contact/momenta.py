@@ -61,7 +61,7 @@ def normal_force(axes, alpha, first, last, rigid, rigid_field, node_count, dof, 
 @kernel
 def settle_stage(
     law, which, stage, axes, count, members, node_count, dof, rigid_field, mp, f, v, prior, net, evolving, normal,
-    separation, area, bond, dt, advance, displacement_only, separation_now, push, dp0, total, settled, dp,
+    separation, area, bond, dt, advance, displacement_only, separation_now, push, drive, dp0, total, settled, dp,
     state,
 ):  # fmt: skip
     """Find the momentum change Δp of α at every contact of one stage that law ``which`` governs, into ``dp`` (k, d).
@@ -71,7 +71,8 @@ def settle_stage(
     an FMPM increment ``v`` holds Δv(ℓ), and the rows of ``prior`` and ``net`` (k, d) follow it: by "Net" the law sees
     the total of all velocities before any correction, by "Evolving" what earlier corrections left of them
     (``increments``); ``total`` and ``settled`` (k, d) are scratch. ``advance`` is the time over which the separation
-    still closes (Nairn 2023, Eq. 3.56); what it has become is kept in ``separation_now`` (k,).
+    still closes (Nairn 2023, Eq. 3.56); what it has become is kept in ``separation_now`` (k,). ``drive`` (k,), unless
+    it is None, are impulses that are to be left between the sides (``overlap``).
     """
     for k in prange(count):
         if members.law[k] != which or members.stage[k] != stage or members.pair[k]:
@@ -90,6 +91,9 @@ def settle_stage(
                 for a in range(len(axes)):
                     gap += dp0[k, a] * normal[k, a] * advance / reduced
             separation_now[k] = gap
+            if drive is not None:
+                for a in range(len(axes)):
+                    dp0[k, a] -= drive[k] * normal[k, a]
         if f is not None and is_soft(law):
             push[k] = normal_force(
                 axes, members.alpha[k], members.first[k], members.last[k], members.rigid[k], rigid_field, node_count,

@@ -25,8 +25,8 @@ SETTLED = 1e-14
 
 @inline
 def find_pair_impulses(
-    axes, count, members, node_count, dof, rigid_field, mp, v, prior, normal, separation, separation_now, advance, dp0,
-    total,
+    axes, count, members, node_count, dof, rigid_field, mp, v, prior, normal, separation, separation_now, advance,
+    drive, dp0, total,
 ):  # fmt: skip
     """Δp_α(0) of every pair by itself into ``dp0``, with the total of earlier FMPM increments; clears ``total``."""
     for k in range(count):
@@ -44,6 +44,9 @@ def find_pair_impulses(
             else:
                 dp0[k, a] += prior[k, a]
             total[k, a] = 0.0
+        if drive is not None:
+            for a in range(len(axes)):
+                dp0[k, a] -= drive[k] * normal[k, a]
 
 
 @inline

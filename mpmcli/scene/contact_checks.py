@@ -325,6 +325,8 @@ def _check_choices(parts: Parts, fields: Fields, report: Report) -> None:
         _check_need_of_separation(contact, report)
     if "mass_ratio" in given and not any(law.screened and not law.skipped for law in laws):
         idle("mass_ratio", f"the law {kinds} takes all nodes alike")
+    if contact.overlap_removal > 0.0 and not any(law.drives_apart for law in laws):
+        idle("overlap_removal", f"the law {kinds} does not let overlapping sides be driven apart")
     _check_calibration(parts, report)
     if contact.three_or_more != "lumped" and len(fields.names) < 3:
         idle("three_or_more", f"the scene has {len(fields.names)} velocity fields")
@@ -333,6 +335,8 @@ def _check_choices(parts: Parts, fields: Fields, report: Report) -> None:
     if parts.method is None:
         return
     transfer = parts.method.transfer
+    if contact.overlap_removal > 0.0 and contact.increments == "after" and transfer.kind == "fmpm":
+        idle("overlap_removal", "with increments 'after' no impulse of contact is a force")
     if contact.increments not in ("net", "lumped"):
         if transfer.kind != "fmpm":
             idle("increments", f"with {transfer.kind} there are none, they belong to fmpm")

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmcli.contact import momenta, pairs
+from mpmcli.contact import momenta, overlap, pairs
 from mpmcli.contact.clouds import NEAREST, Clouds
 from mpmcli.contact.contacts import Contacts, Rules
 from mpmcli.contact.settle import BROKEN
 from mpmcli.core.analysis import Axisymmetric
 from mpmcli.scene.fields import law_table
 from mpmcli.solver.contact_account import ContactAccount
+from mpmcli.solver.setup import section_of
 
 if TYPE_CHECKING:
     from mpmcli.solver.simulation import Simulation
@@ -84,6 +85,9 @@ class NodalContact(NoContact):
             coupled=model.three_or_more == "coupled",
             shares_normal=model.normal.shares_normal,
         )
+        self._removes_overlap = model.overlap_removal > 0.0 and self._has_geometry
+        self._drives = np.array([law.drives_apart for law in models])
+        self._thickness = section_of(scene)
         self._axes = (0.0,) * d
         self._ring = isinstance(plan.analysis, Axisymmetric)
         self.clouds = Clouds(s.order, grid, self._planes())
@@ -160,6 +164,8 @@ class NodalContact(NoContact):
         c.net[: c.count] = 0.0
         if s.plan.has_full_mass_loop and self._model.increments == "after":
             return
+        if self._removes_overlap:
+            self._find_drive(dt)
         self._settle_momenta(dt, s.grid.f, advance=dt)
         self._start_increments()
         if s.plan.imposes_lumped:
@@ -269,6 +275,7 @@ class NodalContact(NoContact):
         advance: float,
     ) -> None:  # fmt: skip
         s, c, g = self._s, self.contacts, self.contacts.geometry
+        drive = c.drive if self._removes_overlap and v is None and advance > 0.0 else None
         for which in self._used:
             if self._rules.skipped[which]:
                 continue
@@ -276,22 +283,23 @@ class NodalContact(NoContact):
                 self._laws[which], which, stage, self._axes, c.count, c.members, s.grid.node_count, self.clouds.dof,
                 self._rules.rigid, s.grid.mp, f, v, prior, net, self._evolving, g.normal, g.separation, g.area, g.bond,
                 dt,
-                advance, self._model.displacement_only, c.separation_now, c.push, c.dp0, c.total,
+                advance, self._model.displacement_only, c.separation_now, c.push, drive, c.dp0, c.total,
                 c.settled, c.dp, c.state,
             )  # fmt: skip
         if self._rules.explicit and stage == 0:
-            self._settle_pairs(v, prior, net, dt, advance)
+            self._settle_pairs(v, prior, net, dt, advance, drive)
 
     def _settle_pairs(
-        self, v: Array | None, prior: Array | None, net: Array | None, dt: float, advance: float
-    ) -> None:
+        self, v: Array | None, prior: Array | None, net: Array | None, dt: float, advance: float,
+        drive: Array | None,
+    ) -> None:  # fmt: skip
         """The contacts that ``three_or_more: pairs`` or ``coupled`` asks for."""
         s, c, g = self._s, self.contacts, self.contacts.geometry
         slots, n = self.clouds.count, s.grid.node_count
         chosen, total, wanted = np.zeros(slots, dtype=bool), np.zeros_like(c.dp), np.zeros_like(c.dp)
         pairs.find_pair_impulses(
             self._axes, c.count, c.members, n, self.clouds.dof, self._rules.rigid, s.grid.mp, v, prior, g.normal,
-            g.separation, c.separation_now, advance, c.dp0, total,
+            g.separation, c.separation_now, advance, drive, c.dp0, total,
         )  # fmt: skip
         for sweep in range(pairs.SWEEPS + 1):
             change = size = 0.0
@@ -324,6 +332,16 @@ class NodalContact(NoContact):
             c.dp,
             c.state,
         )
+
+    def _find_drive(self, dt: float) -> None:
+        s, c, clouds = self._s, self.contacts, self.clouds
+        grid = s.grid
+        overlap.find_drive[self._parallel](
+            self._axes, c.count, c.members, clouds.node, clouds.first, clouds.dof, grid.node_count, self._rules.rigid,
+            self._drives, grid.shape, tuple(float(x) for x in grid.lower - grid.pad * grid.cell),
+            tuple(float(x) for x in grid.cell), True if self._ring else None, self._thickness,
+            float(self._model.overlap_removal), c.volume, c.geometry.normal, grid.mp, dt, c.drive,
+        )  # fmt: skip
 
     def _start_increments(self) -> None:
         c = self.contacts

@@ -134,6 +134,7 @@ class ContactChoice:
     laws : the laws that act on those that do
     knows_normals : some law needs normals, separations and areas, and with them clouds of particles
     lumped, increments, later : contact acts on updated momenta, on every FMPM increment, on final velocities
+    drives_apart : sides that overlap are driven apart
     """
 
     def __init__(self, scene: Any, plan: Plan):
@@ -149,6 +150,9 @@ class ContactChoice:
         self.increments = way if way in ("net", "evolving") else ""
         self.later = way in ("after", "combined")
         self.starts = bool(self.laws) and not self._model.once
+        drives = self.lumped and any(law.drives_apart for law in self.laws)
+        self.removal = float(self._model.overlap_removal) if drives else 0.0
+        self.drives_apart = self.removal > 0.0
 
     def facts(self, particles: Particles, grid: Grid) -> dict[str, Any]:
         """The choices in words, and how many nodes and particles contact looks at in the first step."""
@@ -196,6 +200,7 @@ class ContactChoice:
         if not self.laws:
             return []
         clouds = ["collect_sights", "sum_volumes", "find_geometry"] * self.knows_normals
+        clouds += ["find_drive"] * self.drives_apart
         settling = [f"settle_stage({type(law.parameters()).__name__})" for law in self.laws]
         on_velocities = ["add_to_velocities"] * bool(self.increments or self.later)
         on_momenta = ["add_to_momenta", "start_increments"] * (self.lumped or self.starts)
@@ -218,7 +223,10 @@ def tasks_of(plan: Plan, contact: ContactChoice) -> list[str]:
         "2 forces of loads" if plan.has_loads else "",
         "2.a velocity conditions" if plan.imposes_lumped else "",
         "3 update momenta",
-        "3.a contact on updated momenta" if contact.lumped else "",
+        "3.a contact on updated momenta"
+        + (f", {contact.removal:.3g} of overlaps taken back" if contact.drives_apart else "")
+        if contact.lumped
+        else "",
         f"3.b velocities by the {loop}" if loop else "3.b lumped velocities",
         "3.b contact on the velocities" if contact.later else "",
         f"3.b XPIC filter, {plan.order - 1} passes{filtered}" if plan.method.projects else "",

@@ -31,6 +31,11 @@ class LawModel(Model):
     adhesive: ClassVar[bool] = False
     """Sides may be bonded, and break."""
 
+    @property
+    def drives_apart(self) -> bool:
+        """Sides that overlap may be driven apart."""
+        return self.needs_normal and not self.skipped
+
     def parameters(self) -> NamedTuple:
         """The numbers that the compiled functions need."""
         raise TypeError(f"{type(self).__name__} gives no parameters")

@@ -40,6 +40,11 @@ class PressedModel(LawModel):
     """Contact stiffness D_c: pressure per overlap; without it sides that touch are rigid."""
 
     @property
+    def drives_apart(self) -> bool:
+        """Overlap is what a spring presses with."""
+        return self.stiffness is None
+
+    @property
     def spring(self) -> float:
         """D_c [pressure/length], or 0 for rigid sides."""
         return 0.0 if self.stiffness is None else self.stiffness

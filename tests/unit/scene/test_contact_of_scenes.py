@@ -201,6 +201,16 @@ PAIRS_OF_RIGID = (
         ([(LAW, "law: {kind: none}\n  separation: {kind: displacement}")], "contact.separation", "the law 'none'"),
         ([(LAW, "law: {kind: perfect}\n  displacement_only: true")], "contact.displacement_only", "'perfect'"),
         ([(LAW, "law: {kind: perfect}\n  mass_ratio: 0.01")], "contact.mass_ratio", "takes all nodes alike"),
+        (
+            [(LAW, "law: {kind: perfect}\n  overlap_removal: 0.05")],
+            "contact.overlap_removal",
+            "the law 'perfect' does not let overlapping sides be driven apart",
+        ),
+        (
+            [(LAW, f"{LAW}\n  overlap_removal: 0.05\n  increments: after")],
+            "contact.overlap_removal",
+            "no impulse of contact is a force",
+        ),
         ([(LAW, "law: {kind: perfect}\n  once: true")], "contact.once", "do not move quite as one"),
         (
             [("method: {", "method: {update: usavg, "), (LAW, f"{LAW}\n  once: true")],

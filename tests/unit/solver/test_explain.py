@@ -77,6 +77,15 @@ def test_contact_says_what_it_chooses_and_what_it_looks_at():
     json.dumps(facts)
 
 
+def test_bodies_that_overlap_are_driven_apart_by_a_kernel_of_its_own():
+    facts = facts_of({"overlap_removal": 0.05})
+    assert "find_drive" in contact_kernels(facts)
+    assert "3.a contact on updated momenta, 0.05 of overlaps taken back" in facts["tasks"]
+    assert "find_drive" not in contact_kernels(
+        facts_of({"overlap_removal": 0.05, "law": {"kind": "perfect"}})
+    )
+
+
 def test_bodies_held_together_need_no_normals_and_no_clouds():
     facts = facts_of({"law": {"kind": "perfect"}})
     assert facts["contact"]["normal"] is None
