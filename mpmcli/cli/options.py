@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, TypedDict
 
 import click
 
+from mpmcli.garbage import keeping_all
+
 if TYPE_CHECKING:
     from mpmcli.run.outcome import Outcome
     from mpmcli.scene.loader import LoadedScene
@@ -131,6 +133,7 @@ def study_options(command: str, picture: str) -> Callable[[Command], Command]:
     )
 
 
+@keeping_all()
 def load_checked(scene: str, changes: SceneChanges) -> LoadedScene:
     """Read and check a scene; warnings stay in ``warnings``."""
     from mpmcli.run.load import load
@@ -138,6 +141,7 @@ def load_checked(scene: str, changes: SceneChanges) -> LoadedScene:
     return load(Path(scene), **changes)
 
 
+@keeping_all()
 def check_time_step(loaded: LoadedScene) -> None:
     """Add a warning to the scene if its step is above the known stability limit.
 

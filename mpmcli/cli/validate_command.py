@@ -7,6 +7,7 @@ from typing import Unpack
 import click
 
 from mpmcli.cli.options import SceneChanges, check_time_step, load_checked, scene_options
+from mpmcli.garbage import keeping_all
 
 
 @click.command("validate")
@@ -15,8 +16,9 @@ from mpmcli.cli.options import SceneChanges, check_time_step, load_checked, scen
 @scene_options
 def command(scenes: tuple[str, ...], as_list: bool, **changes: Unpack[SceneChanges]) -> int:
     """Report every problem of every SCENE; exit code 3 if there is an error."""
-    from mpmcli.core.errors import Problem, SceneError
-    from mpmcli.scene.report import as_json, as_text
+    with keeping_all():
+        from mpmcli.core.errors import Problem, SceneError
+        from mpmcli.scene.report import as_json, as_text
 
     problems: list[Problem] = []
     exit_code = 0

@@ -19,6 +19,7 @@ from typing import Any
 
 from mpmcli.core.kernel import Kernel
 from mpmcli.core.runtime import available_memory, available_threads
+from mpmcli.garbage import keeping_all
 from mpmcli.output.manifest import peak_memory
 
 END_WITH_PARENT = 1
@@ -28,11 +29,15 @@ END_WITH_PARENT = 1
 @contextmanager
 def compiling_ahead(simulation: Any, is_cold: bool) -> Iterator[None]:
     """A context for the first step, in which a second process helps to compile it if nothing is compiled yet."""
-    process = _copy() if is_cold and _is_worthwhile() else None
-    if process == 0:
-        _compile_backwards(simulation)
-    try:
+    if not is_cold:
         yield
+        return
+    process = _copy() if _is_worthwhile() else None
+    try:
+        with keeping_all():
+            if process == 0:
+                _compile_backwards(simulation)
+            yield
     finally:
         if process is not None:
             with suppress(OSError):  # a program that ignores the ends of its children has none to wait for
