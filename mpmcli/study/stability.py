@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, Protocol
@@ -19,6 +19,7 @@ from mpmcli.core.bisection import bisect_limit
 from mpmcli.core.errors import SceneError
 from mpmcli.scene.loader import LoadedScene
 from mpmcli.stability.scene_limit import predict
+from mpmcli.study.interruption import wait_for
 from mpmcli.study.journal import Journal
 from mpmcli.study.processes import TIMED_OUT, Stopped
 from mpmcli.study.transfers import label_of, transfer_value
@@ -180,7 +181,7 @@ def find_limits(
             pool.submit(_Search(case, settings, runner, journal, tell, predicts).run) for case in cases
         ]
         try:
-            wait(searches)
+            wait_for(searches)
         except BaseException:
             for search in searches:
                 search.cancel()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import statistics
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -18,6 +18,7 @@ from mpmcli.core.expressions import parse
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.files import make_folder, write_text
 from mpmcli.output.tables import read_table
+from mpmcli.study.interruption import wait_for
 from mpmcli.study.journal import Journal
 from mpmcli.study.measure import FINISHED, only_table
 from mpmcli.study.processes import TIMED_OUT, Stopped
@@ -198,7 +199,7 @@ def run_cases(
         with ThreadPoolExecutor(jobs) as pool:
             futures = [pool.submit(run_one, case, repeat) for case in chosen]
             try:
-                wait(futures)
+                wait_for(futures)
             except BaseException:
                 for future in futures:
                     future.cancel()

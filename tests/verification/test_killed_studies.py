@@ -66,7 +66,11 @@ def test_a_study_killed_in_the_middle_goes_on(command, number, tmp_path):
     while time.monotonic() < deadline and not (journal.exists() and journal.read_text().count("\n") >= 2):
         time.sleep(0.02)
     first.send_signal(number)
-    assert first.wait(60) == (143 if number == signal.SIGTERM else -number)
+    try:
+        ended = first.wait(60)
+    finally:
+        first.kill()
+    assert ended == (143 if number == signal.SIGTERM else -number)
     kept = journal.read_text().splitlines()
     assert len(kept) >= 2
     assert not (tmp_path / "s" / table).exists()
