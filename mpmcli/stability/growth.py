@@ -151,25 +151,27 @@ def _stable_but_at(
 
 def _growth_moving(lattice: Lattice, scheme: Scheme, courant: float) -> float:
     """Logarithm of the amplification per step of a block that travels along all axes by one cell."""
-    steps = max(6, round(STEPS_PER_CELL / courant))
-    period = steps_apart(scheme, courant)
-    if period > 1:
-        steps = period * max(1, round(steps / period))
-    step = LinearStep(lattice, scheme, courant)
-    state = step.identity()
-    with np.errstate(over="ignore", invalid="ignore"):
-        for number in range(steps):
-            offset = (number + 0.5) / steps
-            at = stencils(lattice, (offset,) * lattice.dimensions)
-            step.advance(state, at, is_flip=(number + 1) % period != 0)
-            if not np.abs(state.V).max() < OVERFLOW:
-                return np.inf
-    return _log_of_radius(state) / steps
+    return _growth_along(lattice, scheme, courant, STEPS_PER_CELL / courant, lambda share: share)
 
 
 def _growth_swinging(lattice: Lattice, scheme: Scheme, courant: float, swing: Swing) -> float:
     """Logarithm of the amplification per step of a block that swings: of half a period, the other half mirrors it."""
-    steps = max(6, round(0.5 * swing.period / courant))
+
+    def place(share: float) -> float:
+        at = swing.amplitude * math.sin(math.pi * share)
+        return round(at * SWING_PLACES) % SWING_PLACES / SWING_PLACES
+
+    return _growth_along(lattice, scheme, courant, 0.5 * swing.period / courant, place)
+
+
+def _growth_along(
+    lattice: Lattice, scheme: Scheme, courant: float, about: float, place: Callable[[float], float]
+) -> float:
+    """Logarithm of the amplification per step on a way of ``about`` so many steps.
+
+    ``place`` gives the offset within a cell, along all axes, after a share of the way.
+    """
+    steps = max(6, round(about))
     period = steps_apart(scheme, courant)
     if period > 1:
         steps = period * max(1, round(steps / period))
@@ -177,9 +179,7 @@ def _growth_swinging(lattice: Lattice, scheme: Scheme, courant: float, swing: Sw
     state = step.identity()
     with np.errstate(over="ignore", invalid="ignore"):
         for number in range(steps):
-            place = swing.amplitude * math.sin(math.pi * (number + 0.5) / steps)
-            offset = round(place * SWING_PLACES) % SWING_PLACES / SWING_PLACES
-            at = stencils(lattice, (offset,) * lattice.dimensions)
+            at = stencils(lattice, (place((number + 0.5) / steps),) * lattice.dimensions)
             step.advance(state, at, is_flip=(number + 1) % period != 0)
             if not np.abs(state.V).max() < OVERFLOW:
                 return np.inf
