@@ -75,13 +75,13 @@ def introduction() -> str:
 
 
 def not_built() -> Iterator[str]:
-    """The keys that belong to the format and are refused until they are built."""
+    """The values that a scene may be thought to take, and that are refused."""
     from mpmcli.scene.not_built import ENTRIES
 
     yield from (
-        "## Not built yet",
+        "## Left out",
         "",
-        "The format has these keys; a scene with one of them is refused:",
+        "A scene with one of these is refused:",
         "",
     )
     for path, value, words in ENTRIES:

@@ -1,4 +1,4 @@
-"""Keys that belong to the scene's format and are not built yet: taken out, and said so in words."""
+"""Values that a scene may be thought to take, and that are left out: taken out, and said why in words."""
 
 from __future__ import annotations
 
@@ -8,14 +8,18 @@ from typing import Any
 from mpmcli.core.errors import Problem
 from mpmcli.scene.tree import Node
 
-# where ("*" stands for any member), which value (None: any), what it is
+# where ("*" stands for any member), which value (None: any), why not
 ENTRIES: tuple[tuple[tuple[str, ...], Any, str], ...] = (
-    (("method", "precision"), "single", "single precision"),
+    (
+        ("method", "precision"),
+        "single",
+        "single precision is left out: it would save less than a tenth of a step",
+    ),
 )
 
 
 def take_out(root: Node) -> tuple[Node, list[Problem]]:
-    """The scene without the keys that are not built yet, and a problem for each of them."""
+    """The scene without what is left out, and a problem for each of them."""
     problems: list[Problem] = []
     for pattern, value, words in ENTRIES:
         root = _take(root, pattern, value, words, (), problems)
@@ -49,8 +53,7 @@ def _take(
         )
     if value is not None and member.value != value:
         return node
-    message = f"{words}: not built yet"
-    problems.append(node.keys[key].problem(".".join((*path, key)), message, "not_built"))
+    problems.append(node.keys[key].problem(".".join((*path, key)), words, "not_built"))
     return _without(node, key)
 
 

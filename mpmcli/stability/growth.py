@@ -11,7 +11,8 @@ moving
 swinging
     The block moves as the free end of a body that swings. Unstable if a disturbance grows by more than
     ``exp(TOTAL_GROWTH)`` in all the steps of a run: just above a limit the growth is slow, and a short run hardly shows
-    it.
+    it. A transfer that damps (FMPM(1)) makes the swing smaller from step to step, so that it turns at other places of
+    its cells each time.
 slow
     The block is unstable at rest at no more than one of ``SLOW_PLACES`` places within a cell. What bodies show that
     move slowly, or bend: they pass the worst place, but their particles do not stay there.
@@ -37,7 +38,7 @@ import numpy as np
 
 from mpmcli.core.bisection import bisect_limit
 from mpmcli.stability.lattice import Lattice, stencils
-from mpmcli.stability.linear_step import LinearStep, Scheme, State
+from mpmcli.stability.linear_step import LinearStep, Scheme, State, wave_damping
 
 STEPS_PER_CELL = 40.0
 """Steps at C = 1 in which the moving block crosses a cell."""
@@ -48,6 +49,15 @@ TOTAL_GROWTH = 8.0
 a smooth start may have in modes of the grid, to tenths, which the energy shows."""
 SWING_PLACES = 200
 """Places per cell at which a swinging block is looked at."""
+DIES = 0.01
+"""A swing counts as the same all the time if the logarithm of its amplitude changes less in the whole run."""
+AT_REST = 5.0
+"""A swing that dies is followed until the logarithm of its amplitude has fallen by so much."""
+RESCALED = 4
+"""Steps of a long run after which its states are made small again."""
+ISLANDS = 0.85
+"""With a periodic transfer stable and unstable Courant numbers take turns, as a whole number of steps must pass between
+those of full order: the least unstable one is looked for down to this share of the first limit that is found."""
 PLACES = {1: 20, 2: 10}
 """Places within half a cell (the other half mirrors it) that the worst one is looked for among, by number of axes."""
 NEAR = 0.01
@@ -96,10 +106,16 @@ def swinging_limit(lattice: Lattice, scheme: Scheme, swing: Swing) -> float:
     """Largest stable Courant number of a block that swings along all axes."""
 
     def is_stable(courant: float) -> bool:
-        steps = swing.duration / courant
-        return steps * _growth_swinging(lattice, scheme, courant, swing) <= TOTAL_GROWTH
+        return _growth_in_run(lattice, scheme, courant, swing) <= TOTAL_GROWTH
 
-    return _largest_stable(is_stable, lambda: moving_limit(lattice, scheme), math.inf)
+    limit = _largest_stable(is_stable, lambda: moving_limit(lattice, scheme), math.inf)
+    if scheme.every_courant is None:
+        return limit
+    last = round(limit / RESOLUTION)
+    for place in range(math.ceil(ISLANDS * last), last):
+        if not is_stable(place * RESOLUTION):
+            return (place - 1) * RESOLUTION
+    return limit
 
 
 @functools.lru_cache(maxsize=256)
@@ -154,14 +170,38 @@ def _growth_moving(lattice: Lattice, scheme: Scheme, courant: float) -> float:
     return _growth_along(lattice, scheme, courant, STEPS_PER_CELL / courant, lambda share: share)
 
 
+def _growth_in_run(lattice: Lattice, scheme: Scheme, courant: float, swing: Swing) -> float:
+    """Logarithm of the largest amplification in the run of a block that swings."""
+    steps = swing.duration / courant
+    wave = 2.0 * math.pi / swing.period
+    dying = 0.5 * wave_damping(lattice, scheme, wave) / steps_apart(scheme, courant)
+    if dying * steps <= DIES:
+        return steps * _growth_swinging(lattice, scheme, courant, swing)
+    step = LinearStep(lattice, scheme, courant)
+    state, most, so_far = step.identity(), 0.0, 0.0
+    period = steps_apart(scheme, courant)
+    for number in range(round(min(steps, AT_REST / dying))):
+        at = swing.amplitude * math.exp(-dying * number) * math.sin(wave * (number + 0.5) * courant)
+        places = (_rounded(at),) * lattice.dimensions
+        step.advance(state, stencils(lattice, places), is_flip=(number + 1) % period != 0)
+        if number % RESCALED == 0:
+            so_far += math.log(state.rescale())
+            most = max(most, so_far)
+    return most
+
+
 def _growth_swinging(lattice: Lattice, scheme: Scheme, courant: float, swing: Swing) -> float:
     """Logarithm of the amplification per step of a block that swings: of half a period, the other half mirrors it."""
 
     def place(share: float) -> float:
-        at = swing.amplitude * math.sin(math.pi * share)
-        return round(at * SWING_PLACES) % SWING_PLACES / SWING_PLACES
+        return _rounded(swing.amplitude * math.sin(math.pi * share))
 
     return _growth_along(lattice, scheme, courant, 0.5 * swing.period / courant, place)
+
+
+def _rounded(at: float) -> float:
+    """The place within its cell, one of ``SWING_PLACES``."""
+    return round(at * SWING_PLACES) % SWING_PLACES / SWING_PLACES
 
 
 def _growth_along(

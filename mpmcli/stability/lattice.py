@@ -10,6 +10,7 @@ import numpy as np
 Array = np.ndarray
 
 MARGIN = 3
+VARIANCE_PLACES = 20
 MANY = 4
 """With so many particles per cell and axis a block of one cell must do; its limits are a tenth lower."""
 
@@ -119,6 +120,18 @@ def axis_stencils(
         if domain == "corners_and_middles":
             S = S / 3.0 + 2.0 / 3.0 * value(x)
     return S, G, -S * x
+
+
+def variance(lattice: Lattice) -> float:
+    """Σ_i S (x_i − X)² along an axis [cells²], the mean over all places within a cell."""
+    places = (np.arange(VARIANCE_PLACES) + 0.5) / VARIANCE_PLACES
+    found = []
+    for place in places:
+        S, _, _ = axis_stencils(lattice.grid_functions, lattice.domain, lattice.particles, 1, float(place))
+        X = 0.5 / lattice.particles + place
+        nodes = np.arange(-MARGIN, 3 + MARGIN)
+        found.append(S[0] @ (nodes - X) ** 2)
+    return float(np.mean(found))
 
 
 def _repeated(A: Array, period: int) -> Array:

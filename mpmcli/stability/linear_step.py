@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmcli.core.variants import STRAIN_UPDATES, TRANSFER_METHODS
-from mpmcli.stability.lattice import Lattice, Stencils
+from mpmcli.stability.lattice import Lattice, Stencils, variance
 
 Array = np.ndarray
 
@@ -62,8 +62,17 @@ class State:
     def matrix(self) -> Array:
         """All rows below each other, (rows, B)."""
         columns = self.V.shape[-1]
-        parts = [part for part in (self.V, self.stress, self.L, self.viscous) if part is not None]
-        return np.concatenate([part.reshape(-1, columns) for part in parts])
+        return np.concatenate([part.reshape(-1, columns) for part in self._parts()])
+
+    def rescale(self) -> float:
+        """Divide all by the largest number, and return it."""
+        largest = max(float(np.abs(part).max()) for part in self._parts())
+        for part in self._parts():
+            part /= largest
+        return largest
+
+    def _parts(self) -> list[Array]:
+        return [part for part in (self.V, self.stress, self.L, self.viscous) if part is not None]
 
 
 class LinearStep:
@@ -159,6 +168,24 @@ class LinearStep:
             state.stress[row] += dt * shear * (L[a, b] + L[b, a])
             if a == b:
                 state.stress[row] += dt * lame * trace
+
+
+def wave_damping(lattice: Lattice, scheme: Scheme, wave: float) -> float:
+    """Share of the velocities of a long wave that a step takes away, by the factors of its transfer.
+
+    S⁺S multiplies a wave of ``wave`` (radians per cell) by 1 − a, with a = σ² ``wave``² and the mean variance σ² of the
+    shape function; the series multiplies it by 1 + f₂a + f₂f₃a² + … .
+    """
+    if not (TRANSFER_METHODS[scheme.kind].full_mass or TRANSFER_METHODS[scheme.kind].projects):
+        return 0.0
+    if scheme.velocity_gradient:
+        return 0.0  # what S⁺S smooths, the gradients put back
+    a = variance(lattice) * wave * wave
+    total = increment = 1.0
+    for order in range(2, scheme.order + 1):
+        increment *= scheme.factor(order) * a
+        total += increment
+    return 1.0 - (1.0 - a) * total
 
 
 @functools.lru_cache(maxsize=512)
