@@ -10,10 +10,9 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import prange
 
 from mpmcli.core.grid import Grid, unfold
-from mpmcli.core.kernel import inline, kernel
+from mpmcli.core.kernel import inline, kernel, prange
 from mpmcli.core.order import CellOrder, locate_cells
 from mpmcli.core.stencil import fill
 

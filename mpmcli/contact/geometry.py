@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import prange
 
 from mpmcli.contact.area import contact_area, perpendicular_size
 from mpmcli.contact.cloud import Cloud
 from mpmcli.contact.clouds import IMAGE_BITS
 from mpmcli.contact.normals.base import find_normal
 from mpmcli.contact.separation.base import find_separation
-from mpmcli.core.kernel import inline, kernel
+from mpmcli.core.kernel import inline, kernel, prange
 
 Array = np.ndarray
 

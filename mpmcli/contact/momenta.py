@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import prange
 
 from mpmcli.contact import increments
 from mpmcli.contact.settle import is_soft, leave, settle, settle_soft, slip_work
-from mpmcli.core.kernel import inline, kernel
+from mpmcli.core.kernel import inline, kernel, prange
 
 Array = np.ndarray
 

@@ -12,10 +12,9 @@ volume of a cell there, whatever their particles look like at the edge. More tha
 from __future__ import annotations
 
 import numpy as np
-from numba import prange
 
 from mpmcli.contact.area import perpendicular_size
-from mpmcli.core.kernel import inline, kernel
+from mpmcli.core.kernel import inline, kernel, prange
 
 Array = np.ndarray
 

@@ -1,5 +1,1 @@
 """Arrays, kernels, transfer operators and what every other room shares."""
-
-from mpmcli.core.runtime import configure
-
-configure()

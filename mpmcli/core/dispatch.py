@@ -11,24 +11,9 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable, Sequence
-from typing import Any, cast
+from typing import Any
 
-from numba.extending import overload
-
-COMPILE_OPTIONS: dict[str, Any] = {
-    "error_model": "numpy",
-    "fastmath": {"nnan", "ninf", "nsz"},
-    "no_cfunc_wrapper": True,  # C calls none of ours
-}
-"""Fast floating point as far as it leaves every digit alone.
-
-Contraction (fused multiply-add), reciprocals and reassociation would let the digits depend on how the optimiser inlined
-a function, and that differs between the process that compiles a kernel and those that load it from the disk cache.
-Reassociation is also slower: sums over the few nodes of a stencil, reordered for the vector unit, gather from memory.
-"""
-
-INLINED = COMPILE_OPTIONS | {"forceinline": True}
-"""What the compiler would call by itself it inlines: stencils and tensors then stay in registers."""
+from mpmcli.core.compiler import compiled_as
 
 
 def generic(declaration: Callable[..., Any] | None = None, *, over: int = 1) -> Any:
@@ -56,13 +41,13 @@ def generic(declaration: Callable[..., Any] | None = None, *, over: int = 1) -> 
     def implementation_of(*numba_types: Any) -> Callable[..., Any] | None:
         return implementations.get(_key([getattr(each, "instance_class", None) for each in numba_types]))
 
-    # numba insists that the chooser has the very parameters of the implementation
+    # with the very parameters of the implementation
     scope: dict[str, Any] = {"implementation_of": implementation_of}
     exec(
         f"def choose({', '.join(parameters)}):\n    return implementation_of({', '.join(parameters[:over])})",
         scope,
     )
-    overload(by_class, strict=False, jit_options=cast(Any, INLINED))(scope["choose"])
+    compiled_as(by_class)(scope["choose"])
     by_class.register = register  # type: ignore[attr-defined]
     by_class.implementations = implementations  # type: ignore[attr-defined]
     return by_class

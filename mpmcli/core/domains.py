@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import prange
 
-from mpmcli.core.kernel import kernel
+from mpmcli.core.kernel import kernel, prange
 
 
 @kernel

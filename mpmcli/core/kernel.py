@@ -2,21 +2,79 @@
 
 ``kernel[False](…)`` runs the serial version, ``kernel[True](…)`` the parallel one. Both come from the same function;
 each has a name of its own, because numba's disk cache tells functions apart by name only.
+
+What is decorated costs nothing until it is called: only then is numba imported, and the function compiled or loaded.
 """
 
 from __future__ import annotations
 
+import functools
 import os
 import types
 from collections.abc import Callable
 from typing import Any
 
-from numba import njit
-
-from mpmcli.core.cache import SharedCache
-from mpmcli.core.dispatch import COMPILE_OPTIONS
+from mpmcli.core.compiler import COMPILE_OPTIONS, get_compiler_ready
 
 BOUNDS_CHECK = os.environ.get("MPMCLI_BOUNDSCHECK") == "1"
+
+
+class prange:
+    """``range`` in Python; in compiled kernels the loop whose rounds threads share."""
+
+    def __new__(cls, *limits: int) -> Any:
+        return range(*limits)
+
+
+class Compiled:
+    """A function that numba compiles when it is first called, or loads from the cache.
+
+    Attributes
+    ----------
+    py_func : the plain function
+    dispatcher : numba's, which exists from the first use on
+    """
+
+    def __init__(self, function: Callable[..., Any], **options: Any):
+        functools.update_wrapper(self, function)
+        self.py_func = function
+        self._options = {"nogil": True, "boundscheck": BOUNDS_CHECK} | COMPILE_OPTIONS | options
+
+    @functools.cached_property
+    def dispatcher(self) -> Any:
+        get_compiler_ready()
+        import numba
+
+        from mpmcli.core.cache import SharedCache
+
+        scope = self.py_func.__globals__
+        if scope.get("prange") is prange:
+            scope["prange"] = numba.prange  # the only name that numba shares between threads
+        dispatcher: Any = numba.njit(**self._options)(self.py_func)  # type: ignore[call-overload]
+        dispatcher._cache = SharedCache(self.py_func)
+        return dispatcher
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What numba takes it for where another compiled function calls it."""
+        return self.dispatcher._numba_type_
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.dispatcher(*arguments)
+
+    @property
+    def signatures(self) -> Any:
+        """Types of arguments for which this process has it compiled."""
+        return self.dispatcher.signatures if self._is_used else ()
+
+    @property
+    def cache_misses(self) -> int:
+        """How many of them had to be compiled because the disk cache did not hold them."""
+        return sum(self.dispatcher.stats.cache_misses.values()) if self._is_used else 0
+
+    @property
+    def _is_used(self) -> bool:
+        return "dispatcher" in self.__dict__
 
 
 class Kernel:
@@ -26,11 +84,11 @@ class Kernel:
 
     def __init__(self, function: Callable[..., Any], fastmath: Any = COMPILE_OPTIONS["fastmath"]):
         self.name = function.__name__
-        self._versions = tuple(_compile(function, parallel, fastmath) for parallel in (False, True))
+        self._versions = tuple(_version(function, parallel, fastmath) for parallel in (False, True))
         Kernel.registered.append(self)
 
     def __getitem__(self, parallel: bool) -> Any:
-        return self._versions[parallel]
+        return self._versions[parallel].dispatcher
 
     @classmethod
     def only_record(cls) -> list[tuple[Any, tuple[Any, ...]]]:
@@ -38,7 +96,7 @@ class Kernel:
         calls: list[tuple[Any, tuple[Any, ...]]] = []
 
         def recorded(kernel: Kernel, parallel: bool) -> Any:
-            return lambda *arguments: calls.append((kernel._versions[parallel], arguments))
+            return lambda *arguments: calls.append((kernel._versions[parallel].dispatcher, arguments))
 
         cls.__getitem__ = recorded  # type: ignore[method-assign]
         return calls
@@ -49,18 +107,10 @@ class Kernel:
 
     def cache_misses(self) -> int:
         """How many specialisations had to be compiled because the disk cache did not hold them."""
-        return sum(sum(version.stats.cache_misses.values()) for version in self._versions)
+        return sum(version.cache_misses for version in self._versions)
 
 
-def compiled(function: Callable[..., Any], **options: Any) -> Any:
-    """A function that numba compiles when it is first called, or loads from the cache."""
-    options = {"nogil": True, "boundscheck": BOUNDS_CHECK} | COMPILE_OPTIONS | options
-    dispatcher: Any = njit(**options)(function)  # type: ignore[call-overload]
-    dispatcher._cache = SharedCache(function)
-    return dispatcher
-
-
-def _compile(function: Callable[..., Any], parallel: bool, fastmath: bool) -> Any:
+def _version(function: Callable[..., Any], parallel: bool, fastmath: Any) -> Compiled:
     named = types.FunctionType(
         function.__code__,
         function.__globals__,
@@ -73,7 +123,7 @@ def _compile(function: Callable[..., Any], parallel: bool, fastmath: bool) -> An
     named.__module__ = function.__module__
     named.__doc__ = function.__doc__
     # without numba's reference counts: kernels allocate nothing, and counting views costs more than the arithmetic
-    return compiled(named, parallel=parallel, fastmath=fastmath, _nrt=False)
+    return Compiled(named, parallel=parallel, fastmath=fastmath, _nrt=False)
 
 
 def kernel(function: Callable[..., Any]) -> Kernel:
@@ -83,4 +133,4 @@ def kernel(function: Callable[..., Any]) -> Kernel:
 
 def inline(function: Callable[..., Any]) -> Any:
     """Decorate a small function that kernels call."""
-    return compiled(function)
+    return Compiled(function)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import prange
 
-from mpmcli.core.kernel import kernel
+from mpmcli.core.kernel import kernel, prange
 
 CHUNKS = 64
 """Reductions over nodes run in two stages over this many chunks, whatever the number of threads."""

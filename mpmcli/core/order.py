@@ -8,10 +8,9 @@ above it (w: stencil width), and bands of one colour (every second one) never to
 from __future__ import annotations
 
 import numpy as np
-from numba import prange
 
 from mpmcli.core.grid import Grid
-from mpmcli.core.kernel import inline, kernel
+from mpmcli.core.kernel import inline, kernel, prange
 from mpmcli.core.particles import Particles
 
 MAX_DRIFT = 1.0 - 1e-6

@@ -1,7 +1,6 @@
 """How compiled code runs: thread layer, number of threads and the folder of the compile cache.
 
-Numba reads these settings from the environment when it is first imported, so this module must not import it before
-``mpmcli.core`` has called ``configure``.
+Numba reads these settings from the environment when it is first imported; ``core.compiler`` sets them before.
 """
 
 from __future__ import annotations
@@ -89,7 +88,8 @@ def _private_folder(name: str) -> Path:
 
 def is_cold() -> bool:
     """Whether nothing has been compiled yet for this version: the first step will take some seconds longer."""
-    folder = Path(os.environ.get("NUMBA_CACHE_DIR", ""))
+    configure()
+    folder = Path(os.environ["NUMBA_CACHE_DIR"])
     return next(folder.rglob("*.nbi"), None) is None
 
 

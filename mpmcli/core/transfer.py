@@ -10,13 +10,12 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import prange, types
-from numba.extending import overload
 
 from mpmcli.core import verbs_of_rows, verbs_of_tables  # noqa: F401 (registered there)
+from mpmcli.core.compiler import compiled_as
 from mpmcli.core.dispatch import generic
 from mpmcli.core.grid import unfold
-from mpmcli.core.kernel import kernel
+from mpmcli.core.kernel import kernel, prange
 from mpmcli.core.stencil import fill, weigh
 from mpmcli.core.verbs import (
     column,
@@ -234,9 +233,9 @@ def buffer_for(result: Any, buffer: Any) -> Any:
     return None if result is None else buffer
 
 
-@overload(buffer_for)
+@compiled_as(buffer_for)
 def _(result, buffer):
-    if isinstance(result, types.NoneType):
+    if str(result) == "none":
         return lambda result, buffer: None
     return lambda result, buffer: buffer
 

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba.extending import register_jitable
-
-from mpmcli.core.dispatch import COMPILE_OPTIONS, generic
+from mpmcli.core.compiler import called_too
+from mpmcli.core.dispatch import generic
 from mpmcli.core.kernel import inline
 from mpmcli.core.tensors import exponential_1d
 from mpmcli.materials.base import kirchhoff_stress
@@ -32,7 +31,7 @@ def stretch_laterally(F: Any, y: float, z: float) -> Any:
     return (F[0], F[1], F[2], F[3], F[4] * y, F[5], F[6], F[7], F[8] * z)
 
 
-@register_jitable(**COMPILE_OPTIONS)
+@called_too
 def search_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) -> Any:
     """F_zz (and F_yy, if ``both``) for which τ_zz = 0: a bracketed secant search in its logarithm."""
     low, high = -20.0, 20.0
@@ -62,13 +61,13 @@ def search_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) 
     return F[8] * exponential_1d(x)
 
 
-@register_jitable(**COMPILE_OPTIONS)
+@called_too
 def search_thickness(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
     """``thickness_stretch`` of any material."""
     return search_stretch(m, F, dF, H, p, dt, False)
 
 
-@register_jitable(**COMPILE_OPTIONS)
+@called_too
 def search_lateral(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
     """``lateral_stretch`` of any material."""
     return search_stretch(m, F, dF, H, p, dt, True)

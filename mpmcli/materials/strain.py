@@ -11,9 +11,8 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import prange
 
-from mpmcli.core.kernel import compiled, inline, kernel
+from mpmcli.core.kernel import Compiled, inline, kernel, prange
 from mpmcli.core.tensors import IDENTITY, SMALL_INCREMENT, determinant, exponential_1d, multiply
 from mpmcli.materials.base import (
     absorb_work,
@@ -98,7 +97,7 @@ def largest_magnitude(A: Any, start: Any, end: Any) -> Any:
     return worst
 
 
-@partial(compiled, fastmath=False)
+@partial(Compiled, fastmath=False)
 def first_bad_particle(
     F: Any, L: Any, tau: Any, material: Any, material_index: Any, limits: Any, start: Any, end: Any
 ) -> Any:
@@ -123,7 +122,7 @@ def first_bad_particle(
     return np.int64(-1)
 
 
-@compiled  # by itself, which lets the compiler vectorise it
+@Compiled  # by itself, which lets the compiler vectorise it
 def deform(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> None:
     """F becomes exp(L dt)·F; lateral stretches that the stress decides stay."""
     for p in range(start, end):
@@ -132,7 +131,7 @@ def deform(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> None
         )
 
 
-@compiled  # by itself, which lets the compiler vectorise it
+@Compiled  # by itself, which lets the compiler vectorise it
 def stress_particles(
     analysis: Any,
     m: Any,

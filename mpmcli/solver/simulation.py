@@ -9,10 +9,10 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
-import numba
 import numpy as np
 
 from mpmcli.boundary.conditions import VelocityConditions
+from mpmcli.core.compiler import use_threads
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.order import CellOrder
 from mpmcli.core.runtime import available_threads
@@ -67,8 +67,7 @@ class Simulation:
 
     def __init__(self, loaded: Any, threads: int | None = None):
         scene = loaded.scene
-        self.threads = min(threads or available_threads(), numba.config.NUMBA_NUM_THREADS)  # type: ignore[attr-defined]
-        numba.set_num_threads(self.threads)
+        self.threads = use_threads(threads or available_threads())
         self.plan = make_plan(scene)
         self.period = Period(self.plan) if self.plan.is_periodic else EveryStep(self.plan)
         self.reached_order = self.plan.order

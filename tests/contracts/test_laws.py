@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numba import prange
 from scipy.stats import ortho_group
 
 from mpmcli.contact.laws import LAWS
 from mpmcli.contact.settle import APART, BROKEN, SLIDING, STICKING, settle, settle_soft, sliding_traction
-from mpmcli.core.kernel import kernel
+from mpmcli.core.kernel import kernel, prange
 
 BOND = {"normal_strength": 1.5, "shear_strength": 0.7}
 EXAMPLES = {

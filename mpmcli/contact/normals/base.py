@@ -8,9 +8,7 @@ from __future__ import annotations
 
 from typing import Any, ClassVar, NamedTuple
 
-from numba.extending import register_jitable
-
-from mpmcli.core.dispatch import INLINED, generic
+from mpmcli.core.dispatch import generic
 from mpmcli.core.model import Model, quantity
 from mpmcli.core.registry import Registry
 
@@ -18,9 +16,6 @@ NORMALS = Registry("normal method")
 
 FOUND, NOT_CONVERGED, DEGENERATE = 0, 1, 2
 """What ``find_normal`` returns: all is well; the last iterate was taken; the method gave no direction."""
-
-compiled_too: Any = register_jitable(**INLINED)
-"""Decorate a function that kernels call and that stays plain Python in Python."""
 
 
 class NormalModel(Model):

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.contact.normals.base import DEGENERATE, compiled_too
+from mpmcli.contact.normals.base import DEGENERATE
+from mpmcli.core.compiler import compiled_too
 
 VANISHES = 1e-12
 """A sum is zero if it is smaller than this fraction of the sum of its terms' sizes."""

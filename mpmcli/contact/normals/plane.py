@@ -21,7 +21,7 @@ import numpy as np
 from pydantic import Field
 
 from mpmcli.contact.cloud import WORK
-from mpmcli.contact.normals.base import DEGENERATE, FOUND, NOT_CONVERGED, BiasedNormalModel, compiled_too
+from mpmcli.contact.normals.base import DEGENERATE, FOUND, NOT_CONVERGED, BiasedNormalModel
 from mpmcli.contact.normals.gradients import (
     VANISHES,
     fall_back,
@@ -31,6 +31,7 @@ from mpmcli.contact.normals.gradients import (
     volume_gradients,
 )
 from mpmcli.contact.normals.sums import NO_SUMS, add_particles
+from mpmcli.core.compiler import compiled_too
 from mpmcli.core.dispatch import generic
 from mpmcli.core.model import Model, quantity
 from mpmcli.core.tensors import exponential_1d

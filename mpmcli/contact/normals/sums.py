@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
-from numba.extending import overload
 
-from mpmcli.contact.normals.base import compiled_too
-from mpmcli.core.dispatch import INLINED
+from mpmcli.core.compiler import compiled_as, compiled_too
 from mpmcli.core.lanes import each, load, zeros
 
 NO_SUMS = (0.0,) * 14
@@ -49,7 +47,7 @@ def across(lanes: Any) -> Any:
     return (a + b) + (c + d)
 
 
-@overload(add_particles, jit_options=cast(Any, INLINED))
+@compiled_as(add_particles)
 def _(axes: Any, cloud: Any, start: Any, count: Any, weight: Any, residual: Any, sums: Any) -> Any:
     d = len(axes)
 

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numba import prange
 
 from mpmcli.contact.area import SMALLEST, contact_area, perpendicular_size
 from mpmcli.contact.separation.base import UNKNOWN
 from mpmcli.core.grid import Grid
-from mpmcli.core.kernel import Kernel, kernel
+from mpmcli.core.kernel import Kernel, kernel, prange
 from mpmcli.shapes import SHAPES
 
 UNSEEN = np.array([UNKNOWN, UNKNOWN])

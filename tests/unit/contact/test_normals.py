@@ -7,14 +7,13 @@ import math
 
 import numpy as np
 import pytest
-from numba import prange
 from pydantic import ValidationError
 
 from mpmcli.contact.cloud import WORK, Cloud, allocate_cloud
 from mpmcli.contact.normals import DEGENERATE, FOUND, NORMALS, NOT_CONVERGED, find_normal
 from mpmcli.contact.normals.gradients import volume_gradients
 from mpmcli.contact.normals.plane import fit_plane, linear_plane, solve
-from mpmcli.core.kernel import kernel
+from mpmcli.core.kernel import kernel, prange
 
 QUARTERS = np.array([-0.75, -0.25, 0.25, 0.75])
 REGRESSIONS = ("linear_regression", "logistic_regression", "irls")

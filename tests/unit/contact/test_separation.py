@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numba import prange
 from pydantic import ValidationError
 
 from mpmcli.contact.cloud import WORK, Cloud
@@ -17,7 +16,7 @@ from mpmcli.contact.separation.base import APART, TOUCHING, UNKNOWN
 from mpmcli.contact.separation.position_fit import edge_distance
 from mpmcli.contact.separation.regression import radius_along
 from mpmcli.core.grid import Grid
-from mpmcli.core.kernel import Kernel, kernel
+from mpmcli.core.kernel import Kernel, kernel, prange
 from mpmcli.shapes import SHAPES
 
 KINDS = [

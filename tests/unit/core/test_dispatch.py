@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import pytest
-from numba import njit
 
 from mpmcli.core.dispatch import generic
+from mpmcli.core.kernel import inline
 
 
 class Square(NamedTuple):
@@ -34,7 +34,7 @@ def _(figure, scale):
     return scale * 3.0 * figure.radius**2
 
 
-@njit
+@inline
 def twice(figure):
     return 2.0 * area(figure, 1.0)
 
@@ -61,7 +61,7 @@ def _(outer, inner):
     return 2 * outer.radius**2 >= inner.side**2
 
 
-@njit
+@inline
 def compiled_holds(outer, inner):
     return holds(outer, inner)
 

@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
-from numba import njit
 
+from mpmcli.core.kernel import inline
 from mpmcli.core.lanes import distances, each, load, pack, plus, ramp_down, read, store, zeros
 
-FAST = {"error_model": "numpy", "fastmath": {"nnan", "ninf", "nsz"}}
 
-
-@njit(**FAST)
+@inline
 def scale_and_add(values, start, factor, added, out):
     total = load(values, np.uint64(start), added) + factor * pack(added)
     total -= pack(added) + zeros(added)
@@ -30,12 +28,12 @@ def test_lanes_round_like_single_numbers(count):
     assert np.isnan(np.delete(out, np.arange(2, 2 + count))).all()
 
 
-@njit(**FAST)
+@inline
 def multiply_and_add(values, weight, added):
     return each(plus(pack(added), weight, read(values, np.uint64(1), added)))
 
 
-@njit(**FAST)
+@inline
 def parabola(start, end, like):
     height = ramp_down(end, distances(start, like))
     return each(height * height)

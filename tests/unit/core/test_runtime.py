@@ -9,6 +9,7 @@ import sys
 import numba
 
 from mpmcli.core import runtime
+from mpmcli.core.compiler import get_compiler_ready
 
 
 def test_threads_respect_the_affinity():
@@ -18,6 +19,7 @@ def test_threads_respect_the_affinity():
 
 
 def test_numba_runs_with_our_settings():
+    get_compiler_ready()
     assert numba.config.THREADING_LAYER in ("tbb", "workqueue", "omp", "default")
     assert numba.config.NUMBA_NUM_THREADS >= 1
     assert numba.config.CACHE_DIR
@@ -68,14 +70,21 @@ def run_python(code: str, **environment: str) -> str:
     return done.stdout.strip()
 
 
-def test_importing_errors_and_registry_does_not_import_numba():
-    code = "import sys, mpmcli.core.errors, mpmcli.core.registry, mpmcli.core.runtime; print('numba' in sys.modules)"
-    assert run_python(code) == "False"
+def test_numba_is_imported_by_the_first_call_of_what_is_compiled():
+    code = (
+        "import sys, mpmcli.solver.simulation\n"
+        "from mpmcli.core.tensors import exponential_1d\n"
+        "before = 'numba' in sys.modules\n"
+        "exponential_1d(0.0)\n"
+        "print(before, 'numba' in sys.modules)"
+    )
+    assert run_python(code) == "False True"
 
 
 def test_settings_of_the_user_stay():
     code = (
-        "import mpmcli.core.nodes, numba; print(numba.config.NUMBA_NUM_THREADS, numba.config.THREADING_LAYER)"
+        "from mpmcli.core.compiler import get_compiler_ready as ready; ready(); import numba\n"
+        "print(numba.config.NUMBA_NUM_THREADS, numba.config.THREADING_LAYER)"
     )
     assert run_python(code, NUMBA_NUM_THREADS="1", NUMBA_THREADING_LAYER="workqueue") == "1 workqueue"
 

@@ -1,0 +1,210 @@
+"""What ``core.lanes`` is for the compiler: a type, and the code of each function."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.imputils import lower_builtin
+from numba.core.typing.templates import AbstractTemplate, infer_global, make_intrinsic_template, signature
+from numba.extending import models, register_model
+
+from mpmcli.core import lanes
+
+DOUBLE = ir.DoubleType()
+INDEX = ir.IntType(32)
+
+
+def written_in_llvm(name: Callable[..., Any]) -> Callable[[Callable[..., Any]], None]:
+    """Decorate what gives, for the types of arguments, signature and code of the function ``name``."""
+
+    def decorate(definition: Callable[..., Any]) -> None:
+        infer_global(name, types.Function(make_intrinsic_template(name, definition, name.__name__)))
+
+    return decorate
+
+
+class Lanes(types.Type):
+    """``count`` float64 in one register."""
+
+    def __init__(self, count: int):
+        self.count = count
+        super().__init__(name=f"Lanes({count})")
+
+
+@register_model(Lanes)
+class LanesModel(models.PrimitiveModel):
+    """A vector type of LLVM; the compiler splits what the machine has no register for."""
+
+    def __init__(self, manager: Any, lanes: Lanes):
+        super().__init__(manager, lanes, ir.VectorType(DOUBLE, lanes.count))
+
+
+def _address(context: Any, builder: Any, array_type: Any, array: Any, i: Any, count: int) -> Any:
+    data = cgutils.create_struct_proxy(array_type)(context, builder, array).data
+    return builder.bitcast(builder.gep(data, [i]), ir.VectorType(DOUBLE, count).as_pointer())
+
+
+def _load(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    count = sig.return_type.count
+    return builder.load(_address(context, builder, sig.args[0], args[0], args[1], count), align=8)
+
+
+def _all_alike(builder: Any, number: Any, count: int) -> Any:
+    empty = ir.Constant(ir.VectorType(DOUBLE, count), ir.Undefined)
+    one = builder.insert_element(empty, number, INDEX(0))
+    return builder.shuffle_vector(one, empty, ir.Constant(ir.VectorType(INDEX, count), [0] * count))
+
+
+@written_in_llvm(lanes.load)
+def _(typing_context: Any, array: Any, i: Any, like: Any) -> Any:
+    return Lanes(len(like))(array, types.uint64, like), _load
+
+
+@written_in_llvm(lanes.read)
+def _(typing_context: Any, array: Any, i: Any, like: Any) -> Any:
+    count = len(like)
+    if count != 3:
+        return Lanes(count)(array, types.uint64, like), _load
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        four, mask = ir.VectorType(DOUBLE, 4), ir.VectorType(ir.IntType(1), 4)
+        address = _address(context, builder, sig.args[0], args[0], args[1], 4)
+        masked_load = cgutils.get_or_insert_function(
+            builder.module,
+            ir.FunctionType(four, [four.as_pointer(), INDEX, mask, four]),
+            "llvm.masked.load.v4f64.p0v4f64",
+        )
+        wanted, zero = ir.Constant(mask, [1, 1, 1, 0]), ir.Constant(four, [0.0] * 4)
+        whole = builder.call(masked_load, [address, INDEX(8), wanted, zero])
+        return builder.shuffle_vector(whole, whole, ir.Constant(ir.VectorType(INDEX, 3), [0, 1, 2]))
+
+    return Lanes(count)(array, types.uint64, like), build
+
+
+@written_in_llvm(lanes.store)
+def _(typing_context: Any, array: Any, i: Any, value: Any) -> Any:
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        address = _address(context, builder, sig.args[0], args[0], args[1], value.count)
+        builder.store(args[2], address, align=8)
+        return context.get_dummy_value()
+
+    return types.void(array, types.uint64, value), build
+
+
+@written_in_llvm(lanes.pack)
+def _(typing_context: Any, components: Any) -> Any:
+    count = len(components)
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        vector = ir.Constant(ir.VectorType(DOUBLE, count), ir.Undefined)
+        for lane, value in enumerate(cgutils.unpack_tuple(builder, args[0])):
+            vector = builder.insert_element(vector, value, INDEX(lane))
+        return vector
+
+    return Lanes(count)(types.UniTuple(types.float64, count)), build
+
+
+@written_in_llvm(lanes.zeros)
+def _(typing_context: Any, like: Any) -> Any:
+    count = len(like)
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return ir.Constant(ir.VectorType(DOUBLE, count), [0.0] * count)
+
+    return Lanes(count)(like), build
+
+
+@written_in_llvm(lanes.distances)
+def _(typing_context: Any, start: Any, like: Any) -> Any:
+    count = len(like)
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        vector = ir.VectorType(DOUBLE, count)
+        counted = ir.Constant(vector, [float(i) for i in range(count)])
+        difference = builder.fsub(_all_alike(builder, args[0], count), counted)
+        name = f"llvm.fabs.v{count}f64"
+        fabs = cgutils.get_or_insert_function(builder.module, ir.FunctionType(vector, [vector]), name)
+        return builder.call(fabs, [difference])
+
+    return Lanes(count)(types.float64, like), build
+
+
+@written_in_llvm(lanes.ramp_down)
+def _(typing_context: Any, end: Any, value: Any) -> Any:
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        count = sig.return_type.count
+        zero = ir.Constant(ir.VectorType(DOUBLE, count), [0.0] * count)
+        left = builder.fsub(_all_alike(builder, args[0], count), args[1])
+        return builder.select(builder.fcmp_ordered(">", left, zero), left, zero)
+
+    return value(types.float64, value), build
+
+
+@written_in_llvm(lanes.each)
+def _(typing_context: Any, value: Any) -> Any:
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        parts = [builder.extract_element(args[0], INDEX(lane)) for lane in range(value.count)]
+        return context.make_tuple(builder, sig.return_type, parts)
+
+    return types.UniTuple(types.float64, value.count)(value), build
+
+
+@written_in_llvm(lanes.plus)
+def _(typing_context: Any, total: Any, weight: Any, value: Any) -> Any:
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        total, weight, value = args
+        count = sig.return_type.count
+        vector = ir.VectorType(DOUBLE, count)
+        name = f"llvm.fma.v{count}f64"
+        fma = cgutils.get_or_insert_function(builder.module, ir.FunctionType(vector, [vector] * 3), name)
+        return builder.call(fma, [_all_alike(builder, weight, count), value, total])
+
+    return total(total, types.float64, value), build
+
+
+class _Sum(AbstractTemplate):
+    def generic(self, args: Any, kws: Any) -> Any:
+        if len(args) == 2 and isinstance(args[0], Lanes) and args[0] == args[1]:
+            return signature(args[0], *args)
+        return None
+
+
+class _Product(AbstractTemplate):
+    def generic(self, args: Any, kws: Any) -> Any:
+        if len(args) == 2 and isinstance(args[1], Lanes):
+            if args[0] == args[1]:
+                return signature(args[1], *args)
+            if isinstance(args[0], types.Float):
+                return signature(args[1], types.float64, args[1])
+        return None
+
+
+for _operator in (operator.add, operator.iadd, operator.sub, operator.isub):
+    infer_global(_operator)(type("_Sum", (_Sum,), {"key": _operator}))
+infer_global(operator.mul)(type("_Product", (_Product,), {"key": operator.mul}))
+
+
+@lower_builtin(operator.add, Lanes, Lanes)
+@lower_builtin(operator.iadd, Lanes, Lanes)
+def _add(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.fadd(*args)
+
+
+@lower_builtin(operator.sub, Lanes, Lanes)
+@lower_builtin(operator.isub, Lanes, Lanes)
+def _subtract(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.fsub(*args)
+
+
+@lower_builtin(operator.mul, types.Float, Lanes)
+def _scale(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.fmul(_all_alike(builder, args[0], sig.args[1].count), args[1])
+
+
+@lower_builtin(operator.mul, Lanes, Lanes)
+def _multiply(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.fmul(*args)

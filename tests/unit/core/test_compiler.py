@@ -1,0 +1,27 @@
+"""What waits for the compiler, and what only compiled code can call."""
+
+from __future__ import annotations
+
+import pytest
+
+from mpmcli.core import compiler
+from mpmcli.core.lanes import zeros
+
+
+def test_what_is_told_waits_until_something_is_compiled(monkeypatch):
+    monkeypatch.setattr(compiler, "_is_ready", False)
+    monkeypatch.setattr(compiler, "_told", [])
+    heard = []
+    compiler.tell_compiler(lambda: heard.append("first"))
+    compiler.tell_compiler(lambda: compiler.tell_compiler(lambda: heard.append("by the second")))
+    assert heard == []
+    compiler.get_compiler_ready()
+    assert heard == ["first", "by the second"]
+    compiler.get_compiler_ready()
+    compiler.tell_compiler(lambda: heard.append("later"))
+    assert heard == ["first", "by the second", "later"]
+
+
+def test_lanes_cannot_be_had_in_python():
+    with pytest.raises(TypeError, match="zeros exists in compiled code only"):
+        zeros((0.0,))
