@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from html import escape  # that of xml.sax imports the web
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk
@@ -251,7 +251,7 @@ class Series:
 
     def _list(self) -> None:
         lines = [
-            f'    <DataSet timestep={quoteattr(f"{when:.17g}")} part="0" file={quoteattr(file)}/>'
+            f'    <DataSet timestep="{when:.17g}" part="0" file="{escape(file)}"/>'
             for when, file in self.entries
         ]
         text = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">\n'

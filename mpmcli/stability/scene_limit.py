@@ -263,7 +263,7 @@ def blocks_of(scene: Any) -> Iterator[Block]:
             )
             swing = _swing(scene, body, int(axes[0])) if len(axes) == 1 else None
             yield Block(lattice, body.name, space * fastest / speed, pairs, faces, swing)
-        for a in np.setdiff1d(np.arange(len(cell)), free):
+        for a in (axis for axis in range(len(cell)) if axis not in free):
             row = Lattice(
                 shape.grid_functions,
                 shape.domain,
