@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,12 +57,17 @@ class Lattice:
 
 @dataclass(eq=False)
 class Stencils:
-    """Of N particles and n nodes: S (N, n), G (d, N, n), S·(x_i − X_p) (d, N, n), Σ_p S (n, 1)."""
+    """Of N particles and n nodes: S (N, n), G (d, N, n), Σ_p S (n, 1), and what finds ``reach``."""
 
     S: Array
     G: Array
-    reach: Array
     mass: Array
+    find_reach: Callable[[], Array]
+
+    @functools.cached_property
+    def reach(self) -> Array:
+        """S·(x_i − X_p) (d, N, n), which velocity gradients ask for."""
+        return self.find_reach()
 
 
 @functools.lru_cache(maxsize=512)
@@ -80,18 +86,21 @@ def stencils(lattice: Lattice, offsets: tuple[float, ...]) -> Stencils:
     def product(*factors: Array) -> Array:
         return functools.reduce(_kron, factors)
 
-    value = product(*[S for S, _, _ in along])
+    values = [S for S, _, _ in along]
+    value = product(*values)
     mass = value.sum(axis=0)
     kept = mass > 1e-12
-    gradients, reaches = [], []
-    for a, cell in enumerate(lattice.cell):
-        gradients.append(product(*[G / cell if b == a else S for b, (S, G, _) in enumerate(along)]))
-        reaches.append(product(*[R * cell if b == a else S for b, (S, _, R) in enumerate(along)]))
+
+    def along_each(others: list[Array]) -> Array:
+        """For each axis the product in which the values along it have made room for ``others``."""
+        products = [product(*values[:a], other, *values[a + 1 :]) for a, other in enumerate(others)]
+        return np.stack(products)[:, :, kept]
+
     return Stencils(
         value[:, kept],
-        np.stack(gradients)[:, :, kept],
-        np.stack(reaches)[:, :, kept],
+        along_each([G / cell for (_, G, _), cell in zip(along, lattice.cell, strict=True)]),
         mass[kept][:, None],
+        lambda: along_each([R * cell for (_, _, R), cell in zip(along, lattice.cell, strict=True)]),
     )
 
 
