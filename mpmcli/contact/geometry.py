@@ -15,12 +15,18 @@ from mpmcli.core.kernel import inline, kernel, prange
 
 Array = np.ndarray
 
+AT_ONE_PLACE = 1e-12
+"""Gaps up to this share of a cell are none: less than that tells nothing about edges that meet."""
+ROUND_OFF = 1e-15
+"""The same as a share of the largest coordinate, whose last digits the edges' positions do not have."""
+
 
 class Geometry(NamedTuple):
     """Where and how they meet: one row per contact.
 
     normal : (k, d) unit normal from α to β
-    separation : (k,) distance of the two sides at the start of the step, negative where they overlap [length]
+    separation : (k,) distance of the two sides at the start of the step, negative where they overlap or meet exactly
+        (less what round-off may make of no distance, ``unsure``) [length]
     distances : (k, 2) of the edges of α and β to the node along the normal, if the method knows them [length]
     area : (k,) contact area [area]; per radian in axisymmetric analyses
     bond : (k,) share of the volume around the node whose adhesion is intact [-]
@@ -173,6 +179,15 @@ def gather(
     return n, sum_alpha, sum_beta, bonded / whole if whole > 0.0 else 0.0
 
 
+@inline
+def unsure(axes, h, shape_of_grid, origin, cell):
+    """How far edges that meet exactly may seem apart by round-off, generously [length]; ``h`` as for separations."""
+    largest = 0.0
+    for a in range(len(axes)):
+        largest = max(largest, abs(origin[a]), abs(origin[a] + shape_of_grid[a] * cell[a]))
+    return AT_ONE_PLACE * h + ROUND_OFF * largest
+
+
 @kernel
 def find_geometry(
     normal_method, separation_method, axes, count, members, node, node_count, shape_of_grid, origin, cell, ring,
@@ -206,6 +221,7 @@ def find_geometry(
                 for a in range(len(axes)):
                     guesses[members.alpha[k], a] = normal[k, a]
             h = perpendicular_size(axes, cell, normal[k])
-            separation[k] = find_separation(separation_method, axes, cloud, n, normal[k], h, distances[k])
+            gap = find_separation(separation_method, axes, cloud, n, normal[k], h, distances[k])
+            separation[k] = gap - unsure(axes, h, shape_of_grid, origin, cell)
             part = share_on_planes(axes, node[members.slot[k]], shape_of_grid, planes)
             area[k] = part * contact_area(volume_alpha, volume_beta, h, distances[k])

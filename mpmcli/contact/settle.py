@@ -27,6 +27,10 @@ NARROWEST = 1e-150
 TINIEST = 1e-300
 """No division by less."""
 
+PARTING = 1e-8
+"""Sides that move apart at no more than this share of their relative speed slide along each other: normals are not
+known better, so that round-off would decide."""
+
 HARD = 0.25 * math.pi * math.pi
 """φ² from which a stiff contact counts as rigid: φ = π/2 (Nairn 2023, 5.7)."""
 
@@ -52,9 +56,9 @@ def settle(
     """Momentum Δp_α that settles a contact, into ``out`` (d,); returns APART, SLIDING, STICKING or BROKEN.
 
     ``axes`` is a tuple of d numbers, whose length compiled code knows; ``dp0`` (d,) is Δp_α(0) [momentum], ``n`` (d,)
-    the unit normal from α to β; only the sign of ``separation`` matters. There is contact if dp0·n < 0 and the
-    separation is negative; with ``displacement_only`` if the latter is. ``area`` is the contact area, ``bond`` the
-    intact share of its volume. ``out`` must not share memory with ``dp0``.
+    the unit normal from α to β; only the sign of ``separation`` matters. There is contact if the sides do not part,
+    dp0·n < ``PARTING`` |dp0|, and the separation is negative; with ``displacement_only`` if the latter is. ``area`` is
+    the contact area, ``bond`` the intact share of its volume. ``out`` must not share memory with ``dp0``.
     """
 
 
@@ -243,8 +247,12 @@ def settle_by_traction(
 ):  # fmt: skip
     """``settle`` for sides that are not bonded."""
     normal = dot(axes, dp0, n)
-    if separation < 0.0 and (normal < 0.0 or displacement_only):
+    if separation >= 0.0:
+        return leave(axes, out)
+    if normal < 0.0 or displacement_only:
         return slide(law, axes, dp0, n, normal, normal, area * dt, reduced_mass, out)
+    if normal < PARTING * length(axes, dp0):
+        return slide(law, axes, dp0, n, normal, 0.0, area * dt, reduced_mass, out)
     return leave(axes, out)
 
 
