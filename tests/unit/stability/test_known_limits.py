@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from mpmcli.cli.main import call
+from mpmcli.cli.options import check_time_step
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.errors import SceneError
 from mpmcli.scene.loader import load_scene
@@ -35,6 +36,7 @@ from mpmcli.study.transfers import transfer_value
 SLOW = pytest.mark.slow
 ROOT = Path(__file__).parents[3]
 INPUTS = ROOT / "inputs"
+SHIPPED = sorted([*INPUTS.glob("*.yaml"), *(ROOT / "mpmcli" / "scene" / "templates").glob("*.yaml")])
 
 MEASURED = [  # order, largest stable Courant number of inputs/vibrating_bar.yaml ("mpmcli stability", lcpdi)
     ("flip", 1, 0.855),
@@ -133,6 +135,15 @@ def test_a_step_above_the_limit_is_a_warning():
     above = warning_of(bar(step=0.3))
     assert above.path == "time.step"
     assert "Courant number 0.6, which is above the stability limit 0.522" in above.message
+
+
+@SLOW
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_no_shipped_scene_has_a_warning(path):
+    """Nor a step above its own known limit."""
+    loaded = load_scene(path)
+    check_time_step(loaded)
+    assert [str(warning) for warning in loaded.warnings] == []
 
 
 def test_a_limit_is_only_looked_for_where_a_step_is_above_it(monkeypatch):
