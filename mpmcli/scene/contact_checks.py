@@ -14,6 +14,7 @@ from mpmcli.core.errors import Problem
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.scene.checks import NAME, NAME_WORDS, Report, label, names_of
 from mpmcli.scene.models import MAX_NODES
+from mpmcli.scene.normal_checks import check_specified_normal
 from mpmcli.scene.parts import Parts
 from mpmcli.scene.report import locate
 from mpmcli.scene.tree import Node
@@ -76,6 +77,7 @@ def check_contact(parts: Parts, root: Node) -> list[Problem]:
         if parts.contact is not None:
             _check_choices(parts, fields, report)
             _check_size(parts, fields, report)
+            check_specified_normal(parts, fields.members, report)
     if parts.contact is not None and parts.grid is not None:
         for place, words in parts.contact.problems(parts.grid.dimensions):
             report(f"contact.{place}", words, "axes")

@@ -14,6 +14,7 @@ from mpmcli.contact.settle import BROKEN
 from mpmcli.core.analysis import Axisymmetric
 from mpmcli.scene.fields import law_table
 from mpmcli.solver.contact_account import ContactAccount
+from mpmcli.solver.contact_direction import DirectionWatch
 from mpmcli.solver.setup import section_of
 
 if TYPE_CHECKING:
@@ -97,6 +98,9 @@ class NodalContact(NoContact):
             p.X0 = p.X.copy()
         if self._breaks:
             p.bond = np.ones(p.count)
+        self._direction = None
+        if model.normal.is_given and self._has_geometry:
+            self._direction = DirectionWatch(self.contacts, plan.fields, grid.node_count)
         self._guesses = np.zeros((grid.dof_count, d)) if getattr(model.normal, "reuse", False) else None
         self._incremental = model.increments in ("net", "evolving")
         self._evolving = model.increments == "evolving"
@@ -145,6 +149,8 @@ class NodalContact(NoContact):
                 self._normal, self._separation, s.grid, s.particles, F, self._ring, s.particles.X0,
                 self._model.separation.needs_radius, self._guesses, s.parallel,
             )  # fmt: skip
+            if self._direction is not None:
+                self._direction.look(s.particles)
         c.start[: c.count] = 0.0
         if self._keeps_start:
             self._find_slip(None, c.slip)

@@ -25,6 +25,8 @@ class NormalModel(Model):
     """Both sides use the normal ±n; otherwise each field finds its own, and momentum is not conserved."""
     needs_gradients: ClassVar[bool] = True
     """Whether the method, or what it falls back to, reads the gradients ``Cloud.G``."""
+    is_given: ClassVar[bool] = False
+    """The direction is the scene's word, which may be the wrong way round: a run looks when fields first meet."""
 
     def parameters(self, dimensions: int, cell: tuple[float, ...]) -> NamedTuple:
         """The numbers that the compiled functions need; ``cell`` is the cell's size per axis [length]."""

@@ -18,6 +18,15 @@ def _cos_sin(degrees: float) -> tuple[float, float]:
     return math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
 
 
+def wrong_way(alpha: str, beta: str) -> str:
+    """Words on a normal that points out of β into α, which lets them pass through each other."""
+    return (
+        f"the specified normal points from '{beta}' to '{alpha}', which would pass through each other: it must "
+        "point from the field that comes first in the scene to the later one, and into a rigid body; turn it round, "
+        "or change the order of the bodies"
+    )
+
+
 @NORMALS.register
 class SpecifiedModel(NormalModel):
     """One normal for all contacts and the whole simulation [nairn2023notes, 3.3].
@@ -27,6 +36,7 @@ class SpecifiedModel(NormalModel):
     """
 
     needs_gradients: ClassVar[bool] = False
+    is_given: ClassVar[bool] = True
 
     kind: Literal["specified"]
     """Normal method."""

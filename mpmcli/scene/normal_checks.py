@@ -1,0 +1,67 @@
+"""Whether a specified contact normal points from one body to the other, where the scene's first positions tell."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from mpmcli.contact.normals.specified import wrong_way
+from mpmcli.scene.checks import Report
+from mpmcli.scene.parts import Parts
+
+Array = np.ndarray
+
+NEAR = 2.0
+"""Bodies whose boxes are at most so many cells apart at the start are about to touch; others may come from anywhere."""
+
+
+def check_specified_normal(parts: Parts, members: tuple[Any, ...], report: Report) -> None:
+    """Warn of a normal that points from the later body to the earlier one: they would pass through each other.
+
+    ``members`` are the bodies of the scene as ``contact_checks.read_fields`` lists them. Bodies that a plane across the
+    normal does not part say nothing; a run looks again when they meet.
+    """
+    if parts.grid is None or parts.contact.normal.kind != "specified":
+        return
+    d, cell = parts.grid.dimensions, np.asarray(parts.grid.cell)
+    if parts.contact.normal.problems(d):
+        return
+    n = np.array(parts.contact.normal.parameters(d, tuple(cell))[:d])
+    regions = {body.name: body.region for _, body in parts.bodies if not list(body.region.misfits(d))}
+    boxes = {name: region.bounds(d) for name, region in regions.items()}
+    order = list(dict.fromkeys(member.field for member in members))
+    known = [member for member in members if member.name in boxes]
+    found = []
+    for one, other in combinations(known, 2):
+        if one.field == other.field or (one.is_rigid and other.is_rigid):
+            continue
+        alpha, beta = sorted((one, other), key=lambda member: (member.is_rigid, order.index(member.field)))
+        law = _law_between(parts.contact, alpha, beta)
+        if law.skipped or not law.needs_normal:
+            continue
+        (low, high), (lower, upper) = boxes[alpha.name], boxes[beta.name]
+        is_near = bool((np.maximum(lower - high, low - upper) <= NEAR * cell).all())
+        slack = 1e-9 * float(cell.min())
+        if is_near and _reach(n, lower, upper) <= -_reach(-n, low, high) + slack:
+            found.append((alpha.name, beta.name))
+    for alpha, beta in found[:1]:
+        more = f" (and {len(found) - 1} more such pairs)" if len(found) > 1 else ""
+        report("contact.normal", wrong_way(alpha, beta) + more, "wrong_way", "warning")
+
+
+def _law_between(contact: Any, one: Any, other: Any) -> Any:
+    """The law of two bodies' fields."""
+    for pair in contact.pairs:
+        a, b = pair.between
+        for first, second in ((one, other), (other, one)):
+            if a in (first.owner, first.field) and b in (second.owner, second.field):
+                return pair.law
+    return contact.law
+
+
+def _reach(n: Array, lower: Array, upper: Array) -> float:
+    """How far a box reaches along ``n``; its corners may be infinite."""
+    along = n != 0.0
+    return float(np.maximum(n[along] * lower[along], n[along] * upper[along]).sum())
