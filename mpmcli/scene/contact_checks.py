@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
+from mpmcli.contact.normals.plane import BIAS_FOR_RIGID, RegressionModel
 from mpmcli.core.errors import Problem
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.scene.checks import NAME, NAME_WORDS, Report, label, names_of
+from mpmcli.scene.contact_combinations import check_combinations
 from mpmcli.scene.models import MAX_NODES
 from mpmcli.scene.normal_checks import check_specified_normal
 from mpmcli.scene.parts import Parts
@@ -323,17 +323,21 @@ def _check_choices(parts: Parts, fields: Fields, report: Report) -> None:
         for key in ("normal", "separation", "displacement_only"):
             if key in given and getattr(contact, key) is not False:
                 idle(key, f"the law {kinds} asks neither for normals nor for separations")
-    elif contact.separation.kind == "none":
-        _check_need_of_separation(contact, report)
     if "mass_ratio" in given and not any(law.screened and not law.skipped for law in laws):
         idle("mass_ratio", f"the law {kinds} takes all nodes alike")
     if contact.overlap_removal > 0.0 and not any(law.drives_apart for law in laws):
         idle("overlap_removal", f"the law {kinds} does not let overlapping sides be driven apart")
-    _check_calibration(parts, report)
-    if contact.three_or_more != "lumped" and len(fields.names) < 3:
-        idle("three_or_more", f"the scene has {len(fields.names)} velocity fields")
+    check_combinations(parts, report)
+    soft = [name for name in fields.names if not fields.is_rigid(name)]
+    deformable = f"{len(soft)} velocity field{'s' * (len(soft) != 1)} that deform{'s' * (len(soft) == 1)}"
+    if contact.three_or_more != "lumped" and fields.complete and len(soft) < 3:
+        idle("three_or_more", f"the scene has {deformable}")
+    if "mass_ratio" in given and fields.complete and len(soft) < 2:
+        idle("mass_ratio", f"it is for two deformable fields at a node, and the scene has {deformable}")
     if getattr(contact.normal, "rigid_bias", 1.0) != 1.0 and not any(m.is_rigid for m in fields.members):
         idle("normal.rigid_bias", "no body is rigid")
+    elif isinstance(contact.normal, RegressionModel) and 1.0 < contact.normal.rigid_bias < BIAS_FOR_RIGID:
+        idle("normal.rigid_bias", f"regressions take the rigid body's normal from {BIAS_FOR_RIGID:g} on")
     if parts.method is None:
         return
     transfer = parts.method.transfer
@@ -354,38 +358,6 @@ def _check_choices(parts: Parts, fields: Fields, report: Report) -> None:
         elif any(law.kind == "perfect" for law in laws):
             words = "with once, bodies in perfect contact do not move quite as one"
             report("contact.once", words, "inaccurate", "warning")
-
-
-def _check_need_of_separation(contact: Any, report: Report) -> None:
-    """What cannot be without knowing how far two fields are apart."""
-    if contact.displacement_only:
-        words = "needs a separation: with separation 'none' fields would never come apart"
-        report("contact.displacement_only", words, "combination")
-    laws = [("law", contact.law), *((f"pairs.{i}.law", pair.law) for i, pair in enumerate(contact.pairs))]
-    for path, law in laws:
-        if getattr(law, "stiffness", None) is not None:
-            words = "needs a separation: with separation 'none' nothing says how far fields overlap"
-            report(f"contact.{path}.stiffness", words, "combination")
-
-
-def _check_calibration(parts: Parts, report: Report) -> None:
-    """Separations by grid positions depend on how many particles a cell has."""
-    separation = parts.contact.separation
-    chosen = {"position_fit": ("fit", "auto"), "position_offset": ("offset", None)}
-    key, automatic = chosen.get(separation.kind, ("", None))
-    if not key or getattr(separation, key) != automatic:
-        return
-    counts = {n for _, body in parts.bodies for n in np.atleast_1d(body.particles_per_axis).tolist()}
-    if 1 in counts and len(counts) > 1:
-        both = " and ".join(map(str, sorted(counts)))
-        words = (
-            f"is chosen by the particles per axis, but bodies have {both}: give '{key}', or take separation "
-            "'regression'"
-        )
-        report("contact.separation", f"'{separation.kind}' {words}", "combination")
-    elif max(counts, default=2) > 2:
-        words = f"is known for one and two particles per axis, not for {max(counts)}"
-        report("contact.separation", f"'{separation.kind}' {words}", "inaccurate", "warning")
 
 
 def _check_size(parts: Parts, fields: Fields, report: Report) -> None:

@@ -44,7 +44,7 @@ class DirectionWatch:
                 continue
             self._judged.add(new)
             along, size = 0.0, 0.0
-            for k in np.flatnonzero(pair == new):
+            for k in np.flatnonzero(pair == new).tolist():
                 gradient = self._gradient(k, int(alpha[k]), int(beta[k]), particles)
                 along += float(gradient @ c.geometry.normal[k])
                 size += float(np.linalg.norm(gradient))

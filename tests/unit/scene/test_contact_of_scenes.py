@@ -195,7 +195,7 @@ PAIRS_OF_RIGID = (
              ("name: top, material: cork", "name: top, material: cork, field: left"),
              (LAW, f"{LAW}\n  three_or_more: pairs")],
             "contact.three_or_more",
-            "the scene has 2 velocity fields",
+            "the scene has 1 velocity field that deforms",
         ),
         ([(LAW, "law: {kind: perfect}\n  normal: {kind: own_gradient}")], "contact.normal", "the law 'perfect'"),
         ([(LAW, "law: {kind: none}\n  separation: {kind: displacement}")], "contact.separation", "the law 'none'"),

@@ -1,0 +1,72 @@
+"""Choices of a contact that are valid by themselves, but not with each other."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mpmcli.scene.checks import Report
+from mpmcli.scene.parts import Parts
+
+
+def check_combinations(parts: Parts, report: Report) -> None:
+    """Choices of a valid contact that do not go together, or not all the way."""
+    contact = parts.contact
+    laws = [("law", contact.law), *((f"pairs.{i}.law", pair.law) for i, pair in enumerate(contact.pairs))]
+    if contact.separation.kind == "none" and any(law.needs_normal for _, law in laws):
+        _check_need_of_separation(contact, laws, report)
+    _check_calibration(parts, report)
+    springs = [
+        f"contact.{path}.stiffness" for path, law in laws if getattr(law, "stiffness", None) is not None
+    ]
+    for path in springs[:1]:
+        _check_spring(parts, path, report)
+
+
+def _check_spring(parts: Parts, path: str, report: Report) -> None:
+    """A spring is part of the update of momenta, and of nothing else."""
+    contact, method = parts.contact, parts.method
+    has_loop = method is not None and method.transfer.kind == "fmpm" and method.transfer.order > 1
+    if has_loop and contact.increments in ("after", "combined"):
+        words = (
+            f"does not go with increments '{contact.increments}': a spring acts on updated momenta, not on final "
+            "velocities; take 'net'"
+        )
+        report(path, words, "combination")
+    if contact.three_or_more != "lumped":
+        words = (
+            f"has no effect where three or more fields meet: '{contact.three_or_more}' settles them as rigid"
+        )
+        report(path, words, "no_effect", "warning")
+
+
+def _check_need_of_separation(contact: Any, laws: list[tuple[str, Any]], report: Report) -> None:
+    """What cannot be without knowing how far two fields are apart."""
+    if contact.displacement_only:
+        words = "needs a separation: with separation 'none' fields would never come apart"
+        report("contact.displacement_only", words, "combination")
+    for path, law in laws:
+        if getattr(law, "stiffness", None) is not None:
+            words = "needs a separation: with separation 'none' nothing says how far fields overlap"
+            report(f"contact.{path}.stiffness", words, "combination")
+
+
+def _check_calibration(parts: Parts, report: Report) -> None:
+    """Separations by grid positions depend on how many particles a cell has."""
+    separation = parts.contact.separation
+    chosen = {"position_fit": ("fit", "auto"), "position_offset": ("offset", None)}
+    key, automatic = chosen.get(separation.kind, ("", None))
+    if not key or getattr(separation, key) != automatic:
+        return
+    counts = {n for _, body in parts.bodies for n in np.atleast_1d(body.particles_per_axis).tolist()}
+    if 1 in counts and len(counts) > 1:
+        both = " and ".join(map(str, sorted(counts)))
+        words = (
+            f"is chosen by the particles per axis, but bodies have {both}: give '{key}', or take separation "
+            "'regression'"
+        )
+        report("contact.separation", f"'{separation.kind}' {words}", "combination")
+    elif max(counts, default=2) > 2:
+        words = f"is known for one and two particles per axis, not for {max(counts)}"
+        report("contact.separation", f"'{separation.kind}' {words}", "inaccurate", "warning")
