@@ -62,7 +62,8 @@ def transfer_value(text: str) -> str:
 
 def label_of(transfer: Any) -> str:
     """The short form of a transfer as the scene's model has it, with what it says beyond kind and order."""
-    contents = transfer.model_dump(exclude_defaults=True, exclude_none=True)
+    changed = transfer.model_dump(exclude_defaults=True, exclude_none=True)
+    contents = {key: value for key, value in transfer.model_dump().items() if key in changed}
     kind, order = contents.pop("kind", transfer.kind), getattr(transfer, "order", None)
     contents.pop("order", None)
     label = kind if order is None or kind == "flip" else f"{kind}:{order}"

@@ -309,6 +309,9 @@ def test_labels_tell_what_is_not_as_usual():
     assert label_of(scene.method.transfer) == "fmpm:4 {alpha: 0.3}"
     scene = load_job(Source(str(BAR), ("method.transfer={kind: flip}",)).job()).scene
     assert label_of(scene.method.transfer) == "flip"
+    dynamic = "method.transfer={kind: fmpm, order: 8, dynamic: {metric: means, tolerance: 0.01}}"
+    scene = load_job(Source(str(BAR), (dynamic,)).job()).scene
+    assert label_of(scene.method.transfer) == "fmpm:8 {dynamic: {metric: means, tolerance: 0.01}}"
 
 
 def test_tables_and_picture(tmp_path):
