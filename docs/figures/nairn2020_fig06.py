@@ -101,7 +101,7 @@ As published: with grid data bodies go into each other and are softer; by logist
 What differs:
 
 - 72 particles in the height, where the author has 280, and stresses lower than with more. With 140 and 280, where
-  the scene comes to 97 GPa, see [verification](../verification.md#ellipses-pressed-together).
+  the scene comes to 97 GPa and FMPM(4) to 109, see [verification](../verification.md#ellipses-pressed-together).
 - The author lumps all others where a node sees three bodies or more, and has clean interfaces with it. Here that
   is not enough (same page); the scene has all pairs `coupled`, which holds them apart.
 - Picture and contact law of the paper are not given; here another picture, without friction.
