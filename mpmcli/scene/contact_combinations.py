@@ -17,6 +17,12 @@ def check_combinations(parts: Parts, report: Report) -> None:
     if contact.separation.kind == "none" and any(law.needs_normal for _, law in laws):
         _check_need_of_separation(contact, laws, report)
     _check_calibration(parts, report)
+    if contact.three_or_more != "lumped" and not contact.normal.shares_normal:
+        words = (
+            f"settles pairs by one normal for both sides: with '{contact.normal.kind}' that of the field that comes "
+            "first in the scene"
+        )
+        report("contact.three_or_more", words, "inaccurate", "warning")
     springs = [
         f"contact.{path}.stiffness" for path, law in laws if getattr(law, "stiffness", None) is not None
     ]

@@ -112,7 +112,9 @@ def test_no_order_mirror_or_turn_matters(way, shape, transfer):
     [{"kind": "flip"}, pytest.param({"kind": "fmpm", "order": 4}, marks=pytest.mark.slow)],
     ids=["flip", "fmpm"],
 )
-@pytest.mark.parametrize(("how", "law"), [("head on", "coulomb"), ("sliding", "stick")])
+@pytest.mark.parametrize(
+    ("how", "law"), [("head on", "coulomb"), pytest.param("sliding", "stick", marks=pytest.mark.slow)]
+)
 def test_sides_that_meet_exactly_are_in_contact_however_they_lie(how, law, transfer):
     """Neither the gap, nor the approach of sides that slide along each other, is what round-off makes of zero."""
     words = {"kind": law} | ({"friction": 0.3} if law == "coulomb" else {})

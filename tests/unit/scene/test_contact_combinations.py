@@ -76,3 +76,10 @@ def test_pairs_at_a_node_have_no_spring(way):
     (problem,) = problems_of("contact.law.stiffness=1", f"contact.three_or_more={way}")
     assert (problem.path, problem.severity) == ("contact.law.stiffness", "warning")
     assert f"'{way}' settles them as rigid" in problem.message
+
+
+def test_pairs_at_a_node_have_one_normal():
+    (problem,) = problems_of("contact.normal={kind: own_gradient}", "contact.three_or_more=pairs")
+    assert (problem.path, problem.severity) == ("contact.three_or_more", "warning")
+    assert "that of the field that comes first" in problem.message
+    assert problems_of("contact.normal={kind: own_gradient}") == []
