@@ -15,8 +15,8 @@ from mpmcli.core.kernel import inline, kernel, prange
 
 Array = np.ndarray
 
-AT_ONE_PLACE = 1e-12
-"""Gaps up to this share of a cell are none: less than that tells nothing about edges that meet."""
+AT_ONE_PLACE = 1e-10
+"""Edges that overlap by no more than this share of a cell only meet: round-off does as much."""
 ROUND_OFF = 1e-15
 """The same as a share of the largest coordinate, whose last digits the edges' positions do not have."""
 
@@ -25,8 +25,9 @@ class Geometry(NamedTuple):
     """Where and how they meet: one row per contact.
 
     normal : (k, d) unit normal from α to β
-    separation : (k,) distance of the two sides at the start of the step, negative where they overlap or meet exactly
-        (less what round-off may make of no distance, ``unsure``) [length]
+    separation : (k,) distance of the two sides at the start of the step, negative where they overlap; with
+        what round-off may make of no distance (``unsure``) added, so that sides that only meet begin to touch when
+        they approach [length]
     distances : (k, 2) of the edges of α and β to the node along the normal, if the method knows them [length]
     area : (k,) contact area [area]; per radian in axisymmetric analyses
     bond : (k,) share of the volume around the node whose adhesion is intact [-]
@@ -181,7 +182,7 @@ def gather(
 
 @inline
 def unsure(axes, h, shape_of_grid, origin, cell):
-    """How far edges that meet exactly may seem apart by round-off, generously [length]; ``h`` as for separations."""
+    """How far edges that meet exactly may seem to overlap, generously [length]; ``h`` as for separations."""
     largest = 0.0
     for a in range(len(axes)):
         largest = max(largest, abs(origin[a]), abs(origin[a] + shape_of_grid[a] * cell[a]))
@@ -222,6 +223,6 @@ def find_geometry(
                     guesses[members.alpha[k], a] = normal[k, a]
             h = perpendicular_size(axes, cell, normal[k])
             gap = find_separation(separation_method, axes, cloud, n, normal[k], h, distances[k])
-            separation[k] = gap - unsure(axes, h, shape_of_grid, origin, cell)
+            separation[k] = gap + unsure(axes, h, shape_of_grid, origin, cell)
             part = share_on_planes(axes, node[members.slot[k]], shape_of_grid, planes)
             area[k] = part * contact_area(volume_alpha, volume_beta, h, distances[k])

@@ -1,4 +1,4 @@
-"""Sides that meet exactly, or slide along each other exactly, touch: round-off decides nothing."""
+"""Sides that meet exactly begin to touch when they approach, whatever round-off makes of it."""
 
 from __future__ import annotations
 
@@ -41,14 +41,12 @@ def separations(at, moved=0.0):
 
 
 @pytest.mark.parametrize("at", [0.05, -3.35, 41.25, 70.55])
-def test_edges_that_meet_exactly_touch(at):
-    """Wherever they are, and by so little that it is no overlap; a gap of 1e-9 cells is open, at the same places."""
-    found = separations(at)
-    assert len(found) >= 5
-    assert found.max() < 0.0
-    inner = np.sort(np.abs(found))[:3]  # corners have tilted normals
-    assert inner.max() < 1e-11
-    assert (separations(at, 1e-9) > 0.0).sum() >= 3
+def test_edges_that_meet_exactly_are_not_in_contact_yet(at):
+    """Wherever they are, and by no gap that matters; an overlap of 1e-9 cells is one."""
+    inner = np.sort(np.abs(separations(at)))[:3]  # corners have tilted normals
+    assert inner.max() < 2e-10
+    assert (separations(at) > 0.0).sum() >= 3
+    assert separations(at, -1e-9).max() < 0.0
 
 
 def test_what_round_off_leaves_unsure():
@@ -56,8 +54,8 @@ def test_what_round_off_leaves_unsure():
     shape = np.array([40, 40])
     near = unsure(AXES, 0.5, shape, (-10.0, -10.0), (0.5, 0.5))
     far = unsure(AXES, 0.5, shape, (1e6, -10.0), (0.5, 0.5))
-    assert 0.5e-12 <= near < 1e-12
-    assert 1e6 * np.finfo(float).eps < far < 1e-8
+    assert 0.5e-10 <= near < 1e-10
+    assert 1e6 * np.finfo(float).eps < far - near < 1e-8
 
 
 @pytest.mark.parametrize("sign", [-1, 1])
