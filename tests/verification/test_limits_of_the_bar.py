@@ -140,3 +140,19 @@ def test_the_damping_of_long_waves_is_that_of_the_bar(courant, kept):
     lattice, scheme = next(blocks_of(scene)).lattice, scheme_of(scene)
     damping = wave_damping(lattice, scheme, 2.0 * math.pi / 160.0)
     assert math.exp(-damping * 800.0 / courant) == pytest.approx(kept, abs=0.01)
+
+
+@pytest.mark.slow
+def test_usavg_keeps_the_energy_that_usl_trebles():
+    """FMPM(4) with velocity gradients over 16 periods, far below the limit of five."""
+
+    def excess(update: str) -> tuple[float, float]:
+        transfer = "method.transfer={kind: fmpm, order: 4, velocity_gradient: true}"
+        job = {"scene": str(INPUTS / "vibrating_bar.yaml"), "sets": [transfer, f"method.update={update}"]}
+        found = march_trial(job | {"courant": 0.4, "until": 16 * 80.0, "threads": 1, "bound": 0.05})
+        return found["excess"], found["loss"] or 0.0
+
+    assert excess("usl")[0] > 0.5
+    most, lost = excess("usavg")
+    assert most < 0.002
+    assert abs(lost) < 0.005
