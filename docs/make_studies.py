@@ -373,12 +373,8 @@ STUDIES = {
     "disks-fine": Study(
         "two_disks",
         (
-            "--vary",
-            "constants.cell=0.1",
-            "--vary",
-            "method.transfer=flip",
-            "--vary",
-            "method.update=usl,usl+",
+            *("--vary", "constants.cell=0.1", "--vary", "method.transfer=flip,fmpm:4"),
+            *("--vary", "method.update=usl,usl+"),
         ),
         draw_disks_cells,
     ),
