@@ -56,8 +56,6 @@ class Contact(Model):
     overlap_removal: quantity("1", ge=0, le=1) = 0.0  # type: ignore[valid-type]
     """Share of their overlap by which a step drives apart sides in contact [baumgarte1972]; 0 for none. Meant for
     FMPM: with XPIC particles may collapse under it."""
-    particle_shift: quantity("1", ge=0, le=1) = 0.0  # type: ignore[valid-type]
-    """Share by which a step moves particles out of particles of other bodies [muller2007]; 0 for none."""
     three_or_more: Literal["lumped", "pairs", "coupled"] = "lumped"
     """At nodes of three or more fields: each against all others as one (lumped), the pairs in contact where these are
     one or two and else lumped [nairn2020, section 3.4], or all pairs at once, however many (coupled)."""

@@ -327,8 +327,6 @@ def _check_choices(parts: Parts, fields: Fields, report: Report) -> None:
         idle("mass_ratio", f"the law {kinds} takes all nodes alike")
     if contact.overlap_removal > 0.0 and not any(law.drives_apart for law in laws):
         idle("overlap_removal", f"the law {kinds} does not let overlapping sides be driven apart")
-    if contact.particle_shift > 0.0 and not any(law.drives_apart for law in laws):
-        idle("particle_shift", f"the law {kinds} does not let particles be pushed apart")
     check_combinations(parts, report)
     soft = [name for name in fields.names if not fields.is_rigid(name)]
     deformable = f"{len(soft)} velocity field{'s' * (len(soft) != 1)} that deform{'s' * (len(soft) == 1)}"

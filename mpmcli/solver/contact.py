@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmcli.contact import momenta, overlap, pairs, shift
+from mpmcli.contact import momenta, overlap, pairs
 from mpmcli.contact.clouds import NEAREST, Clouds
 from mpmcli.contact.contacts import Contacts, Rules
 from mpmcli.contact.settle import BROKEN
@@ -46,10 +46,6 @@ class NoContact:
 
     def account(self, v: Array, dt: float) -> None:
         """Task 6: forces and friction work."""
-
-    def shift_particles(self, X: Array) -> float:
-        """Task 6: positions alone; returns the largest displacement [cells]."""
-        return 0.0
 
     def nodal_fields(self) -> dict[str, Callable[[], Array]]:
         """Nothing to show on nodes."""
@@ -92,8 +88,6 @@ class NodalContact(NoContact):
         )
         self._removes_overlap = model.overlap_removal > 0.0 and self._has_geometry
         self._drives = np.array([law.drives_apart for law in models])
-        self._shifts_particles = model.particle_shift > 0.0 and self._has_geometry
-        self._room = 0
         self._thickness = section_of(scene)
         self._axes = (0.0,) * d
         self._ring = isinstance(plan.analysis, Axisymmetric)
@@ -240,32 +234,6 @@ class NodalContact(NoContact):
         self._account.close(c.net, c.slip, after, dt)
         if c.count > 0 and self._breaks:
             self._break_bonds()
-
-    def shift_particles(self, X: Array) -> float:
-        """Move particles that are in particles of other bodies out of them, all that the contact nodes see."""
-        s, c = self._s, self.contacts
-        if c.count == 0 or not self._shifts_particles:
-            return 0.0
-        p, sights, d = s.particles, self.clouds.sights, s.grid.dimensions
-        most = int(sights.number[: self.clouds.count].max())
-        if most > self._room:
-            self._room = 2 * most
-            self._scratch = (
-                np.zeros((d * d, self._room)),
-                np.zeros(self._room, dtype=np.int64),
-                np.zeros(self._room, dtype=bool),
-            )
-        found = np.zeros_like(p.X)
-        farthest = shift.find_shifts(
-            self._axes, self.clouds.count, sights.head, sights.next, sights.particle, sights.flag, p.velocity_field,
-            self._rules.rigid, self._rules.law, self._drives, X, s.transfer.domain_F, p.size, p.mass,
-            float(self._model.particle_shift), *self._scratch, found,
-        )  # fmt: skip
-        if farthest > 0.0:
-            moved = np.flatnonzero(found.any(axis=0))
-            lower, upper = s.grid.lower[:, None], s.grid.upper[:, None]
-            X[:, moved] = np.clip(X[:, moved] + found[:, moved], lower, upper)
-        return float(farthest / s.grid.cell.min())
 
     # ------------------------------------------------------------------ from one step to the next
 

@@ -135,7 +135,6 @@ class ContactChoice:
     knows_normals : some law needs normals, separations and areas, and with them clouds of particles
     lumped, increments, later : contact acts on updated momenta, on every FMPM increment, on final velocities
     drives_apart : sides that overlap are driven apart
-    shift : share by which particles are moved out of others
     """
 
     def __init__(self, scene: Any, plan: Plan):
@@ -151,9 +150,7 @@ class ContactChoice:
         self.increments = way if way in ("net", "evolving") else ""
         self.later = way in ("after", "combined")
         self.starts = bool(self.laws) and not self._model.once
-        pushed = any(law.drives_apart for law in self.laws)
-        self.shift = float(self._model.particle_shift) if pushed else 0.0
-        drives = self.lumped and pushed
+        drives = self.lumped and any(law.drives_apart for law in self.laws)
         self.removal = float(self._model.overlap_removal) if drives else 0.0
         self.drives_apart = self.removal > 0.0
 
@@ -237,9 +234,6 @@ def tasks_of(plan: Plan, contact: ContactChoice) -> list[str]:
         "4 move rigid bodies" if any(plan.rigid_fields) else "",
         "4.a–4.c extrapolate momenta again" + (", with contact" if contact.laws else "") if again else "",
         "5 strain and stress" if last else "",
-        f"6 particles moved {contact.shift:.3g} of their way out of other bodies' particles"
-        if contact.shift
-        else "",
     ]
     return [task for task in tasks if task]
 

@@ -81,7 +81,6 @@ def advance(s: Simulation, dt: float) -> None:
 
     # 6  final tasks
     with clock("6 final"):
-        s.order.drift += s.contact.shift_particles(s.particles.X)
         s.finish_step(dt)
 
 

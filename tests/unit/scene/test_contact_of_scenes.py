@@ -207,11 +207,6 @@ PAIRS_OF_RIGID = (
             "the law 'perfect' does not let overlapping sides be driven apart",
         ),
         (
-            [(LAW, "law: {kind: perfect}\n  particle_shift: 0.2")],
-            "contact.particle_shift",
-            "the law 'perfect' does not let particles be pushed apart",
-        ),
-        (
             [(LAW, f"{LAW}\n  overlap_removal: 0.05\n  increments: after")],
             "contact.overlap_removal",
             "no impulse of contact is a force",

@@ -86,12 +86,6 @@ def test_bodies_that_overlap_are_driven_apart_by_a_kernel_of_its_own():
     )
 
 
-def test_particles_that_are_moved_out_of_others_are_a_task():
-    task = "6 particles moved 0.2 of their way out of other bodies' particles"
-    assert task in facts_of({"particle_shift": 0.2})["tasks"]
-    assert task not in facts_of({"particle_shift": 0.2, "law": {"kind": "perfect"}})["tasks"]
-
-
 def test_bodies_held_together_need_no_normals_and_no_clouds():
     facts = facts_of({"law": {"kind": "perfect"}})
     assert facts["contact"]["normal"] is None
