@@ -269,14 +269,9 @@ def test_particles_leave(transfer):
     run.check()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("transfer", TRANSFERS, ids=IDS)
-@pytest.mark.parametrize(
-    "kind",
-    [
-        "axisymmetric",
-        *(pytest.param(k, marks=pytest.mark.slow) for k in ("uniaxial_strain", "uniaxial_stress", "3d")),
-    ],
-)
+@pytest.mark.parametrize("kind", ["axisymmetric", "uniaxial_strain", "uniaxial_stress", "3d"])
 def test_other_analyses(kind, transfer):
     """Two blocks that meet in one and three dimensions, and about an axis (where only the axial momentum is one)."""
     if kind.startswith("uniaxial"):

@@ -107,7 +107,9 @@ def test_contact_force_is_what_changes_the_momentum(start, transfer, update):
     assert largest > 0.5 * abs(pull[1])
 
 
-@pytest.mark.parametrize("transfer", ["{kind: flip}", "{kind: fmpm, order: 4}"])
+@pytest.mark.parametrize(
+    "transfer", ["{kind: flip}", pytest.param("{kind: fmpm, order: 4}", marks=pytest.mark.slow)]
+)
 def test_turning_frame_takes_a_block_along(start, transfer):
     """Nodes of a rigid body have the velocity of their place, its particles turn without strain; so does the block."""
     run = start(BOX, f"method.transfer={transfer}")

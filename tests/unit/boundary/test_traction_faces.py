@@ -74,7 +74,7 @@ def apply(faces, grid, particles, time=0.0):
     return grid.f.sum(axis=0)
 
 
-@pytest.mark.parametrize("d", [1, 2, 3])
+@pytest.mark.parametrize("d", [1, 2, pytest.param(3, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("follower", [False, True])
 @pytest.mark.parametrize("side", ["lower", "upper"])
 def test_total_force_on_an_undeformed_block(d, follower, side):

@@ -64,7 +64,7 @@ def stencils(s):
 
 
 @pytest.mark.parametrize("bodies", [PAIR, TRIO], ids=["two", "three"])
-@pytest.mark.parametrize("shape", ["ugimp", "lcpdi", "b2cpdi"])
+@pytest.mark.parametrize("shape", ["ugimp", "lcpdi", pytest.param("b2cpdi", marks=pytest.mark.slow)])
 def test_contact_nodes_see_exactly_the_particles_whose_shape_functions_reach_them(bodies, shape):
     s = simulation(list(bodies), method={"shape": shape, "transfer": {"kind": "flip"}})
     for _ in range(25):

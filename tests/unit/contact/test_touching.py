@@ -40,6 +40,7 @@ def separations(at, moved=0.0):
     return found[found < 0.5 * APART_FROM_NOTHING] / 0.1
 
 
+@pytest.mark.slow  # compiles contact with ugimp
 @pytest.mark.parametrize("at", [0.05, -3.35, 41.25, 70.55])
 def test_edges_that_meet_exactly_are_not_in_contact_yet(at):
     """Wherever they are, and by no gap that matters; an overlap of 1e-9 cells is one."""

@@ -118,7 +118,16 @@ def test_uniaxial_stress_follows_youngs_modulus(strain):
     assert p.F[1:, 0] == pytest.approx(math.exp(-NU * strain), rel=1e-14)
 
 
-@pytest.mark.parametrize("material", [RUBBER, METAL, RUBBER | {"split": "isochoric", "volumetric": "log"}])
+@pytest.mark.parametrize(
+    "material",
+    [
+        RUBBER,
+        *(
+            pytest.param(each, marks=pytest.mark.slow)
+            for each in (METAL, RUBBER | {"split": "isochoric", "volumetric": "log"})
+        ),
+    ],
+)
 def test_plane_stress_and_uniaxial_stress_start_with_youngs_modulus(material):
     e = 1e-7
     biaxial = [E * e / (1 - NU**2), NU * E * e / (1 - NU**2), 0]

@@ -191,7 +191,9 @@ def check_resuming(scene: dict[str, Any], tmp_path: Path, monkeypatch: pytest.Mo
     return straight
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "adhesion")) for name in SCENES]
+)
 def test_a_resumed_run_gives_the_same_bytes(name, tmp_path, monkeypatch):
     straight = check_resuming(SCENES[name], tmp_path, monkeypatch)
     arrays = read_checkpoint(straight.directory / "checkpoint.npz").arrays
