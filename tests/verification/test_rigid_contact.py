@@ -130,7 +130,8 @@ def test_turning_frame_takes_a_block_along(start, transfer):
     assert np.abs(run.X - exact)[:, ~frame].max() < 0.005
 
 
-@pytest.mark.parametrize(("bias", "moved"), [(1, 0.01), pytest.param(10, 3e-4, marks=SLOW)])
+@SLOW
+@pytest.mark.parametrize(("bias", "moved"), [(1, 0.01), (10, 3e-4)])
 def test_block_in_a_rigid_corner(start, bias, moved):
     """Two rigid bodies at one node: each carries its component of the weight, and the block stays where it is.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
@@ -21,6 +22,7 @@ time: {end: 2, courant: 0.2}
 """
 
 
+@pytest.mark.slow  # compiles all of it for threads
 def test_parallel_geometry_equals_serial_geometry():
     """Normals, separations, areas and states of nodes, bit by bit."""
     simulation = Simulation(load_scene(SCENE), 1)
