@@ -31,6 +31,7 @@ def largest_error(two, one, low: float, high: float) -> float:
     return float(error[(strain >= low) & (strain <= high)].max())
 
 
+@pytest.mark.slow
 def test_contact_stress_across_a_grid_line(start):
     """Until the interface has passed a grid line (at 10 % strain): within 0.6 % of one field (measured: 0.5 %)."""
     one = compress(start, 0.106, "contact=null")

@@ -107,9 +107,8 @@ def test_contact_force_is_what_changes_the_momentum(start, transfer, update):
     assert largest > 0.5 * abs(pull[1])
 
 
-@pytest.mark.parametrize(
-    "transfer", ["{kind: flip}", pytest.param("{kind: fmpm, order: 4}", marks=pytest.mark.slow)]
-)
+@SLOW
+@pytest.mark.parametrize("transfer", ["{kind: flip}", "{kind: fmpm, order: 4}"])
 def test_turning_frame_takes_a_block_along(start, transfer):
     """Nodes of a rigid body have the velocity of their place, its particles turn without strain; so does the block."""
     run = start(BOX, f"method.transfer={transfer}")
@@ -150,7 +149,7 @@ def test_block_in_a_rigid_corner(start, bias, moved):
     assert np.abs((run.X - run.X0)[:, block].mean(axis=1)).max() < moved
 
 
-@pytest.mark.slow
+@SLOW
 def test_table_that_shakes_takes_a_stuck_block_along(start):
     """A velocity of time: the table is where its integral says, to the error of the midpoint rule."""
     run = start(
@@ -195,6 +194,7 @@ def test_corner_of_a_block_under_a_rigid_plate(start, normal, share, tolerance):
     assert abs(gain) < 0.006 * run.stress_work
 
 
+@SLOW
 @pytest.mark.parametrize("transfer", ["{kind: flip}", "{kind: fmpm, order: 4}"])
 def test_block_slides_down_an_incline(start, transfer):
     """x = a (t²/2 − rise t/2 + rise²/6) with a = g (sin θ − μ cos θ)."""
@@ -219,7 +219,7 @@ def test_block_stays_on_an_incline(start):
     assert np.abs(run.V[:, block].mean(axis=1)).max() < 3e-4
 
 
-@pytest.mark.slow
+@SLOW
 @pytest.mark.parametrize(("bias", "ratio"), [(10, 1.0), (1, 0.98)])
 def test_normals_beyond_the_ends_of_a_block_brake_it(start, bias, ratio):
     """Without the plane's normal (rigid bias 1) a node in front of the block pushes it back: 2 % here."""
@@ -230,7 +230,7 @@ def test_normals_beyond_the_ends_of_a_block_brake_it(start, bias, ratio):
     assert way / (a * (t**2 / 2 - 10 * t + 400 / 6)) == pytest.approx(ratio, abs=0.005)
 
 
-@pytest.mark.slow
+@SLOW
 def test_block_slips_when_the_pull_exceeds_friction(start):
     """Nothing moves until pull·t = μ N at 10 ms; then a = (T − μN)/m."""
     run = start("stick_slip.yaml")
@@ -244,7 +244,7 @@ def test_block_slips_when_the_pull_exceeds_friction(start):
     assert x[-1] == pytest.approx(0.3 / 8 * (t[-1] - 10) ** 3 / 6, rel=0.02)
 
 
-@pytest.mark.slow
+@SLOW
 @pytest.mark.parametrize(("friction", "tolerance"), [(0.6, 0.04), (0.1, 0.035)])
 def test_disk_rolls_or_slides(start, friction, tolerance):
     """Bardenhagen et al.: x = ⅓ g sin θ t² where it rolls (tan θ ≤ 3μ), ½ g (sin θ − μ cos θ) t² where it slides."""

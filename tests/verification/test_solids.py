@@ -45,6 +45,7 @@ def lame(run):
     return moved, *(float(np.sqrt(np.mean(np.square(e)))) / p for e in errors)
 
 
+@pytest.mark.slow
 def test_cylinder_under_pressure(start):
     """Lamé: σ_r, σ_θ = p a²(1 ∓ b²/r²)/(b² − a²) in plane strain; the stress errors halve with the cell size."""
     coarse, fine = (start("axisymmetric_disk_pressure.yaml", f"grid.cell={cell}") for cell in (0.1, 0.05))
@@ -60,6 +61,7 @@ def test_cylinder_under_pressure(start):
     assert all(f < 0.6 * c for c, f in zip(*found, strict=True))
 
 
+@pytest.mark.slow
 def test_sphere_breathes(start):
     """First radial mode of a free sphere, ν = 1/4: ω R/c_p is the first root of tan ξ/ξ = 1/(1 − 3ξ²/4)."""
     run = start("elastic_sphere_3d.yaml", "grid.cell=0.12")
