@@ -14,14 +14,14 @@ import numpy as np
 from mpmcli.core.dispatch import generic
 from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry
 from mpmcli.core.kernel import inline
-from mpmcli.core.lanes import each, pack, store
-from mpmcli.core.stencil import fill, first_node, weigh
+from mpmcli.core.lanes import each, load, pack, store
+from mpmcli.core.stencil import fill, first_node, keep, kept_as, weigh
 
 
 class Rows(NamedTuple):
     """Weights of a stencil of w nodes per axis with R = w^(d−1) rows.
 
-    x, slopes : w values and slopes [1/length] along x, tuples
+    x, slopes : w values and slopes [1/length] along x, tuples; slopes may be None
     values : (R,) or more, products of the values along the other axes
     gradients : ((d − 1)·R,) or more, their slopes along y, then along z; or None
     """
@@ -30,6 +30,22 @@ class Rows(NamedTuple):
     slopes: Any
     values: Any
     gradients: Any
+
+
+class StoredRows(NamedTuple):
+    """Takes the place of a product shape function in passes that need no gradients: its ``Rows``, kept.
+
+    first : (N,) first nodes of the stencils, unsigned
+    S : (N, R + w) values of the rows, then values along x
+    """
+
+    first: Any
+    S: Any
+
+    @staticmethod
+    def columns(width: int, dimensions: int) -> int:
+        """How many numbers are kept of a particle whose stencil spans ``width`` nodes per axis."""
+        return int(width ** (dimensions - 1) + width)
 
 
 # fmt: off
@@ -58,6 +74,7 @@ def product_of_axes(shape: type) -> Callable[..., Any]:
     def add(function: Callable[..., Any]) -> Callable[..., Any]:
         axis_weights.register(shape)(function)
         weigh.register(shape)(_weigh_by_rows)
+        kept_as.register(shape)(lambda shape: StoredRows)
         fill.register(shape)(_fill_from_rows)
         return function
 
@@ -73,6 +90,18 @@ def _fill_from_rows(shape, grid, across, X, F, size, p, S, G, W, status):
     base, rows = find_rows(grid, shape, across, X, size, p, W, W[of_all_rows:], status)
     put_nodes(grid, across, rows, S, G)
     return base
+
+
+@keep.register(Rows)
+def _(weights, across, S):
+    store(S, np.uint64(S.shape[0] - len(across)), pack(weights.x))
+
+
+@weigh.register(StoredRows)
+def _(shape, grid, across, X, F, size, p, S, G, W, status):
+    kept = shape.S[p]
+    x = load(kept, np.uint64(kept.shape[0] - len(across)), across)
+    return shape.first[p], Rows(each(x), None, kept, None)
 
 
 @inline

@@ -45,7 +45,7 @@ class Table(NamedTuple):
     G: Any
 
 
-class StoredValues(NamedTuple):
+class StoredTable(NamedTuple):
     """Takes the place of a shape function in passes that need no gradients: its values of all particles, kept.
 
     first : (N,) first nodes of the stencils, unsigned
@@ -54,6 +54,11 @@ class StoredValues(NamedTuple):
 
     first: Array
     S: Array
+
+    @staticmethod
+    def columns(width: int, dimensions: int) -> int:
+        """How many numbers are kept of a particle whose stencil spans ``width`` nodes per axis."""
+        return int(width**dimensions)
 
 
 MOST_POINTS = 3
@@ -93,6 +98,16 @@ def weigh(shape: Any, grid: Any, across: Any, X: Any, F: Any, size: Any, p: Any,
 
     The arguments are those of ``fill``.
     """
+
+
+@generic
+def kept_as(shape: Any) -> Any:
+    """The class of the tuple that can take this shape function's place (``StoredTable`` …)."""
+
+
+@generic
+def keep(weights: Any, across: Any, S: Any) -> Any:
+    """Complete the row ``S`` of a store, which was the buffer for the values when ``weights`` were found."""
 # fmt: on
 
 
@@ -104,9 +119,15 @@ def weigh_by_table(*shapes: type) -> None:
 
     for each in shapes:
         weigh.register(each)(table)
+        kept_as.register(each)(lambda shape: StoredTable)
 
 
-@weigh.register(StoredValues)
+@keep.register(Table)
+def _(weights, across, S):
+    pass
+
+
+@weigh.register(StoredTable)
 def _(shape, grid, across, X, F, size, p, S, G, W, status):
     return shape.first[p], Table(shape.S[p], None)
 

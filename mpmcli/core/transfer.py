@@ -16,7 +16,7 @@ from mpmcli.core.compiler import compiled_as
 from mpmcli.core.dispatch import generic
 from mpmcli.core.grid import unfold
 from mpmcli.core.kernel import kernel, prange
-from mpmcli.core.stencil import fill, weigh
+from mpmcli.core.stencil import keep, weigh
 from mpmcli.core.verbs import (
     column,
     gather_gradient,
@@ -318,11 +318,12 @@ def find_velocity_gradients(analysis, shape, grid, across, chunks, stencil, X, F
 
 
 @kernel
-def store_values(shape, grid, across, chunks, stencil, X, F, size, first, S):
-    """Keep the stencils' first nodes ``first`` (N,) and values ``S`` (N, m) for ``StoredValues``."""
+def store_weights(shape, grid, across, chunks, stencil, X, F, size, first, S):
+    """Keep what the shape function weighs in the arrays of the tuple that ``kept_as`` names."""
     for c in prange(chunks.shape[0] - 1):
         slot = np.uint64(c)
         geometry = unfold(grid)
         W = stencil.W[slot]
         for p in range(chunks[slot], chunks[slot + np.uint64(1)]):
-            first[p] = fill(shape, geometry, across, X, F, size, p, S[p], None, W, stencil.status)
+            first[p], weights = weigh(shape, geometry, across, X, F, size, p, S[p], None, W, stencil.status)
+            keep(weights, across, S[p])

@@ -12,6 +12,7 @@ from mpmcli.core.grid import Grid
 from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
 from mpmcli.core.runtime import available_threads
+from mpmcli.core.stencil import kept_as
 from mpmcli.core.suggest import listing
 from mpmcli.scene.fields import law_table
 from mpmcli.solver.plan import PARALLEL_FROM, Plan, StepArrays, allocate_step_arrays, make_plan
@@ -82,8 +83,9 @@ def explain(
     dense |= contact.nodal_arrays(grid)
     particle_bytes = sum(array.nbytes for array in particles.arrays().values())
     particle_bytes += contact.particle_bytes(particles)
-    if plan.stores_stencils:
-        particle_bytes += particles.count * 8 * (1 + grid.width**grid.dimensions)
+    if plan.stores_weights:
+        kept = kept_as(plan.shape.parameters).columns(grid.width, grid.dimensions)
+        particle_bytes += particles.count * 8 * (1 + kept)
     grid_bytes = sum(array.nbytes for array in dense.values())
     share = 1.0 + PASS_SHARE * (plan.order - 1)
     parallel = particles.count >= PARALLEL_FROM

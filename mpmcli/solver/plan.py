@@ -82,9 +82,9 @@ class Plan:
         return replace(self, method=TRANSFER_METHODS["flip"], order=1)
 
     @property
-    def stores_stencils(self) -> bool:
-        """CPDI's stencil values are found once and kept where several passes of the FMPM loop read them."""
-        return self.order > 2 and self.shape.follows_deformation and not self.velocity_gradient
+    def stores_weights(self) -> bool:
+        """Weights of nodes are found once and kept where several passes of the FMPM loop read them."""
+        return self.order > 2 and not self.velocity_gradient
 
     def blend_scale(self, order: int) -> float:
         """Factor of the increment of an order ℓ: α if ℓ mod m = 1 or m = 1 (Nairn 2026, section 3.3)."""

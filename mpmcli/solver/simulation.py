@@ -93,7 +93,7 @@ class Simulation:
             self.describe,
             keeps_domain=self.plan.update.first > 0.0,
             affine=self.plan.velocity_gradient,
-            stores_stencils=self.plan.stores_stencils,
+            stores_weights=self.plan.stores_weights,
             turns=turns_of_bodies(filled),
         )
         self.arrays = allocate_step_arrays(self.plan, self.grid, self.particles.count)

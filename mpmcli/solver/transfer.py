@@ -18,10 +18,10 @@ from mpmcli.core.particles import Particles
 from mpmcli.core.stencil import (
     DOMAIN_TOO_WIDE,
     OUTSIDE_GRID,
-    StoredValues,
     across_of,
     allocate_stencil,
     fill_stencils,
+    kept_as,
 )
 from mpmcli.core.transfer import (
     AffineMassAndMomentum,
@@ -55,7 +55,7 @@ class Transfer:
     parallel : run the parallel version of every kernel
     describe : names a particle (by its place in memory) in messages
     affine : extrapolated velocities carry the velocity gradient of their particle
-    stores_stencils : the values of the stencils are found once for all passes of the FMPM loop
+    stores_weights : the weights of the stencils are found once for all passes of the FMPM loop
     keeps_domain : the strain update changes F before the step is over, so that stencils need a copy of it
     turns : (bodies, d, d) from the sides of each body's particle domains to the grid's axes; None where all are along
 
@@ -75,7 +75,7 @@ class Transfer:
         describe: Callable[[int], str],
         keeps_domain: bool = False,
         affine: bool = False,
-        stores_stencils: bool = False,
+        stores_weights: bool = False,
         turns: Array | None = None,
     ):
         self.analysis, self.shape = analysis, shape
@@ -84,8 +84,8 @@ class Transfer:
         self._describe = describe
         self.widest = grid.pad + 2 if shape.follows_deformation else grid.width
         self._affine = affine
-        self._stores = stores_stencils
-        self._stored: StoredValues | None = None
+        self._stores = stores_weights
+        self._stored: Any = None
         self._passing_L = np.zeros_like(particles.L) if affine else None
         self._keeps_domain = keeps_domain and shape.follows_deformation
         self._turns = turns
@@ -147,13 +147,14 @@ class Transfer:
         analysis, own_shape, *rest = self._operator(self.order.bands)
         kernels.scatter[self.parallel](task, analysis, own_shape if shape is None else shape, *rest)
 
-    def _stored_values(self, refresh: bool) -> StoredValues:
-        """The shape function that reads its values from memory; ``refresh`` finds them anew."""
-        p, nodes = self.particles, self.grid.width**self.grid.dimensions
-        if self._stored is None or self._stored.S.shape != (p.count, nodes):
-            self._stored = StoredValues(np.zeros(p.count, dtype=np.uint64), np.zeros((p.count, nodes)))
+    def _stored_weights(self, refresh: bool) -> Any:
+        """The shape function that reads its weights from memory; ``refresh`` finds them anew."""
+        p, store = self.particles, kept_as(self.shape.parameters)
+        shape = p.count, store.columns(self.grid.width, self.grid.dimensions)
+        if self._stored is None or self._stored.S.shape != shape:
+            self._stored = store(np.zeros(p.count, dtype=np.uint64), np.zeros(shape))
         if refresh:
-            kernels.store_values[self.parallel](
+            kernels.store_weights[self.parallel](
                 self.shape.parameters, self.geometry, self.across, self.order.chunks, self.stencil,
                 p.X, self._domain_F, p.size, *self._stored,
             )  # fmt: skip
@@ -220,7 +221,7 @@ class Transfer:
             self._scatter(AffineProjection(p.mass, v.reshape(-1), self._passing_L, out.reshape(-1)))
         else:
             task = Projection(p.mass, v.reshape(-1), out.reshape(-1))
-            self._scatter(task, self._stored_values(first) if self._stores else None)
+            self._scatter(task, self._stored_weights(first) if self._stores else None)
 
     def velocity_gradients(self, v: Array) -> None:
         """L = G v."""
