@@ -168,15 +168,23 @@ class Timed:
         """What a FLIP or FMPM step must read and write of a particle at least [bytes], counted by its arrays.
 
         Scatter: X, size, V, M, V0, τ; motion: X twice (read and written), size, V twice, L written; strain: F and τ
-        twice, L, M, V0, work twice; CPDI reads F with every stencil; each pass of the FMPM loop X, size, M (and F).
+        twice, L, M, V0, work twice; CPDI reads F with every stencil; a pass of the FMPM loop X, size, M (and F),
+        or, where there are several, the weights and M, once they have been found and written.
         """
-        p, case = self.simulation.particles, self.case
+        from mpmcli.core.stencil import kept_as
+
+        p, case, plan = self.simulation.particles, self.case, self.simulation.plan
         X, V, size, F, tau, L = (len(q) for q in (p.X, p.V, p.size, p.F, p.tau, p.L))
-        domain = F if self.simulation.plan.shape.follows_deformation else 0
+        domain = F if plan.shape.follows_deformation else 0
         scatter = X + size + V + 2 + tau + domain
         motion = 2 * X + size + 2 * V + L + domain
         strain = 2 * F + 2 * tau + L + 4
-        passes = (case.order - 1) * (X + size + 1 + domain)
+        if plan.stores_weights:
+            grid = self.simulation.grid
+            kept = 1 + kept_as(plan.shape.parameters).columns(grid.width, grid.dimensions)
+            passes = X + size + domain + kept + (case.order - 1) * (kept + 1)
+        else:
+            passes = (case.order - 1) * (X + size + 1 + domain)
         return 8.0 * (scatter + motion + strain + passes)
 
     def measure(self, threads: int, clock: Callable[[], float] = time.perf_counter) -> None:

@@ -27,7 +27,7 @@ STEP_NANOSECONDS = {1: 250.0, 2: 130.0, 3: 280.0}
 """Rough time per particle, step and thread for each number of axes (ugimp, FLIP); see benchmarks/."""
 EXACT_MASS_RATIO = 1e-8
 """``contact.mass_ratio`` from which on it hardly matters (docs/verification.md, two blocks compressed)."""
-PASS_SHARE = 0.2
+PASS_SHARE = 0.15
 """Rough share of a step that one more order of FMPM or XPIC costs."""
 
 

@@ -10,7 +10,7 @@ from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.grid import Grid
 from mpmcli.core.order import CHUNKS, CellOrder
 from mpmcli.core.particles import Particles
-from mpmcli.core.stencil import across_of, allocate_stencil
+from mpmcli.core.stencil import across_of, allocate_stencil, kept_as
 from mpmcli.shapes import SHAPES
 
 
@@ -25,6 +25,7 @@ class Cloud:
         self.analysis = ANALYSES[analysis]()
         d = self.analysis.dimensions
         self.shape = SHAPES[shape]
+        self.parameters = self.shape.parameters
         cell = np.array([0.5, 0.8, 1.25])[:d]
         lower = np.array([0.0, -1.0, 0.3])[:d]
         upper = lower + np.array(cells)[:d] * cell
@@ -56,10 +57,9 @@ class Cloud:
     def operator(self, ranges):
         """The arguments that all transfer kernels share, for bands or chunks of particles."""
         p = self.particles
-        shape = self.shape.parameters
         return (
             self.analysis,
-            shape,
+            self.parameters,
             self.grid.geometry,
             self.across,
             ranges,
@@ -69,6 +69,15 @@ class Cloud:
             p.size,
             None,
         )
+
+    def keep_weights(self) -> None:
+        """From now on weights are read from memory, as in later passes of the FMPM loop."""
+        kept, count = kept_as(self.parameters), self.particles.count
+        columns = kept.columns(self.grid.width, self.dimensions)
+        stored = kept(np.zeros(count, dtype=np.uint64), np.zeros((count, columns)))
+        _, *operator, _ = self.operator(self.order.chunks)
+        transfer.store_weights[self.parallel](*operator, *stored)
+        self.parameters = stored
 
     def scatter(self, task):
         """Run a scatter task of ``core.transfer``."""
@@ -87,10 +96,15 @@ class Cloud:
         self.scatter(transfer.InternalForces(self.particles.vol0, self.particles.tau, f.reshape(-1)))
         return f
 
-    def project(self, v: np.ndarray) -> np.ndarray:
-        """S⁺S v, zero where no mass is."""
+    def momenta_of_pass(self, v: np.ndarray) -> np.ndarray:
+        """Sᵀ M S v."""
         out = self.nodal()
         self.scatter(transfer.Projection(self.particles.mass, v.reshape(-1), out.reshape(-1)))
+        return out
+
+    def project(self, v: np.ndarray) -> np.ndarray:
+        """S⁺S v, zero where no mass is."""
+        out = self.momenta_of_pass(v)
         m = self.mass_and_momentum()[:, :1]
         return np.divide(out, m, out=np.zeros_like(out), where=m > 0)
 

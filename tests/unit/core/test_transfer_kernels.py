@@ -86,6 +86,18 @@ def test_a_pass_of_the_fmpm_loop_is_the_matrix_product(analysis, shape, cloud, d
     np.testing.assert_allclose(c.project(v), plus @ (S @ v), rtol=0, atol=1e-13)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("analysis", ["uniaxial_strain", "plane_strain", "3d"])
+@pytest.mark.parametrize("shape", ["linear", "ugimp", "bspline2", "b2gimp", "lcpdi"])
+def test_weights_read_from_memory_give_the_same_bits(analysis, shape, cloud):
+    c = cloud(analysis, shape)
+    v = np.random.default_rng(8).standard_normal((c.grid.node_count, c.dimensions))
+    found = c.momenta_of_pass(v)
+    c.keep_weights()
+    assert np.any(found)
+    np.testing.assert_array_equal(c.momenta_of_pass(v), found)
+
+
 @EVERY_ANALYSIS
 def test_a_constant_velocity_survives_the_round_trip(analysis, shape, cloud):
     c = cloud(analysis, shape)
