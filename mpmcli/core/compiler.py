@@ -51,8 +51,13 @@ def get_compiler_ready() -> None:
         if not _is_ready:
             configure()
             _is_ready = True
-            while _told:
-                _told.pop(0)()
+            try:
+                while _told:
+                    _told[0]()
+                    del _told[0]
+            finally:
+                # what one of them raises is raised again by the next call, which goes on with the rest
+                _is_ready = not _told
 
 
 def compiled_too(function: Callable[..., Any], options: dict[str, Any] = INLINED) -> Any:

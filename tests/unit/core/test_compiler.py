@@ -22,6 +22,25 @@ def test_what_is_told_waits_until_something_is_compiled(monkeypatch):
     assert heard == ["first", "by the second", "later"]
 
 
+def test_what_raises_is_done_again_before_the_rest(monkeypatch):
+    monkeypatch.setattr(compiler, "_is_ready", False)
+    monkeypatch.setattr(compiler, "_told", [])
+    heard = []
+
+    def fail_once():
+        heard.append("tried")
+        if len(heard) == 1:
+            raise OSError("no module")
+
+    compiler.tell_compiler(fail_once)
+    compiler.tell_compiler(lambda: heard.append("rest"))
+    with pytest.raises(OSError, match="no module"):
+        compiler.get_compiler_ready()
+    assert heard == ["tried"]
+    compiler.get_compiler_ready()
+    assert heard == ["tried", "tried", "rest"]
+
+
 def test_lanes_cannot_be_had_in_python():
     with pytest.raises(TypeError, match="zeros exists in compiled code only"):
         zeros((0.0,))
