@@ -365,8 +365,17 @@ def sentence(cases: Sequence[Case], within: float, against: str, cost: Cost = "r
     dearest = max(able, key=lambda c: c.median(cost) or 0.0)
     if dearest is not chosen:
         ratio = (dearest.median(cost) or 0.0) / (chosen.median(cost) or 1.0)
-        words += f"; the most expensive one, {dearest.name}, costs {ratio:.2g} times as much"
+        words += f"; the most expensive one, {dearest.name}, costs {_dearer(ratio)}"
     return words + "."
+
+
+def _dearer(ratio: float) -> str:
+    percent = round(100.0 * (ratio - 1.0))
+    if percent < 1:
+        return "less than 1 % more"
+    if percent < 100:
+        return f"{percent} % more"
+    return f"{ratio:.2g} times as much" if ratio < 10 else f"{ratio:.0f} times as much"
 
 
 def find_cheapest(cases: Sequence[Case], within: float, cost: Cost = "run_seconds") -> Case | None:

@@ -234,6 +234,15 @@ def test_front_and_sentence():
     assert sentence([], 0.1, "x") == "No case could be compared."
 
 
+MORE = {1.004: "less than 1 % more", 1.05: "5 % more", 1.996: "2 times as much", 120: "120 times as much"}
+
+
+@pytest.mark.parametrize(("seconds", "words"), MORE.items())
+def test_how_much_more_the_most_expensive_case_costs(seconds, words):
+    cases = [case("a", 1.0, 0.01), case("b", seconds, 0.02)]
+    assert sentence(cases, 0.03, "the reference").endswith(f"the most expensive one, k b, costs {words}.")
+
+
 def test_the_processor_may_be_the_cost(tmp_path):
     cases = measured(tmp_path, "fmpm:1,fmpm:2")
     for one, error in zip(cases, (0.02, 0.01), strict=True):
