@@ -17,8 +17,8 @@ from mpmcli.core.registry import Registry
 
 Array = np.ndarray
 
-CONDITIONS = Registry("boundary condition")
-LOADS = Registry("load")
+CONDITIONS = Registry("boundary condition", "CONDITIONS")
+LOADS = Registry("load", "LOADS")
 
 TOLERANCE = 1e-9
 """How far from a plane, in cells, a node still counts as on it."""

@@ -92,7 +92,7 @@ def _resolve_region(value: Any, info: ValidationInfo) -> Any:
 
 
 Region = Annotated[
-    Any, BeforeValidator(_resolve_region), WithJsonSchema({"type": "object", "x-model": "region"})
+    Any, BeforeValidator(_resolve_region), WithJsonSchema({"type": "object", "x-one-of": "region"})
 ]
 """An object with ``contains(points (d, n)) -> (n,) bool``; the context of a scene makes it."""
 

@@ -51,20 +51,11 @@ def lines(kind: str) -> Iterator[str]:
 def _models(kind: str) -> list[Any]:
     from typing import get_args
 
-    from mpmcli.contact import model as contact
     from mpmcli.scene import method, models
+    from mpmcli.scene.alternatives import ALTERNATIVES
 
-    registries = {
-        "materials": models.MATERIALS,
-        "regions": models.REGIONS,
-        "conditions": models.CONDITIONS,
-        "loads": models.LOADS,
-        "normals": contact.NORMALS,
-        "separations": contact.SEPARATIONS,
-        "laws": contact.LAWS,
-    }
-    if kind in registries:
-        return registries[kind].models()
+    if kind in ALTERNATIVES:
+        return ALTERNATIVES[kind].models()
     union = method.Transfer if kind == "transfers" else models.AnalysisKind
     return list(get_args(get_args(union)[0]))
 

@@ -18,7 +18,7 @@ from mpmcli.core.registry import Registry
 from mpmcli.geometry.rotation import Rotation
 from mpmcli.geometry.vectors import Vector
 
-REGIONS = Registry("region")
+REGIONS = Registry("region", "REGIONS")
 
 TOLERANCE = 1e-9
 """A point this near to the border, relative to the region's size, counts as inside."""
@@ -176,11 +176,3 @@ class Region(Model):
 def turned(matrix: Array, points: Array) -> Array:
     """Matrix (d, d) times points (d, n), rounded alike for every point whatever its company."""
     return np.stack([sum(a * x for a, x in zip(row, points, strict=True)) for row in matrix])
-
-
-def complete_regions() -> None:
-    """Tell the regions made of regions what "any region" is, once all kinds are registered."""
-    any_region = REGIONS.union()
-    for model in REGIONS.models():
-        if "AnyRegion" in str(model.__annotations__):
-            model.model_rebuild(force=True, _types_namespace={"AnyRegion": any_region})

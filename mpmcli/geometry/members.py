@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-from mpmcli.geometry.base import Region
+from mpmcli.geometry.base import REGIONS, Region
+
+if TYPE_CHECKING:
+    AnyRegion = Region
+else:
+    AnyRegion = REGIONS.union()
 
 
 class Combination(Region):

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
 from mpmcli.geometry.base import REGIONS, Array, Region
-from mpmcli.geometry.members import Combination
+from mpmcli.geometry.members import AnyRegion, Combination
 from mpmcli.geometry.vectors import Count
-
-if TYPE_CHECKING:
-    AnyRegion = Region
 
 
 @REGIONS.register

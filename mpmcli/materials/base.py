@@ -16,7 +16,7 @@ from mpmcli.core.dispatch import generic
 from mpmcli.core.model import Density, Model
 from mpmcli.core.registry import Registry
 
-MATERIALS = Registry("material")
+MATERIALS = Registry("material", "MATERIALS")
 
 
 class Matter(Model):

@@ -2,119 +2,28 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from mpmcli.core.errors import ArchiveError, Problem, SceneError
+from mpmcli.core.errors import ArchiveError
 from mpmcli.core.state import State
 from mpmcli.output.columns import evaluate, resolve_columns, resolve_fields
-from mpmcli.output.contact_quantities import pair_name
 from mpmcli.output.files import FAILED, GLOBALS, cannot_write, make_folder
 from mpmcli.output.global_quantities import EnergyBalance
 from mpmcli.output.manifest import Manifest
+from mpmcli.output.of_scene import context_of
 from mpmcli.output.probes import GRID_FIELDS, Probe, make_probe, resolve_grid_fields
-from mpmcli.output.quantities import Context, Quantity
+from mpmcli.output.quantities import Quantity
 from mpmcli.output.schedule import Schedule
 from mpmcli.output.snapshot import Snapshot
 from mpmcli.output.tables import Table
-from mpmcli.scene.fields import law_table, velocity_fields
 
 ALWAYS = ("id", "body", "material")
 """Fields of particles that every archive has."""
-DELETED = ("deleted_particles", "deleted_mass")
-"""Columns of scenes that delete particles which leave the grid."""
 FAILED_FIELDS = ("velocity", "stress", "deformation_gradient", "J", "mass")
-
-
-def _extra_columns(scene: Any) -> tuple[str, ...]:
-    transfer = scene.method.transfer
-    chooses = any(getattr(transfer, key, None) for key in ("dynamic", "every_courant", "every_steps"))
-    return DELETED * (scene.domain.on_exit == "delete") + ("mean_order",) * chooses
-
-
-def context_of(scene: Any, state: State | None = None) -> Context:
-    """What a scene has; with a state, its bodies and materials are those that were made."""
-    models = list(scene.materials.values())
-    damping = scene.method.damping
-    rigid_materials = tuple(name for name, model in scene.materials.items() if model.kind == "rigid")
-    contact = _contact_of(scene, rigid_materials)
-    work = {
-        "damping_work": damping.particle > 0.0 or damping.grid > 0.0,
-        "boundary_work": bool(scene.boundary)
-        or scene.domain.on_exit != "error"
-        or bool(contact.get("rigid_fields")),
-        "external_work": bool(scene.loads),
-        "contact_work": bool(contact),
-    }
-    names = [name for name, used in work.items() if used]
-    return Context(
-        analysis=scene.analysis.kind,
-        bodies=tuple(state.bodies if state else (body.name for body in scene.bodies)),
-        materials=tuple(state.materials if state else scene.materials),
-        history=tuple(dict.fromkeys(name for model in models for name in model.history)),
-        reactions=tuple(dict.fromkeys(condition.name for condition in scene.boundary)),
-        work=tuple(names),
-        has_viscosity=scene.method.artificial_viscosity is not None,
-        extra=tuple(state.extra) if state else _extra_columns(scene),
-        rigid_bodies=tuple(body.name for body in scene.bodies if body.material in rigid_materials),
-        rigid_materials=rigid_materials,
-        **contact,
-    )
-
-
-def _contact_of(scene: Any, rigid_materials: tuple[str, ...]) -> dict[str, Any]:
-    """What a ``Context`` says about contact; nothing in scenes without it."""
-    if scene.contact is None:
-        return {}
-    names, field_of_body = velocity_fields(scene)
-    if len(names) == 1:
-        return {}
-    rigid = {
-        names[f]
-        for body, f in zip(scene.bodies, field_of_body, strict=True)
-        if body.material in rigid_materials
-    }
-    laws, _ = law_table(scene, names)
-    pairs = [pair for pair in itertools.combinations(names, 2) if not rigid.issuperset(pair)]
-    return {
-        "velocity_fields": tuple(names),
-        "rigid_fields": tuple(name for name in names if name in rigid),
-        "pairs": tuple(pair_name(pair) for pair in pairs),
-        "has_normals": any(law.needs_normal for law in laws),
-        "creates_momentum": len(names) - len(rigid) > 2 or not scene.contact.normal.shares_normal,
-    }
-
-
-def check_output(scene: Any) -> None:
-    """Raise SceneError if the scene asks for columns or fields that it cannot have."""
-    context = context_of(scene)
-    problems: list[Problem] = []
-
-    def collect(check: Callable[..., object], *arguments: Any) -> None:
-        try:
-            check(*arguments)
-        except SceneError as error:
-            problems.extend(error.problems)
-
-    archive = scene.archive
-    if archive.globals is not None:
-        collect(resolve_columns, archive.globals.columns, context)
-    if archive.particles is not None:
-        collect(resolve_fields, archive.particles.fields, context)
-    if archive.grid is not None:
-        collect(resolve_grid_fields, archive.grid.fields, context)
-    for index, probe in enumerate(scene.probes):
-        path = f"probes.{index}.columns"
-        if probe.kind == "particle":
-            collect(resolve_fields, probe.columns, context, path)
-        else:
-            collect(resolve_grid_fields, probe.columns, context, path)
-    if problems:
-        raise SceneError(problems)
 
 
 class Recorder:

@@ -14,7 +14,7 @@ import numpy as np
 
 from mpmcli.core import runtime
 from mpmcli.core.errors import SceneError
-from mpmcli.output.recorder import check_output
+from mpmcli.output.of_scene import check_output
 from mpmcli.run.folder import default_folder, locked_folder, owned_folder, refuse_occupied
 from mpmcli.run.interrupts import Interrupted, Interrupts, exit_code_of, name_of
 from mpmcli.run.load import load

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from mpmcli.core.errors import SceneError
-from mpmcli.output.recorder import check_output
+from mpmcli.output.of_scene import check_output
 from mpmcli.scene.loader import LoadedScene, load_scene
 
 

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from mpmcli.contact.normals.plane import BIAS_FOR_RIGID, RegressionModel
 from mpmcli.core.errors import Problem
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.scene.checks import NAME, NAME_WORDS, Report, label, names_of
@@ -334,10 +333,11 @@ def _check_choices(parts: Parts, fields: Fields, report: Report) -> None:
         idle("three_or_more", f"the scene has {deformable}")
     if "mass_ratio" in given and fields.complete and len(soft) < 2:
         idle("mass_ratio", f"it is for two deformable fields at a node, and the scene has {deformable}")
-    if getattr(contact.normal, "rigid_bias", 1.0) != 1.0 and not any(m.is_rigid for m in fields.members):
+    bias, least = getattr(contact.normal, "rigid_bias", 1.0), contact.normal.least_rigid_bias
+    if bias != 1.0 and not any(m.is_rigid for m in fields.members):
         idle("normal.rigid_bias", "no body is rigid")
-    elif isinstance(contact.normal, RegressionModel) and 1.0 < contact.normal.rigid_bias < BIAS_FOR_RIGID:
-        idle("normal.rigid_bias", f"regressions take the rigid body's normal from {BIAS_FOR_RIGID:g} on")
+    elif 1.0 < bias < least:
+        idle("normal.rigid_bias", f"regressions take the rigid body's normal from {least:g} on")
     if parts.method is None:
         return
     transfer = parts.method.transfer

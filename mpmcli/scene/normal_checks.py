@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.contact.normals.specified import wrong_way
 from mpmcli.scene.checks import Report
 from mpmcli.scene.parts import Parts
 
@@ -48,6 +47,8 @@ def check_specified_normal(parts: Parts, members: tuple[Any, ...], report: Repor
             found.append((alpha.name, beta.name))
     for alpha, beta in found[:1]:
         more = f" (and {len(found) - 1} more such pairs)" if len(found) > 1 else ""
+        from mpmcli.contact.normals.specified import wrong_way
+
         report("contact.normal", wrong_way(alpha, beta) + more, "wrong_way", "warning")
 
 

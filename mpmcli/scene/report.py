@@ -12,6 +12,7 @@ from pydantic import BaseModel, ValidationError
 
 from mpmcli.core.errors import Problem
 from mpmcli.core.model import Refused
+from mpmcli.core.registry import OneOf
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.scene.not_built import member_label
 from mpmcli.scene.tree import Mark, Node
@@ -246,6 +247,8 @@ def _kinds(model: type[BaseModel]) -> tuple[Any, ...]:
 
 def _models(annotation: Any) -> list[type[BaseModel]]:
     """The models that occur in an annotation."""
+    if isinstance(annotation, OneOf):
+        return annotation.models()
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     parts = annotation if isinstance(annotation, list) else get_args(annotation)

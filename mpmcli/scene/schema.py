@@ -5,23 +5,31 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from pydantic.json_schema import models_json_schema
+
 DIALECT = "http://json-schema.org/draft-07/schema#"
 _TEXT = {"type": "string"}
 
 
 def scene_schema() -> dict[str, Any]:
     """The schema of a whole scene."""
+    from mpmcli.scene.alternatives import ALTERNATIVES
     from mpmcli.scene.models import Scene
 
-    schema = _convert(Scene.model_json_schema(by_alias=True, mode="validation"))
+    alternatives = [model for registry in ALTERNATIVES.values() for model in registry.models()]
+    asked: Any = [(model, "validation") for model in (Scene, *alternatives)]
+    places, written = models_json_schema(asked, by_alias=True)
+    schema = _convert(written)
     definitions = schema["definitions"]
-    any_region = definitions["Body"]["properties"]["region"]
+    one_of = {
+        registry.noun: [_convert(places[model, "validation"]) for model in registry.models()]
+        for registry in ALTERNATIVES.values()
+    }
+    _name_alternatives(definitions, one_of)
     for definition in definitions.values():
-        _name_regions(
-            definition, {key: any_region[key] for key in ("oneOf", "$ref", "allOf") if key in any_region}
-        )
         _require_kind(definition)
-    return {"$schema": DIALECT, **schema, "title": "Scene of mpmcli"}
+    scene = definitions.pop("Scene")
+    return {"$schema": DIALECT, **schema, **scene, "title": "Scene of mpmcli"}
 
 
 def schema_text() -> str:
@@ -56,15 +64,13 @@ def _convert(node: Any) -> Any:
     return made
 
 
-def _name_regions(node: Any, any_region: dict[str, Any]) -> None:
-    """Put the regions where a room that does not know them said that one may stand."""
-    members = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
-    for member in list(members):
-        if isinstance(member, dict) and member.get("x-model") == "region":
-            member.clear()
-            member.update(any_region)
-        else:
-            _name_regions(member, any_region)
+def _name_alternatives(node: Any, one_of: dict[str, list[Any]]) -> None:
+    """Put the entries of a registry where it is said that one of them may stand."""
+    if isinstance(node, dict) and "x-one-of" in node:
+        node.pop("type", None)
+        node["oneOf"] = one_of[node.pop("x-one-of")]
+    for member in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
+        _name_alternatives(member, one_of)
 
 
 def _require_kind(definition: dict[str, Any]) -> None:

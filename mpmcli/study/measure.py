@@ -12,7 +12,7 @@ from mpmcli.core.errors import SimulationError
 from mpmcli.output.columns import resolve_columns
 from mpmcli.output.files import GLOBALS
 from mpmcli.output.manifest import peak_memory, read_manifest
-from mpmcli.output.recorder import check_output, context_of
+from mpmcli.output.of_scene import check_output, context_of
 from mpmcli.scene.archive import Archive, GlobalArchive
 from mpmcli.scene.loader import LoadedScene
 from mpmcli.study.trial import load_job

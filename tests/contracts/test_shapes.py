@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpmcli.boundary import TractionFaces
+from mpmcli.boundary.faces import TractionFaces
 from mpmcli.boundary.traction import Traction
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.particles import Particles

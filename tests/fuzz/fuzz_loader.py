@@ -23,7 +23,7 @@ with atheris.instrument_imports(
     include=["mpmcli.scene", "mpmcli.core.expressions", "mpmcli.core.model", "yaml"]
 ):
     from mpmcli.core.errors import SceneError
-    from mpmcli.output.recorder import check_output
+    from mpmcli.output.of_scene import check_output
     from mpmcli.scene.loader import load_scene
 
 

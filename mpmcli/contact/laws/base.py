@@ -11,7 +11,7 @@ from typing import ClassVar, NamedTuple
 from mpmcli.core.model import Model
 from mpmcli.core.registry import Registry
 
-LAWS = Registry("contact law")
+LAWS = Registry("contact law", "LAWS")
 
 
 class LawModel(Model):

@@ -1,10 +1,9 @@
-"""Ways to find the normal of a contact, one per file; importing the room registers them all."""
+"""Ways to find the normal of a contact, one per file; imported when a scene names them."""
 
 from mpmcli.contact.normals.base import DEGENERATE, FOUND, NORMALS, NOT_CONVERGED, NormalModel, find_normal
 from mpmcli.core.plugins import load_plugins
-from mpmcli.core.registry import discover
 
-discover(__name__, __path__)
+NORMALS.discover(__name__, __path__)
 load_plugins("normals", NORMALS, NormalModel)
 
 __all__ = ["DEGENERATE", "FOUND", "NORMALS", "NOT_CONVERGED", "NormalModel", "find_normal"]

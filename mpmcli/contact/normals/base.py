@@ -12,7 +12,7 @@ from mpmcli.core.dispatch import generic
 from mpmcli.core.model import Model, quantity
 from mpmcli.core.registry import Registry
 
-NORMALS = Registry("normal method")
+NORMALS = Registry("normal method", "NORMALS")
 
 FOUND, NOT_CONVERGED, DEGENERATE = 0, 1, 2
 """What ``find_normal`` returns: all is well; the last iterate was taken; the method gave no direction."""
@@ -25,6 +25,8 @@ class NormalModel(Model):
     """Both sides use the normal ±n; otherwise each field finds its own, and momentum is not conserved."""
     needs_gradients: ClassVar[bool] = True
     """Whether the method, or what it falls back to, reads the gradients ``Cloud.G``."""
+    least_rigid_bias: ClassVar[float] = 1.0
+    """Below it a bias towards rigid bodies changes nothing."""
     is_given: ClassVar[bool] = False
     """The direction is the scene's word, which may be the wrong way round: a run looks when fields first meet."""
 

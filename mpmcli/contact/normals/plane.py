@@ -72,6 +72,8 @@ class Penalty(Model):
 class RegressionModel(BiasedNormalModel):
     """Base of the regressions."""
 
+    least_rigid_bias: ClassVar[float] = BIAS_FOR_RIGID
+
     penalty: Penalty = Penalty()
     """What keeps the fit bounded and single."""
 

@@ -1,10 +1,9 @@
-"""Methods that tell how far apart two sides are, one per file; importing the room registers them all."""
+"""Methods that tell how far apart two sides are, one per file; imported when a scene names them."""
 
 from mpmcli.contact.separation.base import SEPARATIONS, SeparationModel, find_separation
 from mpmcli.core.plugins import load_plugins
-from mpmcli.core.registry import discover
 
-discover(__name__, __path__)
+SEPARATIONS.discover(__name__, __path__)
 load_plugins("separations", SEPARATIONS, SeparationModel)
 
 __all__ = ["SEPARATIONS", "SeparationModel", "find_separation"]

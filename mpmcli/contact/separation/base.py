@@ -12,7 +12,7 @@ from mpmcli.core.dispatch import generic
 from mpmcli.core.model import Model
 from mpmcli.core.registry import Registry
 
-SEPARATIONS = Registry("separation")
+SEPARATIONS = Registry("separation", "SEPARATIONS")
 
 TOUCHING = -1e300
 """Separation of sides that always touch [length]; finite, because compiled code knows no infinity."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from mpmcli.boundary import VelocityConditions
+from mpmcli.boundary.conditions import VelocityConditions
 from mpmcli.boundary.place import Box, Face, Place, Plane
 from mpmcli.boundary.velocity import Velocity
 from mpmcli.core.analysis import Axisymmetric, PlaneStrain

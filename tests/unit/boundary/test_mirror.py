@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from mpmcli.boundary import VelocityConditions
+from mpmcli.boundary.conditions import VelocityConditions
 from mpmcli.boundary.place import Box, Place
 from mpmcli.boundary.symmetry import Symmetry
 from mpmcli.boundary.velocity import Velocity

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcli.boundary import VelocityConditions
+from mpmcli.boundary.conditions import VelocityConditions
 from mpmcli.boundary.wall import AxisWall, ObliqueWall, Wall
 from mpmcli.core.analysis import PlaneStrain
 from mpmcli.core.errors import SimulationError

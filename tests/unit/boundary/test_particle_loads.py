@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from mpmcli.boundary import LOADS, Loads
+from mpmcli.boundary import LOADS
 from mpmcli.boundary.body_force import BodyForce
 from mpmcli.boundary.gravity import Gravity
+from mpmcli.boundary.loads import Loads
 from mpmcli.boundary.particle_force import ParticleForce
 from mpmcli.boundary.traction import Traction
 from mpmcli.core.analysis import Axisymmetric, PlaneStrain

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from mpmcli.boundary import VelocityConditions, impose
+from mpmcli.boundary import impose
+from mpmcli.boundary.conditions import VelocityConditions
 from mpmcli.boundary.place import Box, Place
 from mpmcli.boundary.velocity import Velocity
 from mpmcli.core.analysis import PlaneStrain, Solid

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mpmcli.boundary import TractionFaces
+from mpmcli.boundary.faces import TractionFaces
 from mpmcli.boundary.traction import Traction
 from mpmcli.core.analysis import ANALYSES, F_COMPONENTS
 from mpmcli.core.errors import SimulationError

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
 from mpmcli.geometry import REGIONS
+from mpmcli.scene.schema import scene_schema
 
 ANY_REGION = TypeAdapter(REGIONS.union())
 
@@ -229,9 +230,9 @@ def test_misfits_have_places_and_words(region):
 
 
 def test_schema_shows_regions_within_regions():
-    definitions = ANY_REGION.json_schema()["$defs"]
+    definitions = scene_schema()["definitions"]
     members = definitions["Union"]["properties"]["regions"]["items"]["oneOf"]
-    assert {"$ref": "#/$defs/Union"} in members
+    assert {"$ref": "#/definitions/Union"} in members
     assert len(members) == len(REGIONS.models())
-    assert definitions["Box"]["properties"]["lower"]["maxItems"] == 3
+    assert definitions["Sphere"]["properties"]["center"]["maxItems"] == 3
     assert "from" in definitions["Cylinder"]["properties"]

@@ -10,9 +10,9 @@ from mpmcli.core.errors import SceneError
 from mpmcli.core.state import ContactView
 from mpmcli.output.columns import all_columns, default_columns, evaluate, fields_of, resolve_columns
 from mpmcli.output.contact_quantities import MOST_PAIRS
+from mpmcli.output.of_scene import check_output, context_of
 from mpmcli.output.probes import PointProbe, grid_fields, nodal_values, resolve_grid_fields
 from mpmcli.output.quantities import Context
-from mpmcli.output.recorder import check_output, context_of
 from mpmcli.output.snapshot import Snapshot
 from mpmcli.scene.loader import load_scene
 

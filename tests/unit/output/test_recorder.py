@@ -12,7 +12,8 @@ import pytest
 from mpmcli.core.errors import ArchiveError, SceneError
 from mpmcli.output.files import owned_files, remove_results
 from mpmcli.output.info import describe
-from mpmcli.output.recorder import Recorder, check_output
+from mpmcli.output.of_scene import check_output
+from mpmcli.output.recorder import Recorder
 
 PROBES = (
     SimpleNamespace(kind="particle", name="tip", body="left", near=(1, 1), columns=("velocity",), every=None),

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from mpmcli.output.columns import all_columns, evaluate
+from mpmcli.output.of_scene import context_of
 from mpmcli.output.probes import nodal_values
-from mpmcli.output.recorder import context_of
 from mpmcli.output.snapshot import Snapshot
 
 LEFT = {"name": "left", "material": "soft", "region": {"kind": "box", "lower": [-3, -2], "upper": [0, 2]},

@@ -1,0 +1,22 @@
+"""Everything that a scene chooses by ``kind`` from a registry."""
+
+from __future__ import annotations
+
+from mpmcli.boundary import CONDITIONS, LOADS
+from mpmcli.contact.laws import LAWS
+from mpmcli.contact.normals import NORMALS
+from mpmcli.contact.separation import SEPARATIONS
+from mpmcli.core.registry import Registry
+from mpmcli.geometry import REGIONS
+from mpmcli.materials import MATERIALS
+
+ALTERNATIVES: dict[str, Registry] = {
+    "materials": MATERIALS,
+    "regions": REGIONS,
+    "conditions": CONDITIONS,
+    "loads": LOADS,
+    "normals": NORMALS,
+    "separations": SEPARATIONS,
+    "laws": LAWS,
+}
+"""The registries by the words of ``mpmcli list``."""

@@ -1,0 +1,105 @@
+"""Registries: which file holds which kind is read from the files, and a kind is imported when it is named."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from pathlib import Path
+from typing import Literal, get_args
+
+import pytest
+from pydantic import BaseModel, TypeAdapter, ValidationError
+
+from mpmcli.core.registry import Registry
+from mpmcli.scene.alternatives import ALTERNATIVES
+
+ANIMAL = """
+from typing import Literal
+from pydantic import BaseModel
+from zoo import ANIMALS
+
+@ANIMALS.register
+class {name}(BaseModel):
+    kind: Literal[{kinds}]
+    legs: int
+"""
+
+
+@pytest.fixture
+def zoo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Registry:
+    """A registry with a cat, and a raven that goes by two names."""
+    package = tmp_path / "zoo"
+    package.mkdir()
+    (package / "__init__.py").write_text(
+        "from mpmcli.core.registry import Registry\nANIMALS = Registry('animal', 'ANIMALS')\n"
+        "ANIMALS.discover(__name__, __path__)\n"
+    )
+    (package / "cat.py").write_text(ANIMAL.format(name="Cat", kinds='"cat"'))
+    (package / "birds.py").write_text(ANIMAL.format(name="Raven", kinds='"crow", "raven"'))
+    (package / "food.py").write_text("raise RuntimeError('nobody asked for food')\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    yield importlib.import_module("zoo").ANIMALS
+    for name in [name for name in sys.modules if name.partition(".")[0] == "zoo"]:
+        del sys.modules[name]
+
+
+@pytest.mark.parametrize("word", ALTERNATIVES)
+def test_the_text_of_a_file_tells_its_kinds(word: str) -> None:
+    registry = ALTERNATIVES[word]
+    assert len(list(registry)) > 1
+    for kind in registry:
+        model = registry[kind]
+        assert kind in get_args(model.model_fields["kind"].annotation)
+    registered = {
+        kind for model in registry.models() for kind in get_args(model.model_fields["kind"].annotation)
+    }
+    assert registered == set(registry)
+
+
+def test_only_what_is_named_is_imported(zoo: Registry) -> None:
+    assert list(zoo) == ["cat", "crow", "raven"]
+    assert "raven" in zoo
+    assert "dog" not in zoo
+    adapter = TypeAdapter(dict[str, zoo.union()])
+    assert adapter.validate_python({"Tom": {"kind": "cat", "legs": 4}})["Tom"].legs == 4
+    assert "zoo.cat" in sys.modules
+    assert "zoo.birds" not in sys.modules
+    assert [model.__name__ for model in zoo.models()] == ["Cat", "Raven"]
+
+
+def test_what_is_wrong_has_its_place(zoo: Registry) -> None:
+    adapter = TypeAdapter(list[zoo.union()])
+    wrong = [
+        {"kind": "cat", "legs": "many"},
+        {"kind": "dog"},
+        {"legs": 2},
+        "cat",
+        {"kind": ["cat"]},
+        {"kind": None},
+    ]
+    with pytest.raises(ValidationError) as caught:
+        adapter.validate_python(wrong)
+    found = [(error["type"], error["loc"]) for error in caught.value.errors()]
+    assert found == [
+        ("int_parsing", (0, "cat", "legs")),
+        ("union_tag_invalid", (1,)),
+        ("union_tag_not_found", (2,)),
+        ("model_attributes_type", (3,)),
+        ("union_tag_invalid", (4,)),
+        ("union_tag_not_found", (5,)),
+    ]
+    assert caught.value.errors()[1]["ctx"]["expected_tags"] == "'cat', 'crow', 'raven'"
+
+
+def test_a_model_may_stand_for_itself(zoo: Registry) -> None:
+    raven = zoo["raven"](kind="raven", legs=2)
+    assert TypeAdapter(zoo.union()).validate_python(raven) is raven
+
+
+def test_a_name_is_taken_once(zoo: Registry) -> None:
+    class Cat(BaseModel):
+        kind: Literal["cat"]
+
+    with pytest.raises(ValueError, match="animal 'cat' is registered twice"):
+        zoo.register(Cat)
+    assert "zoo.cat" not in sys.modules
