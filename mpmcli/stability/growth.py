@@ -31,14 +31,16 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from mpmcli.core.bisection import bisect_limit
 from mpmcli.stability.lattice import Lattice, stencils
-from mpmcli.stability.linear_step import LinearStep, Scheme, State, wave_damping
+from mpmcli.stability.linear_step import LinearStep, Scheme, wave_damping
+
+Array = np.ndarray
 
 STEPS_PER_CELL = 40.0
 """Steps at C = 1 in which the moving block crosses a cell."""
@@ -177,64 +179,72 @@ def _growth_in_run(lattice: Lattice, scheme: Scheme, courant: float, swing: Swin
     dying = 0.5 * wave_damping(lattice, scheme, wave) / steps_apart(scheme, courant)
     if dying * steps <= DIES:
         return steps * _growth_swinging(lattice, scheme, courant, swing)
-    step = LinearStep(lattice, scheme, courant)
-    state, most, so_far = step.identity(), 0.0, 0.0
-    period = steps_apart(scheme, courant)
-    for number in range(round(min(steps, AT_REST / dying))):
-        at = swing.amplitude * math.exp(-dying * number) * math.sin(wave * (number + 0.5) * courant)
-        places = (_rounded(at),) * lattice.dimensions
-        step.advance(state, stencils(lattice, places), is_flip=(number + 1) % period != 0)
-        if number % RESCALED == 0:
-            so_far += math.log(state.rescale())
+    number = np.arange(round(min(steps, AT_REST / dying)))
+    at = swing.amplitude * np.exp(-dying * number) * np.sin(wave * (number + 0.5) * courant)
+    state, most, so_far = np.eye(1), 0.0, 0.0
+    for step, matrix in enumerate(_steps(lattice, scheme, courant, _rounded(at))):
+        state = matrix @ state if step else matrix
+        if step % RESCALED == 0:
+            largest = float(np.abs(state).max())
+            state = state / largest
+            so_far += math.log(largest)
             most = max(most, so_far)
     return most
+
+
+def _steps(lattice: Lattice, scheme: Scheme, courant: float, places: Array) -> Iterator[Array]:
+    """The matrices of the steps of a block that is at ``places`` (steps,) along all axes."""
+    number = np.arange(len(places))
+    is_flip = (number + 1) % steps_apart(scheme, courant) != 0
+    along_all = np.repeat(places[:, None], lattice.dimensions, axis=1)
+    return LinearStep(lattice, scheme, courant).matrices(along_all, is_flip)
 
 
 def _growth_swinging(lattice: Lattice, scheme: Scheme, courant: float, swing: Swing) -> float:
     """Logarithm of the amplification per step of a block that swings: of half a period, the other half mirrors it."""
 
-    def place(share: float) -> float:
-        return _rounded(swing.amplitude * math.sin(math.pi * share))
+    def place(share: Array) -> Array:
+        return _rounded(swing.amplitude * np.sin(np.pi * share))
 
     return _growth_along(lattice, scheme, courant, 0.5 * swing.period / courant, place)
 
 
-def _rounded(at: float) -> float:
-    """The place within its cell, one of ``SWING_PLACES``."""
-    return round(at * SWING_PLACES) % SWING_PLACES / SWING_PLACES
+def _rounded(at: Array) -> Array:
+    """The places within their cells, of ``SWING_PLACES`` there."""
+    return np.round(at * SWING_PLACES) % SWING_PLACES / SWING_PLACES
 
 
 def _growth_along(
-    lattice: Lattice, scheme: Scheme, courant: float, about: float, place: Callable[[float], float]
+    lattice: Lattice, scheme: Scheme, courant: float, about: float, place: Callable[[Array], Array]
 ) -> float:
     """Logarithm of the amplification per step on a way of ``about`` so many steps.
 
-    ``place`` gives the offset within a cell, along all axes, after a share of the way.
+    ``place`` gives the offsets within a cell, along all axes, after shares of the way.
     """
     steps = max(6, round(about))
     period = steps_apart(scheme, courant)
     if period > 1:
         steps = period * max(1, round(steps / period))
-    step = LinearStep(lattice, scheme, courant)
-    state = step.identity()
+    passed = np.eye(1)
     with np.errstate(over="ignore", invalid="ignore"):
-        for number in range(steps):
-            at = stencils(lattice, (place((number + 0.5) / steps),) * lattice.dimensions)
-            step.advance(state, at, is_flip=(number + 1) % period != 0)
-            if not np.abs(state.V).max() < OVERFLOW:
+        places = place((np.arange(steps) + 0.5) / steps)
+        for step, matrix in enumerate(_steps(lattice, scheme, courant, places)):
+            passed = matrix @ passed if step else matrix
+            if not np.abs(passed).max() < OVERFLOW:
                 return np.inf
-    return _log_of_radius(state) / steps
+    return _log_of_radius(passed) / steps
 
 
 def _growth_at_rest(lattice: Lattice, scheme: Scheme, courant: float, offsets: tuple[float, ...]) -> float:
     """Logarithm of the amplification per step of a block at rest."""
     period = steps_apart(scheme, courant)
-    step = LinearStep(lattice, scheme, courant)
-    state, at = step.identity(), stencils(lattice, offsets)
+    step, at = LinearStep(lattice, scheme, courant), stencils(lattice, np.array([offsets]))
     with np.errstate(over="ignore", invalid="ignore"):
-        for number in range(period):
-            step.advance(state, at, is_flip=number + 1 != period)
-    return _log_of_radius(state) / period if np.abs(state.V).max() < OVERFLOW else np.inf
+        passed = step.advance(step.identity(), at).matrices()[0]
+        if period > 1:
+            flip = step.advance(step.identity(), at, is_flip=True).matrices()[0]
+            passed = passed @ np.linalg.matrix_power(flip, period - 1)
+    return _log_of_radius(passed) / period if np.abs(passed).max() < OVERFLOW else np.inf
 
 
 def steps_apart(scheme: Scheme, courant: float) -> int:
@@ -246,9 +256,9 @@ def steps_apart(scheme: Scheme, courant: float) -> int:
     return 1
 
 
-def _log_of_radius(state: State) -> float:
+def _log_of_radius(matrix: Array) -> float:
     """Logarithm of the spectral radius, from a norm of the power ``2**SQUARINGS``: faster than eigenvalues."""
-    power, logarithm = state.matrix(), 0.0
+    power, logarithm = matrix, 0.0
     for _ in range(SQUARINGS):
         scale = np.abs(power).max()
         if scale == 0.0:

@@ -57,7 +57,10 @@ class Lattice:
 
 @dataclass(eq=False)
 class Stencils:
-    """Of N particles and n nodes: S (N, n), G (d, N, n), Σ_p S (n, 1), and what finds ``reach``."""
+    """At P places, of N particles and n nodes: S (P, N, n), G (d, P, N, n), Σ_p S (P, n, 1), and what finds ``reach``.
+
+    Nodes have mass at one of the places at least; where they have none, their mass counts as 1, and S and G vanish.
+    """
 
     S: Array
     G: Array
@@ -66,16 +69,15 @@ class Stencils:
 
     @functools.cached_property
     def reach(self) -> Array:
-        """S·(x_i − X_p) (d, N, n), which velocity gradients ask for."""
+        """S·(x_i − X_p) (d, P, N, n), which velocity gradients ask for."""
         return self.find_reach()
 
 
-@functools.lru_cache(maxsize=512)
-def stencils(lattice: Lattice, offsets: tuple[float, ...]) -> Stencils:
-    """The tensor products of the axes, at nodes that have mass; ``offsets`` of the block along each axis in cells."""
+def stencils(lattice: Lattice, offsets: Array) -> Stencils:
+    """The tensor products of the axes, at nodes that have mass; ``offsets`` (P, d) of the block in cells."""
     along = [
         axis_stencils(lattice.grid_functions, lattice.domain, lattice.particles, lattice.edge, offset)
-        for offset in offsets
+        for offset in offsets.T
     ]
     if lattice.is_endless:
         along = [
@@ -88,36 +90,41 @@ def stencils(lattice: Lattice, offsets: tuple[float, ...]) -> Stencils:
 
     values = [S for S, _, _ in along]
     value = product(*values)
-    mass = value.sum(axis=0)
-    kept = mass > 1e-12
+    mass = value.sum(axis=-2, keepdims=True)
+    has_mass = mass > 1e-12
+    kept = has_mass.any(axis=(0, 1))
+    seen = has_mass[..., kept]
+
+    def of_nodes(all_nodes: Array) -> Array:
+        return all_nodes[..., kept] * seen
 
     def along_each(others: list[Array]) -> Array:
         """For each axis the product in which the values along it have made room for ``others``."""
         products = [product(*values[:a], other, *values[a + 1 :]) for a, other in enumerate(others)]
-        return np.stack(products)[:, :, kept]
+        return of_nodes(np.stack(products))
 
     return Stencils(
-        value[:, kept],
+        of_nodes(value),
         along_each([G / cell for (_, G, _), cell in zip(along, lattice.cell, strict=True)]),
-        mass[kept][:, None],
+        np.where(seen, mass[..., kept], 1.0).swapaxes(1, 2),
         lambda: along_each([R * cell for (_, _, R), cell in zip(along, lattice.cell, strict=True)]),
     )
 
 
 def _kron(A: Array, B: Array) -> Array:
-    """The Kronecker product of two matrices; numpy's own, for any number of axes, takes ten times as long."""
-    return (A[:, None, :, None] * B[None, :, None, :]).reshape(len(A) * len(B), -1)
+    """The Kronecker products of stacks of matrices (P, …); numpy's own takes ten times as long."""
+    product = A[:, :, None, :, None] * B[:, None, :, None, :]
+    return product.reshape(len(A), A.shape[1] * B.shape[1], -1)
 
 
-@functools.lru_cache(maxsize=4096)
 def axis_stencils(
-    grid_functions: str, domain: str, particles: int, cells: int, offset: float
+    grid_functions: str, domain: str, particles: int, cells: int, offsets: Array
 ) -> tuple[Array, Array, Array]:
-    """S, G and S·(x_i − X_p) of one axis in cells, for particles that fill ``cells`` cells."""
+    """S, G and S·(x_i − X_p) (P, N, n) of one axis in cells, for particles that fill ``cells`` cells at each offset."""
     l = 0.5 / particles
-    X = (np.arange(cells * particles) + 0.5) / particles + offset
+    X = (np.arange(cells * particles) + 0.5) / particles + offsets[:, None]
     nodes = np.arange(-MARGIN, cells + 2 + MARGIN)
-    x = X[:, None] - nodes
+    x = X[..., None] - nodes
     value, integral = GRID_FUNCTIONS[grid_functions]
     if domain == "point":
         h = 1e-6
@@ -134,18 +141,15 @@ def axis_stencils(
 def variance(lattice: Lattice) -> float:
     """Σ_i S (x_i − X)² along an axis [cells²], the mean over all places within a cell."""
     places = (np.arange(VARIANCE_PLACES) + 0.5) / VARIANCE_PLACES
-    found = []
-    for place in places:
-        S, _, _ = axis_stencils(lattice.grid_functions, lattice.domain, lattice.particles, 1, float(place))
-        X = 0.5 / lattice.particles + place
-        nodes = np.arange(-MARGIN, 3 + MARGIN)
-        found.append(S[0] @ (nodes - X) ** 2)
-    return float(np.mean(found))
+    S, _, _ = axis_stencils(lattice.grid_functions, lattice.domain, lattice.particles, 1, places)
+    X = 0.5 / lattice.particles + places
+    nodes = np.arange(-MARGIN, 3 + MARGIN)
+    return float((S[:, 0] * (nodes - X[:, None]) ** 2).sum(axis=1).mean())
 
 
 def _repeated(A: Array, period: int) -> Array:
-    """Nodes that are a multiple of ``period`` apart made one, (N, period)."""
-    return np.stack([A[:, node::period].sum(axis=1) for node in range(period)], axis=1)
+    """Nodes that are a multiple of ``period`` apart made one, (P, N, period)."""
+    return np.stack([A[..., node::period].sum(axis=-1) for node in range(period)], axis=-1)
 
 
 def _hat(r: Array) -> Array:

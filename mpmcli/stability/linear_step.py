@@ -5,16 +5,19 @@ What comes from the motion of a particle within a step is left out.
 
 from __future__ import annotations
 
-import functools
 import itertools
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mpmcli.core.variants import STRAIN_UPDATES, TRANSFER_METHODS
-from mpmcli.stability.lattice import Lattice, Stencils, variance
+from mpmcli.stability.lattice import Lattice, Stencils, stencils, variance
 
 Array = np.ndarray
+
+MOST_NUMBERS = 200_000
+"""Matrices of several steps are made at once while they have no more numbers than this."""
 
 
 @dataclass(frozen=True)
@@ -50,8 +53,8 @@ class Scheme:
 
 @dataclass
 class State:
-    """B states at once: V (d, N, B), stresses (pairs, N, B); velocity gradients (d, d, N, B) and viscous stress (N, B)
-    or None.
+    """B states at each of P places: V (d, P, N, B), stresses (pairs, P, N, B); velocity gradients (d, d, P, N, B) and
+    viscous stress (P, N, B), or None.
     """
 
     V: Array
@@ -59,20 +62,11 @@ class State:
     L: Array | None
     viscous: Array | None = None
 
-    def matrix(self) -> Array:
-        """All rows below each other, (rows, B)."""
-        columns = self.V.shape[-1]
-        return np.concatenate([part.reshape(-1, columns) for part in self._parts()])
-
-    def rescale(self) -> float:
-        """Divide all by the largest number, and return it."""
-        largest = max(float(np.abs(part).max()) for part in self._parts())
-        for part in self._parts():
-            part /= largest
-        return largest
-
-    def _parts(self) -> list[Array]:
-        return [part for part in (self.V, self.stress, self.L, self.viscous) if part is not None]
+    def matrices(self) -> Array:
+        """All rows below each other, (P, rows, B)."""
+        parts = [part for part in (self.V, self.stress, self.L, self.viscous) if part is not None]
+        rows = [part.reshape(-1, *part.shape[-3:]).swapaxes(0, 1) for part in parts]
+        return np.concatenate([row.reshape(len(row), -1, row.shape[-1]) for row in rows], axis=1)
 
 
 class LinearStep:
@@ -94,14 +88,36 @@ class LinearStep:
         total = N * sum(counts)
         V, stress, L, viscous = np.split(np.eye(total), np.cumsum([N * c for c in counts])[:-1])
         return State(
-            V.reshape(d, N, total),
-            stress.reshape(-1, N, total),
-            L.reshape(d, d, N, total) if len(L) else None,
-            viscous if len(viscous) else None,
+            V.reshape(d, 1, N, total),
+            stress.reshape(-1, 1, N, total),
+            L.reshape(d, d, 1, N, total) if len(L) else None,
+            viscous[None] if len(viscous) else None,
         )
 
-    def advance(self, state: State, at: Stencils, is_flip: bool = False) -> None:
-        """One step of all states in place; ``is_flip`` for those between the steps of a periodic transfer."""
+    def matrices(self, places: Array, is_flip: Array) -> Iterator[Array]:
+        """The matrix of one step after the other, with the block at ``places`` (steps, d), in cells.
+
+        ``is_flip`` (steps,) tells the steps of FLIP between those of a periodic transfer. Steps at the same place share
+        a matrix.
+        """
+        start = self.identity()
+        share = max(1, MOST_NUMBERS // start.V.shape[-1] ** 2)
+        for begin in range(0, len(places), share):
+            part = slice(begin, begin + share)
+            steps = [
+                (*place, flip)
+                for place, flip in zip(places[part].tolist(), is_flip[part].tolist(), strict=True)
+            ]
+            found: dict[tuple[float, ...], Array] = {}
+            for flip in (False, True):
+                asked = [step for step in dict.fromkeys(steps) if step[-1] == flip]
+                if asked:
+                    at = stencils(self.lattice, np.array(asked)[:, :-1])
+                    found |= zip(asked, self.advance(start, at, flip).matrices(), strict=True)
+            yield from (found[step] for step in steps)
+
+    def advance(self, state: State, at: Stencils, is_flip: bool = False) -> State:
+        """All states after one step; ``is_flip`` for those between the steps of a periodic transfer."""
         method, strain, dt = self.flip if is_flip else self.method, self.strain, self.dt
         series = series_of(at, self.scheme) if method.full_mass or method.projects else None
 
@@ -111,42 +127,46 @@ class LinearStep:
 
         start = self._extrapolate(at, state.V, state.L)
         if strain.first > 0.0:
-            self._add_stress(state, self._gradient(at, full(start)), strain.first * dt)
+            state = self._strained(state, self._gradient(at, full(start)), strain.first * dt)
         change = dt * self._acceleration(at, self._total(state))
         v = full(start + change)
         if method.flip:
-            state.V = state.V + at.S @ change
+            V = state.V + at.S @ change
         elif method.projects:
-            state.V = at.S @ (change + series @ start)
+            V = at.S @ (change + series @ start)
         else:
-            state.V = at.S @ v
+            V = at.S @ v
         if strain.again:
-            v = full(self._extrapolate(at, state.V, state.L))
+            v = full(self._extrapolate(at, V, state.L))
+        state = replace(state, V=V)
         if strain.last > 0.0 or state.L is not None:
             L = self._gradient(at, v)
             if state.L is not None:
-                state.L = L
+                state = replace(state, L=L)
             if strain.last > 0.0:
-                self._add_stress(state, L, strain.last * dt)
+                state = self._strained(state, L, strain.last * dt)
+        return state
 
     def _extrapolate(self, at: Stencils, V: Array, L: Array | None) -> Array:
         """Σ_p S (V + L·(x_i − X_p)) over Σ_p S."""
-        p = at.S.T @ V
+        p = at.S.swapaxes(-1, -2) @ V
         if L is not None:
             for b in range(len(V)):
-                p = p + at.reach[b].T @ L[:, b]
+                p = p + at.reach[b].swapaxes(-1, -2) @ L[:, b]
         return p / at.mass
 
     def _gradient(self, at: Stencils, v: Array) -> Array:
-        """∂v_a/∂x_b as (d, d, N, B)."""
+        """∂v_a/∂x_b as (d, d, P, N, B)."""
         return np.stack([at.G[b] @ v for b in range(len(v))], axis=1)
 
     def _acceleration(self, at: Stencils, stress: Array) -> Array:
-        f = np.zeros((self.lattice.dimensions, at.S.shape[1], stress.shape[-1]))
+        places, _, nodes = at.S.shape
+        f = np.zeros((self.lattice.dimensions, places, nodes, stress.shape[-1]))
+        G = at.G.swapaxes(-1, -2)
         for (a, b), component in zip(self.pairs, stress, strict=True):
-            f[a] -= at.G[b].T @ component
+            f[a] -= G[b] @ component
             if a != b:
-                f[b] -= at.G[a].T @ component
+                f[b] -= G[a] @ component
         return f / at.mass
 
     def _total(self, state: State) -> Array:
@@ -159,15 +179,12 @@ class LinearStep:
                 total[row] += state.viscous
         return total
 
-    def _add_stress(self, state: State, L: Array, dt: float) -> None:
+    def _strained(self, state: State, L: Array, dt: float) -> State:
         lame, shear = self.lattice.lame, self.lattice.shear
         trace = sum(L[a, a] for a in range(len(L)))
-        if state.viscous is not None:
-            state.viscous = self.scheme.viscosity * trace
-        for row, (a, b) in enumerate(self.pairs):
-            state.stress[row] += dt * shear * (L[a, b] + L[b, a])
-            if a == b:
-                state.stress[row] += dt * lame * trace
+        rates = [shear * (L[a, b] + L[b, a]) + (lame * trace if a == b else 0.0) for a, b in self.pairs]
+        viscous = None if state.viscous is None else self.scheme.viscosity * trace
+        return replace(state, stress=state.stress + dt * np.stack(rates), viscous=viscous)
 
 
 def wave_damping(lattice: Lattice, scheme: Scheme, wave: float) -> float:
@@ -188,13 +205,12 @@ def wave_damping(lattice: Lattice, scheme: Scheme, wave: float) -> float:
     return 1.0 - (1.0 - a) * total
 
 
-@functools.lru_cache(maxsize=512)
 def series_of(at: Stencils, scheme: Scheme) -> Array:
-    """I + 𝐀 + 𝐀² + … to the order of the transfer, blended, with 𝐀 = I − S⁺S of the nodes, (n, n)."""
-    passed = at.S.T @ at.S
+    """I + 𝐀 + 𝐀² + … to the order of the transfer, blended, with 𝐀 = I − S⁺S of the nodes, (P, n, n)."""
+    passed = at.S.swapaxes(-1, -2) @ at.S
     if scheme.velocity_gradient:
-        passed = passed + sum(R.T @ G for R, G in zip(at.reach, at.G, strict=True))
-    identity = np.eye(len(at.mass))
+        passed = passed + (at.reach.swapaxes(-1, -2) @ at.G).sum(axis=0)
+    identity = np.eye(at.mass.shape[1])
     passed = identity - passed / at.mass
     total = increment = identity
     for order in range(2, scheme.order + 1):
