@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +12,7 @@ from hypothesis import HealthCheck, settings
 
 from mpmcli.core.analysis import F_COMPONENTS
 from mpmcli.core.grid import Grid
+from mpmcli.core.kernel import Compiled, Kernel
 from mpmcli.core.stencil import across_of, allocate_stencil, fill_stencils
 from mpmcli.shapes import SHAPES
 
@@ -69,6 +72,30 @@ def _find_stencils(name: str, grid: Grid, X, size, F=None) -> Stencils:
     nodes = (base[:, None] + buffers.offsets).astype(np.int64)
     x = grid.coordinates(nodes.ravel()).reshape(d, count, m)
     return Stencils(S, G.reshape(count, d, m), nodes, x, base, buffers.status, grid)
+
+
+@contextmanager
+def _plain_python() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Compiled, "__call__", lambda self, *arguments: self.py_func(*arguments))
+        patch.setattr(Kernel, "__getitem__", lambda self, parallel: self._versions[parallel].py_func)
+        yield
+
+
+@pytest.fixture(scope="session")
+def plain_python():
+    """Context in which kernels, and all that they call, run as Python."""
+    return _plain_python
+
+
+@pytest.fixture(params=["python", pytest.param("compiled", marks=pytest.mark.slow)])
+def python_and_compiled(request):
+    """For tests of a few particles: quick ones compile nothing, slow ones call the kernels themselves."""
+    if request.param == "compiled":
+        yield
+        return
+    with _plain_python():
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,7 @@
 """What every registered material is held to, by the properties that it declares."""
 
 import math
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -242,25 +243,23 @@ def particles_of(model, name, count=5):
 
 
 @pytest.mark.parametrize("kind", list(MATERIALS))
-def test_compiled_and_plain_python_agree_and_every_row_is_written(kind):
+def test_compiled_and_plain_python_agree_and_every_row_is_written(kind, plain_python):
     model = next(m for m in MODELS if m.kind == kind)
-    m = model.parameters("axisymmetric", True)
+    m = model.parameters("plane_strain", True)
     results = []
-    for update, energy in (
-        (update_strain_and_stress[False], stored_energy[False]),
-        (update_strain_and_stress[False].py_func, stored_energy[False].py_func),
-    ):
-        analysis, p = particles_of(model, "axisymmetric")
+    for way in (nullcontext, plain_python):
+        analysis, p = particles_of(model, "plane_strain")
         blocks = block_count(p.count)
         speed2, bad, out = np.zeros(blocks), np.zeros(blocks, dtype=np.int64), np.zeros(p.count)
-        for dt in (0.04, 0.3, -0.2):
-            update(
-                analysis, m, 0, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material, p.stress_work, None, dt,
-                (0.0, math.inf), speed2, bad,
-            )  # fmt: skip
-        energy(analysis, m, 0, p.F, p.H, p.material, out)
+        with way():
+            for dt in (0.04, 0.3, -0.2):
+                update_strain_and_stress[False](
+                    analysis, m, 0, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material, p.stress_work, None, dt,
+                    (0.0, math.inf), speed2, bad,
+                )  # fmt: skip
+            stored_energy[False](analysis, m, 0, p.F, p.H, p.material, out)
         assert bad.tolist() == [-1]
         results.append([p.F, p.tau, p.H, p.stress_work, speed2, out])
     for compiled, plain in zip(*results, strict=True):
         assert np.allclose(compiled, plain, rtol=1e-12, atol=1e-13)
-    assert np.all(results[0][0][[F_COMPONENTS[2].index(c) for c in ("xx", "yy", "zz")]] != 1)
+    assert np.all(results[0][0][[F_COMPONENTS[2].index(c) for c in ("xx", "yy")]] != 1)

@@ -13,6 +13,8 @@ from mpmcli.core import tensors
 members = st.floats(-1.0, 1.0)
 scales = st.sampled_from([1e-9, 1e-4, 0.01, 0.04, 0.05, 0.2, 1.0])
 nine = st.tuples(*[members] * 9)
+pytestmark = pytest.mark.usefixtures("python_and_compiled")
+
 quick = settings(max_examples=60, deadline=None)
 
 
