@@ -65,10 +65,11 @@ def mutate(scene: Any, choose: random.Random) -> str:
     return text + "\n"
 
 
+@pytest.mark.parametrize("seeds", [range(12), pytest.param(range(12, 40), marks=pytest.mark.slow)], ids=str)
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
-def test_mutated_scenes(path: Path) -> None:
+def test_mutated_scenes(path: Path, seeds: range) -> None:
     scene = compose(path.read_text(encoding="utf-8"), path.name).plain()
-    for seed in range(40):
+    for seed in seeds:
         text = mutate(scene, random.Random(f"{path.stem} {seed}"))
         begin = time.perf_counter()
         try:
