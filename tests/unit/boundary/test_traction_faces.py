@@ -16,6 +16,8 @@ from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
 
+pytestmark = pytest.mark.usefixtures("python_and_compiled")
+
 KIND = {1: "uniaxial_stress", 2: "plane_strain", 3: "3d"}
 
 
@@ -74,7 +76,7 @@ def apply(faces, grid, particles, time=0.0):
     return grid.f.sum(axis=0)
 
 
-@pytest.mark.parametrize("d", [1, 2, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("d", [1, 2, 3])
 @pytest.mark.parametrize("follower", [False, True])
 @pytest.mark.parametrize("side", ["lower", "upper"])
 def test_total_force_on_an_undeformed_block(d, follower, side):
