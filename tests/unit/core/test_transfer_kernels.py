@@ -10,6 +10,10 @@ from mpmcli.core.stencil import OUTSIDE_GRID
 
 CASES = [("uniaxial_stress", "lcpdi"), ("plane_strain", "lcpdi"), ("axisymmetric", "ugimp"), ("3d", "ugimp")]
 EVERY_ANALYSIS = pytest.mark.parametrize(("analysis", "shape"), CASES)
+PLANE_FIRST = pytest.mark.parametrize(
+    ("analysis", "shape"),
+    [pytest.param(*case, marks=[pytest.mark.slow] * (case[0] != "plane_strain")) for case in CASES],
+)
 
 
 @EVERY_ANALYSIS
@@ -195,6 +199,7 @@ def test_the_order_of_particles_matters_only_in_round_off(cloud):
     np.testing.assert_allclose(other.forces(), one.forces(), rtol=0, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_serial_and_parallel_kernels_agree_to_the_last_bit(cloud):
     one, other = (
         cloud("plane_strain", "ugimp", count=3000, cells=(6, 60), parallel=p) for p in (False, True)
@@ -221,7 +226,7 @@ def gradient_of(c):
     return p.L[: d * d].reshape(d, d, p.count)
 
 
-@EVERY_ANALYSIS
+@PLANE_FIRST
 def test_affine_momenta_add_the_velocity_gradient_times_the_distance(analysis, shape, cloud, dense_of):
     """p_i = Σ S_i M (V + L·(x_i − X))."""
     c = cloud(analysis, shape)
@@ -245,7 +250,7 @@ def test_affine_momenta_add_the_velocity_gradient_times_the_distance(analysis, s
     np.testing.assert_allclose(out, expected, rtol=0, atol=1e-12)
 
 
-@EVERY_ANALYSIS
+@PLANE_FIRST
 def test_affine_projection_reproduces_linear_fields(analysis, shape, cloud):
     """Σ S M (S v + G v·(x_i − X)) = m v for a linear v: the pass takes nothing away."""
     c = cloud(analysis, shape)

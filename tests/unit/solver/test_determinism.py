@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mpmcli.solver import simulation
+
 LARGE = {
     "grid": {"lower": [-20, -35], "upper": [20, 35], "cell": 0.5},
     "bodies__0__region": {"kind": "box", "lower": [-8, -16], "upper": [8, 16]},
@@ -18,10 +20,13 @@ def state_of(run):
     return {name: run.by_identity(name) for name in ("X", "V", "F", "tau", "stress_work")}
 
 
-def test_threads_do_not_change_a_bit(block):
-    """One and two threads, two runs each; with sorting in between."""
+def test_threads_do_not_change_a_bit(block, monkeypatch):
+    """One and two threads, two runs each, and serial kernels; with sorting in between."""
     runs = [block(threads=threads, **LARGE).steps(12) for threads in (1, 2, 2, 1)]
     assert runs[0].simulation.parallel
+    monkeypatch.setattr(simulation, "PARALLEL_FROM", 10**9)
+    runs.append(block(**LARGE).steps(12))
+    assert not runs[-1].simulation.parallel
     assert runs[0].simulation.order.version > 1
     first = state_of(runs[0])
     work = runs[0].simulation.state.work
