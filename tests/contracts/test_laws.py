@@ -35,7 +35,8 @@ EXAMPLES = {
 }
 MODELS = [LAWS[kind].model_validate({"kind": kind, **numbers}) for kind in LAWS for numbers in EXAMPLES[kind]]
 every = pytest.mark.parametrize("model", MODELS, ids=lambda m: f"{m.kind}-{MODELS.index(m)}")
-dimensions = pytest.mark.parametrize("d", [1, 2, 3])
+TWO = pytest.param(2, marks=pytest.mark.slow)  # scenes with contact are in the plane
+dimensions = pytest.mark.parametrize("d", [1, TWO, 3])
 DT = 0.1
 
 
@@ -162,7 +163,11 @@ def test_declared_needs(model, d):
         assert not settled(model, c)[0].any()
 
 
-@every
+@pytest.mark.parametrize(
+    "model",
+    [pytest.param(m, marks=[pytest.mark.slow] * (m.kind != "coulomb")) for m in MODELS],
+    ids=lambda m: f"{m.kind}-{MODELS.index(m)}",
+)
 def test_threads_change_nothing(model):
     c = Contacts(3)
     for a, b in zip(settled(model, c), settled(model, c, parallel=True), strict=True):
@@ -171,14 +176,14 @@ def test_threads_change_nothing(model):
 
 @every
 def test_python_agrees_with_compiled_code(model):
-    c = Contacts(2, count=40)
+    c = Contacts(3, count=40)
     out, state = settled(model, c)
     law = model.parameters()
     for k in range(40):
-        one = np.zeros(2)
+        one = np.zeros(3)
         found = settle(
             law,
-            (0.0, 0.0),
+            (0.0, 0.0, 0.0),
             c.dp0[k],
             c.n[k],
             c.separation[k],
@@ -250,7 +255,7 @@ def test_resting_sides_exchange_nothing(model, d):
 
 
 @every
-@pytest.mark.parametrize("d", [2, 3])
+@pytest.mark.parametrize("d", [TWO, 3])
 @given(seed=st.integers(0, 2**31))
 def test_turning_and_mirroring(model, d, seed):
     c = Contacts(d, count=50)
