@@ -36,7 +36,10 @@ time: {end: 120, courant: 0.3}
 """
 
 
-@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize(
+    "shape",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name not in ("ugimp", "lcpdi"))) for name in SHAPES],
+)
 def test_stress_behind_the_ends_of_a_bar(start, shape):
     run = start(BAR, f"method.shape={shape}")
     run.to(300)

@@ -11,7 +11,7 @@ DATA = Path(__file__).parents[1] / "data"
 
 BAR = """
 version: 1
-analysis: {kind: uniaxial_strain}
+analysis: {kind: uniaxial_stress}
 grid: {lower: [0], upper: [60], cell: 0.5}
 method: {shape: lcpdi, transfer: {kind: fmpm, order: 4}}
 materials: {m: {kind: linear_elastic, density: 4, E: 1, nu: 0}}
@@ -72,7 +72,7 @@ def test_step_load(start):
 COLUMN = """
 version: 1
 constants: {g: 2.0e-3}
-analysis: {kind: uniaxial_strain}
+analysis: {kind: uniaxial_stress}
 grid: {lower: [0], upper: [24], cell: 0.5}
 method: {shape: lcpdi, transfer: {kind: fmpm, order: 2}}
 materials: {m: {kind: neo_hookean, density: 1, E: 1, nu: 0}}
@@ -120,6 +120,8 @@ def test_elastic_plastic_wave(start):
     hel = Y * (1 - nu) / (1 - 2 * nu)
     run = start(
         BAR,
+        "analysis.kind=uniaxial_strain",
+        "method.shape=b2cpdi",
         "materials={m: {kind: j2_plastic, density: 1, E: 1, nu: 0.3, hardening: {kind: linear, yield_stress: 1.0e-3}}}",
         "boundary=[{name: push, kind: velocity, on: {box: {lower: [0], upper: [5]}}, direction: x, value: 4.0e-3}]",
         "grid.cell=0.25",

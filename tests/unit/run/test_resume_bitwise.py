@@ -67,8 +67,7 @@ SCENES: dict[str, dict[str, Any]] = {
         "plane_strain", 6, {"kind": "fmpm", "order": 2},
         materials={"soft": SOFT, "tool": {"kind": "rigid"}},
         bodies=[*TWO, body("tool", [-4, 2], [4, 3], ["sin(t)", "-2 - t"], "tool")],
-        contact={"law": {"kind": "coulomb", "friction": 0.3}, "normal": {"kind": "logistic_regression", "reuse": True},
-                 "separation": {"kind": "displacement"}},
+        contact={"law": {"kind": "coulomb", "friction": 0.3}, "normal": {"kind": "logistic_regression", "reuse": True}},
         boundary=[FLOOR],
         loads=[{"name": "weight", "kind": "gravity", "acceleration": [0, "-9.81*t"]}],
         probes=[{"name": "joint", "kind": "point", "at": [0, 0], "columns": ["velocity", "contact_normal"]}],
@@ -76,7 +75,8 @@ SCENES: dict[str, dict[str, Any]] = {
     "adhesion": scene_of(
         "plane_strain", 6, {"kind": "xpic", "order": 2, "every_steps": 3},
         bodies=[body("left", [-3, -2], [0, 2], [-2, "0.5*y"]), body("right", [0, -2], [3, 2], [2, 0])],
-        contact={"law": {"kind": "adhesion_friction", "normal_strength": 9, "shear_strength": 5, "friction": 0.2}},
+        contact={"law": {"kind": "adhesion_friction", "normal_strength": 9, "shear_strength": 5, "friction": 0.2},
+                 "separation": {"kind": "displacement"}},
         archive={"particles": {"every": 0.02}},
     ),
     "lost": scene_of(
