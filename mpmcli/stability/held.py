@@ -6,8 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.boundary.place import unit_vector
-
 Array = np.ndarray
 
 NEAR = 0.5
@@ -88,6 +86,8 @@ def _axis(direction: Any) -> int | None:
     """Number of the axis that a direction, a name or a vector, is along."""
     if direction is None:
         return None
+    from mpmcli.boundary.place import unit_vector
+
     along = np.flatnonzero(unit_vector(direction, 3))
     return int(along[0]) if len(along) == 1 else None
 
