@@ -4,7 +4,9 @@ by their faces
     If all deformable particles fill a box at the start, move in one velocity field and start slowly along axes with a
     free face, the faces of that box are followed: the step is that of a block that rests with its faces where they lie
     now. It is so as long as the particles of each face lie within ``2 REACH`` along its normal. Rigid bodies must hold
-    a face along an axis without free faces: no face that is followed is one that they touch.
+    a face along an axis without free faces: no face that is followed is one that they touch. Where a face passes on
+    through its cells they are looked at more often, and the limit of the scene counts where it is higher: a place
+    that is passed may be as bad as that.
 else
     The limit of the scene (``scene_limit``), as for bodies that pass all places slowly. So it is at all times where a
     body starts fast, is no box, or touches another deformable one.
@@ -18,7 +20,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -46,9 +48,21 @@ MARGIN = 0.02
 """Cells to both sides of the places of a face that count too, besides what it moves until it is looked at again."""
 EVERY = 20
 """Steps between looks at the particles."""
+PASSES = 0.1
+"""Cells that a face may move between looks, if it would leave ``REACH`` in ``EVERY`` steps."""
+LEAST = 2
+"""Faces that would move so far in fewer steps are not followed."""
 PLACES_PER_CELL = 48
 """Places of faces are rounded to so many."""
 ROUND_OFF = 1e-6
+
+
+class Face(NamedTuple):
+    """Between which places its particles end [cells of the grid], and the cells that it moves in a step."""
+
+    low: float
+    high: float
+    speed: float
 
 
 class GivenCourant:
@@ -77,6 +91,7 @@ class ChosenCourant(GivenCourant):
     otherwise : where faces are not followed
     follows_faces : whether they are followed
     courant : the current one, of waves
+    next_look : the step at which the particles are looked at again
 
     Raises
     ------
@@ -90,6 +105,7 @@ class ChosenCourant(GivenCourant):
         chosen = chosen_courant(scene) or LARGEST_COURANT
         self.otherwise = min(chosen / particles_over_waves(scene), LARGEST_COURANT)
         super().__init__(self.otherwise)
+        self.next_look = 0
         self._free = np.any([~held_axes(scene, body) for body, _ in deformable(scene)], axis=0)
         self._blocks, self._scheme = list(blocks_of(scene)), scheme_of(scene)
         self.follows_faces = (
@@ -113,22 +129,24 @@ class ChosenCourant(GivenCourant):
             self._layers[1, a, particles.id] = soft & (high[a] >= ends[1] - near[a])
             within = [float(end - self._lower[a]) / cell for end in ends]
             self._held.append([_places(place - REACH, place + REACH) for place in within])
-        self._look(particles, math.inf)
+        self._look(0, particles, math.inf)
+        self.next_look = 0
 
     def at(self, step: int, particles: Any, wave_speed: float = 0.0, particle_speed: float = 0.0) -> float:
-        """That of the step that begins, by what the particles do; they are looked at every ``EVERY`` steps."""
-        if step % EVERY == 0 and self.follows_faces:
-            self._look(particles, wave_speed)
+        """That of the step that begins, by what the particles do; they are looked at every ``EVERY`` steps at least."""
+        if step >= self.next_look and self.follows_faces:
+            self._look(step, particles, wave_speed)
         faster = particle_speed / wave_speed if wave_speed > 0.0 else 1.0
         return min(self.courant * max(1.0, faster), LARGEST_COURANT)
 
     def memory(self) -> dict[str, float]:
         """What it remembers from step to step."""
-        return {"courant": self.courant}
+        return {"courant": self.courant, "next_look": self.next_look}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Remember it again."""
         self.courant = float(memory["courant"])
+        self.next_look = int(memory["next_look"])
 
     def in_words(self) -> str:
         """What it goes by later, after a semicolon; empty if it is always the same."""
@@ -136,15 +154,23 @@ class ChosenCourant(GivenCourant):
             return ""
         return f"; as the faces lie within their cells, {self.otherwise:.3g} when they are no longer flat"
 
-    def _look(self, p: Any, wave_speed: float) -> None:
-        """Choose the Courant number by where the faces are."""
-        sides = self._sides(p, wave_speed)
-        if sides is None:
-            self.courant = self.otherwise
+    def _look(self, step: int, p: Any, wave_speed: float) -> None:
+        """Choose the Courant number by where the faces are, and when to look again."""
+        faces = self._faces(p, wave_speed)
+        self.courant, self.next_look = self.otherwise, step + EVERY
+        if faces is None:
             return
+        steps, least = EVERY, 0.0
+        if any(face.high - face.low + 2.0 * EVERY * face.speed > 2.0 * REACH for face in faces.values()):
+            steps = min(int(PASSES / max(face.speed for face in faces.values())), EVERY)
+            least = self.otherwise
+        if steps < LEAST:
+            return
+        sides = self._sides(faces, steps)
         with one_thread():
             limit = min(self._limits(sides))
-        self.courant = min(SAFETY * limit, LARGEST_COURANT)
+        self.courant = min(max(SAFETY * limit, least), LARGEST_COURANT)
+        self.next_look = step + steps
 
     def _limits(self, sides: list[list[tuple[float, ...]]]) -> Iterator[float]:
         """Limits of all blocks with faces at these places of both sides along each axis."""
@@ -157,28 +183,35 @@ class ChosenCourant(GivenCourant):
                 for places in itertools.product(*of_axes):
                     yield block.scale * limit_at_rest(block.lattice, self._scheme, places)
 
-    def _sides(self, p: Any, wave_speed: float) -> list[list[tuple[float, ...]]] | None:
-        """Places within their cells of the lower and the upper face, along each axis; None if one is not flat."""
+    def _faces(self, p: Any, wave_speed: float) -> dict[tuple[int, int], Face] | None:
+        """The faces by axis and side; None if one is not flat."""
+        found = {}
+        for a, side in itertools.product(np.flatnonzero(self._free), (0, 1)):
+            cell, face = self._cell[a], self._layers[side, a, p.id]
+            if not face.any():
+                return None  # it has left the grid
+            half = p.size[a, face]
+            if self._stretches:
+                half = half * p.F[F_COMPONENTS[len(self._cell)].index("xyz"[a] * 2), face]
+            at = (p.X[a, face] + (half if side else -half) - self._lower[a]) / cell
+            speed = self.courant * self._cell.min() * float(np.abs(p.V[a, face]).max()) / cell / wave_speed
+            low, high = float(at.min()), float(at.max())
+            if not (high - low <= 2.0 * REACH and speed < math.inf):
+                return None
+            found[int(a), side] = Face(low, high, speed)
+        return found
+
+    def _sides(self, faces: Mapping[tuple[int, int], Face], steps: int) -> list[list[tuple[float, ...]]]:
+        """Places within their cells of the lower and the upper face, along each axis, in so many steps."""
         found: list[list[tuple[float, ...]]] = []
-        for a, cell in enumerate(self._cell):
-            of_axis: list[tuple[float, ...]] = []
+        for a in range(len(self._cell)):
             if not self._free[a]:  # of a body that is held along all axes: where its faces lie at the start
                 found.append(self._held[a])
                 continue
-            for side, sign in enumerate((-1.0, 1.0)):
-                face = self._layers[side, a, p.id]
-                if not face.any():
-                    return None  # it has left the grid
-                half = p.size[a, face]
-                if self._stretches:
-                    half = half * p.F[F_COMPONENTS[len(self._cell)].index("xyz"[a] * 2), face]
-                at = (p.X[a, face] + sign * half - self._lower[a]) / cell
-                moved = EVERY * self.courant * self._cell.min() * float(np.abs(p.V[a, face]).max()) / cell
-                margin = MARGIN + moved / wave_speed
-                low, high = float(at.min()), float(at.max())
-                if not high - low + 2.0 * margin <= 2.0 * (REACH + MARGIN):
-                    return None
-                of_axis.append(_places(low - margin, high + margin))
+            of_axis = []
+            for face in (faces[a, 0], faces[a, 1]):
+                margin = MARGIN + steps * face.speed
+                of_axis.append(_places(face.low - margin, face.high + margin))
             found.append(of_axis)
         return found
 

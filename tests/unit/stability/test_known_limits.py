@@ -240,8 +240,15 @@ def test_faces_are_followed_through_their_cells():
     p.X[1] += 0.5 * 0.5
     assert amid_a_cell < 0.85 * on_a_line
     assert column.at(2 * EVERY, p, 1.0) == on_a_line
-    p.V[1] = 0.02  # so fast that it passes places in the middle of a cell before it is looked at again
-    assert column.at(3 * EVERY, p, 1.0) < on_a_line
+    p.V[1] = 0.02  # so fast that it would come to the middle of the cell before it is looked at again
+    assert column.at(3 * EVERY, p, 1.0) == on_a_line
+    assert 3 * EVERY < column.next_look < 3.5 * EVERY
+    p.X[1] += 0.5 * 0.5
+    assert column.at(column.next_look, p, 1.0) == column.otherwise > amid_a_cell  # it does not stay there
+    p.X[1] += 0.5 * 0.5
+    p.V[1] = 0.2  # too fast to be followed
+    assert column.at(4 * EVERY, p, 1.0) == column.otherwise
+    assert column.next_look == 5 * EVERY
 
 
 @SLOW
@@ -261,7 +268,7 @@ def test_a_resumed_run_takes_the_same_steps():
         )
 
     first, second = simulation(), simulation()
-    first.courant_choice.courant = 0.5  # as after a face moved, amid two looks
+    first.courant_choice.courant, first.courant_choice.next_look = 0.5, 2 * EVERY  # after a face moved
     first.state.step = EVERY + 3
     second.restore({name: np.array(value) for name, value in first.state_arrays().items()})
     for _ in range(2):
