@@ -75,6 +75,15 @@ class Mirror:
             ghosts |= index < plane.line if plane.lower else index > plane.line
         return ghosts
 
+    def shared(self) -> tuple[Array, Array]:
+        """Ghosts and images (n,), and the share (n,) of what is at each that real particles have there."""
+        pairs, count = self.pairs, len(self.pairs.image)
+        nodes, where = np.unique(np.concatenate([pairs.image, pairs.ghost]), return_inverse=True)
+        share = np.ones(len(nodes))
+        np.subtract.at(share, where[:count], pairs.share)
+        share[where[count:]] = pairs.share
+        return nodes, share
+
     def reflect_entries(self, node: Array, normal: Array) -> tuple[Array, Array, Array, Array]:
         """Add the twins of held nodes beyond the planes, so that ghosts follow their images.
 

@@ -32,6 +32,10 @@ class NoConditions:
     def fold_increment(self, out: Array, weight: float) -> None:
         """No mirrors."""
 
+    def damping_of_images(self, mp: Array, f: Array, damping: float, dt: float) -> float:
+        """No mirrors."""
+        return 0.0
+
     def impose_on_momentum(self, mp: Array, f: Array | None, dt: float) -> None:
         """Nothing is held."""
 
@@ -100,6 +104,16 @@ class GridConditions(NoConditions):
         """Add what mirrored particles give in a pass S⁺S; ``weight`` is its share in the particles' velocity."""
         if self.mirror is not None:
             self.mirror.fold_vectors(out, self.grid.mp, weight)
+
+    def damping_of_images(self, mp: Array, f: Array, damping: float, dt: float) -> float:
+        """Energy that grid damping has just taken from mirrored particles, which is none of the scene's [energy]."""
+        if self.mirror is None:
+            return 0.0
+        nodes, share = self.mirror.shared()
+        m, force = mp[nodes, 0], f[nodes]
+        p = mp[nodes, 1:] - force * dt
+        taken = damping * dt * (p * (p + 0.5 * force * dt)).sum(axis=1)
+        return float(((1.0 - share) * np.divide(taken, m, out=np.zeros_like(m), where=m > 0.0)).sum())
 
     def impose_on_momentum(self, mp: Array, f: Array | None, dt: float) -> None:
         """Task 2.a: reaction forces that give held nodes their velocity."""

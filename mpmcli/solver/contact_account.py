@@ -100,11 +100,10 @@ class ContactAccount:
             return np.ones(len(dof))
         if self._share is None:
             self._share = np.ones(self._s.grid.dof_count)
-        pairs, share = mirror.pairs, self._share
-        np.subtract.at(share, pairs.image, pairs.share)
-        share[pairs.ghost] = pairs.share
-        found: Array = share[dof]
-        share[pairs.image] = share[pairs.ghost] = 1.0
+        shared, share = mirror.shared()
+        self._share[shared] = share
+        found: Array = self._share[dof]
+        self._share[shared] = 1.0
         return found
 
     # ------------------------------------------------------------------ from one step to the next

@@ -43,6 +43,8 @@ def advance(s: Simulation, dt: float) -> None:
         nodes.update_momenta[s.parallel](
             grid.active, grid.mp, grid.f, a.grid_damping, dt, a.p_start, a.node_work
         )
+        if a.node_work is not None:
+            a.node_work[0] -= conditions.damping_of_images(grid.mp, grid.f, a.grid_damping[0], dt)
         if plan.imposes_lumped:
             conditions.impose_on_momentum(grid.mp, grid.f, dt)
         s.contact.after_update(dt)  # 3.a

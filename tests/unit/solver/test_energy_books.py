@@ -85,3 +85,26 @@ def test_the_grid_shows_only_what_is_there(block):
     momentum = fields["momentum"]()
     assert momentum.sum(axis=0) == pytest.approx(run.momentum, rel=1e-9)
     assert not fields["force"]()[fields["mass"]() == 0].any()
+
+
+@pytest.mark.slow
+def test_damping_takes_a_quarter_of_the_energy_from_a_quarter(block):
+    """Between symmetry planes the mirrored particles' part is none of the scene's."""
+
+    def run(lower, planes):
+        return block(
+            method__damping={"grid": 2.0},
+            method__transfer={"kind": "fmpm", "order": 2},
+            bodies__0__region={"kind": "box", "lower": [lower, lower], "upper": [3, 3]},
+            bodies__0__velocity=["-0.8*x", "0.5*y"],
+            boundary=[
+                {"name": a, "kind": "symmetry", "plane": {"axis": a, "at": 0, "side": "lower"}}
+                for a in planes
+            ],
+        ).steps(20)
+
+    whole, quarter = run(-3, ""), run(0, "xy")
+    taken = [run.simulation.state.work["damping_work"] for run in (whole, quarter)]
+    assert taken[0] > 0.1 * whole.kinetic_energy
+    assert taken[1] == pytest.approx(0.25 * taken[0], rel=1e-9)
+    assert quarter.energy == pytest.approx(0.25 * whole.energy, rel=1e-9)
