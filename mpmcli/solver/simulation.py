@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import logging
-import time as timer
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -25,6 +23,7 @@ from mpmcli.materials.strain import (
     stored_energy,
     update_strain_and_stress,
 )
+from mpmcli.solver.clock import TaskClock
 from mpmcli.solver.conditions import GridConditions, NoConditions
 from mpmcli.solver.contact import NoContact, NodalContact
 from mpmcli.solver.continuation import restore, state_arrays
@@ -61,7 +60,7 @@ class Simulation:
     ----------
     state : what output sees
     plan, arrays, grid, particles, order, transfer : the parts of the step
-    timings : seconds per task so far
+    clock : the time that tasks take
     setup_report : text about the bodies
     """
 
@@ -99,7 +98,7 @@ class Simulation:
         self.arrays = allocate_step_arrays(self.plan, self.grid, self.particles.count)
         self.on_exit = scene.domain.on_exit
         self._J_limits = tuple(float(J) for J in scene.domain.volume_ratio)
-        self.timings: dict[str, float] = {}
+        self.clock = TaskClock()
         self.surface_identities: dict[Any, Array] = {}
         self._speed2 = np.zeros(block_count(self.particles.count))
         self._bad = np.full(block_count(self.particles.count), -1, dtype=np.int64)
@@ -143,6 +142,11 @@ class Simulation:
             self.update_stress(0.0)
 
     # ------------------------------------------------------------------ the step
+
+    @property
+    def timings(self) -> dict[str, float]:
+        """Seconds per task so far."""
+        return self.clock.timings
 
     @property
     def time(self) -> float:
@@ -189,13 +193,6 @@ class Simulation:
     def restore(self, arrays: Mapping[str, Array]) -> None:
         """Go back to a state that ``state_arrays`` gave; raises ArchiveError if it is not of this scene."""
         restore(self, arrays)
-
-    @contextmanager
-    def clock(self, task: str) -> Iterator[None]:
-        """Add the time that a task takes to ``timings``."""
-        begin = timer.perf_counter()
-        yield
-        self.timings[task] = self.timings.get(task, 0.0) + timer.perf_counter() - begin
 
     def update_stress(self, dt: float) -> None:
         """Tasks 1.d and 5: deformation gradient, stress and energies of every particle."""
