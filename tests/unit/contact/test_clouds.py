@@ -175,7 +175,7 @@ def test_small_shares_of_mass_are_passed_over_unless_the_bond_is_perfect():
 )
 @pytest.mark.parametrize("update", ["usf", "usl+", "usavg"])
 def test_contact_of_two_fields_keeps_momentum(transfer, update):
-    s = simulation(list(PAIR), method={"shape": "lcpdi", "update": update, "transfer": transfer})
+    s = simulation(list(PAIR), method={"shape": "ugimp", "update": update, "transfer": transfer})
     before = (s.particles.mass * s.particles.V).sum(axis=1)
     for _ in range(60):
         s.step()
