@@ -19,14 +19,9 @@ from mpmcli.core.analysis import (
     UniaxialStress,
 )
 from mpmcli.core.dispatch import generic
+from mpmcli.core.exponentials import exponential_1d, exponential_2d, exponential_3d, small_exponential_3d
 from mpmcli.core.kernel import inline
-from mpmcli.core.tensors import (
-    exponential_1d,
-    exponential_2d,
-    exponential_3d,
-    multiply,
-    small_exponential_3d,
-)
+from mpmcli.core.tensors import multiply
 from mpmcli.materials.lateral import lateral_stretch, thickness_stretch
 
 ONE_AXIS: tuple[type[Analysis], ...] = (UniaxialStrain, UniaxialStress)

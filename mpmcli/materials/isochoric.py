@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from mpmcli.core.exponentials import exponential_1d, logarithm
 from mpmcli.core.kernel import inline
-from mpmcli.core.tensors import exponential_1d, left_cauchy_green, logarithm, smallest_eigenvalue_bound
+from mpmcli.core.tensors import left_cauchy_green, smallest_eigenvalue_bound
 
 
 @inline

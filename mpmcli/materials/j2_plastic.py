@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any, ClassVar, Literal, NamedTuple
 
+from mpmcli.core.exponentials import exponential_symmetric, log_symmetric, logarithm
 from mpmcli.core.kernel import inline
 from mpmcli.core.model import quantity
-from mpmcli.core.tensors import determinant, exponential_symmetric, log_symmetric, logarithm, push_forward
+from mpmcli.core.tensors import determinant, push_forward
 from mpmcli.materials.base import (
     MATERIALS,
     absorb_work,

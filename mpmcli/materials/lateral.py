@@ -10,8 +10,8 @@ from typing import Any
 
 from mpmcli.core.compiler import called_too
 from mpmcli.core.dispatch import generic
+from mpmcli.core.exponentials import exponential_1d
 from mpmcli.core.kernel import inline
-from mpmcli.core.tensors import exponential_1d
 from mpmcli.materials.base import kirchhoff_stress
 
 

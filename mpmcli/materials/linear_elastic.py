@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any, ClassVar, Literal, NamedTuple
 
-from mpmcli.core.tensors import exponential_1d, left_cauchy_green, log_symmetric, logarithm
+from mpmcli.core.exponentials import exponential_1d, log_symmetric, logarithm
+from mpmcli.core.tensors import left_cauchy_green
 from mpmcli.materials.base import (
     MATERIALS,
     bulk_speed_squared,

@@ -7,9 +7,10 @@ from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import model_validator
 
+from mpmcli.core.exponentials import exponential_1d
 from mpmcli.core.kernel import inline
 from mpmcli.core.model import quantity
-from mpmcli.core.tensors import determinant, exponential_1d
+from mpmcli.core.tensors import determinant
 from mpmcli.materials.base import (
     MATERIALS,
     MaterialModel,

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any, ClassVar, Literal, NamedTuple
 
-from mpmcli.core.tensors import determinant, largest_eigenvalue_bound, left_cauchy_green, logarithm
+from mpmcli.core.exponentials import logarithm
+from mpmcli.core.tensors import determinant, largest_eigenvalue_bound, left_cauchy_green
 from mpmcli.materials.base import (
     MATERIALS,
     bulk_speed_squared,

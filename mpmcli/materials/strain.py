@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcli.core.exponentials import SMALL_INCREMENT, exponential_1d
 from mpmcli.core.kernel import Compiled, inline, kernel, prange
-from mpmcli.core.tensors import IDENTITY, SMALL_INCREMENT, determinant, exponential_1d, multiply
+from mpmcli.core.tensors import IDENTITY, determinant, multiply
 from mpmcli.materials.base import (
     absorb_work,
     bulk_speed_squared,

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any, ClassVar, Literal, NamedTuple
 
+from mpmcli.core.exponentials import exponential_1d, logarithm
 from mpmcli.core.model import PositivePressure, quantity
-from mpmcli.core.tensors import determinant, exponential_1d, logarithm, multiply
+from mpmcli.core.tensors import determinant, multiply
 from mpmcli.materials.base import (
     MATERIALS,
     MaterialModel,

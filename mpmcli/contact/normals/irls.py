@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Literal
 
 from mpmcli.contact.normals.base import NORMALS, find_normal
 from mpmcli.contact.normals.plane import IteratedPlane, IteratedRegressionModel, find_by_iteration, weigh
-from mpmcli.core.tensors import logarithm
+from mpmcli.core.exponentials import logarithm
 
 
 class IrlsPlane(IteratedPlane):

@@ -33,8 +33,8 @@ from mpmcli.contact.normals.gradients import (
 from mpmcli.contact.normals.sums import NO_SUMS, add_particles
 from mpmcli.core.compiler import compiled_too
 from mpmcli.core.dispatch import generic
+from mpmcli.core.exponentials import exponential_1d
 from mpmcli.core.model import Model, quantity
-from mpmcli.core.tensors import exponential_1d
 
 BIAS_FOR_RIGID = 10.0
 """From this rigid bias on, the regressions take the normal from the rigid body."""

@@ -73,7 +73,7 @@ def run_python(code: str, **environment: str) -> str:
 def test_numba_is_imported_by_the_first_call_of_what_is_compiled():
     code = (
         "import sys, mpmcli.solver.simulation\n"
-        "from mpmcli.core.tensors import exponential_1d\n"
+        "from mpmcli.core.exponentials import exponential_1d\n"
         "before = 'numba' in sys.modules\n"
         "exponential_1d(0.0)\n"
         "print(before, 'numba' in sys.modules)"
