@@ -16,6 +16,7 @@ from make_studies import run_study
 from mpmcli import Results, load, run
 from mpmcli.cli.main import call
 from mpmcli.core.errors import ArchiveError
+from mpmcli.run.resume import differences
 from mpmcli.scene.loader import LoadedScene
 from mpmcli.study.plotting import finish, new_figure, tidy
 
@@ -84,6 +85,9 @@ class Runs:
     def _run(self, case: Case) -> Results:
         loaded = case.load()
         directory = self.folder / f"{case.scene}_{loaded.hash[:16]}"
+        if not directory.exists():
+            older = sorted(self.folder.glob(f"{case.scene}_*"))
+            directory = next((each for each in older if _is_of(each, loaded)), directory)
         if (ended := _ended(directory)) not in ("finished", "failed"):
             print(case.command(), flush=True)
             outcome = run(loaded, directory, threads=1, overwrite=True, progress=False, verbosity=-1)
@@ -117,6 +121,21 @@ def _ended(directory: Path) -> str:
         return str(Results(directory).manifest.get("run", {}).get("ended", "")).partition(":")[0]
     except ArchiveError:
         return ""
+
+
+def _is_of(directory: Path, loaded: LoadedScene) -> bool:
+    """Whether a kept run is of this scene before mpmcli had some of its keys, which are at their defaults now."""
+    try:
+        before = Results(directory).manifest.get("scene", {})
+    except ArchiveError:
+        return False
+    now = loaded.resolved()
+    said = loaded.scene.model_dump(mode="json", by_alias=True, exclude_none=True, exclude_defaults=True)
+    defaults = [path for path, value, _ in differences(said, now) if value is None]
+    return not loaded.file_digests and all(
+        old is None and any(f"{path}.".startswith(f"{default}.") for default in defaults)
+        for path, old, _ in differences(before, now)
+    )
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import os
 import shutil
 import subprocess
@@ -17,6 +18,7 @@ DOCS = ROOT / "docs"
 sys.path.insert(0, str(DOCS))
 try:
     import figures
+    from figures.base import Case, Runs
     from make_paper_figures import index
     from make_studies import STUDIES
 
@@ -46,6 +48,35 @@ def read_rows(path: Path) -> list[list[str]]:
 def test_there_are_figures_and_each_is_named_like_its_file():
     assert {f"{paper}_fig{number}" for paper in NAMED for number in NAMED[paper].split()} <= set(FIGURES)
     assert all(figure.name == name for name, figure in FIGURES.items())
+
+
+def test_kept_runs_are_found_though_the_scene_has_more_keys_by_now(tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise RuntimeError("run again")
+
+    monkeypatch.setattr("figures.base.run", refuse)
+    case = Case("vibrating_bar")
+    kept = tmp_path / "vibrating_bar_0123456789abcdef"
+    kept.mkdir()
+
+    def keep(change):
+        scene = case.load().resolved()
+        change(scene)
+        (kept / "run.json").write_text(json.dumps({"scene": scene, "run": {"ended": "finished"}}))
+
+    for added in ("heating", "damping"):
+        keep(lambda scene, added=added: scene["method"].pop(added))
+        assert Runs(tmp_path)[case].directory == kept
+    keep(lambda scene: scene["domain"].pop("volume_ratio"))
+    assert Runs(tmp_path)[case].directory == kept
+    for change in (
+        lambda scene: scene["method"].update(heating="adiabatic"),  # another default
+        lambda scene: scene["time"].pop("courant"),  # the scene says it
+        lambda scene: scene["method"].update(gone=1),
+    ):
+        keep(change)
+        with pytest.raises(RuntimeError, match="run again"):
+            Runs(tmp_path)[case]
 
 
 @pytest.mark.parametrize("name", FIGURES)
