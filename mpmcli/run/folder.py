@@ -67,12 +67,25 @@ def locked_folder(directory: Path) -> Iterator[None]:
     """
     if not directory.is_dir():
         raise ArchiveError(f"{directory} does not exist: there is no run to resume")
+    with hold(directory, "run"):
+        yield
+
+
+@contextmanager
+def hold(directory: Path, other: str) -> Iterator[None]:
+    """Lock a folder that exists; ``other`` says in words what else may hold it.
+
+    Raises
+    ------
+    ArchiveError
+        If it is held, or cannot be written.
+    """
     path = directory / LOCK
     lock = FileLock(path)
     try:
         lock.acquire(timeout=0)
     except Timeout as error:
-        raise ArchiveError(f"another run writes to {directory}") from error
+        raise ArchiveError(f"another {other} writes to {directory}") from error
     except OSError as error:
         raise cannot_write(directory, error) from error
     try:

@@ -10,10 +10,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from filelock import FileLock, Timeout
-
 from mpmcli.core.errors import ArchiveError
-from mpmcli.output.files import LOCK, cannot_write, make_folder
+from mpmcli.output.files import cannot_write, make_folder
+from mpmcli.run.folder import hold
 
 
 class Journal:
@@ -88,16 +87,5 @@ def study_folder(directory: Path) -> Iterator[Path]:
     if directory.exists() and not directory.is_dir():
         raise ArchiveError(f"{directory} is a file; a study needs a folder")
     make_folder(directory)
-    path = directory / LOCK
-    lock = FileLock(path)
-    try:
-        lock.acquire(timeout=0)
-    except Timeout as error:
-        raise ArchiveError(f"another study or run writes to {directory}") from error
-    except OSError as error:
-        raise cannot_write(directory, error) from error
-    try:
+    with hold(directory, "study or run"):
         yield directory
-    finally:
-        path.unlink(missing_ok=True)
-        lock.release()
