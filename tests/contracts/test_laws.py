@@ -214,6 +214,7 @@ def test_finite_at_extremes(model, d, displacement_only):
 
 
 @every
+@pytest.mark.usefixtures("python_and_compiled")
 def test_soft_contact_is_finite_at_extremes(model):
     d = 2
     c = Contacts(d, count=600)

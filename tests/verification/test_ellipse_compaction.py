@@ -22,6 +22,7 @@ def test_the_picture_is_the_one_that_the_script_draws():
         np.testing.assert_array_equal(np.array(image), script.draw())
 
 
+@pytest.mark.slow
 def test_ellipses_keep_out_of_each_other(start):
     """60 particles high, pressed by a fifth: 20 fields, nodes with several of them, no centre in another body."""
     run = start("ellipse_compaction.yaml", "constants.cell=1/15", "constants.compression=0.2", threads=1)

@@ -1,6 +1,6 @@
 """Normals of particle clouds: known answers, closed forms, what a rigid body changes, clouds without answer.
 
-The functions run as plain Python; one test compiles them.
+The functions run as plain Python; one test, a slow one, compiles them.
 """
 
 import math
@@ -483,7 +483,8 @@ def find_all(normal, axes, x, side, S, G, volume, work, guess, status, out):
         status[k] = find_normal(normal, axes, cloud, side.shape[1], 0.0, 1.0, guess[k], out[k])
 
 
-@pytest.mark.parametrize("parallel", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("parallel", [False, True])
 def test_compiled_code_agrees_with_python(parallel):
     clouds = [some_cloud(2, seed)[0] for seed in range(12)]
     x, side, S, G, volume = (

@@ -9,7 +9,10 @@ from mpmcli.core import transfer
 from mpmcli.core.stencil import OUTSIDE_GRID
 
 CASES = [("uniaxial_stress", "lcpdi"), ("plane_strain", "lcpdi"), ("axisymmetric", "ugimp"), ("3d", "ugimp")]
-EVERY_ANALYSIS = pytest.mark.parametrize(("analysis", "shape"), CASES)
+EVERY_ANALYSIS = pytest.mark.parametrize(
+    ("analysis", "shape"),
+    [pytest.param(*case, marks=[pytest.mark.slow] * (case[0] == "uniaxial_stress")) for case in CASES],
+)
 PLANE_FIRST = pytest.mark.parametrize(
     ("analysis", "shape"),
     [pytest.param(*case, marks=[pytest.mark.slow] * (case[0] != "plane_strain")) for case in CASES],
