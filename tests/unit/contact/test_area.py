@@ -200,7 +200,7 @@ def measure_nodes(axes, cell, n, volume, distances, h, area):
         area[j] = contact_area(volume[0, j], volume[1, j], h[j], distances[j])
 
 
-@pytest.mark.parametrize("parallel", [False, True])
+@pytest.mark.parametrize("parallel", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_kernels_compute_what_python_does(parallel):
     random = np.random.default_rng(1)
     cell, n = (0.5, 0.8), np.array([unit(row) for row in random.normal(size=(6, 2))])

@@ -450,7 +450,7 @@ def compiled():
         *[(words, 2, False) for words in KINDS],
         ({"kind": "regression", "radius": "parallelepiped"}, 1, False),
         ({"kind": "regression", "radius": "parallelepiped"}, 3, False),
-        *[(words, 2, True) for words in (KINDS[0], KINDS[3])],
+        *[pytest.param(words, 2, True, marks=pytest.mark.slow) for words in (KINDS[0], KINDS[3])],
     ],
     ids=str,
 )
