@@ -231,6 +231,30 @@ def test_a_body_squeezed_to_one_cell(transfer):
     assert deepest < 0.125  # of centres, on impact: 0 and 0.098
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("transfer", TRANSFERS, ids=IDS)
+def test_the_later_of_two_rigid_bodies_at_a_node_has_its_way(transfer):
+    """Plates swapped in the scene squeeze a body into its mirror image, but the body leaves the middle."""
+    plates = [
+        box("lower", [-8, -4], [8, -2], [0, "3*(t < 0.5)"], material="plate"),
+        box("upper", [-8, 2], [8, 4], [0, "-3*(t < 0.5)"], material="plate"),
+    ]
+    materials = {"soft": SOFT, "plate": {"kind": "rigid"}}
+    one, other = (
+        Run([*order, box("soft", [-1, -2], [1, 2])], transfer, materials=materials).steps(37)
+        for order in (plates, plates[::-1])
+    )
+    places = []
+    for run, sign in ((one, 1.0), (other, -1.0)):
+        p = run.s.particles
+        places.append(p.X[:, p.body == 2] * [[1.0], [sign]])
+    apart = np.abs(places[0][:, :, None] - places[1][:, None, :]).max(axis=0)
+    assert apart.min(axis=0).max() < 1e-12
+    assert apart.min(axis=1).max() < 1e-12
+    assert one.energy == pytest.approx(other.energy, rel=1e-12)
+    assert places[0][1].mean() < -0.1  # pushed down by the upper one
+
+
 @pytest.mark.parametrize("transfer", TRANSFERS, ids=IDS)
 @pytest.mark.parametrize("kind", ["velocity", "symmetry"])
 def test_contact_at_a_wall(kind, transfer):
