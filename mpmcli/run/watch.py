@@ -17,7 +17,9 @@ LOGGER = logging.getLogger("mpmcli")
 EVERY = 50
 """Steps between two looks."""
 WARN_AT = 0.01
-"""Energy error above which a run is warned of once."""
+"""Energy error above which a run is warned of once, if it grows from one look to the next."""
+EARLY = 0.1
+"""What the first look compares with: bodies that begin at rest have next to no energy then, and an error that falls."""
 STOP_AT = 0.9
 """Energy error that ends a run where two looks in a row find it: nine tenths of all energy came from nowhere."""
 
@@ -29,6 +31,7 @@ class EnergyWatch:
         self._simulation = simulation
         self._balance = EnergyBalance()
         self._strikes = 0
+        self._before = EARLY
         self._has_warned = False
 
     def look(self) -> None:
@@ -46,9 +49,11 @@ class EnergyWatch:
         self._strikes = self._strikes + 1 if error > STOP_AT else 0
         if self._strikes > 1:
             raise SimulationError(f"{self._found(error)}{self._advice()}")
-        if error > WARN_AT and not self._has_warned:
+        if error > max(WARN_AT, self._before) and not self._has_warned:
             self._has_warned = True
             LOGGER.warning("%s; watch energy_error in globals.csv", self._found(error))
+        if state.step > 0:
+            self._before = error
 
     def _found(self, error: float) -> str:
         state = self._simulation.state
@@ -70,6 +75,7 @@ class EnergyWatch:
         initial = np.nan if self._balance.initial is None else self._balance.initial
         return {
             "energies": np.array([initial, self._balance.largest]),
+            "error_before": np.array(self._before),
             "alarms": np.array([self._strikes, self._has_warned], dtype=np.int64),
         }
 
@@ -78,5 +84,6 @@ class EnergyWatch:
         initial, largest = (float(e) for e in memory["energies"])
         self._balance.initial = None if np.isnan(initial) else initial
         self._balance.largest = largest
+        self._before = float(memory["error_before"])
         self._strikes, has_warned = (int(n) for n in memory["alarms"])
         self._has_warned = bool(has_warned)

@@ -146,7 +146,7 @@ class ChosenCourant(GivenCourant):
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Remember it again."""
         self.courant = float(memory["courant"])
-        self.next_look = int(memory["next_look"])
+        self.next_look = int(memory.get("next_look", 0))
 
     def in_words(self) -> str:
         """What it goes by later, after a semicolon; empty if it is always the same."""

@@ -38,6 +38,22 @@ def test_a_little_is_warned_of_once(loaded, simulation, tmp_path, capfd):
     assert capfd.readouterr().err.count("energy error has grown") == 1
 
 
+def test_an_error_that_falls_from_the_first_look_on_is_none(loaded, simulation):
+    """Bodies that begin at rest: next to no energy at first, of which a small part came from nowhere."""
+    made = simulation(loaded)
+    watch = EnergyWatch(made)
+    for step, error in [(0, 0.0), (EVERY, 0.05), (2 * EVERY, 0.03), (3 * EVERY, 0.02)]:
+        made.state.step = step
+        watch._balance.update = lambda snapshot, error=error: error
+        watch.look()
+    assert not watch.memory()["alarms"][1]
+    made.state.step = 4 * EVERY
+    watch._balance.update = lambda snapshot: 0.025
+    watch.look()
+    assert watch.memory()["alarms"][1]
+    assert watch.memory()["error_before"] == 0.025
+
+
 def test_losses_are_no_alarm(loaded, simulation, tmp_path, capfd):
     speed_up(loaded, 0.9)
     assert go(loaded, simulation, tmp_path).exit_code == 0
