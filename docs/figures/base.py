@@ -130,7 +130,7 @@ def _is_of(directory: Path, loaded: LoadedScene) -> bool:
     except ArchiveError:
         return False
     now = loaded.resolved()
-    said = loaded.scene.model_dump(mode="json", by_alias=True, exclude_none=True, exclude_defaults=True)
+    said = loaded.resolved(with_defaults=False)
     defaults = [path for path, value, _ in differences(said, now) if value is None]
     return not loaded.file_digests and all(
         old is None and any(f"{path}.".startswith(f"{default}.") for default in defaults)

@@ -53,9 +53,9 @@ class LoadedScene:
     root: Node | None = None
     allow_outside_files: bool = False
 
-    def resolved(self) -> dict[str, Any]:
-        """The whole scene with every default, numbers in the scene's units; ready for JSON."""
-        contents = self.scene.model_dump(by_alias=True, exclude_none=True)
+    def resolved(self, *, with_defaults: bool = True) -> dict[str, Any]:
+        """The whole scene, numbers in the scene's units; ready for JSON."""
+        contents = self.scene.model_dump(by_alias=True, exclude_none=True, exclude_defaults=not with_defaults)
         return _for_json(contents) | {"constants": dict(self.constants)}
 
     @cached_property
