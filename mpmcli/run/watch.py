@@ -84,6 +84,6 @@ class EnergyWatch:
         initial, largest = (float(e) for e in memory["energies"])
         self._balance.initial = None if np.isnan(initial) else initial
         self._balance.largest = largest
-        self._before = float(memory["error_before"])
+        self._before = float(memory.get("error_before", EARLY))
         self._strikes, has_warned = (int(n) for n in memory["alarms"])
         self._has_warned = bool(has_warned)

@@ -1,0 +1,126 @@
+"""What ``explain`` found, in words for people."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mpmcli.core.suggest import listing
+from mpmcli.stability.scene_limit import SAFETY
+
+EXACT_MASS_RATIO = 1e-8
+"""``contact.mass_ratio`` from which on it hardly matters (docs/verification.md, two blocks compressed)."""
+
+
+def as_text(facts: dict[str, Any]) -> str:
+    size = (facts["particle_bytes"] + facts["grid_bytes"]) / 2**20
+    lines = [
+        facts["title"] or "(no title)",
+        f"{facts['analysis']}, {facts['particles']} particles, {facts['grid_nodes']} nodes with ghosts, "
+        f"{facts['shape']}, {_fields_in_words(facts)}",
+        *_contact_in_words(facts["contact"]),
+        "",
+        "Each step:",
+        *(f"  {task}" for task in facts["tasks"]),
+        "",
+        "Not modelled, at no cost:",
+        *(f"  {name}" for name in facts["not_modelled"]),
+        "",
+        f"kernels    {', '.join(facts['kernels'])}",
+        f"arrays     particles {facts['particle_bytes'] / 2**20:.1f} MiB, grid {facts['grid_bytes'] / 2**20:.1f} MiB "
+        f"if every node were used ({', '.join(facts['arrays'])}); {size:.1f} MiB together",
+        f"time step  {facts['time_step']:.4g} at the start: {_courant_in_words(facts)}",
+        f"run        about {facts['steps']} steps, {_time_in_words(facts)}",
+        *_measured_in_words(facts["measured"]),
+        "",
+        "Could go, the answer being the same:"
+        if facts["could_be_dropped"]
+        else "Nothing in it is known to be idle.",
+        *(f"  {s['path']}: {s['because']}; {s['same']}" for s in facts["could_be_dropped"]),
+        *(["To be found out with mpmcli tradeoff:"] if facts["to_find_out"] else []),
+        *(f"  {question}" for question in facts["to_find_out"]),
+    ]
+    return "\n".join(lines)
+
+
+def _time_in_words(facts: dict[str, Any]) -> str:
+    time = _duration(facts["estimated_seconds"])
+    threads = f"on {facts['threads']} threads" if facts["parallel"] else "too small for threads"
+    measured = facts["measured"]
+    if measured is None or measured["seconds_per_step"] is None:
+        return f"very roughly {time}, {threads} (--measure finds out)"
+    return f"{time} as measured, {threads}, output and what changes on the way apart"
+
+
+def _measured_in_words(measured: dict[str, Any] | None) -> list[str]:
+    if measured is None:
+        return []
+    if measured["seconds_per_step"] is None:
+        return ["measured   nothing: the run is over too soon"]
+    lines = [
+        f"measured   {measured['nanoseconds']:.3g} ns per particle and step, median of {measured['steps']} of the "
+        f"first steps, {_duration(measured['seconds_per_step'])} each",
+        *(f"  {share:6.1%}  {task}" for task, share in measured["tasks"].items()),
+    ]
+    if measured["parts"]:
+        parts = ", ".join(f"{name} {share:.1%}" for name, share in measured["parts"].items())
+        lines.append(f"  of which {parts}")
+    if measured["contact_steps"] is not None:
+        lines.append(f"  fields were in contact in {measured['contact_steps']:.0%} of these steps")
+    if measured["mean_order"] < measured["order"]:
+        share = f"{measured['transfer_steps']:.0%} of the steps are not FLIP's"
+        lines.append(f"  mean order {measured['mean_order']:.3g} of {measured['order']}; {share}")
+    if measured["F"] is None:
+        return [*lines, f"  no F of Eq. 3 of Nairn (2026): {measured['without_F']}"]
+    return [
+        *lines,
+        f"  one more order costs F = {measured['F']:.3g} of the step of FLIP (Eq. 3 of Nairn 2026; {measured['F_of']} "
+        "and FLIP in turns)",
+    ]
+
+
+def _courant_in_words(facts: dict[str, Any]) -> str:
+    limit, known = facts["known_stability_limit"], facts["stability_limit_of"]
+    chosen = f"Courant number {facts['courant']:.3g}"
+    if facts["courant_is_chosen"]:
+        chosen += f" (auto: {SAFETY:g} of the limit, 1 at most{facts['auto_in_words']})"
+    if limit is None:
+        return f"{chosen}; no stability limit is known: {known}"
+    margin = facts["stability_margin"]
+    verdict = f"{margin:.0%} below" if margin >= 0.0 else f"{-margin:.0%} above: the run may fail"
+    return f"{chosen}; stability limit {limit:.3g} ({known}), {verdict}"
+
+
+def _fields_in_words(facts: dict[str, Any]) -> str:
+    number = facts["velocity_fields"]
+    return "1 velocity field" if number == 1 else f"{number} velocity fields"
+
+
+def _contact_in_words(contact: dict[str, Any]) -> list[str]:
+    if not contact:
+        return []
+    named = [f"{name} (rigid)" if name in contact["rigid_fields"] else name for name in contact["fields"]]
+    geometry = (
+        f"normal {contact['normal']}, separation {contact['separation']}"
+        if contact["normal"]
+        else "no normals"
+    )
+    laws = "law" if len(contact["laws"]) == 1 else "laws"
+    screen = contact["mass_ratio"]
+    hint = ""
+    if screen > EXACT_MASS_RATIO:
+        hint = f"; where interfaces cross grid lines {EXACT_MASS_RATIO:g} or less is more exact"
+    passed_over = (
+        f"nodes are passed over where a side has less than {screen:g} of the mass (mass_ratio){hint}"
+    )
+    return [
+        f"contact of {listing(named, 8)}: {geometry}, {laws} {', '.join(contact['laws'])}; in the first step "
+        f"{contact['candidate_nodes']} nodes and {contact['candidate_particles']} particles are looked at",
+        *([passed_over] if screen > 0.0 else []),
+    ]
+
+
+def _duration(seconds: float) -> str:
+    for unit, length in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2 * length:
+            return f"{seconds / length:.1f} {unit}"
+    return f"{seconds:.2g} s"
