@@ -14,12 +14,9 @@ import numpy as np
 from mpmcli.core.grid import Grid, unfold
 from mpmcli.core.kernel import inline, kernel, prange
 from mpmcli.core.order import CellOrder, locate_cells
-from mpmcli.core.stencil import fill
+from mpmcli.core.stencil import SEEN, fill, is_seen
 
 Array = np.ndarray
-
-SEEN = 1e-12
-"""Shape function value above which a particle counts as seeing a node."""
 
 IMAGE_BITS = 4
 """Flags of a sight: bits 0 to 2 say which axes its mirror image turns; from this bit on follows the image."""
@@ -217,9 +214,9 @@ def collect_sights(
                 if images == 0 and not may_see(geometry, len(across), shape_of_grid, slot_of_node, X, p):
                     continue
                 base = fill(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
-                begin, largest, nearest = at, SEEN, np.int64(-1)
+                begin, largest, nearest = at, 0.0, np.int64(-1)
                 for a in range(offsets.shape[0]):
-                    if S[a] > SEEN:
+                    if S[a] > SEEN or (S[a] > 0.0 and is_seen(S, a, len(across), len(geometry.stride))):
                         i = np.int64(base + offsets[a])
                         slot = slot_of_node[i]
                         if slot >= 0:

@@ -61,6 +61,9 @@ class StoredTable(NamedTuple):
         return int(width**dimensions)
 
 
+SEEN = 1e-12
+"""Share of the shape function values on a grid line above which its node is seen: less may be round-off."""
+
 MOST_POINTS = 3
 """Points per axis at which a shape function evaluates grid functions, at most."""
 
@@ -148,6 +151,26 @@ def first_node(grid, lowest, p, status):
             return np.uint64(0)
         base += i * grid.stride[a]
     return base
+
+
+@inline
+def is_seen(S, a, width, dimensions):
+    """Whether a particle sees node ``a`` of its stencil, of value 0 < S[a] ≤ ``SEEN``; greater ones are seen anyway.
+
+    On each grid line through the node it must have more than the share ``SEEN`` of the values there. Where S is a
+    product of one function per axis, each of these is then greater than ``SEEN``: whole sides of a body, corners
+    included, come into a node's sight at once.
+    """
+    stride = 1
+    for _ in range(dimensions):
+        first = a - a // stride % width * stride
+        line = 0.0
+        for j in range(width):
+            line += S[first + j * stride]
+        if S[a] <= SEEN * line:
+            return False
+        stride *= width
+    return True
 
 
 @kernel

@@ -18,9 +18,11 @@ from mpmcli.core.particles import Particles
 from mpmcli.core.stencil import (
     DOMAIN_TOO_WIDE,
     OUTSIDE_GRID,
+    SEEN,
     across_of,
     allocate_stencil,
     fill_stencils,
+    is_seen,
     kept_as,
 )
 from mpmcli.core.transfer import (
@@ -37,9 +39,6 @@ from mpmcli.core.transfer import (
 from mpmcli.shapes import ShapeEntry
 
 Array = np.ndarray
-
-SEEN = 1e-12
-"""Shape function value above which a particle counts as seeing a node."""
 
 WIDENING = 2
 """Nodes per axis by which a stencil grows at a time: each width is compiled once."""
@@ -255,7 +254,7 @@ class Transfer:
         self.order.drift += self.farthest
 
     def seen_nodes(self, particles: Array) -> Array:
-        """Degrees of freedom (sorted, unique) that particles at these places in memory see with S > 0."""
+        """Degrees of freedom (sorted, unique) that particles at these places in memory see."""
         p, stencil, d = self.particles, self.stencil, self.grid.dimensions
         X, size, F = (np.ascontiguousarray(q[:, particles]) for q in (p.X, p.size, self._domain_F))
         base = np.zeros(len(particles), dtype=np.uint64)
@@ -265,7 +264,10 @@ class Transfer:
             self.shape.parameters, self.geometry, self.across, X, F, size, stencil, base, S, G
         )
         base += p.velocity_field[particles].astype(np.uint64) * np.uint64(self.grid.node_count)
-        return np.unique((base[:, None] + stencil.offsets)[S > SEEN]).astype(np.int64)
+        seen = S > SEEN
+        for row, node in np.argwhere((S > 0.0) & ~seen):
+            seen[row, node] = is_seen.py_func(S[row], node, len(self.across), d)
+        return np.unique((base[:, None] + stencil.offsets)[seen]).astype(np.int64)
 
     @property
     def largest_speed(self) -> float:

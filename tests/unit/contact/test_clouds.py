@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import yaml
 
-from mpmcli.contact.clouds import SEEN, images_of
-from mpmcli.core.stencil import fill_stencils
+from mpmcli.contact.clouds import images_of
+from mpmcli.core.stencil import SEEN, fill_stencils, is_seen
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 
@@ -88,6 +88,42 @@ def test_contact_nodes_see_exactly_the_particles_whose_shape_functions_reach_the
         for p, image, value in found:
             assert image == 0
             assert value == pytest.approx(before[p, node], rel=1e-13)
+
+
+@pytest.mark.parametrize("axes", [1, 2, 3])
+def test_of_a_product_every_factor_must_be_seen(axes):
+    weights = np.array([[0.5, 3e-9, 0.5], [2e-12, 0.7, 0.3], [1e-13, 0.0, 1.0]])[:axes]
+    S, seen = np.ones(1), np.ones(1, dtype=bool)
+    for along in weights:
+        S, seen = np.outer(along, S).ravel(), np.outer(along > SEEN, seen).ravel()
+    assert S[S > 0.0].min() < SEEN or axes == 1
+    for a in range(3**axes):
+        found = S[a] > SEEN or (S[a] > 0.0 and is_seen.py_func(S, a, 3, axes))
+        assert found == seen[a]
+
+
+@pytest.mark.parametrize("shift", [1e-11, 1e-9, 1e-6, 1e-4, 1e-3])
+@pytest.mark.parametrize("shape", ["ugimp", "lcpdi"])
+def test_normals_of_flat_sides_do_not_tilt_by_small_shifts(shape, shift):
+    bodies = [box("a", [-4, -2], [0, 2], ["0.5", 0]), box("b", [0, -2], [4, 2], ["-0.5", 0])]
+    s = simulation(bodies, method={"shape": shape, "transfer": {"kind": "flip"}})
+    s.particles.X += shift
+    s.step()
+    normal = s.contact.contacts.geometry.normal[: s.contact.contacts.count]
+    assert len(normal) >= 6
+    np.testing.assert_allclose(normal, [[1.0, 0.0]] * len(normal), rtol=0, atol=1e-8)
+
+
+def test_particles_see_whole_sides_of_nodes_after_small_shifts():
+    s = simulation(list(PAIR))
+    p, t = s.particles, s.transfer
+    particles = np.flatnonzero(p.body == 0)
+    p.X[:, particles] += np.array([[-3.0], [-2.0]]) - (p.X - p.size)[:, particles].min(axis=1, keepdims=True)
+    for shift in (0.0, -1e-5, -1e-2):
+        p.X[:, particles] += shift
+        x = s.grid.coordinates(t.seen_nodes(particles))
+        lines = [len(np.unique(along)) for along in x]
+        assert x.shape[1] == lines[0] * lines[1]
 
 
 def test_particles_that_see_no_contact_node_cost_nothing():
