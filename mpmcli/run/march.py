@@ -196,7 +196,8 @@ class March:
         memory = self.recorder.memory(self.simulation.state)
         if self._is_over():
             self._record(everything=True)
-            if self.is_saved:
+            # a run that was stopped has a checkpoint, which must not stay behind its end
+            if self.is_saved or self.resumed_step is not None:
                 self._save(memory)
         else:
             if self.saved_step != self.simulation.state.step:

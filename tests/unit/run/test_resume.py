@@ -101,6 +101,22 @@ def test_without_the_key_none_but_when_stopped(go, saved_steps, loaded, tmp_path
     assert saved_steps == [38]
 
 
+def test_without_the_key_a_resumed_run_saves_its_end(go, saved_steps, loaded, tmp_path, capfd):
+    loaded.at[37] = lambda: os.kill(os.getpid(), signal.SIGTERM)
+    go(until=0.75)
+    loaded.at.clear()
+    assert go(until=0.75, resume=True).exit_code == 0
+    assert saved_steps == [38, 75]
+    before = (tmp_path / "out" / "globals.csv").read_bytes()
+    go(until=0.75, resume=True)
+    assert "nothing left to do: step 75" in capfd.readouterr().err
+    assert (tmp_path / "out" / "globals.csv").read_bytes() == before
+    assert go(resume=True).steps == 100
+    assert "resumed from checkpoint.npz: step 75" in capfd.readouterr().err
+    assert saved_steps == [38, 75, 100]
+    assert pandas.read_csv(tmp_path / "out" / "globals.csv")["step"].tolist() == list(range(0, 101, 10))
+
+
 def test_an_interrupted_run_goes_on_as_if_it_had_not_been(go, loaded, tmp_path, capfd):
     go()
     shutil.copytree(tmp_path / "out", tmp_path / "straight")
