@@ -24,6 +24,7 @@ TRANSFERS = [
     "{kind: fmpm, order: 1}",
     "{kind: fmpm, order: 2}",
     "{kind: fmpm, order: 8}",
+    pytest.param("{kind: fmpm, order: 8, velocity_gradient: true}", marks=pytest.mark.slow),
 ]
 SPLINES = [pytest.param(name, marks=[] if name == "lcpdi" else pytest.mark.slow) for name in sorted(SHAPES)]
 
