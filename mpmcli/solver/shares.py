@@ -82,7 +82,6 @@ class _Way:
         for _ in range(WARM_UP):
             self._step()
         self.steps = self.touched = self.orders = self.full_steps = 0
-        self._per_round = 1
 
     @property
     def is_over(self) -> bool:
@@ -101,15 +100,14 @@ class _Way:
         view = s.state.contact
         self.touched += view is not None and view.touching > 0
 
-    def round(self) -> None:
+    def round(self, count: int) -> None:
         """Some steps, by the clock."""
         before, begin = self.steps, timer.perf_counter()
-        for _ in range(self._per_round):
+        for _ in range(count):
             self._step()
         passed, steps = timer.perf_counter() - begin, self.steps - before
         if steps:
             self.samples.append(passed / steps)
-            self._per_round = max(1, int(ROUND_SECONDS / self.samples[-1]))
 
     @property
     def seconds(self) -> float:
@@ -149,13 +147,14 @@ def measure(loaded: Any, threads: int | None = None, seconds: float = SECONDS) -
             setattr(s, attribute, stopwatch.watch(part, name))
     s.timings.clear()
     others, without = _ways_to_compare(loaded, threads)
-    begin, rounds = timer.perf_counter(), 0
+    begin, rounds, count = timer.perf_counter(), 0, 1
     ways = [own, *others.values()]
     while rounds < FEWEST or (rounds < MOST and timer.perf_counter() - begin < seconds):
         rounds += 1
         for way in ways:
             try:
-                way.round()
+                # the same steps in every way: those of later ones may be dearer, by contact
+                way.round(count)
             except SimulationError as error:
                 if way is own:
                     raise
@@ -165,6 +164,7 @@ def measure(loaded: Any, threads: int | None = None, seconds: float = SECONDS) -
                 break
         if own.is_over:
             break
+        count = max(1, int(ROUND_SECONDS / own.samples[-1]))
     found: dict[str, Any] = {"steps": own.steps, "threads": s.threads}
     if not own.steps:
         return found | {"seconds_per_step": None, "F": None, "without_F": "the run is too short"}
@@ -172,8 +172,9 @@ def measure(loaded: Any, threads: int | None = None, seconds: float = SECONDS) -
     F = None
     if others:
         (flip, high), order = others.values(), _order_to_compare(loaded.scene.method.transfer)
-        if flip.samples and high.samples:
-            F = (high.seconds / flip.seconds - 1.0) / (order - 1)
+        ratios = [slow / fast for slow, fast in zip(high.samples, flip.samples, strict=False)]
+        if ratios:
+            F = (statistics.median(ratios) - 1.0) / (order - 1)
     return found | {
         "seconds_per_step": own.seconds,
         "nanoseconds": own.seconds / s.particles.count * 1e9,
