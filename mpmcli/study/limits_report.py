@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import mpmcli
+from mpmcli.study.pictures.drawing import wrapped
 from mpmcli.study.plotting import finish, new_figure
 from mpmcli.study.report import as_text, write_csv, write_json
 from mpmcli.study.stability import Case, Settings
@@ -27,6 +28,8 @@ HEADINGS = {
     "remark": "",
 }
 LONGEST_REMARK = 60
+TITLE_SIZE = 10
+"""Of the letters of a picture's title [points]."""
 
 
 def rows_of(cases: Sequence[Case], settings: Settings) -> list[dict[str, Any]]:
@@ -124,9 +127,9 @@ def plot_limits(path: Path, title: str, cases: Sequence[Case], settings: Setting
         axes.set_xticks(orders, [str(order) for order in orders])
         axes.minorticks_off()
     axes.set_ylim(bottom=0.0)
-    axes.set_xlabel("order")
-    axes.set_ylabel(f"largest {settings.criterion} Courant number")
-    axes.set_title(title, fontsize="medium")
+    axes.set_xlabel("order k of the transfer")
+    axes.set_ylabel(f"largest Courant number that is stable ({settings.criterion})")
+    axes.set_title(wrapped(title, figure.get_figwidth(), TITLE_SIZE), fontsize=TITLE_SIZE)
     finish(figure, axes, path)
 
 

@@ -14,7 +14,7 @@ import pytest
 from mpmcli.scene.loader import load_scene
 from mpmcli.stability.growth import moving_limit
 from mpmcli.stability.linear_step import wave_damping
-from mpmcli.stability.scene_limit import blocks_of, predict, scheme_of
+from mpmcli.stability.scene_limit import blocks_of, chosen_courant, predict, scheme_of
 from mpmcli.study.transfers import transfer_value
 from mpmcli.study.trial import march_trial
 
@@ -114,6 +114,16 @@ def test_the_limit_is_still_there(row):
     limit, resolution = float(row["stable"]), float(row["resolution"])
     assert is_stable(row, limit - 2 * resolution)
     assert not is_stable(row, limit + 3 * resolution)
+
+
+@pytest.mark.parametrize("row", LIMITS, ids=named)
+@pytest.mark.slow
+def test_the_chosen_step_is_stable(row):
+    """``courant: auto`` stays below what was found to be unstable, one resolution above the limit."""
+    scene = load_scene(INPUTS / f"{row['scene']}.yaml", sets=[*sets_of(row), "time.courant=auto"]).scene
+    assert (
+        0.5 * float(row["stable"]) < chosen_courant(scene) < float(row["stable"]) + float(row["resolution"])
+    )
 
 
 BARS = [row for row in LIMITS if row["scene"] == "vibrating_bar"]
