@@ -2,9 +2,9 @@
 
     python docs/make_studies.py NAME [--results DIR] [--repeats N]
 
-NAME is trade, trade-disk, trade-vortex, impact, shock, metrics, disks-courant, disks-cells, disks-fine or periodic.
-Runs are those of ``mpmcli tradeoff``: what is finished is kept in ``--results``, where a study that was stopped goes
-on. A study takes some minutes, those of the disks up to an hour.
+NAME is trade-bar, trade, trade-disk, trade-vortex, impact, shock, metrics, disks-courant, disks-cells, disks-fine or
+periodic. Runs are those of ``mpmcli tradeoff``: what is finished is kept in ``--results``, where a study that was
+stopped goes on. A study takes some minutes, those of the disks up to an hour.
 """
 
 from __future__ import annotations
@@ -310,6 +310,15 @@ APART = 0.8
 """Courant numbers between the FMPM steps of the study of periodic FMPM."""
 PERIODIC = ",".join(f"{{kind: fmpm, order: {k}, every_courant: {APART}}}" for k in (2, 4, 8, 16))
 STUDIES = {
+    "trade-bar": Study(
+        "vibrating_bar",
+        (
+            *("--vary", "method.transfer=flip,fmpm:1,fmpm:2,fmpm:4", "--vary", "grid.cell=1,0.5,0.25"),
+            *("--set", "time.courant=0.4", "--until", "80", "--within", "0.01"),
+        ),
+        draw_trade("trade_bar"),
+        (),
+    ),
     "trade": Study(
         "block_impact",
         (

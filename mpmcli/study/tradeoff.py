@@ -88,7 +88,7 @@ class Case:
     @property
     def name(self) -> str:
         """The values, with the last words of their keys."""
-        return ", ".join(f"{_short(key)} {value}" for key, value in self.values.items()) or "the scene"
+        return ", ".join(f"{short_key(key)} {value}" for key, value in self.values.items()) or "the scene"
 
     @property
     def is_finished(self) -> bool:
@@ -109,7 +109,8 @@ class Case:
             self.status = FINISHED
 
 
-def _short(key: str) -> str:
+def short_key(key: str) -> str:
+    """The last word of a dotted key."""
     return key.rpartition(".")[2]
 
 

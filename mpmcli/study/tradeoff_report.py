@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import mpmcli
+from mpmcli.study.pictures.drawing import wrapped
 from mpmcli.study.plotting import finish, new_figure
 from mpmcli.study.report import as_text, write_csv, write_json
-from mpmcli.study.tradeoff import Case, Cost, find_cheapest
+from mpmcli.study.tradeoff import Case, Cost, find_cheapest, short_key
 
 NAME = "tradeoff"
 COSTS: dict[Cost, str] = {
@@ -21,6 +22,8 @@ COSTS: dict[Cost, str] = {
 FARTHEST = 1e-12
 """Errors below this share are drawn there."""
 LONGEST_REMARK = 50
+TITLE_SIZE = 10
+"""Of the letters of a picture's title [points]."""
 FEW_DECADES = 1e3
 """Axes that span less than this ratio have numbers between their powers of ten."""
 
@@ -103,8 +106,8 @@ def write_tradeoff(
 def plot_tradeoff(
     path: Path, title: str, cases: Sequence[Case], cost: Cost, within: float, against: str
 ) -> None:
-    """Draw error against cost, both on logarithmic axes: colours tell the first key, markers the second."""
-    figure, axes = new_figure(7.2, 4.8)
+    """Draw error against cost, both on logarithmic axes: colours tell the first key, markers the others."""
+    figure, axes = new_figure(8.4, 4.8)
     shown = [case for case in cases if case.error is not None and not case.is_reference]
     shown = [case for case in shown if case.median(cost) is not None]
     keys = [key for key in (cases[0].values if cases else {}) if len({c.values[key] for c in cases}) > 1]
@@ -119,23 +122,35 @@ def plot_tradeoff(
         axes.plot(case.median(cost), 100.0 * error, marker, color=colour, markersize=7)
     front = sorted((case.median(cost) or 0.0, 100.0 * max(case.error or 0.0, FARTHEST))
                    for case in shown if case.on_front)  # fmt: skip
-    if front:
-        axes.step(*zip(*front, strict=True), where="post", color="0.4", linewidth=1, label="best choices")
     for number, value in enumerate(firsts):
         axes.plot([], [], "o", color=f"C{number % 10}", label=value)
     if len(others) > 1:
         for number, value in enumerate(others):
             axes.plot([], [], "osD^vP*Xh<>"[number % 11], color="0.3", fillstyle="none", label=value)
+    if front:
+        axes.step(*zip(*front, strict=True), where="post", color="0.4", linewidth=1, label="best choices")
     chosen = find_cheapest(cases, within, cost)
-    if chosen is not None:
-        place = chosen.median(cost), 100.0 * max(chosen.error or 0.0, FARTHEST)
-        axes.plot(*place, "o", color="black", fillstyle="none", markersize=15, label="cheapest within")
+    asked = f"{100 * within:g} %"
     if shown:
         _logarithmic(axes)
-        axes.axhline(100.0 * within, color="0.4", linestyle=":", linewidth=1, label=f"{100 * within:g} %")
+        axes.axhline(100.0 * within, color="0.4", linestyle=":", linewidth=1, label=f"error of {asked}")
+    if chosen is not None:
+        place = chosen.median(cost), 100.0 * max(chosen.error or 0.0, FARTHEST)
+        axes.plot(
+            *place, "o", color="black", fillstyle="none", markersize=15, label=f"cheapest within {asked}"
+        )
     axes.set_xlabel(f"{COSTS[cost]}  (cheaper to the left)")
     axes.set_ylabel("error, %  (better below)")
-    axes.set_title(f"{title}\nerror against {against}", fontsize="medium")
+    words = wrapped(title, figure.get_figwidth(), TITLE_SIZE)
+    axes.set_title(f"{words}\nerror against {against}", fontsize=TITLE_SIZE)
+    if shown:  # beside the picture, where it hides no point
+        axes.legend(
+            title=f"colour: {short_key(keys[0])}" if keys else None,
+            title_fontsize="small",
+            fontsize="small",
+            loc="upper left",
+            bbox_to_anchor=(1.0, 1.0),
+        )
     finish(figure, axes, path)
 
 
@@ -154,4 +169,4 @@ def _logarithmic(axes: Any) -> None:
 
 
 def _others(case: Case, keys: Sequence[str]) -> str:
-    return ", ".join(f"{key.rpartition('.')[2]} {case.values[key]}" for key in keys[1:])
+    return ", ".join(f"{short_key(key)} {case.values[key]}" for key in keys[1:])
