@@ -72,6 +72,14 @@ from mpmcli.cli.studies import begin_study
     metavar="LOW HIGH",
     help="Courant numbers between which limits are looked for.",
 )
+@click.option(
+    "--checks",
+    type=click.IntRange(0, 1000),
+    default=3,
+    show_default=True,
+    help="Once a limit is found, look at up to so many Courant numbers amid the stable ones below it: limits may be "
+    "those of islands, with unstable steps below.",
+)
 @click.option("--jobs", type=click.IntRange(1, 4096), help="Runs side by side; one per processor by default.")
 @click.option(
     "--auto", is_flag=True, help="Also run what courant: auto chooses, and tell how much it gives away."
@@ -90,6 +98,7 @@ def command(
     growth: float,
     resolution: float,
     between: tuple[float, float],
+    checks: int,
     until: str | None,
     jobs: int | None,
     timeout: float | None,
@@ -145,6 +154,7 @@ def command(
         study.end,
         max(1, processors // jobs),
         auto,
+        checks,
     )
 
     processes = Processes(timeout)

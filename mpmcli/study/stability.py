@@ -1,8 +1,8 @@
 """Stability limits: the largest Courant number at which a scene stays bounded, accurate or quiet, found by bisection.
 
 Courant numbers are whole multiples of the resolution. A search begins at the predicted limit, goes away from it in
-doubling strides until it has one stable and one unstable number, and halves what is between. It takes for granted that
-there is one limit: above the first unstable number that it meets it does not look again.
+doubling strides until it has one stable and one unstable number, and halves what is between. There may be islands:
+stable numbers above unstable ones. So a few numbers amid the stable ones below the limit are looked at, too.
 """
 
 from __future__ import annotations
@@ -54,6 +54,7 @@ class Settings:
     until : end of the runs, or None for the scene's
     threads : of each run
     tries_auto : also run what ``courant: auto`` chooses
+    checks : how many Courant numbers amid those found stable are looked at once a limit is found
     """
 
     criterion: Criterion = "bounded"
@@ -66,6 +67,7 @@ class Settings:
     until: float | None = None
     threads: int = 1
     tries_auto: bool = False
+    checks: int = 3
 
 
 @dataclass(frozen=True)
@@ -223,7 +225,7 @@ class _Search:
         start = round((case.predicted or DEFAULT_START) / step)
         lowest, highest = max(1, round(settings.lowest / step)), round(settings.highest / step)
         try:
-            low, high = bisect_limit(self._is_stable, start, lowest, highest)
+            low, high = bisect_limit(self._is_stable, start, lowest, highest, settings.checks)
         except Undecided as reason:
             case.remark = f"not decided: {reason}"
             self.tell(f"{case.name}: {case.remark}")

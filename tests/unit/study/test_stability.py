@@ -68,6 +68,68 @@ def test_bisection_at_the_ends():
     assert bisect_limit(lambda n: n <= 4, 500, 4, 100) == (4, 5)
 
 
+ISLANDS = {*range(71, 73), *range(77, 80), *range(83, 1000)}
+"""Where a stretched bar is unstable, in hundredths of its Courant number."""
+
+
+@pytest.mark.parametrize(("checks", "found"), [(0, 82), (1, 70), (2, 70), (3, 70), (100, 70)])
+def test_checks_find_what_lies_below_an_island(checks, found):
+    asked = []
+
+    def is_stable(n):
+        assert n not in asked
+        asked.append(n)
+        return n not in ISLANDS
+
+    assert bisect_limit(is_stable, 50, 2, 200, checks) == (found, found + 1)
+    # 72 lies in the middle of the widest gap; the search from there on needs three more runs
+    assert len(asked) <= 11 + 3 * (checks > 0) + checks
+    if checks == 100:
+        assert set(range(50, 71)) <= set(asked)
+
+
+@pytest.mark.parametrize("start", [1, 2, 17, 33, 60, 100])
+@pytest.mark.parametrize("unstable", [{5, 40}, {30}, {99}, {1}, {2, 3}, set()])
+@pytest.mark.parametrize("checks", [0, 3, 1000])
+def test_checks_end_at_neighbours_and_ask_nothing_twice(start, unstable, checks):
+    asked = {}
+
+    def is_stable(n):
+        assert n not in asked
+        asked[n] = n not in unstable
+        return asked[n]
+
+    low, high = bisect_limit(is_stable, start, 1, 100, checks)
+    assert low is None or asked[low]
+    assert high is None or not asked[high]
+    assert (low, high) == (100, None) or high == (low or 0) + 1
+    assert all(n >= (high or 101) for n, held in asked.items() if not held)
+    if checks == 1000:  # nothing is left between the least that was found stable and the limit
+        assert {n for n, held in asked.items() if held and n <= (low or 0)} == set(
+            range(min((n for n, held in asked.items() if held), default=1), (low or 0) + 1)
+        )
+
+
+@pytest.mark.parametrize("checks", [0, 3])
+def test_a_limit_next_to_where_the_search_began_needs_no_checks(checks):
+    asked = []
+    assert bisect_limit(lambda n: asked.append(n) or n <= 108, 106, 4, 400, checks) == (108, 109)
+    assert asked == [106, 109, 107, 108]
+
+
+def test_the_search_of_a_scene_looks_for_islands(tmp_path):
+    class Islands(Pretend):
+        def run(self, job):
+            is_on_one = round(100 * job["courant"]) not in ISLANDS
+            return super().run(job) | {"bounded": is_on_one}
+
+    for checks, limit in ((0, 0.82), (3, 0.7)):
+        runner = Islands({0: 9.0})
+        (case,) = search(tmp_path, ["flip"], runner, Settings(resolution=0.01, checks=checks))
+        assert (case.limit, case.unstable_at) == (limit, pytest.approx(limit + 0.01))
+        assert len(runner.jobs) == (11, 6)[checks > 0]  # the second goes on with the runs of the first
+
+
 def test_limits_of_several_cases_side_by_side(tmp_path):
     cases = search(tmp_path, ["flip", "fmpm:4"], Pretend({0: 0.85, 4: 0.54}), jobs=2)
     assert [(c.transfer, c.limit, c.unstable_at) for c in cases] == [
