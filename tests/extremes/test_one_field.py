@@ -93,12 +93,14 @@ def test_particles_exactly_on_nodes_and_edges(transfer, shape, hold):
 
 
 @every_transfer
-@pytest.mark.parametrize("size", [0.5, 1.0])
-def test_a_body_of_one_particle_or_one_cell(transfer, size, hold):
-    """One particle drifts for ever; one cell of four strains, and keeps momentum and energy."""
-    s = start([0, 0], [size, size], [1, "-0.7 + 0.3*x"], transfer)
+@pytest.mark.parametrize(
+    ("size", "what"), [([0.5, 0.5], "one particle"), ([1.0, 0.5], "two particles"), ([1.0, 1.0], "one cell")]
+)
+def test_a_body_of_one_or_two_particles_or_one_cell(transfer, size, what, hold):
+    """One particle drifts for ever; two, and one cell of four, strain, and keep momentum and energy."""
+    s = start([0, 0], size, [1, "-0.7 + 0.3*x"], transfer)
     more, drift = gain(s, 300)
-    what = "a body of one particle" if size < 1.0 else "a body of one cell"
+    what = f"a body of {what}"
     hold(what, named(transfer), "change of momentum, relative", drift, 1e-12)
     hold(what, named(transfer), "energy gained, relative", max(more, 0.0), 1e-3)
 

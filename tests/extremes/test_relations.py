@@ -38,12 +38,15 @@ def named(shape: str, transfer: dict, contact: bool = False) -> str:
 def simulation(
     shape: str, transfer: dict, *, length: float = 1.0, mass: float = 1.0, time: float = 1.0, shift: Any = (0.0, 0.0),
     turn: Any = None, boost: Any = (0.0, 0.0), contact: bool = False, dt: float = 0.02, bodies: Any = DISKS,
-    thickness: float = 1.0, offset: Any = (0.0, 0.0),
+    thickness: float = 1.0, offset: Any = (0.0, 0.0), materials: Any = (("soft", 1), ("soft", 1)),
 ) -> Simulation:  # fmt: skip
-    """The disks in units of their own, somewhere else with the grid or by an offset on it, turned, or boosted."""
+    """The disks in units of their own, somewhere else with the grid or by an offset on it, turned, or boosted.
+
+    ``materials``: name and how stiff, of both disks.
+    """
     turn = np.eye(2) if turn is None else turn
     members = []
-    for name, center, radius, velocity in bodies:
+    for (name, center, radius, velocity), (material, _) in zip(bodies, materials, strict=True):
         at = turn @ np.array(center)
         gradient = turn @ GRADIENT @ turn.T
         place = (at + np.array(offset)) * length + np.array(shift)
@@ -54,7 +57,7 @@ def simulation(
             f"+ {float(row[1] / time)!r}*(y - {float(place[1])!r})"
             for v, row in zip(speed, gradient, strict=True)
         ]
-        members.append({"name": name, "material": "soft", "region": region, "velocity": components})
+        members.append({"name": name, "material": material, "region": region, "velocity": components})
     soft = {
         "kind": "neo_hookean", "density": 1.5 * mass / length**3, "E": 100.0 * mass / (length * time**2), "nu": 0.3,
     }  # fmt: skip
@@ -65,7 +68,7 @@ def simulation(
             "lower": [-10 * length + s for s in shift], "upper": [10 * length + s for s in shift], "cell": length,
         },
         "method": {"shape": shape, "transfer": transfer},
-        "materials": {"soft": soft},
+        "materials": {name: soft | {"E": soft["E"] * stiff} for name, stiff in sorted(materials)},
         "bodies": members,
         "time": {"end": 100.0 * time, "step": dt * time},
     }  # fmt: skip
@@ -179,6 +182,17 @@ def test_the_order_of_bodies(shape, transfer, hold):
     hold(
         "bodies in another order", named(shape, transfer), "largest difference", difference(one, other), 1e-11
     )
+
+
+@every_way
+def test_the_names_of_materials(shape, transfer, hold):
+    """Swapped, they come in another order, too."""
+    one, other = (
+        state(advanced(simulation(shape, transfer, materials=materials)))
+        for materials in ((("a", 1), ("b", 4)), (("b", 1), ("a", 4)))
+    )
+    found = difference(one, other)
+    hold("names of two materials swapped", named(shape, transfer), "largest difference", found, 0.0)
 
 
 @every_way

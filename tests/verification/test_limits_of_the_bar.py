@@ -85,6 +85,13 @@ def test_measured_limits_are_those_published(transfer, published, within):
     assert limit_of(transfer) == pytest.approx(published, abs=within)
 
 
+@pytest.mark.slow
+def test_a_blend_with_order_two_loses_next_to_nothing():
+    sets = [f"method.transfer={blended(2, 0.8)}"]
+    job = {"scene": str(INPUTS / "vibrating_bar.yaml"), "sets": sets, "threads": 1, "bound": 0.05}
+    assert 0.0 < march_trial(job | {"courant": limit_of(blended(2, 0.8))})["loss"] < 0.01
+
+
 def test_periodic_fmpm_as_published():
     transfer = "{kind: fmpm, order: 80, every_courant: 2}"
     assert limit_of(transfer, criterion="accurate") == pytest.approx(0.41, abs=0.0301)

@@ -60,7 +60,9 @@ def test_what_blending_with_order_one_costs_the_vibrating_bar(energy_lost, fract
     stored = run.look()
     p = run.particles
     strain = float(np.sum(p.vol0 * stored.state.strain_energy_density()))
-    assert 1.0 - (run.kinetic_energy + strain) / start == pytest.approx(energy_lost, abs=0.005)
+    assert 1.0 - (run.kinetic_energy + strain) / start == pytest.approx(
+        energy_lost, abs=0.005 if energy_lost else 0.001
+    )
 
 
 @pytest.mark.parametrize("metric", ["means", "changes"])
