@@ -2,9 +2,9 @@
 
     python docs/make_studies.py NAME [--results DIR] [--repeats N]
 
-NAME is trade-bar, trade, trade-disk, trade-vortex, impact, shock, metrics, disks-courant, disks-cells, disks-fine or
-periodic. Runs are those of ``mpmcli tradeoff``: what is finished is kept in ``--results``, where a study that was
-stopped goes on. A study takes some minutes, those of the disks up to an hour.
+NAME is trade-bar, trade, trade-gradients, trade-disk, trade-vortex, impact, shock, metrics, disks-courant,
+disks-cells, disks-fine or periodic. Runs are those of ``mpmcli tradeoff``: what is finished is kept in ``--results``,
+where a study that was stopped goes on. A study takes some minutes, those of the disks up to an hour.
 """
 
 from __future__ import annotations
@@ -327,6 +327,14 @@ STUDIES = {
             *("--until", "0.16", "--within", "0.01"),
         ),
         draw_trade("trade_impact"),
+    ),
+    "trade-gradients": Study(
+        "block_impact",
+        (
+            *("--vary", f"method.transfer=flip,fmpm:2,fmpm:4,fmpm:8,{WITH_GRADIENTS}"),
+            *("--vary", "grid.cell=2,1", "--until", "0.16", "--within", "0.01"),
+        ),
+        draw_trade("trade_gradients"),
     ),
     "trade-disk": Study(
         "spinning_disk",

@@ -142,7 +142,7 @@ def plot_tradeoff(
     axes.set_xlabel(f"{COSTS[cost]}  (cheaper to the left)")
     axes.set_ylabel("error, %  (better below)")
     words = wrapped(title, figure.get_figwidth(), TITLE_SIZE)
-    axes.set_title(f"{words}\nerror against {against}", fontsize=TITLE_SIZE)
+    figure.suptitle(f"{words}\nerror against {against}", fontsize=TITLE_SIZE)
     if shown:  # beside the picture, where it hides no point
         axes.legend(
             title=f"colour: {short_key(keys[0])}" if keys else None,
