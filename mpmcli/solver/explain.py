@@ -25,6 +25,8 @@ Array = np.ndarray
 
 STEP_NANOSECONDS = {1: 250.0, 2: 130.0, 3: 280.0}
 """Rough time per particle, step and thread for each number of axes (ugimp, FLIP); see benchmarks/."""
+CALL_SECONDS = 1e-4
+"""Rough time of a step however few the particles are."""
 PASS_SHARE = 0.15
 """Rough share of a step that one more order of FMPM or XPIC costs."""
 
@@ -88,7 +90,7 @@ def explain(
     share = 1.0 + PASS_SHARE * (plan.order - 1)
     parallel = particles.count >= PARALLEL_FROM
     seconds = STEP_NANOSECONDS[grid.dimensions] * share * particles.count * steps * 1e-9
-    seconds /= threads if parallel else 1
+    seconds = seconds / (threads if parallel else 1) + CALL_SECONDS * steps
     if measured is not None and measured["seconds_per_step"] is not None:
         seconds = measured["seconds_per_step"] * steps
     facts: dict[str, Any] = {
