@@ -127,7 +127,7 @@ def draw_impact(folder: Path) -> str:
         times.plot(
             x, [(r.seconds or 0) / (flip.seconds or 1) for _, r in found], line, color="C0", marker="s", ms=3
         )
-    for kind, name, x in (
+    for kind, name, at in (
         ("flip", "FLIP", 0.04),
         ("fmpm:2", "FMPM(2)", 0.003),
         (f"fmpm:{MOST}", f"FMPM({MOST})", 1.1e-4),
@@ -135,7 +135,7 @@ def draw_impact(folder: Path) -> str:
         lost = 100 * (find_row(rows, kind).loss or 0)
         axes.axhline(lost, color="0.5", lw=1, ls=":")
         axes.annotate(
-            f"lost by {name}", (x, lost), (0, -10), textcoords="offset points", fontsize="small", color="0.3"
+            f"lost by {name}", (at, lost), (0, -10), textcoords="offset points", fontsize="small", color="0.3"
         )
     axes.set(
         xscale="log",
