@@ -50,7 +50,7 @@ def run(row: dict[str, str], journal: Journal) -> dict[str, Any]:
     loaded = load_scene(path, sets=["time.courant=auto"])
     choice = ChosenCourant(loaded.scene, particles_of(loaded.scene))
     if (
-        not choice.follows_faces and particles_over_waves(loaded.scene) == 1.0
+        choice.faces is None and particles_over_waves(loaded.scene) == 1.0
     ):  # always the same: measured already
         return {"mean_courant": choice.courant, "bounded": choice.courant < float(row["unstable"])}
     found = journal.get(loaded.hash)

@@ -73,7 +73,7 @@ def explain(
         limit, known = found.courant, found.because
     except NoKnownLimit as reason:
         known = str(reason)
-    if auto is not None and auto.follows_faces:
+    if auto is not None and auto.courant != auto.otherwise:
         limit, known = auto.courant / SAFETY, "of what the bodies do at first"
     steps = int(np.ceil(scene.time.end / dt))
     kept = {f.name: getattr(arrays, f.name) for f in fields(StepArrays)}

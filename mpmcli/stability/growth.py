@@ -30,6 +30,7 @@ at or above it.
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -66,6 +67,14 @@ NEAR = 0.01
 """A place just off the grid lines (cells): some shape functions lose their stability by leaving them."""
 SLOW_PLACES = 12
 """Places within half a cell, of which a body that moves slowly may be unstable at one."""
+FLIGHT_GROWTH = 5e-3
+"""Growth per step above which a flying row counts as unstable; round-off stays small for some thousand steps."""
+FLIGHT_STEPS = 40.0
+"""A flying row is followed for so many steps at least, which take it across a whole number of cells."""
+FLIES = 0.1
+"""Bodies fly that are faster than this share of the wave speed; slower ones have the limits of a moving block."""
+SLOWER = 0.7
+"""A body that flies is slowed down: each speed by this factor below its own counts too, down to ``FLIES``."""
 RESOLUTION = 0.0025
 LOWEST, HIGHEST = 0.02, 2.5
 """Courant numbers between which limits are looked for."""
@@ -121,6 +130,18 @@ def swinging_limit(lattice: Lattice, scheme: Scheme, swing: Swing) -> float:
 
 
 @functools.lru_cache(maxsize=256)
+def flying_limit(row: Lattice, scheme: Scheme, speed: float, enough: float = math.inf) -> float:
+    """Largest stable Courant number of an endless row that flies at ``speed`` times the wave speed, or slower."""
+    slower = itertools.takewhile(lambda v: v >= FLIES, (speed * SLOWER**n for n in itertools.count()))
+    speeds = list(slower)
+
+    def is_stable(courant: float) -> bool:
+        return all(_growth_flying(row, scheme, courant, v) <= FLIGHT_GROWTH for v in speeds)
+
+    return _largest_stable(is_stable, lambda: worst_limit(row, scheme), enough)
+
+
+@functools.lru_cache(maxsize=256)
 def slow_limit(lattice: Lattice, scheme: Scheme, enough: float = math.inf) -> float:
     """Largest Courant number at which the block is unstable at rest at one of ``SLOW_PLACES`` at most."""
     places = [(place + 0.5) / (2 * SLOW_PLACES) for place in range(SLOW_PLACES)]
@@ -170,6 +191,12 @@ def _stable_but_at(
 def _growth_moving(lattice: Lattice, scheme: Scheme, courant: float) -> float:
     """Logarithm of the amplification per step of a block that travels along all axes by one cell."""
     return _growth_along(lattice, scheme, courant, STEPS_PER_CELL / courant, lambda share: share)
+
+
+def _growth_flying(row: Lattice, scheme: Scheme, courant: float, speed: float) -> float:
+    """Logarithm of the amplification per step of a row that flies, as fast as takes it across whole cells."""
+    cells = math.ceil(FLIGHT_STEPS * speed * courant)
+    return _growth_along(row, scheme, courant, cells / (speed * courant), lambda share: share * cells % 1.0)
 
 
 def _growth_in_run(lattice: Lattice, scheme: Scheme, courant: float, swing: Swing) -> float:

@@ -20,12 +20,13 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from mpmcli.core.errors import Problem, SceneError
-from mpmcli.core.expressions import Expression
 from mpmcli.geometry.lattice import is_by_right_angles
 from mpmcli.shapes import SHAPES
 from mpmcli.stability.growth import (
+    FLIES,
     NEAR,
     Swing,
+    flying_limit,
     limit_at_rest,
     moving_limit,
     slow_limit,
@@ -35,6 +36,14 @@ from mpmcli.stability.growth import (
 from mpmcli.stability.held import held_axes, held_faces
 from mpmcli.stability.lattice import DOMAINS, GRID_FUNCTIONS, Lattice
 from mpmcli.stability.linear_step import Scheme
+from mpmcli.stability.speeds import (
+    FAST,
+    deformable,
+    flight_speeds,
+    is_fast_at_first,
+    largest_speed,
+    start_speeds,
+)
 
 Array = np.ndarray
 
@@ -42,8 +51,6 @@ SAFETY = 0.99
 """``courant: auto`` is this share of the limit."""
 LARGEST_COURANT = 1.0
 """``courant: auto`` is never above it: no particle may pass a whole cell in a step."""
-FAST = 0.01
-"""Speed over wave speed from which a body counts as moving."""
 PERIODIC = 0.95
 """Limits with a periodic transfer over those predicted: FMPM(8) with C_X = 2 in the bar, 0.63/0.67."""
 SPACE = 0.95
@@ -51,7 +58,6 @@ SPACE = 0.95
 once with cubes of 2³ cells, whose eigenvalues take a minute."""
 ELSEWHERE = 0.2
 """Offset along axes along which a body moves: a place where few shape functions lose their stability early."""
-SAMPLES = 9
 IN_COMPRESSION = 0.5
 """Share of the time in which artificial viscosity acts, as behind a shock, where bodies swing about their compression.
 The quadratic part is left out: it is large in the front only, which passes a particle within some steps."""
@@ -101,6 +107,7 @@ class Block:
     axes : one axis of the scene, or pairs of them, that the axes of the block stand for
     faces : places of the lower and of the upper faces of the body within their cells, along ``axes``; none if endless
     swing : how its free end swings, if that is known
+    flight : speed over that of waves of an endless row that flies
     """
 
     lattice: Lattice
@@ -109,6 +116,7 @@ class Block:
     axes: tuple[tuple[int, ...], ...]
     faces: tuple[tuple[float, ...], ...]
     swing: Swing | None = None
+    flight: float = 0.0
 
 
 def chosen_courant(scene: Any) -> float | None:
@@ -151,7 +159,7 @@ def particles_over_waves(scene: Any) -> float:
     """Largest speed at the start over that of waves, 1 at least: Courant numbers are those of the faster of both."""
     kind = scene.analysis.kind
     wave = max((model.initial_wave_speed(kind) for _, model in deformable(scene)), default=0.0)
-    share = _largest_speed(scene) / wave if wave > 0.0 else 1.0
+    share = largest_speed(scene) / wave if wave > 0.0 else 1.0
     return share if 1.0 < share < math.inf else 1.0
 
 
@@ -176,6 +184,8 @@ def predict(scene: Any) -> Prediction | None:
 
 
 def _moving(block: Block, scheme: Scheme) -> float:
+    if block.flight:
+        return flying_limit(block.lattice, scheme, block.flight)
     if block.swing is None:
         return moving_limit(block.lattice, scheme)
     return swinging_limit(block.lattice, scheme, block.swing)
@@ -205,7 +215,7 @@ def courant_of_step(scene: Any, step: float) -> float:
     """Courant number at the start of a fixed time step."""
     kind = scene.analysis.kind
     speed = max((model.initial_wave_speed(kind) for _, model in deformable(scene)), default=0.0)
-    return step * max(speed, _largest_speed(scene)) / min(scene.grid.cell)
+    return step * max(speed, largest_speed(scene)) / min(scene.grid.cell)
 
 
 def scheme_of(scene: Any) -> Scheme:
@@ -230,7 +240,7 @@ def blocks_of(scene: Any) -> Iterator[Block]:
 
     Materials that are not elastic at rest count as fluids of their wave speed, axisymmetric analyses as plane. A block
     has the axes along which its body is not held (the first one if it is held along all), in space the two of them with
-    the smallest edges of a cell. For each axis along which it is held there is an endless row.
+    the smallest edges of a cell. For each axis along which it is held or flies there is an endless row.
 
     Raises
     ------
@@ -263,7 +273,8 @@ def blocks_of(scene: Any) -> Iterator[Block]:
             )
             swing = _swing(scene, body, int(axes[0])) if len(axes) == 1 else None
             yield Block(lattice, body.name, space * fastest / speed, pairs, faces, swing)
-        for a in (axis for axis in range(len(cell)) if axis not in free):
+        flights = flight_speeds(scene, body) / speed
+        for a in (a for a in range(len(cell)) if a not in free or flights[a] >= FLIES):
             row = Lattice(
                 shape.grid_functions,
                 shape.domain,
@@ -271,11 +282,16 @@ def blocks_of(scene: Any) -> Iterator[Block]:
                 (float(cell[a] / cell.min()),),
                 is_endless=True,
             )
-            yield Block(row, body.name, fastest / speed, ((int(a),),), ())
+            flight = float(flights[a]) if a in free else 0.0
+            yield Block(row, body.name, fastest / speed, ((int(a),),), (), flight=flight)
 
 
 def _limit_of(block: Block, scheme: Scheme, is_fast: bool, enough: float) -> KnownLimit:
     enough /= block.scale
+    if block.flight:
+        flying = flying_limit(block.lattice, scheme, block.flight, enough)
+        words = f"body '{block.body}', flying at {block.flight:.2g} of the wave speed"
+        return KnownLimit(block.scale * flying, block.body, words)
     if block.lattice.is_endless:
         inside = worst_limit(block.lattice, scheme, enough)
         return KnownLimit(block.scale * inside, block.body, f"body '{block.body}', between held faces")
@@ -298,11 +314,6 @@ def _limit_of(block: Block, scheme: Scheme, is_fast: bool, enough: float) -> Kno
     return KnownLimit(block.scale * limit, block.body, because)
 
 
-def deformable(scene: Any) -> list[tuple[Any, Any]]:
-    models = {body.name: scene.materials[body.material] for body in scene.bodies}
-    return [(body, models[body.name]) for body in scene.bodies if models[body.name].kind != "rigid"]
-
-
 def _is_flat(region: Any, d: int) -> bool:
     """Whether a region is a box along the axes, or is made with one."""
     parts = [*getattr(region, "regions", ()), *filter(None, [getattr(region, "region", None)])]
@@ -320,7 +331,7 @@ def _faces(scene: Any, body: Any, parts: Array) -> tuple[Array, Array]:
     lower, cell = np.asarray(scene.grid.lower), np.asarray(scene.grid.cell, dtype=float)
     sides = []
     is_flat = _is_flat(body.region, len(cell))
-    speeds = _start_speeds(scene, body)
+    speeds = start_speeds(scene, body)
     wave = scene.materials[body.material].initial_wave_speed(scene.analysis.kind)
     for bound, ceiling in zip(body.region.bounds(len(cell)), (0.5, -0.5), strict=True):
         with np.errstate(invalid="ignore"):
@@ -339,7 +350,7 @@ def _faces(scene: Any, body: Any, parts: Array) -> tuple[Array, Array]:
 
 def _swing(scene: Any, body: Any, axis: int) -> Swing | None:
     """How the free end of a body swings that is held at the other: as fast as it starts, at the frequency πc/(2L)."""
-    speed = float(_start_speeds(scene, body)[axis])
+    speed = float(start_speeds(scene, body)[axis])
     held = held_faces(scene, body)[:, axis]
     low, high = body.region.bounds(len(scene.grid.cell))
     length = float(high[axis]) - float(low[axis])
@@ -349,46 +360,3 @@ def _swing(scene: Any, body: Any, axis: int) -> Swing | None:
         return None
     end = float(scene.time.end)
     return Swing(2.0 * length * speed / (math.pi * wave * cell), 4.0 * length / cell, end * wave / cell)
-
-
-def is_fast_at_first(scene: Any) -> bool:
-    """Whether some body starts at ``FAST`` of the largest wave speed or more, along axes with a free face."""
-    kind = scene.analysis.kind
-    soft = [body for body, _ in deformable(scene)]
-    wave = max((model.initial_wave_speed(kind) for _, model in deformable(scene)), default=math.inf)
-    speeds = [
-        math.hypot(*np.where(held_axes(scene, body) & (body in soft), 0.0, _start_speeds(scene, body)))
-        for body in scene.bodies
-    ]
-    return max(speeds) >= FAST * wave
-
-
-def _largest_speed(scene: Any) -> float:
-    return max(math.hypot(*_start_speeds(scene, body)) for body in scene.bodies)
-
-
-def _start_speeds(scene: Any, body: Any) -> Array:
-    """Largest speed (d,) along each axis that particles of a body start with, at ``SAMPLES`` points along each axis."""
-    if not body.velocity:
-        return np.zeros(len(scene.grid.cell))
-    points = _points(scene, body)
-    return np.array([_largest(component, points, 0.0) for component in body.velocity])
-
-
-def _points(scene: Any, body: Any) -> list[Array]:
-    """Points x, y, z spread over a body, or over the grid."""
-    lower, upper = np.asarray(scene.grid.lower), np.asarray(scene.grid.upper)
-    if body is not None:
-        low, high = body.region.bounds(len(lower))
-        lower, upper = np.maximum(lower, low), np.minimum(upper, high)
-    along = [np.linspace(low, high, SAMPLES) for low, high in zip(lower, upper, strict=True)]
-    points = [axis.ravel() for axis in np.meshgrid(*along)]
-    return points + [np.zeros_like(points[0])] * (3 - len(points))
-
-
-def _largest(value: Any, points: list[Array], t: Any) -> float:
-    if not isinstance(value, Expression):
-        return abs(float(value))
-    x, y, z = points
-    found: Array = np.abs(np.asarray(value(x, y, z, t), dtype=np.float64))
-    return float(found[np.isfinite(found)].max(initial=0.0))

@@ -1,0 +1,128 @@
+"""Where the faces of boxes of particles lie within their cells, while the boxes move and deform."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mpmcli.core.analysis import F_COMPONENTS
+from mpmcli.shapes import SHAPES
+from mpmcli.stability.growth import NEAR, limit_at_rest, worst_limit
+from mpmcli.stability.linear_step import Scheme
+from mpmcli.stability.scene_limit import Block
+
+Array = np.ndarray
+
+REACH = 0.2
+"""Half of the cells over which the particles of a face may be spread along its normal."""
+PLACES_PER_CELL = 48
+"""Places of faces are rounded to so many."""
+ROUND_OFF = 1e-6
+
+Places = tuple[float, ...]
+"""Places within a cell, 0 to ½ and mirrored."""
+
+
+class Face(NamedTuple):
+    """Between which places its particles end [cells of the grid], and their largest speed along its normal."""
+
+    low: float
+    high: float
+    speed: float
+
+
+Faces = dict[tuple[int, int], Face]
+"""Faces by axis and side, 0 or 1."""
+
+
+class Box:
+    """The faces of particles that fill a box at the start.
+
+    Parameters
+    ----------
+    scene : the checked scene
+    particles : as they start
+    members : (N,) those of the box
+    """
+
+    def __init__(self, scene: Any, particles: Any, members: Array):
+        self.lower = np.asarray(scene.grid.lower, dtype=float)
+        self.cell = np.asarray(scene.grid.cell, dtype=float)
+        self._stretches = SHAPES[scene.method.shape].follows_deformation
+        self._layers = np.zeros((2, len(self.cell), int(particles.id.max()) + 1), dtype=bool)
+        low, high = (side[:, members] for side in _sides(particles))
+        near, ids = ROUND_OFF * self.cell[:, None], particles.id[members]
+        self.start = np.stack([low.min(axis=1), high.max(axis=1)])
+        self._layers[0][:, ids] = low <= self.start[0][:, None] + near
+        self._layers[1][:, ids] = high >= self.start[1][:, None] - near
+
+    def faces(self, p: Any, axes: Iterable[int]) -> Faces:
+        """Those that are flat."""
+        found: Faces = {}
+        for a, side in itertools.product(axes, (0, 1)):
+            face = np.flatnonzero(self._layers[side, a, p.id])
+            if not len(face):
+                continue  # it has left the grid
+            half = p.size[a, face]
+            if self._stretches:
+                half = half * p.F[stretch_row(len(self.cell), a), face]
+            at = (p.X[a, face] + (half if side else -half) - self.lower[a]) / self.cell[a]
+            low, high, speed = float(at.min()), float(at.max()), float(np.abs(p.V[a, face]).max())
+            if high - low <= 2.0 * REACH and speed < math.inf:
+                found[a, side] = Face(low, high, speed)
+        return found
+
+    def cells_moved(self, a: int, face: Face, wave_speed: float, courant: float) -> float:
+        """By how many cells along axis ``a`` a face moves in a step."""
+        return courant * float(self.cell.min() / self.cell[a]) * face.speed / wave_speed
+
+    def start_places(self, a: int) -> list[Places]:
+        """Places of both faces along an axis at the start, and ``REACH`` to both sides."""
+        within = (self.start[:, a] - self.lower[a]) / self.cell[a]
+        return [places_between(float(place) - REACH, float(place) + REACH) for place in within]
+
+
+def is_box(p: Any, members: Array) -> bool:
+    """Whether the members (N,) of the particles fill a box."""
+    low, high = (side[:, members] for side in _sides(p))
+    volume = np.prod(high.max(axis=1) - low.min(axis=1))
+    filled = np.prod(2.0 * p.size[:, members], axis=0).sum()
+    return bool(abs(filled - volume) <= ROUND_OFF * volume)
+
+
+def _sides(p: Any) -> tuple[Array, Array]:
+    """Where the particles begin and end along the axes, at the start."""
+    return p.X - p.size, p.X + p.size
+
+
+def stretch_row(d: int, a: int) -> int:
+    """Row of F that stretches along an axis."""
+    return F_COMPONENTS[d].index("xyz"[a] * 2)
+
+
+def places_between(low: float, high: float) -> Places:
+    """Where within a cell limits may be least between two places: ends, grid lines, middles."""
+    inside = range(math.ceil(2.0 * low), math.floor(2.0 * high) + 1)
+    found = set()
+    for place in (low, high, *(0.5 * half for half in inside)):
+        within = round(place * PLACES_PER_CELL) / PLACES_PER_CELL % 1.0
+        found.add(max(min(within, 1.0 - within), NEAR))
+    return tuple(sorted(found))
+
+
+def limits_with_faces(
+    blocks: Sequence[Block], scheme: Scheme, sides: Mapping[int, Sequence[Places]]
+) -> Iterator[float]:
+    """Limits of all blocks that rest with faces at these places along the axes, and of endless rows."""
+    for block in blocks:
+        if block.lattice.is_endless:
+            yield block.scale * worst_limit(block.lattice, scheme)
+            continue
+        for axes in block.axes:
+            of_axes = [sorted({place for side in sides[a] for place in side}) for a in axes]
+            for places in itertools.product(*of_axes):
+                yield block.scale * limit_at_rest(block.lattice, scheme, places)

@@ -1,0 +1,80 @@
+"""How fast the bodies of a scene start."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.expressions import Expression
+from mpmcli.stability.held import held_axes
+
+Array = np.ndarray
+
+FAST = 0.01
+"""Speed over wave speed from which a body counts as moving."""
+SAMPLES = 9
+ALIKE = 1e-6
+"""Velocities of a body that differ by this share of the largest one are the same."""
+
+
+def deformable(scene: Any) -> list[tuple[Any, Any]]:
+    """The deformable bodies, and what they are made of."""
+    models = {body.name: scene.materials[body.material] for body in scene.bodies}
+    return [(body, models[body.name]) for body in scene.bodies if models[body.name].kind != "rigid"]
+
+
+def is_fast_at_first(scene: Any) -> bool:
+    """Whether some body starts at ``FAST`` of the largest wave speed or more, along axes with a free face."""
+    kind = scene.analysis.kind
+    soft = [body for body, _ in deformable(scene)]
+    wave = max((model.initial_wave_speed(kind) for _, model in deformable(scene)), default=math.inf)
+    speeds = [
+        math.hypot(*np.where(held_axes(scene, body) & (body in soft), 0.0, start_speeds(scene, body)))
+        for body in scene.bodies
+    ]
+    return max(speeds) >= FAST * wave
+
+
+def largest_speed(scene: Any) -> float:
+    return max(math.hypot(*start_speeds(scene, body)) for body in scene.bodies)
+
+
+def start_speeds(scene: Any, body: Any) -> Array:
+    """Largest speed (d,) along each axis that particles of a body start with, at ``SAMPLES`` points along each axis."""
+    return np.abs(_start_velocities(scene, body)).max(axis=1)
+
+
+def flight_speeds(scene: Any, body: Any) -> Array:
+    """Speed (d,) along each axis with which the whole body starts; 0 where its particles differ."""
+    velocities = _start_velocities(scene, body)
+    same = np.ptp(velocities, axis=1) <= ALIKE * np.abs(velocities).max(axis=1)
+    return np.where(same, np.abs(velocities[:, 0]), 0.0)
+
+
+def _start_velocities(scene: Any, body: Any) -> Array:
+    """Velocities (d, n) at the points of ``_points``."""
+    points = _points(scene, body)
+    components = body.velocity or [0.0] * len(scene.grid.cell)
+    return np.array([_values(component, points) for component in components])
+
+
+def _points(scene: Any, body: Any) -> list[Array]:
+    """Points x, y, z spread over a body, or over the grid."""
+    lower, upper = np.asarray(scene.grid.lower), np.asarray(scene.grid.upper)
+    if body is not None:
+        low, high = body.region.bounds(len(lower))
+        lower, upper = np.maximum(lower, low), np.minimum(upper, high)
+    along = [np.linspace(low, high, SAMPLES) for low, high in zip(lower, upper, strict=True)]
+    points = [axis.ravel() for axis in np.meshgrid(*along)]
+    return points + [np.zeros_like(points[0])] * (3 - len(points))
+
+
+def _values(value: Any, points: list[Array]) -> Array:
+    """A number or an expression at the start at points; 0 where it is not finite."""
+    if not isinstance(value, Expression):
+        return np.full(points[0].shape, float(value))
+    x, y, z = points
+    found = np.broadcast_to(np.asarray(value(x, y, z, 0.0), dtype=np.float64), x.shape)
+    return np.where(np.isfinite(found), found, 0.0)
