@@ -333,10 +333,10 @@ def shapes() -> str:
 
 def quantities(*places: str) -> str:
     """The table of quantities that live at some places."""
-    from mpmcli.output.columns import QUANTITIES
+    from mpmcli.output.columns import QUANTITIES, extra_quantities
 
     lines = ["| name | of | rank | dimension | meaning |", "| --- | --- | --- | --- | --- |"]
-    for quantity in QUANTITIES.at(*places):
+    for quantity in (*QUANTITIES.at(*places), *(extra_quantities() if "global" in places else ())):
         meaning = sentence(quantity.description).replace("|", r"\|")
         lines.append(
             f"| `{quantity.name}` | {quantity.where} | {quantity.rank} | {quantity.dimension} | {meaning} |"

@@ -95,6 +95,6 @@ def _first_line(text: str | None) -> str:
 def _quantities() -> Iterator[str]:
     from mpmcli.output import columns
 
-    for quantity in columns.QUANTITIES:
+    for quantity in (*columns.QUANTITIES, *columns.extra_quantities()):
         place = f"{quantity.rank}, {quantity.where}"
-        yield f"{quantity.name:<24}{place:<18}{quantity.dimension:<14}{quantity.description}"
+        yield f"{quantity.name:<24}{place:<20}{quantity.dimension:<18}{quantity.description}"

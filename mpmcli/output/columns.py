@@ -95,6 +95,20 @@ def _columns_of(quantity: Quantity, context: Context) -> list[Column]:
     ]
 
 
+EXTRA = {
+    "deleted_particles": "number of particles that have left the grid (domain.on_exit: delete)",
+    "deleted_mass": "their mass",
+    "mean_order": "mean over all steps of the order that the transfer reached, 1 in steps of FLIP (transfers with "
+    "dynamic, every_courant or every_steps)",
+}
+"""Columns that the solver names, in scenes that have them, and what they mean."""
+
+
+def extra_quantities() -> list[Quantity]:
+    """The columns that the solver names."""
+    return [_extra(name) for name in EXTRA]
+
+
 def _extra(name: str) -> Quantity:
     dimension = next((d for d in ("mass", "energy", "time") if name.endswith(d)), "1")
     return Quantity(
@@ -104,7 +118,7 @@ def _extra(name: str) -> Quantity:
         "scalar",
         "global",
         lambda s: s.state.extra.get(name, 0.0),
-        "as named by the solver",
+        EXTRA.get(name, "as named by the solver"),
     )
 
 

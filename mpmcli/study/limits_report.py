@@ -92,14 +92,17 @@ def write_limits(directory: Path, title: str, cases: Sequence[Case], settings: S
 
 
 def plot_limits(path: Path, title: str, cases: Sequence[Case], settings: Settings) -> None:
-    """Draw the limits against the order: measured ones filled, predicted ones open, FLIP as a dashed line."""
+    """Draw the limits against the order: measured ones filled, predicted ones open, FLIP as a dashed line.
+
+    Colours tell shape functions, or transfers where there is one shape function only.
+    """
     figure, axes = new_figure()
     shapes = list(dict.fromkeys(case.shape for case in cases))
     families = list(dict.fromkeys((case.shape, _family(case.transfer)[0]) for case in cases))
     markers = "osD^vP*X"
     has_flip = False
     for number, (shape, family) in enumerate(families):
-        colour = f"C{shapes.index(shape)}"
+        colour = f"C{(shapes.index(shape) if len(shapes) > 1 else number) % 10}"
         members = [case for case in cases if (case.shape, _family(case.transfer)[0]) == (shape, family)]
         label = f"{shape} {family}"
         if family == "flip":
