@@ -305,12 +305,16 @@ def _draw_disks(
 
 @dataclass(frozen=True)
 class Study:
-    """A scene, what ``mpmcli tradeoff`` is told, and who draws the result."""
+    """A scene, what ``mpmcli tradeoff`` is told, and who draws the result.
+
+    ``repeats``: how often figures of papers run each case; more than once where they show times.
+    """
 
     scene: str | None
     options: tuple[str, ...]
     draws: Callable[[Path], str]
     error: tuple[str, ...] = LOSS
+    repeats: int = 1
 
 
 WITH_GRADIENTS = ",".join(
@@ -369,10 +373,14 @@ STUDIES = {
     "impact": Study(
         "block_impact",
         (
-            *("--vary", f"method.transfer=flip,fmpm:2,fmpm:{MOST},{all_dynamic(IMPACT_TOLERANCES)}"),
+            *(
+                "--vary",
+                f"method.transfer=flip,fmpm:2,fmpm:4,fmpm:8,fmpm:{MOST},{all_dynamic(IMPACT_TOLERANCES)}",
+            ),
             *("--until", "0.16"),
         ),
         draw_impact,
+        repeats=3,
     ),
     "shock": Study(
         "shock_nickel",

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from make_gallery import shrink
-from make_studies import run_study
+from make_studies import STUDIES, run_study
 
 from mpmcli import Results, load, run
 from mpmcli.cli.main import call
@@ -112,7 +112,7 @@ class Runs:
     def trade(self, name: str) -> Path:
         """The folder of a study of ``docs/make_studies.py``; one that was stopped goes on."""
         directory = self.folder / name
-        run_study(name, directory, repeats=1)
+        run_study(name, directory, STUDIES[name].repeats)
         return directory
 
 
