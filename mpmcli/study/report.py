@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from mpmcli.output.files import write_text
-from mpmcli.output.tables import format_number
 
 Row = Mapping[str, Any]
 
@@ -30,7 +29,9 @@ def _cell(value: Any) -> str:
         return ""
     if isinstance(value, bool):
         return "true" if value else "false"
-    return format_number(value) if isinstance(value, int | float) else str(value).replace("\n", " ")
+    if isinstance(value, float):  # the fewest digits that give back the same bits: limits are round numbers
+        return repr(float(value))
+    return str(value).replace("\n", " ")
 
 
 def write_json(path: Path, contents: Mapping[str, Any]) -> None:

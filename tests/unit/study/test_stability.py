@@ -386,8 +386,8 @@ def test_tables_and_picture(tmp_path):
     with (tmp_path / "limits.csv").open() as stream:
         rows = list(csv.DictReader(stream))
     assert [(row["transfer"], row["limit"]) for row in rows[:2]] == [
-        ("flip", "0.84999999999999998"),
-        ("fmpm:2", "0.68500000000000005"),
+        ("flip", "0.85"),
+        ("fmpm:2", "0.685"),
     ]
     assert rows[3]["limit"] == ""
     contents = json.loads((tmp_path / "limits.json").read_text())
