@@ -31,9 +31,9 @@ from mpmcli.stability.faces import (
     Box,
     Face,
     Faces,
+    LimitsOfPlaces,
     Places,
     is_box,
-    limits_with_faces,
     places_between,
     stretch_row,
 )
@@ -44,7 +44,6 @@ from mpmcli.stability.scene_limit import (
     SAFETY,
     blocks_of,
     chosen_courant,
-    one_thread,
     particles_over_waves,
     scheme_of,
 )
@@ -172,7 +171,7 @@ class FollowedFaces:
         self._box = Box(scene, particles, soft)
         self._soft = np.zeros(int(particles.id.max()) + 1, dtype=bool)
         self._soft[particles.id] = soft
-        self._blocks, self._scheme = list(blocks_of(scene)), scheme_of(scene)
+        self._limits = LimitsOfPlaces(list(blocks_of(scene)), scheme_of(scene))
         held = np.all([held_axes(scene, body) for body, _ in deformable(scene)], axis=0)
         self._free = np.flatnonzero(~held).tolist()
 
@@ -194,9 +193,7 @@ class FollowedFaces:
         # of a body that is held along all axes: where its faces lie at the start
         sides = {a: self._box.start_places(a) for a in range(len(self._box.cell)) if a not in self._free}
         sides |= {a: [_places(faces[a, side], steps * moves[a, side]) for side in (0, 1)] for a in self._free}
-        with one_thread():
-            limit = min(limits_with_faces(self._blocks, self._scheme, sides))
-        return min(max(SAFETY * limit, least), LARGEST_COURANT), steps
+        return min(max(SAFETY * self._limits.least(sides), least), LARGEST_COURANT), steps
 
     def _is_little_strained(self, p: Any) -> bool:
         soft, d = self._soft[p.id], len(self._box.cell)
@@ -222,25 +219,29 @@ class RestingFaces:
     def __init__(self, scene: Any, particles: Any, names: list[str], otherwise: float):
         self.otherwise = otherwise
         self.in_words = "; less where a face comes to rest"
-        self._scheme, blocks = scheme_of(scene), list(blocks_of(scene))
+        scheme, blocks = scheme_of(scene), list(blocks_of(scene))
         self._boxes = []
         for number, body in enumerate(scene.bodies):
             if body.name in names:
                 own = [block for block in blocks if block.body == body.name and not block.lattice.is_endless]
                 box = Box(scene, particles, particles.body == number)
-                self._boxes.append((box, np.flatnonzero(~held_axes(scene, body)).tolist(), own))
+                self._boxes.append(
+                    (
+                        box,
+                        np.flatnonzero(~held_axes(scene, body)).tolist(),
+                        LimitsOfPlaces(own, scheme, otherwise / SAFETY),
+                    )
+                )
 
     def look(self, p: Any, wave_speed: float, courant: float) -> tuple[float, int]:
         """By which faces are at rest now, and where."""
         least = self.otherwise
-        for box, free, blocks in self._boxes:
+        for box, free, limits in self._boxes:
             faces = box.faces(p, free)
             resting = {of: face for of, face in faces.items() if face.speed <= RESTS * wave_speed}
             if resting:
                 sides = {a: self._places(box, resting, a, wave_speed, courant) for a in free}
-                with one_thread():
-                    limit = min(limits_with_faces(blocks, self._scheme, sides))
-                least = min(least, SAFETY * limit)
+                least = min(least, SAFETY * limits.least(sides))
         return least, SOONER
 
     @staticmethod

@@ -13,7 +13,7 @@ from mpmcli.core.analysis import F_COMPONENTS
 from mpmcli.shapes import SHAPES
 from mpmcli.stability.growth import NEAR, limit_at_rest, worst_limit
 from mpmcli.stability.linear_step import Scheme
-from mpmcli.stability.scene_limit import Block
+from mpmcli.stability.scene_limit import Block, one_thread
 
 Array = np.ndarray
 
@@ -114,15 +114,31 @@ def places_between(low: float, high: float) -> Places:
     return tuple(sorted(found))
 
 
-def limits_with_faces(
-    blocks: Sequence[Block], scheme: Scheme, sides: Mapping[int, Sequence[Places]]
-) -> Iterator[float]:
-    """Limits of all blocks that rest with faces at these places along the axes, and of endless rows."""
-    for block in blocks:
-        if block.lattice.is_endless:
-            yield block.scale * worst_limit(block.lattice, scheme)
-            continue
-        for axes in block.axes:
-            of_axes = [sorted({place for side in sides[a] for place in side}) for a in axes]
-            for places in itertools.product(*of_axes):
-                yield block.scale * limit_at_rest(block.lattice, scheme, places)
+class LimitsOfPlaces:
+    """Limits of blocks that rest with their faces at places along the axes, and of endless rows; found once each.
+
+    Where they are ``enough`` or more they are some number that is so too.
+    """
+
+    def __init__(self, blocks: Sequence[Block], scheme: Scheme, enough: float = math.inf):
+        self._blocks, self._scheme, self._enough = blocks, scheme, enough
+        self._found: dict[tuple[tuple[Places, ...], ...], float] = {}
+
+    def least(self, sides: Mapping[int, Sequence[Places]]) -> float:
+        """The least of all blocks, with the places of the faces of each axis."""
+        key = tuple(tuple(sides[a]) for a in sorted(sides))
+        if key not in self._found:
+            with one_thread():
+                self._found[key] = min(self._limits(sides))
+        return self._found[key]
+
+    def _limits(self, sides: Mapping[int, Sequence[Places]]) -> Iterator[float]:
+        for block in self._blocks:
+            enough = self._enough / block.scale
+            if block.lattice.is_endless:
+                yield block.scale * worst_limit(block.lattice, self._scheme, enough)
+                continue
+            for axes in block.axes:
+                of_axes = [sorted({place for side in sides[a] for place in side}) for a in axes]
+                for places in itertools.product(*of_axes):
+                    yield block.scale * limit_at_rest(block.lattice, self._scheme, places, enough)

@@ -99,15 +99,17 @@ def read_measured() -> list[dict[str, str]]:
 )
 @SLOW
 def test_the_chosen_courant_number_is_stable_and_wastes_little(row):
-    """Less than 15 % of the measured limit is given away; where more is, the table says how much."""
+    """Less than 15 % of the measured limit is given away; where more is, the table says how much.
+
+    So it is before anything moves; ``choice`` takes less where faces come to rest, or more where they lie well.
+    """
     sets = [f"method.shape={row['shape']}", f"method.transfer={transfer_value(row['transfer'])}"]
     path = INPUTS / f"{row['scene']}.yaml"
     scene = load_scene(path, sets=sets, defines=[d for d in [row["define"]] if d]).scene
     scene = scene.model_copy(update={"time": scene.time.model_copy(update={"courant": "auto", "step": None})})
-    chosen, unstable = chosen_courant(scene), float(row["unstable"])
-    stable = float(row["quiet"] or row["stable"])
+    chosen, stable, unstable = chosen_courant(scene), float(row["stable"]), float(row["unstable"])
     assert chosen < unstable - 0.2 * (unstable - stable)
-    assert 1.0 - chosen / stable <= float(row["waste"] or 0.15) + 0.005
+    assert 1.0 - chosen / float(row["quiet"] or stable) <= float(row["waste"] or 0.15) + 0.005
     assert chosen == pytest.approx(SAFETY * known_limit(scene).courant) or chosen == 1.0
 
 
