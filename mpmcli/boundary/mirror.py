@@ -76,12 +76,20 @@ class Mirror:
         return ghosts
 
     def shared(self) -> tuple[Array, Array]:
-        """Ghosts and images (n,), and the share (n,) of what is at each that real particles have there."""
-        pairs, count = self.pairs, len(self.pairs.image)
-        nodes, where = np.unique(np.concatenate([pairs.image, pairs.ghost]), return_inverse=True)
+        """Ghosts and images (n,), and the share (n,) of what is at each that real particles have there.
+
+        A ghost beyond several planes has several pairs and one image that is no ghost.
+        """
+        ghost, once = np.unique(self.pairs.ghost, return_index=True)
+        next_image, real = self.pairs.image[once], self.pairs.share[once]
+        image = next_image
+        for _ in self._planes[1:]:
+            at = np.minimum(np.searchsorted(ghost, image), max(len(ghost) - 1, 0))
+            image = np.where(ghost[at] == image, next_image[at], image)
+        nodes, where = np.unique(np.concatenate([image, ghost]), return_inverse=True)
         share = np.ones(len(nodes))
-        np.subtract.at(share, where[:count], pairs.share)
-        share[where[count:]] = pairs.share
+        np.subtract.at(share, where[: len(image)], real)
+        share[where[len(image) :]] = real
         return nodes, share
 
     def reflect_entries(self, node: Array, normal: Array) -> tuple[Array, Array, Array, Array]:

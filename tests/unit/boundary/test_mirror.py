@@ -142,6 +142,22 @@ def test_reactions_balance_momentum_with_flip(d, axes):
     np.testing.assert_allclose(half.held.reactions(DT).sum(axis=0), expected, atol=1e-10)
 
 
+@pytest.mark.parametrize(("d", "axes"), CASES)
+def test_ghosts_and_images_share_what_real_particles_have(d, axes):
+    half, _ = half_and_whole(d, axes)
+    half.grid_velocities(1)
+    real, whole = half.scatter(half.M), half.grid.mp[:, 0]
+    nodes, share = half.held.mirror.shared()
+    np.testing.assert_allclose(share * whole[nodes], real[nodes], rtol=0, atol=1e-13 * whole.max())
+    assert np.all(np.isin(np.flatnonzero(np.abs(real - whole) > 1e-9), nodes))
+
+
+def test_without_nodes_nothing_is_shared():
+    grid = Grid(np.zeros(2), np.ones(2), np.ones(2), 2, 3)
+    held = VelocityConditions(planes((0, 1)), grid, ANALYSES["plane_strain"]())
+    assert [len(part) for part in held.mirror.shared()] == [0, 0]
+
+
 @pytest.mark.parametrize("order", [1, 3])
 def test_a_condition_across_the_plane_meets_its_image(order):
     """A held direction tangential to the mirror: ghosts follow, the whole model agrees, momentum balances."""
