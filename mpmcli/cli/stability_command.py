@@ -18,7 +18,7 @@ from mpmcli.cli.studies import begin_study
     "transfers",
     metavar="KIND[:ORDER],…",
     multiple=True,
-    help="Transfers: flip, fmpm:4, xpic:5, or mappings as in scenes; flip and fmpm:1 to fmpm:40 by default.",
+    help="Transfers: flip, fmpm:4, xpic:5, or mappings as in scenes; flip and fmpm:1 to fmpm:80 by default.",
 )
 @click.option(
     "--shape", "shapes", metavar="NAME,…", multiple=True, help="Shape functions; by default the scene's."

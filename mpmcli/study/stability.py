@@ -27,7 +27,7 @@ from mpmcli.study.trial import FINISHED, load_job
 
 Criterion = Literal["bounded", "accurate", "quiet"]
 TRIALS = "trials.jsonl"
-DEFAULT_TRANSFERS = ("flip", "fmpm:1", "fmpm:2", "fmpm:4", "fmpm:8", "fmpm:16", "fmpm:40")
+DEFAULT_TRANSFERS = ("flip", "fmpm:1", "fmpm:2", "fmpm:4", "fmpm:8", "fmpm:16", "fmpm:40", "fmpm:80")
 DEFAULT_START = 0.5
 AUTO = "auto"
 
