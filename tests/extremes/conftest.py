@@ -1,6 +1,6 @@
 """Figures of the extremes: each is held to its bound, and can be written to the table of the documentation.
 
-MPMCLI_EXTREMES=docs/extremes.csv pytest -n 0 -m "slow or not slow" tests/extremes
+MPMCLI_EXTREMES=docs/verification/extremes.csv pytest -n 0 -m "slow or not slow" tests/extremes
 """
 
 from __future__ import annotations
