@@ -35,6 +35,7 @@ from mpmcli.stability.faces import (
     Places,
     is_box,
     places_between,
+    places_in_memory,
     stretch_row,
 )
 from mpmcli.stability.held import held_axes, rigid_bodies_hold_no_free_axis
@@ -177,7 +178,7 @@ class FollowedFaces:
 
     def look(self, p: Any, wave_speed: float, courant: float) -> tuple[float, int]:
         """By where the faces are now."""
-        faces = self._box.faces(p, self._free)
+        faces = self._box.faces(p, places_in_memory(p, len(self._soft) - 1), self._free)
         if len(faces) < 2 * len(self._free) or not self._is_little_strained(p):
             return self.otherwise, EVERY
         moves = {
@@ -219,25 +220,21 @@ class RestingFaces:
     def __init__(self, scene: Any, particles: Any, names: list[str], otherwise: float):
         self.otherwise = otherwise
         self.in_words = "; less where a face comes to rest"
+        self._most = int(particles.id.max())
         scheme, blocks = scheme_of(scene), list(blocks_of(scene))
         self._boxes = []
         for number, body in enumerate(scene.bodies):
             if body.name in names:
                 own = [block for block in blocks if block.body == body.name and not block.lattice.is_endless]
                 box = Box(scene, particles, particles.body == number)
-                self._boxes.append(
-                    (
-                        box,
-                        np.flatnonzero(~held_axes(scene, body)).tolist(),
-                        LimitsOfPlaces(own, scheme, otherwise / SAFETY),
-                    )
-                )
+                free = np.flatnonzero(~held_axes(scene, body)).tolist()
+                self._boxes.append((box, free, LimitsOfPlaces(own, scheme, otherwise / SAFETY)))
 
     def look(self, p: Any, wave_speed: float, courant: float) -> tuple[float, int]:
         """By which faces are at rest now, and where."""
-        least = self.otherwise
+        least, places = self.otherwise, places_in_memory(p, self._most)
         for box, free, limits in self._boxes:
-            faces = box.faces(p, free)
+            faces = box.faces(p, places, free)
             resting = {of: face for of, face in faces.items() if face.speed <= RESTS * wave_speed}
             if resting:
                 sides = {a: self._places(box, resting, a, wave_speed, courant) for a in free}

@@ -53,20 +53,20 @@ class Box:
         self.lower = np.asarray(scene.grid.lower, dtype=float)
         self.cell = np.asarray(scene.grid.cell, dtype=float)
         self._stretches = SHAPES[scene.method.shape].follows_deformation
-        self._layers = np.zeros((2, len(self.cell), int(particles.id.max()) + 1), dtype=bool)
         low, high = (side[:, members] for side in _sides(particles))
-        near, ids = ROUND_OFF * self.cell[:, None], particles.id[members]
         self.start = np.stack([low.min(axis=1), high.max(axis=1)])
-        self._layers[0][:, ids] = low <= self.start[0][:, None] + near
-        self._layers[1][:, ids] = high >= self.start[1][:, None] - near
+        near, ids = ROUND_OFF * self.cell[:, None], particles.id[members]
+        layers = low <= self.start[0][:, None] + near, high >= self.start[1][:, None] - near
+        self._ids = [[ids[of_axis] for of_axis in layer] for layer in layers]
 
-    def faces(self, p: Any, axes: Iterable[int]) -> Faces:
-        """Those that are flat."""
+    def faces(self, p: Any, places: Array, axes: Iterable[int]) -> Faces:
+        """Those that are flat, with the particles where ``places_in_memory`` says."""
         found: Faces = {}
         for a, side in itertools.product(axes, (0, 1)):
-            face = np.flatnonzero(self._layers[side, a, p.id])
+            face = places[self._ids[side][a]]
+            face = face[face >= 0]
             if not len(face):
-                continue  # it has left the grid
+                continue
             half = p.size[a, face]
             if self._stretches:
                 half = half * p.F[stretch_row(len(self.cell), a), face]
@@ -84,6 +84,13 @@ class Box:
         """Places of both faces along an axis at the start, and ``REACH`` to both sides."""
         within = (self.start[:, a] - self.lower[a]) / self.cell[a]
         return [places_between(float(place) - REACH, float(place) + REACH) for place in within]
+
+
+def places_in_memory(p: Any, most: int) -> Array:
+    """Where the particles of identities up to ``most`` are, (most + 1,); −1 for those that have left the grid."""
+    places = np.full(most + 1, -1)
+    places[p.id] = np.arange(p.count)
+    return places
 
 
 def is_box(p: Any, members: Array) -> bool:
