@@ -74,7 +74,7 @@ def explain(
     except NoKnownLimit as reason:
         known = str(reason)
     if auto is not None and auto.courant != auto.otherwise:
-        limit, known = auto.courant / SAFETY, "of what the bodies do at first"
+        limit, known = courant / SAFETY, "of what the bodies do at first"
     steps = int(np.ceil(scene.time.end / dt))
     kept = {f.name: getattr(arrays, f.name) for f in fields(StepArrays)}
     dense = {f"grid.{key}": array for key, array in (("mp", grid.mp), ("f", grid.f))}

@@ -44,8 +44,7 @@ from mpmcli.stability.scene_limit import (
     LARGEST_COURANT,
     SAFETY,
     blocks_of,
-    chosen_courant,
-    particles_over_waves,
+    courant_of_waves,
     scheme_of,
 )
 from mpmcli.stability.speeds import deformable, is_fast_at_first
@@ -115,8 +114,7 @@ class ChosenCourant(GivenCourant):
     courant: float
 
     def __init__(self, scene: Any, particles: Any):
-        chosen = chosen_courant(scene) or LARGEST_COURANT
-        self.otherwise = min(chosen / particles_over_waves(scene), LARGEST_COURANT)
+        self.otherwise = courant_of_waves(scene)
         super().__init__(self.otherwise)
         self.next_look = 0
         self.faces = looks_at(scene, particles, self.otherwise)
@@ -199,7 +197,9 @@ class FollowedFaces:
     def _is_little_strained(self, p: Any) -> bool:
         soft, d = self._soft[p.id], len(self._box.cell)
         rows = [p.F[stretch_row(d, a), soft] for a in range(d)]
-        return all(STRETCHES[0] <= row.min() and row.max() <= STRETCHES[1] for row in rows)
+        return bool(soft.any()) and all(
+            STRETCHES[0] <= row.min() and row.max() <= STRETCHES[1] for row in rows
+        )
 
 
 def _resting(scene: Any, particles: Any, otherwise: float) -> RestingFaces | None:

@@ -53,7 +53,7 @@ class Box:
         self.lower = np.asarray(scene.grid.lower, dtype=float)
         self.cell = np.asarray(scene.grid.cell, dtype=float)
         self._stretches = SHAPES[scene.method.shape].follows_deformation
-        low, high = (side[:, members] for side in _sides(particles))
+        low, high = _sides(particles, members)
         self.start = np.stack([low.min(axis=1), high.max(axis=1)])
         near, ids = ROUND_OFF * self.cell[:, None], particles.id[members]
         layers = low <= self.start[0][:, None] + near, high >= self.start[1][:, None] - near
@@ -95,15 +95,16 @@ def places_in_memory(p: Any, most: int) -> Array:
 
 def is_box(p: Any, members: Array) -> bool:
     """Whether the members (N,) of the particles fill a box."""
-    low, high = (side[:, members] for side in _sides(p))
+    low, high = _sides(p, members)
     volume = np.prod(high.max(axis=1) - low.min(axis=1))
     filled = np.prod(2.0 * p.size[:, members], axis=0).sum()
     return bool(abs(filled - volume) <= ROUND_OFF * volume)
 
 
-def _sides(p: Any) -> tuple[Array, Array]:
-    """Where the particles begin and end along the axes, at the start."""
-    return p.X - p.size, p.X + p.size
+def _sides(p: Any, members: Array) -> tuple[Array, Array]:
+    """Where the members of the particles begin and end along the axes, at the start."""
+    X, size = p.X[:, members], p.size[:, members]
+    return X - size, X + size
 
 
 def stretch_row(d: int, a: int) -> int:

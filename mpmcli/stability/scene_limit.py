@@ -24,6 +24,7 @@ from mpmcli.geometry.lattice import is_by_right_angles
 from mpmcli.shapes import SHAPES
 from mpmcli.stability.growth import (
     FLIES,
+    LOWEST,
     NEAR,
     Swing,
     flying_limit,
@@ -129,8 +130,22 @@ def chosen_courant(scene: Any) -> float | None:
     """
     if scene.time.courant != "auto":
         return None if scene.time.courant is None else float(scene.time.courant)
+    return min(particles_over_waves(scene) * courant_of_waves(scene), LARGEST_COURANT)
+
+
+def courant_of_waves(scene: Any) -> float:
+    """The Courant number of waves that ``courant: auto`` takes, whatever the speed of particles.
+
+    Raises
+    ------
+    SceneError
+        If there is no known limit.
+    """
     try:
-        return min(SAFETY * known_limit(scene).courant, LARGEST_COURANT)
+        limit = known_limit(scene)
+        if limit.courant < LOWEST:
+            raise NoKnownLimit(f"{limit.because}, is unstable at {LOWEST} already")
+        return min(SAFETY * limit.courant / particles_over_waves(scene), LARGEST_COURANT)
     except NoKnownLimit as reason:
         words = f"no stability limit is known: {reason}; give a number (and find it with mpmcli stability)"
         raise SceneError([Problem(path="time.courant", message=words, code="no_known_limit")]) from None
@@ -282,7 +297,8 @@ def blocks_of(scene: Any) -> Iterator[Block]:
                 (float(cell[a] / cell.min()),),
                 is_endless=True,
             )
-            flight = float(flights[a]) if a in free else 0.0
+            # two digits, so that bodies that fly nearly alike need one search
+            flight = float(f"{flights[a]:.2g}") if a in free else 0.0
             yield Block(row, body.name, fastest / speed, ((int(a),),), (), flight=flight)
 
 

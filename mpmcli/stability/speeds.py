@@ -28,10 +28,10 @@ def deformable(scene: Any) -> list[tuple[Any, Any]]:
 def is_fast_at_first(scene: Any) -> bool:
     """Whether some body starts at ``FAST`` of the largest wave speed or more, along axes with a free face."""
     kind = scene.analysis.kind
-    soft = [body for body, _ in deformable(scene)]
-    wave = max((model.initial_wave_speed(kind) for _, model in deformable(scene)), default=math.inf)
+    soft = {body.name: model for body, model in deformable(scene)}
+    wave = max((model.initial_wave_speed(kind) for model in soft.values()), default=math.inf)
     speeds = [
-        math.hypot(*np.where(held_axes(scene, body) & (body in soft), 0.0, start_speeds(scene, body)))
+        math.hypot(*np.where((body.name in soft) & held_axes(scene, body), 0.0, start_speeds(scene, body)))
         for body in scene.bodies
     ]
     return max(speeds) >= FAST * wave
@@ -61,11 +61,9 @@ def _start_velocities(scene: Any, body: Any) -> Array:
 
 
 def _points(scene: Any, body: Any) -> list[Array]:
-    """Points x, y, z spread over a body, or over the grid."""
-    lower, upper = np.asarray(scene.grid.lower), np.asarray(scene.grid.upper)
-    if body is not None:
-        low, high = body.region.bounds(len(lower))
-        lower, upper = np.maximum(lower, low), np.minimum(upper, high)
+    """Points x, y, z spread over the part of a body's box that is in the grid."""
+    low, high = body.region.bounds(len(scene.grid.cell))
+    lower, upper = np.maximum(scene.grid.lower, low), np.minimum(scene.grid.upper, high)
     along = [np.linspace(low, high, SAMPLES) for low, high in zip(lower, upper, strict=True)]
     points = [axis.ravel() for axis in np.meshgrid(*along)]
     return points + [np.zeros_like(points[0])] * (3 - len(points))

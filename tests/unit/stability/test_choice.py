@@ -136,3 +136,28 @@ def test_faces_that_come_to_rest_have_the_limit_of_their_place():
     sets = ["time.courant=auto", "method.shape=ugimp"]
     other = Simulation(load_scene(INPUTS / "block_impact.yaml", sets=sets), threads=1).courant_choice
     assert other.faces is None  # it has the limit of the worst place anyway
+
+
+@SLOW
+def test_a_resumed_run_goes_on_where_a_face_rests():
+    def simulation() -> Simulation:
+        return choice_of("block_impact")[0]
+
+    first, second = simulation(), simulation()
+    first.courant_choice.courant, first.courant_choice.next_look = 0.39, SOONER  # as with faces at rest
+    first.state.step = SOONER - 2
+    second.restore({name: np.array(value) for name, value in first.state_arrays().items()})
+    for _ in range(4):
+        first.step()
+        second.step()
+        assert first.state.dt == second.state.dt
+    assert second.courant_choice.courant == first.courant_choice.courant == first.courant_choice.otherwise
+
+
+@SLOW
+def test_bodies_whose_particles_have_left_the_grid_have_no_faces():
+    for name in ("shock_nickel", "column_under_gravity", "block_impact"):  # held along all axes, one, none
+        simulation, choice = choice_of(name)
+        p = simulation.particles
+        p.keep(np.zeros(p.count, dtype=bool))
+        assert choice.at(EVERY, p, 1.0) == choice.otherwise, name

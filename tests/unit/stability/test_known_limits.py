@@ -14,18 +14,21 @@ from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.errors import SceneError
 from mpmcli.scene.loader import load_scene
 from mpmcli.shapes import SHAPES
+from mpmcli.solver.explain import explain
 from mpmcli.solver.simulation import Simulation
-from mpmcli.stability import growth
+from mpmcli.stability import growth, scene_limit
 from mpmcli.stability.growth import flying_limit, moving_limit, slow_limit, worst_limit
 from mpmcli.stability.held import held_axes
 from mpmcli.stability.lattice import Lattice, axis_stencils, stencils
 from mpmcli.stability.linear_step import LinearStep, Scheme, State
 from mpmcli.stability.scene_limit import (
     SAFETY,
+    KnownLimit,
     NoKnownLimit,
     Prediction,
     blocks_of,
     chosen_courant,
+    courant_of_waves,
     known_limit,
     predict,
     warning_of,
@@ -217,6 +220,43 @@ def test_bodies_that_fly_together_have_the_limit_of_flight():
     assert "moving" in found("[0.1]").because
     assert "moving" in found('["0.8*x/40"]').because  # its particles have different speeds
     assert "moving" in found("[0.8]", "{kind: flip}").because  # FLIP does not mind
+    scene = load_scene(INPUTS / "vibrating_bar.yaml", sets=["bodies.0.velocity=[0.8003]"]).scene
+    assert {block.flight for block in blocks_of(scene)} == {0.0, 0.4}  # no search for each digit
+
+
+FASTER_THAN_WAVES = """
+version: 1
+analysis: {kind: plane_strain}
+grid: {lower: [-5, -5], upper: [40, 20], cell: 1}
+method: {shape: lcpdi, update: usl, transfer: {kind: flip}}
+materials: {m: {kind: linear_elastic, density: 1, E: 1, nu: 0}}
+bodies:
+  - {name: a, material: m, region: {kind: box, lower: [0, 0], upper: [4, 4]}, velocity: [1.5, 0]}
+  - {name: b, material: m, region: {kind: polygon, points: [[20, AT], [24, AT], [24, TO], [20, TO]]}}
+time: {end: 10, courant: auto}
+"""
+
+
+def test_of_bodies_faster_than_waves_explain_tells_the_limit_of_its_courant_number():
+    scene = load_scene(FASTER_THAN_WAVES.replace("AT", "0.5").replace("TO", "4.5"))
+    facts = explain(scene, threads=1)  # the faces at rest are lower than known of a polygon
+    assert facts["stability_limit_of"] == "of what the bodies do at first"
+    assert facts["stability_margin"] == pytest.approx(1.0 - SAFETY)
+
+
+def test_auto_of_waves_does_not_fall_where_the_number_of_particles_is_cut():
+    scene = load_scene(FASTER_THAN_WAVES.replace("AT", "0").replace("TO", "4")).scene
+    limit = known_limit(scene).courant
+    assert SAFETY * limit > chosen_courant(scene) == 1.0
+    assert courant_of_waves(scene) == pytest.approx(SAFETY * limit / 1.5)
+
+
+def test_what_is_unstable_with_any_step_has_no_chosen_one(monkeypatch):
+    monkeypatch.setattr(
+        scene_limit, "known_limit", lambda scene: KnownLimit(0.0, "bar", "body 'bar', moving")
+    )
+    with pytest.raises(SceneError, match=r"body .bar., moving, is unstable at 0\.02 already; give a number"):
+        chosen_courant(bar(courant="auto"))
 
 
 def test_axes_whose_faces_are_held_are_no_axes_of_the_block():
