@@ -2,7 +2,7 @@
 
 One step of the block's linearised update is a matrix 𝐁(δ, C) that depends on the offset δ of the block within a cell.
 The surface is part of it because it rules: between free nodes of little mass and particles that hardly reach them,
-FMPM(k) loses its stability long before it does so in an endless bar. Five limits come of it:
+FMPM(k) loses its stability long before it does so in an endless bar. Six limits come of it:
 
 moving
     The block travels through a cell, at a fortieth of the wave speed. Unstable if the largest eigenvalue of the
@@ -13,6 +13,9 @@ swinging
     ``exp(TOTAL_GROWTH)`` in all the steps of a run: just above a limit the growth is slow, and a short run hardly shows
     it. A transfer that damps (FMPM(1)) makes the swing smaller from step to step, so that it turns at other places of
     its cells each time.
+flying
+    An endless row of particles travels through cells at a large share of the wave speed, or slower down to ``FLIES``.
+    Unstable if the product grows by more than ``exp(FLIGHT_GROWTH)`` per step.
 slow
     The block is unstable at rest at no more than one of ``SLOW_PLACES`` places within a cell. What bodies show that
     move slowly, or bend: they pass the worst place, but their particles do not stay there.
