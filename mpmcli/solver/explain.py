@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, fields
 from typing import Any
 
@@ -73,7 +74,7 @@ def explain(
         limit, known = found.courant, found.because
     except NoKnownLimit as reason:
         known = str(reason)
-    if auto is not None and auto.courant != auto.otherwise:
+    if auto is not None and not math.isclose(auto.courant, auto.otherwise):
         limit, known = courant / SAFETY, "of what the bodies do at first"
     steps = int(np.ceil(scene.time.end / dt))
     kept = {f.name: getattr(arrays, f.name) for f in fields(StepArrays)}

@@ -238,15 +238,19 @@ time: {end: 10, courant: auto}
 
 
 def test_of_bodies_faster_than_waves_explain_tells_the_limit_of_its_courant_number():
-    scene = load_scene(FASTER_THAN_WAVES.replace("AT", "0.5").replace("TO", "4.5"))
-    facts = explain(scene, threads=1)  # the faces at rest are lower than known of a polygon
+    loaded = load_scene(FASTER_THAN_WAVES.replace("AT", "0.5").replace("TO", "4.5"))
+    facts = explain(loaded, threads=1)  # the faces at rest are lower than known of a polygon
     assert facts["stability_limit_of"] == "of what the bodies do at first"
     assert facts["stability_margin"] == pytest.approx(1.0 - SAFETY)
 
 
 def test_auto_of_waves_does_not_fall_where_the_number_of_particles_is_cut():
-    scene = load_scene(FASTER_THAN_WAVES.replace("AT", "0").replace("TO", "4")).scene
+    loaded = load_scene(FASTER_THAN_WAVES.replace("AT", "0").replace("TO", "4"))
+    scene = loaded.scene
     limit = known_limit(scene).courant
+    assert (
+        explain(loaded, threads=1)["stability_limit_of"] == known_limit(scene).because
+    )  # but for the last digit
     assert SAFETY * limit > chosen_courant(scene) == 1.0
     assert courant_of_waves(scene) == pytest.approx(SAFETY * limit / 1.5)
 
