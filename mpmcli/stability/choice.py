@@ -28,14 +28,13 @@ import numpy as np
 from mpmcli.shapes import SHAPES
 from mpmcli.stability.faces import (
     REACH,
-    Box,
+    Boxes,
     Face,
     Faces,
     LimitsOfPlaces,
     Places,
     is_box,
     places_between,
-    places_in_memory,
     stretch_row,
 )
 from mpmcli.stability.held import held_axes, rigid_bodies_hold_no_free_axis
@@ -167,20 +166,20 @@ class FollowedFaces:
     def __init__(self, scene: Any, particles: Any, soft: Array, otherwise: float):
         self.otherwise = otherwise
         self.in_words = f"; as the faces lie within their cells, {otherwise:.3g} when they are no longer flat"
-        self._box = Box(scene, particles, soft)
         self._soft = np.zeros(int(particles.id.max()) + 1, dtype=bool)
         self._soft[particles.id] = soft
         self._limits = LimitsOfPlaces(list(blocks_of(scene)), scheme_of(scene))
         held = np.all([held_axes(scene, body) for body, _ in deformable(scene)], axis=0)
         self._free = np.flatnonzero(~held).tolist()
+        self._boxes = Boxes(scene, particles, [soft], [self._free])
 
     def look(self, p: Any, wave_speed: float, courant: float) -> tuple[float, int]:
         """By where the faces are now."""
-        faces = self._box.faces(p, places_in_memory(p, len(self._soft) - 1), self._free)
+        (faces,) = self._boxes.faces(p)
         if len(faces) < 2 * len(self._free) or not self._is_little_strained(p):
             return self.otherwise, EVERY
         moves = {
-            (a, side): self._box.cells_moved(a, face, wave_speed, courant)
+            (a, side): self._boxes.cells_moved(a, face, wave_speed, courant)
             for (a, side), face in faces.items()
         }
         steps, least = EVERY, 0.0
@@ -190,12 +189,14 @@ class FollowedFaces:
         if steps < LEAST:
             return self.otherwise, EVERY
         # of a body that is held along all axes: where its faces lie at the start
-        sides = {a: self._box.start_places(a) for a in range(len(self._box.cell)) if a not in self._free}
+        sides = {
+            a: self._boxes.start_places(0, a) for a in range(len(self._boxes.cell)) if a not in self._free
+        }
         sides |= {a: [_places(faces[a, side], steps * moves[a, side]) for side in (0, 1)] for a in self._free}
         return min(max(SAFETY * self._limits.least(sides), least), LARGEST_COURANT), steps
 
     def _is_little_strained(self, p: Any) -> bool:
-        soft, d = self._soft[p.id], len(self._box.cell)
+        soft, d = self._soft[p.id], len(self._boxes.cell)
         rows = [p.F[stretch_row(d, a), soft] for a in range(d)]
         return bool(soft.any()) and all(
             STRETCHES[0] <= row.min() and row.max() <= STRETCHES[1] for row in rows
@@ -220,32 +221,29 @@ class RestingFaces:
     def __init__(self, scene: Any, particles: Any, names: list[str], otherwise: float):
         self.otherwise = otherwise
         self.in_words = "; less where a face comes to rest"
-        self._most = int(particles.id.max())
         scheme, blocks = scheme_of(scene), list(blocks_of(scene))
-        self._boxes = []
+        members, self._free, self._limits = [], [], []
         for number, body in enumerate(scene.bodies):
             if body.name in names:
+                members.append(particles.body == number)
+                self._free.append(np.flatnonzero(~held_axes(scene, body)).tolist())
                 own = [block for block in blocks if block.body == body.name and not block.lattice.is_endless]
-                box = Box(scene, particles, particles.body == number)
-                free = np.flatnonzero(~held_axes(scene, body)).tolist()
-                self._boxes.append((box, free, LimitsOfPlaces(own, scheme, otherwise / SAFETY)))
+                self._limits.append(LimitsOfPlaces(own, scheme, otherwise / SAFETY))
+        self._boxes = Boxes(scene, particles, members, self._free)
 
     def look(self, p: Any, wave_speed: float, courant: float) -> tuple[float, int]:
         """By which faces are at rest now, and where."""
-        least, places = self.otherwise, places_in_memory(p, self._most)
-        for box, free, limits in self._boxes:
-            faces = box.faces(p, places, free)
-            resting = {of: face for of, face in faces.items() if face.speed <= RESTS * wave_speed}
+        least, found = self.otherwise, self._boxes.faces(p, RESTS * wave_speed)
+        for resting, free, limits in zip(found, self._free, self._limits, strict=True):
             if resting:
-                sides = {a: self._places(box, resting, a, wave_speed, courant) for a in free}
+                sides = {a: self._places(resting, a, wave_speed, courant) for a in free}
                 least = min(least, SAFETY * limits.least(sides))
         return least, SOONER
 
-    @staticmethod
-    def _places(box: Box, resting: Faces, a: int, wave_speed: float, courant: float) -> list[Places]:
+    def _places(self, resting: Faces, a: int, wave_speed: float, courant: float) -> list[Places]:
         """Of the faces that rest along an axis, until they are looked at again."""
         found = [
-            _places(face, SOONER * box.cells_moved(a, face, wave_speed, courant))
+            _places(face, SOONER * self._boxes.cells_moved(a, face, wave_speed, courant))
             for (axis, _), face in resting.items()
             if axis == a
         ]

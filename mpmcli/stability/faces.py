@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,50 +39,68 @@ Faces = dict[tuple[int, int], Face]
 """Faces by axis and side, 0 or 1."""
 
 
-class Box:
-    """The faces of particles that fill a box at the start.
+class Boxes:
+    """The faces of particles that fill boxes at the start.
 
     Parameters
     ----------
     scene : the checked scene
     particles : as they start
-    members : (N,) those of the box
+    members : (N,) those of each box
+    axes : of each box, the axes along which its faces are looked at
     """
 
-    def __init__(self, scene: Any, particles: Any, members: Array):
+    def __init__(self, scene: Any, particles: Any, members: Sequence[Array], axes: Sequence[Sequence[int]]):
         self.lower = np.asarray(scene.grid.lower, dtype=float)
         self.cell = np.asarray(scene.grid.cell, dtype=float)
+        self.count = len(members)
+        self._most = int(particles.id.max())
         self._stretches = SHAPES[scene.method.shape].follows_deformation
-        low, high = _sides(particles, members)
-        self.start = np.stack([low.min(axis=1), high.max(axis=1)])
-        near, ids = ROUND_OFF * self.cell[:, None], particles.id[members]
-        layers = low <= self.start[0][:, None] + near, high >= self.start[1][:, None] - near
-        self._ids = [[ids[of_axis] for of_axis in layer] for layer in layers]
+        self._faces: list[tuple[int, int, int]] = []
+        self.start, ids = [], []
+        near = ROUND_OFF * self.cell
+        for number, (inside, of_box) in enumerate(zip(members, axes, strict=True)):
+            low, high = _sides(particles, inside)
+            start = np.stack([low.min(axis=1), high.max(axis=1)])
+            self.start.append(start)
+            for a in of_box:
+                self._faces += [(number, a, 0), (number, a, 1)]
+                own = particles.id[inside]
+                ids += [own[low[a] <= start[0, a] + near[a]], own[high[a] >= start[1, a] - near[a]]]
+        counts = [len(each) for each in ids]
+        self._ids = np.concatenate(ids) if ids else np.zeros(0, dtype=np.int64)
+        self._begins = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
+        self._axis = np.repeat([a for _, a, _ in self._faces], counts)
+        self._sign = np.repeat([1.0 if side else -1.0 for _, _, side in self._faces], counts)
+        self._rows = np.array([stretch_row(len(self.cell), a) for a in range(len(self.cell))])
 
-    def faces(self, p: Any, places: Array, axes: Iterable[int]) -> Faces:
-        """Those that are flat, with the particles where ``places_in_memory`` says."""
-        found: Faces = {}
-        for a, side in itertools.product(axes, (0, 1)):
-            face = places[self._ids[side][a]]
-            face = face[face >= 0]
-            if not len(face):
-                continue
-            half = p.size[a, face]
-            if self._stretches:
-                half = half * p.F[stretch_row(len(self.cell), a), face]
-            at = (p.X[a, face] + (half if side else -half) - self.lower[a]) / self.cell[a]
-            low, high, speed = float(at.min()), float(at.max()), float(np.abs(p.V[a, face]).max())
-            if high - low <= 2.0 * REACH and speed < math.inf:
-                found[a, side] = Face(low, high, speed)
+    def faces(self, p: Any, slowest: float = math.inf) -> list[Faces]:
+        """Of each box those that are flat and no faster than ``slowest`` along their normals."""
+        found: list[Faces] = [{} for _ in range(self.count)]
+        if not self._faces or not p.count:
+            return found
+        face, a = places_in_memory(p, self._most)[self._ids], self._axis
+        is_there = face >= 0
+        half = self._sign * p.size[a, face]
+        if self._stretches:
+            half *= p.F[self._rows[a], face]
+        at = (p.X[a, face] + half - self.lower[a]) / self.cell[a]
+        low = np.minimum.reduceat(np.where(is_there, at, math.inf), self._begins)
+        high = np.maximum.reduceat(np.where(is_there, at, -math.inf), self._begins)
+        speed = np.maximum.reduceat(np.where(is_there, np.abs(p.V[a, face]), 0.0), self._begins)
+        is_flat = (low <= high) & (high <= low + 2.0 * REACH)
+        for number in np.flatnonzero(is_flat & (speed <= slowest) & (speed < math.inf)):
+            box, axis, side = self._faces[number]
+            found[box][axis, side] = Face(float(low[number]), float(high[number]), float(speed[number]))
         return found
 
     def cells_moved(self, a: int, face: Face, wave_speed: float, courant: float) -> float:
         """By how many cells along axis ``a`` a face moves in a step."""
         return courant * float(self.cell.min() / self.cell[a]) * face.speed / wave_speed
 
-    def start_places(self, a: int) -> list[Places]:
-        """Places of both faces along an axis at the start, and ``REACH`` to both sides."""
-        within = (self.start[:, a] - self.lower[a]) / self.cell[a]
+    def start_places(self, number: int, a: int) -> list[Places]:
+        """Places of both faces of a box along an axis at the start, and ``REACH`` to both sides."""
+        within = (self.start[number][:, a] - self.lower[a]) / self.cell[a]
         return [places_between(float(place) - REACH, float(place) + REACH) for place in within]
 
 
