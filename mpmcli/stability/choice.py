@@ -223,12 +223,15 @@ class RestingFaces:
         self.in_words = "; less where a face comes to rest"
         scheme, blocks = scheme_of(scene), list(blocks_of(scene))
         members, self._free, self._limits = [], [], []
+        alike: dict[Any, LimitsOfPlaces] = {}
         for number, body in enumerate(scene.bodies):
             if body.name in names:
                 members.append(particles.body == number)
                 self._free.append(np.flatnonzero(~held_axes(scene, body)).tolist())
                 own = [block for block in blocks if block.body == body.name and not block.lattice.is_endless]
-                self._limits.append(LimitsOfPlaces(own, scheme, otherwise / SAFETY))
+                limits = LimitsOfPlaces(own, scheme, otherwise / SAFETY)
+                kind = tuple((block.lattice, block.scale, block.axes) for block in own)
+                self._limits.append(alike.setdefault(kind, limits))
         self._boxes = Boxes(scene, particles, members, self._free)
 
     def look(self, p: Any, wave_speed: float, courant: float) -> tuple[float, int]:
