@@ -37,7 +37,7 @@ from mpmcli.stability.faces import (
     places_between,
     stretch_row,
 )
-from mpmcli.stability.held import held_axes, rigid_bodies_hold_no_free_axis
+from mpmcli.stability.held import held_axes, held_faces, rigid_bodies_hold_no_free_axis
 from mpmcli.stability.scene_limit import (
     ELSEWHERE,
     LARGEST_COURANT,
@@ -46,7 +46,7 @@ from mpmcli.stability.scene_limit import (
     courant_of_waves,
     scheme_of,
 )
-from mpmcli.stability.speeds import deformable, is_fast_at_first
+from mpmcli.stability.speeds import deformable, is_fast_at_first, swinging_axes
 
 Array = np.ndarray
 
@@ -171,7 +171,7 @@ class FollowedFaces:
         self._limits = LimitsOfPlaces(list(blocks_of(scene)), scheme_of(scene))
         held = np.all([held_axes(scene, body) for body, _ in deformable(scene)], axis=0)
         self._free = np.flatnonzero(~held).tolist()
-        self._boxes = Boxes(scene, particles, [soft], [self._free])
+        self._boxes = Boxes(scene, particles, [soft], [[(a, side) for a in self._free for side in (0, 1)]])
 
     def look(self, p: Any, wave_speed: float, courant: float) -> tuple[float, int]:
         """By where the faces are now."""
@@ -207,32 +207,44 @@ def _resting(scene: Any, particles: Any, otherwise: float) -> RestingFaces | Non
     if not SHAPES[scene.method.shape].follows_deformation:
         return None  # such bodies have the limit of the worst place at all times
     numbers = {body.name: number for number, body in enumerate(scene.bodies)}
-    names = [
-        body.name
+    sides = {
+        body.name: free_sides(scene, body)
         for body, _ in deformable(scene)
-        if is_box(particles, particles.body == numbers[body.name]) and not held_axes(scene, body).all()
-    ]
-    return RestingFaces(scene, particles, names, otherwise) if names else None
+        if is_box(particles, particles.body == numbers[body.name])
+    }
+    sides = {name: free for name, free in sides.items() if free}
+    return RestingFaces(scene, particles, sides, otherwise) if sides else None
+
+
+def free_sides(scene: Any, body: Any) -> list[tuple[int, int]]:
+    """Axis and side (0 or 1) of the faces of a body that may come to rest: nothing holds them, and they do not swing.
+
+    The limit of an end that swings to and fro is known without its turning points, at which it is slow for some steps.
+    """
+    held, swings = held_faces(scene, body), swinging_axes(scene, body)
+    return [(int(a), int(side)) for a, side in np.argwhere(~held.T) if not swings[a]]
 
 
 class RestingFaces:
-    """Faces of boxes, by the names of their bodies, that move and may come to rest."""
+    """Faces of boxes, axis and side by the names of their bodies, that move and may come to rest."""
 
-    def __init__(self, scene: Any, particles: Any, names: list[str], otherwise: float):
+    def __init__(
+        self, scene: Any, particles: Any, sides: Mapping[str, list[tuple[int, int]]], otherwise: float
+    ):
         self.otherwise = otherwise
         self.in_words = "; less where a face comes to rest"
         scheme, blocks = scheme_of(scene), list(blocks_of(scene))
         members, self._free, self._limits = [], [], []
         alike: dict[Any, LimitsOfPlaces] = {}
         for number, body in enumerate(scene.bodies):
-            if body.name in names:
+            if body.name in sides:
                 members.append(particles.body == number)
                 self._free.append(np.flatnonzero(~held_axes(scene, body)).tolist())
                 own = [block for block in blocks if block.body == body.name and not block.lattice.is_endless]
                 limits = LimitsOfPlaces(own, scheme, otherwise / SAFETY)
                 kind = tuple((block.lattice, block.scale, block.axes) for block in own)
                 self._limits.append(alike.setdefault(kind, limits))
-        self._boxes = Boxes(scene, particles, members, self._free)
+        self._boxes = Boxes(scene, particles, members, list(sides.values()))
 
     def look(self, p: Any, wave_speed: float, courant: float) -> tuple[float, int]:
         """By which faces are at rest now, and where."""

@@ -47,10 +47,16 @@ class Boxes:
     scene : the checked scene
     particles : as they start
     members : (N,) those of each box
-    axes : of each box, the axes along which its faces are looked at
+    sides : of each box, axis and side (0 or 1) of the faces that are looked at
     """
 
-    def __init__(self, scene: Any, particles: Any, members: Sequence[Array], axes: Sequence[Sequence[int]]):
+    def __init__(
+        self,
+        scene: Any,
+        particles: Any,
+        members: Sequence[Array],
+        sides: Sequence[Sequence[tuple[int, int]]],
+    ):
         self.lower = np.asarray(scene.grid.lower, dtype=float)
         self.cell = np.asarray(scene.grid.cell, dtype=float)
         self.count = len(members)
@@ -59,14 +65,15 @@ class Boxes:
         self._faces: list[tuple[int, int, int]] = []
         self.start, ids = [], []
         near = ROUND_OFF * self.cell
-        for number, (inside, of_box) in enumerate(zip(members, axes, strict=True)):
+        for number, (inside, of_box) in enumerate(zip(members, sides, strict=True)):
             low, high = _sides(particles, inside)
             start = np.stack([low.min(axis=1), high.max(axis=1)])
             self.start.append(start)
-            for a in of_box:
-                self._faces += [(number, a, 0), (number, a, 1)]
-                own = particles.id[inside]
-                ids += [own[low[a] <= start[0, a] + near[a]], own[high[a] >= start[1, a] - near[a]]]
+            own = particles.id[inside]
+            for a, side in of_box:
+                self._faces.append((number, a, side))
+                lies_there = high[a] >= start[1, a] - near[a] if side else low[a] <= start[0, a] + near[a]
+                ids.append(own[lies_there])
         counts = [len(each) for each in ids]
         self._ids = np.concatenate(ids) if ids else np.zeros(0, dtype=np.int64)
         self._begins = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)

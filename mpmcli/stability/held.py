@@ -21,11 +21,13 @@ def held_faces(scene: Any, body: Any) -> Array:
     """Lower and upper faces (2, d) of the body's box that are held at the start.
 
     Symmetry planes, walls and velocity conditions on planes hold the face they lie at, velocity conditions on a box
-    around the body both faces, rigid bodies those that they cover.
+    around the body both faces, rigid bodies those that they cover, and the axis of symmetry the one that lies there.
     """
     bounds = _bounds(scene, body)
     held: Array = np.zeros((2, len(bounds[0])), dtype=bool)
     near = NEAR * np.asarray(scene.grid.cell, dtype=float)
+    if scene.analysis.kind == "axisymmetric":
+        held[0, 0] = bounds[0, 0] <= near[0]
     for condition in scene.boundary:
         for a, position in _planes(condition):
             held[:, a] |= np.abs(bounds[:, a] - position) <= near[a]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.expressions import Expression
-from mpmcli.stability.held import held_axes
+from mpmcli.stability.held import held_axes, held_faces
 
 Array = np.ndarray
 
@@ -38,6 +38,7 @@ def is_fast_at_first(scene: Any) -> bool:
 
 
 def largest_speed(scene: Any) -> float:
+    """Largest speed with which particles of a scene start."""
     return max(math.hypot(*start_speeds(scene, body)) for body in scene.bodies)
 
 
@@ -51,6 +52,19 @@ def flight_speeds(scene: Any, body: Any) -> Array:
     velocities = _start_velocities(scene, body)
     same = np.ptp(velocities, axis=1) <= ALIKE * np.abs(velocities).max(axis=1)
     return np.where(same, np.abs(velocities[:, 0]), 0.0)
+
+
+def swinging_axes(scene: Any, body: Any) -> Array:
+    """Axes (d,) along which a body is held at one end, where it starts at rest, and moves at the other."""
+    held, points = held_faces(scene, body), _points(scene, body)
+    speeds = np.abs(_start_velocities(scene, body))
+    swings = np.zeros(len(speeds), dtype=bool)
+    for a in np.flatnonzero(held.sum(axis=0) == 1):
+        at, along = points[a], speeds[a]
+        at_held, at_free = (at.min(), at.max())[:: 1 if held[0, a] else -1]
+        slowest_end, fastest_end = along[at == at_held].max(), along[at == at_free].max()
+        swings[a] = fastest_end > 0.0 and slowest_end <= ALIKE * fastest_end
+    return swings
 
 
 def _start_velocities(scene: Any, body: Any) -> Array:

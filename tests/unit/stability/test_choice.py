@@ -10,7 +10,7 @@ import pytest
 from mpmcli.core.analysis import F_COMPONENTS
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
-from mpmcli.stability.choice import EVERY, RESTS, SOONER, ChosenCourant
+from mpmcli.stability.choice import EVERY, RESTS, SOONER, ChosenCourant, free_sides
 from mpmcli.stability.scene_limit import SAFETY
 
 SLOW = pytest.mark.slow
@@ -136,6 +136,31 @@ def test_faces_that_come_to_rest_have_the_limit_of_their_place():
     sets = ["time.courant=auto", "method.shape=ugimp"]
     other = Simulation(load_scene(INPUTS / "block_impact.yaml", sets=sets), threads=1).courant_choice
     assert other.faces is None  # it has the limit of the worst place anyway
+
+
+def test_faces_that_swing_or_are_held_do_not_come_to_rest():
+    def free(name: str) -> list[tuple[int, int]]:
+        scene = load_scene(INPUTS / f"{name}.yaml").scene
+        return free_sides(scene, scene.bodies[0])
+
+    assert free("vibrating_bar") == []  # at its turning points it is slow
+    assert free("vibrating_bar_2d") == [(1, 0), (1, 1)]
+    assert free("taylor_bar") == [
+        (0, 1),
+        (1, 1),
+    ]  # its tail and its side, not its axis and its end on the anvil
+    assert free("block_impact") == [(0, 0), (0, 1), (1, 0), (1, 1)]
+
+
+@SLOW
+def test_the_end_that_is_held_does_not_lower_the_limit_and_the_free_one_does():
+    simulation, choice = choice_of("taylor_bar")
+    p, wave_speed = simulation.particles, simulation.wave_speed
+    p.X[1] += 0.5 * simulation.grid.cell[1]  # both ends amid cells
+    p.V[1] = np.where(p.X[1] < 12.7, 0.0, 0.1 * wave_speed)  # at rest on the anvil
+    assert choice.at(SOONER, p, wave_speed) == choice.otherwise
+    p.V[:] = 0.0
+    assert choice.at(2 * SOONER, p, wave_speed) < 0.9 * choice.otherwise
 
 
 @SLOW
