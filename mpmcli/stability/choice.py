@@ -217,12 +217,12 @@ def _resting(scene: Any, particles: Any, otherwise: float) -> RestingFaces | Non
 
 
 def free_sides(scene: Any, body: Any) -> list[tuple[int, int]]:
-    """Axis and side (0 or 1) of the faces of a body that may come to rest: nothing holds them, and they do not swing.
+    """Axis and side (0 or 1) of the faces of a body that may come to rest: nothing holds them.
 
-    The limit of an end that swings to and fro is known without its turning points, at which it is slow for some steps.
+    At its turning points the end of a body that swings is slow, too; on one axis the limit of the scene knows of them.
     """
     held, swings = held_faces(scene, body), swinging_axes(scene, body)
-    return [(int(a), int(side)) for a, side in np.argwhere(~held.T) if not swings[a]]
+    return [(int(a), int(side)) for a, side in np.argwhere(~held.T) if len(swings) > 1 or not swings[a]]
 
 
 class RestingFaces:

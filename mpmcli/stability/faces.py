@@ -11,9 +11,9 @@ import numpy as np
 
 from mpmcli.core.analysis import F_COMPONENTS
 from mpmcli.shapes import SHAPES
-from mpmcli.stability.growth import NEAR, limit_at_rest, worst_limit
+from mpmcli.stability.growth import NEAR, limit_at_rest
 from mpmcli.stability.linear_step import Scheme
-from mpmcli.stability.scene_limit import Block, one_thread
+from mpmcli.stability.scene_limit import Block, limit_of_row, one_thread
 
 Array = np.ndarray
 
@@ -167,10 +167,10 @@ class LimitsOfPlaces:
 
     def _limits(self, sides: Mapping[int, Sequence[Places]]) -> Iterator[float]:
         for block in self._blocks:
-            enough = self._enough / block.scale
             if block.lattice.is_endless:
-                yield block.scale * worst_limit(block.lattice, self._scheme, enough)
+                yield limit_of_row(block, self._scheme, self._enough)
                 continue
+            enough = self._enough / block.scale
             for axes in block.axes:
                 of_axes = [sorted({place for side in sides[a] for place in side}) for a in axes]
                 for places in itertools.product(*of_axes):

@@ -12,10 +12,10 @@ swinging
     The block moves as the free end of a body that swings. Unstable if a disturbance grows by more than
     ``exp(TOTAL_GROWTH)`` in all the steps of a run: just above a limit the growth is slow, and a short run hardly shows
     it. A transfer that damps (FMPM(1)) makes the swing smaller from step to step, so that it turns at other places of
-    its cells each time.
+    its cells each time. An endless row that swings so may grow a hundredfold: fast swings are no better than flight.
 flying
     An endless row of particles travels through cells at a large share of the wave speed, or slower down to ``FLIES``.
-    Unstable if the product grows by more than ``exp(FLIGHT_GROWTH)`` per step.
+    Unstable if the product grows by more than ``exp(FLIGHT_GROWTH)`` per step, and more than a hundredfold in a run.
 slow
     The block is unstable at rest at no more than one of ``SLOW_PLACES`` places within a cell. What bodies show that
     move slowly, or bend: they pass the worst place, but their particles do not stay there.
@@ -72,6 +72,8 @@ SLOW_PLACES = 12
 """Places within half a cell, of which a body that moves slowly may be unstable at one."""
 FLIGHT_GROWTH = 5e-3
 """Growth per step above which a flying row counts as unstable; round-off stays small for some thousand steps."""
+GROWTH_IN_RUN = math.log(100.0)
+"""Growth in a whole run that a row may have that swings, and one that flies in any case."""
 FLIGHT_STEPS = 40.0
 """A flying row is followed for so many steps at least, which take it across a whole number of cells."""
 FLIES = 0.1
@@ -108,21 +110,24 @@ class Swing:
     ----------
     amplitude : to both sides of where it starts [cells]
     period, duration : of one swing, and of the run
+    place : within its cell, where it starts
     """
 
     amplitude: float
     period: float
     duration: float
+    place: float = 0.0
 
 
 @functools.lru_cache(maxsize=256)
-def swinging_limit(lattice: Lattice, scheme: Scheme, swing: Swing) -> float:
-    """Largest stable Courant number of a block that swings along all axes."""
+def swinging_limit(lattice: Lattice, scheme: Scheme, swing: Swing, enough: float = math.inf) -> float:
+    """Largest stable Courant number of a block, or of an endless row, that swings along all axes."""
+    most = GROWTH_IN_RUN if lattice.is_endless else TOTAL_GROWTH
 
     def is_stable(courant: float) -> bool:
-        return _growth_in_run(lattice, scheme, courant, swing) <= TOTAL_GROWTH
+        return _growth_in_run(lattice, scheme, courant, swing) <= most
 
-    limit = _largest_stable(is_stable, lambda: moving_limit(lattice, scheme), math.inf)
+    limit = _largest_stable(is_stable, lambda: moving_limit(lattice, scheme), enough)
     if scheme.every_courant is None:
         return limit
     last = round(limit / RESOLUTION)
@@ -133,13 +138,19 @@ def swinging_limit(lattice: Lattice, scheme: Scheme, swing: Swing) -> float:
 
 
 @functools.lru_cache(maxsize=256)
-def flying_limit(row: Lattice, scheme: Scheme, speed: float, enough: float = math.inf) -> float:
-    """Largest stable Courant number of an endless row that flies at ``speed`` times the wave speed, or slower."""
+def flying_limit(
+    row: Lattice, scheme: Scheme, speed: float, duration: float = math.inf, enough: float = math.inf
+) -> float:
+    """Largest stable Courant number of an endless row that flies at ``speed`` times the wave speed, or slower.
+
+    ``duration`` of the run counts in times in which a wave crosses a cell.
+    """
     slower = itertools.takewhile(lambda v: v >= FLIES, (speed * SLOWER**n for n in itertools.count()))
     speeds = list(slower)
 
     def is_stable(courant: float) -> bool:
-        return all(_growth_flying(row, scheme, courant, v) <= FLIGHT_GROWTH for v in speeds)
+        most = max(FLIGHT_GROWTH, GROWTH_IN_RUN * courant / duration)
+        return all(_growth_flying(row, scheme, courant, v) <= most for v in speeds)
 
     return _largest_stable(is_stable, lambda: worst_limit(row, scheme), enough)
 
@@ -210,7 +221,7 @@ def _growth_in_run(lattice: Lattice, scheme: Scheme, courant: float, swing: Swin
     if dying * steps <= DIES:
         return steps * _growth_swinging(lattice, scheme, courant, swing)
     number = np.arange(round(min(steps, AT_REST / dying)))
-    at = swing.amplitude * np.exp(-dying * number) * np.sin(wave * (number + 0.5) * courant)
+    at = swing.place + swing.amplitude * np.exp(-dying * number) * np.sin(wave * (number + 0.5) * courant)
     state, most, so_far = np.eye(1), 0.0, 0.0
     for step, matrix in enumerate(_steps(lattice, scheme, courant, _rounded(at))):
         state = matrix @ state if step else matrix
@@ -231,12 +242,16 @@ def _steps(lattice: Lattice, scheme: Scheme, courant: float, places: Array) -> I
 
 
 def _growth_swinging(lattice: Lattice, scheme: Scheme, courant: float, swing: Swing) -> float:
-    """Logarithm of the amplification per step of a block that swings: of half a period, the other half mirrors it."""
+    """Logarithm of the amplification per step of a block that swings.
+
+    Where it swings about a grid line or the middle of a cell, one half of its period mirrors the other.
+    """
+    share_of_period = 0.5 if swing.place in (0.0, 0.5) else 1.0
 
     def place(share: Array) -> Array:
-        return _rounded(swing.amplitude * np.sin(np.pi * share))
+        return _rounded(swing.place + swing.amplitude * np.sin(2.0 * np.pi * share_of_period * share))
 
-    return _growth_along(lattice, scheme, courant, 0.5 * swing.period / courant, place)
+    return _growth_along(lattice, scheme, courant, share_of_period * swing.period / courant, place)
 
 
 def _rounded(at: Array) -> Array:

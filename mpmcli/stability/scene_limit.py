@@ -1,11 +1,12 @@
 """The largest stable Courant number of a scene: what ``time.courant: auto``, warnings and ``explain`` go by.
 
-Where a body starts at ``FAST`` of the wave speed or more, and with CPDI, bodies have the limit of a moving block, else
-that of one that moves slowly (``growth``), or with ugimp that at the worst place. In no case is the limit above that of
-a block that rests where the scene puts the faces of the body within their cells, along the axes along which it does not
-start to move. Axes along which both faces are held (``held``) are no axes of the block: along them the body is an
-endless row. ``choice`` follows what the bodies do then. These rules, and ``SAFETY``, were chosen by limits measured
-with ``mpmcli stability``; docs/studies.md has them.
+Where a body starts at ``FAST`` of the wave speed or more, and with CPDI, bodies have the limit of a moving block, and
+none above that of one that swings, where it is known how; else that of one that moves slowly (``growth``), or with
+ugimp that at the worst place. In no case is the limit above that of a block that rests where the scene puts the faces
+of the body within their cells, along the axes along which it does not start to move. Axes along which both faces are
+held (``held``) are no axes of the block: along them the body is an endless row. So it is along axes along which it
+swings or flies, in part or as a whole. ``choice`` follows what the bodies do then. These rules, and ``SAFETY``, were
+chosen by limits measured with ``mpmcli stability``; docs/studies.md has them.
 """
 
 from __future__ import annotations
@@ -40,10 +41,10 @@ from mpmcli.stability.linear_step import Scheme
 from mpmcli.stability.speeds import (
     FAST,
     deformable,
-    flight_speeds,
     is_fast_at_first,
     largest_speed,
     start_speeds,
+    swinging_axes,
 )
 
 Array = np.ndarray
@@ -96,6 +97,14 @@ class Prediction:
 
 
 @dataclass(frozen=True)
+class Flight:
+    """How fast a body flies along an axis, over the wave speed, and for how long: in times a wave takes for a cell."""
+
+    speed: float
+    duration: float
+
+
+@dataclass(frozen=True)
 class Block:
     """The block that stands for a body.
 
@@ -107,8 +116,10 @@ class Block:
         ``SPACE`` for three axes
     axes : one axis of the scene, or pairs of them, that the axes of the block stand for
     faces : places of the lower and of the upper faces of the body within their cells, along ``axes``; none if endless
+    rests_on_stairs : its surface has stairs in the grid, as round bodies have, and along some of ``axes`` it does not
+        start to move
     swing : how its free end swings, if that is known
-    flight : speed over that of waves of an endless row that flies
+    flight : of an endless row that flies, or None
     """
 
     lattice: Lattice
@@ -116,8 +127,9 @@ class Block:
     scale: float
     axes: tuple[tuple[int, ...], ...]
     faces: tuple[tuple[float, ...], ...]
+    rests_on_stairs: bool = False
     swing: Swing | None = None
-    flight: float = 0.0
+    flight: Flight | None = None
 
 
 def chosen_courant(scene: Any) -> float | None:
@@ -193,17 +205,17 @@ def predict(scene: Any) -> Prediction | None:
         return None
     with one_thread():
         return Prediction(
-            min(block.scale * _moving(block, scheme) for block in blocks),
+            min(_moving(block, scheme) for block in blocks),
             min(block.scale * worst_limit(block.lattice, scheme) for block in blocks),
         )
 
 
 def _moving(block: Block, scheme: Scheme) -> float:
-    if block.flight:
-        return flying_limit(block.lattice, scheme, block.flight)
-    if block.swing is None:
-        return moving_limit(block.lattice, scheme)
-    return swinging_limit(block.lattice, scheme, block.swing)
+    if block.flight is not None:
+        return limit_of_row(block, scheme)
+    if block.swing is not None:
+        return block.scale * swinging_limit(block.lattice, scheme, block.swing)
+    return block.scale * moving_limit(block.lattice, scheme)
 
 
 def warning_of(scene: Any) -> Problem | None:
@@ -255,7 +267,8 @@ def blocks_of(scene: Any) -> Iterator[Block]:
 
     Materials that are not elastic at rest count as fluids of their wave speed, axisymmetric analyses as plane. A block
     has the axes along which its body is not held (the first one if it is held along all), in space the two of them with
-    the smallest edges of a cell. For each axis along which it is held or flies there is an endless row.
+    the smallest edges of a cell. There is an endless row for each axis along which it is held,
+    and for each along which parts of it start at ``FLIES`` of the wave speed or more.
 
     Raises
     ------
@@ -280,43 +293,64 @@ def blocks_of(scene: Any) -> Iterator[Block]:
         shear = float(getattr(model, "shear_modulus", 0.0)) / modulus if len(relative) > 1 else 0.0
         parts = np.broadcast_to(np.asarray(body.particles_per_axis), cell.shape)
         pairs = tuple(tuple(map(int, pair)) for pair in itertools.combinations(free, len(relative)))
-        sides = _faces(scene, body, parts)
+        places = _face_places(scene, body, parts)
+        rests = start_speeds(scene, body) < FAST * speed
+        sides = np.where(rests, places, ELSEWHERE)
+        rests_on_stairs = bool(rests[free].any()) and not _is_flat(body.region, len(cell))
         faces = tuple(sorted({tuple(float(side[a]) for a in pair) for side in sides for pair in pairs}))
+        swing = _swing(scene, body, int(axes[0]), places) if len(axes) == 1 else None
         for particles in sorted({int(n) for n in parts[free]}):
             lattice = Lattice(
                 shape.grid_functions, shape.domain, particles, relative, 1.0 - 2.0 * shear, shear
             )
-            swing = _swing(scene, body, int(axes[0])) if len(axes) == 1 else None
-            yield Block(lattice, body.name, space * fastest / speed, pairs, faces, swing)
-        flights = flight_speeds(scene, body) / speed
-        for a in (a for a in range(len(cell)) if a not in free or flights[a] >= FLIES):
-            row = Lattice(
-                shape.grid_functions,
-                shape.domain,
-                int(parts[a]),
-                (float(cell[a] / cell.min()),),
-                is_endless=True,
-            )
+            yield Block(lattice, body.name, space * fastest / speed, pairs, faces, rests_on_stairs, swing)
+        held = np.setdiff1d(np.arange(len(cell)), free)
+        yield from _rows(scene, body, speed, held, swing, fastest / speed)
+
+
+def _rows(
+    scene: Any, body: Any, wave_speed: float, held: Array, swing: Swing | None, scale: float
+) -> Iterator[Block]:
+    """Endless rows along the axes that are held, and along those along which the body swings or flies."""
+    shape, cell = SHAPES[scene.method.shape], np.asarray(scene.grid.cell, dtype=float)
+    parts = np.broadcast_to(np.asarray(body.particles_per_axis), cell.shape)
+    flights = start_speeds(scene, body) / wave_speed
+    duration = float(scene.time.end) * wave_speed / float(cell.min())
+    for a in range(len(cell)):
+        edge = (float(cell[a] / cell.min()),)
+        row = Lattice(shape.grid_functions, shape.domain, int(parts[a]), edge, is_endless=True)
+        if a in held:
+            yield Block(row, body.name, scale, ((a,),), ())
+        if swing is not None and a not in held:
+            yield Block(row, body.name, scale, ((a,),), (), swing=swing)
+        if flights[a] >= FLIES:
             # two digits, so that bodies that fly nearly alike need one search
-            flight = float(f"{flights[a]:.2g}") if a in free else 0.0
-            yield Block(row, body.name, fastest / speed, ((int(a),),), (), flight=flight)
+            flight = Flight(float(f"{flights[a]:.2g}"), duration)
+            yield Block(row, body.name, scale, ((a,),), (), flight=flight)
 
 
 def _limit_of(block: Block, scheme: Scheme, is_fast: bool, enough: float) -> KnownLimit:
-    enough /= block.scale
-    if block.flight:
-        flying = flying_limit(block.lattice, scheme, block.flight, enough)
-        words = f"body '{block.body}', flying at {block.flight:.2g} of the wave speed"
-        return KnownLimit(block.scale * flying, block.body, words)
     if block.lattice.is_endless:
-        inside = worst_limit(block.lattice, scheme, enough)
-        return KnownLimit(block.scale * inside, block.body, f"body '{block.body}', between held faces")
+        because = "between held faces"
+        if block.swing is not None:
+            because = "swinging"
+        elif block.flight is not None:
+            because = f"flying at {block.flight.speed:.2g} of the wave speed"
+        row = limit_of_row(block, scheme, enough)
+        return KnownLimit(row, block.body, f"body '{block.body}', {because}")
+    enough /= block.scale
     if is_fast:
         share = PERIODIC if scheme.every_courant or scheme.every_steps else 1.0
         limit, because = (
             share * moving_limit(block.lattice, scheme, enough / share),
             f"body '{block.body}', moving",
         )
+        if block.rests_on_stairs and (slow := slow_limit(block.lattice, scheme, enough)) < limit:
+            limit, because = slow, f"body '{block.body}', whose stairs do not move across its flight"
+        if block.swing is not None:
+            swinging = swinging_limit(block.lattice, scheme, block.swing, enough)
+            if swinging < limit:
+                limit, because = swinging, f"body '{block.body}', whose end swings"
     elif block.lattice.domain == "box" and block.lattice.grid_functions == "linear":
         limit = worst_limit(block.lattice, scheme, enough)
         because = f"body '{block.body}', at the worst place in a cell"
@@ -330,6 +364,17 @@ def _limit_of(block: Block, scheme: Scheme, is_fast: bool, enough: float) -> Kno
     return KnownLimit(block.scale * limit, block.body, because)
 
 
+def limit_of_row(block: Block, scheme: Scheme, enough: float = math.inf) -> float:
+    """Limit of an endless row that swings, flies, or passes all places of its cells slowly."""
+    row, enough = block.lattice, enough / block.scale
+    if block.swing is not None:
+        return block.scale * swinging_limit(row, scheme, block.swing, enough)
+    if block.flight is not None:
+        flying = flying_limit(row, scheme, block.flight.speed, block.flight.duration, enough)
+        return block.scale * flying
+    return block.scale * worst_limit(row, scheme, enough)
+
+
 def _is_flat(region: Any, d: int) -> bool:
     """Whether a region is a box along the axes, or is made with one."""
     parts = [*getattr(region, "regions", ()), *filter(None, [getattr(region, "region", None)])]
@@ -338,17 +383,14 @@ def _is_flat(region: Any, d: int) -> bool:
     return region.kind == "box" or any(_is_flat(part, d) for part in parts)
 
 
-def _faces(scene: Any, body: Any, parts: Array) -> tuple[Array, Array]:
-    """Places within a cell (0 to ½, mirrored) of a body's lower and upper faces, as its particles have them.
+def _face_places(scene: Any, body: Any, parts: Array) -> Array:
+    """Places within a cell (0 to ½, mirrored) of a body's lower and upper faces, as its particles have them, (2, d).
 
-    It is ``ELSEWHERE`` along axes along which the body starts to move, and ``NEAR`` instead of 0, where the body has no
-    end, and where none of its faces is plane.
+    It is ``NEAR`` instead of 0, where the body has no end, and where none of its faces is plane.
     """
     lower, cell = np.asarray(scene.grid.lower), np.asarray(scene.grid.cell, dtype=float)
     sides = []
     is_flat = _is_flat(body.region, len(cell))
-    speeds = start_speeds(scene, body)
-    wave = scene.materials[body.material].initial_wave_speed(scene.analysis.kind)
     for bound, ceiling in zip(body.region.bounds(len(cell)), (0.5, -0.5), strict=True):
         with np.errstate(invalid="ignore"):
             sub_cells = (np.asarray(bound) - lower) / cell * parts
@@ -359,20 +401,27 @@ def _faces(scene: Any, body: Any, parts: Array) -> tuple[Array, Array]:
             if body.particles_along == "region":
                 face = sub_cells
             place = np.where(np.isfinite(face) & is_flat, np.mod(face, parts) / parts, 0.0)
-        place = np.maximum(np.minimum(place, 1.0 - place), NEAR)
-        sides.append(np.where(speeds >= FAST * wave, ELSEWHERE, place))
-    return sides[0], sides[1]
+        sides.append(np.maximum(np.minimum(place, 1.0 - place), NEAR))
+    return np.array(sides)
 
 
-def _swing(scene: Any, body: Any, axis: int) -> Swing | None:
-    """How the free end of a body swings that is held at the other: as fast as it starts, at the frequency πc/(2L)."""
+def _swing(scene: Any, body: Any, axis: int, places: Array) -> Swing | None:
+    """How the end of a body swings that is held at the other, with the places of its faces (2, d) at the start.
+
+    It does so with the speed with which it starts and at the frequency πc/(2L).
+    """
     speed = float(start_speeds(scene, body)[axis])
-    held = held_faces(scene, body)[:, axis]
     low, high = body.region.bounds(len(scene.grid.cell))
     length = float(high[axis]) - float(low[axis])
     wave = scene.materials[body.material].initial_wave_speed(scene.analysis.kind)
     cell = float(min(scene.grid.cell))
-    if held.sum() != 1 or not 0.0 < speed < wave or not 0.0 < length < math.inf:
+    if not swinging_axes(scene, body)[axis] or not speed < wave or not 0.0 < length < math.inf:
         return None
-    end = float(scene.time.end)
-    return Swing(2.0 * length * speed / (math.pi * wave * cell), 4.0 * length / cell, end * wave / cell)
+    free = int(held_faces(scene, body)[0, axis])
+    place = float(places[free, axis])
+    return Swing(
+        amplitude=2.0 * length * speed / (math.pi * wave * cell),
+        period=4.0 * length / cell,
+        duration=float(scene.time.end) * wave / cell,
+        place=0.0 if place == NEAR else place,
+    )

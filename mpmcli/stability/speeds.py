@@ -14,9 +14,10 @@ Array = np.ndarray
 
 FAST = 0.01
 """Speed over wave speed from which a body counts as moving."""
-SAMPLES = 9
+SAMPLES, MORE_SAMPLES = 9, 33
+"""Points along each axis of a body's box, the second number for bodies that fill little of it."""
 ALIKE = 1e-6
-"""Velocities of a body that differ by this share of the largest one are the same."""
+"""Velocities of this share of the largest one are zero."""
 
 
 def deformable(scene: Any) -> list[tuple[Any, Any]]:
@@ -39,25 +40,19 @@ def is_fast_at_first(scene: Any) -> bool:
 
 def largest_speed(scene: Any) -> float:
     """Largest speed with which particles of a scene start."""
-    return max(math.hypot(*start_speeds(scene, body)) for body in scene.bodies)
+    velocities = [_start_velocities(scene, body, _points(scene, body)) for body in scene.bodies]
+    return max(math.hypot(*at_point) for of_body in velocities for at_point in of_body.T)
 
 
 def start_speeds(scene: Any, body: Any) -> Array:
-    """Largest speed (d,) along each axis that particles of a body start with, at ``SAMPLES`` points along each axis."""
-    return np.abs(_start_velocities(scene, body)).max(axis=1)
-
-
-def flight_speeds(scene: Any, body: Any) -> Array:
-    """Speed (d,) along each axis with which the whole body starts; 0 where its particles differ."""
-    velocities = _start_velocities(scene, body)
-    same = np.ptp(velocities, axis=1) <= ALIKE * np.abs(velocities).max(axis=1)
-    return np.where(same, np.abs(velocities[:, 0]), 0.0)
+    """Largest speed (d,) along each axis that particles of a body start with, at points spread over it."""
+    return np.abs(_start_velocities(scene, body, _points(scene, body))).max(axis=1)
 
 
 def swinging_axes(scene: Any, body: Any) -> Array:
     """Axes (d,) along which a body is held at one end, where it starts at rest, and moves at the other."""
     held, points = held_faces(scene, body), _points(scene, body)
-    speeds = np.abs(_start_velocities(scene, body))
+    speeds = np.abs(_start_velocities(scene, body, points))
     swings = np.zeros(len(speeds), dtype=bool)
     for a in np.flatnonzero(held.sum(axis=0) == 1):
         at, along = points[a], speeds[a]
@@ -67,26 +62,40 @@ def swinging_axes(scene: Any, body: Any) -> Array:
     return swings
 
 
-def _start_velocities(scene: Any, body: Any) -> Array:
-    """Velocities (d, n) at the points of ``_points``."""
-    points = _points(scene, body)
+def _start_velocities(scene: Any, body: Any, points: Array) -> Array:
+    """Velocities (d, n) at points (3, n)."""
     components = body.velocity or [0.0] * len(scene.grid.cell)
     return np.array([_values(component, points) for component in components])
 
 
-def _points(scene: Any, body: Any) -> list[Array]:
-    """Points x, y, z spread over the part of a body's box that is in the grid."""
+def _points(scene: Any, body: Any) -> Array:
+    """Points (3, n) spread over a body; one only where its velocity is the same everywhere."""
+    if not any(isinstance(component, Expression) for component in body.velocity or ()):
+        return _points_of_box(scene, body, 1)
+    points = _points_of_box(scene, body, SAMPLES)
+    if body.region.gives_particles:
+        return points
+    for samples in (SAMPLES, MORE_SAMPLES):
+        finer = _points_of_box(scene, body, samples)
+        inside = finer[:, body.region.contains(finer[: len(scene.grid.cell)])]
+        if inside.shape[1] >= SAMPLES:
+            return inside
+    return points
+
+
+def _points_of_box(scene: Any, body: Any, samples: int) -> Array:
+    """Points (3, n), so many along each axis of the part of a body's box that is in the grid."""
     low, high = body.region.bounds(len(scene.grid.cell))
     lower, upper = np.maximum(scene.grid.lower, low), np.minimum(scene.grid.upper, high)
-    along = [np.linspace(low, high, SAMPLES) for low, high in zip(lower, upper, strict=True)]
+    along = [np.linspace(low, high, samples) for low, high in zip(lower, upper, strict=True)]
     points = [axis.ravel() for axis in np.meshgrid(*along)]
-    return points + [np.zeros_like(points[0])] * (3 - len(points))
+    return np.array(points + [np.zeros_like(points[0])] * (3 - len(points)))
 
 
-def _values(value: Any, points: list[Array]) -> Array:
+def _values(value: Any, points: Array) -> Array:
     """A number or an expression at the start at points; 0 where it is not finite."""
     if not isinstance(value, Expression):
-        return np.full(points[0].shape, float(value))
+        return np.full(points.shape[1], float(value))
     x, y, z = points
     found = np.broadcast_to(np.asarray(value(x, y, z, 0.0), dtype=np.float64), x.shape)
     return np.where(np.isfinite(found), found, 0.0)

@@ -23,6 +23,6 @@ def matplotlib() -> Any:
         import matplotlib
     except ImportError:
         raise PictureError(
-            "pictures need matplotlib, which is not installed: pip install 'mpmcli[plot]'"
+            "pictures need matplotlib, which is not installed: pip install matplotlib"
         ) from None
     return matplotlib

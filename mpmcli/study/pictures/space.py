@@ -26,9 +26,7 @@ plotter.add_mesh(pyvista.Sphere(), color="red")
 picture = plotter.screenshot(return_img=True)
 raise SystemExit(0 if picture.std() > 1 else 1)
 """
-NOT_INSTALLED = (
-    "pyvista is not installed, so particles are drawn as discs; spheres need: pip install 'mpmcli[plot3d]'"
-)
+NOT_INSTALLED = "pyvista is not installed, so particles are drawn as discs; for spheres: pip install pyvista"
 CANNOT_DRAW = (
     "pyvista cannot draw on this system, so particles are drawn as discs; without a screen it needs a software "
     "renderer (on Debian and Ubuntu the packages libegl1 and libgl1-mesa-dri)"

@@ -23,6 +23,7 @@ from mpmcli.stability.lattice import Lattice, axis_stencils, stencils
 from mpmcli.stability.linear_step import LinearStep, Scheme, State
 from mpmcli.stability.scene_limit import (
     SAFETY,
+    Flight,
     KnownLimit,
     NoKnownLimit,
     Prediction,
@@ -33,7 +34,7 @@ from mpmcli.stability.scene_limit import (
     predict,
     warning_of,
 )
-from mpmcli.stability.speeds import swinging_axes
+from mpmcli.stability.speeds import largest_speed, swinging_axes
 from mpmcli.study.transfers import transfer_value
 
 SLOW = pytest.mark.slow
@@ -156,7 +157,7 @@ def test_a_limit_is_only_looked_for_where_a_step_is_above_it(monkeypatch):
         raise AssertionError("no search is needed")
 
     monkeypatch.setattr(growth, "bisect_limit", search)
-    for name, courant in (("vibrating_bar", 0.5051), ("two_disks", 0.4051), ("vibrating_bar_2d", 0.3351)):
+    for name, courant in (("vibrating_bar", 0.5051), ("two_disks", 0.3751), ("vibrating_bar_2d", 0.3351)):
         scene = load_scene(INPUTS / f"{name}.yaml", sets=[f"time.courant={courant}"]).scene
         assert warning_of(scene) is None
         assert known_limit(scene, enough=courant).courant >= courant
@@ -210,19 +211,76 @@ def test_fast_flight_lowers_the_limit_of_high_orders(kind, order, speed, measure
     assert limit < flying_limit(row, Scheme(kind, order), 0.1) < flying_limit(row, Scheme("flip"), speed)
 
 
-def test_bodies_that_fly_together_have_the_limit_of_flight():
-    def found(velocity: str, transfer: str = "{kind: fmpm, order: 4}"):
-        sets = [f"bodies.0.velocity={velocity}", f"method.transfer={transfer}"]
-        return known_limit(load_scene(INPUTS / "vibrating_bar.yaml", sets=sets).scene)
+def limit_of_bar(velocity: str, transfer: str = "{kind: fmpm, order: 4}", *sets: str) -> KnownLimit:
+    of_bar = [f"bodies.0.velocity={velocity}", f"method.transfer={transfer}", *sets]
+    return known_limit(load_scene(INPUTS / "vibrating_bar.yaml", sets=of_bar).scene)
 
-    fast = found("[0.8]")  # waves have the speed 2
+
+def test_bodies_that_fly_have_the_limit_of_flight():
+    fast = limit_of_bar("[0.8]")  # waves have the speed 2
     assert fast.because == "body 'bar', flying at 0.4 of the wave speed"
     assert fast.courant == pytest.approx(0.3675)
-    assert "moving" in found("[0.1]").because
-    assert "moving" in found('["0.8*x/40"]').because  # its particles have different speeds
-    assert "moving" in found("[0.8]", "{kind: flip}").because  # FLIP does not mind
+    assert "moving" in limit_of_bar("[0.1]").because
+    assert limit_of_bar('["0.7 + 0.1*x/40"]') == fast  # the fastest part counts
+    assert "moving" in limit_of_bar("[0.8]", "{kind: flip}").because  # FLIP does not mind
     scene = load_scene(INPUTS / "vibrating_bar.yaml", sets=["bodies.0.velocity=[0.8003]"]).scene
-    assert {block.flight for block in blocks_of(scene)} == {0.0, 0.4}  # no search for each digit
+    flights = [block.flight for block in blocks_of(scene)]
+    assert flights == [None, Flight(0.4, 400 * 2.0)]  # no search for each digit
+
+
+def test_stairs_that_do_not_move_across_a_flight_have_the_limit_of_slow_bodies():
+    def found(*velocity: float) -> KnownLimit:
+        sets = [f"bodies.{name}.velocity={list(velocity)}" for name in ("left", "right")]
+        return known_limit(load_scene(INPUTS / "two_disks.yaml", sets=sets).scene)
+
+    along, across, at_rest = found(80.0, 0.0), found(80.0, 80.0), found(0.0, 0.0)
+    assert along.because == "body 'left', whose stairs do not move across its flight"
+    assert along.courant == at_rest.courant < 0.85 * across.courant
+    assert "moving" in across.because
+    assert "moving" in known_limit(load_scene(INPUTS / "block_impact.yaml").scene).because  # it has no stairs
+
+
+def test_noise_has_no_time_to_grow_in_a_short_flight():
+    row = Lattice("linear", "corners", 2, is_endless=True)
+    long, some, short = (
+        flying_limit(row, Scheme("fmpm", 8), 0.4, duration) for duration in (1e4, 100.0, 10.0)
+    )
+    assert long == flying_limit(row, Scheme("fmpm", 8), 0.4) < 0.9 * some < 0.8 * short
+
+
+def test_the_end_of_a_bar_swings_about_the_place_where_it_starts():
+    def swing(*sets: str):
+        scene = load_scene(INPUTS / "vibrating_bar.yaml", sets=["constants.v0=0.02", *sets]).scene
+        (found,) = {block.swing for block in blocks_of(scene)}  # of the block, and of the endless row
+        return found
+
+    assert swing().place == 0.0
+    assert swing().amplitude == pytest.approx(2 * 40 * 0.02 / (np.pi * 2))
+    assert swing("bodies.bar.region.upper=[40.5]").place == 0.5
+    particles = ["bodies.bar.region.upper=[40.25]", "bodies.bar.particles_per_axis=4"]
+    assert swing(*particles).place == 0.25
+    assert swing("bodies.bar.velocity=[0.02]") is None  # it strikes its support
+
+
+@pytest.mark.parametrize(("v0", "order", "measured"), [(0.05, 4, 0.44), (0.2, 2, 0.60), (0.2, 4, 0.46)])
+def test_ends_that_turn_amid_a_cell_lower_the_limit(v0, order, measured):
+    transfer = f"{{kind: fmpm, order: {order}}}"
+    swings = limit_of_bar('["v0*sin(pi*x/(2*L))"]', transfer, f"constants.v0={v0}")
+    assert swings.because == "body 'bar', whose end swings"
+    assert 0.93 * measured < swings.courant < measured + 0.005
+
+
+@pytest.mark.parametrize(
+    ("order", "end", "stable", "unstable"),
+    [(4, 400, 0.46, 0.47), (4, 1600, 0.30, 0.32), (2, 1600, 0.56, 0.58)],
+)
+def test_fast_swings_and_long_runs_lower_the_limit(order, end, stable, unstable):
+    transfer = f"{{kind: fmpm, order: {order}}}"
+    swings = limit_of_bar(
+        '["v0*sin(pi*x/(2*L))"]', transfer, "constants.v0=0.3", f"time.end={end}", "grid.upper=[70]"
+    )
+    assert "swinging" in swings.because or "flying" in swings.because
+    assert 0.85 * stable < swings.courant < unstable
 
 
 FASTER_THAN_WAVES = """
@@ -289,6 +347,14 @@ def test_the_axis_of_symmetry_holds_the_face_that_lies_there():
     assert held("taylor_bar", "analysis.kind=plane_strain") == [[False, True], [False, False]]
     hollow = "bodies.bar.region.lower=[1, 0]"
     assert held("taylor_bar", hollow) == [[False, True], [False, False]]
+
+
+def test_speeds_at_the_start_are_those_of_the_body_not_of_its_box():
+    scene = load_scene(INPUTS / "vortex.yaml").scene  # far from the ring its velocity is 100 times as large
+    assert largest_speed(scene) == pytest.approx(0.5 * np.pi, rel=0.03)
+    thin = ["bodies.ring.region.inner_radius=1.2", "bodies.ring.velocity=[x, 0]"]
+    scene = load_scene(INPUTS / "vortex.yaml", sets=thin).scene
+    assert largest_speed(scene) == pytest.approx(1.25, rel=0.03)
 
 
 def test_which_ends_swing():
