@@ -305,7 +305,17 @@ def blocks_of(scene: Any) -> Iterator[Block]:
             )
             yield Block(lattice, body.name, space * fastest / speed, pairs, faces, rests_on_stairs, swing)
         held = np.setdiff1d(np.arange(len(cell)), free)
-        yield from _rows(scene, body, speed, held, swing, fastest / speed)
+        yield from _rows(
+            scene, body, speed, held, swing if _rows_tell(scheme_of(scene)) else None, fastest / speed
+        )
+
+
+def _rows_tell(scheme: Scheme) -> bool:
+    """Whether noise grows in a bar that swings slowly as it does in a row.
+
+    With velocity gradients and periodic transfers it is taken up: FMPM(8) is stable to 0.93 in the bar, 0.36 in a row.
+    """
+    return not scheme.velocity_gradient and scheme.every_courant is None and scheme.every_steps is None
 
 
 def _rows(

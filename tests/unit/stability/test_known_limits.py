@@ -240,6 +240,14 @@ def test_stairs_that_do_not_move_across_a_flight_have_the_limit_of_slow_bodies()
     assert "moving" in known_limit(load_scene(INPUTS / "block_impact.yaml").scene).because  # it has no stairs
 
 
+def test_a_slow_swing_with_gradients_or_periods_is_no_row():
+    swing = '["v0*sin(pi*x/(2*L))"]'
+    for more, least in (("velocity_gradient: true", 0.58), ("every_courant: 2", 0.62)):
+        assert limit_of_bar(swing, f"{{kind: fmpm, order: 8, {more}}}").courant > least
+        fast = limit_of_bar(swing, f"{{kind: fmpm, order: 8, {more}}}", "constants.v0=0.4")
+        assert fast.because == "body 'bar', flying at 0.2 of the wave speed"
+
+
 def test_noise_has_no_time_to_grow_in_a_short_flight():
     row = Lattice("linear", "corners", 2, is_endless=True)
     long, some, short = (
