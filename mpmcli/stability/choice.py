@@ -45,8 +45,9 @@ from mpmcli.stability.scene_limit import (
     blocks_of,
     courant_of_waves,
     scheme_of,
+    swing_of,
 )
-from mpmcli.stability.speeds import deformable, is_fast_at_first, swinging_axes
+from mpmcli.stability.speeds import deformable, is_fast_at_first
 
 Array = np.ndarray
 
@@ -136,7 +137,8 @@ class ChosenCourant(GivenCourant):
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Remember it again."""
-        self.courant = float(memory["courant"])
+        if self.faces is not None:  # else the end of the run decides, which may have changed
+            self.courant = float(memory["courant"])
         self.next_look = int(memory.get("next_look", 0))
 
     def in_words(self) -> str:
@@ -219,10 +221,11 @@ def _resting(scene: Any, particles: Any, otherwise: float) -> RestingFaces | Non
 def free_sides(scene: Any, body: Any) -> list[tuple[int, int]]:
     """Axis and side (0 or 1) of the faces of a body that may come to rest: nothing holds them.
 
-    At its turning points the end of a body that swings is slow, too; on one axis the limit of the scene knows of them.
+    None of a body whose swing is known: its end is slow where it turns, and the limit of the scene knows of that.
     """
-    held, swings = held_faces(scene, body), swinging_axes(scene, body)
-    return [(int(a), int(side)) for a, side in np.argwhere(~held.T) if len(swings) > 1 or not swings[a]]
+    if swing_of(scene, body) is not None:
+        return []
+    return [(int(a), int(side)) for a, side in np.argwhere(~held_faces(scene, body).T)]
 
 
 class RestingFaces:

@@ -59,6 +59,8 @@ DIES = 0.01
 """A swing counts as the same all the time if the logarithm of its amplitude changes less in the whole run."""
 AT_REST = 5.0
 """A swing that dies is followed until the logarithm of its amplitude has fallen by so much."""
+MOST_FOLLOWED = 4000
+"""Steps for which a swing that dies is followed; one that dies in more counts as the same all the time."""
 RESCALED = 4
 """Steps of a long run after which its states are made small again."""
 ISLANDS = 0.85
@@ -128,7 +130,7 @@ def swinging_limit(lattice: Lattice, scheme: Scheme, swing: Swing, enough: float
         return _growth_in_run(lattice, scheme, courant, swing) <= most
 
     limit = _largest_stable(is_stable, lambda: moving_limit(lattice, scheme), enough)
-    if scheme.every_courant is None:
+    if scheme.every_courant is None or limit >= enough:
         return limit
     last = round(limit / RESOLUTION)
     for place in range(math.ceil(ISLANDS * last), last):
@@ -209,8 +211,9 @@ def _growth_moving(lattice: Lattice, scheme: Scheme, courant: float) -> float:
 
 def _growth_flying(row: Lattice, scheme: Scheme, courant: float, speed: float) -> float:
     """Logarithm of the amplification per step of a row that flies, as fast as takes it across whole cells."""
-    cells = math.ceil(FLIGHT_STEPS * speed * courant)
-    return _growth_along(row, scheme, courant, cells / (speed * courant), lambda share: share * cells % 1.0)
+    cells_per_step = speed * courant / row.cell[0]
+    cells = math.ceil(FLIGHT_STEPS * cells_per_step)
+    return _growth_along(row, scheme, courant, cells / cells_per_step, lambda share: share * cells % 1.0)
 
 
 def _growth_in_run(lattice: Lattice, scheme: Scheme, courant: float, swing: Swing) -> float:
@@ -218,9 +221,10 @@ def _growth_in_run(lattice: Lattice, scheme: Scheme, courant: float, swing: Swin
     steps = swing.duration / courant
     wave = 2.0 * math.pi / swing.period
     dying = 0.5 * wave_damping(lattice, scheme, wave) / steps_apart(scheme, courant)
-    if dying * steps <= DIES:
+    followed = min(steps, AT_REST / dying) if dying > 0.0 else steps
+    if dying * steps <= DIES or followed > MOST_FOLLOWED:
         return steps * _growth_swinging(lattice, scheme, courant, swing)
-    number = np.arange(round(min(steps, AT_REST / dying)))
+    number = np.arange(round(followed))
     at = swing.place + swing.amplitude * np.exp(-dying * number) * np.sin(wave * (number + 0.5) * courant)
     state, most, so_far = np.eye(1), 0.0, 0.0
     for step, matrix in enumerate(_steps(lattice, scheme, courant, _rounded(at))):

@@ -58,6 +58,10 @@ PERIODIC = 0.95
 SPACE = 0.95
 """Limits in space over those in the plane: 0.742/0.783 (FLIP) and 0.463/0.487 (FMPM(4)) for lcpdi and ν = 1/3, found
 once with cubes of 2³ cells, whose eigenvalues take a minute."""
+FASTEST = 10.0
+"""Speed over wave speed above which flights count as the same."""
+LONGEST_SWING = 1000.0
+"""Longest period of a swing that is followed, in times in which a wave crosses a cell: bodies of some 250 cells."""
 ELSEWHERE = 0.2
 """Offset along axes along which a body moves: a place where few shape functions lose their stability early."""
 IN_COMPRESSION = 0.5
@@ -89,7 +93,8 @@ class KnownLimit:
 class Prediction:
     """Largest stable Courant numbers of a moving block, and of one that rests at the worst place.
 
-    The first is that of a swinging block where a body on one axis starts to move and is held at one end.
+    The first is that of a swinging block where a body on one axis is held at one end, at rest there, and starts to move
+    at the other.
     """
 
     moving: float
@@ -267,8 +272,8 @@ def blocks_of(scene: Any) -> Iterator[Block]:
 
     Materials that are not elastic at rest count as fluids of their wave speed, axisymmetric analyses as plane. A block
     has the axes along which its body is not held (the first one if it is held along all), in space the two of them with
-    the smallest edges of a cell. There is an endless row for each axis along which it is held,
-    and for each along which parts of it start at ``FLIES`` of the wave speed or more.
+    the smallest edges of a cell. There is an endless row for each axis along which it is held, for
+    each along which parts of it start at ``FLIES`` of the wave speed or more, and for that along which it swings.
 
     Raises
     ------
@@ -296,14 +301,15 @@ def blocks_of(scene: Any) -> Iterator[Block]:
         places = _face_places(scene, body, parts)
         rests = start_speeds(scene, body) < FAST * speed
         sides = np.where(rests, places, ELSEWHERE)
-        rests_on_stairs = bool(rests[free].any()) and not _is_flat(body.region, len(cell))
+        has_stairs = len(axes) > 1 and not _is_flat(body.region, len(cell))
         faces = tuple(sorted({tuple(float(side[a]) for a in pair) for side in sides for pair in pairs}))
-        swing = _swing(scene, body, int(axes[0]), places) if len(axes) == 1 else None
+        swing = swing_of(scene, body)
         for particles in sorted({int(n) for n in parts[free]}):
             lattice = Lattice(
                 shape.grid_functions, shape.domain, particles, relative, 1.0 - 2.0 * shear, shear
             )
-            yield Block(lattice, body.name, space * fastest / speed, pairs, faces, rests_on_stairs, swing)
+            scale = space * fastest / speed
+            yield Block(lattice, body.name, scale, pairs, faces, has_stairs and rests[free].any(), swing)
         held = np.setdiff1d(np.arange(len(cell)), free)
         yield from _rows(
             scene, body, speed, held, swing if _rows_tell(scheme_of(scene)) else None, fastest / speed
@@ -325,7 +331,6 @@ def _rows(
     shape, cell = SHAPES[scene.method.shape], np.asarray(scene.grid.cell, dtype=float)
     parts = np.broadcast_to(np.asarray(body.particles_per_axis), cell.shape)
     flights = start_speeds(scene, body) / wave_speed
-    duration = float(scene.time.end) * wave_speed / float(cell.min())
     for a in range(len(cell)):
         edge = (float(cell[a] / cell.min()),)
         row = Lattice(shape.grid_functions, shape.domain, int(parts[a]), edge, is_endless=True)
@@ -335,7 +340,8 @@ def _rows(
             yield Block(row, body.name, scale, ((a,),), (), swing=swing)
         if flights[a] >= FLIES:
             # two digits, so that bodies that fly nearly alike need one search
-            flight = Flight(float(f"{flights[a]:.2g}"), duration)
+            speed = float(f"{min(flights[a], FASTEST):.2g}")
+            flight = Flight(speed, _duration(scene, wave_speed))
             yield Block(row, body.name, scale, ((a,),), (), flight=flight)
 
 
@@ -356,7 +362,7 @@ def _limit_of(block: Block, scheme: Scheme, is_fast: bool, enough: float) -> Kno
             f"body '{block.body}', moving",
         )
         if block.rests_on_stairs and (slow := slow_limit(block.lattice, scheme, enough)) < limit:
-            limit, because = slow, f"body '{block.body}', whose stairs do not move across its flight"
+            limit, because = slow, f"body '{block.body}', whose stairs rest in the grid"
         if block.swing is not None:
             swinging = swinging_limit(block.lattice, scheme, block.swing, enough)
             if swinging < limit:
@@ -415,23 +421,34 @@ def _face_places(scene: Any, body: Any, parts: Array) -> Array:
     return np.array(sides)
 
 
-def _swing(scene: Any, body: Any, axis: int, places: Array) -> Swing | None:
-    """How the end of a body swings that is held at the other, with the places of its faces (2, d) at the start.
+def swing_of(scene: Any, body: Any) -> Swing | None:
+    """How the end of a body swings that is held at the other and has one axis with a free face; None of any other body.
 
     It does so with the speed with which it starts and at the frequency πc/(2L).
     """
+    free = np.flatnonzero(~held_axes(scene, body))
+    if len(free) != 1 or not swinging_axes(scene, body)[free[0]]:
+        return None
+    axis, cell = int(free[0]), np.asarray(scene.grid.cell, dtype=float)
     speed = float(start_speeds(scene, body)[axis])
-    low, high = body.region.bounds(len(scene.grid.cell))
+    low, high = body.region.bounds(len(cell))
     length = float(high[axis]) - float(low[axis])
     wave = scene.materials[body.material].initial_wave_speed(scene.analysis.kind)
-    cell = float(min(scene.grid.cell))
-    if not swinging_axes(scene, body)[axis] or not speed < wave or not 0.0 < length < math.inf:
+    period = 4.0 * length / float(cell.min())
+    if not speed < wave or not 0.0 < period <= LONGEST_SWING:
         return None
-    free = int(held_faces(scene, body)[0, axis])
-    place = float(places[free, axis])
+    parts = np.broadcast_to(np.asarray(body.particles_per_axis), cell.shape)
+    free_side = int(held_faces(scene, body)[0, axis])
+    place = float(_face_places(scene, body, parts)[free_side, axis])
     return Swing(
-        amplitude=2.0 * length * speed / (math.pi * wave * cell),
-        period=4.0 * length / cell,
-        duration=float(scene.time.end) * wave / cell,
+        amplitude=2.0 * length * speed / (math.pi * wave * float(cell[axis])),
+        period=period,
+        duration=_duration(scene, wave),
         place=0.0 if place == NEAR else place,
     )
+
+
+def _duration(scene: Any, wave_speed: float) -> float:
+    """How long the run is at most, in times in which a wave crosses a cell."""
+    duration = float(scene.time.end) * wave_speed / float(min(scene.grid.cell))
+    return min(duration, (scene.time.max_steps or math.inf) * LARGEST_COURANT)

@@ -14,10 +14,10 @@ Array = np.ndarray
 
 FAST = 0.01
 """Speed over wave speed from which a body counts as moving."""
-SAMPLES, MORE_SAMPLES = 9, 33
+SAMPLES, MORE_SAMPLES = 9, 17
 """Points along each axis of a body's box, the second number for bodies that fill little of it."""
-ALIKE = 1e-6
-"""Velocities of this share of the largest one are zero."""
+STILL = 1e-6
+"""An end is at rest that moves at no more than this share of the speed of the other one."""
 
 
 def deformable(scene: Any) -> list[tuple[Any, Any]]:
@@ -58,7 +58,7 @@ def swinging_axes(scene: Any, body: Any) -> Array:
         at, along = points[a], speeds[a]
         at_held, at_free = (at.min(), at.max())[:: 1 if held[0, a] else -1]
         slowest_end, fastest_end = along[at == at_held].max(), along[at == at_free].max()
-        swings[a] = fastest_end > 0.0 and slowest_end <= ALIKE * fastest_end
+        swings[a] = fastest_end > 0.0 and slowest_end <= STILL * fastest_end
     return swings
 
 

@@ -167,6 +167,14 @@ def test_the_end_that_is_held_does_not_lower_the_limit_and_the_free_one_does():
     assert choice.at(2 * SOONER, p, wave_speed) < 0.9 * choice.otherwise
 
 
+def test_a_run_that_is_resumed_for_longer_takes_the_steps_of_the_longer_run():
+    _, short = choice_of("vibrating_bar", "time.end=400")
+    _, long = choice_of("vibrating_bar", "time.end=4000")
+    alone = long.at(0, None)
+    long.recall(short.memory())
+    assert long.at(100, None) == alone < 0.8 * short.at(100, None)
+
+
 @SLOW
 def test_a_resumed_run_goes_on_where_a_face_rests():
     def simulation() -> Simulation:

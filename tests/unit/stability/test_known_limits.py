@@ -32,6 +32,7 @@ from mpmcli.stability.scene_limit import (
     courant_of_waves,
     known_limit,
     predict,
+    swing_of,
     warning_of,
 )
 from mpmcli.stability.speeds import largest_speed, swinging_axes
@@ -234,10 +235,40 @@ def test_stairs_that_do_not_move_across_a_flight_have_the_limit_of_slow_bodies()
         return known_limit(load_scene(INPUTS / "two_disks.yaml", sets=sets).scene)
 
     along, across, at_rest = found(80.0, 0.0), found(80.0, 80.0), found(0.0, 0.0)
-    assert along.because == "body 'left', whose stairs do not move across its flight"
+    assert along.because == "body 'left', whose stairs rest in the grid"
     assert along.courant == at_rest.courant < 0.85 * across.courant
     assert "moving" in across.because
     assert "moving" in known_limit(load_scene(INPUTS / "block_impact.yaml").scene).because  # it has no stairs
+
+
+def test_the_most_steps_of_a_run_cut_the_time_in_which_noise_grows():
+    swing, transfer = '["v0*sin(pi*x/(2*L))"]', "{kind: fmpm, order: 4}"
+    short = limit_of_bar(swing, transfer)
+    long = ["time.end=1e300", "archive={}"]  # nothing follows each of its steps
+    assert limit_of_bar(swing, transfer, *long).courant < 0.5 * short.courant
+    assert limit_of_bar(swing, transfer, *long, "time.max_steps=300") == short
+    assert limit_of_bar(swing, "{kind: fmpm, order: 2}", *long).courant > 0.3
+
+
+def test_rows_fly_and_swing_by_cells_of_their_own_axis():
+    scheme = Scheme("fmpm", 8)
+    square, long = (Lattice("linear", "corners", 2, (edge,), is_endless=True) for edge in (1.0, 4.0))
+    assert flying_limit(long, scheme, 0.4) == pytest.approx(4.0 * flying_limit(square, scheme, 0.4), rel=0.02)
+    bar = (
+        "version: 1\nanalysis: {kind: plane_strain}\ngrid: {lower: [0, 0], upper: [50, 4], cell: [1, EDGE]}\n"
+        "method: {shape: lcpdi, update: usl, transfer: {kind: fmpm, order: 4}}\n"
+        "materials: {m: {kind: linear_elastic, density: 1, E: 1, nu: 0}}\n"
+        "bodies: [{name: bar, material: m, region: {kind: box, lower: [0, 0], upper: [40, 4]}, "
+        "velocity: ['0.1*sin(pi*x/80)', 0]}]\n"
+        "boundary:\n- {name: end, kind: symmetry, plane: {axis: x, at: 0}}\n"
+        "- {name: low, kind: symmetry, plane: {axis: y, at: 0}}\n"
+        "- {name: high, kind: symmetry, plane: {axis: y, at: 4}}\n"
+        "time: {end: 100, courant: 0.2}\narchive: {globals: {every: 1}}\n"
+    )
+    scenes = [load_scene(bar.replace("EDGE", edge)).scene for edge in ("1", "0.5")]
+    wide, narrow = (swing_of(scene, scene.bodies[0]) for scene in scenes)
+    assert wide.amplitude == narrow.amplitude == pytest.approx(2 * 40 * 0.1 / np.pi)
+    assert narrow.period == 2.0 * wide.period  # in times in which a wave crosses the smallest edge
 
 
 def test_a_slow_swing_with_gradients_or_periods_is_no_row():
