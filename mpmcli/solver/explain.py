@@ -19,8 +19,9 @@ from mpmcli.solver.explain_text import as_text
 from mpmcli.solver.plan import PARALLEL_FROM, Plan, StepArrays, allocate_step_arrays, make_plan
 from mpmcli.solver.setup import make_grid, make_particles
 from mpmcli.solver.spare import find_questions, find_spare
+from mpmcli.stability.blocks import NoKnownLimit
 from mpmcli.stability.choice import ChosenCourant
-from mpmcli.stability.scene_limit import SAFETY, NoKnownLimit, known_limit
+from mpmcli.stability.scene_limit import SAFETY, known_limit
 
 Array = np.ndarray
 

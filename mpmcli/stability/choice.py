@@ -26,6 +26,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from mpmcli.shapes import SHAPES
+from mpmcli.stability.blocks import ELSEWHERE, LARGEST_COURANT, blocks_of, scheme_of, swing_of
 from mpmcli.stability.faces import (
     REACH,
     Boxes,
@@ -38,15 +39,7 @@ from mpmcli.stability.faces import (
     stretch_row,
 )
 from mpmcli.stability.held import held_axes, held_faces, rigid_bodies_hold_no_free_axis
-from mpmcli.stability.scene_limit import (
-    ELSEWHERE,
-    LARGEST_COURANT,
-    SAFETY,
-    blocks_of,
-    courant_of_waves,
-    scheme_of,
-    swing_of,
-)
+from mpmcli.stability.scene_limit import SAFETY, courant_of_waves
 from mpmcli.stability.speeds import deformable, is_fast_at_first
 
 Array = np.ndarray

@@ -11,9 +11,10 @@ import numpy as np
 
 from mpmcli.core.analysis import F_COMPONENTS
 from mpmcli.shapes import SHAPES
+from mpmcli.stability.blocks import Block
 from mpmcli.stability.growth import NEAR, limit_at_rest
 from mpmcli.stability.linear_step import Scheme
-from mpmcli.stability.scene_limit import Block, limit_of_row, one_thread
+from mpmcli.stability.scene_limit import limit_of_row, one_thread
 
 Array = np.ndarray
 

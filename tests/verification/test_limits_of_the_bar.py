@@ -12,9 +12,10 @@ from pathlib import Path
 import pytest
 
 from mpmcli.scene.loader import load_scene
+from mpmcli.stability.blocks import blocks_of, scheme_of
 from mpmcli.stability.growth import moving_limit
 from mpmcli.stability.linear_step import wave_damping
-from mpmcli.stability.scene_limit import blocks_of, chosen_courant, predict, scheme_of
+from mpmcli.stability.scene_limit import chosen_courant, predict
 from mpmcli.study.transfers import transfer_value
 from mpmcli.study.trial import march_trial
 

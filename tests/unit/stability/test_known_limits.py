@@ -17,22 +17,19 @@ from mpmcli.shapes import SHAPES
 from mpmcli.solver.explain import explain
 from mpmcli.solver.simulation import Simulation
 from mpmcli.stability import growth, scene_limit
+from mpmcli.stability.blocks import Flight, NoKnownLimit, blocks_of, swing_of
 from mpmcli.stability.growth import flying_limit, moving_limit, slow_limit, worst_limit
 from mpmcli.stability.held import held_axes, held_faces
 from mpmcli.stability.lattice import Lattice, axis_stencils, stencils
 from mpmcli.stability.linear_step import LinearStep, Scheme, State
 from mpmcli.stability.scene_limit import (
     SAFETY,
-    Flight,
     KnownLimit,
-    NoKnownLimit,
     Prediction,
-    blocks_of,
     chosen_courant,
     courant_of_waves,
     known_limit,
     predict,
-    swing_of,
     warning_of,
 )
 from mpmcli.stability.speeds import largest_speed, swinging_axes
