@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import namedtuple
 from typing import Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.core.exponentials import exponential_symmetric, log_symmetric, logarithm
@@ -20,7 +21,7 @@ from mpmcli.materials.base import (
 )
 from mpmcli.materials.defaults import with_defaults, yes
 from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
-from mpmcli.materials.hardening import Hardening, flow_slope, flow_stress
+from mpmcli.materials.hardening import Hardening, JohnsonCook, Linear, flow_slope, flow_stress
 
 # rows of the history array after the six of the elastic strain
 STRAIN, WORK, TEMPERATURE, HEAT = 6, 7, 8, 9
@@ -55,11 +56,10 @@ class J2Plastic(ElasticModel):
     temperature: quantity("temperature", ge=0) = 300.0  # type: ignore[valid-type]
     """Initial temperature."""
 
-    def parameters(self, analysis: str, adiabatic: bool) -> J2:
-        """Moduli, the hardening law's numbers, and what heating needs."""
+    def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
+        """Moduli, what heating needs, and the hardening law's numbers."""
         heats = adiabatic and self.heat_capacity is not None
-        return J2(
-            hardening=self.hardening.parameters(),
+        elastic = ElasticPart(
             bulk=self.bulk_modulus,
             shear=self.shear_modulus,
             density=self.density,
@@ -67,17 +67,17 @@ class J2Plastic(ElasticModel):
             heating=1 / (self.density * self.heat_capacity) if heats else 0.0,
             chi=self.taylor_quinney,
         )
+        law = self.hardening.parameters()
+        return J2_WITH[type(law)](*elastic, *law)
 
     def initial_history(self) -> dict[str, float]:
         """The temperature starts at its initial value."""
         return {"temperature": self.temperature}
 
 
-@with_defaults
-class J2(NamedTuple):
-    """Numbers of a von Mises plastic material."""
+class ElasticPart(NamedTuple):
+    """Numbers of a von Mises plastic material but those of its hardening."""
 
-    hardening: Any
     bulk: float
     shear: float
     density: float
@@ -88,14 +88,22 @@ class J2(NamedTuple):
     chi: float
 
 
+# flat tuples, because numba's parallel loops take no tuple within a tuple
+J2Linear = namedtuple("J2Linear", (*ElasticPart._fields, *Linear._fields))  # type: ignore[misc]
+J2JohnsonCook = namedtuple("J2JohnsonCook", (*ElasticPart._fields, *JohnsonCook._fields))  # type: ignore[misc]
+
+J2_WITH: dict[type, Any] = {Linear: J2Linear, JohnsonCook: J2JohnsonCook}
+"""The parameter tuple of the material for that of each hardening law."""
+
+
 @inline
-def plastic_increment(h: Any, trial: float, stiffness: float, alpha: float, T: float, dt: float) -> float:
+def plastic_increment(m: Any, trial: float, stiffness: float, alpha: float, T: float, dt: float) -> float:
     """Δα ≥ 0 with trial − stiffness·Δα = Y(α + Δα, Δα/dt, T), by Newton's method kept inside its bracket."""
     low, high = 0.0, trial / stiffness
     rate = 1.0 / dt if dt > 0.0 else 0.0
     step = 0.0
     for _ in range(60):
-        Y = flow_stress(h, alpha + step, step * rate, T)
+        Y = flow_stress(m, alpha + step, step * rate, T)
         excess = trial - stiffness * step - Y
         if abs(excess) <= 1e-13 * trial:
             break
@@ -103,66 +111,65 @@ def plastic_increment(h: Any, trial: float, stiffness: float, alpha: float, T: f
             low = step
         else:
             high = step
-        step += excess / (stiffness + flow_slope(h, alpha + step, step * rate, T, dt))
+        step += excess / (stiffness + flow_slope(m, alpha + step, step * rate, T, dt))
         if step <= low or step > high:
             step = 0.5 * (low + high)
     return step
 
 
-needs_increment.register(J2)(yes)
+for _law, _J2 in J2_WITH.items():
+    with_defaults(_J2)
+    needs_increment.register(_J2)(yes)
+    flow_stress.register(_J2)(flow_stress.implementations[_law])
+    flow_slope.register(_J2)(flow_slope.implementations[_law])
 
-
-@kirchhoff_stress.register(J2)
-def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
-    b = push_forward(dF, (1.0 + H[0, p], 1.0 + H[1, p], 1.0 + H[2, p], H[3, p], H[4, p], H[5, p]))
-    e = log_symmetric(b)
-    mean = (e[0] + e[1] + e[2]) / 3.0
-    # τ = G·(twice the elastic strain)
-    xx, yy, zz, xy, yz, xz = e[0] - mean, e[1] - mean, e[2] - mean, e[3], e[4], e[5]
-    G = m.shear
-    trial = G * math.sqrt(1.5 * (xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + yz * yz + xz * xz)))
-    alpha, T = H[STRAIN, p], H[TEMPERATURE, p]
-    if trial > flow_stress(m.hardening, alpha, 0.0, T):
-        step = plastic_increment(m.hardening, trial, 3.0 * G, alpha, T, dt)
-        r = 1.0 - 3.0 * G * step / trial
-        xx, yy, zz, xy, yz, xz = r * xx, r * yy, r * zz, r * xy, r * yz, r * xz
+    @kirchhoff_stress.register(_J2)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
+        b = push_forward(dF, (1.0 + H[0, p], 1.0 + H[1, p], 1.0 + H[2, p], H[3, p], H[4, p], H[5, p]))
+        e = log_symmetric(b)
+        mean = (e[0] + e[1] + e[2]) / 3.0
+        # τ = G·(twice the elastic strain)
+        xx, yy, zz, xy, yz, xz = e[0] - mean, e[1] - mean, e[2] - mean, e[3], e[4], e[5]
+        G = m.shear
+        trial = G * math.sqrt(1.5 * (xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + yz * yz + xz * xz)))
+        alpha, T = H[STRAIN, p], H[TEMPERATURE, p]
+        if trial > flow_stress(m, alpha, 0.0, T):
+            step = plastic_increment(m, trial, 3.0 * G, alpha, T, dt)
+            r = 1.0 - 3.0 * G * step / trial
+            xx, yy, zz, xy, yz, xz = r * xx, r * yy, r * zz, r * xy, r * yz, r * xz
+            if commit:
+                b = exponential_symmetric((xx + mean, yy + mean, zz + mean, xy, yz, xz))
+                rate = step / dt if dt > 0.0 else 0.0
+                end = trial - 3.0 * G * step
+                work = 0.5 * (min(end, flow_stress(m, alpha, rate, T)) + end) * step
+                H[STRAIN, p] = alpha + step
+                H[WORK, p] += work
+                H[TEMPERATURE, p] = T + m.heating * m.chi * work
+                H[HEAT, p] += m.chi * work
         if commit:
-            b = exponential_symmetric((xx + mean, yy + mean, zz + mean, xy, yz, xz))
-            rate = step / dt if dt > 0.0 else 0.0
-            end = trial - 3.0 * G * step
-            work = 0.5 * (min(end, flow_stress(m.hardening, alpha, rate, T)) + end) * step
-            H[STRAIN, p] = alpha + step
-            H[WORK, p] += work
-            H[TEMPERATURE, p] = T + m.heating * m.chi * work
-            H[HEAT, p] += m.chi * work
-    if commit:
-        H[0, p], H[1, p], H[2, p] = b[0] - 1.0, b[1] - 1.0, b[2] - 1.0
-        H[3, p], H[4, p], H[5, p] = b[3], b[4], b[5]
-    mean *= 1.5 * m.bulk
-    return mean + G * xx, mean + G * yy, mean + G * zz, G * xy, G * yz, G * xz
+            H[0, p], H[1, p], H[2, p] = b[0] - 1.0, b[1] - 1.0, b[2] - 1.0
+            H[3, p], H[4, p], H[5, p] = b[3], b[4], b[5]
+        mean *= 1.5 * m.bulk
+        return mean + G * xx, mean + G * yy, mean + G * zz, G * xy, G * yz, G * xz
 
+    @absorb_work.register(_J2)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, work: Any, viscous: Any) -> Any:
+        H[TEMPERATURE, p] += m.heating * viscous
+        H[HEAT, p] += viscous
 
-@absorb_work.register(J2)
-def _(m: Any, F: Any, dF: Any, H: Any, p: Any, work: Any, viscous: Any) -> Any:
-    H[TEMPERATURE, p] += m.heating * viscous
-    H[HEAT, p] += viscous
+    @strain_energy.register(_J2)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        e = log_symmetric((1.0 + H[0, p], 1.0 + H[1, p], 1.0 + H[2, p], H[3, p], H[4, p], H[5, p]))
+        trace = e[0] + e[1] + e[2]
+        squares = e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + 2.0 * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5])
+        return 0.125 * m.bulk * trace * trace + 0.25 * m.shear * (squares - trace * trace / 3.0)
 
+    @bulk_speed_squared.register(_J2)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        return max(0.0, m.bulk * (1.0 - logarithm(determinant(F))) / m.density)
 
-@strain_energy.register(J2)
-def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    e = log_symmetric((1.0 + H[0, p], 1.0 + H[1, p], 1.0 + H[2, p], H[3, p], H[4, p], H[5, p]))
-    trace = e[0] + e[1] + e[2]
-    squares = e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + 2.0 * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5])
-    return 0.125 * m.bulk * trace * trace + 0.25 * m.shear * (squares - trace * trace / 3.0)
-
-
-@bulk_speed_squared.register(J2)
-def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    return max(0.0, m.bulk * (1.0 - logarithm(determinant(F))) / m.density)
-
-
-@wave_speed_squared.register(J2)
-def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    # ρ₀c² = K + 4G/3 - τ; of τ only the mean, since yielding bounds the rest
-    stiffer = -m.bulk * min(0.0, logarithm(determinant(F)))
-    return m.lateral * (m.bulk + 4.0 / 3.0 * m.shear + stiffer) / m.density
+    @wave_speed_squared.register(_J2)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        # ρ₀c² = K + 4G/3 - τ; of τ only the mean, since yielding bounds the rest
+        stiffer = -m.bulk * min(0.0, logarithm(determinant(F)))
+        return m.lateral * (m.bulk + 4.0 / 3.0 * m.shear + stiffer) / m.density

@@ -7,8 +7,8 @@ compiled once.
 from __future__ import annotations
 
 import math
-from typing import Any
 
+import examples
 import numpy as np
 import pytest
 import yaml
@@ -18,14 +18,6 @@ from mpmcli.contact.normals import NORMALS
 from mpmcli.contact.separation import SEPARATIONS
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
-
-NORMAL_KEYS: dict[str, dict[str, Any]] = {"specified": {"vector": [1, 0.2]}}
-SEPARATION_KEYS: dict[str, dict[str, Any]] = {}
-LAW_KEYS: dict[str, dict[str, Any]] = {
-    "coulomb": {"friction": 0.3},
-    "velocity_friction": {"friction": 0.3, "viscosity": 0.1},
-    "adhesion_friction": {"normal_strength": 3.0, "shear_strength": 1.0, "friction": 0.2},
-}
 
 DEFAULTS = ("logistic_regression", "regression")
 
@@ -39,7 +31,7 @@ def make(normal: str, separation: str) -> Simulation:
             bodies.append(
                 {"name": name, "material": "soft", "region": region, "velocity": [speed, 0.3 * speed]}
             )
-        pairs.append({"between": [f"{law}_a", f"{law}_b"], "law": {"kind": law} | LAW_KEYS.get(law, {})})
+        pairs.append({"between": [f"{law}_a", f"{law}_b"], "law": {"kind": law} | examples.LAWS[law][0]})
     scene = {
         "version": 1,
         "analysis": {"kind": "plane_strain"},
@@ -48,8 +40,8 @@ def make(normal: str, separation: str) -> Simulation:
         "materials": {"soft": {"kind": "neo_hookean", "density": 1.0, "E": 50.0, "nu": 0.3}},
         "bodies": bodies,
         "contact": {
-            "normal": {"kind": normal} | NORMAL_KEYS.get(normal, {}),
-            "separation": {"kind": separation} | SEPARATION_KEYS.get(separation, {}),
+            "normal": {"kind": normal} | examples.NORMALS.get(normal, {}),
+            "separation": {"kind": separation} | examples.SEPARATIONS.get(separation, {}),
             "law": {"kind": "frictionless"},
             "pairs": pairs,
         },

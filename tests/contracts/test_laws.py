@@ -1,5 +1,6 @@
 """What every registered contact law is held to."""
 
+import examples
 import numpy as np
 import pytest
 from hypothesis import given
@@ -10,30 +11,9 @@ from mpmcli.contact.laws import LAWS
 from mpmcli.contact.settle import APART, BROKEN, SLIDING, STICKING, settle, settle_soft, sliding_traction
 from mpmcli.core.kernel import kernel, prange
 
-BOND = {"normal_strength": 1.5, "shear_strength": 0.7}
-EXAMPLES = {
-    "frictionless": [{}, {"stiffness": 2}],
-    "coulomb": [
-        {"friction": 0},
-        {"friction": 0.3},
-        {"friction": 0.3, "static_friction": 0.5},
-        {"friction": 1},
-        {"friction": 100},
-        {"friction": 0.3, "stiffness": 2},
-    ],
-    "stick": [{}, {"stiffness": 2}],
-    "perfect": [{}],
-    "none": [{}],
-    "adhesion_friction": [{**BOND, "friction": 0.2}, {**BOND, "friction": 0}, {**BOND, "friction": 100}],
-    "velocity_friction": [
-        {"friction": 0.3},
-        {"friction": 0.1, "static_friction": 0.6, "characteristic_speed": 0.4},
-        {"friction": 0.6, "static_friction": 0.1, "characteristic_speed": 0.4, "viscosity": 0.2},
-        {"friction": 0, "viscosity": 3},
-        {"friction": 0},
-    ],
-}
-MODELS = [LAWS[kind].model_validate({"kind": kind, **numbers}) for kind in LAWS for numbers in EXAMPLES[kind]]
+MODELS = [
+    LAWS[kind].model_validate({"kind": kind, **numbers}) for kind in LAWS for numbers in examples.LAWS[kind]
+]
 every = pytest.mark.parametrize("model", MODELS, ids=lambda m: f"{m.kind}-{MODELS.index(m)}")
 TWO = pytest.param(2, marks=pytest.mark.slow)  # scenes with contact are in the plane
 dimensions = pytest.mark.parametrize("d", [1, TWO, 3])

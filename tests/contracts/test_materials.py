@@ -3,6 +3,7 @@
 import math
 from contextlib import nullcontext
 
+import examples
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -20,32 +21,10 @@ from mpmcli.materials.base import (
 from mpmcli.materials.lateral import lateral_stretch, thickness_stretch
 from mpmcli.materials.strain import block_count, stored_energy, update_strain_and_stress
 
-LINEAR = {"kind": "linear", "yield_stress": 0.02, "modulus": 0.3}
-COOK = {"kind": "johnson_cook", "A": 0.02, "B": 0.1, "n": 0.4, "C": 0.02, "Tm": 1500, "m": 1.1}
-EXAMPLES = {
-    "linear_elastic": [{"E": 3, "nu": 0.3}, {"K": 2, "G": 1}, {"E": 2, "nu": 0}],
-    "neo_hookean": [
-        {"E": 3, "nu": 0.3},
-        {"E": 3, "nu": 0.3, "volumetric": "log"},
-        {"K": 2, "G": 1, "split": "isochoric"},
-        {"K": 2, "G": 1, "split": "isochoric", "volumetric": "log"},
-    ],
-    "mie_gruneisen": [
-        {"K": 2, "S1": 1.4, "gamma0": 2, "heat_capacity": 1e-3},
-        {"C0": 1.5, "G": 1, "S1": 1.2, "S2": 0.1, "gamma0": 1.5, "heat_capacity": 1e-3},
-    ],
-    "j2_plastic": [
-        {"E": 3, "nu": 0.3, "hardening": LINEAR},
-        {"K": 2, "G": 1, "hardening": COOK, "heat_capacity": 1e-3},
-    ],
-    "ideal_gas": [{"pressure": 0.7}],
-    "tait_fluid": [{"K": 2}, {"K": 2, "viscosity": 0.1}],
-    "rigid": [{}],
-}
 MODELS = [
-    MATERIALS[kind].model_validate({"kind": kind, **({} if kind == "rigid" else {"density": 0.9}), **numbers})
+    MATERIALS[kind].model_validate(examples.material(kind, numbers))
     for kind in MATERIALS
-    for numbers in EXAMPLES[kind]
+    for numbers in examples.MATERIALS[kind]
 ]
 NAMES = [f"{model.kind}-{i}" for i, model in enumerate(MODELS)]
 every = pytest.mark.parametrize("model", MODELS, ids=NAMES)
@@ -87,7 +66,7 @@ def rotations():
 
 
 def test_every_material_has_an_example_here():
-    assert set(EXAMPLES) == set(MATERIALS)
+    assert set(examples.MATERIALS) == set(MATERIALS)
 
 
 @every

@@ -1,0 +1,64 @@
+"""Keys with which every registered alternative can be tried: a new one is missed by the tests that ask for it here."""
+
+from __future__ import annotations
+
+from typing import Any
+
+LINEAR = {"kind": "linear", "yield_stress": 0.02, "modulus": 0.3}
+COOK = {"kind": "johnson_cook", "A": 0.02, "B": 0.1, "n": 0.4, "C": 0.02, "Tm": 1500, "m": 1.1}
+
+MATERIALS: dict[str, list[dict[str, Any]]] = {
+    "linear_elastic": [{"E": 3, "nu": 0.3}, {"K": 2, "G": 1}, {"E": 2, "nu": 0}],
+    "neo_hookean": [
+        {"E": 3, "nu": 0.3},
+        {"E": 3, "nu": 0.3, "volumetric": "log"},
+        {"K": 2, "G": 1, "split": "isochoric"},
+        {"K": 2, "G": 1, "split": "isochoric", "volumetric": "log"},
+    ],
+    "mie_gruneisen": [
+        {"K": 2, "S1": 1.4, "gamma0": 2, "heat_capacity": 1e-3},
+        {"C0": 1.5, "G": 1, "S1": 1.2, "S2": 0.1, "gamma0": 1.5, "heat_capacity": 1e-3},
+    ],
+    "j2_plastic": [
+        {"E": 3, "nu": 0.3, "hardening": LINEAR},
+        {"K": 2, "G": 1, "hardening": COOK, "heat_capacity": 1e-3},
+    ],
+    "ideal_gas": [{"pressure": 0.7}],
+    "tait_fluid": [{"K": 2}, {"K": 2, "viscosity": 0.1}],
+    "rigid": [{}],
+}
+"""Of each kind of material, numbers of every sub-model (moduli of about 3, for densities of about 1)."""
+
+NORMALS: dict[str, dict[str, Any]] = {"specified": {"vector": [1, 0.2]}}
+SEPARATIONS: dict[str, dict[str, Any]] = {}
+"""Keys that a normal or separation needs; those that need none are left out."""
+
+BOND = {"normal_strength": 1.5, "shear_strength": 0.7}
+LAWS: dict[str, list[dict[str, Any]]] = {
+    "frictionless": [{}, {"stiffness": 2}],
+    "coulomb": [
+        {"friction": 0.3},
+        {"friction": 0},
+        {"friction": 0.3, "static_friction": 0.5},
+        {"friction": 1},
+        {"friction": 100},
+        {"friction": 0.3, "stiffness": 2},
+    ],
+    "stick": [{}, {"stiffness": 2}],
+    "perfect": [{}],
+    "none": [{}],
+    "adhesion_friction": [{**BOND, "friction": 0.2}, {**BOND, "friction": 0}, {**BOND, "friction": 100}],
+    "velocity_friction": [
+        {"friction": 0.3},
+        {"friction": 0.1, "static_friction": 0.6, "characteristic_speed": 0.4},
+        {"friction": 0.6, "static_friction": 0.1, "characteristic_speed": 0.4, "viscosity": 0.2},
+        {"friction": 0, "viscosity": 3},
+        {"friction": 0},
+    ],
+}
+"""Of each contact law, numbers of every sub-model; the first are those of an ordinary scene."""
+
+
+def material(kind: str, numbers: dict[str, Any], density: float = 0.9) -> dict[str, Any]:
+    """The scene's words for one example of a material."""
+    return {"kind": kind, **({} if kind == "rigid" else {"density": density}), **numbers}
