@@ -1,0 +1,27 @@
+"""Commands called within the process of a test, and what is wrong with their words."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import time
+
+from mpmcli.cli.main import call
+
+
+def spoken(arguments: list[str]) -> tuple[int, str, float]:
+    """Exit code of a command, all that it wrote, and the seconds that it computed."""
+    written = io.StringIO()
+    begin = time.process_time()
+    with contextlib.redirect_stdout(written), contextlib.redirect_stderr(written):
+        code = call(arguments)
+    return code, written.getvalue(), time.process_time() - begin
+
+
+def unfit(code: int, written: str) -> str:
+    """What is wrong with the words of an answer."""
+    if code and not written.strip():
+        return "no words"
+    found = re.search(r"Traceback|Input should|validation error|Warning:", written)
+    return f"says '{found[0]}'" if found else ""

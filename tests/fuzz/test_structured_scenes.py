@@ -1,0 +1,306 @@
+"""Scenes built at random from everything that a scene can name, with few particles, run for twenty steps.
+
+Exit codes are 0, 3 and 4 only, tables of runs that end with 0 hold finite numbers, and no scene takes long. CI takes
+some of them; all of 10,000 are taken by
+
+    MPMCLI_STRUCTURED=10000 python -m pytest -n 2 -m long tests/fuzz/test_structured_scenes.py
+
+Each part prints its counts. Scenes that ended otherwise are kept in the folder ``MPMCLI_CAMPAIGN``.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import time
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import examples
+import numpy as np
+import pytest
+import yaml
+from commands import spoken, unfit
+
+from mpmcli.contact.laws import LAWS
+from mpmcli.contact.normals import NORMALS
+from mpmcli.contact.separation import SEPARATIONS
+from mpmcli.core.analysis import ANALYSES
+from mpmcli.materials import MATERIALS
+from mpmcli.scene.method import UPDATES
+from mpmcli.shapes import SHAPES
+
+STEPS = 20
+SECONDS = 60.0
+"""Nearly all of it to compile what no scene before has used."""
+ALLOWED = {0, 3, 4}
+PARTS = 20
+WORDS = {"x": ["0", "0.1*x*t", "sin(x)", "t"], "t": ["0.1*t", "sin(50*t)", "where(t>0.01, 1, 0)"]}
+
+
+class Dice:
+    """Choices by a seed."""
+
+    def __init__(self, seed: int):
+        self.rng = np.random.default_rng(seed)
+
+    def one_of(self, choices: Any) -> Any:
+        """One of some choices."""
+        choices = list(choices)
+        return choices[int(self.rng.integers(len(choices)))]
+
+    def rarely(self, share: float = 0.2) -> bool:
+        """True now and then."""
+        return bool(self.rng.random() < share)
+
+    def number(self, low: float, high: float) -> float:
+        """A number between two."""
+        return float(round(self.rng.uniform(low, high), 3))
+
+    def size(self) -> float:
+        """A positive number of any size, most of them ordinary."""
+        return float(10.0 ** self.rng.uniform(-8, 8)) if self.rarely(0.1) else self.number(0.1, 5)
+
+
+def transfer(dice: Dice) -> dict[str, Any]:
+    """A transfer with some of its keys."""
+    kind = dice.one_of(["flip", "xpic", "fmpm", "fmpm"])
+    keys: dict[str, Any] = {"kind": kind}
+    if dice.rarely():
+        keys["velocity_gradient"] = True
+    if dice.rarely():
+        keys["alpha"] = dice.number(0, 1)
+    if kind == "flip":
+        return keys
+    keys["order"] = dice.one_of([1, 2, 3, 4, 8])
+    if dice.rarely():
+        keys |= dice.one_of([{"every_steps": 3}, {"every_courant": 0.7}])
+    if kind == "fmpm" and dice.rarely():
+        keys |= dice.one_of(
+            [
+                {"blend": {"order": 2, "fraction": 0.8}},
+                {"dynamic": {"metric": "means"}},
+                {"dynamic": {"metric": "changes"}},
+            ]
+        )
+    return keys
+
+
+def method(dice: Dice) -> dict[str, Any]:
+    """All of ``method``."""
+    keys: dict[str, Any] = {
+        "shape": dice.one_of(SHAPES),
+        "update": dice.one_of(UPDATES),
+        "transfer": transfer(dice),
+    }
+    if dice.rarely():
+        keys["velocity_conditions"] = dice.one_of(["incremental", "lumped", "velocity", "combined"])
+    if dice.rarely():
+        keys["damping"] = {"particle": dice.number(0, 2), "grid": dice.number(0, 2)}
+    if dice.rarely():
+        keys["artificial_viscosity"] = {"linear": 0.2, "quadratic": 2.0}
+    if dice.rarely(0.3):
+        keys["heating"] = "adiabatic"
+    return keys
+
+
+def region(dice: Dice, analysis: str, d: int) -> dict[str, Any]:
+    """A region of a few particles somewhere in the grid of 8 cells per axis."""
+    low = [dice.number(0.5, 5) for _ in range(d)]
+    if analysis == "axisymmetric" and dice.rarely(0.5):
+        low[0] = 0.0
+    high = [x + dice.number(0.6, 1.9 if d == 3 else 2.9) for x in low]
+    box = {"kind": "box", "lower": low, "upper": high}
+    center, radius = [x + 0.8 for x in low], dice.number(0.6, 1.2)
+    if d == 2 and analysis != "axisymmetric" and dice.rarely(0.3):
+        return {"kind": "disk", "center": center, "radius": radius}
+    if d == 3 and dice.rarely(0.3):
+        return {"kind": "sphere", "center": center, "radius": radius}
+    return box
+
+
+def contact(dice: Dice, d: int, names: list[str]) -> dict[str, Any]:
+    """All of ``contact``."""
+
+    def law() -> dict[str, Any]:
+        kind = dice.one_of(LAWS)
+        several = [keys for keys in examples.LAWS[kind] if separation != "none" or "stiffness" not in keys]
+        return {"kind": kind} | dice.one_of(several)
+
+    normal, separation = dice.one_of(NORMALS), dice.one_of(SEPARATIONS)
+    direction = {"vector": [1, 0.2, 0.1][:d]} if normal == "specified" else {}
+    keys: dict[str, Any] = {
+        "normal": {"kind": normal} | examples.NORMALS.get(normal, {}) | direction,
+        "separation": {"kind": separation} | examples.SEPARATIONS.get(separation, {}),
+        "law": law(),
+    }
+    if dice.rarely() and len(names) > 1:
+        keys["pairs"] = [{"between": names[:2], "law": law()}]
+    for key, choices in {
+        "increments": ["net", "evolving", "lumped", "after", "combined"],
+        "once": [True],
+        "mass_ratio": [0, 0.1],
+        "displacement_only": [True],
+        "overlap_removal": [0.1, 1.0],
+        "three_or_more": ["lumped", "pairs", "coupled"],
+    }.items():
+        if dice.rarely():
+            keys[key] = dice.one_of(choices)
+    return keys
+
+
+def condition(dice: Dice, d: int, body: str) -> dict[str, Any]:
+    """A condition at the grid's lower end, or on the face of a body."""
+    axis = dice.one_of("xyz"[:d])
+    plane = {"plane": {"axis": axis, "at": 1, "side": "lower"}}
+    face = {"body": body, "face": {"axis": axis, "side": dice.one_of(["lower", "upper"])}}
+    normal = [float(name == axis) for name in "xyz"[:d]]
+    return dice.one_of(
+        [
+            {"kind": "velocity", "on": dice.one_of([plane, face]), "direction": axis}
+            | {"value": dice.one_of([0, 1, *WORDS["x"]])},
+            {"kind": "wall", "normal": normal, "position": dice.one_of([1, "1+t"])}
+            | {"velocity": dice.one_of([0, 1, *WORDS["t"]]), "gradient": dice.one_of([0, 0, 1])},
+            {"kind": "symmetry", "plane": {"axis": axis, "at": 0}},
+        ]
+    )
+
+
+def load(dice: Dice, d: int, body: str) -> dict[str, Any]:
+    """A load of any kind."""
+    vector = [dice.one_of([0, 0.5, *WORDS["t"]]) for _ in range(d)]
+    face = {"axis": dice.one_of("xyz"[:d]), "side": dice.one_of(["lower", "upper"])}
+    return dice.one_of(
+        [
+            {"kind": "gravity", "acceleration": vector},
+            {"kind": "body_force", "acceleration": [dice.one_of(["x", *WORDS["x"]]) for _ in range(d)]},
+            {"kind": "particle_force", "on": {"body": body}, "force": vector},
+            {"kind": "traction", "on": {"body": body, "face": face}, "pressure": dice.size()},
+        ]
+    )
+
+
+def structured_scene(seed: int) -> dict[str, Any]:
+    """A scene of 2 to some 50 particles per body, built at random from what exists."""
+    dice = Dice(seed)
+    analysis = dice.one_of(ANALYSES)
+    d = ANALYSES[analysis]().dimensions
+    kinds = [kind for kind in MATERIALS if kind != "rigid"]
+    if not dice.rarely(0.05):
+        kinds = [kind for kind in kinds if analysis in MATERIALS[kind].analyses]
+    has_contact = dice.rarely(0.5)
+    materials: dict[str, Any] = {}
+    for i in range(dice.one_of([1, 1, 2])):
+        kind = dice.one_of(kinds)
+        materials[f"m{i}"] = examples.material(kind, dice.one_of(examples.MATERIALS[kind]), dice.size())
+    if has_contact and dice.rarely():
+        materials["m1"] = {"kind": "rigid"}
+    names = ["a", "b", "c"][: dice.one_of([2, 2, 3] if has_contact else [1, 2])]
+    per_axis = dice.one_of([1, 2, 2] if d == 3 else [1, 2, 2, 3])
+    bodies = [
+        {
+            "name": name,
+            "material": dice.one_of(materials),
+            "region": region(dice, analysis, d),
+            "particles_per_axis": per_axis,
+            "velocity": [dice.one_of([dice.number(-1, 1), "0.3*sin(x)", "x"]) for _ in range(d)],
+            "overlap": dice.one_of(["keep", "replace"]),
+        }
+        for name in names
+    ]
+    scene: dict[str, Any] = {
+        "version": 1,
+        "analysis": {"kind": analysis},
+        "grid": {"lower": [0] * d, "upper": [8] * d, "cell": dice.one_of([1, 1, 0.5, [1, 0.5, 0.8][:d]])},
+        "method": method(dice),
+        "materials": materials,
+        "bodies": bodies,
+        "time": dice.one_of([{"courant": 0.2}, {"courant": 0.9}, {"courant": "auto"}, {"step": 0.01}])
+        | {"end": 1e9, "max_steps": STEPS},
+        "domain": {"on_exit": dice.one_of(["error", "delete", "stop_at_wall"])},
+        "archive": {"globals": {"every": 1e8}},
+    }
+    if has_contact:
+        scene["contact"] = contact(dice, d, names)
+    if dice.rarely(0.4):
+        scene["boundary"] = [
+            {"name": f"c{i}"} | condition(dice, d, names[0]) for i in range(dice.one_of([1, 2]))
+        ]
+    if dice.rarely(0.4):
+        scene["loads"] = [{"name": f"l{i}"} | load(dice, d, names[0]) for i in range(dice.one_of([1, 2]))]
+    if dice.rarely():
+        scene["probes"] = [{"name": "p", "kind": "particle", "body": names[0], "near": bodies[0]["region"].get(
+            "lower", [4.0] * d), "columns": ["position", "velocity", "stress"]}]  # fmt: skip
+    return scene
+
+
+def unfinished_numbers(results: Path) -> list[str]:
+    """Tables that hold a number which is not finite; an empty field is a mean over nothing."""
+    found = []
+    for path in results.rglob("*.csv"):
+        header, *rows = path.read_text(encoding="utf-8").splitlines()
+        for row in rows:
+            for name, word in zip(header.split(","), row.split(","), strict=True):
+                if word and not np.isfinite(float(word)):
+                    found.append(f"{path.name}: {name} = {word}")
+    return found
+
+
+def take(seed: int, folder: Path) -> tuple[int, str]:
+    """Run one scene; the exit code, and what is wrong with how it went, in words."""
+    path, results = folder / "scene.yaml", folder / "results"
+    path.write_text(yaml.safe_dump(structured_scene(seed), sort_keys=False), encoding="utf-8")
+    begin = time.monotonic()
+    code, written, seconds = spoken(["run", str(path), "--threads", "1", "-q", "-o", str(results)])
+    wrong = unfit(code, written)
+    if code not in ALLOWED:
+        wrong = f"exit code {code}"
+    elif seconds > SECONDS:
+        wrong = f"{time.monotonic() - begin:.3g} s"
+    elif code == 0 and (numbers := unfinished_numbers(results)):
+        wrong = "; ".join(numbers[:5])
+    shutil.rmtree(results, ignore_errors=True)
+    return code, f"seed {seed}: {wrong}\n{written}" if wrong else ""
+
+
+def campaign(seeds: range, folder: Path) -> tuple[Counter[int], list[str]]:
+    """Exit codes of some scenes, and what was wrong; scenes that went wrong are kept."""
+    codes: Counter[int] = Counter()
+    findings = []
+    for seed in seeds:
+        code, wrong = take(seed, folder)
+        codes[code] += 1
+        if wrong:
+            findings.append(wrong)
+            kept = Path(os.environ.get("MPMCLI_CAMPAIGN") or folder)
+            kept.mkdir(parents=True, exist_ok=True)
+            shutil.copy(folder / "scene.yaml", kept / f"structured_{seed}.yaml")
+            (kept / f"structured_{seed}.txt").write_text(wrong, encoding="utf-8")
+    return codes, findings
+
+
+def test_scenes_are_as_they_should_be():
+    """Most are valid, and the same seed gives the same scene."""
+    assert structured_scene(3) == structured_scene(3)
+    kinds = {structured_scene(seed)["analysis"]["kind"] for seed in range(60)}
+    assert kinds == set(ANALYSES)
+
+
+@pytest.mark.slow
+def test_structured_scenes(tmp_path, monkeypatch):
+    monkeypatch.setenv("MPMCLI_DEBUG", "1")
+    codes, findings = campaign(range(40), tmp_path)
+    assert findings == []
+    assert codes[0] > 15
+
+
+@pytest.mark.long
+@pytest.mark.timeout(0)
+@pytest.mark.parametrize("part", range(PARTS))
+def test_ten_thousand_structured_scenes(part, tmp_path, monkeypatch):
+    monkeypatch.setenv("MPMCLI_DEBUG", "1")
+    count = int(os.environ.get("MPMCLI_STRUCTURED", "10000")) // PARTS
+    codes, findings = campaign(range(1000 + part * count, 1000 + (part + 1) * count), tmp_path)
+    print(f"part {part}: exit codes {dict(sorted(codes.items()))}", flush=True)
+    assert findings == []
