@@ -17,6 +17,13 @@ SQRT_HALF_BITS = 0x3FE6A09E667F3BCD
 SMALL_INCREMENT = 0.05
 """Exponentials of matrices none of whose members is larger have a series without cases."""
 
+TERMS_OF_SMALL = tuple(np.uint64(n) for n in range(10))
+"""As many terms behind the identity make the series of a 3 x 3 matrix exact to round-off up to ``SMALL_INCREMENT``."""
+
+TINY_INCREMENT = 0.002
+TERMS_OF_TINY = TERMS_OF_SMALL[:5]
+"""The same for members up to ``TINY_INCREMENT``: (3 · 0.002)⁶/6! = 6e-17."""
+
 
 @inline
 def logarithm(x: float) -> float:

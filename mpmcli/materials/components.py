@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from mpmcli.core.analysis import (
     Analysis,
     Axisymmetric,
@@ -19,13 +21,20 @@ from mpmcli.core.analysis import (
     UniaxialStress,
 )
 from mpmcli.core.dispatch import generic
-from mpmcli.core.exponentials import exponential_1d, exponential_2d, exponential_3d, small_exponential_3d
+from mpmcli.core.exponentials import (
+    TERMS_OF_SMALL,
+    TERMS_OF_TINY,
+    TINY_INCREMENT,
+    exponential_1d,
+    exponential_2d,
+    exponential_3d,
+)
 from mpmcli.core.kernel import inline
-from mpmcli.core.tensors import multiply
 from mpmcli.materials.lateral import lateral_stretch, thickness_stretch
 
 ONE_AXIS: tuple[type[Analysis], ...] = (UniaxialStrain, UniaxialStress)
 TWO_AXES: tuple[type[Analysis], ...] = (PlaneStrain, PlaneStress, Axisymmetric)
+THREE = np.uint64(3)
 FIXED_WIDTH: tuple[type[Analysis], ...] = (UniaxialStrain, PlaneStrain, Axisymmetric, Solid)
 """Analyses in which the stress decides no stretch."""
 
@@ -56,9 +65,9 @@ def load_increment(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
 
 
 @generic
-def deform_little(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> Any:
-    """F becomes exp(L dt)·F for particles ``start`` to ``end``, members of L dt being up to
-    ``SMALL_INCREMENT``.
+def deform_little(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any, largest: Any) -> Any:
+    """F becomes exp(L dt)·F for particles ``start`` to ``end``, members of L dt being up to ``largest``, and this
+    up to ``SMALL_INCREMENT``.
 
     Lateral stretches that the stress decides stay. The loops have no branches, so that they vectorise.
     """
@@ -145,7 +154,7 @@ def deform_in_plane(F: Any, L: Any, start: Any, end: Any, dt: Any) -> None:
 
 
 @deform_little.register(Axisymmetric)
-def _(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> Any:
+def _(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any, largest: Any) -> Any:
     deform_in_plane(F, L, start, end, dt)
     for p in range(start, end):
         F[4, p] *= exponential_1d(L[4, p] * dt)
@@ -154,14 +163,14 @@ def _(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> Any:
 for _analysis in (PlaneStrain, PlaneStress):
 
     @deform_little.register(_analysis)
-    def _(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> Any:
+    def _(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any, largest: Any) -> Any:
         deform_in_plane(F, L, start, end, dt)
 
 
 for _analysis in ONE_AXIS:
 
     @deform_little.register(_analysis)
-    def _(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> Any:
+    def _(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any, largest: Any) -> Any:
         for p in range(start, end):
             F[0, p] *= exponential_1d(L[0, p] * dt)
 
@@ -251,11 +260,37 @@ def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
     return exponential_3d(_scaled(L, p, dt))
 
 
+@inline
+def deform_in_space(F: Any, L: Any, start: Any, end: Any, dt: Any, terms: Any) -> None:
+    """F becomes (I + A + A²/2! + …)·F, A = L dt, column by column by Horner's rule: y ← f + A·y/n.
+
+    One pass per column, with as many terms as the tuple ``terms`` has members, which the compiler writes out: few
+    enough numbers for the registers, so that the loops vectorise.
+    """
+    for x in range(THREE):
+        y, z = x + THREE, x + THREE + THREE
+        for p in range(start, end):
+            xx, xy, xz = dt * L[0, p], dt * L[1, p], dt * L[2, p]
+            yx, yy, yz = dt * L[3, p], dt * L[4, p], dt * L[5, p]
+            zx, zy, zz = dt * L[6, p], dt * L[7, p], dt * L[8, p]
+            fx, fy, fz = F[x, p], F[y, p], F[z, p]
+            a, b, c = fx, fy, fz
+            for n in range(len(terms), 0, -1):
+                share = 1.0 / n
+                a, b, c = (
+                    fx + share * (xx * a + xy * b + xz * c),
+                    fy + share * (yx * a + yy * b + yz * c),
+                    fz + share * (zx * a + zy * b + zz * c),
+                )
+            F[x, p], F[y, p], F[z, p] = a, b, c
+
+
 @deform_little.register(Solid)
-def _(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> Any:
-    for p in range(start, end):
-        dF = small_exponential_3d(_scaled(L, p, dt))
-        store_gradient(analysis, F, p, multiply(dF, load_gradient(analysis, F, p)))
+def _(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any, largest: Any) -> Any:
+    if largest <= TINY_INCREMENT:
+        deform_in_space(F, L, start, end, dt, TERMS_OF_TINY)
+    else:
+        deform_in_space(F, L, start, end, dt, TERMS_OF_SMALL)
 
 
 @rate_of_volume.register(Solid)

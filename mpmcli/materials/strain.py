@@ -247,7 +247,7 @@ def update_strain_and_stress(
             rates = largest_magnitude(L, start, end)
             largest_L = max(largest_L, rates)
             if rates <= largest_small:
-                deform_little(analysis, F, L, start, end, dt)
+                deform_little(analysis, F, L, start, end, dt, abs(dt) * np.uint64(rates).view(np.float64))
             else:
                 deform(analysis, F, L, start, end, dt)
             speed, low_J, high_J = stress_particles(
