@@ -19,7 +19,7 @@ COMMANDS = {
     "explain": "Tell what a scene will model and what it costs.",
     "schema": "Print the JSON Schema of scenes.",
     "list": "List what scenes can name, with parameters.",
-    "new": "Print or write a commented scene to start from.",
+    "new": "Print or write a scene to start from.",
     "compare": "Compare two tables or results folders as numbers.",
     "info": "Tell what a results folder holds.",
     "plot": "Draw the tables and particles of a results folder.",

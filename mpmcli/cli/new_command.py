@@ -8,31 +8,73 @@ import click
 
 from mpmcli.core.suggest import did_you_mean
 
-TEMPLATES = {
-    "simple": "a block that falls and lands on a floor",
-    "vibrating_bar": "a bar in one dimension, fixed at one end, with a known answer",
-    "block_impact": "two blocks that meet at high speed",
-    "contact": "a block that slides down rigid ground with friction",
-}
+OURS = '"title": "Scene of mpmcli"'
+"""In every JSON Schema that mpmcli writes."""
 
 
-def template_text(name: str) -> str:
-    """The text of a template."""
-    from importlib.resources import files
-
-    return (files("mpmcli.scene") / "templates" / f"{name}.yaml").read_text(encoding="utf-8")
-
-
-@click.command(
-    "new", epilog="Templates: " + "; ".join(f"{name}, {words}" for name, words in TEMPLATES.items())
-)
-@click.argument("template", default="simple")
+@click.command("new")
+@click.argument("name", default="simple")
 @click.option("-o", "--output", metavar="FILE", type=click.Path(path_type=Path), help="Write to a new file.")
-def command(template: str, output: Path | None) -> None:
-    """Print or write a commented scene to start from."""
-    if template not in TEMPLATES:
-        hint = did_you_mean(template, TEMPLATES) or f" ({', '.join(TEMPLATES)})"
-        raise click.BadParameter(f"there is no template '{template}'{hint}", param_hint="TEMPLATE")
-    from mpmcli.cli.files import write_or_print
+@click.option("--list", "listing", is_flag=True, help="List the scenes that come with mpmcli.")
+def command(name: str, output: Path | None, listing: bool) -> None:
+    """Print or write a scene to start from.
 
-    write_or_print(template_text(template), output, overwrite=False)
+    With -o, the files that the scene reads and the JSON Schema that its first line names are written beside it.
+    """
+    from mpmcli.scene.shipped import companions, scene_text, shipped
+
+    if listing:
+        click.echo(listed())
+        return
+    if name not in shipped():
+        hint = did_you_mean(name, shipped()) or ""
+        message = f"there is no scene '{name}'{hint}; 'mpmcli new --list' lists all"
+        raise click.BadParameter(message, param_hint="NAME")
+    if output is not None:
+        write(name, output)
+        return
+    click.echo(scene_text(name), nl=False)
+    for file in companions(name):
+        click.echo(f"this scene reads {file.name}, which -o FILE writes beside it", err=True)
+
+
+def listed() -> str:
+    """Names and titles of the scenes that come with mpmcli."""
+    from mpmcli.scene.shipped import is_start, shipped, title
+
+    width = max(map(len, shipped())) + 2
+    lines = {name: f"  {name:<{width}}{title(name)}" for name in shipped()}
+    return "\n".join(
+        (
+            "To start from:",
+            *(line for name, line in lines.items() if is_start(name)),
+            "",
+            "From the documentation and the verification:",
+            *(line for name, line in lines.items() if not is_start(name)),
+        )
+    )
+
+
+def write(name: str, output: Path) -> None:
+    """Write a scene, the files that it reads, and its JSON Schema."""
+    from mpmcli.cli.files import write_or_print
+    from mpmcli.core.errors import ArchiveError
+    from mpmcli.scene.schema import schema_text
+    from mpmcli.scene.shipped import SCHEMA, companions, scene_text
+
+    needed = {output.with_name(file.name): file.read_bytes() for file in companions(name)}
+    if output in needed or output.name == SCHEMA:
+        raise click.BadParameter(f"{output}: the scene needs that name for a file beside it", param_hint="-o")
+    for path, contents in needed.items():
+        if path.exists() and path.read_bytes() != contents:
+            raise ArchiveError(f"{path} exists already, and is left as it is")
+    write_or_print(scene_text(name), output, overwrite=False)
+    for path, contents in needed.items():
+        path.write_bytes(contents)
+    schema = output.with_name(SCHEMA)
+    if schema.exists() and OURS not in schema.read_text(encoding="utf-8", errors="replace"):
+        click.echo(f"{schema} is not a schema of mpmcli, and is left as it is", err=True)
+    else:
+        write_or_print(schema_text(), schema, overwrite=True)
+    beside = ", ".join((*(path.name for path in needed), SCHEMA))
+    click.echo(f"{output} is written ({beside} beside it); next: mpmcli run {output}")

@@ -12,11 +12,12 @@ from typing import Any
 
 import pytest
 
-from mpmcli.cli import main, new_command
+from mpmcli.cli import main
 from mpmcli.cli.list_command import KINDS
 from mpmcli.cli.main import COMMANDS, call
 from mpmcli.core.errors import ArchiveError, SceneError, SimulationError
 from mpmcli.garbage import keeping_all
+from mpmcli.scene.shipped import is_start, scene_text, shipped
 
 FORBIDDEN = ("numba", "pydantic", "numpy", "yaml", "vtkmodules", "matplotlib", "pint", "rich")
 
@@ -25,7 +26,7 @@ FORBIDDEN = ("numba", "pydantic", "numpy", "yaml", "vtkmodules", "matplotlib", "
 def scene(tmp_path: Path) -> Path:
     """A valid scene file."""
     path = tmp_path / "bar.yaml"
-    path.write_text(new_command.template_text("vibrating_bar"))
+    path.write_text(scene_text("vibrating_bar"))
     return path
 
 
@@ -88,7 +89,7 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
         (["run", "a.yaml", "--max-walltime", "soon"], "write H:M:S"),
         (["run", "a.yaml", "--max-walltime", "0:00"], "longer than 0"),
         (["list", "colours"], "'colours' is not one of"),
-        (["new", "vibrating_ba"], "there is no template 'vibrating_ba'; did you mean 'vibrating_bar'?"),
+        (["new", "vibrating_ba"], "there is no scene 'vibrating_ba'; did you mean 'vibrating_bar'?"),
     ],
 )
 def test_wrong_usage(args: list[str], words: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -209,7 +210,7 @@ def test_validate_knows_columns_and_fields(scene: Path, capsys: pytest.CaptureFi
 
 def test_validate_is_quick_and_light(tmp_path: Path) -> None:
     rows = [f"  b{i}: {{kind: linear_elastic, density: 1, E: 1, nu: 0}}\n" for i in range(180)]
-    text = new_command.template_text("vibrating_bar").replace("materials:\n", "materials:\n" + "".join(rows))
+    text = scene_text("vibrating_bar").replace("materials:\n", "materials:\n" + "".join(rows))
     path = tmp_path / "long.yaml"
     path.write_text(text)
     heavy = "('vtk', 'vtkmodules', 'matplotlib', 'pint', 'meshio', 'PIL', "
@@ -273,12 +274,13 @@ def test_list(kind: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert expected[kind] in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("template", new_command.TEMPLATES)
+@pytest.mark.parametrize("template", [name for name in shipped() if is_start(name)])
 def test_templates_are_valid_scenes(
     template: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "new.yaml"
     assert call(["new", template, "-o", str(path)]) == 0
+    capsys.readouterr()
     assert call(["validate", str(path)]) == 0
     assert capsys.readouterr().out == f"{path}: valid\n"
     assert call(["new", template, "-o", str(path)]) == 5

@@ -11,11 +11,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mpmcli.cli.new_command import template_text
 from mpmcli.core.kernel import Kernel
 from mpmcli.core.nodes import clear_nodes
 from mpmcli.core.runtime import available_threads
 from mpmcli.run import ahead
+from mpmcli.scene.shipped import scene_text
 
 RUN = """
 import sys
@@ -71,7 +71,7 @@ def test_a_copy_that_is_stuck_is_ended(monkeypatch):
     sys.platform != "linux" or available_threads() < 2, reason="needs Linux and two processors"
 )
 def test_two_processes_share_a_cold_start_and_change_nothing(tmp_path):
-    (tmp_path / "bar.yaml").write_text(template_text("vibrating_bar"))
+    (tmp_path / "bar.yaml").write_text(scene_text("vibrating_bar"))
     environment = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"}
     compiled = {}
     for name in ("alone", "together"):
