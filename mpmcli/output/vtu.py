@@ -99,9 +99,11 @@ class VtuWriter:
         kept: list[Any] = []  # vtk refers to these arrays and does not own them
 
         def convert(values: np.ndarray) -> Any:
-            wanted = self.type if values.dtype.kind == "f" else values.dtype
-            with np.errstate(over="ignore"):
-                kept.append(np.ascontiguousarray(values, dtype=wanted))
+            if values.dtype.kind == "f":
+                with np.errstate(over="ignore"):
+                    # −0 becomes 0: ParaView 5.11 reads the range -0 to -0 as one up to 3.4e38
+                    values = np.add(values, 0.0, dtype=self.type, casting="same_kind", order="C")
+            kept.append(np.ascontiguousarray(values))
             return numpy_to_vtk(kept[-1])
 
         grid = vtkUnstructuredGrid()

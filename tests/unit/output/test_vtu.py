@@ -77,6 +77,29 @@ def test_every_field_has_the_components_of_vtk_in_every_analysis(make_state, tmp
         assert grid.GetPointData().GetArray(name).GetNumberOfComponents() == counts[quantity.rank]
 
 
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+@pytest.mark.parametrize("compression", ["none", "zlib"])
+def test_no_array_holds_a_negative_zero(tmp_path, precision, compression):
+    """Nor a number so small that it becomes one in single precision."""
+    values = np.array([[-0.0, -1e-60, -2.0]])
+    VtuWriter(precision, compression).write(
+        tmp_path / "a.vtu", 0.0, values, [("v", values, ("X", "Y", "Z")), ("s", values[:, 0], ())]
+    )
+    grid = read(tmp_path / "a.vtu")
+    for written in (vtk_to_numpy(grid.GetPoints().GetData()), array(grid, "v"), array(grid, "s")):
+        assert not np.signbit(written[written == 0.0]).any()
+        assert written.dtype == precision
+    assert array(grid, "v")[0, 2] == -2.0
+    assert b'"-0 ' not in (tmp_path / "a.vtu").read_bytes()
+
+
+def test_pressure_at_rest_is_zero_without_a_sign(make_state, tmp_path):
+    state = make_state()
+    state.particles.tau[:] = 0.0
+    write_particles(VtuWriter(), tmp_path / "a.vtu", Snapshot(state), fields("plane_strain", ("pressure",)))
+    assert not np.signbit(array(read(tmp_path / "a.vtu"), "pressure")).any()
+
+
 def test_gradients_lie_at_their_places(make_state):
     state = make_state("axisymmetric")
     nine = spread(state.particles.L, "gradient")
