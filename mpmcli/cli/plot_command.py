@@ -23,28 +23,38 @@ WHAT = (
     "all",
 )
 """``mpmcli.study.pictures.request.WHAT``, which help does not import."""
+AXES = ("x", "y", "z")
 
 
 def _words(texts: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(word.strip() for text in texts for word in text.split(",") if word.strip())
 
 
-def time_in_scene_units(text: str | None, manifest: dict[str, Any]) -> float | None:
-    """A time from the command line: a number, text with a unit, or an expression of the scene's constants."""
-    if text is None:
-        return None
+def in_scene_units(text: str, dimension: str, option: str, manifest: dict[str, Any]) -> float:
+    """A number of the command line: a number, text with a unit, or an expression of the scene's constants."""
     from mpmcli.scene.context import Context
     from mpmcli.scene.units import Units
 
     scene = manifest.get("scene") or {}
     units, constants = scene.get("units") or {}, scene.get("constants") or {}
     try:
-        time = Context(Units(**units), constants).number(text, "time")
+        number = Context(Units(**units), constants).number(text, dimension)
     except ValueError as error:
-        raise click.BadParameter(str(error), param_hint="--time") from None
-    if not math.isfinite(time):
-        raise click.BadParameter("the time must be a finite number", param_hint="--time")
-    return time
+        raise click.BadParameter(str(error), param_hint=option) from None
+    if not math.isfinite(number):
+        raise click.BadParameter(f"the {dimension} must be a finite number", param_hint=option)
+    return number
+
+
+def section_of(text: str, manifest: dict[str, Any]) -> tuple[int, float | None]:
+    """Axis and position of a plane: ``z``, or ``z=5 mm``."""
+    axis, sign, place = (part.strip() for part in text.partition("="))
+    if axis not in AXES or (sign and not place):
+        raise click.BadParameter(
+            f"'{text}' is no plane: give its axis (x, y or z), and where it is if not in the middle, as in 'z=5'",
+            param_hint="--slice",
+        )
+    return AXES.index(axis), in_scene_units(place, "length", "--slice", manifest) if place else None
 
 
 @click.command("plot")
@@ -53,6 +63,7 @@ def time_in_scene_units(text: str | None, manifest: dict[str, Any]) -> float | N
 @click.option(
     "--column", "columns", metavar="NAME,…", multiple=True, help="Columns of tables; * stands for any text."
 )
+@click.option("--x", "over", metavar="NAME", help="Draw columns over this one instead of time.")
 @click.option(
     "--color", metavar="QUANTITY", help="Colour particles by an array of the archives, stress_xy, body, …"
 )
@@ -78,6 +89,12 @@ def time_in_scene_units(text: str | None, manifest: dict[str, Any]) -> float | N
     show_default=True,
     help="From where particles in three dimensions are seen.",
 )
+@click.option(
+    "--slice",
+    "section",
+    metavar="AXIS[=POSITION]",
+    help="Cut particles in three dimensions by a plane across x, y or z, in the middle or at a position.",
+)
 @click.option("--paraview", is_flag=True, help="Write a Python script that opens the result in ParaView.")
 @click.option(
     "-o",
@@ -90,6 +107,7 @@ def command(
     directory: Path,
     what: tuple[str, ...],
     columns: tuple[str, ...],
+    over: str | None,
     color: str | None,
     limits: tuple[float, float] | None,
     time: str | None,
@@ -97,6 +115,7 @@ def command(
     animate: str | None,
     rate: float,
     view: str,
+    section: str | None,
     paraview: bool,
     output: Path | None,
 ) -> None:
@@ -111,16 +130,19 @@ def command(
         if sys.stderr.isatty():
             click.echo(f"\r{words} ", err=True, nl=False)
 
+    manifest = read_manifest(directory) or {}
     request = Request(
         what=_words(what),
         columns=_words(columns),
+        over=over,
         color=color,
         limits=limits,
-        time=time_in_scene_units(time, read_manifest(directory) or {}),
+        time=None if time is None else in_scene_units(time, "time", "--time", manifest),
         frame=frame,
         animate=animate,
         rate=rate,
         view=view,
+        section=None if section is None else section_of(section, manifest),
         paraview=paraview,
         output=output,
         progress=progress,

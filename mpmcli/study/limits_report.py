@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import mpmcli
-from mpmcli.study.pictures.drawing import wrapped
+from mpmcli.study.pictures.drawing import write_title
 from mpmcli.study.plotting import finish, new_figure
 from mpmcli.study.report import as_text, write_csv, write_json
 from mpmcli.study.stability import Case, Settings
@@ -132,7 +132,7 @@ def plot_limits(path: Path, title: str, cases: Sequence[Case], settings: Setting
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("order k of the transfer")
     axes.set_ylabel(f"largest Courant number that is stable ({settings.criterion})")
-    axes.set_title(wrapped(title, figure.get_figwidth(), TITLE_SIZE), fontsize=TITLE_SIZE)
+    write_title(figure, title, TITLE_SIZE)
     finish(figure, axes, path)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import mpmcli
-from mpmcli.study.pictures.drawing import wrapped
+from mpmcli.study.pictures.drawing import write_title
 from mpmcli.study.plotting import finish, new_figure
 from mpmcli.study.report import as_text, write_csv, write_json
 from mpmcli.study.tradeoff import Case, Cost, find_cheapest, short_key
@@ -141,8 +141,8 @@ def plot_tradeoff(
         )
     axes.set_xlabel(f"{COSTS[cost]}  (cheaper to the left)")
     axes.set_ylabel("error, %  (better below)")
-    words = wrapped(title, figure.get_figwidth(), TITLE_SIZE)
-    figure.suptitle(f"{words}\nerror against {against}", fontsize=TITLE_SIZE)
+    write_title(figure, title, TITLE_SIZE)
+    axes.set_title(f"error against {against}", fontsize=TITLE_SIZE, loc="left")
     if shown:  # beside the picture, where it hides no point
         axes.legend(
             title=f"colour: {short_key(keys[0])}" if keys else None,

@@ -1,4 +1,4 @@
-"""Columns of tables over time: one picture per subject, one panel per quantity."""
+"""Columns of tables over time, or over another column: one picture per subject, one panel per quantity."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.columns import QUANTITIES
 from mpmcli.output.files import GLOBALS
 from mpmcli.output.results import Results, Table, unit_in_brackets
-from mpmcli.study.pictures.drawing import new_figure, shorten, wrapped
+from mpmcli.study.pictures.drawing import new_figure, shorten, space_ticks, write_title
 from mpmcli.study.pictures.errors import PictureError
 
 ENERGIES = "energies"
@@ -51,6 +51,26 @@ class Line:
     table: Table
     column: str
     label: str
+
+
+@dataclass(frozen=True)
+class Abscissa:
+    """What lines are drawn over: a column of a table."""
+
+    table: Table
+    column: str
+
+    @property
+    def label(self) -> str:
+        """What it is, with its unit."""
+        return f"{self.column.replace('_', ' ')}{unit_in_brackets(self.table.units.get(self.column, '1'))}"
+
+    def at(self, other: Table) -> np.ndarray:
+        """Its numbers in the rows of another table; between its own times along straight lines."""
+        values = self.table[self.column]
+        if np.array_equal(self.table.time, other.time):
+            return values
+        return np.interp(other.time, self.table.time, values, left=np.nan, right=np.nan)
 
 
 @dataclass(frozen=True)
@@ -117,7 +137,7 @@ def column_panels(results: Results, patterns: Sequence[str]) -> list[Panel]:
     PictureError
         If a name fits no column.
     """
-    tables = [results.table(name) for name in results.table_names()]
+    tables = _tables(results)
     found: dict[tuple[str, str], Table] = {}
     for pattern in patterns:
         fitting = [
@@ -127,12 +147,36 @@ def column_panels(results: Results, patterns: Sequence[str]) -> list[Panel]:
             if column not in ("step", "time") and _fits(pattern, table, column)
         ]
         if not fitting:
-            known = [column for table in tables for column in table.columns]
-            raise PictureError(
-                f"no table has a column '{pattern}'{did_you_mean(pattern, known)} ({listing(known, 30)})"
-            )
+            raise _no_column(pattern, tables)
         found |= {(table.name, column): table for table, column in fitting}
     return _by_quantity([(table, column) for (_, column), table in found.items()])
+
+
+def abscissa(results: Results, name: str) -> Abscissa:
+    """The column that others are drawn over: of ``globals.csv`` where it has one of that name, else of a probe.
+
+    Raises
+    ------
+    PictureError
+        If no table has it, or several probes do.
+    """
+    tables = _tables(results)
+    fitting = [(t, each) for t in tables for each in t.columns if name in (each, f"{_probe_of(t)}:{each}")]
+    if not fitting:
+        raise _no_column(name, tables)
+    if len(fitting) > 1 and fitting[0][0].name != GLOBALS:
+        names = [f"{_probe_of(table)}:{column}" for table, column in fitting]
+        raise PictureError(f"several probes have a column '{name}': choose {listing(names)}")
+    return Abscissa(*fitting[0])
+
+
+def _tables(results: Results) -> list[Table]:
+    return [results.table(name) for name in results.table_names()]
+
+
+def _no_column(name: str, tables: Sequence[Table]) -> PictureError:
+    known = list(dict.fromkeys(column for table in tables for column in table.columns))
+    return PictureError(f"no table has a column '{name}'{did_you_mean(name, known)} ({listing(known, 30)})")
 
 
 def _fits(pattern: str, table: Table, column: str) -> bool:
@@ -170,28 +214,32 @@ def _by_quantity(columns: Iterable[tuple[Table, str]]) -> list[Panel]:
     return panels
 
 
-def draw_panels(panels: Sequence[Panel], results: Results) -> Any:
-    """A figure with the panels above each other, sharing the axis of time."""
-    figure = new_figure(8.0, 1.0 + 2.6 * len(panels) + 1.2 * (len(panels) == 1))
+def draw_panels(panels: Sequence[Panel], results: Results, over: Abscissa | None = None) -> Any:
+    """A figure with the panels above each other, sharing the axis of time, or of another column."""
+    height = 1.0 + 2.6 * len(panels) + 1.2 * (len(panels) == 1)
+    figure = new_figure(8.0, height)
     all_axes = np.atleast_1d(figure.subplots(len(panels), 1, sharex=True))
     for axes, panel in zip(all_axes, panels, strict=True):
-        draw_panel(axes, panel)
-    all_axes[-1].set_xlabel(f"time{unit_in_brackets(results.time_unit)}")
-    figure.suptitle(wrapped(results.title, figure.get_figwidth(), 10), fontsize=10)
+        draw_panel(axes, panel, over)
+        space_ticks(axes.yaxis, 2.2)
+    space_ticks(all_axes[-1].xaxis, 5.0)
+    time = f"time{unit_in_brackets(results.time_unit)}"
+    all_axes[-1].set_xlabel(time if over is None else over.label)
+    write_title(figure, results.title)
     return figure
 
 
-def draw_panel(axes: Any, panel: Panel) -> None:
+def draw_panel(axes: Any, panel: Panel, over: Abscissa | None = None) -> None:
     """Draw the lines of a panel, with a legend if there are several."""
     few = len(panel.lines) == 1
     drawn = []
     for index, line in enumerate(panel.lines):
-        time, values = line.table.time, line.table[line.column]
-        mark = "." if len(time) < 3 else None
+        places = line.table.time if over is None else over.at(line.table)
+        mark = "." if len(places) < 3 else None
         # a line that lies on another one, as the strain energy does on the work of the stress, is seen by its gaps
         drawn += axes.plot(
-            time,
-            values,
+            places,
+            line.table[line.column],
             "-" if index % 2 == 0 else "--",
             linewidth=1.4,
             marker=mark,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import io
 import os
-import textwrap
 import warnings
+from bisect import bisect_left
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,6 +19,8 @@ from mpmcli.study.pictures.errors import PictureError, matplotlib
 FORMATS = (".png", ".svg", ".pdf", ".jpg", ".jpeg")
 """Endings of still pictures."""
 DPI = 120
+SMALLEST_LETTERS = 7.0
+"""Size of letters below which a title is cut [points]."""
 
 
 @contextmanager
@@ -78,8 +80,34 @@ def shorten(text: str, width: int = 90) -> str:
     return line if len(line) <= width else line[: width - 1].rstrip() + "…"
 
 
-def wrapped(text: str, inches: float, size: float) -> str:
-    """Text in at most two lines that a figure of a width has room for, written in letters of a size [points]."""
-    width = max(int(inches * 72.0 / (0.58 * size)), 12)
-    lines = textwrap.wrap(text, width)
-    return "\n".join(lines if len(lines) <= 2 else [lines[0], shorten(" ".join(lines[1:]), width)])
+def write_title(figure: Any, text: str, size: float = 10.0) -> None:
+    """Write one line along the upper edge: in smaller letters where it is long, cut where these are too long."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import text_to_path
+
+    def fits(line: str, size: float) -> bool:
+        letters = FontProperties(size=size)
+        width, _, _ = text_to_path.get_text_width_height_descent(line, letters, ismath=False)
+        return bool(width <= 0.96 * 72.0 * figure.get_figwidth())
+
+    line = " ".join(text.split())
+    while not fits(line, size) and size > SMALLEST_LETTERS:
+        size -= 0.5
+    if not fits(line, size):
+        count = bisect_left(range(len(line)), True, key=lambda n: not fits(line[: n + 1] + "…", size))
+        words = line[:count].rsplit(" ", 1)[0] if " " in line[:count] else line[:count]
+        line = words.rstrip(" ,;:(") + "…"
+    figure.suptitle(line, fontsize=size, x=0.02, horizontalalignment="left")
+
+
+def space_ticks(axis: Any, inches: float) -> None:
+    """As many ticks as an axis of a length has room for; large and small numbers share a power of ten."""
+    from matplotlib.ticker import MaxNLocator, ScalarFormatter
+
+    room = 0.6 if axis.axis_name == "x" else 0.3
+    axis.set_major_locator(MaxNLocator(nbins=max(1, min(9, int(inches / room))), steps=[1, 2, 2.5, 5, 10]))
+    formatter = ScalarFormatter()
+    formatter.set_powerlimits((-3, 5))
+    axis.set_major_formatter(formatter)
+    axis.set_tick_params(labelsize=8)
+    axis.get_offset_text().set_size(8)

@@ -6,97 +6,120 @@ from pathlib import Path
 
 import numpy as np
 
-from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.files import PARAVIEW
 from mpmcli.output.results import Frame, Results, unit_in_brackets
 from mpmcli.study.pictures.drawing import shorten
-from mpmcli.study.pictures.errors import PictureError
-from mpmcli.study.pictures.quantities import DEFAULTS, domains_of
+from mpmcli.study.pictures.extent import Extent, color_range
+from mpmcli.study.pictures.quantities import GROUPS, Coloring, domains_of, unit_of
+from mpmcli.study.pictures.space import directions
 
 SCRIPT = '''\
 """{title}
 
-Run it in ParaView by Macros > Import New Macro, or by View > Python Shell > Run Script.
+Run it by "paraview --script={script}", or in ParaView by View > Python Shell > Run Script.
 """
 
 from paraview.simple import *
 
 particles = PVDReader(registrationName={name!r}, FileName={pvd!r})
-scene = GetAnimationScene()
+{source}scene = GetAnimationScene()
 scene.UpdateAnimationUsingDataTimeSteps()
+scene.AnimationTime = {time!r}
 view = GetActiveViewOrCreate("RenderView")
 
 shown = Show(particles, view)
 shown.SetRepresentationType("Point Gaussian")
 shown.ShaderPreset = {shader!r}
-shown.GaussianRadius = {radius!r}  # half a particle
-scene.GoToLast()
+shown.GaussianRadius = {radius!r}
 ColorBy(shown, {color!r})
-shown.RescaleTransferFunctionToDataRange(False, True)
+colors = GetColorTransferFunction({array!r})
+colors.ApplyPreset({preset!r}, True)
+colors.RescaleTransferFunction({low!r}, {high!r})  # 1 to 99 % of the particles at this time
+colors.AutomaticRescaleRangeMode = "Never"
 shown.SetScalarBarVisibility(view, True)
-bar = GetScalarBar(GetColorTransferFunction({array!r}), view)
+bar = GetScalarBar(colors, view)
 bar.Title = {label!r}
 bar.ComponentTitle = {component!r}
 
 view.InteractionMode = {mode!r}
 view.AxesGrid.Visibility = 1
 view.AxesGrid.XTitle, view.AxesGrid.YTitle, view.AxesGrid.ZTitle = {axes!r}
+view.CameraFocalPoint = {focus!r}
+view.CameraPosition = {eye!r}
+view.CameraViewUp = {up!r}
+Render(view)
 ResetCamera(view)
 Render(view)
 '''
+CALCULATOR = """\
+particles = Calculator(registrationName={name!r}, Input=particles)
+particles.ResultArrayName = {name!r}
+particles.Function = {formula!r}
+"""
+OVERLAP = 1.25
+"""Radius of flat discs over half a particle: they cover the plane, or nearly."""
+SIGNED, UNSIGNED = "Cool to Warm", "Viridis (matplotlib)"
 
 
-def paraview_script(results: Results, frame: Frame, color: str | None = None) -> str:
+def paraview_script(
+    results: Results,
+    frame: Frame,
+    coloring: Coloring,
+    limits: tuple[float, float] | None = None,
+    view: str = "iso",
+) -> str:
     """The text of the script.
 
     Parameters
     ----------
     frame
-        Any archive of the series; all hold the same arrays.
-    color
-        An array of the archive, or a component (``stress_xx``) or magnitude of one.
-
-    Raises
-    ------
-    PictureError
-        If the archive has no such array.
+        The archive to begin with; all of a series hold the same arrays.
+    coloring
+        By what the particles are coloured, as in pictures.
+    limits
+        Numbers of the first and the last colour; those of the picture of this archive if absent.
+    view
+        From where three dimensions are seen.
     """
     d = results.dimensions(frame)
-    array, component = _array_of(frame, color)
+    low, high = color_range(Extent.of([frame], coloring, results), limits)
     edges = domains_of(results, frame).edges
-    width = float(np.median(np.linalg.norm(edges, axis=1).min(axis=1))) if len(edges) else 0.5
+    radius = float(np.median(np.linalg.norm(edges, axis=1).min(axis=1))) if len(edges) else 0.5
+    if d < 3:
+        radius *= OVERLAP
     units = results.units_of("particles")
     letters = "rzt" if results.is_axisymmetric else "xyz"
+    array = coloring.name if coloring.formula else coloring.array
+    names = results.names(GROUPS[coloring.name]) if coloring.is_group else []
+    _, up, towards = directions(view if d == 3 else "xy")
+    source = CALCULATOR.format(name=array, formula=coloring.formula) if coloring.formula else ""
     return SCRIPT.format(
-        title=shorten(ascii(results.title)[1:-1], 110).replace('"', "'").replace("\\", "/"),
+        title=_in_docstring(results.title),
+        script=PARAVIEW,
         name=results.directory.resolve().name,
         pvd=str((results.directory / "particles.pvd").resolve()),
+        source=source,
+        time=frame.time,
         shader="Sphere" if d == 3 else "Plain circle",
-        radius=float(f"{width:.6g}"),
-        color=("POINTS", array, component) if component else ("POINTS", array),
+        radius=float(f"{radius:.6g}"),
+        color=("POINTS", array, coloring.component) if coloring.component else ("POINTS", array),
         array=array,
-        label=f"{array}{unit_in_brackets(units.get(array, '1'))}",
-        component=component,
+        preset=SIGNED if low < 0.0 < high else UNSIGNED,
+        low=float(f"{low:.6g}"),
+        high=float(f"{high:.6g}"),
+        label=f"{array}{unit_in_brackets(unit_of(coloring, results))}"
+        + (f": {shorten(', '.join(f'{i} {name}' for i, name in enumerate(names)))}" if names else ""),
+        component=coloring.component,
         mode="3D" if d == 3 else "2D",
         axes=tuple(f"{letter}{unit_in_brackets(units.get('Points', '1'))}" for letter in letters),
+        focus=[0.0, 0.0, 0.0],
+        eye=[round(float(x), 6) for x in towards],
+        up=[round(float(x), 6) for x in up],
     )
 
 
-def _array_of(frame: Frame, color: str | None) -> tuple[str, str]:
-    """Array and component (``Magnitude`` of vectors) that a quantity is in ParaView."""
-    known: dict[str, tuple[str, str]] = {}
-    for name in frame.arrays:
-        components = frame.components.get(name, ())
-        known[name] = (name, "Magnitude" if len(components) == 3 else components[0] if components else "")
-        known |= {f"{name}_{part.lower()}": (name, part) for part in components}
-    if color is None:
-        color = next((name for name in DEFAULTS if name in known), "body" if "body" in known else "id")
-    if color not in known:
-        raise PictureError(
-            f"ParaView colours by arrays of the archives, which hold no '{color}'{did_you_mean(color, known)} "
-            f"({listing(frame.arrays, 40)})"
-        )
-    return known[color]
+def _in_docstring(text: str) -> str:
+    return shorten(ascii(text)[1:-1], 110).replace('"', "'").replace("\\", "/")
 
 
 def default_path(results: Results) -> Path:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from pydantic import ValidationError
@@ -26,11 +27,22 @@ GROUPS = {"body": "bodies", "material": "materials"}
 
 @dataclass(frozen=True)
 class Coloring:
-    """A number of each particle by which it is coloured; ``array`` names the array whose unit it has."""
+    """A number of each particle by which it is coloured.
+
+    Attributes
+    ----------
+    name : what it is called
+    array : the array whose unit it has
+    compute : its numbers (N,) of a frame
+    component : in ParaView the component of the array, ``Magnitude``, or nothing of a scalar
+    formula : for ParaView's calculator, where the number is in no array
+    """
 
     name: str
     array: str
     compute: Callable[[Frame], Array]
+    component: str = ""
+    formula: str = ""
 
     def values(self, frame: Frame) -> Array:
         """(N,) numbers."""
@@ -42,41 +54,58 @@ class Coloring:
         return self.name in GROUPS
 
 
+# 0 - … keeps -0 out of ParaView, which 5.11 takes for an endless range
+PRESSURE = "0-(stress_XX+stress_YY+stress_ZZ)/3"
+VON_MISES = (
+    "sqrt(((stress_XX-stress_YY)^2+(stress_YY-stress_ZZ)^2+(stress_ZZ-stress_XX)^2)/2"
+    "+3*(stress_XY^2+stress_YZ^2+stress_XZ^2))"
+)
+
+
 def colorings(frame: Frame) -> dict[str, Coloring]:
     """Everything that the particles of an archive can be coloured by, by name.
 
     Scalars by their name, vectors by their magnitude (``velocity``) and components (``velocity_x``), tensors by their
     components (``stress_xy``); ``pressure`` and ``von_mises`` follow from the stress where they are not archived.
     """
-    found: dict[str, Coloring] = {}
+    found: list[Coloring] = []
     for name, values in frame.arrays.items():
         components = frame.components.get(name, ())
         if not components:
-            found[name] = Coloring(name, name, lambda frame, name=name: frame.arrays[name])  # type: ignore[misc]
+            found.append(Coloring(name, name, partial(_scalar, name)))
             continue
         if values.shape[1] == 3:
-            found[name] = Coloring(
-                name,
-                name,
-                lambda frame, name=name: np.linalg.norm(frame.arrays[name], axis=1),  # type: ignore[misc]
-            )
-        for index, component in enumerate(components):
-            each = f"{name}_{component.lower()}"
-            found[each] = Coloring(
-                each,
-                name,
-                lambda frame, name=name, index=index: frame.arrays[name][:, index],  # type: ignore[misc]
-            )
+            found.append(Coloring(name, name, partial(_magnitude, name), "Magnitude"))
+        found += [
+            Coloring(f"{name}_{component.lower()}", name, partial(_component, name, index), component)
+            for index, component in enumerate(components)
+        ]
     for axis, letter in enumerate("xyz"):
-        found[f"position_{letter}"] = Coloring(
-            f"position_{letter}",
-            "Points",
-            lambda frame, axis=axis: frame.X[:, axis],  # type: ignore[misc]
-        )
+        position = partial(_position, axis)
+        found.append(Coloring(f"position_{letter}", "Points", position, formula=f"coords{letter.upper()}"))
     if "stress" in frame.components:
-        found.setdefault("pressure", Coloring("pressure", "stress", _pressure))
-        found.setdefault("von_mises", Coloring("von_mises", "stress", _von_mises))
-    return found
+        derived = [
+            Coloring("pressure", "stress", _pressure, formula=PRESSURE),
+            Coloring("von_mises", "stress", _von_mises, formula=VON_MISES),
+        ]
+        found += [coloring for coloring in derived if coloring.name not in frame.arrays]
+    return {coloring.name: coloring for coloring in found}
+
+
+def _scalar(name: str, frame: Frame) -> Array:
+    return frame.arrays[name]
+
+
+def _magnitude(name: str, frame: Frame) -> Array:
+    return np.linalg.norm(frame.arrays[name], axis=1)
+
+
+def _component(name: str, index: int, frame: Frame) -> Array:
+    return frame.arrays[name][:, index]
+
+
+def _position(axis: int, frame: Frame) -> Array:
+    return frame.X[:, axis]
 
 
 def _pressure(frame: Frame) -> Array:

@@ -18,6 +18,7 @@ from mpmcli.study.pictures.curves import (
     ENERGIES,
     SUBJECTS,
     Panel,
+    abscissa,
     column_panels,
     draw_panels,
     probe_panels,
@@ -25,18 +26,11 @@ from mpmcli.study.pictures.curves import (
 )
 from mpmcli.study.pictures.drawing import FORMATS, drawing, pixels, save, write_bytes
 from mpmcli.study.pictures.errors import PictureError, matplotlib
+from mpmcli.study.pictures.extent import Extent
 from mpmcli.study.pictures.paraview import default_path, paraview_script
-from mpmcli.study.pictures.particles import (
-    VIEWS,
-    Extent,
-    LinePicture,
-    Palette,
-    ParticlePicture,
-    PlanePicture,
-    ProjectedPicture,
-)
+from mpmcli.study.pictures.particles import LinePicture, Palette, ParticlePicture, PlanePicture
 from mpmcli.study.pictures.quantities import DEFAULTS, DEFAULTS_ON_A_LINE, Coloring, find_coloring
-from mpmcli.study.pictures.space import SpacePicture, why_not
+from mpmcli.study.pictures.space import VIEWS, SectionPicture, SpacePicture, place_of_section
 
 PARTICLES, PROBES, ALL = "particles", "probes", "all"
 WHAT = (*SUBJECTS, PROBES, PARTICLES, ALL)
@@ -53,12 +47,15 @@ class Request:
     ----------
     what : words of ``WHAT``; without any the energies and the particles at the last time, as far as there are such
     columns : columns of tables, ``*`` for any text
+    over : column that those of tables are drawn over instead of time
     color : quantity that particles are coloured by
     limits : its numbers at both ends of the colours
     time, frame : which archive of particles; the last without either
     animate : ``gif`` or ``mp4`` instead of a single time
     rate : pictures per second
     view : direction from which particles in space are seen
+    section : axis (0, 1, 2) of the normal of a plane that cuts particles in space, and where it cuts it [length]; the
+        particle nearest to the middle where that is None
     paraview : write a script for ParaView, and no pictures
     output : file or folder
     progress : called with words while an animation is drawn
@@ -66,6 +63,7 @@ class Request:
 
     what: tuple[str, ...] = ()
     columns: tuple[str, ...] = ()
+    over: str | None = None
     color: str | None = None
     limits: tuple[float, float] | None = None
     time: float | None = None
@@ -73,6 +71,7 @@ class Request:
     animate: str | None = None
     rate: float = 10.0
     view: str = "iso"
+    section: tuple[int, float | None] | None = None
     paraview: bool = False
     output: Path | None = None
     progress: Callable[[str], None] = field(default=lambda words: None)
@@ -80,7 +79,7 @@ class Request:
     @property
     def is_about_particles(self) -> bool:
         """Whether something is asked that only pictures of particles have."""
-        chosen = (self.color, self.limits, self.time, self.frame, self.animate)
+        chosen = (self.color, self.limits, self.time, self.frame, self.animate, self.section)
         return any(value is not None for value in chosen)
 
 
@@ -132,6 +131,14 @@ def _check(request: Request) -> None:
         raise PictureError("a time and the number of an archive exclude each other")
     if request.animate and (request.time is not None or request.frame is not None):
         raise PictureError("an animation shows all times")
+    if request.section is not None and request.view != "iso":
+        raise PictureError("a section is seen along its own axis: leave out the view")
+    about_tables = (request.what, request.columns, request.over, request.animate, request.section)
+    if request.paraview and any(about_tables):
+        raise PictureError(
+            "a script for ParaView shows the particles at all times: it takes a quantity, a range of colours, a "
+            "time or archive to begin with, and a view, and nothing else"
+        )
     if request.limits is not None and not request.limits[0] < request.limits[1]:
         raise PictureError("the first number of a range must be below the second")
 
@@ -142,16 +149,25 @@ Draw = Callable[[Path], Sequence[str]]
 def _jobs(results: Results, request: Request) -> Iterator[tuple[str, str, Draw]]:
     """Name, ending and maker of each picture."""
     what = _what(results, request)
+    over = None if request.over is None else abscissa(results, request.over)
+
+    def curves(panels: list[Panel]) -> Draw:
+        def draw(path: Path) -> list[str]:
+            save(draw_panels(panels, results, over), path)
+            return []
+
+        return draw
+
     for subject in SUBJECTS:
         if subject in what:
-            yield subject, ".png", _curves(results, subject_panels(results, subject))
+            yield subject, ".png", curves(subject_panels(results, subject))
     if PROBES in what:
         for name in results.table_names():
             if name != GLOBALS:
                 probe = Path(name).stem
-                yield f"probe_{probe}", ".png", _curves(results, probe_panels(results, name))
+                yield f"probe_{probe}", ".png", curves(probe_panels(results, name))
     if request.columns:
-        yield "columns", ".png", _curves(results, column_panels(results, request.columns))
+        yield "columns", ".png", curves(column_panels(results, request.columns))
     if PARTICLES in what:
         yield PARTICLES, f".{request.animate or 'png'}", _particles(results, request)
 
@@ -163,8 +179,10 @@ def _what(results: Results, request: Request) -> list[str]:
         what += _existing(results)
     if request.is_about_particles and PARTICLES not in what:
         what.append(PARTICLES)
-    if not what and not request.columns:
+    if not what and not request.columns and request.over is None:
         what = [word for word in (ENERGIES, PARTICLES) if word in _existing(results)]
+    if request.over is not None and not request.columns and what in ([], [PARTICLES]):
+        raise PictureError("there are no columns to draw over another: name some")
     if PROBES in what and results.table_names() in ([], [GLOBALS]):
         raise PictureError(f"{results.directory} has no tables of probes: the scene needs probes")
     return what
@@ -199,44 +217,39 @@ def _paths(results: Results, request: Request, pictures: list[tuple[str, str]]) 
     return [output]
 
 
-def _curves(results: Results, panels: list[Panel]) -> Draw:
-    def draw(path: Path) -> list[str]:
-        save(draw_panels(panels, results), path)
-        return []
-
-    return draw
-
-
 def _particles(results: Results, request: Request) -> Draw:
-    if request.animate:
-        files = _thinned([path for _, path in results.series])
-    elif request.time is not None:
-        files = [results.path_at(request.time)]
-    else:
-        files = [results.path_of(-1 if request.frame is None else request.frame)]
+    files = [path for _, path in results.series] if request.animate else [_file(results, request)]
+    files = _thinned(files)
     last = results.frame(files[-1])
-    usual = DEFAULTS_ON_A_LINE if results.dimensions(last) == 1 else DEFAULTS
-    coloring = find_coloring(request.color, last, usual)
+    coloring = find_coloring(request.color, last, _usual(results, last))
 
     def draw(path: Path) -> list[str]:
         frames = (last if file == files[-1] else results.frame(file) for file in files)
         extent = Extent.of(frames, coloring, results)
         picture = _picture(results, last, coloring, extent, request)
-        try:
-            picture.lay_out(last)
-            if request.animate:
-                write_animation(path, _each(picture, results, files, request.progress), request.rate)
-            else:
-                picture.update(last)
-                save(picture.figure, path)
-        finally:
-            picture.close()
+        picture.lay_out(last)
+        if request.animate:
+            write_animation(path, _each(picture, results, files, request.progress), request.rate)
+        else:
+            picture.update(last)
+            save(picture.figure, path)
         notes = picture.notes
         if request.animate and len(files) < len(results.series):
             notes.append(f"the animation shows {len(files)} of {len(results.series)} archives")
         return notes
 
     return draw
+
+
+def _file(results: Results, request: Request) -> Path:
+    """The archive asked for, or the last."""
+    if request.time is not None:
+        return results.path_at(request.time)
+    return results.path_of(-1 if request.frame is None else request.frame)
+
+
+def _usual(results: Results, frame: Frame) -> tuple[str, ...]:
+    return DEFAULTS_ON_A_LINE if results.dimensions(frame) == 1 else DEFAULTS
 
 
 def _thinned(files: list[Path]) -> list[Path]:
@@ -250,16 +263,17 @@ def _picture(
 ) -> ParticlePicture:
     palette = Palette(results, coloring, extent, request.limits)
     d = results.dimensions(frame)
+    if d < 3 and request.section is not None:
+        raise PictureError(f"a section needs three dimensions, and there are {d}")
     if d == 1:
         return LinePicture(results, palette, extent)
     if d == 2:
         return PlanePicture(results, palette, extent)
-    reason = why_not()
-    if reason is None:
+    if request.section is None:
         return SpacePicture(results, palette, extent, request.view)
-    picture = ProjectedPicture(results, palette, extent, request.view)
-    picture.notes.append(reason)
-    return picture
+    axis, asked = request.section
+    position = place_of_section(frame, extent, axis, asked)
+    return SectionPicture(results, palette, extent, axis, position)
 
 
 def _each(
@@ -276,6 +290,7 @@ def _write_script(results: Results, request: Request) -> Path:
     path = request.output or default_path(results)
     if path.is_dir() or path.suffix.lower() != ".py":
         path = path / default_path(results).name
-    text = paraview_script(results, results.frame(results.path_of(-1)), request.color)
-    write_bytes(path, text.encode())
+    frame = results.frame(_file(results, request))
+    coloring = find_coloring(request.color, frame, _usual(results, frame))
+    write_bytes(path, paraview_script(results, frame, coloring, request.limits, request.view).encode())
     return path

@@ -1,109 +1,211 @@
-"""Particles in space as lit spheres, drawn off-screen by pyvista where it is installed and can draw."""
+"""Particles of three dimensions: their deformed domains seen from a side, or cut by a plane."""
 
 from __future__ import annotations
 
-import importlib.util
-import os
-import subprocess
-import sys
-from functools import cache
+import itertools
+import math
 from typing import Any
 
 import numpy as np
 
-from mpmcli.output.results import Frame, Results
-from mpmcli.study.pictures.drawing import new_figure
-from mpmcli.study.pictures.particles import Extent, Palette, ParticlePicture, directions, draw_axes
-from mpmcli.study.pictures.quantities import domains_of
-
-WINDOW = (1000, 800)
-PATIENCE = 60.0
-"""Seconds after which a trial picture counts as failed."""
-TRIAL = """
-import pyvista
-plotter = pyvista.Plotter(off_screen=True, window_size=(64, 64))
-plotter.add_mesh(pyvista.Sphere(), color="red")
-picture = plotter.screenshot(return_img=True)
-raise SystemExit(0 if picture.std() > 1 else 1)
-"""
-NOT_INSTALLED = "pyvista is not installed, so particles are drawn as discs; for spheres: pip install pyvista"
-CANNOT_DRAW = (
-    "pyvista cannot draw on this system, so particles are drawn as discs; without a screen it needs a software "
-    "renderer (on Debian and Ubuntu the packages libegl1 and libgl1-mesa-dri)"
+from mpmcli.output.results import Frame, Results, with_unit
+from mpmcli.study.pictures.errors import PictureError
+from mpmcli.study.pictures.extent import Extent
+from mpmcli.study.pictures.particles import (
+    Palette,
+    ParticlePicture,
+    PlanePicture,
+    figure_of,
+    polygons_of,
+    show_polygons,
 )
 
+Array = np.ndarray
 
-@cache
-def why_not() -> str | None:
-    """Why pyvista cannot draw here, in words; None if it can.
-
-    The trial is another process: a system without a renderer may end the process that asks it to draw.
-    """
-    if importlib.util.find_spec("pyvista") is None:
-        return NOT_INSTALLED
-    if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
-        # without a screen vtk would ask for one first, and complain
-        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
-    try:
-        trial = subprocess.run([sys.executable, "-c", TRIAL], capture_output=True, timeout=PATIENCE)
-    except (OSError, subprocess.TimeoutExpired):
-        return CANNOT_DRAW
-    return None if trial.returncode == 0 else CANNOT_DRAW
+VIEWS = {"iso": (-60.0, 25.0), "xy": (0.0, 90.0), "xz": (0.0, 0.0), "yz": (90.0, 0.0)}
+"""Directions from which space is seen: turn about z and height above the plane of x and y, in degrees."""
+LIGHT = np.array([-0.35, 0.55, 0.76])
+"""Where the light comes from: to the right, up, towards the eye."""
+SHADE = 0.7
+"""Brightness of faces that the light does not reach."""
+CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+"""(8, 3) corners of a cube."""
+BARS = np.array(
+    [(i, j) for i, j in itertools.combinations(range(8), 2) if np.abs(CORNERS[i] - CORNERS[j]).sum() == 2]
+)
+"""(12, 2) the corners at the ends of its edges."""
 
 
 class SpacePicture(ParticlePicture):
-    """Particles as spheres of their size; title, colours and names are drawn around them by matplotlib."""
+    """Domains of particles in parallel projection: three faces of each, the nearest drawn last."""
 
     def __init__(self, results: Results, palette: Palette, extent: Extent, view: str = "iso"):
         super().__init__(results, palette, extent)
-        import pyvista
-
-        self._pyvista = pyvista
-        across, up, towards = directions(view)
-        centre = 0.5 * (extent.lower + extent.upper)
-        reach = 0.55 * float(np.linalg.norm(extent.upper - extent.lower)) or 0.5
-        self.plotter = pyvista.Plotter(off_screen=True, window_size=WINDOW)
-        self.plotter.set_background("white")
-        camera = self.plotter.camera
-        camera.parallel_projection = True
-        camera.focal_point, camera.position = tuple(centre), tuple(centre + 4.0 * reach * towards)
-        camera.up = tuple(up)
-        corners = (
-            np.array(np.meshgrid(*zip(extent.lower, extent.upper, strict=True))).reshape(3, -1).T - centre
-        )
-        half_width, half_height = np.abs(corners @ across).max(), np.abs(corners @ up).max()
-        self._scale = 1.08 * max(half_height, half_width * WINDOW[1] / WINDOW[0]) or 0.5
-        camera.parallel_scale = self._scale
-        self._cloud: Any = None
-        self.figure = new_figure(9.0, 6.6)
-        self.axes = self.figure.add_subplot()
-        self.axes.set_axis_off()
-        palette.explain(self.figure, self.axes, is_wide=False)
-        self._image = self.axes.imshow(np.full((WINDOW[1], WINDOW[0], 3), 255, dtype=np.uint8))
-        draw_axes(self.axes, (across, up, towards))
+        self._view = directions(view)
+        centre, half = 0.5 * (extent.lower + extent.upper), 0.5 * (extent.upper - extent.lower)
+        limits = []
+        for direction in self._view[:2]:
+            reach = 1.04 * float(np.abs(direction) @ half) or 0.5
+            limits.append((float(direction @ centre) - reach, float(direction @ centre) + reach))
+        self.figure, self.axes, is_wide = figure_of(limits[0], limits[1], is_framed=view != "iso")
+        if view == "iso":
+            draw_axes(self.axes, self._view)
+        else:
+            across, up = ("xyz".index(letter) for letter in view)
+            self.axes.set(xlabel=self._length(across), ylabel=self._length(up))
+        palette.explain(self.figure, self.axes, is_wide)
+        self._faces = polygons_of(self.axes)
 
     def update(self, frame: Frame) -> None:
-        kept = self._note_lost(frame)
-        edges = domains_of(self.results, frame).edges[kept]
-        width = 2.0 * float(np.median(np.sqrt((edges**2).sum(axis=(1, 2)) / 3.0))) if len(edges) else 0.0
-        if self._cloud is not None:
-            self.plotter.remove_actor(self._cloud, render=False)
-        if kept.any():
-            points = self._pyvista.PolyData(frame.X[kept])
-            points["colors"] = (self.palette.colors(frame)[kept, :3] * 255).round().astype(np.uint8)
-            self._cloud = self.plotter.add_mesh(
-                points,
-                scalars="colors",
-                rgb=True,
-                style="points",
-                render_points_as_spheres=True,
-                point_size=max(2.0, 1.1 * width * WINDOW[1] / (2.0 * self._scale)),
-                reset_camera=False,
-                render=False,
-            )
-        self.plotter.renderer.reset_camera_clipping_range()
-        self._image.set_data(self.plotter.screenshot(return_img=True))
-        self._set_title(frame)
+        kept = np.flatnonzero(self._note_lost(frame))
+        edges = self._edges(frame)
+        kept = kept[~hidden(frame.X[kept], edges[kept], self._view)]
+        kept = kept[np.argsort(frame.X[kept] @ self._view[2], kind="stable")]
+        faces, light = faces_towards(frame.X[kept], edges[kept], self._view)
+        colors = np.repeat(self.palette.colors(frame)[kept], 3, axis=0)
+        colors[:, :3] *= light.reshape(-1, 1)
+        show_polygons(self._faces, faces.reshape(-1, 4, 2), colors)
+        self._set_time(frame)
 
-    def close(self) -> None:
-        self.plotter.close()
+
+class SectionPicture(PlanePicture):
+    """The domains of particles in space where a plane across an axis cuts them.
+
+    Parameters
+    ----------
+    axis : of the plane's normal
+    position : of the plane on that axis [length]
+    """
+
+    def __init__(self, results: Results, palette: Palette, extent: Extent, axis: int, position: float):
+        self.plane = ((1, 2), (0, 2), (0, 1))[axis]
+        self._axis, self._position = axis, position
+        unit = results.units_of("particles").get("Points", "1")
+        self.section = f"section {'xyz'[axis]} = {with_unit(position, unit)}"
+        super().__init__(results, palette, extent)
+
+    def _polygons(self, frame: Frame, kept: Array) -> tuple[Array, Array]:
+        owners = np.flatnonzero(kept)
+        polygons, is_cut = sections(frame.X[owners], self._edges(frame)[owners], self._axis, self._position)
+        return polygons, owners[is_cut]
+
+
+def place_of_section(frame: Frame, extent: Extent, axis: int, position: float | None) -> float:
+    """Where a plane across an axis cuts particles: as asked for, else through the particle nearest to the middle.
+
+    Raises
+    ------
+    PictureError
+        If it lies beyond all particles.
+    """
+    low, high = float(extent.lower[axis]), float(extent.upper[axis])
+    if position is None:
+        places = frame.X[np.isfinite(frame.X).all(axis=1), axis]
+        middle = 0.5 * (low + high)
+        return float(places[np.abs(places - middle).argmin()]) if len(places) else middle
+    if not low <= position <= high:
+        raise PictureError(
+            f"the plane {'xyz'[axis]} = {position:g} cuts no particle: they reach from {low:.4g} to {high:.4g}"
+        )
+    return position
+
+
+def sections(X: Array, edges: Array, axis: int, position: float) -> tuple[Array, Array]:
+    """Where a plane across an axis cuts parallelepipeds.
+
+    Parameters
+    ----------
+    X : (N, 3) centres
+    edges : (N, 3, 3) half-edges, the last index says which
+
+    Returns
+    -------
+    polygons : (n, 12, 2) corners around each section, some of them several times
+    is_cut : (N,) whether the plane cuts it; of neighbours that both touch the plane one does
+    """
+    height = edges[:, axis, :]
+    is_cut = np.abs(X[:, axis] - position) <= np.abs(height).sum(axis=1)
+    corners = X[is_cut, None, :] + np.einsum("pia,ca->pci", edges[is_cut], CORNERS)
+    above = corners[:, :, axis] - position
+    begin, end = above[:, BARS[:, 0]], above[:, BARS[:, 1]]
+    crosses = (begin < 0.0) != (end < 0.0)
+    share = np.divide(begin, begin - end, out=np.zeros_like(begin), where=crosses)
+    plane = np.delete(corners, axis, axis=2)
+    first, last = plane[:, BARS[:, 0]], plane[:, BARS[:, 1]]
+    points = first + share[:, :, None] * (last - first)
+    found = crosses.any(axis=1)
+    is_cut[is_cut] = found
+    points, crosses = points[found], crosses[found]
+    middle = (points * crosses[:, :, None]).sum(axis=1) / crosses.sum(axis=1)[:, None]
+    offset = points - middle[:, None, :]
+    angle = np.where(crosses, np.arctan2(offset[:, :, 1], offset[:, :, 0]), np.inf)
+    order = np.argsort(angle, axis=1)
+    points = np.take_along_axis(points, order[:, :, None], axis=1)
+    crosses = np.take_along_axis(crosses, order, axis=1)
+    return np.where(crosses[:, :, None], points, points[:, :1]), is_cut
+
+
+def faces_towards(X: Array, edges: Array, view: tuple[Array, Array, Array]) -> tuple[Array, Array]:
+    """The faces of parallelepipeds that are turned to the eye.
+
+    Returns
+    -------
+    faces : (N, 3, 4, 2) corners, to the right and up
+    light : (N, 3) how much of the light each gives back
+    """
+    screen, towards = np.stack(view[:2], axis=1), view[2]
+    source = np.stack(view, axis=1) @ (LIGHT / np.linalg.norm(LIGHT))
+    faces, light = np.empty((len(X), 3, 4, 2)), np.empty((len(X), 3))
+    for axis in range(3):
+        out, first, second = (edges[:, :, (axis + turn) % 3] for turn in range(3))
+        normal = np.cross(first, second)
+        length = np.linalg.norm(normal, axis=1)
+        normal = np.divide(normal, length[:, None], out=np.zeros_like(normal), where=length[:, None] > 0.0)
+        normal *= np.where(normal @ towards < 0.0, -1.0, 1.0)[:, None]
+        side = np.where((normal * out).sum(axis=1) < 0.0, -1.0, 1.0)[:, None]
+        corners = [X + side * out + i * first + j * second for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        faces[:, axis] = np.stack(corners, axis=1) @ screen
+        light[:, axis] = SHADE + (1.0 - SHADE) * np.maximum(normal @ source, 0.0)
+    return faces, light
+
+
+def hidden(X: Array, edges: Array, view: tuple[Array, Array, Array]) -> Array:
+    """(N,) whether others certainly stand before a particle: two sizes nearer, in its pixel and all around it."""
+    if not len(X):
+        return np.zeros(0, dtype=bool)
+    across, up, depth = (X @ direction for direction in view)
+    size = 2.0 * float(np.median(np.sqrt((edges**2).sum(axis=(1, 2)) / 3.0)))
+    if not size > 0.0 or (np.ptp(across) / size + 3) * (np.ptp(up) / size + 3) > 100 * len(X):
+        return np.zeros(len(X), dtype=bool)
+    i = ((across - across.min()) / size).astype(int) + 1
+    j = ((up - up.min()) / size).astype(int) + 1
+    nearest = np.full((i.max() + 2, j.max() + 2), -np.inf)
+    np.maximum.at(nearest, (i, j), depth)
+    around = np.min([nearest[i + a, j + b] for a, b in itertools.product((-1, 0, 1), repeat=2)], axis=0)
+    return around > depth + 3.0 * size
+
+
+def directions(view: str) -> tuple[Array, Array, Array]:
+    """Unit vectors of a view: to the right, up, and towards the eye."""
+    if view not in VIEWS:
+        raise PictureError(f"there is no view '{view}' ({', '.join(VIEWS)})")
+    turn, height = (math.radians(angle) for angle in VIEWS[view])
+    if view == "iso":
+        towards = np.array(
+            [math.cos(height) * math.cos(turn), math.cos(height) * math.sin(turn), math.sin(height)]
+        )
+        across = np.array([-math.sin(turn), math.cos(turn), 0.0])
+        return across, np.cross(towards, across), towards
+    across, up = np.eye(3)["xyz".index(view[0])], np.eye(3)["xyz".index(view[1])]
+    return across, up, np.cross(across, up)
+
+
+def draw_axes(axes: Any, view: tuple[Array, Array, Array]) -> None:
+    """The directions of x, y and z in a corner."""
+    for axis, (letter, color) in enumerate(zip("xyz", ("C3", "C2", "C0"), strict=True)):
+        tip = np.array([view[0][axis], view[1][axis]]) * 34.0
+        base = {"xy": (0.08, 0.08), "xycoords": "axes fraction", "textcoords": "offset points"}
+        arrow = {"arrowstyle": "<-", "color": color, "shrinkA": 0.0, "shrinkB": 0.0}
+        axes.annotate(
+            letter, xytext=tuple(tip), arrowprops=arrow, color=color, ha="center", va="center", **base
+        )

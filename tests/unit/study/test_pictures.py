@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from types import SimpleNamespace
-from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -15,26 +13,15 @@ from PIL import Image
 from mpmcli.cli import plot_command
 from mpmcli.core.errors import ArchiveError, RequestError
 from mpmcli.output.files import PICTURE, PLOTS, drawn_files, remove_results
-from mpmcli.output.results import Results
-from mpmcli.study.pictures import Request, animation, plot, space
-from mpmcli.study.pictures.curves import SUBJECTS, draw_panels, parts_of, subject_panels
-from mpmcli.study.pictures.drawing import drawing, wrapped
+from mpmcli.output.results import Frame, Results
+from mpmcli.study.pictures import Request, animation, plot
+from mpmcli.study.pictures.curves import SUBJECTS, abscissa, draw_panels, parts_of, subject_panels
+from mpmcli.study.pictures.drawing import drawing
 from mpmcli.study.pictures.errors import PictureError
-from mpmcli.study.pictures.particles import (
-    GREY,
-    Extent,
-    LinePicture,
-    Palette,
-    PlanePicture,
-    directions,
-)
+from mpmcli.study.pictures.extent import Extent, color_range
+from mpmcli.study.pictures.particles import GREY, LinePicture, Palette, PlanePicture
 from mpmcli.study.pictures.quantities import colorings, domains_of, find_coloring
 from mpmcli.study.pictures.request import PARTICLES, WHAT
-
-
-@pytest.fixture(autouse=True)
-def _no_pyvista(monkeypatch):
-    monkeypatch.setattr("mpmcli.study.pictures.request.why_not", lambda: space.NOT_INSTALLED)
 
 
 def colors_of(path):
@@ -85,7 +72,7 @@ def test_energies_and_last_particles_without_options(make_results, d):
     rows, columns, _ = colors_of(paths[1]).shape
     assert 300 < rows < 1300
     assert 700 < columns < 1300
-    assert notes == ([space.NOT_INSTALLED] if d == 3 else [])
+    assert notes == []
     assert sorted(path.name for path in paths[0].parent.iterdir()) == ["energies.png", "particles.png"]
 
 
@@ -180,6 +167,35 @@ def test_columns_by_name_from_all_tables(make_results, tmp_path):
         plot(directory, Request(columns=("momentun_x",)))
 
 
+def test_columns_over_another_one(make_results):
+    directory = make_results()
+    results = Results(directory)
+    over = abscissa(results, "reaction_x[base]")
+    with drawing():
+        figure = draw_panels(subject_panels(results, "energies"), results, over)
+    line = figure.axes[0].lines[0]
+    np.testing.assert_allclose(line.get_xdata(), 5 * results.globals.time)
+    np.testing.assert_allclose(line.get_ydata(), results["kinetic_energy"])
+    assert figure.axes[-1].get_xlabel() == "reaction x[base] [N]"
+    (path,), _ = plot(directory, Request(columns=("momentum_x",), over="contact_nodes"))
+    colors_of(path)
+
+
+def test_columns_of_tables_with_other_times_meet_in_between(make_results):
+    directory = make_results()
+    rows = ["step,time,velocity_x", "0,0.05,1", "1,0.55,6", "2,1.5,8"]
+    (directory / "probes" / "tip.csv").write_text("\n".join(rows) + "\n")
+    results = Results(directory)
+    energy = abscissa(results, "stress_work")
+    np.testing.assert_allclose(energy.at(results.table("probes/tip.csv")), [0.05, 0.55, np.nan])
+    (directory / "probes" / "end.csv").write_text("\n".join(rows) + "\n")
+    with pytest.raises(
+        PictureError, match="several probes have a column 'velocity_x': choose end:velocity_x"
+    ):
+        abscissa(Results(directory), "velocity_x")
+    assert abscissa(Results(directory), "tip:velocity_x").table.name == "probes/tip.csv"
+
+
 def test_everything_there_is(make_results, tmp_path):
     paths, _ = plot(make_results(), Request(what=("all",), output=tmp_path / "all"))
     names = ["energies", "stresses", "reactions", "momentum", "contact", "probe_tip", "particles"]
@@ -201,7 +217,8 @@ def test_domains_are_deformed_parallelograms(make_results):
     assert picture.notes == []
     assert picture.axes.get_xlabel() == "x [mm]"
     assert picture.axes.get_ylabel() == "y [mm]"
-    assert picture.axes.get_title("left") == "Two blocks for 5 $ and 3 $\ntime 1 ms"
+    assert picture.figure.get_suptitle() == "Two blocks for 5 $ and 3 $"
+    assert picture.axes.get_title("left") == "time 1 ms"
     assert picture.figure.axes[1].get_ylabel() == "von_mises [MPa]"
 
 
@@ -279,6 +296,55 @@ def test_signed_numbers_are_centred_on_zero(make_results):
     assert picture.palette.norm.vmin == -picture.palette.norm.vmax < 0
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_few_extreme_particles_do_not_flatten_the_colours(make_results, sign):
+    results = Results(make_results(count=20))
+    frame = results.frame(results.path_of(-1))
+    frame.arrays["stress"].setflags(write=True)
+    frame.arrays["stress"][:, 0] = sign * np.linspace(1.0, 2.0, frame.count)
+    frame.arrays["stress"][:3, 0] = sign * 1e6
+    coloring = find_coloring("stress_xx", frame)
+    extent = Extent.of([frame], coloring, results)
+    low, high = sorted(abs(end) for end in color_range(extent))
+    assert 1.0 < low < 1.02
+    assert 1.98 < high < 2.0
+    with drawing():
+        picture = PlanePicture(results, Palette(results, coloring, extent), extent)
+    (bar,) = [axes for axes in picture.figure.axes if axes is not picture.axes]
+    assert bar._colorbar.extend == "both"
+
+
+@pytest.mark.parametrize(
+    ("values", "limits"),
+    [
+        ([0.0] * 500 + [3.0], (0.0, 3.0)),  # nearly all are alike: all numbers
+        ([81.65, 81.65 * (1 + 1e-8)], (77.5675, 85.7325)),  # round-off is no range
+        ([0.0, 0.0], (-0.5, 0.5)),
+        ([-1.0, 4.0], (-4.0, 4.0)),
+        ([np.nan, np.inf], (0.0, 1.0)),
+    ],
+)
+def test_range_of_colours_in_special_cases(make_results, values, limits):
+    results = Results(make_results())
+    count = len(values)
+    frame = Frame(0.0, np.zeros((count, 3)), {"T": np.array(values)}, {})
+    low, high = color_range(Extent.of([frame], find_coloring("T", frame), results))
+    assert (low, high) == pytest.approx(limits, rel=0.03)
+
+
+def test_a_line_of_particles_shows_all_numbers(make_results):
+    results = Results(make_results(1, count=300))
+    frame = results.frame(results.path_of(-1))
+    frame.arrays["stress"].setflags(write=True)
+    frame.arrays["stress"][0, 0] = 1e4
+    coloring = find_coloring("stress_xx", frame)
+    extent = Extent.of([frame], coloring, results)
+    for limits, top in ((None, 1e4), ((0.0, 5.0), 5.0)):
+        with drawing():
+            picture = LinePicture(results, Palette(results, coloring, extent, limits), extent)
+        assert top < picture.axes.get_ylim()[1] < 1.1 * top
+
+
 def test_bodies_have_a_legend_of_their_names_as_written(make_results):
     picture, _ = picture_of(make_results(), color="body")
     (legend,) = picture.figure.legends
@@ -307,21 +373,6 @@ def test_particles_that_are_nowhere_are_left_out_and_said(make_results):
         picture.figure.canvas.draw()
     assert len(picture.axes.collections[0].get_paths()) == 15
     assert picture.notes == ["1 particles have no finite position and are not drawn"]
-
-
-@pytest.mark.parametrize("view", ["iso", "xy", "xz", "yz"])
-def test_views_are_orthonormal_and_right_handed(view):
-    across, up, towards = directions(view)
-    np.testing.assert_allclose([across @ up, across @ towards, up @ towards], 0.0, atol=1e-15)
-    np.testing.assert_allclose(np.cross(across, up), towards, atol=1e-15)
-    assert up[2] > 0 or view == "xy"
-
-
-@pytest.mark.parametrize("view", ["iso", "xz"])
-def test_projection_of_space(make_results, tmp_path, view):
-    (path,), notes = plot(make_results(3), Request(what=("particles",), view=view, output=tmp_path / "a.png"))
-    colors_of(path)
-    assert notes == [space.NOT_INSTALLED]
 
 
 def test_time_and_number_choose_the_archive(make_results):
@@ -400,36 +451,6 @@ def test_mp4_by_ffmpeg(make_results, monkeypatch, tmp_path, fails):
     assert not list(tmp_path.glob("*.part"))
 
 
-# ParaView
-
-
-def test_script_for_paraview_runs_and_names_what_is_there(make_results, monkeypatch):
-    directory = make_results()
-    (path,), notes = plot(directory, Request(paraview=True, color="stress_xy"))
-    assert path == directory / "open_in_paraview.py"
-    assert notes == []
-    simple = MagicMock()
-    simple.__all__ = ["PVDReader", "GetAnimationScene", "GetActiveViewOrCreate", "Show", "ColorBy"]
-    simple.__all__ += ["GetScalarBar", "GetColorTransferFunction", "ResetCamera", "Render"]
-    monkeypatch.setitem(sys.modules, "paraview", SimpleNamespace(simple=simple))
-    monkeypatch.setitem(sys.modules, "paraview.simple", simple)
-    exec(compile(path.read_text(), path.name, "exec"), {})
-    assert Path(simple.PVDReader.call_args.kwargs["FileName"]) == directory / "particles.pvd"
-    assert simple.ColorBy.call_args.args[1] == ("POINTS", "stress", "XY")
-    shown = simple.Show.return_value
-    assert shown.GaussianRadius == pytest.approx(0.275)  # the shorter edge
-    assert simple.GetScalarBar.return_value.Title == "stress [MPa]"
-    assert simple.GetActiveViewOrCreate.return_value.InteractionMode == "2D"
-
-
-def test_script_for_paraview_survives_any_title(make_results):
-    directory = make_results(title='a """quoted""" \\title\n\n@é')
-    (path,), _ = plot(directory, Request(paraview=True))
-    compile(path.read_text(), path.name, "exec")
-    with pytest.raises(PictureError, match="hold no 'pressure'"):
-        plot(directory, Request(paraview=True, color="pressure"))
-
-
 # errors in words
 
 
@@ -448,6 +469,11 @@ def test_script_for_paraview_survives_any_title(make_results):
         (Request(animate="avi"), "'avi' is no kind of animation"),
         (Request(view="front"), "there is no view 'front'"),
         (Request(limits=(1.0, 1.0)), "must be below"),
+        (Request(section=(2, None)), "a section needs three dimensions, and there are 2"),
+        (Request(section=(2, None), view="xy"), "leave out the view"),
+        (Request(over="contact_node", columns=("momentum_x",)), "did you mean 'contact_nodes'?"),
+        (Request(over="time"), "no columns to draw over another"),
+        (Request(over="time", what=("particles",)), "no columns to draw over another"),
         (Request(what=("energie",)), "there is no picture 'energie'; did you mean 'energies'?"),
         (Request(what=("strains",)), "has no columns about strains"),
         (Request(output=Path("x.png")), "is one file, and 2 are asked for"),
@@ -503,24 +529,5 @@ def test_without_matplotlib(make_results, monkeypatch):
         plot(make_results())
 
 
-@pytest.mark.parametrize(
-    ("code", "reason"), [("raise SystemExit(0)", None), ("import os; os.abort()", "cannot draw")]
-)
-def test_trial_of_pyvista_in_another_process(monkeypatch, code, reason):
-    monkeypatch.setattr(space, "TRIAL", code)
-    monkeypatch.setattr(space.importlib.util, "find_spec", lambda name: object())
-    monkeypatch.setenv("DISPLAY", ":0")
-    space.why_not.cache_clear()
-    found = space.why_not()
-    space.why_not.cache_clear()
-    assert found is None if reason is None else reason in found
-
-
 def test_words_of_the_command_are_those_of_the_study():
     assert plot_command.WHAT == WHAT
-
-
-def test_titles_take_two_lines_at_most():
-    text = wrapped("many words " * 50, 4.0, 9)
-    assert len(text.splitlines()) == 2
-    assert max(map(len, text.splitlines())) <= 60

@@ -1,0 +1,117 @@
+"""Words and numbers of pictures: ticks do not collide, titles are one line within the picture."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from mpmcli.output.results import Frame, Results
+from mpmcli.study.pictures.curves import column_panels, draw_panels
+from mpmcli.study.pictures.drawing import drawing, new_figure, write_title
+from mpmcli.study.pictures.extent import Extent
+from mpmcli.study.pictures.particles import LinePicture, Palette, PlanePicture
+from mpmcli.study.pictures.quantities import find_coloring
+from mpmcli.study.pictures.space import SpacePicture
+
+LONG = "A title of many words that tells what the scene is about, where it comes from, and more than fits in a line"
+
+
+def assert_readable(figure):
+    """No numbers of an axis lie on each other, and no words stand beyond the picture."""
+    figure.canvas.draw()
+    renderer, frame = figure.canvas.get_renderer(), figure.bbox
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            shown = [
+                label
+                for place, label in zip(axis.get_ticklocs(), axis.get_ticklabels(), strict=False)
+                if low <= place <= high and label.get_text() and label.get_visible() and axes.axison
+            ]
+            boxes = [label.get_window_extent(renderer) for label in shown]
+            for first, second in itertools.pairwise(boxes):
+                assert not first.overlaps(second), [label.get_text() for label in shown]
+            for box in boxes:
+                assert frame.x0 - 1 <= box.x0
+                assert box.x1 <= frame.x1 + 1
+    title = figure._suptitle
+    box = title.get_window_extent(renderer)
+    assert 0.0 <= box.x0
+    assert box.x1 <= frame.x1
+    assert "\n" not in title.get_text()
+    for axes in figure.axes:
+        box = axes.title.get_window_extent(renderer)
+        assert not axes.title.get_text() or box.x1 <= frame.x1
+
+
+def frame_of(box, offset, numbers):
+    """Particles in the corners of a box, and a few numbers of theirs."""
+    corners = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
+    X = offset + np.array(box) * corners
+    return Frame(1.23456789e-7, X, {"T": np.linspace(*numbers, 8)}, {})
+
+
+@pytest.mark.parametrize(
+    ("box", "numbers"),
+    [
+        ((1, 1, 1), (0, 0.123456)),
+        ((40, 1, 1), (-1e-9, 2e-9)),
+        ((1, 40, 1), (99999.5, 100000.5)),
+        ((1e-6, 3e-5, 1e-5), (1e12, 3e12)),
+        ((1.3e7, 9e6, 1e6), (-12345.678, -12345.0)),
+    ],
+)
+@pytest.mark.parametrize("d", [1, 2, 3])
+def test_pictures_of_particles(make_results, d, box, numbers):
+    results = Results(make_results(d, title=LONG))
+    frame = frame_of(box, 0.0, numbers)
+    coloring = find_coloring("T", frame)
+    extent = Extent.of([frame], coloring, results)
+    with drawing():
+        kind = {1: LinePicture, 2: PlanePicture, 3: SpacePicture}[d]
+        picture = kind(results, Palette(results, coloring, extent), extent)
+        picture.lay_out(frame)
+        picture.update(frame)
+        assert_readable(picture.figure)
+
+
+@pytest.mark.parametrize("offset", [1e6, -12345.678])
+def test_pictures_far_from_the_origin(make_results, offset):
+    results = Results(make_results())
+    frame = frame_of((1, 1, 0), offset, (0, 1))
+    coloring = find_coloring("T", frame)
+    extent = Extent.of([frame], coloring, results)
+    with drawing():
+        picture = PlanePicture(results, Palette(results, coloring, extent), extent)
+        picture.lay_out(frame)
+        assert_readable(picture.figure)
+
+
+@pytest.mark.parametrize(("scale", "end"), [(1e-9, 0.32), (1.0, 12345678.0), (1e15, 1e-7)])
+def test_pictures_of_tables(make_results, scale, end):
+    directory = make_results(title=LONG)
+    rows = "".join(f"{i},{end * i / 10!r},{-scale * i!r},{scale * (99999 + 1e-3 * i)!r}\n" for i in range(11))
+    (directory / "globals.csv").write_text(f"step,time,momentum_x,mass\n{rows}")
+    results = Results(directory)
+    with drawing():
+        assert_readable(draw_panels(column_panels(results, ("momentum_x", "mass")), results))
+
+
+@pytest.mark.parametrize("width", [2.5, 4.0, 9.0])
+@pytest.mark.parametrize("text", ["short", LONG, LONG * 4, "x" * 300, "two\nlines", ""])
+def test_titles_are_one_line_of_any_length(text, width):
+    with drawing():
+        figure = new_figure(width, 2.0)
+        write_title(figure, text)
+        figure.canvas.draw()
+        title = figure._suptitle
+        box = title.get_window_extent(figure.canvas.get_renderer())
+    assert box.x1 <= figure.bbox.x1
+    assert title.get_fontsize() >= 7.0
+    shown = title.get_text()
+    assert "\n" not in shown
+    assert shown == " ".join(text.split()) or shown.endswith("…")
+    if len(text) > 100:
+        assert box.x1 > 0.6 * figure.bbox.x1  # no more is cut than need be
