@@ -101,11 +101,16 @@ def write_title(figure: Any, text: str, size: float = 10.0) -> None:
 
 
 def space_ticks(axis: Any, inches: float) -> None:
-    """As many ticks as an axis of a length has room for; large and small numbers share a power of ten."""
-    from matplotlib.ticker import MaxNLocator, ScalarFormatter
+    """As many ticks as an axis of fixed limits has room for; large and small numbers share a power of ten."""
+    from matplotlib.ticker import FixedLocator, MaxNLocator, ScalarFormatter
 
     room = 0.6 if axis.axis_name == "x" else 0.3
-    axis.set_major_locator(MaxNLocator(nbins=max(1, min(9, int(inches / room))), steps=[1, 2, 2.5, 5, 10]))
+    locator = MaxNLocator(nbins=max(2, min(9, int(inches / room))), steps=[1, 2, 2.5, 5, 10])
+    if inches < 1.5 * room:  # there is room for one only
+        low, high = sorted(axis.get_view_interval())
+        inside = [place for place in locator.tick_values(low, high) if low < place < high]
+        locator = FixedLocator(inside[len(inside) // 2 :][:1])
+    axis.set_major_locator(locator)
     formatter = ScalarFormatter()
     formatter.set_powerlimits((-3, 5))
     axis.set_major_formatter(formatter)

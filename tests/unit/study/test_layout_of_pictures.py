@@ -9,7 +9,7 @@ import pytest
 
 from mpmcli.output.results import Frame, Results
 from mpmcli.study.pictures.curves import column_panels, draw_panels
-from mpmcli.study.pictures.drawing import drawing, new_figure, write_title
+from mpmcli.study.pictures.drawing import drawing, new_figure, space_ticks, write_title
 from mpmcli.study.pictures.extent import Extent
 from mpmcli.study.pictures.particles import LinePicture, Palette, PlanePicture
 from mpmcli.study.pictures.quantities import find_coloring
@@ -44,6 +44,28 @@ def assert_readable(figure):
     for axes in figure.axes:
         box = axes.title.get_window_extent(renderer)
         assert not axes.title.get_text() or box.x1 <= frame.x1
+
+
+@pytest.mark.parametrize("inches", [0.4, 0.8, 1.6, 3.0, 7.0])
+def test_ticks_of_axes_of_any_length(inches):
+    """Those of matplotlib collide for half of these."""
+    spans = [(0, 1), (0, 1.2e-4), (1000, 3), (12345, 1), (0, 1e5), (-2e-5, 5e-5), (99999.5, 1), (-7e4, 1e5)]
+    with drawing():
+        figure = new_figure(inches + 2.0, 2.0 * len(spans))
+        figure.set_layout_engine("none")
+        write_title(figure, "ticks")
+        for number, (low, width) in enumerate(spans):
+            share = (
+                1.0 / (inches + 2.0),
+                (number + 0.4) / len(spans),
+                inches / (inches + 2.0),
+                0.7 / len(spans),
+            )
+            axes = figure.add_axes(share)
+            axes.set(xlim=(low, low + width), ylim=(low, low + width))
+            space_ticks(axes.xaxis, inches)
+            space_ticks(axes.yaxis, 1.4)
+        assert_readable(figure)
 
 
 def frame_of(box, offset, numbers):
