@@ -75,6 +75,8 @@ class State:
     strain_energy_density : function giving the stored energy per initial volume, (N,)
     grid : the grid, or None before the first step
     contact : contact, or None if the scene has none
+    X0 : (d, N) positions at time 0 by identity, of all particles that there were; only where displacements are
+        written [length]
     rigid : indices of the rigid bodies, which count in no sum over the matter of the scene
     extra : further columns by name, e.g. ``deleted_mass``
     """
@@ -93,5 +95,6 @@ class State:
     reactions: dict[str, np.ndarray] = field(default_factory=dict)
     grid: GridView | None = None
     contact: ContactView | None = None
+    X0: np.ndarray | None = None
     rigid: tuple[int, ...] = ()
     extra: dict[str, float] = field(default_factory=dict)

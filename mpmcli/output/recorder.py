@@ -229,7 +229,8 @@ class Recorder:
         from mpmcli.output.vtu import VtuWriter, write_particles
 
         path = self.directory / FAILED
-        fields = resolve_fields([*ALWAYS, *FAILED_FIELDS], self.context)
+        displacement = () if state.X0 is None else ("displacement",)
+        fields = resolve_fields([*ALWAYS, *displacement, *FAILED_FIELDS], self.context)
         with np.errstate(all="ignore"):
             write_particles(VtuWriter("float64"), path, Snapshot(state), fields)
         return path

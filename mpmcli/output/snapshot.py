@@ -39,6 +39,13 @@ class Snapshot:
         """Indices that sort the particles by identity, shape (N,)."""
         return np.argsort(self.particles.id, kind="stable")
 
+    @property
+    def displacement(self) -> Array:
+        """Position minus that at time 0, shape (d, N) [length]; the state has to know the latter."""
+        if self.state.X0 is None:
+            raise ValueError("the state does not know the positions at time 0")
+        return self.particles.X - self.state.X0[:, self.particles.id]
+
     @cached_property
     def J(self) -> Array:
         """Relative volume det F, shape (N,) [-]."""

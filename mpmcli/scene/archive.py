@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
@@ -50,7 +51,7 @@ class ParticleArchive(Model):
 
     every: PositiveTime  # type: ignore[valid-type]
     """Time between files."""
-    fields: tuple[Column, ...] = ("velocity", "stress")
+    fields: tuple[Column, ...] = ("displacement", "velocity", "stress", "deformation_gradient")
     """Quantities to write, besides position, identity, body and material."""
     precision: Literal["float32", "float64"] = "float32"
     """Precision of the numbers."""
@@ -137,3 +138,9 @@ class PointProbe(Model):
 
 
 Probe = Annotated[ParticleProbe | PointProbe, Field(discriminator="kind")]
+
+
+def shows(archive: Archive, probes: Iterable[Any], field: str) -> bool:
+    """Return whether archives of particles or probes that follow one have a field."""
+    asked = () if archive.particles is None else archive.particles.fields
+    return field in asked or any(probe.kind == "particle" and field in probe.columns for probe in probes)

@@ -106,7 +106,7 @@ class Fmpm(Periodic):
     """FMPM(k): velocities by an approximate full mass matrix of order k [nairn2021]."""
 
     kind: Literal["fmpm"]
-    order: int = Field(default=2, ge=1, le=MAX_ORDER)
+    order: int = Field(default=4, ge=1, le=MAX_ORDER)
     """Order k; 1 is PIC. With ``dynamic`` the largest order."""
     alpha: Alpha = 0.5  # type: ignore[valid-type]
     """Weight α of the acceleration in the position update [nairn2026, Eq. 7]."""
@@ -181,7 +181,7 @@ class TimeSpan(Model):
 
     end: PositiveTime  # type: ignore[valid-type]
     """The run ends with the first step at or past this time."""
-    courant: Courant | None = 0.4
+    courant: Courant | None = 0.2
     """Courant number: step over the time in which the fastest wave crosses a cell; ``auto`` chooses a stable one."""
     step: PositiveTime | None = None  # type: ignore[valid-type]
     """A fixed time step, instead of a Courant number."""

@@ -84,7 +84,7 @@ def explain(
     contact = ContactChoice(scene, plan)
     dense |= contact.nodal_arrays(grid)
     particle_bytes = sum(array.nbytes for array in particles.arrays().values())
-    particle_bytes += contact.particle_bytes(particles)
+    particle_bytes += contact.particle_bytes(particles) + plan.shows_displacement * particles.X.nbytes
     if plan.stores_weights:
         kept = kept_as(plan.shape.parameters).columns(grid.width, grid.dimensions)
         particle_bytes += particles.count * 8 * (1 + kept)

@@ -11,6 +11,7 @@ from mpmcli.core.analysis import ANALYSES, Analysis
 from mpmcli.core.grid import Grid
 from mpmcli.core.order import CHUNKS
 from mpmcli.core.variants import STRAIN_UPDATES, TRANSFER_METHODS, StrainUpdate, TransferMethod
+from mpmcli.scene.archive import shows
 from mpmcli.scene.fields import velocity_fields
 from mpmcli.shapes import SHAPES, ShapeEntry
 
@@ -44,6 +45,7 @@ class Plan:
     blend : (order m, fraction α) of blended FMPM, or None
     dynamic : (metric, tolerance) that ends the FMPM loop early, or None
     velocity_gradient : extrapolated velocities carry their gradient
+    shows_displacement : displacements of particles are written
     corrects_filter : the filter of XPIC knows what contact corrects
     """
 
@@ -71,6 +73,7 @@ class Plan:
     blend: tuple[int, float] | None
     dynamic: tuple[str, float] | None
     velocity_gradient: bool
+    shows_displacement: bool
 
     @property
     def is_periodic(self) -> bool:
@@ -159,6 +162,7 @@ def make_plan(scene: Any) -> Plan:
         blend=None if blend is None else (blend.order, float(blend.fraction)),
         dynamic=None if dynamic is None else (dynamic.metric, float(dynamic.tolerance)),
         velocity_gradient=transfer.velocity_gradient,
+        shows_displacement=shows(scene.archive, scene.probes, "displacement"),
     )
 
 

@@ -128,6 +128,7 @@ class Simulation:
             strain_energy_density=self._strain_energy_density,
             full_ring=full_ring(self.plan),
             grid=view_of_grid(self),
+            X0=self.particles.X[:, np.argsort(self.particles.id)] if self.plan.shows_displacement else None,
             rigid=tuple(i for i, model in enumerate(of_bodies) if model.kind == "rigid"),
         )
         self._used_materials = [i for i in range(len(self.materials)) if np.any(self.particles.material == i)]

@@ -262,6 +262,7 @@ RUN = """
 version: 1
 analysis: {kind: plane_strain}
 grid: {lower: [-2, -2], upper: [2, 2], cell: 0.5}
+method: {transfer: {kind: fmpm, order: 2}}
 materials: {m: {kind: neo_hookean, density: 1, E: 10, nu: 0.3}}
 bodies: [{name: b, material: m, region: {kind: box, lower: [-1, -1], upper: [1, 1]}, velocity: [x, 0]}]
 probes: [{name: middle, kind: particle, body: b, near: [0, 0], every: 0.1}]

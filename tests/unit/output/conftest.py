@@ -50,6 +50,7 @@ def make_state():
             full_ring=2.0 * np.pi if kind == "axisymmetric" else 1.0,
             work={"boundary_work": 0.5, "external_work": 0.25, "damping_work": 0.125},
             reactions={"base": np.arange(1.0, d + 1.0)},
+            X0=random.uniform(0.5, 3.5, (d, count)),
         )
         for name, value in changes.items():
             setattr(state, name, value)

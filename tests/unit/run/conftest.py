@@ -39,6 +39,7 @@ class FakeSimulation:
             materials=["rubber"],
             material_models=[SimpleNamespace(history=())],
             strain_energy_density=lambda: np.zeros(2),
+            X0=particles.X.copy(),
         )
         self.at = loaded.at
         self.timings = {"4 particles": 0.5}

@@ -366,7 +366,7 @@ units: {length: mm, mass: g, time: ms}
 constants: {v: 0.1, T: 1.0, unused: 3, pull: 0.2}
 analysis: {kind: uniaxial_stress}
 grid: {lower: [0], upper: [8], cell: 1}
-method: {shape: linear}
+method: {shape: linear, transfer: {kind: fmpm, order: 2}}
 materials: {soft: {kind: linear_elastic, density: 1, E: 1, nu: 0}}
 bodies:
   - {name: bar, material: soft, region: {kind: box, lower: [2], upper: [5]}, velocity: ["v"]}

@@ -33,11 +33,11 @@ def test_defaults(loaded: LoadedScene) -> None:
     scene = loaded.scene
     assert (scene.method.shape, scene.method.update) == ("lcpdi", "usl")
     transfer = scene.method.transfer
-    assert (transfer.kind, transfer.order, transfer.alpha) == ("fmpm", 2, 0.5)
+    assert (transfer.kind, transfer.order, transfer.alpha) == ("fmpm", 4, 0.5)
     assert scene.method.velocity_conditions == "incremental"
     assert (scene.method.damping.particle, scene.method.damping.grid) == (0.0, 0.0)
     assert scene.method.artificial_viscosity is None
-    assert (scene.time.courant, scene.time.step, scene.time.max_steps) == (0.4, None, None)
+    assert (scene.time.courant, scene.time.step, scene.time.max_steps) == (0.2, None, None)
     assert scene.domain.on_exit == "error"
     assert scene.bodies[0].particles_per_axis == 2
     assert scene.bodies[0].overlap == "error"

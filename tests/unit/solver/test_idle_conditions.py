@@ -11,6 +11,7 @@ SCENE = """\
 version: 1
 analysis: {kind: uniaxial_stress}
 grid: {lower: [0], upper: [20], cell: 1}
+method: {transfer: {kind: fmpm, order: 2}}
 materials: {m: {kind: linear_elastic, density: 1, E: 1, nu: 0}}
 bodies: [{name: bar, material: m, region: {kind: box, lower: [2], upper: [8]}}]
 boundary: [{name: support, kind: velocity, on: {plane: {axis: x, at: AT}}, direction: x, value: 0}]
