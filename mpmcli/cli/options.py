@@ -148,14 +148,16 @@ def check_time_step(loaded: LoadedScene) -> None:
     Raises
     ------
     SceneError
-        If it asks for a Courant number by itself and there is no known limit.
+        If it asks for a Courant number by itself and there is no known limit, or gives one above 1 that is not known to
+        be stable.
     """
     from mpmcli.core.errors import SceneError
     from mpmcli.scene.report import locate, ordered
-    from mpmcli.stability.scene_limit import chosen_courant, warning_of
+    from mpmcli.stability.scene_limit import chosen_courant, refuse_large_courant, warning_of
 
     try:
         chosen_courant(loaded.scene)
+        refuse_large_courant(loaded.scene)
     except SceneError as error:
         raise loaded.locate(error) from None
     warning = warning_of(loaded.scene)

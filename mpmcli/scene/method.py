@@ -22,7 +22,9 @@ from mpmcli.shapes import SHAPES
 Alpha = quantity("1", ge=0, le=1)
 Coefficient = quantity("1", ge=0)
 MAX_ORDER = 100
-_courant: TypeAdapter[Any] = TypeAdapter(quantity("1", gt=0, le=1))
+MAX_COURANT = 2.5
+"""Largest Courant number of a scene; above 1 it must also lie within the stability limit of the scene."""
+_courant: TypeAdapter[Any] = TypeAdapter(quantity("1", gt=0, le=MAX_COURANT))
 
 
 def _read_courant(value: Any, info: ValidationInfo) -> Any:
@@ -34,7 +36,7 @@ Courant = Annotated[
     BeforeValidator(_read_courant),
     WithJsonSchema(
         {
-            "anyOf": [{"type": "number", "exclusiveMinimum": 0, "maximum": 1}, {"type": "string"}],
+            "anyOf": [{"type": "number", "exclusiveMinimum": 0, "maximum": MAX_COURANT}, {"type": "string"}],
             "x-dimension": "1",
         }
     ),
@@ -182,7 +184,10 @@ class TimeSpan(Model):
     end: PositiveTime  # type: ignore[valid-type]
     """The run ends with the first step at or past this time."""
     courant: Courant | None = 0.2
-    """Courant number: step over the time in which the fastest wave crosses a cell; ``auto`` chooses a stable one."""
+    """Courant number: step over the time in which the fastest wave crosses a cell; ``auto`` chooses a stable one.
+
+    Above 1 only where the stability limit of the scene is known and as large.
+    """
     step: PositiveTime | None = None  # type: ignore[valid-type]
     """A fixed time step, instead of a Courant number."""
     max_steps: int | None = Field(default=None, ge=1)

@@ -52,6 +52,8 @@ class TimeStep:
             return self.fixed
         fastest = max(wave_speed, particle_speed)
         dt = self.courant * self.smallest_cell / fastest if fastest > 0.0 else math.inf
+        if self.courant > 1.0 and particle_speed > 0.0:
+            dt = min(dt, self.smallest_cell / particle_speed)  # no particle may pass a whole cell in a step
         if not (0.0 < dt < math.inf):
             raise SimulationError(
                 f"no time step follows from the largest wave speed, {wave_speed:.3g}, the largest particle speed, "

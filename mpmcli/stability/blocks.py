@@ -24,7 +24,7 @@ from mpmcli.stability.speeds import FAST, deformable, start_speeds, swinging_axe
 Array = np.ndarray
 
 LARGEST_COURANT = 1.0
-"""``courant: auto`` is never above it: no particle may pass a whole cell in a step."""
+"""``courant: auto`` is never above it, and a number above it must lie within the stability limit."""
 SPACE = 0.95
 """Limits in space over those in the plane: 0.742/0.783 (FLIP) and 0.463/0.487 (FMPM(4)) for lcpdi and ν = 1/3, found
 once with cubes of 2³ cells, whose eigenvalues take a minute."""
@@ -236,4 +236,6 @@ def swing_of(scene: Any, body: Any) -> Swing | None:
 def _duration(scene: Any, wave_speed: float) -> float:
     """How long the run is at most, in times in which a wave crosses a cell."""
     duration = float(scene.time.end) * wave_speed / float(min(scene.grid.cell))
-    return min(duration, (scene.time.max_steps or math.inf) * LARGEST_COURANT)
+    given = scene.time.courant
+    largest = max(LARGEST_COURANT, given) if isinstance(given, float) else LARGEST_COURANT
+    return min(duration, (scene.time.max_steps or math.inf) * largest)

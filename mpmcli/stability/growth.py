@@ -41,6 +41,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmcli.core.bisection import bisect_limit
+from mpmcli.scene.method import MAX_COURANT
 from mpmcli.stability.lattice import Lattice, stencils
 from mpmcli.stability.linear_step import LinearStep, Scheme, wave_damping
 
@@ -83,7 +84,7 @@ FLIES = 0.1
 SLOWER = 0.7
 """A body that flies is slowed down: each speed by this factor below its own counts too, down to ``FLIES``."""
 RESOLUTION = 0.0025
-LOWEST, HIGHEST = 0.02, 2.5
+LOWEST, HIGHEST = 0.02, MAX_COURANT
 """Courant numbers between which limits are looked for."""
 START = 0.5
 OVERFLOW = 1e120

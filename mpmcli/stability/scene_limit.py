@@ -161,23 +161,43 @@ def _moving(block: Block, scheme: Scheme) -> float:
 
 
 def warning_of(scene: Any) -> Problem | None:
-    """A warning if the scene's Courant number, or its time step, is above the known limit."""
+    """A warning if the scene's Courant number, or its time step, is above the known limit.
+
+    A Courant number above ``LARGEST_COURANT`` is an error unless the limit is known and as large.
+    """
     span = scene.time
     if span.courant == "auto":
         return None
     asked = courant_of_step(scene, span.step) if span.courant is None else float(span.courant)
+    is_large = span.courant is not None and asked > LARGEST_COURANT
     try:
         limit = known_limit(scene, enough=asked)
-    except NoKnownLimit:
-        return None
+    except NoKnownLimit as reason:
+        return _too_large(asked, f"no stability limit is known: {reason}") if is_large else None
+    faster = particles_over_waves(scene)
     if asked <= limit.courant * (1.0 + 1e-9):
-        return None
-    path, what = ("time.step", f"is the Courant number {asked:.3g}") if span.courant is None else (
-        "time.courant", f"{asked:.4g} is"
-    )  # fmt: skip
-    joint = ", which is above" if span.courant is None else " above"
-    words = f"{what}{joint} the stability limit {limit.courant:.3g} ({limit.because}): the run may fail"
-    return Problem(path=path, message=words, code="unstable", severity="warning")
+        words = f"particles, {faster:.3g} times as fast as waves, would cross more than a cell in a step"
+        return _too_large(asked, words) if is_large and faster > 1.0 else None
+    above = f"above the stability limit {limit.courant:.3g} ({limit.because})"
+    if is_large:
+        return _too_large(asked, f"the scene is stable only to {limit.courant:.3g} ({limit.because})")
+    if span.courant is None:
+        path, words = "time.step", f"is the Courant number {asked:.3g}, which is {above}"
+    else:
+        path, words = "time.courant", f"{asked:.4g} is {above}"
+    return Problem(path=path, message=f"{words}: the run may fail", code="unstable", severity="warning")
+
+
+def _too_large(asked: float, because: str) -> Problem:
+    words = f"{asked:.4g} is not possible: above {LARGEST_COURANT:g} a Courant number must be known to be stable, and "
+    return Problem(path="time.courant", message=words + because, code="unstable")
+
+
+def refuse_large_courant(scene: Any) -> None:
+    """Raise SceneError for a Courant number above ``LARGEST_COURANT`` that is not known to be stable."""
+    given = scene.time.courant
+    if isinstance(given, float) and given > LARGEST_COURANT and (problem := warning_of(scene)) is not None:
+        raise SceneError([problem])
 
 
 def courant_of_step(scene: Any, step: float) -> float:

@@ -77,7 +77,7 @@ def loaded(tmp_path):
             artificial_viscosity=None,
             transfer=SimpleNamespace(dynamic=None),
         ),
-        time=SimpleNamespace(end=1.0, max_steps=None),
+        time=SimpleNamespace(end=1.0, courant=0.5, max_steps=None),
         domain=SimpleNamespace(on_exit="error"),
         archive=Archive.model_validate({"particles": {"every": 0.5}, "globals": {"every": 0.1}}),
         probes=(),

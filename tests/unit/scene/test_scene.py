@@ -111,7 +111,7 @@ time: {{end: 1}}
         ("value: 0", "value: log(t)", "boundary.base.value", "no finite value at time 0"),
         ("value: 0", "value: 1/(t*x)", "boundary.base.value", "no finite value at time 0"),
         ("[0, -9.81e-3]", "[0, x]", "loads.weight.acceleration.1", "only t may occur"),
-        ("time: {end: 0.1}", "time: {end: 0.1, courant: 1.5}", "time.courant", "must be at most 1"),
+        ("time: {end: 0.1}", "time: {end: 0.1, courant: 3}", "time.courant", "must be at most 2.5"),
         ("time: {end: 0.1}", "time: {end: 0.1, max_steps: 0}", "time.max_steps", "must be at least 1"),
         ("every: 0.001", "every: 1e-12", "archive.globals.every", "outputs"),
         ("E: 1000", "E: 3 R", "materials.rubber.E", "'3 R' needs a sign between: 3*R"),

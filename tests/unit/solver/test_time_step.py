@@ -59,6 +59,13 @@ def test_the_wave_speed_follows_the_state(block):
     assert run.simulation.state.dt < 0.1 / first
 
 
+def test_no_courant_number_lets_a_particle_cross_more_than_a_cell():
+    step = TimeStep(None, 1.25, smallest_cell=2.0)
+    assert step.choose(10.0, 4.0) == 0.25
+    assert step.choose(10.0, 9.0) == pytest.approx(2.0 / 9.0)
+    assert step.choose(10.0, 40.0) == 0.05
+
+
 def test_a_fixed_step_stays(block):
     run = block(time={"end": 1, "step": 0.004}).steps(3)
     assert run.simulation.state.dt == 0.004

@@ -12,6 +12,7 @@ from mpmcli.cli.main import call
 from mpmcli.cli.options import check_time_step
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.errors import SceneError
+from mpmcli.run.api import run
 from mpmcli.scene.loader import load_scene
 from mpmcli.shapes import SHAPES
 from mpmcli.solver.explain import explain
@@ -30,6 +31,7 @@ from mpmcli.stability.scene_limit import (
     courant_of_waves,
     known_limit,
     predict,
+    refuse_large_courant,
     warning_of,
 )
 from mpmcli.stability.speeds import largest_speed, swinging_axes
@@ -139,6 +141,50 @@ def test_a_step_above_the_limit_is_a_warning():
     above = warning_of(bar(step=0.3))
     assert above.path == "time.step"
     assert "Courant number 0.6, which is above the stability limit 0.522" in above.message
+
+
+B2CPDI = ("method.shape=b2cpdi", "method.transfer={kind: flip}")
+FAST_BAR = "bodies.bar.velocity=['3*sqrt(2/0.5)']"
+UNKNOWN = ("materials.elastic.E=1e-300", "materials.elastic.density=1e100")
+
+
+@pytest.mark.parametrize(
+    ("sets", "courant", "words"),
+    [
+        (B2CPDI, 1.05, None),
+        (B2CPDI, 1.2, r"1.2 is not possible: .* the scene is stable only to 1.07"),
+        ((), 1.05, "the scene is stable only to 0.522"),
+        ((*B2CPDI, FAST_BAR), 1.05, "3 times as fast as waves, would cross more than a cell"),
+        (UNKNOWN, 1.05, "no stability limit is known"),
+        (UNKNOWN, 1.0, None),
+    ],
+    ids=["stable", "above the limit", "another method", "fast", "unknown", "one"],
+)
+def test_above_one_a_courant_number_must_be_known_to_be_stable(sets, courant, words, tmp_path):
+    """For ``validate``, ``explain`` and runs alike."""
+    loaded = load_scene(INPUTS / "vibrating_bar.yaml", sets=[*sets, f"time.courant={courant}"])
+    if words is None:
+        refuse_large_courant(loaded.scene)
+        check_time_step(loaded)
+        assert loaded.warnings == []
+        return
+    for check in (
+        check_time_step,
+        lambda loaded: run(loaded, tmp_path / "run", dry_run=True, progress=False),
+    ):
+        with pytest.raises(SceneError, match=words) as error:
+            check(loaded)
+        (problem,) = error.value.problems
+        assert (problem.path, problem.severity, problem.code) == ("time.courant", "error", "unstable")
+    assert not (tmp_path / "run").exists()
+
+
+@SLOW
+def test_a_scene_runs_at_a_courant_number_above_one(tmp_path):
+    sets = [*B2CPDI, "time.courant=1.05", "archive.particles=null", "archive.globals={every: 20}"]
+    outcome = run(load_scene(INPUTS / "vibrating_bar.yaml", sets=sets), tmp_path / "run", progress=False)
+    assert outcome.exit_code == 0
+    assert abs(outcome.energy_error) < 0.05
 
 
 @SLOW
