@@ -85,6 +85,11 @@ def _largest_speed(snapshot: Snapshot) -> float:
     return float(np.sqrt((V * V).sum(axis=0).max(initial=0.0)))
 
 
+def _smallest_J(snapshot: Snapshot) -> float:
+    J = snapshot.of_matter(snapshot.J)
+    return float(J.min()) if J.size else float("nan")
+
+
 def _body_mean(field: str) -> Callable[[Snapshot], np.ndarray]:
     return lambda s: s.mean_over("body", getattr(s.particles, field), s.particles.mass)
 
@@ -218,8 +223,8 @@ QUANTITIES.add(
         "1",
         "scalar",
         "global",
-        lambda s: float(s.of_matter(s.J).min(initial=np.inf)),
-        "smallest relative volume det F of a particle",
+        _smallest_J,
+        "smallest relative volume det F of a particle; no value without particles",
     ),
     Quantity(
         "stress",

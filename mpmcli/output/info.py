@@ -103,7 +103,7 @@ def _of_table(path: Path, units: dict[str, str]) -> Iterator[str]:
     yield f"{len(rows)} rows, {len(header)} columns; the last row:"
     width = max(len(name) for name in header)
     for name, value in zip(header, rows[-1] if rows else [""] * len(header), strict=True):
-        yield f"{name:<{width}}  {value}  {units.get(name, '')}".rstrip()
+        yield f"{name:<{width}}  {value or 'no value'}  {units.get(name, '')}".rstrip()
 
 
 def _of_vtu(path: Path, units: dict[str, str]) -> Iterator[str]:

@@ -16,7 +16,7 @@ from mpmcli.core.errors import ArchiveError, RequestError
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.files import FAILED, GLOBALS, owned_files
 from mpmcli.output.manifest import read_manifest
-from mpmcli.output.tables import read_table
+from mpmcli.output.tables import read_numbers, read_table
 
 Array = np.ndarray
 
@@ -52,7 +52,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class Table:
-    """A table over time: names, numbers (rows, columns), units of the columns."""
+    """A table over time: names, numbers (rows, columns; NaN for empty fields), units of the columns."""
 
     name: str
     columns: list[str]
@@ -187,7 +187,7 @@ class Results:
         if not rows:
             raise ArchiveError(f"{path} has no rows")
         try:
-            numbers = np.array(rows, dtype=float)
+            numbers = np.array([read_numbers(row) for row in rows])
         except ValueError:
             raise ArchiveError(f"cannot read {path}: it holds cells that are no numbers") from None
         if "time" not in columns:

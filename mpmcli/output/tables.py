@@ -1,20 +1,34 @@
-"""Tables as CSV: one header line, then rows that are on disk as soon as they are written."""
+"""Tables as CSV: one header line, then rows that are on disk as soon as they are written.
+
+A number that is not defined, such as the mean over a body without particles, is NaN in memory and an empty field in a
+file.
+"""
 
 from __future__ import annotations
 
 import csv
+import math
 import os
 import zlib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+
+import numpy as np
 
 from mpmcli.core.errors import ArchiveError
 from mpmcli.output.files import cannot_write
 
 
 def format_number(value: float | int) -> str:
-    """An integer as it is, any other number with 17 significant digits, which give back the same bits."""
-    return str(value) if isinstance(value, int) else f"{value:.17g}"
+    """Return an integer as it is, NaN as an empty field, other numbers with 17 digits, which keep all bits."""
+    if isinstance(value, int):
+        return str(value)
+    return "" if math.isnan(value) else f"{value:.17g}"
+
+
+def read_numbers(cells: Sequence[str]) -> np.ndarray:
+    """Return the fields of a row or column as numbers (n,), NaN where they are empty; ValueError for text."""
+    return np.array([cell or "nan" for cell in cells], dtype=float)
 
 
 class Table:

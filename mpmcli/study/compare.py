@@ -12,7 +12,7 @@ import numpy as np
 from mpmcli.core.errors import ArchiveError
 from mpmcli.core.suggest import did_you_mean
 from mpmcli.output.files import GLOBALS
-from mpmcli.output.tables import read_table
+from mpmcli.output.tables import read_numbers, read_table
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,8 @@ def compare(
     a, b
         Two files or two folders.
     rtol, atol
-        Numbers agree if |a − b| ≤ atol + rtol·max(|a|, |b|); NaN agrees with NaN, infinity with itself.
+        Numbers agree if |a − b| ≤ atol + rtol·max(|a|, |b|); infinity agrees with itself, an empty field (or NaN) with
+        an empty field.
     columns
         Compare these only; ``*`` stands for any text (``stress_*``). Brackets stand for themselves.
     tolerances
@@ -156,7 +157,7 @@ def _compare_columns(
     table: str, name: str, left: list[str], right: list[str], tolerance: Tolerance
 ) -> list[Difference]:
     try:
-        a, b = np.array(left, dtype=float), np.array(right, dtype=float)
+        a, b = read_numbers(left), read_numbers(right)
     except ValueError:  # text
         unlike = [row for row, pair in enumerate(zip(left, right, strict=True)) if pair[0] != pair[1]]
         if not unlike:
@@ -177,6 +178,10 @@ def _compare_columns(
     row = int(rows[np.argmax(size[rows])])
     scale = max(abs(a[row]), abs(b[row]))
     relative = f", relative {distance[row] / scale:.3g}" if np.isfinite(distance[row]) and scale > 0.0 else ""
+    if np.isnan(distance[row]):
+        shown = " and ".join(cell or "no value" for cell in (left[row], right[row]))
+        message = f"{len(rows)} of {len(a)} rows differ, first at row {row}: {shown}"
+        return [Difference(table, message, name, row, float(a[row]), float(b[row]), len(rows))]
     message = (
         f"{len(rows)} of {len(a)} rows differ, most at row {row}: {left[row]} and {right[row]} "
         f"(difference {distance[row]:.3g}{relative}; allowed {allowed[row]:.3g})"

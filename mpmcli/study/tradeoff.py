@@ -17,7 +17,7 @@ from mpmcli.core.errors import ArchiveError, SceneError
 from mpmcli.core.expressions import parse
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.files import make_folder, write_text
-from mpmcli.output.tables import read_table
+from mpmcli.output.tables import read_numbers, read_table
 from mpmcli.study.interruption import wait_for
 from mpmcli.study.journal import Journal
 from mpmcli.study.measure import FINISHED, only_table
@@ -232,7 +232,7 @@ def read_columns(path: Path) -> dict[str, Array]:
     """Columns of a table of numbers by name."""
     header, rows = read_table(path)
     try:
-        numbers = np.array(rows, dtype=float).reshape(len(rows), len(header))
+        numbers = np.array([read_numbers(row) for row in rows]).reshape(len(rows), len(header))
     except ValueError:
         raise ArchiveError(f"cannot read {path}: it holds something else than numbers") from None
     return {name: numbers[:, i] for i, name in enumerate(header)}

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pandas
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from mpmcli.core.errors import ArchiveError
-from mpmcli.output.tables import Table, format_number, read_table
+from mpmcli.output.tables import Table, format_number, read_numbers, read_table
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
@@ -29,6 +30,17 @@ def test_pandas_reads_a_table(tmp_path):
     assert frame["stress_xx[rubber]"].tolist() == pytest.approx([1.0 / 3.0, -2.5e-300], rel=1e-15)
     assert math.isnan(frame.iloc[0, 3])
     assert frame.iloc[1, 3] == math.inf
+
+
+def test_a_number_that_is_not_defined_is_an_empty_field(tmp_path):
+    table = Table(tmp_path / "a.csv", ["step", "x", "y"])
+    table.write([3, math.nan, np.float64("nan")])
+    table.close()
+    assert (tmp_path / "a.csv").read_text() == "step,x,y\n3,,\n"
+    _, (row,) = read_table(tmp_path / "a.csv")
+    np.testing.assert_array_equal(read_numbers(row), [3.0, math.nan, math.nan])
+    with pytest.raises(ValueError, match="text"):
+        read_numbers(["1", "text"])
 
 
 def test_rows_are_on_disk_as_soon_as_they_are_written(tmp_path):

@@ -53,6 +53,13 @@ def test_nan_and_infinity_differ_from_numbers(table):
     assert [d.column for d in compare(a, b, rtol=1.0, atol=1e300)] == ["x", "y", "z"]
 
 
+def test_an_empty_field_agrees_with_an_empty_field_and_with_nothing_else(table):
+    a, b = table("a.csv", "t,x,y\n0,1,\n1,,\n2,,3\n"), table("b.csv", "t,x,y\n0,1,nan\n1,,\n2,2.5,3\n")
+    (found,) = compare(a, b, rtol=1.0, atol=1e9)
+    assert (found.column, found.row, found.count) == ("x", 2, 1)
+    assert "1 of 3 rows differ, first at row 2: no value and 2.5" in str(found)
+
+
 def test_missing_columns_and_rows_are_differences(table):
     a, b = table("a.csv", "x,y\n1,2\n2,3\n"), table("b.csv", "x,z\n1,2\n")
     found = compare(a, b)

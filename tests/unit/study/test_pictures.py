@@ -13,10 +13,11 @@ from PIL import Image
 from mpmcli.cli import plot_command
 from mpmcli.core.errors import ArchiveError, RequestError
 from mpmcli.output.files import PICTURE, PLOTS, drawn_files, remove_results
+from mpmcli.output.info import describe
 from mpmcli.output.results import Frame, Results
 from mpmcli.study.pictures import Request, animation, plot
 from mpmcli.study.pictures.curves import SUBJECTS, abscissa, draw_panels, parts_of, subject_panels
-from mpmcli.study.pictures.drawing import drawing
+from mpmcli.study.pictures.drawing import drawing, pixels
 from mpmcli.study.pictures.errors import PictureError
 from mpmcli.study.pictures.extent import Extent, color_range
 from mpmcli.study.pictures.particles import GREY, LinePicture, Palette, PlanePicture
@@ -128,6 +129,22 @@ def test_subjects(make_results, subject, labels):
         f"{panel.label}{f' [{panel.unit}]' if panel.unit != '1' else ''}"
         for panel in subject_panels(Results(make_results()), subject)
     ] == labels
+
+
+def test_empty_fields_are_gaps(make_results):
+    directory = make_results()
+    rows = ["0,0,1,", "1,1,,", "2,2,3,"]
+    (directory / "globals.csv").write_text("\n".join(["step,time,center_x[a],center_x[b]", *rows]) + "\n")
+    results = Results(directory)
+    np.testing.assert_array_equal(results["center_x[a]"], [1.0, np.nan, 3.0])
+    assert np.isnan(results["center_x[b]"]).all()
+    with drawing():
+        figure = draw_panels(subject_panels(results, "motion"), results)
+        assert len(pixels(figure))
+    drawn, empty = figure.axes[0].lines
+    np.testing.assert_array_equal(drawn.get_ydata(), [1.0, np.nan, 3.0])
+    assert np.isnan(empty.get_ydata()).all()
+    assert "no value" in describe(directory / "globals.csv")
 
 
 def test_many_lines_become_a_panel_per_component(make_results):
