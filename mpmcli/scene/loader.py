@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import sys
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,6 +14,8 @@ from pydantic import ValidationError
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.expressions import Expression
+from mpmcli.core.files import NoPlainFile, TooLarge, read_at_most, read_plain
+from mpmcli.core.suggest import few_suggestions
 from mpmcli.scene.checks import check
 from mpmcli.scene.constants import read_constants
 from mpmcli.scene.contact_checks import check_contact
@@ -23,10 +26,12 @@ from mpmcli.scene.override import apply_defines, apply_sets
 from mpmcli.scene.parts import Parts
 from mpmcli.scene.plugins import check_plugins, plugins_of
 from mpmcli.scene.report import as_text, locate, ordered, translate
+from mpmcli.scene.sizes import refuse_large_parts
 from mpmcli.scene.tree import Mark, Node, compose
 from mpmcli.scene.units import BASE, Units, check_base_unit
 
 MAX_BYTES = 10 * 1024**2
+STANDARD_INPUT = "-"
 
 
 @dataclass
@@ -115,7 +120,7 @@ def load_scene(
     Parameters
     ----------
     source
-        Path of a file, or YAML text (text with a line break).
+        Path of a file, ``-`` for standard input, or YAML text (text with a line break).
     sets
         Changes ``key=value``: dotted keys, list members by name or index, values in YAML.
     defines
@@ -130,16 +135,23 @@ def load_scene(
     PluginError
         If an installed plugin that the scene uses is not complete.
     """
+    with few_suggestions():
+        return _load(source, tuple(sets), tuple(defines), allow_outside_files)
+
+
+def _load(
+    source: str | Path, sets: tuple[str, ...], defines: tuple[str, ...], allow_outside_files: bool
+) -> LoadedScene:
     is_text = isinstance(source, str) and "\n" in source
-    path = None if is_text else Path(source)
-    text = str(source) if path is None else read_text(path)
-    file = "scene" if path is None else str(path)
+    path = None if is_text or str(source) == STANDARD_INPUT else Path(source)
+    text, file = (str(source), "scene") if is_text else (read_text(Path(source)), str(source))
     root = compose(text, file)
     if not root.is_mapping:
         raise SceneError(
             [root.mark.problem("", "a scene is a mapping: version: 1, title: …, grid: …", "type")]
         )
-    root = apply_sets(apply_defines(root, tuple(defines)), tuple(sets))
+    root = apply_sets(apply_defines(root, defines), sets)
+    refuse_large_parts(root)
     base = path.resolve().parent if path is not None else Path.cwd()
     scene, context, problems = _read(root, base, allow_outside_files)
     problems = ordered(problems)
@@ -209,18 +221,26 @@ def _read_units(root: Node) -> tuple[Units, list[Problem]]:
 
 
 def read_text(path: Path) -> str:
-    """The text of a scene file; SceneError with words if it cannot be read."""
+    """The text of a scene file, or of standard input (``-``); SceneError with words if it cannot be read."""
     place = Mark(str(path))
     try:
-        if path.is_dir():
+        if str(path) == STANDARD_INPUT:
+            if sys.stdin is None:
+                raise OSError("standard input is closed")
+            contents = read_at_most(sys.stdin.buffer, MAX_BYTES)
+        elif path.is_dir():
             raise SceneError([place.problem("", "is a folder, not a scene file", "file")])
-        if path.stat().st_size > MAX_BYTES:
-            size = path.stat().st_size / 1024**2
-            words = f"is too large for a scene: {size:.0f} MiB (at most {MAX_BYTES // 1024**2} MiB)"
-            raise SceneError([place.problem("", words, "file")])
-        contents = path.read_bytes()
+        else:
+            contents = read_plain(path, MAX_BYTES)
     except FileNotFoundError:
         raise SceneError([place.problem("", "there is no such file", "file")]) from None
+    except TooLarge as error:
+        size = "" if error.size is None else f"{error.size / 1024**2:.0f} MiB, "
+        words = f"is too large for a scene ({size}at most {MAX_BYTES // 1024**2} MiB)"
+        raise SceneError([place.problem("", words, "file")]) from None
+    except NoPlainFile:
+        words = f"is no plain file; write '{STANDARD_INPUT}' to read a scene from standard input"
+        raise SceneError([place.problem("", words, "file")]) from None
     except (OSError, ValueError) as error:
         words = getattr(error, "strerror", None) or str(error)
         raise SceneError([place.problem("", f"cannot be read: {words}", "file")]) from None

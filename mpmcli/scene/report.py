@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
@@ -18,6 +18,9 @@ from mpmcli.scene.not_built import member_label
 from mpmcli.scene.tree import Mark, Node
 
 MAX_SHOWN = 100
+"""Problems that are shown; further ones are counted."""
+MAX_MESSAGE = 2000
+MAX_PATH = 200
 
 _NOUNS = {
     "materials": "material",
@@ -99,10 +102,19 @@ def locate(root: Node, path: str, message: str, code: str = "invalid", severity:
 def translate(error: ValidationError, root: Node, model: type[BaseModel]) -> list[Problem]:
     """Every error of pydantic as a problem with words and place."""
     found: dict[tuple[str, str], tuple[Problem, str]] = {}
-    for details in error.errors(include_url=False):
+    errors = error.errors(include_url=False)
+    for index, details in enumerate(errors):
         for problem in _problems(dict(details), root, model):
             found.setdefault((problem.path, problem.message), (problem, str(details["type"])))
+        if len(found) >= MAX_SHOWN:
+            kept = _without_echoes(list(found.values()))
+            return [*kept, *_uncounted(len(errors) - index - 1, root.mark)]
     return _without_echoes(list(found.values()))
+
+
+def _uncounted(count: int, mark: Mark) -> list[Problem]:
+    """One problem that stands for so many more, or none."""
+    return [mark.problem("", f"… and {count} more", MORE)] * (count > 0)
 
 
 def _without_echoes(found: list[tuple[Problem, str]]) -> list[Problem]:
@@ -140,6 +152,8 @@ def _problems(details: dict[str, Any], root: Node, model: type[BaseModel]) -> li
 
 
 _CODES = {*_LIMITS, "finite_number", "literal_error"}
+MORE = "more"
+"""The code of the problem that counts those that are left out."""
 
 
 def _nested(
@@ -256,17 +270,37 @@ def _models(annotation: Any) -> list[type[BaseModel]]:
 
 
 def ordered(problems: Iterable[Problem]) -> list[Problem]:
-    """Problems by file and line, each once; those without a line first."""
-    unique = dict.fromkeys(problems)
-    return sorted(unique, key=lambda p: (p.file or "", p.line is not None, p.line or 0, p.column or 0))
+    """Problems by file and line, each once; those without a line first; errors before warnings where many."""
+    unique = list(dict.fromkeys(problems))
+    rest = sum(int(p.message.split()[2]) for p in unique if p.code == MORE)
+    unique = [p for p in unique if p.code != MORE]
+    place = {id(p): (p.file or "", p.line is not None, p.line or 0, p.column or 0) for p in unique}
+    unique.sort(key=lambda p: place[id(p)])
+    if len(unique) > MAX_SHOWN:
+        unique.sort(key=lambda p: p.severity != "error")
+        rest += len(unique) - MAX_SHOWN
+        unique = sorted(unique[:MAX_SHOWN], key=lambda p: place[id(p)])
+    shown = [_cut_short(problem) for problem in unique]
+    if rest:
+        severity = "error" if any(p.severity == "error" for p in shown) else "warning"
+        last = Mark(shown[-1].file or "scene").problem("", f"… and {rest} more", MORE, severity)
+        shown.append(last)
+    return shown
+
+
+def _cut_short(problem: Problem) -> Problem:
+    """The same problem, shorter where it repeats very long text of the scene."""
+    path, message = problem.path, problem.message
+    if len(path) <= MAX_PATH and len(message) <= MAX_MESSAGE:
+        return problem
+    path = path if len(path) <= MAX_PATH else path[: MAX_PATH - 1] + "…"
+    message = message if len(message) <= MAX_MESSAGE else message[: MAX_MESSAGE - 1] + "…"
+    return replace(problem, path=path, message=message)
 
 
 def as_text(problems: Sequence[Problem]) -> str:
-    """One line per problem, the paths aligned; very many are cut short."""
-    lines = [str(problem) for problem in problems[:MAX_SHOWN]]
-    if len(problems) > MAX_SHOWN:
-        lines.append(f"… and {len(problems) - MAX_SHOWN} more")
-    return "\n".join(lines)
+    """One line per problem, the paths aligned; what counts those left out has no place."""
+    return "\n".join(problem.message if problem.code == MORE else str(problem) for problem in problems)
 
 
 def as_json(problems: Sequence[Problem]) -> str:

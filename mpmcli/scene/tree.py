@@ -17,7 +17,12 @@ import yaml
 from mpmcli.core.errors import Problem, SceneError
 
 MAX_DEPTH = 50
-MAX_EXPANSION = 200_000
+MAX_VALUES = 100_000
+"""Keys and values of a scene, aliases and merged mappings written out."""
+MAX_TEXT = 4000
+"""Characters of one key or value."""
+MAX_REPEATED = 100
+"""Repeated keys after which reading stops."""
 PARSER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 _NULL = {"", "~", "null", "Null", "NULL"}
@@ -50,8 +55,8 @@ class Node:
     """A value of the scene and where it stands.
 
     ``value`` is a number, text, true, false or None for a scalar, a dict of nodes for a mapping, a list for a
-    sequence. ``keys`` gives the places of a mapping's keys, ``size`` how many nodes the value has when
-    expanded and ``height`` how deep they nest.
+    sequence. ``keys`` gives the places of a mapping's keys, ``size`` how many keys and values it has
+    when expanded and ``height`` how deep they nest.
     """
 
     value: Any
@@ -59,9 +64,11 @@ class Node:
     keys: dict[str, Mark] = field(default_factory=dict)
     size: int = 1
     height: int = 0
+    _by_name: dict[Any, Node] | None = field(default=None, init=False, repr=False, compare=False)
 
     def measure(self, members: Iterable[Node]) -> None:
         """Add the size and height of its members to its own."""
+        self.size += len(self.keys)
         for member in members:
             self.size += member.size
             self.height = max(self.height, member.height + 1)
@@ -89,9 +96,15 @@ class Node:
         if isinstance(self.value, dict):
             return self.value.get(key)
         if isinstance(self.value, list):
-            for node in self.value:
-                if isinstance(node.value, dict) and "name" in node.value and node.value["name"].value == key:
-                    return node
+            if self._by_name is None:
+                self._by_name = {}
+                for node in self.value:
+                    if isinstance(node.value, dict) and "name" in node.value:
+                        name = node.value["name"].value
+                        if isinstance(name, str):
+                            self._by_name.setdefault(name, node)
+            if key in self._by_name:
+                return self._by_name[key]
             if key.isdecimal() and len(key) < 10 and int(key) < len(self.value):
                 return self.value[int(key)]
         return None
@@ -148,9 +161,6 @@ def compose(text: str, file: str) -> Node:
         raise SceneError([_character_problem(error, text, file)]) from None
     if composer.problems:
         raise SceneError(composer.problems)
-    if root.size - composer.count > MAX_EXPANSION:
-        message = f"its aliases expand to {root.size} values: that is refused"
-        raise SceneError([Mark(file, 1, 1).problem("", message, "alias_expansion")])
     return root
 
 
@@ -196,15 +206,16 @@ class _Composer:
     def _node(self, event: Any, depth: int) -> Node:
         if depth > MAX_DEPTH:
             self._stop(event, f"nested deeper than {MAX_DEPTH} levels: that is refused", "nesting")
+        self._count(event, 1)
         if isinstance(event, yaml.AliasEvent):
             return self._alias(event, depth)
-        self.count += 1
         if event.tag is not None and event.tag not in _TAGS and event.tag != "!":
             self._stop(event, f"the tag '{event.tag}' is not known: a scene has plain values only", "tag")
         node = Node(None, self._mark(event))
         if event.anchor:
             self.anchors[event.anchor] = None
         if isinstance(event, yaml.ScalarEvent):
+            self._check_text(event)
             plain = event.implicit[0] and event.tag is None
             node.value = read_scalar(event.value) if plain else _tagged(event)
         elif isinstance(event, yaml.SequenceStartEvent):
@@ -228,7 +239,20 @@ class _Composer:
         if node is None:
             self._stop(event, f"the alias '*{event.anchor}' stands inside its own anchor", "alias")
         assert node is not None
+        self._count(event, node.size - 1)
         return node
+
+    def _count(self, event: Any, values: int) -> None:
+        """Count keys and values, those that an alias stands for included, and stop where they are too many."""
+        self.count += values
+        if self.count > MAX_VALUES:
+            message = f"the scene holds more than {MAX_VALUES:,} keys and values, aliases written out"
+            self._stop(event, f"{message}: that is refused", "too_many")
+
+    def _check_text(self, event: Any) -> None:
+        if len(event.value) > MAX_TEXT:
+            message = f"a text of {len(event.value):,} characters: at most {MAX_TEXT:,} are possible"
+            self._stop(event, message, "too_long")
 
     def _sequence(self, depth: int) -> list[Node]:
         members = []
@@ -242,7 +266,8 @@ class _Composer:
         while not isinstance(event := next(self.events), yaml.MappingEndEvent):
             if not isinstance(event, yaml.ScalarEvent):
                 self._stop(event, "a key must be plain text", "key")
-            self.count += 1
+            self._count(event, 1)
+            self._check_text(event)
             scalar: Any = event
             key, mark, is_plain = str(scalar.value), self._mark(event), scalar.implicit[0]
             value = self._node(next(self.events), depth + 1)
@@ -252,6 +277,8 @@ class _Composer:
                 first = node.keys[key].line
                 message = f"the key '{key}' stands here for a second time; the first is in line {first}"
                 self.problems.append(mark.problem(key, message, "duplicate_key"))
+                if len(self.problems) >= MAX_REPEATED:
+                    raise SceneError(self.problems)
             else:
                 members[key], node.keys[key] = value, mark
         for other in merged:
