@@ -139,6 +139,10 @@ class Mirror:
         """Fold ``q`` (n, d), forces (``weight`` Δt) or S⁺-sums of an increment before division by m (−1)."""
         fold(self.pairs, q, mp, 0, weight, self.impulse)
 
+    def fold_scalars(self, q: Array) -> None:
+        """Fold sums of scalars ``q`` (n, c), which have the same sign beyond a plane."""
+        fold_scalars(self.pairs, q)
+
     def _find_pairs(self, active: Array) -> Pairs:
         ghosts, images, own = [], [], []
         for _, plane in self._planes:
@@ -225,3 +229,17 @@ def fold(pairs: Pairs, record: Array, mp: Array, scalars: int, weight: float, im
                     pairs.share[k] = pairs.ghost_mass[k] / mp[i, 0]
                 v = record[i, scalars + pairs.axis[j]] / mp[i, 0]
                 impulse[j] -= 2.0 * weight * pairs.ghost_mass[k] * v
+
+
+@inline
+def fold_scalars(pairs: Pairs, record: Array) -> None:
+    """Add columns of scalars ``record`` (n, c) at ghosts to their images, and copy the sums back to the ghosts."""
+    planes = pairs.axis.shape[0]
+    for j in range(planes):
+        for k in range(pairs.start[j], pairs.start[j + 1]):
+            for c in range(record.shape[1]):
+                record[pairs.image[k], c] += record[pairs.ghost[k], c]
+    for j in range(planes - 1, -1, -1):
+        for k in range(pairs.start[j], pairs.start[j + 1]):
+            for c in range(record.shape[1]):
+                record[pairs.ghost[k], c] = record[pairs.image[k], c]

@@ -24,7 +24,9 @@ from mpmcli.materials.defaults import with_defaults, yes
 class TaitFluid(MaterialModel):
     """Tait (Murnaghan) fluid: p = (K/n)(J^(−n) − 1), σ = −p I + 2μ dev D, D the rate of deformation.
 
-    Stored energy per initial volume: (K/n)(J^(1−n)/(n − 1) + J − n/(n − 1)).
+    Stored energy per initial volume: (K/n)(J^(1−n)/(n − 1) + J − n/(n − 1)). With ``tension_limit`` T, p does not fall
+    below −T: beyond the J_T where it would, p = −T, and the energy grows by T(J − J_T). The fluid can part there, and
+    the same way back there is no pressure above −T until J < J_T.
     """
 
     analyses: ClassVar[frozenset[str]] = frozenset({"uniaxial_strain", "plane_strain", "axisymmetric", "3d"})
@@ -39,10 +41,16 @@ class TaitFluid(MaterialModel):
     """n, slope of the bulk modulus against pressure; 7 for water."""
     viscosity: quantity("viscosity", ge=0) = 0.0  # type: ignore[valid-type]
     """Dynamic viscosity μ."""
+    tension_limit: quantity("pressure", ge=0) | None = None  # type: ignore[valid-type]
+    """Largest tension, so that the pressure is never less than its negative; 0 for liquids with a free surface."""
 
     def parameters(self, analysis: str, adiabatic: bool) -> Tait:
-        """Modulus, exponent, viscosity and density."""
-        return Tait(self.K, self.exponent, self.viscosity, self.density)
+        """Modulus, exponent, viscosity, density; the largest tension and the J at which it is reached."""
+        utmost = self.K / self.exponent  # which p = (K/n)(J^(-n) - 1) never passes
+        limit = utmost if self.tension_limit is None else min(self.tension_limit, utmost)
+        largest_J = (1.0 - limit / utmost) ** (-1.0 / self.exponent) if limit < utmost else math.inf
+        numbers = (self.K, self.exponent, self.viscosity, self.density, limit, min(largest_J, 1e300))
+        return Tait(*numbers)
 
     def initial_wave_speed(self, analysis: str) -> float:
         """√(K/ρ) [velocity]."""
@@ -57,6 +65,10 @@ class Tait(NamedTuple):
     exponent: float
     viscosity: float
     density: float
+    tension: float
+    """Largest tension [pressure]."""
+    tension_J: float
+    """J at which it is reached."""
 
 
 needs_increment.register(Tait)(yes)
@@ -66,6 +78,7 @@ needs_increment.register(Tait)(yes)
 def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
     J = determinant(F)
     mean = -m.bulk / m.exponent * (J * exponential_1d(-m.exponent * logarithm(J)) - J)
+    mean = min(mean, m.tension * J)
     if m.viscosity == 0.0 or dt == 0.0:
         return mean, mean, mean, 0.0, 0.0, 0.0
     # D Δt is the symmetric part of ln dF = E - E²/2 + …, E = dF - I
@@ -83,8 +96,9 @@ def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
 @strain_energy.register(Tait)
 def _(m: Any, F: Any, H: Any, p: Any) -> Any:
     J = determinant(F)
-    n = m.exponent
-    return m.bulk / n * (exponential_1d((1.0 - n) * logarithm(J)) / (n - 1.0) + J - n / (n - 1.0))
+    n, bounded = m.exponent, min(J, m.tension_J)
+    elastic = exponential_1d((1.0 - n) * logarithm(bounded)) / (n - 1.0) + bounded - n / (n - 1.0)
+    return m.bulk / n * elastic + m.tension * (J - bounded)
 
 
 @bulk_speed_squared.register(Tait)

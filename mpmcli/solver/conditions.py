@@ -32,6 +32,9 @@ class NoConditions:
     def fold_increment(self, out: Array, weight: float) -> None:
         """No mirrors."""
 
+    def fold_sums(self, sums: Array) -> None:
+        """No mirrors."""
+
     def damping_of_images(self, mp: Array, f: Array, damping: float, dt: float) -> float:
         """No mirrors."""
         return 0.0
@@ -104,6 +107,11 @@ class GridConditions(NoConditions):
         """Add what mirrored particles give in a pass S⁺S; ``weight`` is its share in the particles' velocity."""
         if self.mirror is not None:
             self.mirror.fold_vectors(out, self.grid.mp, weight)
+
+    def fold_sums(self, sums: Array) -> None:
+        """Add what mirrored particles give to sums of scalars (n, c)."""
+        if self.mirror is not None:
+            self.mirror.fold_scalars(sums)
 
     def damping_of_images(self, mp: Array, f: Array, damping: float, dt: float) -> float:
         """Energy that grid damping has just taken from mirrored particles, which is none of the scene's [energy]."""

@@ -47,6 +47,7 @@ class Plan:
     velocity_gradient : extrapolated velocities carry their gradient
     shows_displacement : displacements of particles are written
     corrects_filter : the filter of XPIC knows what contact corrects
+    averages_volume : rates of volume and pressures are averaged over nodes
     """
 
     analysis_name: str
@@ -74,6 +75,17 @@ class Plan:
     dynamic: tuple[str, float] | None
     velocity_gradient: bool
     shows_displacement: bool
+    averages_volume: bool
+
+    @property
+    def has_final_stress(self) -> bool:
+        """The particles' stresses at the start of the step are those that its forces come from."""
+        return self.update.first == 0.0 and not self.averages_volume
+
+    @property
+    def keeps_positions(self) -> bool:
+        """Stencils need the positions of the start of the step after the particles have moved."""
+        return self.update.again or self.averages_volume
 
     @property
     def is_periodic(self) -> bool:
@@ -163,6 +175,7 @@ def make_plan(scene: Any) -> Plan:
         dynamic=None if dynamic is None else (dynamic.metric, float(dynamic.tolerance)),
         velocity_gradient=transfer.velocity_gradient,
         shows_displacement=shows(scene.archive, scene.probes, "displacement"),
+        averages_volume=method.volumetric == "averaged",
     )
 
 
@@ -216,7 +229,7 @@ def allocate_step_arrays(plan: Plan, grid: Grid, particles: int) -> StepArrays:
         p_start=nodal(plan.keeps_start_momenta),
         p_again=nodal(plan.update.again),
         f_external=nodal(plan.has_loads),
-        X_new=np.zeros((d, particles)) if plan.update.again else None,
+        X_new=np.zeros((d, particles)) if plan.keeps_positions else None,
         grid_damping=np.array([plan.grid_damping]) if plan.grid_damping else None,
         node_work=np.zeros(CHUNKS) if plan.grid_damping else None,
         damped=np.zeros(CHUNKS) if plan.particle_damping else None,

@@ -23,6 +23,7 @@ from mpmcli.materials.strain import (
     stored_energy,
     update_strain_and_stress,
 )
+from mpmcli.solver.averaging import NoAveraging, VolumeAveraging
 from mpmcli.solver.clock import TaskClock
 from mpmcli.solver.conditions import GridConditions, NoConditions
 from mpmcli.solver.contact import NoContact, NodalContact
@@ -135,6 +136,7 @@ class Simulation:
         self.conditions = self._make_conditions(scene)
         self.loads = NodalLoads(self, scene.loads, section) if self.plan.has_loads else NoLoads()
         self._start_accounts(scene)
+        self.averaging = VolumeAveraging(self) if self.plan.averages_volume else NoAveraging(self)
         self.rigid = RigidBodies(self, scene.bodies) if self.state.rigid else NoRigidBodies()
         self.contact = NodalContact(self, scene) if self.plan.has_contact else NoContact()
         self.state.contact = getattr(self.contact, "view", None)
@@ -202,7 +204,7 @@ class Simulation:
         fastest = 0.0
         for i in self._used_materials:
             update_strain_and_stress[self.parallel](
-                self.plan.analysis, self._parameters[i], i if several else -1, p.F, p.L, p.tau, p.H, p.mass, p.vol0,
+                self.plan.analysis, self._parameters[i], i if several else -1, p.F, self.averaging.L, p.tau, p.H, p.mass, p.vol0,
                 p.material, p.stress_work, self._viscous_now(), dt, self._J_limits, self._speed2, self._bad,
             )  # fmt: skip
             bad = int(self._bad.max())

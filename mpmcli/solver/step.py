@@ -21,7 +21,7 @@ def advance(s: Simulation, dt: float) -> None:
     with clock("1 extrapolation"):
         transfer.begin_step()
         s.rigid.remember()
-        transfer.extrapolate(grid.mp, None if plan.update.first > 0.0 else grid.f)
+        transfer.extrapolate(grid.mp, grid.f if plan.has_final_stress else None)
         s.loads.collect(s.time)
         conditions.select(s.time, replaces_velocity=not plan.method.flip)
         s.contact.after_extrapolation(dt)  # 1.a
@@ -29,12 +29,14 @@ def advance(s: Simulation, dt: float) -> None:
     if plan.update.first > 0.0:
         with clock("1 strain first"):
             _strain_from_momenta(s, dt)  # 1.b, 1.c
+            s.averaging.average_rates()
             s.update_stress(plan.update.first * dt)  # 1.d
 
     # 2  forces from Kirchhoff stress on initial volume, and from loads
     with clock("2 forces"):
-        if plan.update.first > 0.0:
-            transfer.internal_forces(grid.f)
+        if not plan.has_final_stress:
+            s.averaging.average_stresses()
+            transfer.internal_forces(s.averaging.tau, grid.f)
         s.loads.add_to(grid.f)
         conditions.fold_forces(grid.f, dt)
 
@@ -63,23 +65,26 @@ def advance(s: Simulation, dt: float) -> None:
 
     # 4  move particles (with USL, task 5's velocity gradients come from the same stencils)
     with clock("4 particles"):
+        X_new = a.X_new if plan.keeps_positions else s.particles.X
         fused = plan.velocity_gradient or (plan.update.last > 0.0 and not plan.update.again)
         transfer.move(
             a.v, w, a.start if plan.method.projects else None, plan.method.flip, plan.alpha, plan.particle_damping, dt,
-            a.X_new if plan.update.again else s.particles.X, fused, a.damped,
+            X_new, fused, a.damped,
         )  # fmt: skip
         s.refuse_leaps()
-        s.rigid.move(a.X_new if plan.update.again else s.particles.X, s.time, dt)
+        s.rigid.move(X_new, s.time, dt)
 
     if plan.update.again:
         with clock("4 momenta again"):
             _strain_from_new_velocities(s, dt)  # 4.a–4.c
-            s.particles.X, a.X_new = a.X_new, s.particles.X
 
     # 5  particle strain and stress
     if plan.update.last > 0.0:
         with clock("5 stress"):
+            s.averaging.average_rates()
             s.update_stress(plan.update.last * dt)
+    if plan.keeps_positions:
+        s.particles.X, a.X_new = a.X_new, s.particles.X
 
     # 6  final tasks
     with clock("6 final"):

@@ -135,15 +135,16 @@ class Transfer:
             self._domain_F = np.empty_like(F)
         turn_domains[self.parallel](F, self.particles.body, self._turns, self._domain_F)
 
-    def _operator(self, ranges: Array) -> tuple[Any, ...]:
+    def operator(self, ranges: Array) -> tuple[Any, ...]:
         """What makes S and G: the arguments that all transfer kernels share, for bands or chunks of particles."""
         p = self.particles
         field = p.velocity_field if self.grid.fields > 1 else None
         where = (p.X, self._domain_F, p.size, field)
         return self.analysis, self.shape.parameters, self.geometry, self.across, ranges, self.stencil, *where
 
-    def _scatter(self, task: NamedTuple, shape: NamedTuple | None = None) -> None:
-        analysis, own_shape, *rest = self._operator(self.order.bands)
+    def scatter(self, task: NamedTuple, shape: NamedTuple | None = None) -> None:
+        """Particles to grid: run a task of ``core.transfer`` over all particles, with the scene's shape or another."""
+        analysis, own_shape, *rest = self.operator(self.order.bands)
         kernels.scatter[self.parallel](task, analysis, own_shape if shape is None else shape, *rest)
 
     def _stored_weights(self, refresh: bool) -> Any:
@@ -171,13 +172,13 @@ class Transfer:
             if f is not None:
                 clear_nodes[self.parallel](self.grid.active, f)
             if f is None and self._affine:
-                self._scatter(AffineMassAndMomentum(p.mass, p.V, p.L, flat))
+                self.scatter(AffineMassAndMomentum(p.mass, p.V, p.L, flat))
             elif f is None:
-                self._scatter(MassAndMomentum(p.mass, p.V, flat))
+                self.scatter(MassAndMomentum(p.mass, p.V, flat))
             elif self._affine:
-                self._scatter(AffineStateAndForces(p.mass, p.V, p.L, p.vol0, p.tau, flat, f.reshape(-1)))
+                self.scatter(AffineStateAndForces(p.mass, p.V, p.L, p.vol0, p.tau, flat, f.reshape(-1)))
             else:
-                self._scatter(StateAndForces(p.mass, p.V, p.vol0, p.tau, flat, f.reshape(-1)))
+                self.scatter(StateAndForces(p.mass, p.V, p.vol0, p.tau, flat, f.reshape(-1)))
             problem, particle = self.stencil.status
             if problem == 0:
                 return
@@ -193,21 +194,20 @@ class Transfer:
             return f"{who} has stretched over more than {self.widest - 1} cells"
         return f"{who} sees nodes outside the grid"
 
-    def internal_forces(self, f: Array) -> None:
+    def internal_forces(self, tau: Array, f: Array) -> None:
         """Task 2: f = −Gᵀ Ω τ."""
-        p = self.particles
         clear_nodes[self.parallel](self.grid.active, f)
-        self._scatter(InternalForces(p.vol0, p.tau, f.reshape(-1)))
+        self.scatter(InternalForces(self.particles.vol0, tau, f.reshape(-1)))
 
     def add_vector(self, V: Array, out: Array) -> None:
         """out += Sᵀ M V."""
-        self._scatter(VectorSum(self.particles.mass, V, out.reshape(-1)))
+        self.scatter(VectorSum(self.particles.mass, V, out.reshape(-1)))
 
     def add_velocities(self, out: Array) -> None:
         """out += Sᵀ M V for the particles' velocities, with their gradients in affine transfers."""
         p = self.particles
         if self._affine:
-            self._scatter(AffineVectorSum(p.mass, p.V, p.L, out.reshape(-1)))
+            self.scatter(AffineVectorSum(p.mass, p.V, p.L, out.reshape(-1)))
         else:
             self.add_vector(p.V, out)
 
@@ -217,15 +217,15 @@ class Transfer:
         if self._affine:
             if self._passing_L is None or self._passing_L.shape != p.L.shape:  # particles were removed
                 self._passing_L = np.zeros_like(p.L)
-            self._scatter(AffineProjection(p.mass, v.reshape(-1), self._passing_L, out.reshape(-1)))
+            self.scatter(AffineProjection(p.mass, v.reshape(-1), self._passing_L, out.reshape(-1)))
         else:
             task = Projection(p.mass, v.reshape(-1), out.reshape(-1))
-            self._scatter(task, self._stored_weights(first) if self._stores else None)
+            self.scatter(task, self._stored_weights(first) if self._stores else None)
 
     def velocity_gradients(self, v: Array) -> None:
         """L = G v."""
         kernels.find_velocity_gradients[self.parallel](
-            *self._operator(self.order.chunks), v.reshape(-1), self.particles.L,
+            *self.operator(self.order.chunks), v.reshape(-1), self.particles.L,
         )  # fmt: skip
 
     def move(
@@ -244,7 +244,7 @@ class Transfer:
         """Task 4 (and 5's velocity gradients): see ``core.transfer.move_particles``."""
         p = self.particles
         kernels.move_particles[self.parallel](
-            *self._operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1),
+            *self.operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1),
             None if start is None else start.reshape(-1), alpha, damping, dt, True if flip else None, p.V, X_new,
             p.L if with_gradients else None, p.mass,
             self.speed_squared, self.travel, self.outside, self._bounds, damped,
