@@ -74,6 +74,10 @@ class ConditionModel(Model):
         """What is wrong in an analysis with so many axes: pairs of key (``direction``) and message."""
         raise TypeError(f"{type(self).__name__} checks nothing")
 
+    def held_side(self, grid: Nodes) -> tuple[int, int] | None:
+        """The side of the grid (axis; 0 lower, 1 upper) beyond which it holds all velocities across, or None."""
+        return None
+
     def bodies(self) -> list[tuple[str, str]]:
         """Names of bodies that it refers to: pairs of key and name."""
         return []

@@ -24,6 +24,10 @@ class Symmetry(ConditionModel):
         """What does not fit an analysis with so many axes."""
         return check_axis("plane", self.plane, dimensions)
 
+    def held_side(self, grid: Nodes) -> tuple[int, int]:
+        """The side of the plane."""
+        return self.plane.index, int(self.plane.side_on(grid) == "upper")
+
     def holder(self, grid: Nodes, surface_nodes: SurfaceNodes | None) -> SymmetryHolder:
         """The plane on a grid."""
         return SymmetryHolder(self, grid)

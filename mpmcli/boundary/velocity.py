@@ -35,6 +35,13 @@ class Velocity(ConditionModel):
         """The body whose surface is held, if any."""
         return [] if self.on.body is None else [("on.body", self.on.body)]
 
+    def held_side(self, grid: Nodes) -> tuple[int, int] | None:
+        """The side of a plane whose normal it holds."""
+        plane = self.on.plane
+        if plane is None or abs(unit_vector(self.direction, len(grid.shape))[plane.index]) != 1.0:
+            return None
+        return plane.index, int(plane.side_on(grid) == "upper")
+
     def holder(self, grid: Nodes, surface_nodes: SurfaceNodes | None) -> VelocityHolder:
         """The condition on a grid."""
         return VelocityHolder(self, grid, surface_nodes)

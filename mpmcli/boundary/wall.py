@@ -18,7 +18,7 @@ from mpmcli.boundary.base import (
     SurfaceNodes,
     check_length,
 )
-from mpmcli.boundary.place import Direction, axis_index, check_direction, last_index, read, unit_vector
+from mpmcli.boundary.place import Direction, axis_index, check_direction, grid_line, last_index, read, unit_vector
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.model import field_of, quantity
 
@@ -71,6 +71,17 @@ class Wall(ConditionModel):
         elif not found and along_axis(unit_vector(self.normal, dimensions)) is None:
             found.append(("position", "a wall whose normal is along no axis needs a point, such as [0, 0]"))
         return found
+
+    def held_side(self, grid: Nodes) -> tuple[int, int] | None:
+        """The side behind a wall across an axis, if the wall is within the grid at the start."""
+        normal = unit_vector(self.normal, len(grid.shape))
+        axis = along_axis(normal)
+        if axis is None:
+            return None
+        position = self.position[axis] if isinstance(self.position, tuple) else self.position
+        line = grid_line(grid, axis, position(t=0.0)) - grid.pad
+        is_within = -TOLERANCE <= line <= grid.cells[axis] + TOLERANCE
+        return (axis, int(normal[axis] < 0.0)) if is_within else None
 
     def holder(self, grid: Nodes, surface_nodes: SurfaceNodes | None) -> AxisWall | ObliqueWall:
         """The wall on a grid."""

@@ -29,7 +29,7 @@ from mpmcli.solver.conditions import GridConditions, NoConditions
 from mpmcli.solver.contact import NoContact, NodalContact
 from mpmcli.solver.continuation import restore, state_arrays
 from mpmcli.solver.courant import TimeStep
-from mpmcli.solver.exits import settle_exits
+from mpmcli.solver.exits import held_sides, overrun_of, settle_exits
 from mpmcli.solver.grid_view import show_on_grid, view_of_grid
 from mpmcli.solver.loads import NodalLoads, NoLoads, place_of_identity
 from mpmcli.solver.period import EveryStep, Period
@@ -83,6 +83,8 @@ class Simulation:
         self._parameters = [m.parameters(name, self.plan.adiabatic) for m in self.materials]
         self.parallel = self.particles.count >= PARALLEL_FROM
         self.order = CellOrder(self.particles, self.grid)
+        self.on_exit = scene.domain.on_exit
+        self.held_sides = held_sides(scene, self.grid)
         self.transfer = Transfer(
             self.plan.analysis,
             self.plan.shape,
@@ -95,9 +97,9 @@ class Simulation:
             affine=self.plan.velocity_gradient,
             stores_weights=self.plan.stores_weights,
             turns=turns_of_bodies(filled),
+            overrun=overrun_of(self.held_sides, self.grid, self.on_exit),
         )
         self.arrays = allocate_step_arrays(self.plan, self.grid, self.particles.count)
-        self.on_exit = scene.domain.on_exit
         self._J_limits = tuple(float(J) for J in scene.domain.volume_ratio)
         self.clock = TaskClock()
         self.surface_identities: dict[Any, Array] = {}

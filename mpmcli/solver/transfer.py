@@ -56,6 +56,7 @@ class Transfer:
     affine : extrapolated velocities carry the velocity gradient of their particle
     stores_weights : the weights of the stencils are found once for all passes of the FMPM loop
     keeps_domain : the strain update changes F before the step is over, so that stencils need a copy of it
+    overrun : (d, 2) how far particles may be beyond the sides of the grid [cells], less than 1; None for nowhere
     turns : (bodies, d, d) from the sides of each body's particle domains to the grid's axes; None where all are along
 
     Attributes
@@ -76,6 +77,7 @@ class Transfer:
         affine: bool = False,
         stores_weights: bool = False,
         turns: Array | None = None,
+        overrun: Array | None = None,
     ):
         self.analysis, self.shape = analysis, shape
         self.particles, self.grid, self.order = particles, grid, order
@@ -93,8 +95,9 @@ class Transfer:
         self.travel = np.zeros(CHUNKS)
         self.farthest = 0.0
         self.outside = np.zeros(CHUNKS, dtype=np.int64)
-        tolerance = 1e-9 * grid.cell
-        self._bounds = np.stack([grid.lower - tolerance, grid.upper + tolerance], axis=1)
+        beyond = np.full((grid.dimensions, 2), 1e-9) if overrun is None else np.maximum(overrun, 1e-9)
+        below, above = beyond.T * grid.cell
+        self.bounds = np.stack([grid.lower - below, grid.upper + above], axis=1)
         self.sort()
         self._fix_domains()
 
@@ -191,7 +194,10 @@ class Transfer:
     def _what_is_wrong(self, problem: int, particle: int) -> str:
         who = self._describe(particle)
         if problem == DOMAIN_TOO_WIDE:
-            return f"{who} has stretched over more than {self.widest - 1} cells"
+            return (
+                f"{who} has stretched over more than {self.widest - 1} cells, which its domains of '{self.shape.name}' "
+                "follow. Choose a shape function whose domains keep their size, such as b2gimp: fluids need one"
+            )
         return f"{who} sees nodes outside the grid"
 
     def internal_forces(self, tau: Array, f: Array) -> None:
@@ -247,7 +253,7 @@ class Transfer:
             *self.operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1),
             None if start is None else start.reshape(-1), alpha, damping, dt, True if flip else None, p.V, X_new,
             p.L if with_gradients else None, p.mass,
-            self.speed_squared, self.travel, self.outside, self._bounds, damped,
+            self.speed_squared, self.travel, self.outside, self.bounds, damped,
         )  # fmt: skip
         chunks = len(self.order.chunks) - 1
         self.farthest = float(self.travel[:chunks].max())
