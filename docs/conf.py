@@ -19,12 +19,20 @@ author = "The mpmcli authors"
 copyright = author
 version = release = mpmcli.__version__
 
-extensions = ["myst_parser", "sphinx.ext.mathjax", "sphinxcontrib.bibtex"]
-myst_enable_extensions = ["amsmath", "colon_fence", "dollarmath"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.mathjax",
+    "sphinx_copybutton",
+    "sphinx_design",
+    "sphinxcontrib.bibtex",
+]
+myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 bibtex_bibfiles = ["references.bib"]
 bibtex_reference_style = "author_year"
 math_number_all = False
+# a copy, so that formulas render without a network: MathJax 3.2.2, all extensions and fonts in one file
+mathjax_path = "mathjax/tex-svg-full.js"
 numfig = True
 # the tables of quantities and shapes are included by other pages
 exclude_patterns = ["_build", "_generated/*_quantities.md", "_generated/shapes.md"]
@@ -32,3 +40,5 @@ exclude_patterns = ["_build", "_generated/*_quantities.md", "_generated/shapes.m
 html_theme = "furo"
 html_title = f"mpmcli {version}"
 html_copy_source = False
+html_static_path = ["_static"]
+html_css_files = ["mpmcli.css"]

@@ -1,4 +1,4 @@
-"""Run small scenes of ``inputs/`` and draw them: the pictures and the text of ``docs/gallery/scenes.md``.
+"""Run small scenes that come with mpmcli and draw them: the pictures and the text of ``docs/gallery/scenes.md``.
 
     python docs/make_gallery.py [--only NAME] [--results DIR [--reuse]]
 
@@ -14,23 +14,26 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from PIL import Image
+from PIL import Image, ImageSequence
 
 from mpmcli.cli.main import call
+from mpmcli.scene.shipped import TEMPLATES, shipped
 
 HERE = Path(__file__).parent
 IMAGES = HERE / "images" / "gallery"
 PAGE = HERE / "gallery" / "scenes.md"
 WIDTH, COLORS = 720, 256
 """Most pixels across, and colours, of the pictures on the page."""
+MOVING_WIDTH, MOVING_COLORS = 560, 160
+"""The same of animations."""
 
 FIELDS = ("--set", "archive.particles.fields=[velocity, stress, deformation_gradient]")
 
 INTRODUCTION = """\
 # Small scenes
 
-Small scenes of `inputs/`, run and drawn by the commands beside each picture. `python docs/make_gallery.py` makes this
-page.
+Small scenes that come with mpmcli, run and drawn by the commands beside each picture.
+`python docs/make_gallery.py` makes this page.
 """
 
 
@@ -42,6 +45,11 @@ class Drawn:
     options: tuple[str, ...]
     words: str
 
+    @property
+    def file(self) -> str:
+        """Name of the file."""
+        return f"{self.name}.gif" if "--animate" in self.options else f"{self.name}.png"
+
 
 @dataclass(frozen=True)
 class Shown:
@@ -52,13 +60,26 @@ class Shown:
     options: tuple[str, ...]
     pictures: tuple[Drawn, ...]
 
+    @property
+    def commands(self) -> list[list[str]]:
+        """What writes the scene, if it is a template, and runs it."""
+        if shipped()[self.scene].parent == TEMPLATES:
+            file = f"{self.scene}.yaml"
+            return [["mpmcli", "new", self.scene, "-o", file], ["mpmcli", "run", file, *self.options]]
+        return [["mpmcli", "run", f"inputs/{self.scene}.yaml", *self.options]]
+
 
 GALLERY = (
     Shown(
         "two_disks",
         "Two disks with friction",
-        (*FIELDS, "-D", "cell=1"),
+        (*FIELDS, "--set", "archive.particles.every=0.005", "-D", "cell=1"),
         (
+            Drawn(
+                "two_disks",
+                ("--color", "pressure", "--animate", "gif"),
+                "Two rubber disks meet off their centres, slide along each other with friction, and part.",
+            ),
             Drawn(
                 "two_disks_pressure",
                 ("--color", "pressure", "--time", "0.09"),
@@ -80,6 +101,35 @@ GALLERY = (
                 "taylor_bar",
                 ("--color", "equivalent_plastic_strain"),
                 "Plastic strain of a copper bar after its impact on a rigid wall at 190 m/s, in the plane of r and z.",
+            ),
+        ),
+    ),
+    Shown(
+        "mesh_3d",
+        "A body from an STL file",
+        (),
+        (
+            Drawn(
+                "mesh_3d",
+                ("--what", "particles", "--color", "velocity", "--time", "3"),
+                "Speed of a rubber knot, read from an STL file, while it lands on a floor.",
+            ),
+        ),
+    ),
+    Shown(
+        "indentation",
+        "Indentation",
+        (),
+        (
+            Drawn(
+                "indentation",
+                ("--what", "particles", "--color", "equivalent_plastic_strain"),
+                "Plastic strain under a rigid ball that was pressed into a metal block and drawn out.",
+            ),
+            Drawn(
+                "indentation_force",
+                ("--column", "contact_force_y*"),
+                "Force of the ball on the block over time.",
             ),
         ),
     ),
@@ -114,13 +164,12 @@ def page() -> str:
     """The text of the page."""
     lines = [INTRODUCTION]
     for shown in GALLERY:
-        run = ["mpmcli", "run", f"inputs/{shown.scene}.yaml", *shown.options]
-        lines += [f"## {shown.title}", "", "```bash", shlex.join(run), "```", ""]
+        lines += [f"## {shown.title}", "", "```bash", *map(shlex.join, shown.commands), "```", ""]
         for picture in shown.pictures:
             plot = ["mpmcli", "plot", f"results/{shown.scene}", *picture.options]
             lines += [picture.words, "", "```bash", shlex.join(plot), "```", ""]
             lines += [
-                f"```{{image}} ../images/gallery/{picture.name}.png",
+                f"```{{image}} ../images/gallery/{picture.file}",
                 f":alt: {picture.words}",
                 "```",
                 "",
@@ -131,12 +180,12 @@ def page() -> str:
 def make(shown: Shown, results: Path, reuse: bool) -> None:
     """Run a scene, unless its results are there to be used again, and draw its pictures."""
     directory = results / shown.scene
-    scene = str(HERE.parent / "inputs" / f"{shown.scene}.yaml")
+    scene = str(shipped()[shown.scene])
     is_there = reuse and (directory / "run.json").exists()
     if not is_there and call(["run", scene, *shown.options, "-o", str(directory), "--overwrite", "-q"]):
         raise SystemExit(f"{shown.scene} failed")
     for picture in shown.pictures:
-        path = IMAGES / f"{picture.name}.png"
+        path = IMAGES / picture.file
         if call(["plot", str(directory), *picture.options, "-o", str(path)]):
             raise SystemExit(f"{picture.name} failed")
         shrink(path)
@@ -144,10 +193,29 @@ def make(shown: Shown, results: Path, reuse: bool) -> None:
 
 def shrink(path: Path) -> None:
     """Make a picture no wider than the page, and give it a palette."""
+    if path.suffix == ".gif":
+        shrink_animation(path)
+        return
     with Image.open(path) as image:
         small = image.convert("RGB")
     small.thumbnail((WIDTH, 10 * WIDTH), Image.Resampling.LANCZOS)
     small.quantize(COLORS, dither=Image.Dither.NONE).save(path, optimize=True)
+
+
+def shrink_animation(path: Path) -> None:
+    """Make an animation small: fewer pixels, and one palette for all frames."""
+    with Image.open(path) as image:
+        duration = image.info["duration"]
+        frames = [frame.convert("RGB") for frame in ImageSequence.Iterator(image)]
+    for frame in frames:
+        frame.thumbnail((MOVING_WIDTH, 10 * MOVING_WIDTH), Image.Resampling.LANCZOS)
+    width, height = frames[0].size
+    every = Image.new("RGB", (width, height * len(frames)))
+    for k, frame in enumerate(frames):
+        every.paste(frame, (0, k * height))
+    palette = every.quantize(MOVING_COLORS)
+    first, *others = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)
+    first.save(path, save_all=True, append_images=others, duration=duration, loop=0, optimize=True)
 
 
 def main() -> None:
