@@ -172,7 +172,7 @@ def bounced(results: Results, axis: str) -> float:
 SHOWN = {  # template: what its end shows, within which bounds
     "block_impact": (lambda r: r["stress_work"].max() / r["kinetic_energy"][0], 0.5, 1.0),
     "contact": (slid, 0.97, 1.0),
-    "indentation": (hardness, 2.5, 3.6),  # 2.8 to 3 of a half space that does not harden (Tabor)
+    "indentation": (hardness, 2.8, 4.0),  # Tabor: 3; contact starts before the surfaces meet, which adds area
     "mesh_3d": (lambda r: bounced(r, "z"), -1.0, -0.02),
     "simple": (lambda r: bounced(r, "y"), -1.0, -0.5),
     "taylor_bar": (shortened, 0.6, 0.7),  # 16.2 of 25.4 mm in Johnson and Holmquist's test
