@@ -78,7 +78,7 @@ def _find_stencils(name: str, grid: Grid, X, size, F=None) -> Stencils:
 def _plain_python() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Compiled, "__call__", lambda self, *arguments: self.py_func(*arguments))
-        patch.setattr(Kernel, "__getitem__", lambda self, parallel: self._versions[parallel].py_func)
+        patch.setattr(Kernel, "__getitem__", lambda self, parallel: self.versions[parallel].py_func)
         yield
 
 

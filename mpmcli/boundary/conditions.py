@@ -68,6 +68,11 @@ class VelocityConditions:
         """Whether any condition exists."""
         return bool(self._holders)
 
+    @property
+    def can_meet(self) -> bool:
+        """Whether several conditions may hold the same node."""
+        return len(self._holders) > 1
+
     def select(self, time: float, active: Array, active_version: Any, mp: Array | None = None) -> Entries:
         """Choose the held nodes and their values for a step that starts at ``time``.
 
@@ -218,14 +223,21 @@ class VelocityConditions:
             self.entries.value[:] = wanted
             return
         e = self.entries
-        clashes = orthogonalise(
-            e.node, self._normal, wanted, e.direction, e.value, self._leader, self._held, self._clash
-        )
+        clashes = self.orthogonalise()
         np.not_equal(self._leader, np.arange(self._leader.shape[0]), out=e.repeated)
         # directions that were orthogonal as given stay so: values alone are renewed from now on
         self._mixes = not np.array_equal(e.direction, self._normal)
         if clashes:
             self._report_clash(time, mp)
+
+    def orthogonalise(self) -> int:
+        """Make directions at one node orthogonal or equal, and put values; returns how many contradict each other."""
+        e = self.entries
+        return int(
+            orthogonalise(
+                e.node, self._normal, self._wanted, e.direction, e.value, self._leader, self._held, self._clash
+            )
+        )
 
     def _report_clash(self, time: float, mp: Array | None) -> None:
         """Raise SimulationError if conditions contradict each other at a node with mass."""

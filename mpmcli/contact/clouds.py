@@ -100,7 +100,7 @@ def _near(nodes: Array, order: CellOrder, grid: Grid) -> Array:
         return np.zeros(0, dtype=np.int64)
     X = order.particles.X
     cell = np.empty(X.shape, dtype=np.int64)
-    locate_cells[False](X, grid.lower, 1.0 / grid.cell, grid.cells, cell)
+    locate_cells[order.parallel](X, grid.lower, 1.0 / grid.cell, grid.cells, cell)
     index = np.stack([nodes // stride % count for stride, count in zip(grid.stride, grid.shape, strict=True)])
     # a particle in cell c reaches the nodes c + pad - (w - 1) ... c + pad + w
     low = index.min(axis=1) - grid.pad - grid.width
@@ -292,7 +292,8 @@ class Clouds:
         """Degrees of freedom with mass at the contact nodes."""
         return self._dof[: self._first[self._count]]
 
-    def _renew(self) -> None:
+    def renew(self) -> None:
+        """List the candidates after a sort, and make room for what they may see."""
         self._slot_of_node[self.candidates.node] = -1
         self.candidates = c = find_candidates(self._order, self._grid)
         self._version = self._order.version
@@ -305,8 +306,8 @@ class Clouds:
         self._rooms = c.bands[:-1].astype(np.int64) * reach
         d = self._grid.dimensions
         self.sights = Sights(
-            head=np.empty(len(c.node), dtype=np.int64),
-            number=np.empty(len(c.node), dtype=np.int64),
+            head=np.zeros(len(c.node), dtype=np.int64),
+            number=np.zeros(len(c.node), dtype=np.int64),
             next=np.empty(room, dtype=np.int64),
             particle=np.empty(room, dtype=np.int64),
             flag=np.empty(room, dtype=np.int64),
@@ -317,7 +318,7 @@ class Clouds:
     def find_nodes(self) -> int:
         """Choose the contact nodes of this step from the masses on the grid; returns how many."""
         if self._order.version != self._version:
-            self._renew()
+            self.renew()
         self._count = select_nodes(
             self.candidates, self._grid.mp, self._slot_of_node, self._node, self._first, self._dof
         )

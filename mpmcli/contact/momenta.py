@@ -12,12 +12,12 @@ Array = np.ndarray
 
 
 @inline
-def relative_momentum(axes, alpha, first, last, rigid, rigid_field, node_count, dof, mp, v, out):
+def relative_momentum(axes, alpha, first, last, rigid, rigid_field, node_count, dof, mp, v, of_velocity, out):
     """Δp_α(0), the momentum that takes α to the common velocity, into ``out`` (d,); returns the reduced mass.
 
     β are the other deformable fields among the entries ``first`` to ``last`` of ``dof``, or the rigid one alone,
-    whose mass is infinite (Nairn et al. 2020, Eqs. 8 and 50). Velocities are p/m of ``mp`` (dofs, 1 + d), or ``v``
-    (dofs, d) unless that is None.
+    whose mass is infinite (Nairn et al. 2020, Eqs. 8 and 50). Velocities are p/m of ``mp`` (dofs, 1 + d), or with
+    ``of_velocity`` those of ``v`` (dofs, d).
     """
     m_alpha = mp[alpha, 0]
     m_beta = 0.0
@@ -28,13 +28,13 @@ def relative_momentum(axes, alpha, first, last, rigid, rigid_field, node_count, 
         if i != alpha and (rigid or not rigid_field[i // node_count]):
             m_beta += mp[i, 0]
             for a in range(len(axes)):
-                if v is None:
-                    out[a] += mp[i, 1 + a]
-                else:
+                if of_velocity:
                     out[a] += mp[i, 0] * v[i, a]
+                else:
+                    out[a] += mp[i, 1 + a]
     reduced = m_alpha if rigid else m_alpha * m_beta / (m_alpha + m_beta)
     for a in range(len(axes)):
-        mine = mp[alpha, 1 + a] / m_alpha if v is None else v[alpha, a]
+        mine = v[alpha, a] if of_velocity else mp[alpha, 1 + a] / m_alpha
         out[a] = reduced * (out[a] / m_beta - mine)
     return reduced
 
@@ -59,28 +59,29 @@ def normal_force(axes, alpha, first, last, rigid, rigid_field, node_count, dof, 
 
 @kernel
 def settle_stage(
-    law, which, stage, axes, count, members, node_count, dof, rigid_field, mp, f, v, prior, net, evolving, normal,
-    separation, area, bond, dt, advance, displacement_only, separation_now, push, drive, dp0, total, settled, dp,
-    state,
+    law, which, stage, axes, count, members, node_count, dof, rigid_field, mp, f, of_force, v, of_velocity, prior, net,
+    of_increment, evolving, normal, separation, area, bond, dt, advance, displacement_only, separation_now, push, drive,
+    drives, dp0, total, settled, dp, state,
 ):  # fmt: skip
     """Find the momentum change Δp of α at every contact of one stage that law ``which`` governs, into ``dp`` (k, d).
 
-    After the momentum update ``f`` (dofs, d) holds the forces without contact, whose normal parts are kept in ``push``
-    (k,) for laws with finite stiffness; else it is None. On lumped momenta ``v``, ``prior`` and ``net`` are None. On
-    an FMPM increment ``v`` holds Δv(ℓ), and the rows of ``prior`` and ``net`` (k, d) follow it: by "Net" the law sees
+    Flags say which arrays count, so that one compiled version serves all places of the step. After the momentum update
+    (``of_force``) ``f`` (dofs, d) holds the forces without contact, whose normal parts are kept in ``push`` (k,) for
+    laws with finite stiffness. With ``of_velocity`` the velocities are ``v`` (dofs, d), else p/m. On an FMPM increment
+    (``of_increment``) ``v`` holds Δv(ℓ), and the rows of ``prior`` and ``net`` (k, d) follow it: by "Net" the law sees
     the total of all velocities before any correction, by "Evolving" what earlier corrections left of them
     (``increments``); ``total`` and ``settled`` (k, d) are scratch. ``advance`` is the time over which the separation
-    still closes (Nairn 2023, Eq. 3.56); what it has become is kept in ``separation_now`` (k,). ``drive`` (k,), unless
-    it is None, are impulses that are to be left between the sides (``overlap``).
+    still closes (Nairn 2023, Eq. 3.56); what it has become is kept in ``separation_now`` (k,). With ``drives`` the
+    impulses ``drive`` (k,) are to be left between the sides (``overlap``).
     """
     for k in prange(count):
         if members.law[k] != which or members.stage[k] != stage or members.pair[k]:
             continue
         reduced = relative_momentum(
             axes, members.alpha[k], members.first[k], members.last[k], members.rigid[k], rigid_field, node_count, dof,
-            mp, v, dp0[k],
+            mp, v, of_velocity, dp0[k],
         )  # fmt: skip
-        if prior is not None:
+        if of_increment:
             increments.total_increment(axes, prior[k], dp0[k], total[k])
             wanted, given = total[k], settled[k]
         else:
@@ -90,10 +91,10 @@ def settle_stage(
                 for a in range(len(axes)):
                     gap += dp0[k, a] * normal[k, a] * advance / reduced
             separation_now[k] = gap
-            if drive is not None:
+            if drives:
                 for a in range(len(axes)):
                     dp0[k, a] -= drive[k] * normal[k, a]
-        if f is not None and is_soft(law):
+        if of_force and is_soft(law):
             push[k] = normal_force(
                 axes, members.alpha[k], members.first[k], members.last[k], members.rigid[k], rigid_field, node_count,
                 dof, mp, f, normal[k],
@@ -103,14 +104,14 @@ def settle_stage(
                 law, axes, wanted, normal[k], separation_now[k], area[k], reduced, dt, displacement_only, bond[k],
                 given,
             )  # fmt: skip
-        elif f is not None or prior is not None:
+        elif of_force or of_increment:
             state[k] = settle_soft(
                 law, axes, wanted, normal[k], separation[k], push[k], area[k], reduced, dt, displacement_only, bond[k],
                 given,
             )  # fmt: skip
         else:  # a spring acts once in a step: settled hard elsewhere, the sides would never press on it
             state[k] = leave(axes, given)
-        if prior is not None:
+        if of_increment:
             increments.finish_increment(axes, evolving, dp0[k], wanted, given, prior[k], net[k], dp[k])
 
 
@@ -122,18 +123,18 @@ def start_increments(axes, count, dp0, dp, evolving, prior, net):
 
 
 @kernel
-def add_to_momenta(axes, count, stage, members, dp, dt, mp, f):
-    """p += Δp, and f += Δp/Δt unless ``f`` is None, for the contacts of one stage."""
+def add_to_momenta(axes, count, stage, members, dp, dt, mp, f, of_force):
+    """p += Δp, and with ``of_force`` f += Δp/Δt, for the contacts of one stage."""
     for k in prange(count):
         if members.stage[k] == stage:
             i, j = members.alpha[k], members.partner[k]
             for a in range(len(axes)):
                 mp[i, 1 + a] += dp[k, a]
-                if f is not None:
+                if of_force:
                     f[i, a] += dp[k, a] / dt
                 if members.both[k]:
                     mp[j, 1 + a] -= dp[k, a]
-                    if f is not None:
+                    if of_force:
                         f[j, a] -= dp[k, a] / dt
 
 
@@ -160,12 +161,12 @@ def take_out(axes, count, members, dp, p):
 
 
 @kernel
-def find_slip(axes, count, members, node_count, dof, rigid_field, mp, v, slip):
-    """Velocity of β relative to α into ``slip`` (k, d)."""
+def find_slip(axes, count, members, node_count, dof, rigid_field, mp, v, of_velocity, slip):
+    """Velocity of β relative to α into ``slip`` (k, d), from ``v`` (dofs, d) with ``of_velocity``, else from p/m."""
     for k in prange(count):
         reduced = relative_momentum(
             axes, members.alpha[k], members.first[k], members.last[k], members.rigid[k], rigid_field, node_count, dof,
-            mp, v, slip[k],
+            mp, v, of_velocity, slip[k],
         )  # fmt: skip
         for a in range(len(axes)):
             slip[k, a] /= reduced

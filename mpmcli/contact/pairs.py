@@ -25,26 +25,29 @@ SETTLED = 1e-14
 
 @inline
 def find_pair_impulses(
-    axes, count, members, node_count, dof, rigid_field, mp, v, prior, normal, separation, separation_now, advance,
-    drive, dp0, total,
+    axes, count, members, node_count, dof, rigid_field, mp, v, of_velocity, prior, of_increment, normal, separation,
+    separation_now, advance, drive, drives, dp0, total,
 ):  # fmt: skip
-    """Δp_α(0) of every pair by itself into ``dp0``, with the total of earlier FMPM increments; clears ``total``."""
+    """Δp_α(0) of every pair by itself into ``dp0``, with the total of earlier FMPM increments; clears ``total``.
+
+    Flags say which arrays count, as in ``momenta.settle_stage``.
+    """
     for k in range(count):
         if not members.pair[k]:
             continue
         reduced = relative_momentum(
             axes, members.alpha[k], members.first[k], members.last[k], False, rigid_field, node_count, dof, mp, v,
-            dp0[k],
+            of_velocity, dp0[k],
         )  # fmt: skip
-        if prior is None:
+        if not of_increment:
             separation_now[k] = separation[k]
         for a in range(len(axes)):
-            if prior is None:
-                separation_now[k] += dp0[k, a] * normal[k, a] * advance / reduced
-            else:
+            if of_increment:
                 dp0[k, a] += prior[k, a]
+            else:
+                separation_now[k] += dp0[k, a] * normal[k, a] * advance / reduced
             total[k, a] = 0.0
-        if drive is not None:
+        if drives:
             for a in range(len(axes)):
                 dp0[k, a] -= drive[k] * normal[k, a]
 
@@ -103,11 +106,11 @@ def choose_pairs(slots, members, begin, most, state, chosen):
 
 
 @inline
-def finish_pairs(axes, count, members, begin, chosen, prior, net, evolving, dp0, total, dp, state):
+def finish_pairs(axes, count, members, begin, chosen, prior, net, of_increment, evolving, dp0, total, dp, state):
     """Momentum changes of pairs from their totals; at each node either pairs or lumped contacts act.
 
-    Where pairs are not chosen their rows become zero; where they are, those of the lumped contacts. ``prior``, ``net``
-    and ``evolving`` are those of ``momenta.settle_stage``.
+    Where pairs are not chosen their rows become zero; where they are, those of the lumped contacts. ``prior``, ``net``,
+    ``of_increment`` and ``evolving`` are those of ``momenta.settle_stage``.
     """
     for k in range(count):
         slot = members.slot[k]
@@ -116,7 +119,7 @@ def finish_pairs(axes, count, members, begin, chosen, prior, net, evolving, dp0,
             for a in range(len(axes)):
                 full = total[k, a] if chosen[slot] else 0.0
                 dp[k, a] = full
-                if prior is not None:
+                if of_increment:
                     if evolving:
                         prior[k, a] = dp0[k, a] - full
                         net[k, a] += full
@@ -126,7 +129,7 @@ def finish_pairs(axes, count, members, begin, chosen, prior, net, evolving, dp0,
                         net[k, a] = full
         elif lumped and chosen[slot]:
             for a in range(len(axes)):
-                if prior is None:
+                if not of_increment:
                     dp[k, a] = 0.0
                 elif evolving:
                     net[k, a] -= dp[k, a]

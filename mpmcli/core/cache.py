@@ -34,6 +34,10 @@ class SharedCache(FunctionCache):
                 self._lock.release()
         return found
 
+    def has(self, sig: Any, target_context: Any) -> bool:
+        """Whether there is compiled code for the types ``sig``."""
+        return self._index_key(sig, target_context.codegen()) in self._cache_file._load_index()
+
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep what this process compiled for the types ``sig``."""
         try:

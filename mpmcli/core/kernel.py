@@ -4,18 +4,23 @@
 each has a name of its own, because numba's disk cache tells functions apart by name only.
 
 What is decorated costs nothing until it is called: only then is numba imported, and the function compiled or loaded.
+Within ``recording()`` calls are listed instead, so that all that a step needs can be compiled before the first one.
 """
 
 from __future__ import annotations
 
 import functools
+import importlib
 import os
 import types
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, NamedTuple
 
 from mpmcli.core.compiler import COMPILE_OPTIONS, get_compiler_ready
 
+SUFFIXES = {None: "", False: "_serial", True: "_parallel"}
+"""What is added to the name of each version."""
 BOUNDS_CHECK = os.environ.get("MPMCLI_BOUNDSCHECK") == "1"
 
 
@@ -32,32 +37,32 @@ class Compiled:
     Attributes
     ----------
     py_func : the plain function
-    dispatcher : numba's, which exists from the first use on
+    dispatcher : numba's for calls from Python, which exists from the first use on
+    inner : numba's for calls from compiled code, which has no entry for Python
+    address : module, name and version (parallel, serial, or None for a function without versions)
     """
 
-    def __init__(self, function: Callable[..., Any], **options: Any):
+    registered: list[Compiled] = []
+
+    def __init__(self, function: Callable[..., Any], version: bool | None = None, **options: Any):
         functools.update_wrapper(self, function)
         self.py_func = function
+        self.address = (function.__module__, function.__name__.removesuffix(SUFFIXES[version]), version)
         self._options = {"nogil": True, "boundscheck": BOUNDS_CHECK} | COMPILE_OPTIONS | options
+        Compiled.registered.append(self)
 
     @functools.cached_property
     def dispatcher(self) -> Any:
-        get_compiler_ready()
-        import numba
+        return _dispatcher(self.py_func, self._options)
 
-        from mpmcli.core.cache import SharedCache
-
-        scope = self.py_func.__globals__
-        if scope.get("prange") is prange:
-            scope["prange"] = numba.prange  # the only name that numba shares between threads
-        dispatcher: Any = numba.njit(**self._options)(self.py_func)  # type: ignore[call-overload]
-        dispatcher._cache = SharedCache(self.py_func)
-        return dispatcher
+    @functools.cached_property
+    def inner(self) -> Any:
+        return _dispatcher(_renamed(self.py_func, "_inner"), self._options | {"no_cpython_wrapper": True})
 
     @property
     def _numba_type_(self) -> Any:
         """What numba takes it for where another compiled function calls it."""
-        return self.dispatcher._numba_type_
+        return self.inner._numba_type_
 
     def __call__(self, *arguments: Any) -> Any:
         return self.dispatcher(*arguments)
@@ -84,33 +89,103 @@ class Kernel:
 
     def __init__(self, function: Callable[..., Any], fastmath: Any = COMPILE_OPTIONS["fastmath"]):
         self.name = function.__name__
-        self._versions = tuple(_version(function, parallel, fastmath) for parallel in (False, True))
+        self.versions = tuple(_version(function, parallel, fastmath) for parallel in (False, True))
         Kernel.registered.append(self)
 
     def __getitem__(self, parallel: bool) -> Any:
-        return self._versions[parallel].dispatcher
-
-    @classmethod
-    def only_record(cls) -> list[tuple[Any, tuple[Any, ...]]]:
-        """From now on kernels do nothing but to be listed here when called: what is compiled, and the arguments."""
-        calls: list[tuple[Any, tuple[Any, ...]]] = []
-
-        def recorded(kernel: Kernel, parallel: bool) -> Any:
-            return lambda *arguments: calls.append((kernel._versions[parallel].dispatcher, arguments))
-
-        cls.__getitem__ = recorded  # type: ignore[method-assign]
-        return calls
+        return self.versions[parallel].dispatcher
 
     def compiled_signatures(self) -> int:
         """How many specialisations exist in this process."""
-        return sum(len(version.signatures) for version in self._versions)
+        return sum(len(version.signatures) for version in self.versions)
 
     def cache_misses(self) -> int:
         """How many specialisations had to be compiled because the disk cache did not hold them."""
-        return sum(version.cache_misses for version in self._versions)
+        return sum(version.cache_misses for version in self.versions)
 
 
-def _version(function: Callable[..., Any], parallel: bool, fastmath: Any) -> Compiled:
+class Call(NamedTuple):
+    """A function and the types of the arguments that it is called with: one piece of compiled code."""
+
+    compiled: Compiled
+    types: tuple[Any, ...]
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether this process, or the disk cache, has the code."""
+        dispatcher = self.compiled.dispatcher
+        return self.types in dispatcher.overloads or dispatcher._cache.has(self.types, dispatcher.targetctx)
+
+    def compile(self) -> None:
+        """Load the code from the cache, or compile and keep it there."""
+        self.compiled.dispatcher.compile(self.types)
+
+    @property
+    def words(self) -> str:
+        """What is compiled, for people: ``find geometry (LogisticPlane, Ellipsoids)``."""
+        classes = (getattr(each, "instance_class", None) for each in self.types[:2])
+        names = [each.__name__ for each in classes if each is not None]
+        name = self.compiled.address[1].strip("_").replace("_", " ")
+        return f"{name} ({', '.join(names)})" if names else name
+
+
+def find_compiled(module: str, name: str, version: bool | None) -> Compiled:
+    """The compiled function at an ``address``."""
+    found = getattr(importlib.import_module(module), name)
+    compiled: Compiled = found if version is None else found.versions[version]
+    return compiled
+
+
+@contextmanager
+def recording() -> Iterator[dict[Call, None]]:
+    """A context in which kernels do nothing but to be listed as calls, in order and each once.
+
+    Functions without versions, which Python calls in passing, are listed too, and run as Python.
+    """
+    calls: dict[Call, None] = {}
+
+    def note(compiled: Compiled, arguments: tuple[Any, ...]) -> None:
+        typeof = compiled.dispatcher.typeof_pyval
+        calls[Call(compiled, tuple(typeof(argument) for argument in arguments))] = None
+
+    def only_listed(kernel: Kernel, parallel: bool) -> Any:
+        return lambda *arguments: note(kernel.versions[parallel], arguments)
+
+    def in_python(compiled: Compiled, *arguments: Any) -> Any:
+        note(compiled, arguments)
+        Compiled.__call__ = of_python  # type: ignore[method-assign]
+        try:
+            return compiled.py_func(*arguments)
+        finally:
+            Compiled.__call__ = in_python  # type: ignore[assignment]
+
+    def of_python(compiled: Compiled, *arguments: Any) -> Any:
+        return compiled.py_func(*arguments)
+
+    kept = Kernel.__getitem__, Compiled.__call__
+    Kernel.__getitem__, Compiled.__call__ = only_listed, in_python  # type: ignore[assignment, method-assign]
+    try:
+        yield calls
+    finally:
+        Kernel.__getitem__, Compiled.__call__ = kept  # type: ignore[method-assign]
+
+
+def _dispatcher(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+    get_compiler_ready()
+    import numba
+
+    from mpmcli.core.cache import SharedCache
+
+    scope = function.__globals__
+    if scope.get("prange") is prange:
+        scope["prange"] = numba.prange  # the only name that numba shares between threads
+    dispatcher: Any = numba.njit(**options)(function)  # type: ignore[call-overload]
+    dispatcher._cache = SharedCache(function)
+    return dispatcher
+
+
+def _renamed(function: Callable[..., Any], suffix: str) -> Any:
+    """A copy with a name of its own."""
     named = types.FunctionType(
         function.__code__,
         function.__globals__,
@@ -118,12 +193,16 @@ def _version(function: Callable[..., Any], parallel: bool, fastmath: Any) -> Com
         function.__defaults__,
         function.__closure__,
     )
-    suffix = "_parallel" if parallel else "_serial"
     named.__qualname__ = named.__name__ = function.__name__ + suffix
     named.__module__ = function.__module__
     named.__doc__ = function.__doc__
+    return named
+
+
+def _version(function: Callable[..., Any], parallel: bool, fastmath: Any) -> Compiled:
     # without numba's reference counts: kernels allocate nothing, and counting views costs more than the arithmetic
-    return Compiled(named, parallel=parallel, fastmath=fastmath, _nrt=False)
+    named = _renamed(function, SUFFIXES[parallel])
+    return Compiled(named, version=parallel, parallel=parallel, fastmath=fastmath, _nrt=False)
 
 
 def kernel(function: Callable[..., Any]) -> Kernel:

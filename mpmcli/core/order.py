@@ -31,6 +31,7 @@ class CellOrder:
     chunks : (n_chunks + 1,) first particle of each chunk and the end, unsigned
     drift : largest distance travelled since the last sort [cells]
     version : counts the sorts
+    parallel : whether the last sort ran parallel kernels
     """
 
     def __init__(self, particles: Particles, grid: Grid):
@@ -38,6 +39,7 @@ class CellOrder:
         self.grid = grid
         self.version = 0
         self.drift = 0.0
+        self.parallel = False
         self._mark = np.zeros(grid.node_count, dtype=np.uint8)
         self.bands = np.zeros(1, dtype=np.uint64)
         self.chunks = np.zeros(1, dtype=np.uint64)
@@ -50,6 +52,7 @@ class CellOrder:
     def sort(self, parallel: bool) -> None:
         """Sort all particle arrays by cell and rebuild bands, chunks and active nodes."""
         particles, grid = self.particles, self.grid
+        self.parallel = parallel
         d, count = particles.X.shape
         cell = np.empty((d, count), dtype=np.int64)
         locate_cells[parallel](particles.X, grid.lower, 1.0 / grid.cell, grid.cells, cell)

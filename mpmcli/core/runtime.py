@@ -87,10 +87,22 @@ def _private_folder(name: str) -> Path:
 
 
 def is_cold() -> bool:
-    """Whether nothing has been compiled yet for this version: the first step will take some seconds longer."""
+    """Whether nothing has been compiled yet for this version."""
     configure()
     folder = Path(os.environ["NUMBA_CACHE_DIR"])
     return next(folder.rglob("*.nbi"), None) is None
+
+
+def environment_of_workers() -> dict[str, str]:
+    """Environment of a process of ours that is to import the same mpmcli and share the compile cache."""
+    environment = dict(os.environ)
+    others = environment.get("PYTHONPATH")
+    home = str(PACKAGE.parent)
+    environment["PYTHONPATH"] = home if not others else os.pathsep.join([home, others])
+    # the compile cache that this process chose for itself; sources may have changed since
+    if Path(environment.get("NUMBA_CACHE_DIR", "")).name == source_digest():
+        del environment["NUMBA_CACHE_DIR"]
+    return environment
 
 
 def _preload_tbb() -> bool:

@@ -19,7 +19,8 @@ from mpmcli.run.folder import default_folder, locked_folder, owned_folder, refus
 from mpmcli.run.interrupts import Interrupted, Interrupts, exit_code_of, name_of
 from mpmcli.run.load import load
 from mpmcli.run.log import log_file, messages
-from mpmcli.run.march import COMPILING, SETTING_UP, March, is_over
+from mpmcli.run.compiling import Compilers
+from mpmcli.run.march import SETTING_UP, March, is_over
 from mpmcli.run.outcome import Outcome
 from mpmcli.run.progress import Progress
 from mpmcli.run.resume import last_checkpoint, refuse_changes, scene_of
@@ -151,7 +152,6 @@ def _run(
         held.enter_context(np.errstate(all="ignore"))  # what is not finite the watchdogs name
         begin = time.perf_counter()
         checkpoint = None
-        is_cold = runtime.is_cold()
         try:
             if resume:
                 held.enter_context(locked_folder(directory))
@@ -160,8 +160,13 @@ def _run(
                 if is_over(checkpoint.step, checkpoint.time, end, loaded.scene.time.max_steps):
                     LOGGER.info("nothing left to do: step %d, time %.6g", checkpoint.step, checkpoint.time)
                     return Outcome(0, "finished", directory, checkpoint.step, checkpoint.time)
-            with shown.waiting(COMPILING if is_cold else SETTING_UP, is_important=is_cold):
-                simulation = make_simulation(loaded, threads=threads)
+            with Compilers() as compilers:
+                if runtime.is_cold():
+                    compilers.start()
+                with shown.waiting(SETTING_UP):
+                    simulation = make_simulation(loaded, threads=threads)
+                if not dry_run:
+                    compile_step(compilers, simulation, loaded, shown)
         except Interrupted as signal:
             LOGGER.error("interrupted by %s during set-up; nothing was written", name_of(signal.number))
             return Outcome(exit_code_of(signal.number), "interrupted", directory)
@@ -169,7 +174,7 @@ def _run(
         if not resume:
             held.enter_context(owned_folder(directory, overwrite))
         held.enter_context(log_file(directory, "a" if resume else "w"))
-        march = March(loaded, directory, simulation, interrupts, shown, end, begin, checkpoint, is_cold)
+        march = March(loaded, directory, simulation, interrupts, shown, end, begin, checkpoint)
         return march.dry_run() if dry_run else march.run(max_walltime)
 
 
@@ -179,6 +184,16 @@ def _check_courant(scene: Any) -> None:
         from mpmcli.stability.scene_limit import refuse_large_courant
 
         refuse_large_courant(scene)
+
+
+def compile_step(compilers: Compilers, simulation: Any, loaded: LoadedScene, shown: Progress) -> None:
+    """Compile what the steps of a simulation call, showing what."""
+    from mpmcli.solver.stand_in import calls_of
+
+    missing = compilers.missing(calls_of(simulation, loaded))
+    if missing:
+        with shown.waiting(f"Compiling {len(missing)} functions, once: later runs start at once", True) as tell:
+            compilers.compile(missing, tell)
 
 
 def _solver() -> Callable[..., Any]:

@@ -14,7 +14,6 @@ from mpmcli.output import manifest
 from mpmcli.output.checkpoint import Checkpoint, write_checkpoint
 from mpmcli.output.recorder import Recorder
 from mpmcli.output.schedule import Schedule, is_reached
-from mpmcli.run.ahead import compiling_ahead
 from mpmcli.run.folder import DRY_RUN
 from mpmcli.run.interrupts import Interrupted, Interrupts, exit_code_of, name_of
 from mpmcli.run.outcome import Outcome
@@ -24,7 +23,6 @@ from mpmcli.run.watch import EnergyWatch
 
 LOGGER = logging.getLogger("mpmcli")
 STOPPED_EARLY = 6
-COMPILING = "compiling, once: later runs start at once"
 SETTING_UP = "setting up"
 UNCONVERGED_SHARE = 0.05
 """Share of all contacts whose normals may fail to converge before a run warns of it at its end."""
@@ -48,12 +46,11 @@ class March:
         end: float,
         begin: float,
         checkpoint: Checkpoint | None = None,
-        is_cold: bool = False,
     ):
         self.loaded = loaded
         self.directory, self.simulation = directory, simulation
         self.interrupts, self.progress = interrupts, progress
-        self.end, self.begin, self.is_cold = end, begin, is_cold
+        self.end, self.begin = end, begin
         self.max_steps = loaded.scene.time.max_steps
         self.step_seconds, self.counted_steps, self.output_seconds = 0.0, 0, 0.0
         report = str(simulation.setup_report)
@@ -128,16 +125,13 @@ class March:
     def _march(self, max_walltime: float | None) -> tuple[int, str]:
         simulation, recorder, interrupts = self.simulation, self.recorder, self.interrupts
         clock = time.perf_counter
-        with (
-            compiling_ahead(simulation, self.is_cold),
-            self.progress.waiting(COMPILING if self.is_cold else SETTING_UP, is_important=self.is_cold),
-        ):
+        with self.progress.waiting(SETTING_UP):
             if self.resumed_step is None:
                 self._record(everything=True)
                 self.watch.look()
                 self._save_if_due()
             if not self._is_over() and interrupts.received is None:
-                # this step may compile for seconds, and there is nothing to lose yet: stop at once if asked
+                # this step may load much, and there is nothing to lose yet: stop at once if asked
                 interrupts.is_patient = False
                 simulation.step()
                 interrupts.is_patient = True
@@ -244,7 +238,7 @@ class March:
         return time.perf_counter() - self.begin
 
     def _nanoseconds(self) -> float | None:
-        """Time per particle and step; the first step, which may compile, is left out."""
+        """Time per particle and step; the first step, which loads compiled code, is left out."""
         work = self.counted_steps * self.simulation.state.particles.count
         return 1e9 * self.step_seconds / work if work else None
 

@@ -6,7 +6,7 @@ import logging
 import os
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -14,6 +14,7 @@ from mpmcli.core.state import State
 
 REFRESH_SECONDS = 0.2
 LINE_SECONDS = 60.0
+WAITING_SECONDS = 3.0
 LINE_SHARE = 0.1
 LOG_ONLY = "is_for_the_log_only"
 """Attribute of a log record whose message the user has seen already."""
@@ -118,7 +119,6 @@ class Progress:
         self.is_shown = is_shown
         self._bar: TerminalBar | NotebookLine | None = None
         self._first: tuple[float, int, float] | None = None
-        self._said: set[str] = set()
         self._next_look = 0.0
         self._next_line = 0.0
         self._next_share = LINE_SHARE
@@ -131,18 +131,29 @@ class Progress:
             print(text, file=sys.stderr, flush=True)
 
     @contextmanager
-    def waiting(self, text: str, is_important: bool = False) -> Iterator[None]:
-        """Show that something takes its time: on a terminal while it does, elsewhere once, if important."""
+    def waiting(self, text: str, is_important: bool = False) -> Iterator[Callable[[str], None]]:
+        """Show that something takes its time: on a terminal while it does, elsewhere once, if important.
+
+        Yields a function that shows another text instead: elsewhere than on a terminal every ``WAITING_SECONDS``.
+        """
         if self.is_shown and is_terminal():
             from rich.console import Console
 
-            with Console(stderr=True).status(text):
-                yield
+            with Console(stderr=True).status(text) as status:
+                yield lambda line: status.update(line)
             return
-        if self.is_shown and is_important and text not in self._said:
-            self._said.add(text)
+        shows = self.is_shown and is_important
+        if shows:
             self.say(text)
-        yield
+        said = time.perf_counter()
+
+        def tell(line: str) -> None:
+            nonlocal said
+            if shows and time.perf_counter() - said >= WAITING_SECONDS:
+                said = time.perf_counter()
+                self.say(line)
+
+        yield tell
 
     def start(self, state: State) -> None:
         """Begin to show the march from this state."""

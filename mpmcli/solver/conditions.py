@@ -60,6 +60,9 @@ class NoConditions:
         """No reactions."""
         return {}
 
+    def rehearse(self) -> None:
+        """Nothing is called in some steps only."""
+
 
 class GridConditions(NoConditions):
     """Velocity conditions and symmetry planes on the grid, with their work and reactions in the current step.
@@ -149,6 +152,11 @@ class GridConditions(NoConditions):
     def idle(self, mp: Array) -> list[str]:
         """Names of conditions that hold no node with mass in this step."""
         return self.conditions.empty_conditions(mp)
+
+    def rehearse(self) -> None:
+        """Call what is called only in steps in which two conditions hold the same node."""
+        if self.conditions.can_meet:
+            self.conditions.orthogonalise()
 
     def reactions(self, dt: float) -> dict[str, Array]:
         """Force of each condition on the bodies in this step, by name."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -57,6 +58,10 @@ class NodalContact(NoContact):
 
     Geometry (nodes, normals, separations, areas) is found once per step, in task 1.a, and used by all corrections of
     the step.
+
+    Attributes
+    ----------
+    parallel_from : number of contacts from which their kernels run in parallel
     """
 
     def __init__(self, s: Simulation, scene: Any):
@@ -102,6 +107,8 @@ class NodalContact(NoContact):
         if model.normal.is_given and self._has_geometry:
             self._direction = DirectionWatch(self.contacts, plan.fields, grid.node_count)
         self._guesses = np.zeros((grid.dof_count, d)) if getattr(model.normal, "reuse", False) else None
+        many = s.parallel and p.count >= PARTICLES_PER_CONTACT * PARALLEL_CONTACTS
+        self.parallel_from = PARALLEL_CONTACTS if many else math.inf
         self._incremental = model.increments in ("net", "evolving")
         self._evolving = model.increments == "evolving"
         self._later = model.increments in ("after", "combined")
@@ -189,7 +196,7 @@ class NodalContact(NoContact):
         if c.count == 0 or not self._incremental:
             return
         for stage in range(c.stages):
-            self._settle(stage, None, dv, c.prior, c.net, dt, 0.0)
+            self._settle(stage, dt, 0.0, v=dv, is_increment=True)
             momenta.add_to_velocities[self._parallel](
                 self._axes, c.count, stage, c.members, c.dp, s.grid.mp, dv
             )
@@ -202,7 +209,7 @@ class NodalContact(NoContact):
         if c.count == 0 or not self._later:
             return
         for stage in range(c.stages):
-            self._settle(stage, None, v, None, None, dt, dt)
+            self._settle(stage, dt, dt, v=v)
             momenta.add_to_velocities[self._parallel](
                 self._axes, c.count, stage, c.members, c.dp, s.grid.mp, v
             )
@@ -266,46 +273,46 @@ class NodalContact(NoContact):
 
     @property
     def _parallel(self) -> bool:
-        return self._s.parallel and self.contacts.count >= PARALLEL_CONTACTS
+        return self.contacts.count >= self.parallel_from
 
     def _settle_momenta(self, dt: float, f: Array | None, advance: float) -> None:
         s, c = self._s, self.contacts
         for stage in range(c.stages):
-            self._settle(stage, f, None, None, None, dt, advance)
+            self._settle(stage, dt, advance, after_forces=f is not None)
             momenta.add_to_momenta[self._parallel](
-                self._axes, c.count, stage, c.members, c.dp, dt, s.grid.mp, f
+                self._axes, c.count, stage, c.members, c.dp, dt, s.grid.mp, s.grid.f, f is not None
             )
 
     def _settle(
-        self, stage: int, f: Array | None, v: Array | None, prior: Array | None, net: Array | None, dt: float,
-        advance: float,
+        self, stage: int, dt: float, advance: float, after_forces: bool = False, v: Array | None = None,
+        is_increment: bool = False,
     ) -> None:  # fmt: skip
+        """Settle momenta, or the velocities ``v``, at the contacts of a stage; see ``momenta.settle_stage``."""
         s, c, g = self._s, self.contacts, self.contacts.geometry
-        drive = c.drive if self._removes_overlap and v is None and advance > 0.0 else None
+        drives = self._removes_overlap and v is None and advance > 0.0
+        of_velocity, v = v is not None, s.arrays.v if v is None else v
         for which in self._used:
             if self._rules.skipped[which]:
                 continue
             momenta.settle_stage[self._parallel](
                 self._laws[which], which, stage, self._axes, c.count, c.members, s.grid.node_count, self.clouds.dof,
-                self._rules.rigid, s.grid.mp, f, v, prior, net, self._evolving, g.normal, g.separation, g.area, g.bond,
-                dt,
-                advance, self._model.displacement_only, c.separation_now, c.push, drive, c.dp0, c.total,
-                c.settled, c.dp, c.state,
+                self._rules.rigid, s.grid.mp, s.grid.f, after_forces, v, of_velocity, c.prior, c.net, is_increment,
+                self._evolving, g.normal, g.separation, g.area, g.bond, dt, advance, self._model.displacement_only,
+                c.separation_now, c.push, c.drive, drives, c.dp0, c.total, c.settled, c.dp, c.state,
             )  # fmt: skip
         if self._rules.explicit and stage == 0:
-            self._settle_pairs(v, prior, net, dt, advance, drive)
+            self._settle_pairs(v, of_velocity, is_increment, dt, advance, drives)
 
     def _settle_pairs(
-        self, v: Array | None, prior: Array | None, net: Array | None, dt: float, advance: float,
-        drive: Array | None,
-    ) -> None:  # fmt: skip
+        self, v: Array, of_velocity: bool, is_increment: bool, dt: float, advance: float, drives: bool
+    ) -> None:
         """The contacts that ``three_or_more: pairs`` or ``coupled`` asks for."""
         s, c, g = self._s, self.contacts, self.contacts.geometry
         slots, n = self.clouds.count, s.grid.node_count
         chosen, total, wanted = np.zeros(slots, dtype=bool), np.zeros_like(c.dp), np.zeros_like(c.dp)
         pairs.find_pair_impulses(
-            self._axes, c.count, c.members, n, self.clouds.dof, self._rules.rigid, s.grid.mp, v, prior, g.normal,
-            g.separation, c.separation_now, advance, drive, c.dp0, total,
+            self._axes, c.count, c.members, n, self.clouds.dof, self._rules.rigid, s.grid.mp, v, of_velocity, c.prior,
+            is_increment, g.normal, g.separation, c.separation_now, advance, c.drive, drives, c.dp0, total,
         )  # fmt: skip
         for sweep in range(pairs.SWEEPS + 1):
             change = size = 0.0
@@ -330,8 +337,9 @@ class NodalContact(NoContact):
             c.members,
             c.begin,
             chosen,
-            prior,
-            net,
+            c.prior,
+            c.net,
+            is_increment,
             self._evolving,
             c.dp0,
             total,
@@ -359,7 +367,7 @@ class NodalContact(NoContact):
         c = self.contacts
         momenta.find_slip[self._parallel](
             self._axes, c.count, c.members, self._s.grid.node_count, self.clouds.dof, self._rules.rigid,
-            self._s.grid.mp, v, out,
+            self._s.grid.mp, self._s.arrays.v if v is None else v, v is not None, out,
         )  # fmt: skip
 
     def _keep_rigid(self) -> None:
@@ -385,3 +393,5 @@ class NodalContact(NoContact):
 
 PARALLEL_CONTACTS = 512
 """Contacts from which parallel kernels pay for their launch."""
+PARTICLES_PER_CONTACT = 30
+"""Simulations with fewer particles per ``PARALLEL_CONTACTS`` rarely have so many: they compile serial kernels only."""

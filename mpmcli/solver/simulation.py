@@ -72,16 +72,13 @@ class Simulation:
         self.period = Period(self.plan) if self.plan.is_periodic else EveryStep(self.plan)
         self.reached_order = self.plan.order
         self.grid = make_grid(scene, self.plan)
-        self.particles, filled = make_particles(scene, self.plan, self.grid)
         of_bodies = [scene.materials[body.material] for body in scene.bodies]
-        densities = [None if model.kind == "rigid" else model.density for model in of_bodies]
         section = section_of(scene)
-        reports = body_report(scene.bodies, filled, densities, scene.grid, self.plan.analysis, section)
-        self.setup_report = report_table(reports)
+        turns = self._fill(scene)
         self.materials = list(scene.materials.values())
         name = self.plan.analysis_name
         self._parameters = [m.parameters(name, self.plan.adiabatic) for m in self.materials]
-        self.parallel = self.particles.count >= PARALLEL_FROM
+        self.parallel = self._is_large()
         self.order = CellOrder(self.particles, self.grid)
         self.on_exit = scene.domain.on_exit
         self.held_sides = held_sides(scene, self.grid)
@@ -96,7 +93,7 @@ class Simulation:
             keeps_domain=self.plan.update.first > 0.0,
             affine=self.plan.velocity_gradient,
             stores_weights=self.plan.stores_weights,
-            turns=turns_of_bodies(filled),
+            turns=turns,
             overrun=overrun_of(self.held_sides, self.grid, self.on_exit),
         )
         self.arrays = allocate_step_arrays(self.plan, self.grid, self.particles.count)
@@ -111,12 +108,7 @@ class Simulation:
             if np.any(self.particles.material == i)
         )
         self.particle_speed = float(np.sqrt(np.square(self.particles.V).sum(axis=0).max()))
-        self.courant_choice = GivenCourant(scene.time.courant)
-        if scene.time.courant == "auto":
-            self.courant_choice = choice = ChosenCourant(scene, self.particles)
-            LOGGER.info(
-                "Courant number %.4g, chosen by the stability limit%s", choice.courant, choice.in_words()
-            )
+        self.courant_choice = self._choose_courant(scene)
         self.time_step = TimeStep(scene.time.step, self.courant_choice.courant, float(self.grid.cell.min()))
         self._dt = 0.0
         self._last_good: State | None = None
@@ -253,6 +245,27 @@ class Simulation:
         state.dt = dt
 
     # ------------------------------------------------------------------ parts
+
+    def _fill(self, scene: Any) -> Array | None:
+        """Make the particles, and the report about the bodies; returns the turns of the particle domains."""
+        self.particles, filled = make_particles(scene, self.plan, self.grid)
+        of_bodies = [scene.materials[body.material] for body in scene.bodies]
+        densities = [None if model.kind == "rigid" else model.density for model in of_bodies]
+        section = section_of(scene)
+        reports = body_report(scene.bodies, filled, densities, scene.grid, self.plan.analysis, section)
+        self.setup_report = report_table(reports)
+        return turns_of_bodies(filled)
+
+    def _is_large(self) -> bool:
+        """Whether parallel kernels pay."""
+        return self.particles.count >= PARALLEL_FROM
+
+    def _choose_courant(self, scene: Any) -> Any:
+        if scene.time.courant != "auto":
+            return GivenCourant(scene.time.courant)
+        choice = ChosenCourant(scene, self.particles)
+        LOGGER.info("Courant number %.4g, chosen by the stability limit%s", choice.courant, choice.in_words())
+        return choice
 
     @property
     def courant_of_step(self) -> float:

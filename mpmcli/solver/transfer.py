@@ -89,12 +89,12 @@ class Transfer:
         self._stored: Any = None
         self._passing_L = np.zeros_like(particles.L) if affine else None
         self._keeps_domain = keeps_domain and shape.follows_deformation
-        self._turns = turns
+        self.turns = turns
         self._domain_F = particles.F
         self.speed_squared = np.zeros(CHUNKS)
         self.travel = np.zeros(CHUNKS)
         self.farthest = 0.0
-        self.outside = np.zeros(CHUNKS, dtype=np.int64)
+        self.outside = np.full(CHUNKS, -1, dtype=np.int64)
         beyond = np.full((grid.dimensions, 2), 1e-9) if overrun is None else np.maximum(overrun, 1e-9)
         below, above = beyond.T * grid.cell
         self.bounds = np.stack([grid.lower - below, grid.upper + above], axis=1)
@@ -125,18 +125,18 @@ class Transfer:
     @property
     def domain_F(self) -> Array:
         """Deformation gradients (nF, N) that the stencils of this step are built from; F Q of turned domains."""
-        if self._turns is not None and not self._keeps_domain:
+        if self.turns is not None and not self._keeps_domain:
             self._fix_domains()
         return self._domain_F
 
     def _fix_domains(self) -> None:
         F = self.particles.F
-        if self._turns is None:
+        if self.turns is None:
             self._domain_F = F.copy() if self._keeps_domain else F
             return
         if self._domain_F is F or self._domain_F.shape != F.shape:
             self._domain_F = np.empty_like(F)
-        turn_domains[self.parallel](F, self.particles.body, self._turns, self._domain_F)
+        turn_domains[self.parallel](F, self.particles.body, self.turns, self._domain_F)
 
     def operator(self, ranges: Array) -> tuple[Any, ...]:
         """What makes S and G: the arguments that all transfer kernels share, for bands or chunks of particles."""

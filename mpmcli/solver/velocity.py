@@ -46,10 +46,8 @@ def has_converged(s: Simulation, dv: Array, v: Array) -> bool:
     if metric == "means":
         return bool(change <= tolerance * size)
     epsilon = 0.01 * float(sums[:, 2].max())
-    if epsilon == 0.0:
-        return True
     nodes.sum_changes[s.parallel](grid.active, grid.mp, dv, v, epsilon, sums)
-    return bool(sums[:, 0].sum() <= tolerance * count)
+    return bool(epsilon == 0.0 or sums[:, 0].sum() <= tolerance * count)
 
 
 def add_filtered_velocities(s: Simulation, w: Array, dt: float) -> None:

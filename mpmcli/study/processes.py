@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 import subprocess
 import sys
 import tempfile
 import threading
 from contextlib import suppress
-from pathlib import Path
 from typing import IO, Any
 
-import mpmcli
-from mpmcli.core.runtime import source_digest
+from mpmcli.core.runtime import environment_of_workers
 
 MARK = "mpmcli-result "
 """Begins the line in which a worker prints its result."""
@@ -91,13 +88,6 @@ def run_job(job: dict[str, Any], timeout: float | None = None, module: str = WOR
 
 def start_worker(module: str, messages: IO[str]) -> subprocess.Popen[str]:
     """Start a worker, which waits for its job; it has no terminal, so that Ctrl-C reaches only us."""
-    environment = dict(os.environ)
-    home = str(Path(mpmcli.__file__).parents[1])
-    others = environment.get("PYTHONPATH")
-    environment["PYTHONPATH"] = home if not others else os.pathsep.join([home, others])
-    # the compile cache that this process chose for itself; sources may have changed since
-    if Path(environment.get("NUMBA_CACHE_DIR", "")).name == source_digest():
-        del environment["NUMBA_CACHE_DIR"]
     return subprocess.Popen(
         [sys.executable, "-X", "faulthandler", "-m", module],
         stdin=subprocess.PIPE,
@@ -105,7 +95,7 @@ def start_worker(module: str, messages: IO[str]) -> subprocess.Popen[str]:
         stderr=messages,
         text=True,
         encoding="utf-8",
-        env=environment,
+        env=environment_of_workers(),
         start_new_session=True,
     )
 
