@@ -16,6 +16,7 @@ COMMANDS = {
     "run": "Run a scene.",
     "resume": "Continue a run from its last checkpoint.",
     "validate": "Report every problem of scenes.",
+    "compile": "Compile what scenes need, so that they start at once.",
     "explain": "Tell what a scene will model and what it costs.",
     "schema": "Print the JSON Schema of scenes.",
     "list": "List what scenes can name, with parameters.",

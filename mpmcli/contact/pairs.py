@@ -106,7 +106,9 @@ def choose_pairs(slots, members, begin, most, state, chosen):
 
 
 @inline
-def finish_pairs(axes, count, members, begin, chosen, prior, net, of_increment, evolving, dp0, total, dp, state):
+def finish_pairs(
+    axes, count, members, begin, chosen, prior, net, of_increment, evolving, dp0, total, dp, state
+):
     """Momentum changes of pairs from their totals; at each node either pairs or lumped contacts act.
 
     Where pairs are not chosen their rows become zero; where they are, those of the lumped contacts. ``prior``, ``net``,

@@ -153,11 +153,11 @@ def recording() -> Iterator[dict[Call, None]]:
 
     def in_python(compiled: Compiled, *arguments: Any) -> Any:
         note(compiled, arguments)
-        Compiled.__call__ = of_python  # type: ignore[method-assign]
+        Compiled.__call__ = of_python  # type: ignore[assignment, method-assign]
         try:
             return compiled.py_func(*arguments)
         finally:
-            Compiled.__call__ = in_python  # type: ignore[assignment]
+            Compiled.__call__ = in_python  # type: ignore[assignment, method-assign]
 
     def of_python(compiled: Compiled, *arguments: Any) -> Any:
         return compiled.py_func(*arguments)

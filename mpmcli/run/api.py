@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -14,21 +14,23 @@ import numpy as np
 
 from mpmcli.core import runtime
 from mpmcli.core.errors import SceneError
+from mpmcli.core.kernel import Call
 from mpmcli.output.of_scene import check_output
+from mpmcli.run.compiling import Compilers
 from mpmcli.run.folder import default_folder, locked_folder, owned_folder, refuse_occupied
 from mpmcli.run.interrupts import Interrupted, Interrupts, exit_code_of, name_of
 from mpmcli.run.load import load
 from mpmcli.run.log import log_file, messages
-from mpmcli.run.compiling import Compilers
 from mpmcli.run.march import SETTING_UP, March, is_over
 from mpmcli.run.outcome import Outcome
 from mpmcli.run.progress import Progress
 from mpmcli.run.resume import last_checkpoint, refuse_changes, scene_of
 from mpmcli.scene.loader import LoadedScene
 
-__all__ = ["Outcome", "load", "resume", "run", "scene_of_run"]
+__all__ = ["Outcome", "compile_scenes", "load", "resume", "run", "scene_of_run"]
 
 LOGGER = logging.getLogger("mpmcli")
+COMPILING = "Compiling {} functions, once: later runs start at once"
 
 
 def run(
@@ -161,12 +163,12 @@ def _run(
                     LOGGER.info("nothing left to do: step %d, time %.6g", checkpoint.step, checkpoint.time)
                     return Outcome(0, "finished", directory, checkpoint.step, checkpoint.time)
             with Compilers() as compilers:
-                if runtime.is_cold():
+                if runtime.is_cold() and not dry_run:
                     compilers.start()
                 with shown.waiting(SETTING_UP):
                     simulation = make_simulation(loaded, threads=threads)
                 if not dry_run:
-                    compile_step(compilers, simulation, loaded, shown)
+                    _compile(compilers, _calls_of(simulation, loaded), shown)
         except Interrupted as signal:
             LOGGER.error("interrupted by %s during set-up; nothing was written", name_of(signal.number))
             return Outcome(exit_code_of(signal.number), "interrupted", directory)
@@ -186,14 +188,55 @@ def _check_courant(scene: Any) -> None:
         refuse_large_courant(scene)
 
 
-def compile_step(compilers: Compilers, simulation: Any, loaded: LoadedScene, shown: Progress) -> None:
-    """Compile what the steps of a simulation call, showing what."""
+def compile_scenes(
+    scenes: Sequence[LoadedScene], *, processes: int | None = None, progress: bool = True
+) -> int:
+    """Compile all that runs of the scenes call, so that they start at once; nothing is run.
+
+    Parameters
+    ----------
+    scenes
+        As ``load`` read them.
+    processes
+        How many processes compile at the same time; one per processor if absent.
+    progress
+        Whether progress is shown on stderr.
+
+    Returns
+    -------
+    int
+        How many functions were compiled; what the cache had is left alone.
+
+    Raises
+    ------
+    SceneError
+        If a scene cannot be set up.
+    """
+    shown = Progress(0.0, progress)
+    calls: dict[Call, None] = {}
+    with Compilers(processes) as compilers, np.errstate(all="ignore"):
+        for loaded in scenes:
+            with shown.waiting(f"setting up {loaded.path}"):
+                try:
+                    calls |= dict.fromkeys(_calls_of(_solver()(loaded), loaded))
+                except SceneError as error:
+                    raise loaded.locate(error) from None
+        return _compile(compilers, list(calls), shown)
+
+
+def _compile(compilers: Compilers, calls: list[Call], shown: Progress) -> int:
+    """Compile what the cache does not have, showing what; returns how many functions."""
+    missing = compilers.missing(calls)
+    if missing:
+        with shown.waiting(COMPILING.format(len(missing)), is_important=True) as tell:
+            compilers.compile(missing, tell)
+    return len(missing)
+
+
+def _calls_of(simulation: Any, loaded: LoadedScene) -> list[Call]:
     from mpmcli.solver.stand_in import calls_of
 
-    missing = compilers.missing(calls_of(simulation, loaded))
-    if missing:
-        with shown.waiting(f"Compiling {len(missing)} functions, once: later runs start at once", True) as tell:
-            compilers.compile(missing, tell)
+    return calls_of(simulation, loaded)
 
 
 def _solver() -> Callable[..., Any]:

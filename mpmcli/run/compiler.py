@@ -6,10 +6,10 @@ the cache. It ends when its stdin is closed: then whoever asked is gone.
 
 from __future__ import annotations
 
+import importlib
 import os
 import pickle
 import sys
-from contextlib import suppress
 
 from mpmcli.core.compiler import get_compiler_ready
 from mpmcli.core.kernel import Call, find_compiled
@@ -22,8 +22,7 @@ def main() -> None:
     # what a library prints must not be taken for an answer
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    with suppress(ImportError):  # the kernels, and all that they are compiled with
-        import mpmcli.solver.simulation
+    importlib.import_module("mpmcli.solver.simulation")  # the kernels, and all that they are compiled with
     get_compiler_ready()
     while True:
         try:

@@ -30,7 +30,14 @@ MEMORY = 5e8
 """Bytes that a compiling process may take."""
 FEWEST = 3
 """Functions from which it pays to start processes."""
-LONGEST = ("find_geometry", "update_strain_and_stress", "collect_sights", "scatter", "settle_stage", "move_particles")
+LONGEST = (
+    "find_geometry",
+    "update_strain_and_stress",
+    "collect_sights",
+    "scatter",
+    "settle_stage",
+    "move_particles",
+)
 """Functions that take longest to compile, which are begun first."""
 
 

@@ -13,6 +13,7 @@ from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
 from mpmcli.core.runtime import available_memory
 from mpmcli.geometry.fill import BodyParticles, fill_bodies
+from mpmcli.geometry.report import body_report, report_table
 from mpmcli.solver.plan import Plan
 
 Array = np.ndarray
@@ -97,6 +98,15 @@ def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[
     if plan.velocity_gradient:
         _set_initial_gradients(scene, particles)
     return particles, filled
+
+
+def report_of_bodies(scene: Any, plan: Plan, filled: list[BodyParticles]) -> str:
+    """Return the table of the bodies' particles, mass, volume and bounds."""
+    models = [scene.materials[body.material] for body in scene.bodies]
+    densities = [None if model.kind == "rigid" else model.density for model in models]
+    return report_table(
+        body_report(scene.bodies, filled, densities, scene.grid, plan.analysis, section_of(scene))
+    )
 
 
 def turns_of_bodies(filled: list[BodyParticles]) -> Array | None:

@@ -16,13 +16,13 @@ from mpmcli.core.order import CellOrder
 from mpmcli.core.runtime import available_threads
 from mpmcli.core.state import State
 from mpmcli.geometry.faces import surface_faces
-from mpmcli.geometry.report import body_report, report_table
 from mpmcli.materials.strain import (
     ArtificialViscosity,
     block_count,
     stored_energy,
     update_strain_and_stress,
 )
+from mpmcli.solver import setup
 from mpmcli.solver.averaging import NoAveraging, VolumeAveraging
 from mpmcli.solver.clock import TaskClock
 from mpmcli.solver.conditions import GridConditions, NoConditions
@@ -35,7 +35,6 @@ from mpmcli.solver.loads import NodalLoads, NoLoads, place_of_identity
 from mpmcli.solver.period import EveryStep, Period
 from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan
 from mpmcli.solver.rigid import NoRigidBodies, RigidBodies
-from mpmcli.solver.setup import full_ring, make_grid, make_particles, section_of, turns_of_bodies
 from mpmcli.solver.step import advance
 from mpmcli.solver.transfer import Transfer
 from mpmcli.stability.choice import ChosenCourant, GivenCourant
@@ -71,9 +70,9 @@ class Simulation:
         self.plan = make_plan(scene)
         self.period = Period(self.plan) if self.plan.is_periodic else EveryStep(self.plan)
         self.reached_order = self.plan.order
-        self.grid = make_grid(scene, self.plan)
+        self.grid = setup.make_grid(scene, self.plan)
         of_bodies = [scene.materials[body.material] for body in scene.bodies]
-        section = section_of(scene)
+        section = setup.section_of(scene)
         turns = self._fill(scene)
         self.materials = list(scene.materials.values())
         name = self.plan.analysis_name
@@ -121,7 +120,7 @@ class Simulation:
             materials=list(scene.materials),
             material_models=self.materials,
             strain_energy_density=self._strain_energy_density,
-            full_ring=full_ring(self.plan),
+            full_ring=setup.full_ring(self.plan),
             grid=view_of_grid(self),
             X0=self.particles.X[:, np.argsort(self.particles.id)] if self.plan.shows_displacement else None,
             rigid=tuple(i for i, model in enumerate(of_bodies) if model.kind == "rigid"),
@@ -248,13 +247,9 @@ class Simulation:
 
     def _fill(self, scene: Any) -> Array | None:
         """Make the particles, and the report about the bodies; returns the turns of the particle domains."""
-        self.particles, filled = make_particles(scene, self.plan, self.grid)
-        of_bodies = [scene.materials[body.material] for body in scene.bodies]
-        densities = [None if model.kind == "rigid" else model.density for model in of_bodies]
-        section = section_of(scene)
-        reports = body_report(scene.bodies, filled, densities, scene.grid, self.plan.analysis, section)
-        self.setup_report = report_table(reports)
-        return turns_of_bodies(filled)
+        self.particles, filled = setup.make_particles(scene, self.plan, self.grid)
+        self.setup_report = setup.report_of_bodies(scene, self.plan, filled)
+        return setup.turns_of_bodies(filled)
 
     def _is_large(self) -> bool:
         """Whether parallel kernels pay."""

@@ -74,7 +74,9 @@ class StandIn(Simulation):
                 self._strain_energy_density()
             except (MpmcliError, ArithmeticError, LookupError, ValueError) as problem:
                 # numbers that nobody calculated may lead anywhere; what is missing is compiled when it is called
-                LOGGER.debug("the list of what is compiled ends early: %s: %s", type(problem).__name__, problem)
+                LOGGER.debug(
+                    "the list of what is compiled ends early: %s: %s", type(problem).__name__, problem
+                )
         return list(calls)
 
 
