@@ -78,7 +78,7 @@ def stripes(path: Path) -> str:
     """Eight layers of two fields that shake and slide, in contact amid cells: enough nodes for parallel kernels."""
     bodies = [
         f"  - {{name: s{i}, field: {'ab'[i % 2]}, material: soft, velocity: ['{(-1) ** i}*sin(y/2)', 'cos(x/3+{i})'], "
-        f"region: {{kind: box, lower: [0, {3 * i + 0.5}], upper: [46, {3 * i + 3.5}]}}}}"
+        f"particles_per_axis: 4, region: {{kind: box, lower: [0, {3 * i + 0.5}], upper: [46, {3 * i + 3.5}]}}}}"
         for i in range(8)
     ]
     text = """version: 1
