@@ -62,7 +62,7 @@ def scene_file(name: str, folder: Path) -> Path:
     if name != TOUCHING:
         return INPUTS / f"{name}.yaml"
     path = folder / f"{name}.yaml"
-    scene = disks(5_000, {"kind": "fmpm", "order": 4}) | {"contact": next(iter(CONTACTS.values()))}
+    scene = disks(5_000, {"kind": "fmpm", "order": 4}) | {"contact": CONTACTS["logistic regression"]}
     path.write_text(yaml.safe_dump(scene))
     return path
 
