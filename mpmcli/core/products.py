@@ -15,7 +15,7 @@ from mpmcli.core.dispatch import generic
 from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry
 from mpmcli.core.kernel import inline
 from mpmcli.core.lanes import each, load, pack, store
-from mpmcli.core.stencil import fill, first_node, keep, kept_as, weigh
+from mpmcli.core.stencil import fill, first_node, keep, kept_as, weigh, weigh_gathers
 
 
 class Rows(NamedTuple):
@@ -74,6 +74,7 @@ def product_of_axes(shape: type) -> Callable[..., Any]:
     def add(function: Callable[..., Any]) -> Callable[..., Any]:
         axis_weights.register(shape)(function)
         weigh.register(shape)(_weigh_by_rows)
+        weigh_gathers.register(shape)(_weigh_by_rows)
         kept_as.register(shape)(lambda shape: StoredRows)
         fill.register(shape)(_fill_from_rows)
         return function

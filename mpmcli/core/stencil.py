@@ -45,6 +45,19 @@ class Table(NamedTuple):
     G: Any
 
 
+class Corners(NamedTuple):
+    """Weights of gathers: the domain at whose corners linear grid functions are interpolated, in cells.
+
+    middle : (d,) from the first node of the stencil
+    axes : (d·d,) half-axes in columns
+    inverse_cell : (d,) one over the cell size [1/length]
+    """
+
+    middle: Any
+    axes: Any
+    inverse_cell: Any
+
+
 class StoredTable(NamedTuple):
     """Takes the place of a shape function in passes that need no gradients: its values of all particles, kept.
 
@@ -74,7 +87,7 @@ def allocate_stencil(dimensions: int, width: int, offsets: Array, slots: int) ->
     return Stencil(
         S=np.zeros((slots, m)),
         G=np.zeros((slots, dimensions * m)),
-        W=np.zeros((slots, MOST_POINTS**dimensions * dimensions * width)),
+        W=np.zeros((slots, MOST_POINTS**dimensions * (dimensions + 1) * width)),
         offsets=offsets,
         status=np.zeros(2, dtype=np.int64),
     )
@@ -104,6 +117,11 @@ def weigh(shape: Any, grid: Any, across: Any, X: Any, F: Any, size: Any, p: Any,
 
 
 @generic
+def weigh_gathers(shape: Any, grid: Any, across: Any, X: Any, F: Any, size: Any, p: Any, S: Any, G: Any, W: Any, status: Any) -> Any:  # noqa: E501
+    """The same for verbs that gather."""
+
+
+@generic
 def kept_as(shape: Any) -> Any:
     """The class of the tuple that can take this shape function's place (``StoredTable`` …)."""
 
@@ -122,6 +140,7 @@ def weigh_by_table(*shapes: type) -> None:
 
     for each in shapes:
         weigh.register(each)(table)
+        weigh_gathers.register(each)(table)
         kept_as.register(each)(lambda shape: StoredTable)
 
 

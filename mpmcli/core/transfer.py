@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcli.core import verbs_of_rows, verbs_of_tables  # noqa: F401 (registered there)
+from mpmcli.core import verbs_of_corners, verbs_of_rows, verbs_of_tables  # noqa: F401 (registered there)
 from mpmcli.core.compiler import compiled_as
 from mpmcli.core.dispatch import generic
 from mpmcli.core.grid import unfold
 from mpmcli.core.kernel import kernel, prange
-from mpmcli.core.stencil import keep, weigh
+from mpmcli.core.stencil import keep, weigh, weigh_gathers
 from mpmcli.core.verbs import (
     column,
     gather_gradient,
@@ -262,7 +262,9 @@ def move_particles(
         lost_particle = np.int64(-1)
         for p in range(chunks[slot], chunks[slot + np.uint64(1)]):
             wanted = buffer_for(L, G)
-            base, weights = weigh(shape, geometry, across, X, F, size, p, S, wanted, W, stencil.status)
+            base, weights = weigh_gathers(
+                shape, geometry, across, X, F, size, p, S, wanted, W, stencil.status
+            )
             if field is not None:
                 base += np.uint64(field[p]) * geometry.field_stride
             if L is None:
@@ -311,7 +313,7 @@ def find_velocity_gradients(analysis, shape, grid, across, chunks, stencil, X, F
         geometry = unfold(grid)
         S, G, W, offsets = stencil.S[slot], stencil.G[slot], stencil.W[slot], stencil.offsets
         for p in range(chunks[slot], chunks[slot + np.uint64(1)]):
-            base, weights = weigh(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
+            base, weights = weigh_gathers(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
             if field is not None:
                 base += np.uint64(field[p]) * geometry.field_stride
             gather_gradient(weights, analysis, base, offsets, across, v, None, X, p, L)

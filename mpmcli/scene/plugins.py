@@ -13,7 +13,7 @@ from mpmcli.contact.separation import SeparationModel, find_separation
 from mpmcli.contact.settle import is_soft, settle, settle_pressed, settle_soft, sliding_traction
 from mpmcli.core.errors import PluginError
 from mpmcli.core.plugins import Plugin, installed, plugin_of
-from mpmcli.core.stencil import fill, weigh
+from mpmcli.core.stencil import fill, weigh, weigh_gathers
 from mpmcli.materials import MaterialModel
 from mpmcli.materials.base import (
     absorb_work,
@@ -47,7 +47,9 @@ def check_plugins(scene: Any) -> None:
         return
     shape = SHAPES[scene.method.shape].parameters
     if plugin := plugin_of(type(shape)):
-        _require(plugin, f"the shape function '{scene.method.shape}'", lambda: shape, (fill, weigh))
+        _require(
+            plugin, f"the shape function '{scene.method.shape}'", lambda: shape, (fill, weigh, weigh_gathers)
+        )
     for model in _models(scene):
         if plugin := plugin_of(type(model)):
             _check_model(plugin, model, scene)

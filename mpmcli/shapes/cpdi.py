@@ -12,17 +12,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mpmcli.core.compiler import compiled_too
 from mpmcli.core.dispatch import generic
 from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry
 from mpmcli.core.kernel import inline
-from mpmcli.core.lanes import distances, load, plus, ramp_down, store, zeros
-from mpmcli.core.stencil import DOMAIN_TOO_WIDE, fill, first_node, weigh_by_table
+from mpmcli.core.lanes import distances, load, plus, ramp_down, store
+from mpmcli.core.stencil import DOMAIN_TOO_WIDE, Corners, fill, first_node, weigh_by_table, weigh_gathers
+from mpmcli.core.verbs_of_corners import gradients_of_plane, gradients_of_space
 from mpmcli.shapes.base import add_shape
 
 REFERENCE = "Sadeghirad, Brannon and Burghardt, Int. J. Numer. Meth. Eng. 86 (2011) 1435"
 
 
-TWO, THREE = np.uint64(2), np.uint64(3)
+ZERO, TWO, THREE, FOUR = np.uint64(0), np.uint64(2), np.uint64(3), np.uint64(4)
 
 ROUND_OFF = 1e-11
 """Cells by which a domain may reach past a node without counting as wider: its value there is no larger."""
@@ -94,11 +96,9 @@ def _(shape, r, across):
 
 
 @inline
-def interval_point(q, i):
-    """Point i of q on [−1, 1]: its place, and the weights of its interpolation polynomial and of the slope's."""
-    if q == 2:
-        return 2.0 * np.int64(i) - 1.0, 0.5, np.int64(i) - 0.5
-    return np.int64(i) - 1.0, 4.0 / 6.0 if i == 1 else 1.0 / 6.0, 0.5 * (np.int64(i) - 1.0)
+def place_of_point(q, i):
+    """Point i of q on [−1, 1]."""
+    return 2.0 * np.int64(i) - 1.0 if q == 2 else np.int64(i) - 1.0
 
 
 @inline
@@ -111,76 +111,97 @@ def lowest_node(x, extent, reach, offset, w, p, status):
     return low
 
 
+@inline
+def interval_weights(q):
+    """Factors of what ``sum_of_interval`` returns."""
+    return 0.5 if q == 2 else 1.0 / 6.0, 0.5
+
+
+@compiled_too
+def sum_of_interval(q, first, middle, last):
+    """Sum over the points of an interval for the mean, and that for the slope, but for ``interval_weights``."""
+    if q == 2:
+        return first + last, last - first
+    return first + last + 4.0 * middle, last - first
+
+
+@compiled_too
+def product(W, at, front, j, across):
+    """Grid functions of a point in row ``j``: those along x (times z), ``front`` from ``at``, times that along y."""
+    return W[at + np.uint64(len(across)) + j] * load(W, at + front, across)
+
+
+@compiled_too
+def sum_of_line(q, W, at, step, front, j, across):
+    """``sum_of_interval`` of the products at q points, the first of which begins at ``at`` in ``W``."""
+    first = product(W, at, front, j, across)
+    if q == 2:
+        return sum_of_interval(q, first, first, product(W, at + step, front, j, across))
+    middle = product(W, at + step, front, j, across)
+    return sum_of_interval(q, first, middle, product(W, at + step + step, front, j, across))
+
+
+@compiled_too
+def sum_of_square(q, W, at, step, front, j, across):
+    """Sums over q² points for the mean and for the slopes along xi and eta."""
+    over = np.uint64(q) * step
+    s1, d1 = sum_of_line(q, W, at, step, front, j, across)
+    s2, d2 = s1, d1
+    if q == 3:
+        s2, d2 = sum_of_line(q, W, at + over, step, front, j, across)
+    s3, d3 = sum_of_line(q, W, at + np.uint64(q - 1) * over, step, front, j, across)
+    value, along_eta = sum_of_interval(q, s1, s2, s3)
+    along_xi, _ = sum_of_interval(q, d1, d2, d3)
+    return value, along_xi, along_eta
+
+
+@compiled_too
+def sum_of_cube(q, W, at, step, front, j, across):
+    """Sums over q³ points for the mean and for the slopes along xi, eta and zeta."""
+    over = np.uint64(q * q) * step
+    s1, d1, e1 = sum_of_square(q, W, at, step, front, j, across)
+    s2, d2, e2 = s1, d1, e1
+    if q == 3:
+        s2, d2, e2 = sum_of_square(q, W, at + over, step, front, j, across)
+    s3, d3, e3 = sum_of_square(q, W, at + np.uint64(q - 1) * over, step, front, j, across)
+    value, along_zeta = sum_of_interval(q, s1, s2, s3)
+    along_xi, _ = sum_of_interval(q, d1, d2, d3)
+    along_eta, _ = sum_of_interval(q, e1, e2, e3)
+    return value, along_xi, along_eta, along_zeta
+
+
 @generic
-def fill_domain(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
-    """The CPDI sum over q points per axis, by number of axes (the class of ``grid``)."""
+def place_domain(grid, across, X, F, size, p, status, reach, offset):
+    """Where the domain of particle ``p`` lies, in cells, by number of axes (the class of ``grid``).
+
+    Returns the lowest node, the middle from there, and the half-axes as columns.
+    """
 
 
-@fill_domain.register(LineGeometry)
-def _(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
-    """One axis."""
-    w = np.uint64(len(across))
+@place_domain.register(LineGeometry)
+def _(grid, across, X, F, size, p, status, reach, offset):
     h = grid.inverse_cell[0]
     x, a = (X[0, p] - grid.origin[0]) * h, F[0, p] * size[0, p] * h
-    low = lowest_node(x, abs(a), reach, offset, w, p, status)
-    for c in range(np.uint64(q)):
-        store(W, c * w, grid_functions(shape, x - low + a * interval_point(q, c)[0], across))
-    for i in range(w):
-        value, slope = 0.0, 0.0
-        for c in range(np.uint64(q)):
-            _, s, g = interval_point(q, c)
-            value += s * W[c * w + i]
-            slope += g * W[c * w + i]
-        S[i] = value
-        if G is not None:
-            G[i] = slope * h / a
-    return first_node(grid, (low,), p, status)
+    low = lowest_node(x, abs(a), reach, offset, len(across), p, status)
+    return (low,), (x - low,), (a,)
 
 
-@fill_domain.register(PlaneGeometry)
-def _(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
-    """Two axes; (a, c) and (b, e) are the half-axes of the domain in cells."""
-    w = np.uint64(len(across))
-    hx, hy = grid.inverse_cell[0], grid.inverse_cell[1]
+@place_domain.register(PlaneGeometry)
+def _(grid, across, X, F, size, p, status, reach, offset):
+    w = len(across)
+    hx, hy = grid.inverse_cell
     x, y = (X[0, p] - grid.origin[0]) * hx, (X[1, p] - grid.origin[1]) * hy
     a, b = F[0, p] * size[0, p] * hx, F[1, p] * size[1, p] * hx
     c, e = F[2, p] * size[0, p] * hy, F[3, p] * size[1, p] * hy
     low_x = lowest_node(x, abs(a) + abs(b), reach, offset, w, p, status)
     low_y = lowest_node(y, abs(c) + abs(e), reach, offset, w, p, status)
-    x, y = x - low_x, y - low_y
-    for v in range(np.uint64(q)):
-        for u in range(np.uint64(q)):
-            xi, eta = interval_point(q, u)[0], interval_point(q, v)[0]
-            at = TWO * (v * np.uint64(q) + u) * w
-            store(W, at, grid_functions(shape, x + a * xi + b * eta, across))
-            store(W, at + w, grid_functions(shape, y + c * xi + e * eta, across))
-    inverse = 1.0 / (a * e - b * c)
-    m = w * w
-    zero = zeros(across)
-    for j in range(w):
-        value, g1, g2 = zero, zero, zero
-        for v in range(np.uint64(q)):
-            for u in range(np.uint64(q)):
-                _, s1, d1 = interval_point(q, u)
-                _, s2, d2 = interval_point(q, v)
-                at = TWO * (v * np.uint64(q) + u) * w
-                N = W[at + w + j] * load(W, at, across)
-                value = plus(value, s1 * s2, N)
-                if G is not None:
-                    g1 = plus(g1, d1 * s2, N)
-                    g2 = plus(g2, s1 * d2, N)
-        store(S, j * w, value)
-        if G is not None:
-            store(G, j * w, plus((e * inverse * hx) * g1, -c * inverse * hx, g2))
-            store(G, m + j * w, plus((a * inverse * hy) * g2, -b * inverse * hy, g1))
-    return first_node(grid, (low_x, low_y), p, status)
+    return (low_x, low_y), (x - low_x, y - low_y), (a, b, c, e)
 
 
-@fill_domain.register(SpaceGeometry)
-def _(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
-    """Three axes; the columns of A are the half-axes of the domain in cells."""
-    w = np.uint64(len(across))
-    hx, hy, hz = grid.inverse_cell[0], grid.inverse_cell[1], grid.inverse_cell[2]
+@place_domain.register(SpaceGeometry)
+def _(grid, across, X, F, size, p, status, reach, offset):
+    w = len(across)
+    hx, hy, hz = grid.inverse_cell
     x, y = (X[0, p] - grid.origin[0]) * hx, (X[1, p] - grid.origin[1]) * hy
     z = (X[2, p] - grid.origin[2]) * hz
     s0, s1, s2 = size[0, p], size[1, p], size[2, p]
@@ -190,44 +211,84 @@ def _(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
     low_x = lowest_node(x, abs(a) + abs(b) + abs(c), reach, offset, w, p, status)
     low_y = lowest_node(y, abs(e) + abs(f) + abs(g), reach, offset, w, p, status)
     low_z = lowest_node(z, abs(o) + abs(r) + abs(t), reach, offset, w, p, status)
+    return (low_x, low_y, low_z), (x - low_x, y - low_y, z - low_z), (a, b, c, e, f, g, o, r, t)
+
+
+@generic
+def fill_domain(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
+    """The CPDI sum over q points per axis, by number of axes (the class of ``grid``)."""
+
+
+@fill_domain.register(LineGeometry)
+def _(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
+    """One axis."""
+    w = np.uint64(len(across))
+    low, (x,), (a,) = place_domain(grid, across, X, F, size, p, status, reach, offset)
+    for u in range(np.uint64(q)):
+        store(W, u * w, grid_functions(shape, x + a * place_of_point(q, u), across))
+    mean, slope = interval_weights(q)
+    for i in range(w):
+        value, along = sum_of_interval(q, W[i], W[w + i], W[np.uint64(q - 1) * w + i])
+        S[i] = mean * value
+        if G is not None:
+            G[i] = slope * along * grid.inverse_cell[0] / a
+    return first_node(grid, low, p, status)
+
+
+@fill_domain.register(PlaneGeometry)
+def _(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
+    """Two axes; of each point the grid functions along x and along y."""
+    w = np.uint64(len(across))
+    low, (x, y), axes = place_domain(grid, across, X, F, size, p, status, reach, offset)
+    a, b, c, e = axes
+    for v in range(np.uint64(q)):
+        for u in range(np.uint64(q)):
+            xi, eta = place_of_point(q, u), place_of_point(q, v)
+            at = TWO * (v * np.uint64(q) + u) * w
+            store(W, at, grid_functions(shape, x + a * xi + b * eta, across))
+            store(W, at + w, grid_functions(shape, y + c * xi + e * eta, across))
+    mean, slope = interval_weights(q)
+    x1, x2, y1, y2 = gradients_of_plane(axes, grid.inverse_cell, mean * slope)
+    m = w * w
+    for j in range(w):
+        value, g1, g2 = sum_of_square(q, W, ZERO, TWO * w, ZERO, j, across)
+        store(S, j * w, (mean * mean) * value)
+        if G is not None:
+            store(G, j * w, plus(x1 * g1, x2, g2))
+            store(G, m + j * w, plus(y1 * g1, y2, g2))
+    return first_node(grid, low, p, status)
+
+
+@fill_domain.register(SpaceGeometry)
+def _(grid, shape, across, q, X, F, size, p, S, G, W, status, reach, offset):
+    """Three axes; of each point the grid functions along x, y and z, and of one layer the product of x and z."""
+    w = np.uint64(len(across))
+    low, (x, y, z), axes = place_domain(grid, across, X, F, size, p, status, reach, offset)
+    a, b, c, e, f, g, o, r, t = axes
     for k in range(np.uint64(q)):
         for v in range(np.uint64(q)):
             for u in range(np.uint64(q)):
-                xi, eta, zeta = interval_point(q, u)[0], interval_point(q, v)[0], interval_point(q, k)[0]
-                at = THREE * ((k * np.uint64(q) + v) * np.uint64(q) + u) * w
-                store(W, at, grid_functions(shape, x - low_x + a * xi + b * eta + c * zeta, across))
-                store(W, at + w, grid_functions(shape, y - low_y + e * xi + f * eta + g * zeta, across))
-                store(W, at + w + w, grid_functions(shape, z - low_z + o * xi + r * eta + t * zeta, across))
-    # rows of the inverse transpose of A
-    x1, x2, x3 = f * t - g * r, g * o - e * t, e * r - f * o
-    y1, y2, y3 = c * r - b * t, a * t - c * o, b * o - a * r
-    z1, z2, z3 = b * g - c * f, c * e - a * g, a * f - b * e
-    inverse = 1.0 / (a * x1 + b * x2 + c * x3)
+                xi, eta, zeta = place_of_point(q, u), place_of_point(q, v), place_of_point(q, k)
+                at = FOUR * ((k * np.uint64(q) + v) * np.uint64(q) + u) * w
+                store(W, at, grid_functions(shape, x + a * xi + b * eta + c * zeta, across))
+                store(W, at + w, grid_functions(shape, y + e * xi + f * eta + g * zeta, across))
+                store(W, at + w + w, grid_functions(shape, z + o * xi + r * eta + t * zeta, across))
+    mean, slope = interval_weights(q)
+    x1, x2, x3, y1, y2, y3, z1, z2, z3 = gradients_of_space(axes, grid.inverse_cell, mean * mean * slope)
     m = w * w * w
-    zero = zeros(across)
     for n in range(w):
+        for i in range(np.uint64(q * q * q)):
+            at = FOUR * i * w
+            store(W, at + THREE * w, W[at + w + w + n] * load(W, at, across))
         for j in range(w):
-            value, g1, g2, g3 = zero, zero, zero, zero
-            for k in range(np.uint64(q)):
-                for v in range(np.uint64(q)):
-                    for u in range(np.uint64(q)):
-                        _, s1, d1 = interval_point(q, u)
-                        _, s2, d2 = interval_point(q, v)
-                        _, s3, d3 = interval_point(q, k)
-                        at = THREE * ((k * np.uint64(q) + v) * np.uint64(q) + u) * w
-                        N = (W[at + w + j] * W[at + w + w + n]) * load(W, at, across)
-                        value = plus(value, s1 * s2 * s3, N)
-                        if G is not None:
-                            g1 = plus(g1, d1 * s2 * s3, N)
-                            g2 = plus(g2, s1 * d2 * s3, N)
-                            g3 = plus(g3, s1 * s2 * d3, N)
+            value, g1, g2, g3 = sum_of_cube(q, W, ZERO, FOUR * w, THREE * w, j, across)
             row = (n * w + j) * w
-            store(S, row, value)
+            store(S, row, (mean * mean * mean) * value)
             if G is not None:
-                store(G, row, (inverse * hx) * (x1 * g1 + x2 * g2 + x3 * g3))
-                store(G, m + row, (inverse * hy) * (y1 * g1 + y2 * g2 + y3 * g3))
-                store(G, m + m + row, (inverse * hz) * (z1 * g1 + z2 * g2 + z3 * g3))
-    return first_node(grid, (low_x, low_y, low_z), p, status)
+                store(G, row, plus(plus(x1 * g1, x2, g2), x3, g3))
+                store(G, m + row, plus(plus(y1 * g1, y2, g2), y3, g3))
+                store(G, m + m + row, plus(plus(z1 * g1, z2, g2), z3, g3))
+    return first_node(grid, low, p, status)
 
 
 @fill.register(LinearCpdi)
@@ -246,3 +307,9 @@ def _(shape, grid, across, X, F, size, p, S, G, W, status):
 
 
 weigh_by_table(LinearCpdi, QuadraticCpdi, SplineCpdi)
+
+
+@weigh_gathers.register(LinearCpdi)
+def _(shape, grid, across, X, F, size, p, S, G, W, status):
+    low, middle, axes = place_domain(grid, across, X, F, size, p, status, 0.0, 0.0)
+    return first_node(grid, low, p, status), Corners(middle, axes, grid.inverse_cell)

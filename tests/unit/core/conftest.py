@@ -46,9 +46,14 @@ class Cloud:
         p.tau[:] = rng.standard_normal(p.tau.shape)
         p.F[: d * d] += rng.uniform(-0.15, 0.15, (d * d, count))
         self.order = CellOrder(p, self.grid)
-        self.order.sort(parallel)
-        self.stencil = allocate_stencil(d, self.grid.width, self.grid.offsets(), self.order.slots)
-        self.across = across_of(self.grid.width)
+        self.widen(self.grid.width)
+
+    def widen(self, width: int) -> None:
+        """Sort, with stencils that span ``width`` nodes per axis."""
+        self.grid.width = width
+        self.order.sort(self.parallel)
+        self.stencil = allocate_stencil(self.dimensions, width, self.grid.offsets(), self.order.slots)
+        self.across = across_of(width)
 
     @property
     def dimensions(self) -> int:

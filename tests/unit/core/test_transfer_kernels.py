@@ -141,6 +141,41 @@ def test_velocity_gradients_equal_the_matrices(analysis, shape, cloud, dense_of)
         np.testing.assert_allclose(p.L[4], S @ v[:, 0] / p.X[0], atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("analysis", "stretch"),
+    [
+        ("plane_strain", 1.0),
+        *(
+            pytest.param(analysis, stretch, marks=pytest.mark.slow)
+            for analysis in ("uniaxial_strain", "plane_strain", "axisymmetric", "3d")
+            for stretch in (1.0, 3.0)
+        ),
+    ],
+)
+def test_values_at_corners_give_the_sums_over_the_stencil(analysis, stretch, cloud, dense_of):
+    """Also where corners lie on nodes, or beyond one by round-off, and where domains reach over several cells."""
+    c = cloud(analysis, "lcpdi")
+    p, d = c.particles, c.dimensions
+    if stretch > 1.0:
+        c.widen(5)
+        p.F[: d * d] *= stretch
+    else:  # whole and half cells from a node, some of them with domains too wide by round-off
+        p.X[:] = np.round((p.X - c.grid.lower[:, None]) / c.grid.cell[:, None] * 2) * 0.5
+        p.X[:] = np.clip(p.X, 0.5, c.grid.cells[:, None] - 0.5) * c.grid.cell[:, None] + c.grid.lower[:, None]
+        p.F[: d * d, ::2] = 2.0 * np.eye(d).reshape(-1, 1) * (1.0 + np.linspace(-1e-12, 1e-12, 30))
+        c.order.sort(False)
+    S, G = dense_of(c)
+    v, w = np.random.default_rng(4).standard_normal((2, c.grid.node_count, d))
+    c.find_gradients(v)
+    expected = np.einsum("na,bpn->abp", v, G).reshape(d * d, -1)
+    np.testing.assert_allclose(p.L[: d * d], expected, rtol=0, atol=1e-11 * np.abs(G).max())
+    X, dt = p.X.copy(), 1e-3
+    c.move(v, w, True, alpha=0.0, dt=dt)
+    step = (S @ v - S @ w * dt).T * dt
+    np.testing.assert_allclose(p.X - X, step, rtol=0, atol=1e-11 * dt + 1e-15)
+    assert c.stencil.status[0] == 0
+
+
 @pytest.mark.parametrize("alpha", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("method", ["flip", "fmpm", "xpic"])
 def test_particles_move_by_equation_7(method, alpha, cloud, dense_of):
