@@ -62,7 +62,7 @@ class March:
         self.recorder = Recorder(
             loaded, directory, simulation.state, facts, checkpoint.part("output") if checkpoint else None
         )
-        self.watch = EnergyWatch(simulation)
+        self.watch = EnergyWatch(simulation, loaded.scene.method)
         asked = loaded.scene.archive.checkpoint
         self.saved_step: int | None = None
         self.is_saved = asked is not None  # signals and the wall limit save in any case

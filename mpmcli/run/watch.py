@@ -1,4 +1,4 @@
-"""The energy watchdog: warns of energy that comes from nowhere, and stops a run that is drowning in it."""
+"""The energy watchdog: warns of spurious energy and of energy lost, and stops a run where most energy is spurious."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from mpmcli.core.errors import SimulationError
 from mpmcli.output.global_quantities import EnergyBalance
 from mpmcli.output.snapshot import Snapshot
+from mpmcli.shapes import SHAPES
 
 LOGGER = logging.getLogger("mpmcli")
 
@@ -22,17 +23,28 @@ EARLY = 0.1
 """What the first look compares with: bodies that begin at rest have next to no energy then, and an error that falls."""
 STOP_AT = 0.9
 """Energy error that ends a run where two looks in a row find it: nine tenths of all energy came from nowhere."""
+LOST_AT = 0.25
+"""Share of the energy whose loss a run is warned of once, if two looks in a row find it."""
 
 
 class EnergyWatch:
-    """Looks at the energy balance every few steps; losses, which filtering transfers have, are no alarm."""
+    """Evaluates the energy balance every few steps.
 
-    def __init__(self, simulation: Any):
+    Parameters
+    ----------
+    simulation : the simulation, with its state
+    method : ``method`` of the scene; without it, and with a transfer that dissipates, losses are not reported
+    """
+
+    def __init__(self, simulation: Any, method: Any = None):
         self._simulation = simulation
+        self._method = None if method is None or dissipates(method.transfer) else method
         self._balance = EnergyBalance()
         self._strikes = 0
         self._before = EARLY
         self._has_warned = False
+        self._losses = 0
+        self._has_warned_of_loss = False
 
     def look(self) -> None:
         """Take the state into account if it is time.
@@ -45,7 +57,9 @@ class EnergyWatch:
         state = self._simulation.state
         if state.step % EVERY:
             return
-        error = self._balance.update(Snapshot(state))
+        snapshot = Snapshot(state)
+        error = self._balance.update(snapshot)
+        self._report_loss(error, snapshot)
         self._strikes = self._strikes + 1 if error > STOP_AT else 0
         if self._strikes > 1:
             raise SimulationError(f"{self._found(error)}{self._advice()}")
@@ -54,6 +68,28 @@ class EnergyWatch:
             LOGGER.warning("%s; watch energy_error in globals.csv", self._found(error))
         if state.step > 0:
             self._before = error
+
+    def _report_loss(self, error: float, snapshot: Snapshot) -> None:
+        """Warn once where the balance lacks more than ``LOST_AT`` of the energy.
+
+        The balance includes what friction, damping, viscosity and plastic flow dissipate. Work of friction and damping
+        may be far more than the energy of the bodies, and counts as energy here: its own error is no alarm.
+        """
+        if self._method is None or self._has_warned_of_loss:
+            return
+        work = self._simulation.state.work
+        dissipated = sum(abs(work.get(name, 0.0)) for name in ("contact_work", "damping_work"))
+        energy = self._balance.largest + dissipated * snapshot.full_ring
+        is_lost = -error * self._balance.largest > LOST_AT * energy
+        self._losses = self._losses + 1 if is_lost else 0
+        if self._losses > 1:
+            self._has_warned_of_loss = True
+            state = self._simulation.state
+            LOGGER.warning(
+                "energy error %.3g %% in step %d, time %.6g: the scene loses energy that friction, damping, viscosity "
+                "and plastic flow do not account for, so stresses and velocities are likely wrong; try %s",
+                100.0 * error, state.step, state.time, remedy(self._method),
+            )  # fmt: skip
 
     def _found(self, error: float) -> str:
         state = self._simulation.state
@@ -77,6 +113,7 @@ class EnergyWatch:
             "energies": np.array([initial, self._balance.largest]),
             "error_before": np.array(self._before),
             "alarms": np.array([self._strikes, self._has_warned], dtype=np.int64),
+            "losses": np.array([self._losses, self._has_warned_of_loss], dtype=np.int64),
         }
 
     def recall(self, memory: Mapping[str, Any]) -> None:
@@ -87,3 +124,24 @@ class EnergyWatch:
         self._before = float(memory.get("error_before", EARLY))
         self._strikes, has_warned = (int(n) for n in memory["alarms"])
         self._has_warned = bool(has_warned)
+        self._losses, has_warned = (int(n) for n in memory.get("losses", (0, 0)))
+        self._has_warned_of_loss = bool(has_warned)
+
+
+def dissipates(transfer: Any) -> bool:
+    """Whether a transfer of the scene takes out energy that the grid resolves: FMPM and XPIC of orders 1 and 2."""
+    if transfer.kind == "flip":
+        return False
+    blend = getattr(transfer, "blend", None)
+    return bool(transfer.order <= 2 or (blend is not None and blend.order == 1 and blend.fraction < 1.0))
+
+
+def remedy(method: Any) -> str:
+    """What to try against a loss of energy: the first advice that the scene does not follow yet."""
+    if method.update not in ("usl", "usavg"):
+        return "method.update: usl"
+    if SHAPES[method.shape].domain != "corners":
+        return "method.shape: lcpdi"
+    if method.transfer.kind == "flip":
+        return "method.transfer: {kind: fmpm, order: 4}"
+    return "half of grid.cell, or half of time.courant (or time.step)"

@@ -75,7 +75,9 @@ def loaded(tmp_path):
         method=SimpleNamespace(
             damping=SimpleNamespace(particle=0.0, grid=0.0),
             artificial_viscosity=None,
-            transfer=SimpleNamespace(dynamic=None),
+            shape="lcpdi",
+            update="usl",
+            transfer=SimpleNamespace(kind="flip", dynamic=None),
         ),
         time=SimpleNamespace(end=1.0, courant=0.5, max_steps=None),
         domain=SimpleNamespace(on_exit="error"),
