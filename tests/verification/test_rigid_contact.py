@@ -219,6 +219,84 @@ def test_block_stays_on_an_incline(start):
     assert np.abs(run.V[:, block].mean(axis=1)).max() < 3e-4
 
 
+SPECIFIED = "contact.normal={kind: specified, vector: [0, -1]}"
+WEIGHT = 0.88 * 9.81e-3
+
+
+class Slide:
+    """The block on the incline, and what its sliding costs.
+
+    Attributes
+    ----------
+    t, normal, along : time, normal and tangential force of every step
+    work_of_force : work of the contact force at the velocity of the centre of mass
+    coulomb : μ N s with the exact normal force and the way of the centre of mass
+    contact_work, kinetic : as in the tables
+    without_contact : what the energy balance lacks without the work of contact
+    """
+
+    def __init__(self, start, *sets, friction=0.3, end=60.0):
+        run = start("block_on_incline.yaml", f"constants.friction={friction}", *sets)
+        state, block, before = run.simulation.state, of_body(run, "block"), np.array([20.0, 10.0])
+        rows, self.work_of_force, self.coulomb = [], 0.0, 0.0
+        velocity = np.zeros(2)
+
+        def each(run):
+            nonlocal before, velocity
+            now, centre = run.V[:, block].mean(axis=1), run.X[:, block].mean(axis=1)
+            along, across = state.contact.force[0]
+            self.work_of_force -= float(state.contact.force[0] @ (0.5 * (velocity + now))) * state.dt
+            ramp = min(1.0, (run.time - 0.5 * state.dt) / 20.0)
+            self.coulomb += friction * WEIGHT * np.sqrt(0.75) * ramp * (centre[0] - before[0])
+            rows.append((run.time, across, along))
+            before, velocity = centre, now
+
+        run.to(end, each)
+        self.t, self.normal, self.along = np.array(rows).T
+        self.kinetic = run.kinetic_energy
+        self.contact_work, loads = state.work["contact_work"], state.work["external_work"]
+        self.without_contact = self.kinetic + run.stress_work - loads
+
+    def scatter(self, begin):
+        """Standard deviation of the normal force over 5 ms from ``begin`` on, over the weight's part."""
+        chosen = (self.t > begin) & (self.t < begin + 5.0)
+        return float(self.normal[chosen].std()) / (WEIGHT * np.sqrt(0.75))
+
+
+@SLOW
+@pytest.mark.parametrize("transfer", ["{kind: flip}", "{kind: fmpm, order: 4}"])
+@pytest.mark.parametrize("normal", [SPECIFIED, "contact.normal.rigid_bias=10"])
+def test_friction_work_of_a_block_without_vibrations(start, normal, transfer):
+    """With ν = 0 the whole block slides alike: contact_work is μ N s, and the energy balances."""
+    slide = Slide(start, "constants.nu=0", normal, f"method.transfer={transfer}")
+    assert slide.contact_work == pytest.approx(slide.coulomb, rel=2e-3)
+    assert slide.work_of_force == pytest.approx(slide.coulomb, rel=2e-3)
+    assert abs(slide.without_contact + slide.contact_work) < 1e-4 * slide.kinetic
+
+
+@SLOW
+def test_sliding_makes_a_block_vibrate(start):
+    """Where ν > 0 friction couples normal and tangential motion: the force is right, the slip is not uniform."""
+    slide = Slide(start, SPECIFIED)
+    assert -slide.along.sum() / slide.normal.sum() == pytest.approx(0.3, rel=1e-3)
+    assert slide.work_of_force + slide.without_contact == pytest.approx(0.0, abs=0.01 * slide.kinetic)
+    assert 0.95 < slide.contact_work / slide.work_of_force < 0.99
+    assert slide.scatter(30.0) > 0.5
+    assert Slide(start, SPECIFIED, friction=0.0, end=35).scatter(30.0) < 0.03
+    assert Slide(start, SPECIFIED, "constants.nu=0", end=35).scatter(30.0) < 0.03
+
+
+@pytest.mark.long
+def test_the_vibrations_do_not_depend_on_the_cell(start):
+    """They are those of the problem: their growth is the same with half the cell."""
+    growths = []
+    for cell in (2, 1):
+        slide = Slide(start, SPECIFIED, f"grid.cell={cell}", friction=0.2, end=35)
+        growths.append(slide.scatter(30.0) / slide.scatter(25.0))
+    assert growths[0] > 1.7
+    assert growths[1] == pytest.approx(growths[0], rel=0.05)
+
+
 @SLOW
 @pytest.mark.parametrize(("bias", "ratio"), [(10, 1.0), (1, 0.98)])
 def test_normals_beyond_the_ends_of_a_block_brake_it(start, bias, ratio):
