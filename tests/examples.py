@@ -24,7 +24,7 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
         {"K": 2, "G": 1, "hardening": COOK, "heat_capacity": 1e-3},
     ],
     "ideal_gas": [{"pressure": 0.7}],
-    "tait_fluid": [{"K": 2}, {"K": 2, "viscosity": 0.1}],
+    "tait_fluid": [{"K": 2}, {"K": 2, "viscosity": 0.1}, {"K": 2, "tension_limit": 0.05}],
     "rigid": [{}],
 }
 """Of each kind of material, numbers of every sub-model (moduli of about 3, for densities of about 1)."""

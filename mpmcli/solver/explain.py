@@ -222,7 +222,10 @@ def tasks_of(plan: Plan, contact: ContactChoice) -> list[str]:
         "1 extrapolate mass and momentum" + (" of every velocity field" if contact.exists else ""),
         f"1.a find contacts, {geometry}" if contact.laws else "",
         "1.a contact on extrapolated momenta" if contact.starts else "",
-        "1.b–1.d strain and stress before the forces" if first else "",
+        ("1.b–1.d strain and stress before the forces" + ", rates of volume averaged" * plan.averages_volume)
+        if first
+        else "",
+        "2 averages of the mean stresses" if plan.averages_volume else "",
         "2 internal forces",
         "2 forces of loads" if plan.has_loads else "",
         "2.a velocity conditions" if plan.imposes_lumped else "",
@@ -237,6 +240,7 @@ def tasks_of(plan: Plan, contact: ContactChoice) -> list[str]:
         "4 move particles",
         "4 move rigid bodies" if any(plan.rigid_fields) else "",
         "4.a–4.c extrapolate momenta again" + (", with contact" if contact.laws else "") if again else "",
+        "5 averages of the rates of volume" if last and plan.averages_volume else "",
         "5 strain and stress" if last else "",
     ]
     return [task for task in tasks if task]
@@ -252,6 +256,7 @@ def left_out(plan: Plan, contact: ContactChoice) -> list[str]:
         "FMPM loop": not plan.has_full_mass_loop,
         "XPIC filter": not plan.method.projects,
         "second extrapolation of momenta": not plan.update.again,
+        "averages of volume changes and pressures": not plan.averages_volume,
         "velocity conditions": not plan.has_conditions,
         "loads": not plan.has_loads,
         "damping": not (plan.particle_damping or plan.grid_damping),
@@ -264,12 +269,16 @@ def kernels_of(plan: Plan, contact: ContactChoice) -> list[str]:
     """Names of the kernels that a step of this scene runs, with the tasks that the scatter is compiled for."""
     loop = plan.has_full_mass_loop
     projects = plan.method.projects
-    first, again = plan.update.first > 0.0, plan.update.again
+    first, again, averages = plan.update.first > 0.0, plan.update.again, plan.averages_volume
     used = {
         "clear_nodes": True,
-        "scatter(StateAndForces)": not first,
-        "scatter(MassAndMomentum)": first,
-        "scatter(InternalForces)": first,
+        "scatter(StateAndForces)": plan.has_final_stress,
+        "scatter(MassAndMomentum)": not plan.has_final_stress,
+        "scatter(InternalForces)": not plan.has_final_stress,
+        "scatter(WeightedSums)": averages,
+        "mean_of_rows": averages,
+        "divide_sums": averages,
+        "shift_rows": averages,
         "scatter(VectorSum)": again,
         "scatter(Projection)": loop or (projects and plan.order > 1),
         "update_momenta": True,

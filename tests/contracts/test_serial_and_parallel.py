@@ -198,6 +198,23 @@ def test_shapes(hold_alike, shape, analysis):
     hold_alike(scene_of(analysis, method={"shape": shape, "transfer": {"kind": "fmpm", "order": 3}}))
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("analysis", list(ANALYSES))
+@pytest.mark.parametrize("shape", list(SHAPES))
+def test_volume_averaging(hold_alike, shape, analysis):
+    method = {"shape": shape, "transfer": {"kind": "fmpm", "order": 3}, "volumetric": "averaged"}
+    hold_alike(scene_of(analysis, method=method))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("gradient", [False, True])
+@pytest.mark.parametrize("update", list(UPDATES))
+def test_volume_averaging_in_updates(hold_alike, update, gradient):
+    transfer = {"kind": "fmpm", "order": 3, "velocity_gradient": gradient}
+    method = {"shape": "lcpdi", "update": update, "transfer": transfer, "volumetric": "averaged"}
+    hold_alike(in_contact() | {"method": method})
+
+
 PLAIN: list[dict[str, Any]] = [
     {"kind": "flip"},
     {"kind": "xpic", "order": 1},
