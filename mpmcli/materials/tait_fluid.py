@@ -24,9 +24,8 @@ from mpmcli.materials.defaults import with_defaults, yes
 class TaitFluid(MaterialModel):
     """Tait (Murnaghan) fluid: p = (K/n)(J^(−n) − 1), σ = −p I + 2μ dev D, D the rate of deformation.
 
-    Stored energy per initial volume: (K/n)(J^(1−n)/(n − 1) + J − n/(n − 1)). With ``tension_limit`` T, p does not fall
-    below −T: beyond the J_T where it would, p = −T, and the energy grows by T(J − J_T). The fluid can part there, and
-    the same way back there is no pressure above −T until J < J_T.
+    Stored energy per initial volume: (K/n)(J^(1−n)/(n − 1) + J − n/(n − 1)). With ``tension_limit`` T, p is
+    at least −T: beyond the J_T where p = −T the pressure stays there, and the energy grows by T(J − J_T).
     """
 
     analyses: ClassVar[frozenset[str]] = frozenset({"uniaxial_strain", "plane_strain", "axisymmetric", "3d"})

@@ -155,7 +155,7 @@ class Domain(Model):
     """The space of the simulation."""
 
     on_exit: Literal["error", "delete", "stop_at_wall"] = "error"
-    """What happens to a particle that leaves the grid."""
+    """What happens to a particle that leaves the grid, or passes a held side of it by more than a cell."""
     volume_ratio: tuple[VolumeRatio, VolumeRatio] = (1e-3, 1e3)  # type: ignore[valid-type]
     """Smallest and largest volume of a particle over its initial one, J = det F: beyond them the run has failed."""
 

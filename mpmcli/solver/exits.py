@@ -1,8 +1,8 @@
 """Particles that left the domain: the policies ``error``, ``delete`` and ``stop_at_wall``.
 
-Where a condition holds the velocity across a side of the grid, the ghost cell beyond belongs to the domain: nothing
-drives particles through there, but close to the side shape functions still see nodes in front of it, which move
-particles beyond it by a small part of a cell.
+Where a condition holds the velocity across a side of the grid, the ghost cell beyond belongs to the domain. Shape
+functions of particles at that side see free nodes in front of it, which may move the particles past it by a fraction of
+a cell.
 """
 
 from __future__ import annotations
