@@ -116,8 +116,8 @@ class AxisWall:
         self._reach = float(wall.depth) * grid.cell[axis] * self._sign
         self._grid = grid
         self.direction = np.eye(len(grid.shape))[axis]
-        uniform = self._gradient.is_constant and self._gradient() == 0.0
-        self.varies = not (self._velocity.is_constant and (uniform or self._position.is_constant))
+        steady = self._velocity.is_constant and self._gradient.is_constant
+        self.varies = not (steady and (self._gradient() == 0.0 or self._position.is_constant))
 
     def renew(self, active: Array) -> None:
         """Take over the active nodes and their grid lines."""

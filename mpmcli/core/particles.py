@@ -113,6 +113,11 @@ class Particles:
         for name, array in self.arrays().items():
             setattr(self, name, np.ascontiguousarray(array[..., kept]))
 
+    def are_possible(self) -> bool:
+        """Return whether positions, velocities, stresses and F are finite, and no particle is inside out."""
+        is_finite = all(np.isfinite(array).all() for array in (self.X, self.V, self.F, self.tau))
+        return is_finite and bool((self.determinant() > 0.0).all())
+
     def determinant(self) -> Array:
         """J = det F per particle, shape (N,)."""
         F = self.F

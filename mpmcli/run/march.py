@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from mpmcli.core.errors import ArchiveError, SimulationError
+from mpmcli.core.state import State
 from mpmcli.output import manifest
 from mpmcli.output.checkpoint import Checkpoint, write_checkpoint
 from mpmcli.output.recorder import Recorder
@@ -207,10 +208,19 @@ class March:
         good = error.state
         try:
             path = self.recorder.write_failed(self.simulation.state if good is None else good)
-            when = "at the failure" if good is None else f"of step {good.step} (time {good.time:.6g})"
-            LOGGER.error("the state %s is in %s", when, path)
+            LOGGER.error("%s has %s", path, self._which_state(good))
         except (ArchiveError, OSError) as problem:
             LOGGER.error("%s", problem)
+
+    def _which_state(self, good: State | None) -> str:
+        """What the file of a failed run shows, in words."""
+        if good is None:
+            return "the state at the failure"
+        earlier = self.simulation.state.step - good.step
+        which = f"the state after step {good.step} (time {good.time:.6g}), "
+        if earlier == 0:
+            return which + "with which the failed step began"
+        return which + f"the last one kept; the run failed in step {self.simulation.state.step + 1}"
 
     def _close(self, ended: str) -> None:
         state = self.simulation.state

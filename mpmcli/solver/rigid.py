@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mpmcli.core.errors import SimulationError
+
 if TYPE_CHECKING:
     from mpmcli.solver.simulation import Simulation
 
@@ -18,13 +20,13 @@ class NoRigidBodies:
     held = np.zeros(0, dtype=np.int64)
     """Degrees of freedom whose velocity ``hold`` gave."""
 
-    def remember(self) -> None:
-        """Nothing to remember."""
+    def prepare(self, time: float, dt: float) -> None:
+        """Nothing to prepare."""
 
     def hold(self, mp: Array, time: float) -> None:
         """Nothing to hold."""
 
-    def move(self, X: Array, time: float, dt: float) -> None:
+    def move(self, X: Array) -> None:
         """Nothing to move."""
 
 
@@ -35,19 +37,34 @@ class RigidBodies(NoRigidBodies):
         self._s = s
         self._velocities = [(i, bodies[i].velocity) for i in s.state.rigid if bodies[i].velocity]
         self._version = -1
-        self._members: list[Array] = []
+        self._places: list[Array] = []
         self._of_fields = _velocities_of_fields(s, bodies)
         self._grid_version = -1
-        self._nodes: list[tuple[Array, Array, Any]] = []
+        self._nodes: list[tuple[str, Array, Array, Any]] = []
 
-    def remember(self) -> None:
-        """Keep the positions at the start of the step."""
+    def prepare(self, time: float, dt: float) -> None:
+        """Find positions and velocities at the end of the step (midpoint rule), before anything has changed.
+
+        Raises
+        ------
+        SimulationError
+            If a velocity is not finite.
+        """
         p = self._s.particles
         if self._s.order.version != self._version:
             self._version = self._s.order.version
             self._still = np.flatnonzero(np.isin(p.body, self._s.state.rigid))
-            self._members = [np.flatnonzero(p.body == i) for i, _ in self._velocities]
-        self._start = p.X[:, self._still]
+            bodies = p.body[self._still]
+            self._places = [np.flatnonzero(bodies == i) for i, _ in self._velocities]
+        self._X = p.X[:, self._still]
+        self._V = np.zeros_like(self._X)
+        for places, (i, velocity) in zip(self._places, self._velocities, strict=True):
+            name = self._s.state.bodies[i]
+            start = self._X[:, places]
+            middle = start + velocity_at(velocity, start, time, name) * (0.5 * dt)
+            end = start + velocity_at(velocity, middle, time + 0.5 * dt, name) * dt
+            self._X[:, places] = end
+            self._V[:, places] = velocity_at(velocity, end, time + dt, name)
 
     def hold(self, mp: Array, time: float) -> None:
         """Give the momenta ``mp`` (dofs, 1 + d) of a moving body's nodes its velocity at their places.
@@ -58,8 +75,8 @@ class RigidBodies(NoRigidBodies):
         if self._s.grid.active_version != self._grid_version:
             self._grid_version = self._s.grid.active_version
             self._find_nodes()
-        for dof, X, velocity in self._nodes:
-            mp[dof, 1:] = mp[dof, :1] * velocity_at(velocity, X, time).T
+        for name, dof, X, velocity in self._nodes:
+            mp[dof, 1:] = mp[dof, :1] * velocity_at(velocity, X, time, name).T
 
     def _find_nodes(self) -> None:
         s, grid = self._s, self._s.grid
@@ -72,28 +89,31 @@ class RigidBodies(NoRigidBodies):
         self._nodes = []
         for field, velocity in self._of_fields:
             mine = dofs[dofs // grid.node_count == field]
-            self._nodes.append((mine, grid.coordinates(mine), velocity))
-        self.held = np.concatenate([self.held[:0], *(dof for dof, _, _ in self._nodes)])
+            self._nodes.append((s.plan.fields[field], mine, grid.coordinates(mine), velocity))
+        self.held = np.concatenate([self.held[:0], *(dof for _, dof, _, _ in self._nodes)])
 
-    def move(self, X: Array, time: float, dt: float) -> None:
-        """Put positions ``X`` (d, N) and velocities of rigid particles to the end of the step (midpoint rule)."""
-        s, V = self._s, self._s.particles.V
+    def move(self, X: Array) -> None:
+        """Put positions ``X`` (d, N) and velocities of rigid particles to the end of the step."""
+        s = self._s
         moved = X[:, self._still]
-        X[:, self._still] = self._start
-        V[:, self._still] = 0.0
-        for members, (_, velocity) in zip(self._members, self._velocities, strict=True):
-            start = X[:, members]
-            middle = start + velocity_at(velocity, start, time) * (0.5 * dt)
-            X[:, members] = start + velocity_at(velocity, middle, time + 0.5 * dt) * dt
-            V[:, members] = velocity_at(velocity, X[:, members], time + dt)
-        apart = np.abs(X[:, self._still] - moved).max(axis=1) / s.grid.cell
-        s.order.drift += float(apart.max())
+        X[:, self._still] = self._X
+        s.particles.V[:, self._still] = self._V
+        s.order.drift += float((np.abs(self._X - moved).max(axis=1) / s.grid.cell).max())
 
 
-def velocity_at(velocity: Any, X: Array, time: float) -> Array:
-    """Components of a velocity given by expressions, at points (d, n) and a time: (d, n)."""
+def velocity_at(velocity: Any, X: Array, time: float, name: str) -> Array:
+    """Return the velocity (d, n) of body ``name``, given by expressions, at points X (d, n) and a time.
+
+    Raises
+    ------
+    SimulationError
+        If it is not finite.
+    """
     x, y, z = (*X, 0.0, 0.0)[:3]
-    return np.stack([np.broadcast_to(component(x, y, z, time), X.shape[1:]) for component in velocity])
+    found = np.stack([np.broadcast_to(component(x, y, z, time), X.shape[1:]) for component in velocity])
+    if not np.isfinite(found).all():
+        raise SimulationError(f"rigid body '{name}': its velocity is not finite at time {time:g}")
+    return found
 
 
 def _velocities_of_fields(s: Simulation, bodies: Any) -> list[tuple[int, Any]]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.boundary.conditions import VelocityConditions
+from mpmcli.boundary.loads import by_identity
 from mpmcli.core.compiler import use_threads
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.order import CellOrder
@@ -43,7 +44,10 @@ Array = np.ndarray
 LOGGER = logging.getLogger("mpmcli")
 
 GOOD_EVERY = 200
-"""Steps between copies of the state, of which the last one is shown after a failure."""
+"""Steps between copies of the state, of which the last one is shown after a failure.
+
+A step that fails before it has changed anything shows the state that it began with.
+"""
 
 
 class Simulation:
@@ -111,6 +115,7 @@ class Simulation:
         self.time_step = TimeStep(scene.time.step, self.courant_choice.courant, float(self.grid.cell.min()))
         self._dt = 0.0
         self._last_good: State | None = None
+        self._is_untouched = True
         self._rigid_version = -1
         self.max_steps = scene.time.max_steps
         self.state = State(
@@ -122,7 +127,7 @@ class Simulation:
             strain_energy_density=self._strain_energy_density,
             full_ring=setup.full_ring(self.plan),
             grid=view_of_grid(self),
-            X0=self.particles.X[:, np.argsort(self.particles.id)] if self.plan.shows_displacement else None,
+            X0=by_identity(self.particles) if self.plan.shows_displacement else None,
             rigid=tuple(i for i, model in enumerate(of_bodies) if model.kind == "rigid"),
         )
         self._used_materials = [i for i in range(len(self.materials)) if np.any(self.particles.material == i)]
@@ -153,6 +158,7 @@ class Simulation:
         """Advance by one time step; raises SimulationError where the simulation cannot go on."""
         if self.state.step % GOOD_EVERY == 0:
             self.keep_good_state()
+        self._is_untouched = True
         try:
             self.time_step.courant = self.courant_choice.at(
                 self.state.step, self.particles, self.wave_speed, self.particle_speed
@@ -165,6 +171,8 @@ class Simulation:
             if self.state.step == 1:
                 self._warn_of_idle_conditions()
         except SimulationError as error:
+            if self._is_untouched and self.particles.are_possible():
+                self.keep_good_state()
             error.state = self._last_good
             raise
 
@@ -192,6 +200,7 @@ class Simulation:
 
     def update_stress(self, dt: float) -> None:
         """Tasks 1.d and 5: deformation gradient, stress and energies of every particle."""
+        self._is_untouched = False
         p = self.particles
         several = len(self._used_materials) > 1
         fastest = 0.0
@@ -207,7 +216,8 @@ class Simulation:
         self.wave_speed = float(np.sqrt(fastest))
 
     def account_for_work(self, dt: float) -> None:
-        """Add the work that conditions and loads do in this step."""
+        """Add the work that conditions and loads do in this step, the first change of the state."""
+        self._is_untouched = False
         work = self.state.work
         if "boundary_work" in work:
             work["boundary_work"] += self.conditions.work(self.arrays.v)

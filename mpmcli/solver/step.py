@@ -20,7 +20,7 @@ def advance(s: Simulation, dt: float) -> None:
     # 1  extrapolate mass and momentum to the grid (and task 2's forces, if the stress is final already)
     with clock("1 extrapolation"):
         transfer.begin_step()
-        s.rigid.remember()
+        s.rigid.prepare(s.time, dt)
         transfer.extrapolate(grid.mp, grid.f if plan.has_final_stress else None)
         s.loads.collect(s.time)
         conditions.select(s.time, replaces_velocity=not plan.method.flip)
@@ -72,7 +72,7 @@ def advance(s: Simulation, dt: float) -> None:
             X_new, fused, a.damped,
         )  # fmt: skip
         s.refuse_leaps()
-        s.rigid.move(X_new, s.time, dt)
+        s.rigid.move(X_new)
 
     if plan.update.again:
         with clock("4 momenta again"):

@@ -61,6 +61,23 @@ def test_nodes_follow_the_wall_and_values_the_field():
         np.testing.assert_array_equal(entries.direction, [[1.0, 0.0]] * x.shape[0])
 
 
+@pytest.mark.parametrize("normal", [[1, 0], [0.6, 0.8]])
+@pytest.mark.parametrize("changing", ["position", "velocity", "gradient"])
+def test_whatever_changes_with_time_changes_the_values(changing, normal):
+    """Of one object, as in a run: the second time must not show the values of the first."""
+    steady = {"position": "1", "velocity": "2", "gradient": "0.5"}
+    given = steady | {changing: f"{steady[changing]} + 0.01*t"}
+    given["position"] = [given["position"], 1.0]
+    wall = Wall(name="w", normal=normal, **given)
+    g = grid()
+    chosen = VelocityConditions([wall], g, PlaneStrain())
+    first = chosen.select(0.0, np.arange(g.node_count), 0).value.copy()
+    later = chosen.select(1.0, np.arange(g.node_count), 0)
+    assert (later.value != first).any()
+    (_, fresh) = select(wall, 1.0)
+    np.testing.assert_array_equal(later.value, fresh.value)
+
+
 def test_one_simulation_moves_through_the_grid():
     g = grid()
     wall = Wall(name="w", normal=[1, 0], position="t", velocity=1)

@@ -8,6 +8,7 @@ import logging
 import os
 import signal
 import threading
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -216,10 +217,26 @@ def test_a_failed_simulation_writes_its_last_state(go, loaded, tmp_path, capfd):
     assert (tmp_path / "out" / "failed.vtu").is_file()
     printed = capfd.readouterr().err
     assert "error: velocity is not finite at step 38" in printed
-    assert "failed.vtu" in printed
+    assert "failed.vtu has the state at the failure" in printed
     assert "Traceback" not in printed
     assert manifest_of(tmp_path / "out")["run"]["ended"].startswith("failed: velocity")
     assert pandas.read_csv(tmp_path / "out" / "globals.csv")["step"].tolist() == [0, 10, 20, 30]
+
+
+@pytest.mark.parametrize(
+    ("kept", "words"), [(37, "with which the failed step began"), (30, "the last one kept")]
+)
+def test_the_file_of_a_failed_run_is_said_to_be_of_which_step(kept, words, go, loaded, capfd):
+    def fail():
+        error = SimulationError("a reason")
+        error.state = replace(loaded.simulation.state, step=kept, time=kept / 100)
+        raise error
+
+    loaded.at[37] = fail
+    assert go().exit_code == 4
+    printed = " ".join(capfd.readouterr().err.split())
+    assert f"failed.vtu has the state after step {kept} (time {kept / 100:g}), {words}" in printed
+    assert ("the run failed in step 38" in printed) == (kept == 30)
 
 
 def test_a_full_disk_ends_the_run_in_words(go, tmp_path, monkeypatch, capfd):

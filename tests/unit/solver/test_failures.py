@@ -67,6 +67,56 @@ def test_the_last_good_state_comes_with_the_failure(block):
     assert (good.particles.determinant() > 0).all()
 
 
+GIVES_OUT = "sqrt(0.0042 - t)"
+"""An expression that is no number after the time 0.0042, which is within the sixth step."""
+HOLD = {"name": "held", "kind": "velocity", "on": {"plane": {"axis": "x", "at": -8}}, "direction": "x"}
+WALL = {"name": "held", "kind": "wall", "normal": [1, 0], "position": -2, "velocity": 0, "gradient": 0}
+LOAD = {"name": "held", "on": {"body": "block"}}
+TOOL = {"name": "held", "material": "tool", "region": {"kind": "box", "lower": [5, 5], "upper": [7, 7]}}
+LATER = {
+    "gravity": {"loads": [{"name": "held", "kind": "gravity", "acceleration": [0, GIVES_OUT]}]},
+    "body force": {"loads": [{**LOAD, "kind": "body_force", "acceleration": [GIVES_OUT, "x"]}]},
+    "particle force": {"loads": [{**LOAD, "kind": "particle_force", "force": [GIVES_OUT, 0]}]},
+    "traction": {
+        "loads": [
+            {
+                "name": "held",
+                "kind": "traction",
+                "on": {"body": "block", "face": {"axis": "x", "side": "lower"}},
+                "traction": [GIVES_OUT, 0],
+            }
+        ]
+    },
+    "velocity": {"boundary": [{**HOLD, "on": {"box": {"lower": [-3, -3], "upper": [0, 0]}}, "value": GIVES_OUT}]},
+    "wall position": {"boundary": [{**WALL, "position": f"-2 - {GIVES_OUT}"}]},
+    "wall velocity": {"boundary": [{**WALL, "velocity": GIVES_OUT}]},
+    "wall gradient": {"boundary": [{**WALL, "gradient": GIVES_OUT}]},
+    "rigid body": {
+        "bodies__1": {**TOOL, "velocity": [GIVES_OUT, 0]},
+        "materials__tool": {"kind": "rigid"},
+        "contact": {"law": {"kind": "frictionless"}},
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("update", ["usl", pytest.param("usf", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow) if n in ("rigid body", "traction") else n for n in LATER]
+)
+def test_an_expression_that_gives_out_during_the_run_shows_the_step_before(name, update, block):
+    changes = {key: value for key, value in LATER[name].items() if key != "bodies__1"}
+    bodies = [*block().loaded.resolved()["bodies"], LATER[name]["bodies__1"]] if "rigid" in name else None
+    changes |= {"bodies": bodies} if bodies else {}
+    run = block(time={"end": 1, "step": 0.001}, method__update=update, **changes)
+    error = failure_of(run, 10)
+    assert re.search(r"(gravity|'held').* is not finite at time 0\.00[45]", str(error)), error
+    state = run.simulation.state
+    assert error.state.step == state.step > 3
+    assert error.state.time == state.time
+    np.testing.assert_array_equal(error.state.particles.X, state.particles.X)
+    assert error.state.particles.are_possible()
+
+
 def test_stretching_without_end_is_reported(bar):
     run = bar(boundary=[])
     run.simulation.grid.width = run.simulation.transfer.widest
