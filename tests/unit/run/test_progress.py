@@ -72,9 +72,9 @@ def test_a_bar_on_a_terminal(capfd, monkeypatch):
     assert "error 1.0e-03" in printed
 
 
-def test_waiting_is_said_once_and_only_if_important(capfd):
+def test_waiting_is_said_only_if_important(capfd):
     progress = Progress(1.0)
-    for text in ("setting up", "compiling", "compiling"):
+    for text in ("setting up", "compiling"):
         with progress.waiting(text, is_important=text == "compiling"):
             pass
     assert capfd.readouterr().err == "compiling\n"
