@@ -235,7 +235,14 @@ class VelocityConditions:
         e = self.entries
         return int(
             orthogonalise(
-                e.node, self._normal, self._wanted, e.direction, e.value, self._leader, self._held, self._clash
+                e.node,
+                self._normal,
+                self._wanted,
+                e.direction,
+                e.value,
+                self._leader,
+                self._held,
+                self._clash,
             )
         )
 

@@ -18,6 +18,7 @@ from pydantic import (
 
 from mpmcli.boundary.base import TOLERANCE, Array, Nodes, check_length
 from mpmcli.core.model import Length, Model, Number
+from mpmcli.core.suggest import did_you_mean
 
 AXES = ("x", "y", "z")
 Axis = Literal["x", "y", "z"]
@@ -201,7 +202,8 @@ def read(adapter: TypeAdapter[Any], value: Any, info: ValidationInfo) -> Any:
 def _read_direction(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, str):
         if value not in AXES:
-            raise ValueError(f"'{value}' is no direction: give x, y, z or a vector such as [1, 0]")
+            hint = did_you_mean(value, AXES)
+            raise ValueError(f"'{value}' is no direction{hint}: give x, y, z or a vector such as [1, 0]")
         return value
     if not isinstance(value, list | tuple) or not 1 <= len(value) <= 3:
         raise ValueError("give x, y, z or a vector with one component per axis")

@@ -18,7 +18,15 @@ from mpmcli.boundary.base import (
     SurfaceNodes,
     check_length,
 )
-from mpmcli.boundary.place import Direction, axis_index, check_direction, grid_line, last_index, read, unit_vector
+from mpmcli.boundary.place import (
+    Direction,
+    axis_index,
+    check_direction,
+    grid_line,
+    last_index,
+    read,
+    unit_vector,
+)
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.model import field_of, quantity
 

@@ -31,15 +31,109 @@ def few_suggestions() -> Iterator[None]:
         _searches_left.reset(token)
 
 
-def nearest(word: str, names: Iterable[str]) -> str | None:
-    """The name most like ``word``, or None if none is alike."""
+def searches_are_left() -> bool:
+    """Return whether a further suggestion may be looked for."""
     left = _searches_left.get()
-    if len(word) > MAX_WORD or (left is not None and left[0] <= 0):
+    return left is None or left[0] > 0
+
+
+OTHER_WORDS = {
+    # keys
+    "archive": "output outputs results save write dump",
+    "axis": "normal_axis",
+    "bodies": "objects parts geometries",
+    "boundary": "boundaries bc bcs boundary_conditions conditions supports constraints",
+    "cell": "dx h spacing cell_size cellsize mesh_size resolution",
+    "center": "centre middle position",
+    "columns": "quantities variables",
+    "constants": "parameters params variables definitions",
+    "courant": "cfl courant_number",
+    "density": "rho mass_density",
+    "E": "young youngs youngs_modulus young_modulus elastic_modulus modulus",
+    "end": "duration t_end tend end_time final_time tmax t_max stop total_time",
+    "step": "dt delta_t timestep time_step step_size",
+    "every": "interval period frequency freq dt output_interval",
+    "fields": "quantities variables",
+    "friction": "mu coefficient friction_coefficient",
+    "G": "mu shear shear_modulus",
+    "globals": "csv table tables history",
+    "grid": "mesh background_grid domain",
+    "K": "bulk bulk_modulus",
+    "loads": "forces load",
+    "lower": "min minimum origin from",
+    "max_steps": "steps nsteps n_steps num_steps number_of_steps",
+    "method": "solver scheme algorithm numerics",
+    "nu": "poisson poissons_ratio poisson_ratio v",
+    "particles": "vtu vtk",
+    "particles_per_axis": "ppc ppa ppd particles_per_cell particles_per_direction",
+    "plane": "surface",
+    "probes": "sensors trackers tracers gauges",
+    "radius": "r rad",
+    "region": "geometry shape",
+    "shape": "shape_function basis interpolation",
+    "time": "times simulation run",
+    "title": "name description",
+    "upper": "max maximum to",
+    "velocity": "v v0 initial_velocity speed",
+    # kinds
+    "bitmap": "image picture png",
+    "box": "rectangle rect square cube cuboid block brick rectangular",
+    "coulomb": "friction frictional amontons",
+    "difference": "ring annulus subtract",
+    "disk": "circle disc round",
+    "ellipse": "oval",
+    "fmpm": "pic",
+    "gravity": "weight",
+    "ideal_gas": "gas air",
+    "j2_plastic": "plastic j2 von_mises mises elastoplastic johnson_cook",
+    "lcpdi": "cpdi cpdi1",
+    "linear_elastic": "elastic hooke linear isotropic",
+    "mesh": "stl obj surface",
+    "neo_hookean": "hyperelastic rubber neohookean neohooke",
+    "plane_strain": "2d planar plane",
+    "qcpdi": "cpdi2",
+    "rigid": "solid_wall",
+    "sphere": "ball",
+    "symmetry": "mirror roller symmetric",
+    "tait_fluid": "fluid water liquid newtonian newtonian_fluid",
+    "traction": "pressure",
+    "ugimp": "gimp",
+    "uniaxial_stress": "1d",
+    # axes of axisymmetric analyses
+    "x": "r",
+}
+"""Names of scenes, and other words that people know for them; of a word with several meanings the first counts."""
+
+_NAMES_OF: dict[str, list[str]] = {}
+for _name, _words in OTHER_WORDS.items():
+    for _word in _words.split():
+        _NAMES_OF.setdefault(_word, []).append(_name)
+
+
+def meanings(word: str) -> list[str]:
+    """Return the names that an other word stands for, and the word itself first."""
+    plain = word.lower().replace("-", "_").replace(" ", "_").replace("'", "")
+    return [plain, *_NAMES_OF.get(plain, ())]
+
+
+def synonym(word: str, names: Iterable[str]) -> str | None:
+    """Return the name that the word is another word for, or None."""
+    by_lower = {str(name).lower(): str(name) for name in names}
+    return next((by_lower[name.lower()] for name in meanings(word) if name.lower() in by_lower), None)
+
+
+def nearest(word: str, names: Iterable[str]) -> str | None:
+    """Return the name that the word means or is most like, or None if none is alike."""
+    left = _searches_left.get()
+    if len(word) > MAX_WORD or not searches_are_left():
         return None
     if left is not None:
         left[0] -= 1
-    names = [name for name in islice(names, MAX_NAMES) if len(str(name)) <= MAX_WORD]
-    by_lower = {str(name).lower(): str(name) for name in names}
+    names = [str(name) for name in islice(names, MAX_NAMES) if len(str(name)) <= MAX_WORD]
+    meant = synonym(word, names)
+    if meant is not None:
+        return meant
+    by_lower = {name.lower(): name for name in names}
     found = difflib.get_close_matches(word.lower(), by_lower, n=1, cutoff=0.55)
     return by_lower[found[0]] if found else None
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
+from mpmcli.boundary.velocity import check_variables
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.errors import Problem
 from mpmcli.core.expressions import Expression
@@ -22,6 +23,8 @@ from mpmcli.scene.report import locate
 from mpmcli.scene.tree import Node
 from mpmcli.shapes import SHAPES
 
+NO_AXIS_Z = re.compile(r"there is no axis z\b|'z' does not exist in this analysis")
+AXIS_OF_RINGS = "; in axisymmetric analyses the axis z of pictures is y (x is the radius r)"
 NAME = re.compile(r"\w[\w +-]*\Z")
 NAME_WORDS = "letters, digits, spaces, _, + and - are possible"
 MAX_OUTPUTS = 1_000_000
@@ -33,7 +36,10 @@ def check(parts: Parts, root: Node) -> list[Problem]:
     """Everything that the parts of a scene have against each other."""
     problems: list[Problem] = []
 
+    ring = parts.analysis is not None and parts.analysis.kind == "axisymmetric"
+
     def report(path: str, message: str, code: str = "invalid", severity: str = "error") -> None:
+        message += AXIS_OF_RINGS if ring and NO_AXIS_Z.match(message) else ""
         problems.append(locate(root, path, message, code, severity))
 
     _check_names(root, report)
@@ -143,6 +149,9 @@ def _check_bodies(parts: Parts, dimensions: int, root: Node, report: Report) -> 
         )
         if body.velocity:
             _check_count(report, f"{path}.velocity", body.velocity, dimensions)
+        for axis, component in enumerate(body.velocity):
+            for place, words in check_variables(f"velocity.{axis}", component, dimensions):
+                report(f"{path}.{place}", words, "axes")
         misfits = list(body.region.misfits(dimensions))
         for place, words in misfits:
             report(".".join([path, "region", *map(str, place)]), words, "region")

@@ -6,14 +6,15 @@ import json
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any, get_args
+from functools import cache
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
 from mpmcli.core.errors import Problem
 from mpmcli.core.model import Refused
 from mpmcli.core.registry import OneOf
-from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.core.suggest import MAX_WORD, did_you_mean, listing, meanings, searches_are_left, synonym
 from mpmcli.scene.not_built import member_label
 from mpmcli.scene.tree import Mark, Node
 
@@ -144,7 +145,7 @@ def _problems(details: dict[str, Any], root: Node, model: type[BaseModel]) -> li
         return [mark.problem(_join(path, str(loc[-1])), "is missing", "missing")]
     if kind == "extra_forbidden":
         keys = _keys_of(model, loc[:-1])
-        message = f"unknown key '{loc[-1]}'{did_you_mean(str(loc[-1]), keys) or _choice(keys)}"
+        message = f"unknown key '{loc[-1]}'{_hint_of_key(str(loc[-1]), keys, model) or _choice(keys)}"
         return [place.key.problem(path, message, "unknown_key")]
     if kind in {"union_tag_invalid", "union_tag_not_found"}:
         return [_tag_problem(kind, place, context)]
@@ -231,6 +232,32 @@ def describe(value: Any) -> str:
 
 def _join(path: str, key: str) -> str:
     return f"{path}.{key}" if path else key
+
+
+def _hint_of_key(word: str, keys: list[str], model: type[BaseModel]) -> str:
+    """The key that a word means here, or stands for elsewhere in the scene, or is most like here."""
+    if len(word) <= MAX_WORD and searches_are_left() and synonym(word, keys) is None:
+        paths = _paths_of_sections(model)
+        for name in meanings(word):
+            if name in paths:
+                return f"; did you mean '{paths[name]}'?"
+    return did_you_mean(word, keys)
+
+
+@cache
+def _paths_of_sections(model: type[BaseModel], depth: int = 2) -> dict[str, str]:
+    """Dotted paths of the keys of a model's sections (mappings that are no lists and no names of the user), by key."""
+    found: dict[str, str] = {}
+    for section, field in model.model_fields.items():
+        if get_origin(field.annotation) in (tuple, list, dict):
+            continue
+        for inner in (*_models(field.annotation), *_models(field.metadata)):
+            deeper = _paths_of_sections(inner, depth - 1) if depth > 1 else {}
+            for key in inner.model_fields:
+                found.setdefault(key, f"{section}.{key}")
+            for key, path in deeper.items():
+                found.setdefault(key, f"{section}.{path}")
+    return {key: path for key, path in found.items() if key not in {"kind", "name"}}
 
 
 def _choice(keys: list[str]) -> str:

@@ -21,13 +21,13 @@ def scene_schema() -> dict[str, Any]:
     places, written = models_json_schema(asked, by_alias=True)
     schema = _convert(written)
     definitions = schema["definitions"]
-    one_of = {
-        registry.noun: [_convert(places[model, "validation"]) for model in registry.models()]
-        for registry in ALTERNATIVES.values()
-    }
-    _name_alternatives(definitions, one_of)
+    _name_alternatives(definitions)
+    for registry in ALTERNATIVES.values():
+        branches = [_convert(places[model, "validation"]) for model in registry.models()]
+        definitions[_place_of(registry.noun)] = {"oneOf": branches}
     for definition in definitions.values():
         _require_kind(definition)
+    _choose_by_kind(definitions, definitions)
     scene = definitions.pop("Scene")
     return {"$schema": DIALECT, **schema, **scene, "title": "Scene of mpmcli"}
 
@@ -64,13 +64,46 @@ def _convert(node: Any) -> Any:
     return made
 
 
-def _name_alternatives(node: Any, one_of: dict[str, list[Any]]) -> None:
-    """Put the entries of a registry where it is said that one of them may stand."""
+def _place_of(noun: str) -> str:
+    """Name of the definition of all entries of a registry."""
+    return f"any_{noun.replace(' ', '_')}"
+
+
+def _name_alternatives(node: Any) -> None:
+    """Refer to all entries of a registry where it is said that one of them may stand."""
     if isinstance(node, dict) and "x-one-of" in node:
         node.pop("type", None)
-        node["oneOf"] = one_of[node.pop("x-one-of")]
+        node["allOf"] = [{"$ref": f"#/definitions/{_place_of(node.pop('x-one-of'))}"}]
     for member in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
-        _name_alternatives(member, one_of)
+        _name_alternatives(member)
+
+
+def _choose_by_kind(node: Any, definitions: dict[str, Any]) -> None:
+    """Turn "one of these" into "if the kind is …, then this one", so that editors blame the branch that is meant."""
+    branches: list[Any] = node.get("oneOf", []) if isinstance(node, dict) else []
+    kinds = [_kind_of(branch, definitions) for branch in branches]
+    if kinds and all(kinds):
+        del node["oneOf"]
+        node["type"] = "object"
+        node["required"] = ["kind"]
+        node["properties"] = {"kind": {"enum": sorted(_names(kinds))}}
+        node["allOf"] = [
+            {"if": {"properties": {"kind": kind}, "required": ["kind"]}, "then": branch}
+            for kind, branch in zip(kinds, branches, strict=True)
+        ]
+    for member in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
+        _choose_by_kind(member, definitions)
+
+
+def _kind_of(branch: Any, definitions: dict[str, Any]) -> dict[str, Any]:
+    """What the schema of an alternative says of its ``kind``; nothing if it is none."""
+    definition = definitions.get(str(branch.get("$ref", "")).removeprefix("#/definitions/"), {})
+    kind = definition.get("properties", {}).get("kind", {})
+    return {key: kind[key] for key in ("const", "enum") if key in kind}
+
+
+def _names(kinds: list[dict[str, Any]]) -> set[str]:
+    return {name for kind in kinds for name in kind.get("enum", [kind.get("const")])}
 
 
 def _require_kind(definition: dict[str, Any]) -> None:

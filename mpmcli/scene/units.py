@@ -300,7 +300,7 @@ def _quantity(number: str, unit: str, text: str) -> Any:
     """A pint quantity; the unit is checked before, so that nothing in it can take long."""
     if not _UNIT_TEXT.match(unit) or unit.count("(") != unit.count(")"):
         raise ValueError(
-            f"'{unit}' is no unit (units are written like kg/m^3; arithmetic needs '*', as in 2*v)"
+            f"'{unit}' is no unit{_with_powers(unit)} (units are written like kg/m^3; arithmetic needs '*', as in 2*v)"
         )
     import pint
 
@@ -309,9 +309,22 @@ def _quantity(number: str, unit: str, text: str) -> Any:
         return registry.Quantity(Decimal(number), registry.parse_units(unit))
     except pint.UndefinedUnitError as error:
         name = str(error.unit_names if isinstance(error.unit_names, str) else error.unit_names[0])
-        raise ValueError(f"'{name}' in '{text}' is no unit{did_you_mean(name, _EXAMPLES)}") from None
+        hint = _with_powers(unit) or did_you_mean(name, _EXAMPLES)
+        raise ValueError(f"'{name}' in '{text}' is no unit{hint}") from None
     except Exception:
         raise ValueError(f"'{text}' is no number with a unit") from None
+
+
+def _with_powers(unit: str) -> str:
+    """The hint that ``cm3`` is written ``cm^3``, if that makes a unit of it."""
+    written = re.sub(r"([^\W\d_]+)(-?[1-9])(?!\w)", r"\1^\2", unit)
+    if written == unit or not _UNIT_TEXT.match(written):
+        return ""
+    try:
+        _registry().parse_units(written)
+    except Exception:
+        return ""
+    return f"; did you mean '{written}'?"
 
 
 def _dimension(quantity: Any, text: str) -> Dimension:

@@ -90,3 +90,76 @@ def test_every_key_has_a_description(schema: dict[str, Any]) -> None:
         if key != "kind" and not any(word in json.dumps(value) for word in ("description", "$ref"))
     ]
     assert not silent
+
+
+SCENE_OF_KINDS = """
+version: 1
+analysis: {kind: plane_strain}
+grid: {lower: [0, 0], upper: [8, 8], cell: 1}
+method: {transfer: {kind: fmpm, order: 4}}
+materials:
+  soft: {kind: neo_hookean, density: 1, E: 1, nu: 0.3}
+bodies:
+  - {name: a, material: soft, region: {kind: disk, center: [3, 3], radius: 1}}
+  - {name: b, material: soft, region: {kind: union, regions: [{kind: box, lower: [5, 5], upper: [6, 6]}]}}
+contact:
+  law: {kind: coulomb, friction: 0.3}
+  normal: {kind: logistic_regression}
+boundary: [{name: s, kind: symmetry, plane: {axis: x, at: 0}}]
+loads: [{name: g, kind: gravity, acceleration: [0, -1]}]
+probes: [{name: p, kind: particle, body: a, near: [3, 3]}]
+time: {end: 1}
+"""
+BRANCHES = [  # path of an alternative
+    ("analysis",),
+    ("method", "transfer"),
+    ("materials", "soft"),
+    ("bodies", 0, "region"),
+    ("bodies", 1, "region", "regions", 0),
+    ("contact", "law"),
+    ("contact", "normal"),
+    ("boundary", 0),
+    ("loads", 0),
+    ("probes", 0),
+]
+
+
+def deepest(schema: dict[str, Any], plain: Any) -> jsonschema.ValidationError:
+    """The error that an editor shows: of values that may also be absent that of the value that is there."""
+    found = list(jsonschema.Draft7Validator(schema).iter_errors(plain))
+    while len(found) == 1 and found[0].validator == "anyOf":
+        found = [error for error in found[0].context if error.validator != "type"]
+    (error,) = found
+    return error
+
+
+def changed(path: tuple[Any, ...], key: str, value: Any) -> Any:
+    plain = compose(SCENE_OF_KINDS, "scene").plain()
+    node = plain
+    for part in path:
+        node = node[part]
+    node[key] = value
+    return plain
+
+
+@pytest.mark.parametrize("path", BRANCHES, ids=lambda path: "-".join(map(str, path)))
+def test_a_misspelt_key_is_blamed_on_the_branch_of_its_kind(schema: dict[str, Any], path: Any) -> None:
+    error = deepest(schema, changed(path, "misspelt", 1))
+    assert tuple(error.absolute_path) == path
+    assert "'misspelt' was unexpected" in error.message
+    assert "then" in error.absolute_schema_path
+
+
+@pytest.mark.parametrize("path", BRANCHES, ids=lambda path: "-".join(map(str, path)))
+def test_a_misspelt_kind_is_blamed_on_the_kind(schema: dict[str, Any], path: Any) -> None:
+    error = deepest(schema, changed(path, "kind", "misspelt"))
+    assert tuple(error.absolute_path) == (*path, "kind")
+    assert error.validator == "enum"
+
+
+def test_no_alternatives_are_told_apart_by_trial(schema: dict[str, Any]) -> None:
+    assert '"oneOf"' not in json.dumps(schema)
+    assert [
+        e.message
+        for e in jsonschema.Draft7Validator(schema).iter_errors(compose(SCENE_OF_KINDS, "s").plain())
+    ] == []

@@ -67,6 +67,50 @@ def test_fixed_step_replaces_the_courant_number(scene: str) -> None:
     assert (time.step, time.courant) == (1e-4, None)
 
 
+HINTS = [
+    ("time: {end: 0.1}", "dt: 0.1\ntime: {end: 0.1}", "dt", "did you mean 'time.step'?"),
+    ("time: {end: 0.1}", "courant: 0.1\ntime: {end: 0.1}", "courant", "did you mean 'time.courant'?"),
+    ("time: {end: 0.1}", "output: 1\ntime: {end: 0.1}", "output", "did you mean 'archive'?"),
+    ("time: {end: 0.1}", "order: 4\ntime: {end: 0.1}", "order", "did you mean 'method.transfer.order'?"),
+    ("time: {end: 0.1}", "time: {end: 0.1, dt: 0.1}", "time.dt", "did you mean 'step'?"),
+    ("time: {end: 0.1}", "time: {end: 0.1, cell: 1}", "time.cell", "did you mean 'grid.cell'?"),
+    ("time: {end: 0.1}", "time: {end: 0.1, cuorant: 1}", "time.cuorant", "did you mean 'courant'?"),
+    ("kind: box", "kind: rectangle", "bodies.block.region.kind", "did you mean 'box'?"),
+    ("kind: box", "kind: circle", "bodies.block.region.kind", "did you mean 'disk'?"),
+    ("kind: neo_hookean", "kind: hyperelastic", "materials.rubber.kind", "did you mean 'neo_hookean'?"),
+    ("E: 1000", "youngs_modulus: 1000", "materials.rubber.youngs_modulus", "did you mean 'E'?"),
+    ("density: 1.5e-3", "density: 1.5 g/cm3", "materials.rubber.density", "did you mean 'g/cm^3'?"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "path", "hint"), HINTS, ids=[path for _, _, path, _ in HINTS])
+def test_frequent_words_of_others_get_a_hint(
+    problems_with: Find, old: str, new: str, path: str, hint: str
+) -> None:
+    assert hint in next(problem.message for problem in problems_with((old, new)) if problem.path == path)
+
+
+RING = ("kind: plane_strain", "kind: axisymmetric"), ("lower: [-20, -20]", "lower: [0, -20]")
+OF_Z = "in axisymmetric analyses the axis z of pictures is y"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "path"),
+    [
+        ("axis: y", "axis: z", "boundary.base.on.plane.axis"),
+        ("direction: y", "direction: z", "boundary.base.direction"),
+        ("value: 0", "value: z", "boundary.base.value"),
+        ('["v", "x*v"]', '["v", "z*v"]', "bodies.block.velocity.1"),
+    ],
+)
+def test_the_axis_z_of_rings_is_y(problems_with: Find, old: str, new: str, path: str) -> None:
+    of_ring = [p.message for p in problems_with(*RING, (old, new)) if p.path == path]
+    of_plane = [p.message for p in problems_with((old, new)) if p.path == path]
+    assert any(OF_Z in words for words in of_ring), of_ring
+    assert of_plane
+    assert not any(OF_Z in words for words in of_plane)
+
+
 @pytest.mark.parametrize(
     ("kind", "vectors"),
     [

@@ -39,7 +39,11 @@ def scene(**changes):
         "method": {"shape": "ugimp", "update": "usl", "transfer": {"kind": "flip"}},
         "materials": {"soft": {"kind": "neo_hookean", "density": 1.5, "E": 100.0, "nu": 0.3}},
         "bodies": [
-            {"name": "block", "material": "soft", "region": {"kind": "box", "lower": [-2, 0], "upper": [3, 4]}}
+            {
+                "name": "block",
+                "material": "soft",
+                "region": {"kind": "box", "lower": [-2, 0], "upper": [3, 4]},
+            }
         ],
         "boundary": [FLOOR],
         "time": {"end": 1.0, "courant": 0.2},
