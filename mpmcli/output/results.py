@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import xml.etree.ElementTree as xml
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -49,6 +50,37 @@ class Frame:
         """Number of particles."""
         return len(self.X)
 
+    def to_pandas(self) -> Any:
+        """A DataFrame with a row per particle: positions, then a column per component (``stress_xy``).
+
+        Raises
+        ------
+        RequestError
+            If pandas is not installed.
+        """
+        columns = {f"position_{letter}": self.X[:, axis] for axis, letter in enumerate("xyz")}
+        for name, values in self.arrays.items():
+            if values.ndim == 1:
+                columns[name] = values
+            else:
+                parts = self.components.get(name, tuple(map(str, range(values.shape[1]))))
+                columns |= {f"{name}_{part.lower()}": values[:, index] for index, part in enumerate(parts)}
+        return optional("pandas").DataFrame(columns)
+
+    def to_pyvista(self) -> Any:
+        """A ``pyvista.PolyData`` of the particles as points, with the arrays, and the time as ``TimeValue``.
+
+        Raises
+        ------
+        RequestError
+            If pyvista is not installed.
+        """
+        points = optional("pyvista").PolyData(self.X)
+        for name, values in self.arrays.items():
+            points.point_data[name] = values
+        points.field_data["TimeValue"] = np.array([self.time])
+        return points
+
 
 @dataclass(frozen=True)
 class Table:
@@ -61,6 +93,25 @@ class Table:
 
     def __getitem__(self, column: str) -> Array:
         return self.numbers[:, self.columns.index(column)]
+
+    def _repr_html_(self) -> str:
+        from mpmcli.output.notebook import html_of_table
+
+        return html_of_table(self)
+
+    def to_pandas(self) -> Any:
+        """A DataFrame with the columns of the file; ``attrs["units"]`` has the unit of each.
+
+        Raises
+        ------
+        RequestError
+            If pandas is not installed.
+        """
+        frame = optional("pandas").DataFrame(self.numbers, columns=self.columns)
+        if "step" in self.columns:
+            frame["step"] = frame["step"].astype(int)
+        frame.attrs["units"] = {column: self.units.get(column, "1") for column in self.columns}
+        return frame
 
     @property
     def time(self) -> Array:
@@ -94,6 +145,36 @@ class Results:
     def __repr__(self) -> str:
         ended = self.manifest.get("run", {}).get("ended", "unknown")
         return f"<Results of '{self.title}' in {self.directory}: {ended}>"
+
+    def _repr_html_(self) -> str:
+        from mpmcli.output.notebook import html_of_results
+
+        return html_of_results(self)
+
+    def to_pandas(self, name: str = GLOBALS) -> Any:
+        """A table over time as a DataFrame: ``globals.csv``, or that of a probe by its name or file.
+
+        Raises
+        ------
+        RequestError
+            If there is no such table, or pandas is not installed.
+        """
+        probes = {Path(file).stem: file for file in self.table_names() if file != GLOBALS}
+        known = [*self.table_names(), *probes]
+        if name not in known:
+            hint = did_you_mean(name, known) or f" ({listing(known, 40)})"
+            raise RequestError(f"{self.directory} has no table '{name}'{hint}")
+        return self.table(probes.get(name, name)).to_pandas()
+
+    def to_pyvista(self, time: float | None = None) -> Any:
+        """The particles at the archive nearest to a time, or at the last one, as a ``pyvista.PolyData``.
+
+        Raises
+        ------
+        RequestError
+            If the time is outside all archives, or pyvista is not installed.
+        """
+        return self.particles(time).to_pyvista()
 
     def __getitem__(self, column: str) -> Array:
         """A column of ``globals.csv`` over time."""
@@ -270,6 +351,14 @@ class Results:
             reason = getattr(error, "strerror", None) or error
             raise ArchiveError(f"cannot read {path}: {reason}") from error
         return Frame(time, X, arrays, components)
+
+
+def optional(library: str) -> Any:
+    """A library that mpmcli does without; RequestError with the command that installs it."""
+    try:
+        return importlib.import_module(library)
+    except ImportError:
+        raise RequestError(f"{library} is not installed: pip install {library}") from None
 
 
 def unit_in_brackets(unit: str) -> str:

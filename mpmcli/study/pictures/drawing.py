@@ -105,7 +105,7 @@ def space_ticks(axis: Any, inches: float) -> None:
     from matplotlib.ticker import FixedLocator, MaxNLocator, ScalarFormatter
 
     room = 0.6 if axis.axis_name == "x" else 0.3
-    locator = MaxNLocator(nbins=max(2, min(9, int(inches / room))), steps=[1, 2, 2.5, 5, 10])
+    locator: Any = MaxNLocator(nbins=max(2, min(9, int(inches / room))), steps=[1, 2, 2.5, 5, 10])
     if inches < 1.5 * room:  # there is room for one only
         low, high = sorted(axis.get_view_interval())
         inside = [place for place in locator.tick_values(low, high) if low < place < high]
