@@ -7,7 +7,8 @@ waits here until then.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, cast
 
 from mpmcli.core.runtime import configure
@@ -58,6 +59,20 @@ def get_compiler_ready() -> None:
             finally:
                 # what one of them raises is raised again by the next call, which goes on with the rest
                 _is_ready = not _told
+
+
+@contextmanager
+def timing_compiler() -> Iterator[Callable[[], float]]:
+    """Yields a function that tells for how many seconds this process has compiled since; loading is not compiling."""
+    get_compiler_ready()
+    from numba.core import event
+
+    listener = event.TimingListener()
+    event.register("numba:compile", listener)
+    try:
+        yield lambda: listener.duration if listener.done else 0.0
+    finally:
+        event.unregister("numba:compile", listener)
 
 
 def compiled_too(function: Callable[..., Any], options: dict[str, Any] = INLINED) -> Any:

@@ -149,7 +149,8 @@ def _run(
     if not resume:
         refuse_occupied(directory, overwrite)
     end = float(loaded.scene.time.end if until is None else until)
-    shown = Progress(end, progress and verbosity >= 0)
+    unit = loaded.units.label("time")  # the word itself where the scene declares no units
+    shown = Progress(end, progress and verbosity >= 0, "" if unit == "time" else unit)
     with Interrupts() as interrupts, messages(shown, verbosity), ExitStack() as held:
         held.enter_context(np.errstate(all="ignore"))  # what is not finite the watchdogs name
         begin = time.perf_counter()

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import logging
 import math
+import shlex
 import time
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from mpmcli.core.compiler import timing_compiler
 from mpmcli.core.errors import ArchiveError, SimulationError
 from mpmcli.core.state import State
 from mpmcli.output import manifest
 from mpmcli.output.checkpoint import Checkpoint, write_checkpoint
+from mpmcli.output.files import FAILED
 from mpmcli.output.recorder import Recorder
 from mpmcli.output.schedule import Schedule, is_reached
 from mpmcli.run.folder import DRY_RUN
@@ -140,20 +143,21 @@ class March:
                 self._save_if_due()
         LOGGER.debug("the first step was done after %.3g s", self._elapsed())
         self.progress.start(simulation.state)
-        while not self._is_over():
-            if interrupts.received is not None:
-                return exit_code_of(interrupts.received), f"interrupted by {name_of(interrupts.received)}"
-            before = clock()
-            if max_walltime is not None and before - self.begin >= max_walltime:
-                return STOPPED_EARLY, f"stopped after {duration_in_words(max_walltime)} by the clock"
-            simulation.step()
-            self.step_seconds += clock() - before
-            self.counted_steps += 1
-            self.watch.look()
-            if recorder.due(simulation.state):
-                self._record()
-            self._save_if_due()
-            self.progress.update(simulation.state, recorder.energy_error)
+        with timing_compiler() as compiled:
+            while not self._is_over():
+                if interrupts.received is not None:
+                    return exit_code_of(interrupts.received), f"interrupted by {name_of(interrupts.received)}"
+                before, compiled_before = clock(), compiled()
+                if max_walltime is not None and before - self.begin >= max_walltime:
+                    return STOPPED_EARLY, f"stopped after {duration_in_words(max_walltime)} by the clock"
+                simulation.step()
+                self.step_seconds += clock() - before - (compiled() - compiled_before)
+                self.counted_steps += 1
+                self.watch.look()
+                if recorder.due(simulation.state):
+                    self._record()
+                self._save_if_due()
+                self.progress.update(simulation.state, recorder.energy_error)
         return 0, "finished"
 
     def _is_over(self) -> bool:
@@ -248,7 +252,7 @@ class March:
         return time.perf_counter() - self.begin
 
     def _nanoseconds(self) -> float | None:
-        """Time per particle and step; the first step, which loads compiled code, is left out."""
+        """Time per particle and step, without compiling, and without the first step, which loads compiled code."""
         work = self.counted_steps * self.simulation.state.particles.count
         return 1e9 * self.step_seconds / work if work else None
 
@@ -285,15 +289,33 @@ class March:
         pace = f" ({speed:.3g} ns per particle and step)" if speed is not None else ""
         first = outcome.ended if outcome.exit_code != SimulationError.exit_code else "failed"
         LOGGER.info(
-            "%s: %d steps to time %.6g in %s%s%s; results in %s",
+            "%s: %d steps to time %.6g%s in %s%s%s; results in %s",
             first,
             outcome.steps,
             outcome.time,
+            f" {self.progress.unit}" if self.progress.unit else "",
             _seconds_in_words(outcome.wall_seconds),
             pace,
             "" if outcome.energy_error is None else f", energy error {outcome.energy_error:.2e}",
             outcome.directory,
         )
+        if command := next_command(outcome):
+            LOGGER.info("next: %s", command)
+
+
+def next_command(outcome: Outcome) -> str:
+    """What to do after a run: look at its results, or go on with it; nothing where its files are at fault."""
+    directory = shlex.quote(str(outcome.directory))
+    if outcome.exit_code == ArchiveError.exit_code:
+        return ""
+    if outcome.exit_code == SimulationError.exit_code:
+        is_kept = (outcome.directory / FAILED).exists()
+        return f"mpmcli plot {directory} --frame failed" if is_kept else f"mpmcli info {directory}"
+    if outcome.exit_code != 0:
+        return f"mpmcli resume {directory}"
+    results = outcome.results
+    can_be_drawn = results.has_particles or results.table_names()
+    return f"mpmcli {'plot' if can_be_drawn else 'info'} {directory}"
 
 
 def _seconds_in_words(seconds: float) -> str:

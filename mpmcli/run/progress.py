@@ -6,7 +6,7 @@ import logging
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -18,8 +18,9 @@ WAITING_SECONDS = 3.0
 LINE_SHARE = 0.1
 LOG_ONLY = "is_for_the_log_only"
 """Attribute of a log record whose message the user has seen already."""
-WIDE = 110
-"""Columns of a terminal that shows every fact beside the bar."""
+BAR_WIDTH = 12
+BESIDE_FACTS = BAR_WIDTH + 7
+"""Columns of the bar, the percentage, and the spaces between them."""
 
 
 def is_terminal() -> bool:
@@ -36,23 +37,34 @@ def notebook_display() -> Any:
 
 
 class TerminalBar:
-    """A bar at the foot of a terminal, with messages above it."""
+    """A bar at the foot of a terminal, with messages above it.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    console
+        A ``rich`` console; stderr if absent.
+    """
+
+    def __init__(self, console: Any = None) -> None:
         from rich.console import Console
         from rich.progress import BarColumn, TaskProgressColumn, TextColumn
         from rich.progress import Progress as Bar
+        from rich.table import Column
 
         self._bar = Bar(
-            BarColumn(bar_width=12),
+            BarColumn(bar_width=BAR_WIDTH),
             TaskProgressColumn(),
-            TextColumn("{task.fields[facts]}"),
-            console=Console(stderr=True),
+            TextColumn("{task.fields[facts]}", table_column=Column(no_wrap=True), markup=False),
+            console=console or Console(stderr=True),
             auto_refresh=False,
         )
         self._task = self._bar.add_task("run", total=1.0, facts="")
-        self.is_narrow = self._bar.console.width < WIDE
         self._bar.start()
+
+    @property
+    def room(self) -> int:
+        """Columns for the facts."""
+        return int(self._bar.console.width) - BESIDE_FACTS
 
     def say(self, text: str) -> None:
         """Show a message."""
@@ -60,7 +72,6 @@ class TerminalBar:
 
     def draw(self, share: float, facts: str) -> None:
         """Show how much is done, and more in words."""
-        self.is_narrow = self._bar.console.width < WIDE
         self._bar.update(self._task, completed=share, facts=facts)
         self._bar.refresh()
 
@@ -72,7 +83,7 @@ class TerminalBar:
 class NotebookLine:
     """A line below the cell of a notebook, replaced as the run goes on; messages come on stderr."""
 
-    is_narrow = False
+    room = 1000
 
     def __init__(self, display: Any):
         self._display = display
@@ -103,6 +114,14 @@ def duration_in_words(seconds: float) -> str:
     return f"{days} d {clock}" if days else clock
 
 
+def fitting(facts: Sequence[tuple[int, str]], room: int) -> str:
+    """Facts side by side in a number of columns: where they have no room those of the highest rank are left out."""
+    kept = list(facts)
+    while len(kept) > 1 and len("  ".join(text for _, text in kept)) > room:
+        kept.remove(max(kept, key=lambda fact: fact[0]))
+    return "  ".join(text for _, text in kept)
+
+
 class Progress:
     """Shows how far a run is; as a logging handler's sink it also shows messages above the bar.
 
@@ -112,10 +131,12 @@ class Progress:
         Time at which the run ends [time].
     is_shown
         False for nothing but messages.
+    unit
+        Unit of time, or nothing.
     """
 
-    def __init__(self, end: float, is_shown: bool = True):
-        self.end = end
+    def __init__(self, end: float, is_shown: bool = True, unit: str = ""):
+        self.end, self.unit = end, unit
         self.is_shown = is_shown
         self._bar: TerminalBar | NotebookLine | None = None
         self._first: tuple[float, int, float] | None = None
@@ -193,23 +214,24 @@ class Progress:
         return min(1.0, state.time / self.end) if self.end > 0.0 else 1.0
 
     def _draw(self, bar: TerminalBar | NotebookLine, state: State, energy_error: float | None) -> None:
-        facts = self._facts(state, energy_error, time.perf_counter(), is_narrow=bar.is_narrow)
-        bar.draw(self._share(state), facts)
+        bar.draw(self._share(state), self._facts(state, energy_error, time.perf_counter(), bar.room))
 
-    def _facts(self, state: State, energy_error: float | None, now: float, is_narrow: bool = False) -> str:
-        text = f"step {state.step}  t {state.time:.5g}" + ("" if is_narrow else f"  dt {state.dt:.3g}")
+    def _facts(self, state: State, energy_error: float | None, now: float, room: int = 1000) -> str:
+        facts = [(4, f"step {state.step}")]
+        facts.append((0, f"t {state.time:.5g} of {self.end:.5g} {self.unit}".rstrip()))
+        facts.append((6, f"dt {state.dt:.3g}"))
         begin, step, since = self._first or (now, state.step, state.time)
         steps, seconds = state.step - step, now - begin
         if steps > 0 and seconds > 0.0 and state.time > since:
             rate = steps / seconds
             left = max(0.0, self.end - state.time) / ((state.time - since) / seconds)
-            pace = f"{rate:.0f}" if rate >= 100.0 else f"{rate:.3g}"
-            text += f"  {pace}{'/s' if is_narrow else ' steps/s'}  left {duration_in_words(left)}"
+            facts.append((3, f"{rate:.0f} steps/s" if rate >= 100.0 else f"{rate:.3g} steps/s"))
+            facts.append((1, f"left {duration_in_words(left)}"))
         if state.contact is not None:
-            text += f"  contact {'' if is_narrow else 'nodes '}{state.contact.nodes}"
-        if energy_error is None:
-            return text
-        return f"{text}  {'' if is_narrow else 'energy '}error {energy_error:.1e}"
+            facts.append((5, f"contact nodes {state.contact.nodes}"))
+        if energy_error is not None:
+            facts.append((2, f"energy error {energy_error:.1e}"))
+        return fitting(facts, room)
 
 
 class MessageHandler(logging.Handler):

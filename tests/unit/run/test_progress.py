@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
+import re
 import sys
 from types import SimpleNamespace
 
 import pytest
 
-from mpmcli.run.progress import Progress, duration_in_words, is_terminal
+from mpmcli.run.progress import Progress, TerminalBar, duration_in_words, is_terminal
 
 
 def state(step: int, end: int = 100) -> SimpleNamespace:
@@ -67,12 +69,48 @@ def test_a_bar_on_a_terminal(capfd, monkeypatch):
     progress.stop(state(100), 1e-3)
     printed = capfd.readouterr().err
     assert "a message [not markup]" in printed
-    assert "step 100" in printed
+    assert "t 1 of 1 " in printed
     assert "100%" in printed
     assert "error 1.0e-03" in printed
 
 
-def test_waiting_is_said_only_if_important(capfd):
+@pytest.mark.parametrize("width", [200, 100, 80, 60, 40, 25])
+def test_the_bar_is_one_line_of_any_terminal(width):
+    from rich.console import Console
+
+    written = io.StringIO()
+    console = Console(file=written, width=width, force_terminal=True, color_system=None)
+    progress = Progress(123.456, unit="ms")
+    progress.start(state(0))
+    progress._bar = bar = TerminalBar(console)
+    late = state(98765, 1000)
+    late.contact = SimpleNamespace(nodes=1234)
+    written.seek(0)
+    progress._draw(bar, late, -1.2e-2)
+    lines = [
+        line for line in re.sub(r"\x1b\[[0-9;?]*[A-Za-z]|\r", "\n", written.getvalue()).splitlines() if line
+    ]
+    bar.stop()
+    assert max(map(len, lines)) <= width
+    last = lines[-1].rstrip()
+    assert "80%" in last
+    if width >= 60:
+        assert "t 98.765 of 123.46 ms" in last
+    if width >= 80:
+        assert "left 0:00:0" in last
+        assert "energy error -1.2e-02" in last
+    assert ("contact nodes" in last) == (width >= 200)
+
+
+def test_units_and_end_are_said_without_a_terminal_too(capfd):
+    march(Progress(1.0, unit="ms"))
+    march(Progress(1.0))
+    lines = capfd.readouterr().err.splitlines()
+    assert " t 0.1 of 1 ms " in lines[0]
+    assert " t 0.1 of 1  " in lines[10]
+
+
+def test_waiting_is_said_if_it_is_important(capfd):
     progress = Progress(1.0)
     for text in ("setting up", "compiling"):
         with progress.waiting(text, is_important=text == "compiling"):

@@ -6,8 +6,10 @@ import errno
 import json
 import logging
 import os
+import shlex
 import signal
 import threading
+import time
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -62,8 +64,9 @@ def test_a_run_to_the_end(go, tmp_path, capfd):
     printed = capfd.readouterr()
     assert printed.out == ""
     lines = printed.err.splitlines()
-    assert lines[-1].startswith("finished: 100 steps to time 1 in ")
-    assert f"results in {out}" in lines[-1]
+    assert lines[-2].startswith("finished: 100 steps to time 1 in ")
+    assert f"results in {out}" in lines[-2]
+    assert lines[-1] == f"next: mpmcli plot {out}"
     assert any(line.startswith("  50 %  step 50") for line in lines)
     log = (out / "run.log").read_text()
     assert "2 particles in 1 body" in log
@@ -100,6 +103,44 @@ def test_until_max_steps_and_quiet(go, loaded, tmp_path, capfd):
     loaded.scene.time.max_steps = 7
     assert go(tmp_path / "b", verbosity=-1).steps == 7
     assert capfd.readouterr().err == ""
+
+
+def test_the_last_line_names_the_next_command(go, loaded, tmp_path, capfd):
+    """One that works with what the run has left."""
+    from mpmcli.cli.main import mpmcli
+
+    def stop():
+        raise SimulationError("not finite")
+
+    ends = {
+        "a b": ({}, {}, "mpmcli plot '{}'"),
+        "slow": ({}, {"max_walltime": 0.0}, "mpmcli resume {}"),
+        "failed": ({50: stop}, {}, "mpmcli plot {} --frame failed"),
+    }
+    for name, (at, options, expected) in ends.items():
+        loaded.at.clear()
+        loaded.at.update(at)
+        go(tmp_path / name, **options)
+        *_, last = capfd.readouterr().err.splitlines()
+        assert last == f"next: {expected.format(tmp_path / name)}"
+        _, command, *args = shlex.split(last.removeprefix("next: "))
+        context = mpmcli.get_command(None, command).make_context(command, args)
+        assert context.params["directory"].is_dir()
+
+
+def test_compiling_is_no_time_per_particle(go, loaded, tmp_path):
+    """A step that compiles costs what others do."""
+    from numba.core import event
+
+    def compile_slowly():
+        with event.trigger_event("numba:compile"):
+            time.sleep(0.5)
+
+    loaded.at[50] = compile_slowly
+    go()
+    facts = manifest_of(tmp_path / "out")["run"]
+    assert facts["wall_seconds"] > 0.5
+    assert facts["nanoseconds_per_particle_step"] * 1e-9 * 2 * 99 < 0.4
 
 
 def test_default_folder_is_named_after_the_scene(go, loaded, simulation, tmp_path, monkeypatch):
