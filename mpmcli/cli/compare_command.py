@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from mpmcli.cli.completion import columns_to_compare, offering
+
 
 @click.command("compare")
 @click.argument("a", type=click.Path(path_type=Path))
@@ -16,7 +18,13 @@ import click
 @click.option(
     "--atol", type=click.FloatRange(min=0), default=0.0, show_default=True, help="Absolute tolerance."
 )
-@click.option("--columns", metavar="NAME,…", multiple=True, help="Compare these only; * stands for any text.")
+@click.option(
+    "--columns",
+    metavar="NAME,…",
+    multiple=True,
+    help="Compare these only; * stands for any text.",
+    shell_complete=offering(columns_to_compare, is_list=True),
+)
 def command(a: Path, b: Path, rtol: float, atol: float, columns: tuple[str, ...]) -> int:
     """Compare two tables, or all tables of two results folders; exit code 1 if they differ."""
     from mpmcli.study.compare import compare

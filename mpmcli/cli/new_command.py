@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from mpmcli.cli.completion import offering, scenes
 from mpmcli.core.suggest import did_you_mean
 
 OURS = '"title": "Scene of mpmcli"'
@@ -13,7 +14,7 @@ OURS = '"title": "Scene of mpmcli"'
 
 
 @click.command("new")
-@click.argument("name", default="simple")
+@click.argument("name", default="simple", shell_complete=offering(scenes))
 @click.option("-o", "--output", metavar="FILE", type=click.Path(path_type=Path), help="Write to a new file.")
 @click.option("--list", "listing", is_flag=True, help="List the scenes that come with mpmcli.")
 def command(name: str, output: Path | None, listing: bool) -> None:

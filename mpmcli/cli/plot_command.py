@@ -9,6 +9,9 @@ from typing import Any
 
 import click
 
+from mpmcli.cli.completion import columns as columns_of_tables
+from mpmcli.cli.completion import offering, quantities
+
 WHAT = (
     "energies",
     "stresses",
@@ -59,13 +62,33 @@ def section_of(text: str, manifest: dict[str, Any]) -> tuple[int, float | None]:
 
 @click.command("plot")
 @click.argument("directory", metavar="DIR", type=click.Path(path_type=Path))
-@click.option("--what", metavar="WORD,…", multiple=True, help=f"Of what: {', '.join(WHAT)}.")
 @click.option(
-    "--column", "columns", metavar="NAME,…", multiple=True, help="Columns of tables; * stands for any text."
+    "--what",
+    metavar="WORD,…",
+    multiple=True,
+    help=f"Of what: {', '.join(WHAT)}.",
+    shell_complete=offering(lambda parameters: WHAT, is_list=True),
 )
-@click.option("--x", "over", metavar="NAME", help="Draw columns over this one instead of time.")
 @click.option(
-    "--color", metavar="QUANTITY", help="Colour particles by an array of the archives, stress_xy, body, …"
+    "--column",
+    "columns",
+    metavar="NAME,…",
+    multiple=True,
+    help="Columns of tables; * stands for any text.",
+    shell_complete=offering(columns_of_tables, is_list=True),
+)
+@click.option(
+    "--x",
+    "over",
+    metavar="NAME",
+    help="Draw columns over this one instead of time.",
+    shell_complete=offering(columns_of_tables),
+)
+@click.option(
+    "--color",
+    metavar="QUANTITY",
+    help="Colour particles by an array of the archives, stress_xy, body, …",
+    shell_complete=offering(quantities),
 )
 @click.option(
     "--range", "limits", nargs=2, type=float, metavar="LOW HIGH", help="Numbers at the ends of the colours."
