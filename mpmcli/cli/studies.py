@@ -61,7 +61,7 @@ def begin_study(
     from mpmcli.study.stability import Source
 
     if plot and not can_plot():
-        raise click.UsageError("--plot needs matplotlib: pip install matplotlib")
+        raise click.UsageError("--plot needs matplotlib: pip install 'mpmcli[plot]'")
     return Study(
         Source(scene, changes["sets"], changes["defines"], changes["allow_outside_files"]),
         loaded.scene.title or Path(scene).stem,

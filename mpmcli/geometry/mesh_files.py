@@ -121,11 +121,11 @@ def _from_obj(path: Path) -> tuple[Array, Array]:
 
 def _from_vtk(path: Path) -> tuple[Array, Array]:
     """Triangles of a VTP file, or of the outside of a VTU file's cells."""
+    mesh = read_xml(path)  # which says so where vtk is missing
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkFiltersCore import vtkTriangleFilter
     from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
 
-    mesh = read_xml(path)
     arrays = [mesh.GetCells()] if path.suffix.lower() == ".vtu" else [mesh.GetPolys(), mesh.GetStrips()]
     for cells in arrays:
         if cells.GetNumberOfCells():

@@ -17,7 +17,7 @@ from mpmcli.geometry.base import REGIONS, Array, Region
 from mpmcli.geometry.domains import in_a_domain
 from mpmcli.geometry.files import ReadableFile, path_of, stamp_of
 from mpmcli.geometry.vectors import Count, Factor
-from mpmcli.geometry.vtk_files import read_xml
+from mpmcli.geometry.vtk_files import VtkMissing, read_xml
 
 _AXES = ("x", "y", "z")
 
@@ -44,7 +44,7 @@ class Points(Region):
 
     kind: Literal["points"]
     file: ReadableFile
-    """Table (csv) with a line of column names, or VTU file, beside the scene."""
+    """Table (csv) with a line of column names, or VTU file, beside the scene; vtu needs the extra `mesh` (vtk)."""
     volume: str = "volume"
     """Name of the column with each particle's volume (in 2D its area, in 1D its length)."""
     size: Annotated[tuple[PositiveLength, ...], Count(1, 3)] | None = None
@@ -160,12 +160,14 @@ def _from_csv(path: Path) -> dict[str, Array]:
 
 def _from_vtu(path: Path) -> dict[str, Array]:
     """Coordinates and scalar arrays of the points."""
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-
     try:
         grid = read_xml(path)
+    except VtkMissing as error:
+        raise ValueError(f"'{path.name}' cannot be read: {error}") from None
     except ValueError:
         raise ValueError(f"'{path.name}' is damaged or no VTU file") from None
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
     if grid.GetNumberOfPoints() == 0:
         return {axis: np.zeros(0) for axis in _AXES}
     position = vtk_to_numpy(grid.GetPoints().GetData()).astype(np.float64)

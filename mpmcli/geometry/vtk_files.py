@@ -27,6 +27,21 @@ class Unreadable(ValueError):
     """A file cannot be used, and the message says why."""
 
 
+class VtkMissing(Unreadable):
+    """The package vtk is needed and not installed."""
+
+
+def _need_vtk(path: Path) -> None:
+    """Say how to install vtk where it is missing."""
+    try:
+        import vtkmodules  # noqa: F401
+    except ImportError:
+        kind = path.suffix[1:].upper()
+        raise VtkMissing(
+            f"{kind} files need vtk, which is not installed: pip install 'mpmcli[mesh]'"
+        ) from None
+
+
 @contextmanager
 def quiet_vtk() -> Iterator[None]:
     """Keep vtk from writing its complaints to the terminal."""
@@ -44,6 +59,7 @@ def quiet_vtk() -> Iterator[None]:
 
 def read_xml(path: Path) -> Any:
     """The vtk data set that a VTP or VTU file holds; a ValueError if vtk complains."""
+    _need_vtk(path)
     from vtkmodules import vtkIOXML
 
     _check_claims(path.read_bytes())

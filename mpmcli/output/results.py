@@ -326,31 +326,14 @@ class Results:
 
     def frame(self, path: Path) -> Frame:
         """Read one archive of particles; ArchiveError if it cannot be read."""
-        from vtkmodules.util.numpy_support import vtk_to_numpy
-
-        from mpmcli.geometry.vtk_files import read_xml
+        from mpmcli.output.read_vtu import Vtu
 
         try:
-            grid = read_xml(path)
-            points = grid.GetPoints()
-            X = np.zeros((0, 3)) if points is None else vtk_to_numpy(points.GetData()).astype(float)
-            arrays, components = {}, {}
-            for index in range(grid.GetPointData().GetNumberOfArrays()):
-                array = grid.GetPointData().GetArray(index)
-                if array is not None:
-                    name = str(array.GetName())
-                    arrays[name] = vtk_to_numpy(array)
-                    count = array.GetNumberOfComponents()
-                    if count > 1:
-                        components[name] = tuple(
-                            str(array.GetComponentName(i) or i).upper() for i in range(count)
-                        )
-            stamp = grid.GetFieldData().GetArray("TimeValue")
-            time = float("nan") if stamp is None else float(stamp.GetValue(0))
+            held = Vtu(path)
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             raise ArchiveError(f"cannot read {path}: {reason}") from error
-        return Frame(time, X, arrays, components)
+        return Frame(held.time, held.points, held.arrays, held.components)
 
 
 def optional(library: str) -> Any:

@@ -13,12 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk
-from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkObject, vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkUnstructuredGrid
-from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from mpmcli.core.state import GridView
+from mpmcli.output.appended import COMPRESSORS, packed, tag
 from mpmcli.output.files import SERIES, cannot_write, make_folder, write_text
 from mpmcli.output.probes import nodal_values
 from mpmcli.output.quantities import Quantity
@@ -38,8 +35,6 @@ CORNERS = {
 }
 """Corners of a cell in VTK's order: whether each lies at the upper end of the axes z, y and x."""
 VERTEX = 1
-FIRST_VTK_ERROR = 20000
-DISK_FULL = 20007
 PRECISIONS = {"float32": np.float32, "float64": np.float64}
 
 
@@ -96,70 +91,74 @@ class VtuWriter:
         connectivity : (cells, points per cell)
             Points of each cell; one vertex per point if absent.
         """
-        kept: list[Any] = []  # vtk refers to these arrays and does not own them
-
-        def convert(values: np.ndarray) -> Any:
-            if values.dtype.kind == "f":
-                with np.errstate(over="ignore"):
-                    # −0 becomes 0: ParaView 5.11 reads the range -0 to -0 as one up to 3.4e38
-                    values = np.add(values, 0.0, dtype=self.type, casting="same_kind", order="C")
-            kept.append(np.ascontiguousarray(values))
-            return numpy_to_vtk(kept[-1])
-
-        grid = vtkUnstructuredGrid()
-        vertices = vtkPoints()
-        vertices.SetData(convert(points))
-        grid.SetPoints(vertices)
         if connectivity is None:
             connectivity = np.arange(len(points), dtype=np.int64)[:, None]
-        cells = vtkCellArray()
-        offsets = np.arange(len(connectivity) + 1, dtype=np.int64) * connectivity.shape[1]
-        cells.SetData(convert(offsets), convert(connectivity.ravel()))
-        grid.SetCells(cell_type, cells)
-        for name, values, components in arrays:
-            array = convert(values)
-            array.SetName(name)
-            for index, component in enumerate(components):
-                array.SetComponentName(index, component)
-            grid.GetPointData().AddArray(array)
-        stamp = vtkDoubleArray()
-        stamp.SetName("TimeValue")
-        stamp.InsertNextValue(time)
-        grid.GetFieldData().AddArray(stamp)
-        self._save(path, grid)
+        cells, corners = connectivity.shape
+        body = _Body(self.compression)
+        stamp = body.add("TimeValue", np.array([time])).replace("/>", ' NumberOfTuples="1"/>')
+        lines = [
+            '<?xml version="1.0"?>',
+            f'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64"'
+            f"{body.attribute}>",
+            "<UnstructuredGrid>",
+            f"<FieldData>{stamp}</FieldData>",
+            f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{cells}">',
+            "<PointData>",
+            *(body.add(name, self._ready(values), names) for name, values, names in arrays),
+            "</PointData>",
+            f"<Points>{body.add('Points', self._ready(points))}</Points>",
+            "<Cells>",
+            body.add("connectivity", connectivity.ravel()),
+            body.add("offsets", np.arange(1, cells + 1, dtype=np.int64) * corners),
+            body.add("types", np.full(cells, cell_type, dtype=np.uint8)),
+            "</Cells>",
+            "</Piece>",
+            "</UnstructuredGrid>",
+            '<AppendedData encoding="raw">',
+        ]
+        _save(path, [("\n".join(lines) + "\n_").encode(), *body.pieces, b"\n</AppendedData>\n</VTKFile>\n"])
 
-    def _save(self, path: Path, grid: Any) -> None:
-        partial = path.with_name(path.name + ".part")
-        writer = vtkXMLUnstructuredGridWriter()
-        writer.SetInputData(grid)
-        writer.SetFileName(str(partial))
-        writer.SetDataModeToAppended()
-        writer.EncodeAppendedDataOff()
-        writer.SetHeaderTypeToUInt64()
-        {
-            "none": writer.SetCompressorTypeToNone,
-            "lz4": writer.SetCompressorTypeToLZ4,
-            "zlib": writer.SetCompressorTypeToZLib,
-        }[self.compression]()
-        warnings_shown = vtkObject.GetGlobalWarningDisplay()
-        vtkObject.GlobalWarningDisplayOff()
+    def _ready(self, values: np.ndarray) -> np.ndarray:
+        """Values as they stand in the file."""
+        if values.dtype.kind != "f":
+            return values
+        with np.errstate(over="ignore"):
+            # −0 becomes 0: ParaView 5.11 reads the range -0 to -0 as one up to 3.4e38
+            return np.add(values, 0.0, dtype=self.type, casting="same_kind", order="C")
+
+
+class _Body:
+    """The arrays behind the header, in the order in which they are added."""
+
+    def __init__(self, compression: str):
+        self.compression = compression
+        self.attribute = f' compressor="{COMPRESSORS[compression]}"' if compression != "none" else ""
+        self.pieces: list[Any] = []
+        self.length = 0
+
+    def add(self, name: str, values: np.ndarray, components: Sequence[str] = ()) -> str:
+        """Append an array, and return the element that describes it."""
+        values = np.ascontiguousarray(values)
+        element = tag(escape(name), values, components, self.length)
+        pieces = packed(values, self.compression)
+        self.pieces += pieces
+        self.length += sum(map(len, pieces))
+        return element
+
+
+def _save(path: Path, pieces: list[Any]) -> None:
+    """Write pieces of bytes to a file, which appears when it is whole."""
+    partial = path.with_name(path.name + ".part")
+    try:
         try:
-            written, code = writer.Write(), writer.GetErrorCode()
-        finally:
-            vtkObject.SetGlobalWarningDisplay(warnings_shown)
-        if not written or code:
-            partial.unlink(missing_ok=True)
-            raise cannot_write(path, _reason(code))
-        try:
+            with partial.open("wb") as file:
+                file.writelines(pieces)
             os.replace(partial, path)
-        except OSError as error:
-            raise cannot_write(path, error) from error
-
-
-def _reason(code: int) -> str:
-    if code == DISK_FULL:
-        return "the disk is full"
-    return os.strerror(code) if 0 < code < FIRST_VTK_ERROR else f"vtk reports error {code}"
+        except OSError:
+            partial.unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise cannot_write(path, error) from error
 
 
 def particle_arrays(

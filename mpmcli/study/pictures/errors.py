@@ -23,6 +23,6 @@ def matplotlib() -> Any:
         import matplotlib
     except ImportError:
         raise PictureError(
-            "pictures need matplotlib, which is not installed: pip install matplotlib"
+            "pictures need matplotlib, which is not installed: pip install 'mpmcli[plot]'"
         ) from None
     return matplotlib
