@@ -37,7 +37,7 @@ def test_names_are_unique_over_both_folders():
 
 
 def test_all_kinds_of_first_problems_have_a_template():
-    wanted = {"block_impact", "contact", "taylor_bar", "mesh_3d", "indentation"}
+    wanted = {"block_impact", "contact", "taylor_bar", "dam_break", "mesh_3d", "indentation"}
     assert wanted <= set(TEMPLATES)
 
 

@@ -542,7 +542,7 @@ def test_folder_that_cannot_be_written(make_results, tmp_path):
 
 def test_without_matplotlib(make_results, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(PictureError, match=r"pip install .mpmcli\[plot\]")::
+    with pytest.raises(PictureError, match=r"pip install .mpmcli\[plot\]"):
         plot(make_results())
 
 
