@@ -78,6 +78,10 @@ class ConditionModel(Model):
         """The side of the grid (axis; 0 lower, 1 upper) beyond which it holds all velocities across, or None."""
         return None
 
+    def may_wait(self, grid: Nodes) -> bool:
+        """Whether it is plausible that no body is at it at the start."""
+        return False
+
     def bodies(self) -> list[tuple[str, str]]:
         """Names of bodies that it refers to: pairs of key and name."""
         return []

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from mpmcli.boundary.base import CONDITIONS, Array, ConditionModel, Nodes, SurfaceNodes
+from mpmcli.boundary.base import CONDITIONS, TOLERANCE, Array, ConditionModel, Nodes, SurfaceNodes
 from mpmcli.boundary.place import Plane, axis_index, check_axis, grid_line
 
 
@@ -27,6 +27,12 @@ class Symmetry(ConditionModel):
     def held_side(self, grid: Nodes) -> tuple[int, int]:
         """The side of the plane."""
         return self.plane.index, int(self.plane.side_on(grid) == "upper")
+
+    def may_wait(self, grid: Nodes) -> bool:
+        """On a side of the grid it is a wall, which bodies may reach later."""
+        a, upper = self.held_side(grid)
+        side = grid.upper[a] if upper else grid.lower[a]
+        return bool(abs(self.plane.at - side) <= TOLERANCE * grid.cell[a])
 
     def holder(self, grid: Nodes, surface_nodes: SurfaceNodes | None) -> SymmetryHolder:
         """The plane on a grid."""

@@ -85,6 +85,7 @@ class Simulation:
         self.order = CellOrder(self.particles, self.grid)
         self.on_exit = scene.domain.on_exit
         self.held_sides = held_sides(scene, self.grid)
+        self._may_wait = {condition.name for condition in scene.boundary if condition.may_wait(self.grid)}
         self.transfer = Transfer(
             self.plan.analysis,
             self.plan.shape,
@@ -354,6 +355,8 @@ class Simulation:
 
     def _warn_of_idle_conditions(self) -> None:
         for name in self.conditions.idle(self.grid.mp):
+            if name in self._may_wait:
+                continue
             LOGGER.warning("boundary condition '%s' holds no node of a body at the start", name)
 
     def describe(self, particle: int) -> str:

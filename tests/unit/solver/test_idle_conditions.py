@@ -19,6 +19,17 @@ time: {end: 1, courant: 0.2}
 """
 
 
+@pytest.mark.parametrize("at", ["0", "20"])
+def test_a_symmetry_plane_on_a_side_of_the_grid_may_wait(at, caplog):
+    """It is a wall that something may come to; in the middle of nothing it holds nothing."""
+    scene = SCENE.replace("kind: velocity, on: {plane: {axis: x, at: AT}}, direction: x, value: 0", "KIND")
+    for place, said in ((at, False), ("18", True)):
+        caplog.clear()
+        kind = f"kind: symmetry, plane: {{axis: x, at: {place}}}"
+        Simulation(load_scene(scene.replace("KIND", kind))).step()
+        assert any("'support' holds no node" in record.message for record in caplog.records) == said
+
+
 @pytest.mark.parametrize(("at", "said"), [("20", 1), ("2", 0)])
 def test_a_condition_without_nodes_is_named_once(at, said, caplog):
     simulation = Simulation(load_scene(SCENE.replace("AT", at)))
