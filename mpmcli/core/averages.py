@@ -1,7 +1,7 @@
 """Averages of a particle scalar over the nodes and back, and diagonals of tensors shifted to such an average.
 
-The average of values q_p with weights Ω_p is q̄_p = Σ_i S_ip Σ_q S_iq Ω_q q_q / Σ_q S_iq Ω_q: particles to nodes and back
-with the shape function. It keeps constants, and Ω_p q̄_p is a symmetric function of q.
+The average of values q_p with weights Ω_p is q̄_p = Σ_i S_ip Σ_q S_iq Ω_q q_q / Σ_q S_iq Ω_q: particles to nodes and
+back with the shape function. It keeps constants, and Ω_p q̄_p is a symmetric function of q.
 """
 
 from __future__ import annotations

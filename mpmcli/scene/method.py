@@ -160,7 +160,7 @@ class Method(Model):
     velocity_conditions: Literal["incremental", "lumped", "velocity", "combined"] = "incremental"
     """How velocity conditions act in the FMPM loop [nairn2026, section 3.1]."""
     volumetric: Literal["local", "averaged"] = "local"
-    """Volume changes and pressures: of each particle, or averaged over nodes against locking [coombs2018] [zhao2023]."""
+    """Volume changes and pressures of each particle, or averaged against locking [coombs2018] [zhao2023]."""
     damping: Damping = Damping()
     """Damping of velocities."""
     artificial_viscosity: ArtificialViscosity | None = None

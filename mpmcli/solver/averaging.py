@@ -1,10 +1,10 @@
 """Volume averaging: the rate of volume and the pressure of particles, averaged over nodes and back.
 
-Against volumetric locking and the checkerboard of pressures that come with it: with several particles per cell the
-velocities cannot keep the volume of each, but they can keep an average (Mast et al. 2012, Coombs et al. 2018, Zhao et al.
-2023). With the average 𝒜 of ``core.averages``, d = tr D of every particle becomes 𝒜d before the strain update, and the
-mean stress that the forces see becomes 𝒜 of that of the particles. 𝒜 is symmetric in volume, so that the power of
-these forces is the stress power of the averaged strain rate: the pair takes and gives no energy.
+Against volumetric locking and the checkerboard of pressures that comes with it: with several particles per cell the
+velocities cannot keep the volume of each, but they can keep an average (Mast et al. 2012, Coombs et al. 2018, Zhao et
+al. 2023). With the average A of ``core.averages``, d = tr D of every particle becomes A d before the strain update, and
+the mean stress that forces come from becomes A of that of the particles. A is symmetric in volume, so that the power of
+these forces is the stress power of the averaged strain rate: the pair neither takes nor gives energy.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ MOST_OVERRUN = 1.0 - 1e-6
 
 def held_sides(scene: Any, grid: Grid) -> dict[tuple[int, int], str]:
     """Sides of the grid (axis; 0 lower, 1 upper) across which a condition holds the velocity, and its name."""
-    found = {}
+    found: dict[tuple[int, int], str] = {}
     for condition in scene.boundary:
         side = condition.held_side(grid)
         if side is not None:
