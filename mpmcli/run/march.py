@@ -66,7 +66,7 @@ class March:
         self.recorder = Recorder(
             loaded, directory, simulation.state, facts, checkpoint.part("output") if checkpoint else None
         )
-        self.watch = EnergyWatch(simulation, loaded.scene.method)
+        self.watch = EnergyWatch(simulation, loaded.scene)
         asked = loaded.scene.archive.checkpoint
         self.saved_step: int | None = None
         self.is_saved = asked is not None  # signals and the wall limit save in any case

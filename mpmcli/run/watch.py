@@ -33,12 +33,12 @@ class EnergyWatch:
     Parameters
     ----------
     simulation : the simulation, with its state
-    method : ``method`` of the scene; without it, and with a transfer that dissipates, losses are not reported
+    scene : the scene; without it, and with a transfer that dissipates, losses are not reported
     """
 
-    def __init__(self, simulation: Any, method: Any = None):
+    def __init__(self, simulation: Any, scene: Any = None):
         self._simulation = simulation
-        self._method = None if method is None or dissipates(method.transfer) else method
+        self._scene = None if scene is None or dissipates(scene.method.transfer) else scene
         self._balance = EnergyBalance()
         self._strikes = 0
         self._before = EARLY
@@ -75,7 +75,7 @@ class EnergyWatch:
         The balance includes what friction, damping, viscosity and plastic flow dissipate. Work of friction and damping
         may be far more than the energy of the bodies, and counts as energy here: its own error is no alarm.
         """
-        if self._method is None or self._has_warned_of_loss:
+        if self._scene is None or self._has_warned_of_loss:
             return
         work = self._simulation.state.work
         dissipated = sum(abs(work.get(name, 0.0)) for name in ("contact_work", "damping_work"))
@@ -88,7 +88,7 @@ class EnergyWatch:
             LOGGER.warning(
                 "energy error %.3g %% in step %d, time %.6g: the scene loses energy that friction, damping, viscosity "
                 "and plastic flow do not account for, so stresses and velocities are likely wrong; try %s",
-                100.0 * error, state.step, state.time, remedy(self._method),
+                100.0 * error, state.step, state.time, remedy(self._scene),
             )  # fmt: skip
 
     def _found(self, error: float) -> str:
@@ -136,11 +136,17 @@ def dissipates(transfer: Any) -> bool:
     return bool(transfer.order <= 2 or (blend is not None and blend.order == 1 and blend.fraction < 1.0))
 
 
-def remedy(method: Any) -> str:
+def remedy(scene: Any) -> str:
     """What to try against a loss of energy: the first advice that the scene does not follow yet."""
+    method = scene.method
     if method.update not in ("usl", "usavg"):
         return "method.update: usl"
-    if SHAPES[method.shape].domain != "corners":
+    if any("fluid" in material.properties for material in scene.materials.values()):
+        if method.shape != "b2gimp":
+            return "method.shape: b2gimp"
+        if method.volumetric == "local":
+            return "method.volumetric: averaged"
+    elif SHAPES[method.shape].domain != "corners":
         return "method.shape: lcpdi"
     if method.transfer.kind == "flip":
         return "method.transfer: {kind: fmpm, order: 4}"

@@ -67,7 +67,7 @@ def loaded(tmp_path):
     scene = SimpleNamespace(
         title="Flight",
         analysis=SimpleNamespace(kind="plane_strain"),
-        materials={"rubber": SimpleNamespace(kind="neo_hookean", history=())},
+        materials={"rubber": SimpleNamespace(kind="neo_hookean", history=(), properties=frozenset())},
         bodies=[SimpleNamespace(name="block", material="rubber")],
         contact=None,
         boundary=[],
@@ -77,6 +77,7 @@ def loaded(tmp_path):
             artificial_viscosity=None,
             shape="lcpdi",
             update="usl",
+            volumetric="local",
             transfer=SimpleNamespace(kind="flip", dynamic=None),
         ),
         time=SimpleNamespace(end=1.0, courant=0.5, max_steps=None),

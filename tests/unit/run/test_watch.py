@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from mpmcli.core.errors import SimulationError
+from mpmcli.materials import MATERIALS
 from mpmcli.run.api import run
 from mpmcli.run.watch import EVERY, EnergyWatch, remedy
 from mpmcli.scene.method import Method
@@ -61,6 +62,11 @@ def method_of(**keys):
     return Method.model_validate(keys)
 
 
+def scene_of(material="neo_hookean", **keys):
+    """What the watchdog reads of a scene."""
+    return SimpleNamespace(method=method_of(**keys), materials={"matter": MATERIALS[material]})
+
+
 LOSS = "the scene loses energy that friction, damping, viscosity and plastic flow do not account for"
 
 
@@ -98,7 +104,7 @@ def test_losses_of_a_dissipative_transfer_are_no_alarm(loaded, simulation, tmp_p
 def test_energy_that_something_dissipates_is_not_lost(loaded, simulation, account, caplog):
     """What friction and damping take is in the balance, and small errors of large works are no alarm."""
     made = simulation(loaded)
-    watch, state = EnergyWatch(made, method_of(transfer={"kind": "flip"})), made.state
+    watch, state = EnergyWatch(made, scene_of(transfer={"kind": "flip"})), made.state
     watch.look()
     state.particles.V *= 0.1
     for look, missing in [(1, 0.0), (2, 0.0), (3, 2.0), (4, 2.0), (5, 2.0)]:
@@ -116,7 +122,7 @@ def test_energy_that_something_dissipates_is_not_lost(loaded, simulation, accoun
 
 def test_one_look_below_the_limit_is_no_loss(loaded, simulation):
     made = simulation(loaded)
-    watch, state = EnergyWatch(made, method_of(transfer={"kind": "flip"})), made.state
+    watch, state = EnergyWatch(made, scene_of(transfer={"kind": "flip"})), made.state
     watch.look()
     for look, factor in [(1, 0.5), (2, 2.0), (3, 0.5), (4, 2.0)]:
         state.step = look * EVERY
@@ -125,40 +131,47 @@ def test_one_look_below_the_limit_is_no_loss(loaded, simulation):
     assert list(watch.memory()["losses"]) == [0, 0]
 
 
+FMPM4, FLIP = {"kind": "fmpm", "order": 4}, {"kind": "flip"}
 REMEDIES = [
     ({"update": "usf"}, "method.update: usl"),
     ({"update": "usl+", "shape": "ugimp"}, "method.update: usl"),
     ({"update": "usavg", "shape": "ugimp"}, "method.shape: lcpdi"),
     ({"shape": "qcpdi"}, "method.shape: lcpdi"),
-    ({"shape": "b2cpdi", "transfer": {"kind": "flip"}}, "method.transfer: {kind: fmpm, order: 4}"),
-    ({"transfer": {"kind": "fmpm", "order": 4}}, "half of grid.cell"),
+    ({"shape": "b2cpdi", "transfer": FLIP}, "method.transfer: {kind: fmpm, order: 4}"),
+    ({"shape": "lcpdi", "transfer": FMPM4}, "half of grid.cell"),
+    ({"material": "tait_fluid", "shape": "lcpdi"}, "method.shape: b2gimp"),
+    ({"material": "ideal_gas", "shape": "b2gimp"}, "method.volumetric: averaged"),
+    (
+        {"material": "tait_fluid", "shape": "b2gimp", "volumetric": "averaged", "transfer": FMPM4},
+        "half of grid.cell",
+    ),
 ]
 
 
 @pytest.mark.parametrize(("keys", "advice"), REMEDIES)
 def test_the_remedy_is_not_what_the_scene_does_already(keys, advice):
-    method = method_of(**keys)
-    assert remedy(method).startswith(advice)
-    if advice.startswith(("method.update", "method.shape")):
+    scene = scene_of(**keys)
+    assert remedy(scene).startswith(advice)
+    if advice.startswith(("method.update", "method.shape", "method.volumetric")):
         key, value = advice.removeprefix("method.").split(": ")
-        assert getattr(method, key) != value
+        assert getattr(scene.method, key) != value
 
 
 def test_a_loss_is_remembered(loaded, simulation):
     made = simulation(loaded)
-    watch = EnergyWatch(made, method_of(transfer={"kind": "flip"}))
+    watch = EnergyWatch(made, scene_of(transfer={"kind": "flip"}))
     watch.look()
     made.state.particles.V *= 0.1
     made.state.step = EVERY
     watch.look()
     memory = watch.memory()
     assert list(memory["losses"]) == [1, 0]
-    other = EnergyWatch(made, method_of(transfer={"kind": "flip"}))
+    other = EnergyWatch(made, scene_of(transfer={"kind": "flip"}))
     other.recall(memory)
     made.state.step = 2 * EVERY
     other.look()
     assert list(other.memory()["losses"]) == [2, 1]
-    older = EnergyWatch(made, SimpleNamespace(transfer=SimpleNamespace(kind="flip")))
+    older = EnergyWatch(made, scene_of(transfer={"kind": "flip"}))
     older.recall({name: value for name, value in memory.items() if name != "losses"})
     assert list(older.memory()["losses"]) == [0, 0], "a checkpoint of a version that knew nothing of losses"
 
