@@ -118,6 +118,15 @@ def test_waiting_is_said_if_it_is_important(capfd):
     assert capfd.readouterr().err == "compiling\n"
 
 
+def test_waiting_tells_what_it_waits_for_from_time_to_time(capfd, monkeypatch):
+    clock = iter((0.0, 1.0, 3.5, 3.5, 4.0, 7.0, 7.0))
+    monkeypatch.setattr("mpmcli.run.progress.time", SimpleNamespace(perf_counter=lambda: next(clock)))
+    with Progress(1.0).waiting("Compiling 4 functions", is_important=True) as tell:
+        for line in "abcd":
+            tell(line)
+    assert capfd.readouterr().err == "Compiling 4 functions\nb\nd\n"
+
+
 def test_a_dumb_terminal_gets_lines(monkeypatch):
     monkeypatch.setattr(sys, "stderr", SimpleNamespace(isatty=lambda: True))
     monkeypatch.setenv("TERM", "dumb")
