@@ -32,7 +32,9 @@ def read_plain(path: Path, limit: int) -> bytes:
         If it is not what its name promises.
     """
     # a pipe would wait for somebody to write to it, and a terminal become ours
-    flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
+    flags = (
+        os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
+    )
     if not stat.S_ISREG(path.stat().st_mode):  # opening a device may have effects
         raise NoPlainFile("no plain file")
     with open(os.open(path, flags), "rb") as file:

@@ -207,8 +207,9 @@ class Simulation:
         fastest = 0.0
         for i in self._used_materials:
             update_strain_and_stress[self.parallel](
-                self.plan.analysis, self._parameters[i], i if several else -1, p.F, self.averaging.L, p.tau, p.H, p.mass,
-                p.vol0, p.material, p.stress_work, self._viscous_now(), dt, self._J_limits, self._speed2, self._bad,
+                self.plan.analysis, self._parameters[i], i if several else -1, p.F, self.averaging.L, p.tau, p.H,
+                p.mass, p.vol0, p.material, p.stress_work, self._viscous_now(), dt, self._J_limits,
+                self._speed2, self._bad,
             )  # fmt: skip
             bad = int(self._bad.max())
             if bad >= 0:
