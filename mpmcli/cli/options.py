@@ -13,6 +13,7 @@ import click
 from mpmcli.garbage import keeping_all
 
 if TYPE_CHECKING:
+    from mpmcli.core.errors import Problem
     from mpmcli.run.outcome import Outcome
     from mpmcli.scene.loader import LoadedScene
 
@@ -142,6 +143,26 @@ def load_checked(scene: str, changes: SceneChanges) -> LoadedScene:
 
 
 @keeping_all()
+def check_start(loaded: LoadedScene) -> None:
+    """Refuse what a run would refuse when it sets up the scene, or add a warning that this is left to the run."""
+    from mpmcli.core.errors import SceneError
+    from mpmcli.scene.filling import check_filling
+
+    try:
+        _add_warning(loaded, check_filling(loaded.scene))
+    except SceneError as error:
+        raise loaded.locate(error) from None
+
+
+def _add_warning(loaded: LoadedScene, warning: Problem | None) -> None:
+    from mpmcli.scene.report import locate, ordered
+
+    if warning is not None and loaded.root is not None:
+        place = locate(loaded.root, warning.path, warning.message, warning.code, warning.severity)
+        loaded.warnings = ordered([*loaded.warnings, place])
+
+
+@keeping_all()
 def check_time_step(loaded: LoadedScene) -> None:
     """Add a warning to the scene if its step is above the known stability limit.
 
@@ -152,7 +173,6 @@ def check_time_step(loaded: LoadedScene) -> None:
         be stable.
     """
     from mpmcli.core.errors import SceneError
-    from mpmcli.scene.report import locate, ordered
     from mpmcli.stability.scene_limit import chosen_courant, refuse_large_courant, warning_of
 
     try:
@@ -160,10 +180,7 @@ def check_time_step(loaded: LoadedScene) -> None:
         refuse_large_courant(loaded.scene)
     except SceneError as error:
         raise loaded.locate(error) from None
-    warning = warning_of(loaded.scene)
-    if warning is not None and loaded.root is not None:
-        place = locate(loaded.root, warning.path, warning.message, warning.code, warning.severity)
-        loaded.warnings = ordered([*loaded.warnings, place])
+    _add_warning(loaded, warning_of(loaded.scene))
 
 
 def show_warnings(loaded: LoadedScene) -> None:

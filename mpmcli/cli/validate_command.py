@@ -6,7 +6,7 @@ from typing import Unpack
 
 import click
 
-from mpmcli.cli.options import SceneChanges, check_time_step, load_checked, scene_options
+from mpmcli.cli.options import SceneChanges, check_start, check_time_step, load_checked, scene_options
 from mpmcli.garbage import keeping_all
 
 
@@ -25,6 +25,7 @@ def command(scenes: tuple[str, ...], as_list: bool, **changes: Unpack[SceneChang
     for scene in scenes:
         try:
             loaded = load_checked(scene, changes)
+            check_start(loaded)
             check_time_step(loaded)
             found = loaded.warnings
             verdict = f"{scene}: valid" + (f", {len(found)} warning{'s' * (len(found) > 1)}" if found else "")

@@ -28,6 +28,8 @@ BYTES_PER_PARTICLE = {1: 250, 2: 450, 3: 700}
 """Memory that a particle takes in a simulation, about."""
 MAX_TESTED = 1 << 30
 """Sub-cells of one body that may be tested at most."""
+UNITS_OF_FILES = (1e3, 1e-3, 25.4, 1.0 / 25.4, 10.0, 0.1, 100.0, 0.01)
+"""Factors between the lengths of files and scenes that are tried for a hint: m and mm, inch and mm, cm and mm or m."""
 MAX_OUTSIDE = 1 << 23
 """Above this many sub-cells a body's bounds may not reach much beyond the grid."""
 
@@ -135,8 +137,45 @@ def _given(body: BodyRequest, grid: GridBox) -> BodyParticles:
     X, size, volume = body.region.particles(len(grid.lower))  # type: ignore[attr-defined]
     outside = ((np.c_[grid.lower] > X) | (np.c_[grid.upper] < X)).any(axis=0)
     if outside.any():
-        raise ValueError(_outside_words(body, int(outside.sum()), X[:, outside][:, 0]))
+        raise ValueError(_outside_words(body, grid, int(outside.sum()), X[:, outside][:, 0]))
     return BodyParticles(body.name, X, size, volume)
+
+
+def _lattice_of(body: BodyRequest, grid: GridBox, analysis: Analysis) -> GridLattice | OwnLattice:
+    """The lattice of sub-cells that a body is filled along."""
+    parts = parts_per_axis(body.particles_per_axis, analysis.dimensions)
+    if body.particles_along == "region":
+        return OwnLattice(body.region, grid, parts)
+    return GridLattice(body.region, grid, parts, isinstance(analysis, Axisymmetric))
+
+
+def places_to_test(body: BodyRequest, grid: GridBox, analysis: Analysis) -> float:
+    """Return how many sub-cells have to be tested to fill a body; 0 where it cannot be filled."""
+    if body.region.gives_particles or list(body.region.misfits(analysis.dimensions)):
+        return 0.0
+    try:
+        lattice = _lattice_of(body, grid, analysis)
+        _check_extent(body, lattice)
+    except ValueError:
+        return 0.0
+    return float(np.prod(np.maximum(lattice.last - lattice.first, 0).astype(float)))
+
+
+def scale_hint(region: Region, grid: GridBox) -> str:
+    """Return ``"; scale: 1000?"`` where a file is likely to be in other units than the scene, else nothing."""
+    scale = getattr(region, "scale", None)
+    if scale is None or not region.files():
+        return ""
+    lower, upper = region.bounds(len(grid.lower))
+    extent, room = upper - lower, np.asarray(grid.upper) - grid.lower
+
+    def fits(factor: float) -> bool:
+        return bool(
+            (factor * extent <= room).all() and (factor * extent >= 2.0 * np.asarray(grid.cell)).all()
+        )
+
+    factor = next((factor for factor in (1.0, *UNITS_OF_FILES) if fits(factor)), 1.0)
+    return "" if factor == 1.0 else f"; scale: {factor * scale:.6g}?"
 
 
 def _fill(body: BodyRequest, grid: GridBox, analysis: Analysis) -> BodyParticles:
@@ -144,15 +183,11 @@ def _fill(body: BodyRequest, grid: GridBox, analysis: Analysis) -> BodyParticles
     d = analysis.dimensions
     parts = parts_per_axis(body.particles_per_axis, d)
     ring = isinstance(analysis, Axisymmetric)
-    lattice: GridLattice | OwnLattice
-    if body.particles_along == "region":
-        lattice = OwnLattice(body.region, grid, parts)
-    else:
-        lattice = GridLattice(body.region, grid, parts, ring)
+    lattice = _lattice_of(body, grid, analysis)
     first, last, total = lattice.first, lattice.last, lattice.total
     if lattice.misses_the_grid:
         raise ValueError(_nothing_words(body, grid))
-    _check_extent(body, lattice)
+    _check_extent(body, lattice, scale_hint(body.region, grid))
     positions, keys, outside, example, count = [], [], 0, None, 0
     memory = available_memory()
     stride = np.concatenate([[1], np.cumprod(total[:-1])])
@@ -171,7 +206,7 @@ def _fill(body: BodyRequest, grid: GridBox, analysis: Analysis) -> BodyParticles
     if example is not None and ring and example[0] < 0.0:
         raise ValueError(_across_words(body))
     if example is not None:
-        raise ValueError(_outside_words(body, outside, example))
+        raise ValueError(_outside_words(body, grid, outside, example))
     X = np.concatenate(positions, axis=1)
     n = X.shape[1]
     if n == 0:
@@ -187,13 +222,15 @@ def _fill(body: BodyRequest, grid: GridBox, analysis: Analysis) -> BodyParticles
     return filled
 
 
-def _check_extent(body: BodyRequest, lattice: GridLattice | OwnLattice) -> None:
+def _check_extent(body: BodyRequest, lattice: GridLattice | OwnLattice, hint: str = "") -> None:
     """Refuse regions so large that testing all their sub-cells, or those out of the grid, would take long."""
     whole = float(np.prod((lattice.last - lattice.first).astype(float)))
     lower, upper = body.region.bounds(len(lattice.total))
     spans = f"the region of body '{body.name}' spans {_point(lower)} to {_point(upper)}"
     if whole > max(MAX_OUTSIDE, 2 * lattice.within):
-        raise ValueError(f"{spans}, which reaches far out of the grid; cut it with an intersection")
+        raise ValueError(
+            f"{spans}, which reaches far out of the grid{hint or '; cut it with an intersection'}"
+        )
     if whole > MAX_TESTED:
         raise ValueError(f"{spans}: {whole:.2g} sub-cells, more than can be tested")
 
@@ -215,9 +252,10 @@ def _point(x: Array) -> str:
     return "[" + ", ".join(f"{value:g}" for value in x) + "]"
 
 
-def _outside_words(body: BodyRequest, count: int, example: Array) -> str:
+def _outside_words(body: BodyRequest, grid: GridBox, count: int, example: Array) -> str:
     what = "1 particle" if count == 1 else f"{count} particles"
-    return f"body '{body.name}' reaches out of the grid: {what} outside, the first at {_point(example)}"
+    words = f"body '{body.name}' reaches out of the grid: {what} outside, the first at {_point(example)}"
+    return words + scale_hint(body.region, grid)
 
 
 def _across_words(body: BodyRequest) -> str:
@@ -238,9 +276,9 @@ def _nothing_words(body: BodyRequest, grid: GridBox) -> str:
     if (upper < grid.lower).any() or (lower > grid.upper).any():
         return (
             f"body '{body.name}', from {_point(lower)} to {_point(upper)}, lies outside the grid, "
-            f"which spans {_point(grid.lower)} to {_point(grid.upper)}"
+            f"which spans {_point(grid.lower)} to {_point(grid.upper)}{scale_hint(body.region, grid)}"
         )
     return (
         f"body '{body.name}' has no particles: no centre of a sub-cell is inside its region, which spans "
-        f"{_point(lower)} to {_point(upper)} (cell {_point(grid.cell)})"
+        f"{_point(lower)} to {_point(upper)} (cell {_point(grid.cell)}){scale_hint(body.region, grid)}"
     )

@@ -16,6 +16,7 @@ from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.errors import Problem
 from mpmcli.core.expressions import Expression
 from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.geometry.fill import scale_hint
 from mpmcli.scene.lattice_checks import check_lattices
 from mpmcli.scene.not_built import member_label
 from mpmcli.scene.parts import LISTS, Parts
@@ -167,9 +168,10 @@ def _check_bounds(body: Any, path: str, parts: Parts, report: Report) -> None:
     grid = parts.grid
     lower, upper = (np.asarray(corner) for corner in body.region.bounds(grid.dimensions))
     low, high, cell = np.array(grid.lower), np.array(grid.upper), np.array(grid.cell)
+    hint = scale_hint(body.region, SimpleNamespace(lower=low, upper=high, cell=cell))
     if (upper <= low).any() or (lower >= high).any():
         words = f"the body lies outside the grid, which spans {_point(low)} to {_point(high)}"
-        report(path, f"{words}: its region spans {_point(lower)} to {_point(upper)}", "outside")
+        report(path, f"{words}: its region spans {_point(lower)} to {_point(upper)}{hint}", "outside")
         return
     # the outermost row of particles has its centres half a sub-cell inside the region's bounds
     reach = 0.5 * cell / np.array(body.particles_per_axis) + 1e-9 * cell
@@ -181,7 +183,9 @@ def _check_bounds(body: Any, path: str, parts: Parts, report: Report) -> None:
         is_exact = body.region.kind == "box" and body.region.rotate is None
         words = f"the body reaches out of the grid, which spans {_point(low)} to {_point(high)}"
         severity = "error" if is_exact else "warning"
-        report(path, f"{words}: its region spans {_point(lower)} to {_point(upper)}", "outside", severity)
+        report(
+            path, f"{words}: its region spans {_point(lower)} to {_point(upper)}{hint}", "outside", severity
+        )
 
 
 def _point(x: Any) -> str:

@@ -14,9 +14,9 @@ from mpmcli.contact.contacts import Contacts, Rules
 from mpmcli.contact.settle import BROKEN
 from mpmcli.core.analysis import Axisymmetric
 from mpmcli.scene.fields import law_table
+from mpmcli.scene.filling import section_of
 from mpmcli.solver.contact_account import ContactAccount
 from mpmcli.solver.contact_direction import DirectionWatch
-from mpmcli.solver.setup import section_of
 
 if TYPE_CHECKING:
     from mpmcli.solver.simulation import Simulation

@@ -8,53 +8,29 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.analysis import Axisymmetric
-from mpmcli.core.errors import Problem, SceneError
+from mpmcli.core.errors import SceneError
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
-from mpmcli.core.runtime import available_memory
 from mpmcli.geometry.fill import BodyParticles, fill_bodies
 from mpmcli.geometry.report import body_report, report_table
+from mpmcli.scene.filling import check_memory, find_masses, ghost_layers, section_of, start_velocity
 from mpmcli.solver.plan import Plan
 
 Array = np.ndarray
-
-NUMBERS_PER_NODE = {d: 1 + 4 * d for d in (1, 2, 3)}
-"""Numbers that are kept of every node: mass, momentum, force, velocity, and a vector more for all but FLIP."""
 
 
 def make_grid(scene: Any, plan: Plan) -> Grid:
     """The scene's grid, with the ghost layers that its shape function needs."""
     grid = scene.grid
-    shape = plan.shape
-    pad = min(shape.pad, 4) if plan.analysis.dimensions == 3 else shape.pad
-    _check_memory(grid, pad, len(plan.fields))
+    check_memory(scene)
     return Grid(
         np.array(grid.lower),
         np.array(grid.upper),
         np.array(grid.cell),
-        pad,
-        shape.width,
+        ghost_layers(scene),
+        plan.shape.width,
         fields=len(plan.fields),
     )
-
-
-def _check_memory(grid: Any, pad: int, fields: int) -> None:
-    """Refuse grids whose arrays are larger than the memory, before any of them is made."""
-    nodes = math.prod(cells + 1.0 + 2 * pad for cells in grid.cells)
-    needed = nodes * fields * NUMBERS_PER_NODE[grid.dimensions] * 8
-    there = available_memory()
-    if needed > there:
-        several = f" in {fields} velocity fields" if fields > 1 else ""
-        words = (
-            f"a grid of {nodes:.2g} nodes{several} needs {needed / 1e9:.3g} GB of memory, and there are "
-            f"{there / 1e9:.3g} GB: larger cells or a smaller grid are needed"
-        )
-        raise SceneError([Problem("grid.cell", words, code="memory")])
-
-
-def section_of(scene: Any) -> float:
-    """Thickness of a plane analysis, area of a 1D one, else 1."""
-    return float(getattr(scene.analysis, "thickness", getattr(scene.analysis, "area", 1.0)))
 
 
 def full_ring(plan: Plan) -> float:
@@ -67,17 +43,9 @@ def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[
     """Fill all bodies; particles with mass, velocity and the materials' initial history."""
     filled = fill_bodies(scene.bodies, grid, plan.analysis)
     names = list(scene.materials)
-    bodies = {body.name: (i, body) for i, body in enumerate(scene.bodies)}
     X = np.concatenate([body.X for body in filled], axis=1)
-    index = np.concatenate([np.full(b.count, bodies[b.name][0]) for b in filled])
-    material_of_body = np.array([names.index(body.material) for body in scene.bodies])
-    density = np.array([model.density for model in scene.materials.values()])
-    vol0 = np.concatenate([b.volume for b in filled]) * section_of(scene)
-    if isinstance(plan.analysis, Axisymmetric):
-        vol0 = vol0 * X[0]
-    material = material_of_body[index]
-    mass = density[material] * vol0
-    _check_mass(scene, index, mass)
+    index, vol0, mass = find_masses(scene, filled)
+    material = np.array([names.index(body.material) for body in scene.bodies])[index]
     models = list(scene.materials.values())
     particles = Particles.at_rest(
         plan.analysis,
@@ -116,22 +84,6 @@ def turns_of_bodies(filled: list[BodyParticles]) -> Array | None:
     return np.stack([np.eye(len(body.X)) if body.turn is None else body.turn for body in filled])
 
 
-def _check_mass(scene: Any, index: Array, mass: Array) -> None:
-    """Refuse bodies whose particles have masses that no computer number can hold."""
-    wrong = ~(np.isfinite(mass) & (mass > 0.0))
-    problems = [
-        Problem(
-            f"bodies.{body.name}.material",
-            f"a particle of it would have the mass {mass[index == i][0]:g}: density times volume is out of range",
-            code="mass",
-        )
-        for i, body in enumerate(scene.bodies)
-        if wrong[index == i].any()
-    ]
-    if problems:
-        raise SceneError(problems)
-
-
 def _set_initial_gradients(scene: Any, particles: Particles) -> None:
     """Velocity gradients of the initial velocity fields, by differences over each particle's own width."""
     d = particles.X.shape[0]
@@ -155,19 +107,13 @@ def _set_initial_fields(scene: Any, particles: Particles, models: list[Any]) -> 
     problems = []
     for i, body in enumerate(scene.bodies):
         mine = np.flatnonzero(particles.body == i)
-        points = dict(zip("xyz", particles.X[:, mine], strict=False))
-        for axis, component in enumerate(body.velocity):
-            value = component(**points)
-            if not np.all(np.isfinite(value)):
-                words = f"the velocity '{component.source}' is not finite at some particle"
-                problems.append(Problem(f"bodies.{body.name}.velocity.{axis}", words, code="not_finite"))
+        values, found = start_velocity(body, particles.X[:, mine])
+        problems += found
+        for axis, value in enumerate(values):
             particles.V[axis, mine] = value
-        if body.temperature is not None:
-            history = models[particles.material[mine[0]]].history
-            if "temperature" in history:
-                particles.H[history.index("temperature"), mine] = body.temperature(**points)
-            else:
-                words = f"material '{body.material}' does not track its temperature"
-                problems.append(Problem(f"bodies.{body.name}.temperature", words, code="unused"))
+        history = models[particles.material[mine[0]]].history
+        if body.temperature is not None and "temperature" in history:
+            points = dict(zip("xyz", particles.X[:, mine], strict=False))
+            particles.H[history.index("temperature"), mine] = body.temperature(**points)
     if problems:
         raise SceneError(problems)

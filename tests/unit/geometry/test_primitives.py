@@ -231,7 +231,10 @@ def test_misfits_have_places_and_words(region):
 
 def test_schema_shows_regions_within_regions():
     definitions = scene_schema()["definitions"]
-    members = definitions["Union"]["properties"]["regions"]["items"]["oneOf"]
+    assert definitions["Union"]["properties"]["regions"]["items"]["allOf"] == [
+        {"$ref": "#/definitions/any_region"}
+    ]
+    members = [branch["then"] for branch in definitions["any_region"]["allOf"]]
     assert {"$ref": "#/definitions/Union"} in members
     assert len(members) == len(REGIONS.models())
     assert definitions["Sphere"]["properties"]["center"]["maxItems"] == 3

@@ -9,7 +9,7 @@ import pytest
 
 from mpmcli.core.errors import SceneError, SimulationError
 from mpmcli.geometry import fill
-from mpmcli.solver import setup
+from mpmcli.scene import filling
 from mpmcli.solver.simulation import GOOD_EVERY
 
 
@@ -236,7 +236,7 @@ def test_wave_speeds_that_give_no_step_end_the_run_in_words(E, density, block):
 
 
 def test_grids_and_bodies_larger_than_the_memory_are_refused_before_they_are_made(block, monkeypatch):
-    monkeypatch.setattr(setup, "available_memory", lambda: 1e9)
+    monkeypatch.setattr(filling, "available_memory", lambda: 1e9)
     with pytest.raises(
         SceneError, match=r"grid\.cell +a grid of 2\.\d+e\+07 nodes needs 1\.\d+ GB of memory"
     ):

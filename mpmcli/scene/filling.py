@@ -1,0 +1,131 @@
+"""What a scene becomes at its start, as far as it can be wrong: memory, particles, masses and velocities.
+
+Runs and ``validate`` refuse the same scenes by these functions; ``validate`` leaves out large ones and says so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.analysis import ANALYSES
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.core.runtime import available_memory
+from mpmcli.geometry.fill import BodyParticles, fill_bodies, places_to_test
+from mpmcli.scene.fields import velocity_fields
+from mpmcli.shapes import SHAPES
+
+Array = np.ndarray
+
+NUMBERS_PER_NODE = {d: 1 + 4 * d for d in (1, 2, 3)}
+"""Numbers that are kept of every node: mass, momentum, force, velocity, and a vector more for all but FLIP."""
+MAX_PLACES = 1_000_000
+"""Places in cells up to which ``validate`` fills bodies: it is to take less than a second."""
+
+
+def ghost_layers(scene: Any) -> int:
+    """Return how many layers of nodes the grid has beyond each side."""
+    pad = SHAPES[scene.method.shape].pad
+    return min(pad, 4) if scene.dimensions == 3 else pad
+
+
+def check_memory(scene: Any) -> None:
+    """Refuse grids whose arrays are larger than the memory, before any of them is made."""
+    grid, pad = scene.grid, ghost_layers(scene)
+    fields = len(velocity_fields(scene)[0])
+    nodes = math.prod(cells + 1.0 + 2 * pad for cells in grid.cells)
+    needed = nodes * fields * NUMBERS_PER_NODE[grid.dimensions] * 8
+    there = available_memory()
+    if needed > there:
+        several = f" in {fields} velocity fields" if fields > 1 else ""
+        words = (
+            f"a grid of {nodes:.2g} nodes{several} needs {needed / 1e9:.3g} GB of memory, and there are "
+            f"{there / 1e9:.3g} GB: larger cells or a smaller grid are needed"
+        )
+        raise SceneError([Problem("grid.cell", words, code="memory")])
+
+
+def section_of(scene: Any) -> float:
+    """Return the thickness of a plane analysis, the area of a 1D one, else 1."""
+    return float(getattr(scene.analysis, "thickness", getattr(scene.analysis, "area", 1.0)))
+
+
+@np.errstate(all="ignore")
+def find_masses(scene: Any, filled: Sequence[BodyParticles]) -> tuple[Array, Array, Array]:
+    """Return body, initial volume and mass of all particles, (N,) each.
+
+    Raises
+    ------
+    SceneError
+        If a particle would have a mass that no computer number can hold.
+    """
+    numbers = {body.name: number for number, body in enumerate(scene.bodies)}
+    index = np.concatenate([np.full(b.count, numbers[b.name]) for b in filled])
+    density = np.array([scene.materials[body.material].density for body in scene.bodies])
+    vol0 = np.concatenate([b.volume for b in filled]) * section_of(scene)
+    if scene.analysis.kind == "axisymmetric":
+        vol0 = vol0 * np.concatenate([b.X[0] for b in filled])
+    mass = density[index] * vol0
+    wrong = ~(np.isfinite(mass) & (mass > 0.0))
+    problems = [
+        Problem(
+            f"bodies.{body.name}.material",
+            f"a particle of it would have the mass {mass[index == i][0]:g}: density times volume is out of range",
+            code="mass",
+        )
+        for i, body in enumerate(scene.bodies)
+        if wrong[index == i].any()
+    ]
+    if problems:
+        raise SceneError(problems)
+    return index, vol0, mass
+
+
+def start_velocity(body: Any, X: Array) -> tuple[list[Any], list[Problem]]:
+    """Return the components of a body's velocity at points X (d, n) at the start, and what is wrong with them."""
+    values = [component(**dict(zip("xyz", X, strict=False))) for component in body.velocity]
+    problems = [
+        Problem(
+            f"bodies.{body.name}.velocity.{axis}",
+            f"the velocity '{component.source}' is not finite at some particle",
+            code="not_finite",
+        )
+        for axis, (component, value) in enumerate(zip(body.velocity, values, strict=True))
+        if not np.all(np.isfinite(value))
+    ]
+    return values, problems
+
+
+@np.errstate(all="ignore")
+def check_filling(scene: Any) -> Problem | None:
+    """Refuse what a run would refuse when it sets up the scene; a warning if filling it is left to the run.
+
+    Raises
+    ------
+    SceneError
+        If the grid is too large for the memory, a body has no particle, reaches out of the grid or overlaps another
+        one, or a mass or velocity is out of range.
+    """
+    check_memory(scene)
+    grid: Any = SimpleNamespace(
+        **{key: np.array(getattr(scene.grid, key)) for key in ("lower", "upper", "cell")}
+    )
+    analysis = ANALYSES[scene.analysis.kind]()
+    places = sum(places_to_test(body, grid, analysis) for body in scene.bodies)
+    if places > MAX_PLACES:
+        words = f"there are {places:.2g} places for particles: whether the bodies can be filled is left to the run"
+        return Problem("bodies", words, code="not_checked", severity="warning")
+    filled = fill_bodies(scene.bodies, grid, analysis)
+    find_masses(scene, filled)
+    problems = [
+        problem
+        for body, particles in zip(scene.bodies, filled, strict=True)
+        for problem in start_velocity(body, particles.X)[1]
+    ]
+    if problems:
+        raise SceneError(problems)
+    return None

@@ -1,0 +1,158 @@
+"""What a run refuses when it sets up a scene, ``validate`` refuses too, in the same words."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from mpmcli.cli.main import call
+from mpmcli.cli.options import check_start
+from mpmcli.core.errors import SceneError
+from mpmcli.geometry import fill
+from mpmcli.scene import filling
+from mpmcli.scene.loader import load_scene
+from mpmcli.solver.plan import make_plan
+from mpmcli.solver.setup import make_grid, make_particles
+
+SCENE = """
+version: 1
+analysis: {kind: plane_strain}
+grid: {lower: [0, 0], upper: [8, 8], cell: 1}
+materials: {m: {kind: neo_hookean, density: 1, E: 1, nu: 0.3}}
+bodies: [BODIES]
+time: {end: 1}
+"""
+BODY = "{name: a, material: m, region: {kind: box, lower: [1, 1], upper: [3, 3]}}"
+
+
+def scene_with(*bodies: str) -> str:
+    return SCENE.replace("BODIES", ", ".join(bodies))
+
+
+REFUSED = {
+    "no particle": (
+        scene_with("{name: a, material: m, region: {kind: disk, center: [4, 4], radius: 0.1}}"),
+        "bodies.a.region",
+        "has no particles",
+    ),
+    "out of the grid": (
+        scene_with("{name: a, material: m, region: {kind: disk, center: [7, 4], radius: 2}}"),
+        "bodies.a.region",
+        "reaches out of the grid: ",
+    ),
+    "overlap": (scene_with(BODY, BODY.replace("name: a", "name: b").replace("3, 3", "4, 4")), "bodies.b.region", "overlaps body 'a'"),
+    "nothing left": (
+        scene_with(BODY, BODY.replace("name: a", "name: b, overlap: keep")),
+        "bodies.b.overlap",
+        "has no particles left",
+    ),
+    "mass": (
+        scene_with(BODY).replace("density: 1", "density: 1e-320").replace("strain", "strain, thickness: 1e-9"),
+        "bodies.a.material",
+        "density times volume is out of range",
+    ),
+    "velocity": (
+        scene_with(BODY.replace("}}", "}, velocity: [0, sqrt(x - 2)]}")),
+        "bodies.a.velocity.1",
+        "is not finite at some particle",
+    ),
+}  # fmt: skip
+
+
+def refusals_of_run(loaded) -> list:
+    plan = make_plan(loaded.scene)
+    with pytest.raises(SceneError) as error:
+        make_particles(loaded.scene, plan, make_grid(loaded.scene, plan))
+    return loaded.locate(error.value).problems
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_validate_and_run_refuse_the_same(name):
+    text, path, words = REFUSED[name]
+    loaded = load_scene(text)
+    with pytest.raises(SceneError, match=words) as error:
+        check_start(loaded)
+    problem = error.value.problems[0]
+    assert (problem.path, problem.severity) == (path, "error")
+    assert problem.line is not None
+    assert error.value.problems == refusals_of_run(loaded)
+
+
+def test_a_grid_larger_than_the_memory_is_refused_by_both(monkeypatch):
+    monkeypatch.setattr(filling, "available_memory", lambda: 1e3)
+    loaded = load_scene(scene_with(BODY))
+    with pytest.raises(SceneError, match="GB of memory") as error:
+        check_start(loaded)
+    assert error.value.problems == refusals_of_run(loaded)
+
+
+def write_cube(path: Path, edge: float) -> None:
+    """An STL file of a cube with a corner at the origin."""
+    corners = [[x, y, z] for x in (0, edge) for y in (0, edge) for z in (0, edge)]
+    triangles = ["023", "031", "457", "476", "015", "054", "267", "273", "046", "062", "137", "175"]
+    facets = "".join(
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join("vertex {:g} {:g} {:g}\n".format(*corners[int(i)]) for i in triangle)
+        + "endloop\nendfacet\n"
+        for triangle in triangles
+    )
+    path.write_text(f"solid a\n{facets}endsolid a\n")
+
+
+@pytest.mark.parametrize(
+    ("edge", "scale", "cell", "hint"),
+    [
+        (0.02, 1, 5, "; scale: 1000?"),
+        (0.02, 1e6, 5, "; scale: 1000?"),
+        (20000, 1, 5, "; scale: 0.001?"),
+        (0.5, 1, 2, "; scale: 25.4?"),
+        (0.02, 1000, 5, None),
+    ],
+)
+def test_a_mesh_in_other_units_is_found_and_gets_a_hint(edge, scale, cell, hint, tmp_path):
+    write_cube(tmp_path / "cube.stl", edge)
+    path = tmp_path / "scene.yaml"
+    region = f"{{kind: mesh, file: cube.stl, scale: {scale}}}"
+    text = scene_with(f"{{name: a, material: m, region: {region}}}").replace("plane_strain", "3d")
+    grid = f"grid: {{lower: [-5, -5, -5], upper: [25, 25, 25], cell: {cell}}}"
+    path.write_text(text.replace("grid: {lower: [0, 0], upper: [8, 8], cell: 1}", grid))
+    loaded = load_scene(path)
+    if hint is None:
+        check_start(loaded)
+        assert loaded.warnings == []
+        return
+    with pytest.raises(SceneError) as error:
+        check_start(loaded)
+    assert error.value.problems[0].message.endswith(hint)
+    assert error.value.problems == refusals_of_run(loaded)
+
+
+def test_a_file_in_the_units_of_the_scene_gets_no_hint(tmp_path):
+    """Its size fits; the place does not."""
+    (tmp_path / "p.csv").write_text("x,y,volume\n100,1,1\n104,5,1\n")
+    path = tmp_path / "scene.yaml"
+    path.write_text(scene_with("{name: a, material: m, region: {kind: points, file: p.csv}}"))
+    with pytest.raises(SceneError) as error:
+        check_start(load_scene(path))
+    assert "scale" not in str(error.value)
+
+
+def test_filling_that_is_left_to_the_run_is_said_to_be(tmp_path, capsys, monkeypatch):
+    path = tmp_path / "scene.yaml"
+    path.write_text(scene_with(BODY).replace("cell: 1", "cell: 0.001"))
+    monkeypatch.setattr(fill, "_fill", None)  # nothing is filled
+    assert call(["validate", str(path)]) == 0
+    assert "is left to the run" in capsys.readouterr().out
+    assert call(["validate", str(path), "--json"]) == 0
+    (problem,) = json.loads(capsys.readouterr().out)
+    assert (problem["code"], problem["severity"], problem["path"]) == ("not_checked", "warning", "bodies")
+
+
+def test_a_temperature_that_no_material_tracks_is_a_warning_for_both():
+    loaded = load_scene(scene_with(BODY.replace("}}", "}, temperature: 300}")))
+    check_start(loaded)
+    assert [problem.code for problem in loaded.warnings] == ["no_effect"]
+    plan = make_plan(loaded.scene)
+    make_particles(loaded.scene, plan, make_grid(loaded.scene, plan))
