@@ -8,7 +8,7 @@ import pytest
 pytestmark = pytest.mark.slow
 
 A, G = 0.05715, 9.81
-FRONT = np.array(  # t √(2g/a), x/a: Fig. 3 of Martin and Moyce (1952), n² = 2, a = 2.25 in
+FRONT = np.array(  # t √(2g/a), x/a: Fig. 3 of Martin and Moyce (1952), n² = 2, a = 2.25 in, as digitised for PySPH
     [[0.832, 1.217], [1.219, 1.474], [1.997, 2.292], [2.547, 2.995], [3.345, 4.134]]
 )
 COARSE = "grid.cell=a/8"
