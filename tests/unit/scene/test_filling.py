@@ -42,7 +42,11 @@ REFUSED = {
         "bodies.a.region",
         "reaches out of the grid: ",
     ),
-    "overlap": (scene_with(BODY, BODY.replace("name: a", "name: b").replace("3, 3", "4, 4")), "bodies.b.region", "overlaps body 'a'"),
+    "overlap": (
+        scene_with(BODY, BODY.replace("name: a", "name: b").replace("3, 3", "4, 4")),
+        "bodies.b.region",
+        "overlaps body 'a'",
+    ),
     "nothing left": (
         scene_with(BODY, BODY.replace("name: a", "name: b, overlap: keep")),
         "bodies.b.overlap",
