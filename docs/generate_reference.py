@@ -93,8 +93,8 @@ class Reference:
     """Walks through the schema of a scene, one section per key and one per model, each model once."""
 
     def __init__(self, schema: Schema):
-        self.schema = schema
-        self.definitions: dict[str, Schema] = schema["definitions"]
+        self.schema = with_alternatives(schema, schema["definitions"])
+        self.definitions: dict[str, Schema] = self.schema["definitions"]
         self.written: set[str] = set()
         self.models = {**analyses_of_materials(), **axes_of_regions()}
         self.made = {"transfer": default_transfer(), **defaults_of_contact()}
@@ -199,6 +199,19 @@ class Reference:
         if isinstance(items, list):
             return f"list of {len(items)}: {', '.join(dict.fromkeys(self.words(item) for item in items))}"
         return f"list of: {self.words(items)}"
+
+
+def with_alternatives(node: Any, definitions: dict[str, Schema]) -> Any:
+    """The schema in which "if the kind is …, then this model" reads "one of these models", where each may stand."""
+    if isinstance(node, list):
+        return [with_alternatives(member, definitions) for member in node]
+    if not isinstance(node, dict):
+        return node
+    target = definitions.get(node.get("$ref", "").rsplit("/", 1)[-1], {})
+    branches = [branch["then"] for branch in (target or node).get("allOf", ()) if "then" in branch]
+    if branches:
+        return {"oneOf": branches} | {key: node[key] for key in ("description", "default") if key in node}
+    return {key: with_alternatives(member, definitions) for key, member in node.items()}
 
 
 def references(node: Any, deep: bool = True) -> Iterator[str]:
