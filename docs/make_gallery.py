@@ -134,6 +134,18 @@ GALLERY = (
         ),
     ),
     Shown(
+        "dam_break",
+        "Dam break",
+        (),
+        (
+            Drawn(
+                "dam_break_pressure",
+                ("--color", "pressure", "--time", "0.13"),
+                "Pressure in a column of water that collapses on a smooth floor.",
+            ),
+        ),
+    ),
+    Shown(
         "bitmap_grains",
         "Grains from a picture",
         FIELDS,
