@@ -6,6 +6,8 @@ waits here until then.
 
 from __future__ import annotations
 
+import importlib
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -51,6 +53,7 @@ def get_compiler_ready() -> None:
     with _lock:
         if not _is_ready:
             configure()
+            _import_without_blas()
             _is_ready = True
             try:
                 while _told:
@@ -73,6 +76,22 @@ def timing_compiler() -> Iterator[Callable[[], float]]:
         yield lambda: listener.duration if listener.done else 0.0
     finally:
         event.unregister("numba:compile", listener)
+
+
+def _import_without_blas() -> None:
+    """Import the part of numba that imports ``scipy.linalg``, without it: half of the time until the first kernel.
+
+    It is looked for to find BLAS, which inner products of two vectors then do without; ``np.dot`` and ``np.linalg`` ask
+    for it again when they are compiled.
+    """
+    if "numba.np.arraymath" in sys.modules or "scipy.linalg" in sys.modules:
+        return
+    importlib.import_module("numba")
+    sys.modules["scipy.linalg"] = None  # type: ignore[assignment]
+    try:
+        importlib.import_module("numba.np.arraymath")
+    finally:
+        del sys.modules["scipy.linalg"]
 
 
 def compiled_too(function: Callable[..., Any], options: dict[str, Any] = INLINED) -> Any:

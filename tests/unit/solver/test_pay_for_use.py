@@ -33,7 +33,7 @@ for scene in yaml.safe_load(sys.stdin):
         "signatures": sum(k.compiled_signatures() for k in compiled),
         "misses": sum(k.cache_misses() for k in compiled),
         "contact": sorted({k.name for k in compiled if k[False].py_func.__module__.startswith("mpmcli.contact")}),
-        "modules": [m for m in ("vtk", "vtkmodules", "matplotlib", "pandas", "meshio") if m in sys.modules],
+        "modules": [m for m in sys.modules if m in ("vtk", "matplotlib", "pandas", "meshio", "scipy.linalg")],
     })
 print(json.dumps(reports))
 """
