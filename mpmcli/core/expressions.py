@@ -109,7 +109,7 @@ class Expression:
     source: str
     variables: frozenset[str]
     _constants: tuple[tuple[str, float], ...]
-    _code: types.CodeType
+    _code: types.CodeType | None
     _value: float | None
 
     def __init__(self, source: str, constants: Mapping[str, float], variables: tuple[str, ...]):
@@ -132,7 +132,13 @@ class Expression:
         """The expression that is the same number everywhere and always."""
         if not math.isfinite(value):
             raise ValueError(f"{value} is no finite number")
-        return cls(repr(float(value)), {}, ())
+        made = object.__new__(cls)
+        number, put = float(value), object.__setattr__
+        for name, content in (("source", repr(number)), ("variables", frozenset()), ("_constants", ())):
+            put(made, name, content)
+        put(made, "_code", None)
+        put(made, "_value", number)
+        return made
 
     @property
     def is_constant(self) -> bool:
@@ -154,6 +160,7 @@ class Expression:
     def _evaluate(self, x: Any, y: Any, z: Any, t: Any) -> Any:
         arguments = {"x": x, "y": y, "z": z, "t": t}
         used = {f"_{name}": np.asarray(arguments[name], dtype=np.float64)[()] for name in self.variables}
+        assert self._code is not None  # of a plain number, whose value is known
         with np.errstate(all="ignore"):
             return eval(self._code, _SCOPE, used)
 

@@ -107,10 +107,12 @@ def _first_crossing(corners: Array) -> tuple[int, int] | None:
         """-1, 0, 1: on which side of the line from a to b the points p lie."""
         return np.sign((b[0] - a[0]) * (p[:, 1] - a[1]) - (b[1] - a[1]) * (p[:, 0] - a[0]))
 
+    (left, bottom), (right, top) = (np.ascontiguousarray(side.T) for side in (low, high))
     for i in range(n - 2):
-        others = np.arange(i + 2, n - (i == 0))
-        boxes_meet = ((low[others] <= high[i]) & (high[others] >= low[i])).all(axis=1)
-        others = others[boxes_meet]
+        rest = slice(i + 2, n - (i == 0))
+        boxes_meet = (left[rest] <= right[i]) & (right[rest] >= left[i])
+        boxes_meet &= (bottom[rest] <= top[i]) & (top[rest] >= bottom[i])
+        others = i + 2 + np.flatnonzero(boxes_meet)
         if not len(others):
             continue
         first = side(start[i], end[i], start[others]) * side(start[i], end[i], end[others])

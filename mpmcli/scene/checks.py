@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable, Iterator
 from types import SimpleNamespace
@@ -21,6 +20,7 @@ from mpmcli.scene.lattice_checks import check_lattices
 from mpmcli.scene.not_built import member_label
 from mpmcli.scene.parts import LISTS, Parts
 from mpmcli.scene.report import locate
+from mpmcli.scene.time_checks import check_times
 from mpmcli.scene.tree import Node
 from mpmcli.shapes import SHAPES
 
@@ -28,7 +28,6 @@ NO_AXIS_Z = re.compile(r"there is no axis z\b|'z' does not exist in this analysi
 AXIS_OF_RINGS = "; in axisymmetric analyses the axis z of pictures is y (x is the radius r)"
 NAME = re.compile(r"\w[\w +-]*\Z")
 NAME_WORDS = "letters, digits, spaces, _, + and - are possible"
-MAX_OUTPUTS = 1_000_000
 
 Report = Callable[..., None]
 
@@ -54,7 +53,7 @@ def check(parts: Parts, root: Node) -> list[Problem]:
             _check_conditions(getattr(parts, key), key, parts, dimensions, root, report)
         _check_probes(parts, dimensions, root, report)
     _check_start(parts, root, report)
-    _check_times(parts, report)
+    check_times(parts, root, report)
     _check_effects(parts, report)
     _check_tractions(parts, root, report)
     return problems
@@ -294,26 +293,6 @@ def _check_tractions(parts: Parts, root: Node, report: Report) -> None:
         if model.kind == "traction":
             words = f"tractions need linear or quadratic grid functions, which '{parts.method.shape}' has not"
             report(f"{label(root, 'loads', index)}.kind", words, "shape")
-
-
-def _check_times(parts: Parts, report: Report) -> None:
-    if parts.time is None:
-        return
-    end = parts.time.end
-    if parts.time.step is not None and parts.time.step > end:
-        report("time.step", f"is longer than the run, which ends at {end:g}", "interval", "warning")
-    for name in ("particles", "globals", "grid"):
-        asked = getattr(parts.archive, name, None)
-        if asked is None:
-            continue
-        path = f"archive.{name}.every"
-        if asked.every > end:
-            words = f"{asked.every:g} is longer than the run, which ends at {end:g}"
-            report(path, words, "interval", "warning")
-        elif end / asked.every > MAX_OUTPUTS:
-            count = math.floor(end / asked.every)
-            words = f"asks for {count:.2g} outputs: at most {MAX_OUTPUTS:.0e} are possible"
-            report(path, words, "interval")
 
 
 def _check_effects(parts: Parts, report: Report) -> None:

@@ -18,6 +18,8 @@ from mpmcli.scene.parts import Parts
 from mpmcli.scene.report import locate
 from mpmcli.scene.tree import Node
 
+MAX_FIELDS = 200
+"""Velocity fields of a scene: every two of them are a contact pair."""
 ALIKE = 0.8
 """How much two names of fields must resemble each other for one to be a slip of the pen."""
 
@@ -63,6 +65,11 @@ def check_contact(parts: Parts, root: Node) -> list[Problem]:
     contact = root.value.get("contact")
     has_contact = contact is not None and contact.value is not None
     fields = read_fields(root, contact if has_contact else None)
+    count = len(fields.names)
+    if has_contact and count > MAX_FIELDS:
+        words = f"{count} velocity fields: at most {MAX_FIELDS} are possible; let bodies share one (field)"
+        report("contact.fields", words, "range")
+        return problems
     _check_field_keys(root, fields, has_contact, report)
     _check_rigid(fields, has_contact, report)
     _check_motion(parts, root, fields, report)

@@ -26,7 +26,6 @@ from mpmcli.scene.override import apply_defines, apply_sets
 from mpmcli.scene.parts import Parts
 from mpmcli.scene.plugins import check_plugins, plugins_of
 from mpmcli.scene.report import as_text, locate, ordered, translate
-from mpmcli.scene.sizes import refuse_large_parts
 from mpmcli.scene.tree import Mark, Node, compose
 from mpmcli.scene.units import BASE, Units, check_base_unit
 
@@ -151,7 +150,6 @@ def _load(
             [root.mark.problem("", "a scene is a mapping: version: 1, title: …, grid: …", "type")]
         )
     root = apply_sets(apply_defines(root, defines), sets)
-    refuse_large_parts(root)
     base = path.resolve().parent if path is not None else Path.cwd()
     scene, context, problems = _read(root, base, allow_outside_files)
     problems = ordered(problems)

@@ -54,9 +54,9 @@ class Affine(Model):
 class Periodic(Affine):
     """Transfers that may act on some steps only, with FLIP between."""
 
-    every_courant: quantity("1", gt=0) | None = None  # type: ignore[valid-type]
+    every_courant: quantity("1", gt=0, le=1000) | None = None  # type: ignore[valid-type]
     """Act on steps at least this Courant number apart, FLIP between [nairn2026, section 3.3]."""
-    every_steps: int | None = Field(default=None, ge=1)
+    every_steps: int | None = Field(default=None, ge=1, le=1_000_000_000)
     """Act on every so many steps, FLIP between."""
 
     @model_validator(mode="after")
@@ -192,7 +192,7 @@ class TimeSpan(Model):
     """
     step: PositiveTime | None = None  # type: ignore[valid-type]
     """A fixed time step, instead of a Courant number."""
-    max_steps: int | None = Field(default=None, ge=1)
+    max_steps: int | None = Field(default=None, ge=1, le=10_000_000_000)
     """The run ends after this many steps at the latest."""
 
     @model_validator(mode="before")

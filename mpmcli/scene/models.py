@@ -5,6 +5,7 @@ Materials, regions, boundary conditions, loads and shape functions come from the
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
@@ -100,7 +101,7 @@ class Grid(Model):
         nodes = 1.0
         for axis, low, high, size in zip("xyz", lower, upper, cell, strict=False):
             count = (high - low) / size
-            if count < 0.5 or abs(count - round(count)) > WHOLE:
+            if not 0.5 <= count < math.inf or abs(count - round(count)) > WHOLE:
                 raise ValueError(
                     f"(upper - lower)/cell must be a whole number, but it is {count:.7g} along {axis}"
                 )

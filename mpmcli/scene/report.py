@@ -189,6 +189,8 @@ def _words(kind: str, context: dict[str, Any], details: dict[str, Any]) -> str:
     if kind in _LIMITS:
         name, words = _LIMITS[kind]
         return f"{describe(value)} is out of range: must be {words} {context[name]:g}"
+    if kind == "int_parsing_size":
+        return f"{describe(value)} is too large"
     if kind == "finite_number":
         return "must be finite"
     if kind == "literal_error":

@@ -17,8 +17,12 @@ import yaml
 from mpmcli.core.errors import Problem, SceneError
 
 MAX_DEPTH = 50
-MAX_VALUES = 100_000
-"""Keys and values of a scene, aliases and merged mappings written out."""
+MAX_SIZE = 100_000
+"""Keys and values of a scene, aliases written out: a number counts once, a text as often as reading it takes longer."""
+MAX_MEMBERS = 1000
+"""Keys of a mapping, and members of a list that are mappings or text."""
+MAX_NUMBERS = 10_000
+"""Members of a list of numbers, or of lists."""
 MAX_TEXT = 4000
 """Characters of one key or value."""
 MAX_REPEATED = 100
@@ -55,8 +59,8 @@ class Node:
     """A value of the scene and where it stands.
 
     ``value`` is a number, text, true, false or None for a scalar, a dict of nodes for a mapping, a list for a
-    sequence. ``keys`` gives the places of a mapping's keys, ``size`` how many keys and values it has
-    when expanded and ``height`` how deep they nest.
+    sequence. ``keys`` gives the places of a mapping's keys, ``size`` how many keys and values it counts
+    as when expanded and ``height`` how deep they nest.
     """
 
     value: Any
@@ -218,6 +222,9 @@ class _Composer:
             self._check_text(event)
             plain = event.implicit[0] and event.tag is None
             node.value = read_scalar(event.value) if plain else _tagged(event)
+            if isinstance(node.value, str):
+                node.size = _size_of_text(node.value)
+                self._count(event, node.size - 1)
         elif isinstance(event, yaml.SequenceStartEvent):
             node.value = self._sequence(depth)
             node.measure(node.value)
@@ -242,12 +249,14 @@ class _Composer:
         self._count(event, node.size - 1)
         return node
 
-    def _count(self, event: Any, values: int) -> None:
+    def _count(self, event: Any, size: int) -> None:
         """Count keys and values, those that an alias stands for included, and stop where they are too many."""
-        self.count += values
-        if self.count > MAX_VALUES:
-            message = f"the scene holds more than {MAX_VALUES:,} keys and values, aliases written out"
-            self._stop(event, f"{message}: that is refused", "too_many")
+        self.count += size
+        if self.count > MAX_SIZE:
+            message = f"the scene is too large: more than {MAX_SIZE:,} keys and values"
+            self._stop(
+                event, f"{message}, where text counts several times and aliases are written out", "too_many"
+            )
 
     def _check_text(self, event: Any) -> None:
         if len(event.value) > MAX_TEXT:
@@ -258,6 +267,11 @@ class _Composer:
         members = []
         while not isinstance(event := next(self.events), yaml.SequenceEndEvent):
             members.append(self._node(event, depth + 1))
+            if len(members) > MAX_MEMBERS:
+                is_long = len(members) > MAX_NUMBERS
+                if is_long or isinstance(members[-1].value, dict | str):
+                    most = MAX_NUMBERS if is_long else MAX_MEMBERS
+                    self._stop(event, f"a list of more than {most:,} members: that is refused", "too_many")
         return members
 
     def _mapping(self, node: Node, depth: int) -> dict[str, Node]:
@@ -271,6 +285,8 @@ class _Composer:
             scalar: Any = event
             key, mark, is_plain = str(scalar.value), self._mark(event), scalar.implicit[0]
             value = self._node(next(self.events), depth + 1)
+            if len(members) >= MAX_MEMBERS:
+                self._stop(event, f"a mapping of more than {MAX_MEMBERS:,} keys: that is refused", "too_many")
             if key == "<<" and is_plain:
                 merged.extend(self._merge(value, mark))
             elif key in members:
@@ -300,6 +316,14 @@ class _Composer:
 
     def _stop(self, event: Any, message: str, code: str) -> None:
         raise SceneError([*self.problems, self._mark(event).problem("", message, code)])
+
+
+_WORD = re.compile(r"[\w .-]{0,80}\Z")
+
+
+def _size_of_text(text: str) -> int:
+    """How many numbers take as long to check: words name things, all else may be an expression or have a unit."""
+    return 10 if _WORD.match(text) else 40 + len(text) // 4
 
 
 def _tagged(event: Any) -> Any:

@@ -6,6 +6,7 @@ a unit; it computes with decimal numbers, so that ``"3 g/cc"`` is 3000 in kg and
 
 from __future__ import annotations
 
+import math
 import re
 from decimal import Decimal
 from fractions import Fraction
@@ -101,7 +102,7 @@ _EXAMPLES = (
 _NUMBER = r"[-+]?(?>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
 _WITH_UNIT = re.compile(rf"\s*({_NUMBER})\s*((?:(?<=\s)1\s*/\s*)?[^\W\d_].*|[%°Å].*)\s*\Z", re.DOTALL)
 _UNIT_TEXT = re.compile(
-    r"(?:[^\W\d_]\w{0,30}|[%°Å]\w{0,10}|(?:\^|\*\*)\s*[-+]?[1-9](?![\d.]|\s*\^|\s*\*\*)|[²³]"
+    r"(?:[^\W\d_]\w{0,30}|[%°Å]\w{0,10}|(?:\^|\*\*)\s*[-+]?[1-9](?![\d.]|\s*\^|\s*\*\*)|[²³](?![²³])"
     r"|1(?=\s*/)|[*/·() ])+\Z"
 )
 
@@ -193,6 +194,10 @@ class Units:
         if not self.are_declared:
             hint = "add units: {length: …, mass: …, time: …}"
             raise ValueError(f"'{text}' has a unit, but the scene declares none: {hint}")
+        number = _number(parts[0], text)
+        known = _size_and_dimension(parts[1]) if _UNIT_TEXT.match(parts[1]) else None
+        if known is not None and (wanted is None or known[1] == wanted):
+            return self._in_own_units(number, *known, text)
         quantity = _quantity(*parts, text)
         found = _dimension(quantity, text)
         if wanted is not None and found != wanted:
@@ -206,15 +211,24 @@ class Units:
                 f"'{text}' is a difference of temperatures: write the temperature itself, in K or degC"
             )
         if str(quantity.units) in _ANGLES:
-            return float(
-                quantity.to("radian").magnitude if words != "angle" else quantity.to("degree").magnitude
-            )
-        value = Fraction(quantity.to_root_units().magnitude) * Fraction(
-            1, _ROOT_MASS ** int(found.exponents[1])
-        )
-        for base, exponent in zip(BASE, found.exponents, strict=True):
+            value = float(quantity.to("degree" if words == "angle" else "radian").magnitude)
+            if not math.isfinite(value):
+                raise ValueError(_TOO_LARGE.format(_shown(text)))
+            return value
+        size = Fraction(
+            quantity.to_root_units().magnitude
+        )  # of all of it: a temperature, or a wrong dimension
+        return self._in_own_units(Fraction(1), size / _ROOT_MASS ** int(found.exponents[1]), found, text)
+
+    def _in_own_units(self, number: Fraction, size: Fraction, dimension: Dimension, text: str) -> float:
+        """So many units of a size in m, kg, s, K as a number of this set."""
+        value = number * size
+        for base, exponent in zip(BASE, dimension.exponents, strict=True):
             value /= self.scale(base) ** int(exponent)
-        return float(value)
+        try:
+            return float(value)
+        except OverflowError:
+            raise ValueError(_TOO_LARGE.format(_shown(text))) from None
 
     def label(self, words: str) -> str:
         """The unit of a quantity, e.g. ``"MPa"`` in mm, g, ms; the words if none are declared."""
@@ -266,6 +280,8 @@ def check_base_unit(name: str, base: str) -> None:
 @cache
 def base_unit_size(name: str, base: str) -> Fraction:
     """Size of a unit that is not in the table in m, kg, s or K, by pint."""
+    if len(name) > MAX_UNIT:
+        raise ValueError(f"'{_shown(name)}' is no unit of {base}")
     others = [
         f"'{unit}' is a {other}" for other in BASE for unit in KNOWN[other] if unit == name and other != base
     ]
@@ -276,13 +292,60 @@ def base_unit_size(name: str, base: str) -> Fraction:
         found = _dimension(quantity, name)
     except ValueError:
         raise ValueError(f"'{name}' is no unit of {base}{did_you_mean(name, KNOWN[base])}") from None
-    if found != Dimension.of(base):
+    if found != Dimension.of(base) or not quantity._is_multiplicative:
         raise ValueError(f"'{name}' is no unit of {base}")
-    return Fraction(quantity.to_root_units().magnitude) / (_ROOT_MASS if base == "mass" else 1)
+    size = Fraction(quantity.to_root_units().magnitude) / (_ROOT_MASS if base == "mass" else 1)
+    if not _SMALLEST_BASE <= size <= 1 / _SMALLEST_BASE:
+        raise ValueError(
+            f"'{name}' is {float(size):.2g} of the SI unit of {base}: no base unit is so far from it"
+        )
+    return size
 
 
 _ANGLES = frozenset({"degree", "radian", "turn", "arcminute", "arcsecond", "milliradian", "grade", "gradian"})
 _ROOT_MASS = 1000  # pint's root unit of mass is the gram
+MAX_UNIT = 60
+"""Characters of the name of a base unit."""
+MAX_POWER = 400
+"""Powers of ten of a number with a unit: floating point holds 308."""
+MAX_EXPONENT = 100
+"""Largest power of a unit, as in ((m^9)^9)^9."""
+_SMALLEST_BASE = Fraction(1, 10**30)
+
+
+_TOO_LARGE = "'{}' is too large a number in the units of the scene"
+
+
+def _shown(text: str) -> str:
+    return text if len(text) <= 60 else text[:57] + "…"
+
+
+def _number(text: str, whole: str) -> Fraction:
+    """The number before a unit, exactly; ValueError where it is beyond floating point."""
+    try:
+        number = Decimal(text)
+        if number and not -MAX_POWER <= number.adjusted() <= MAX_POWER:
+            raise ArithmeticError
+    except ArithmeticError:
+        raise ValueError(f"'{_shown(whole)}' is beyond the numbers that floating point holds") from None
+    return Fraction(number) if number else Fraction(0)
+
+
+@cache
+def _size_and_dimension(unit: str) -> tuple[Fraction, Dimension] | None:
+    """Size of a plain unit in m, kg, s, K, and its dimension; None for angles, temperatures and what is no unit."""
+    try:
+        quantity = _quantity("1", unit, unit)
+        found = _dimension(quantity, unit)
+        if (
+            not quantity._is_multiplicative
+            or "delta_" in str(quantity.units)
+            or str(quantity.units) in _ANGLES
+        ):
+            return None
+        return Fraction(quantity.to_root_units().magnitude) / _ROOT_MASS ** int(found.exponents[1]), found
+    except (ValueError, ArithmeticError):
+        return None
 
 
 def _power(text: str, exponent: Fraction) -> str:
@@ -306,7 +369,12 @@ def _quantity(number: str, unit: str, text: str) -> Any:
 
     registry = _registry()
     try:
-        return registry.Quantity(Decimal(number), registry.parse_units(unit))
+        units = registry.parse_units(unit)
+        if any(abs(exponent) > MAX_EXPONENT for exponent in units._units.values()):
+            raise ValueError("powers of powers")
+        quantity = registry.Quantity(Decimal(number), units)
+        quantity.to_root_units()  # sizes beyond decimal numbers are found here
+        return quantity
     except pint.UndefinedUnitError as error:
         name = str(error.unit_names if isinstance(error.unit_names, str) else error.unit_names[0])
         hint = _with_powers(unit) or did_you_mean(name, _EXAMPLES)

@@ -98,6 +98,10 @@ def scheme_of(scene: Any) -> Scheme:
     )
 
 
+MOST_PARTICLES = 8
+"""Per cell and axis: with more of them the matrices of a block take seconds and gigabytes."""
+
+
 def blocks_of(scene: Any) -> Iterator[Block]:
     """The blocks that stand for the scene's deformable bodies.
 
@@ -128,6 +132,10 @@ def blocks_of(scene: Any) -> Iterator[Block]:
             raise NoKnownLimit(f"body '{body.name}' has the wave speed {speed:.3g}")
         shear = float(getattr(model, "shear_modulus", 0.0)) / modulus if len(relative) > 1 else 0.0
         parts = np.broadcast_to(np.asarray(body.particles_per_axis), cell.shape)
+        if parts[free].max() > MOST_PARTICLES:
+            raise NoKnownLimit(
+                f"body '{body.name}' has more than {MOST_PARTICLES} particles per cell and axis"
+            )
         pairs = tuple(tuple(map(int, pair)) for pair in itertools.combinations(free, len(relative)))
         places = _face_places(scene, body, parts)
         rests = start_speeds(scene, body) < FAST * speed

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -28,28 +29,59 @@ def held_faces(scene: Any, body: Any) -> Array:
     near = NEAR * np.asarray(scene.grid.cell, dtype=float)
     if scene.analysis.kind == "axisymmetric":
         held[0, 0] = bounds[0, 0] <= near[0]
-    for condition in scene.boundary:
-        for a, position in _planes(condition):
-            held[:, a] |= np.abs(bounds[:, a] - position) <= near[a]
-        box, along = _box(condition), _axis(getattr(condition, "direction", None))
-        if (
-            box is not None
-            and along is not None
-            and bool((box[0] <= bounds[0]).all() and (bounds[1] <= box[1]).all())
-        ):
+    holders = _holders_of(scene)
+    for a in range(len(near)):
+        positions = holders.positions[holders.axes == a]
+        held[:, a] |= (np.abs(bounds[:, a, None] - positions) <= near[a]).any(axis=1)
+    for box, along in holders.boxes:
+        if (box[0] <= bounds[0]).all() and (bounds[1] <= box[1]).all():
             held[:, along] = True
-    for other in scene.bodies:
-        if scene.materials[other.material].kind == "rigid":
-            held[_covered(bounds, _bounds(scene, other), near)] = True
-    return held
+    return held | _covered(bounds, holders.rigid, near).any(axis=0)
+
+
+@dataclass(frozen=True)
+class _Holders:
+    """What holds faces in a scene.
+
+    Attributes
+    ----------
+    axes, positions : (n,) axis and position [length] of the planes
+    boxes : corners of boxes within which velocity conditions hold, and the axis along which they do
+    rigid : (r, 2, d) lowest and highest corners of rigid bodies within the grid [length]
+    """
+
+    axes: Array
+    positions: Array
+    boxes: list[tuple[tuple[Array, Array], int]]
+    rigid: Array
+
+
+_last: list[tuple[Any, _Holders]] = []
+"""The holders of the last scene: they are the same for each of its bodies."""
+
+
+def _holders_of(scene: Any) -> _Holders:
+    if _last and _last[0][0] is scene:
+        return _last[0][1]
+    planes = [plane for condition in scene.boundary for plane in _planes(condition)]
+    boxes = [(_box(condition), _axis(getattr(condition, "direction", None))) for condition in scene.boundary]
+    models = scene.materials
+    rigid = [_bounds(scene, body) for body in scene.bodies if models[body.material].kind == "rigid"]
+    holders = _Holders(
+        np.array([axis for axis, _ in planes], dtype=np.int64),
+        np.array([position for _, position in planes], dtype=np.float64),
+        [(box, along) for box, along in boxes if box is not None and along is not None],
+        np.array(rigid, dtype=np.float64).reshape(-1, 2, len(scene.grid.cell)),
+    )
+    _last[:] = [(scene, holders)]
+    return holders
 
 
 def rigid_bodies_hold_no_free_axis(scene: Any, body: Any) -> bool:
     """Whether each rigid body covers a face of the body at the start, along an axis along which both faces are held."""
     bounds, held = _bounds(scene, body), held_axes(scene, body)
     near = NEAR * np.asarray(scene.grid.cell, dtype=float)
-    rigid = [other for other in scene.bodies if scene.materials[other.material].kind == "rigid"]
-    covered = [_covered(bounds, _bounds(scene, other), near).any(axis=0) for other in rigid]
+    covered = _covered(bounds, _holders_of(scene).rigid, near).any(axis=1)
     return all(axes.any() and not (axes & ~held).any() for axes in covered)
 
 
@@ -95,11 +127,12 @@ def _axis(direction: Any) -> int | None:
 
 
 def _covered(bounds: Array, rigid: Array, near: Array) -> Array:
-    """Faces (2, d) of a box that a rigid body's box touches and covers."""
-    covers = (rigid[0] <= bounds[0] + near) & (bounds[1] - near <= rigid[1])
-    found = np.zeros(bounds.shape, dtype=bool)
+    """Faces (r, 2, d) of a box that each rigid body's box (r, 2, d) touches and covers."""
+    low, high = rigid[:, 0], rigid[:, 1]
+    covers = (low <= bounds[0] + near) & (bounds[1] - near <= high)
+    found = np.zeros(rigid.shape, dtype=bool)
     for a in range(bounds.shape[1]):
-        if np.delete(covers, a).all():
-            found[0, a] = abs(bounds[0, a] - rigid[1, a]) <= near[a]
-            found[1, a] = abs(bounds[1, a] - rigid[0, a]) <= near[a]
+        others = np.delete(covers, a, axis=1).all(axis=1)
+        found[:, 0, a] = others & (np.abs(bounds[0, a] - high[:, a]) <= near[a])
+        found[:, 1, a] = others & (np.abs(bounds[1, a] - low[:, a]) <= near[a])
     return found

@@ -31,11 +31,14 @@ def is_fast_at_first(scene: Any) -> bool:
     kind = scene.analysis.kind
     soft = {body.name: model for body, model in deformable(scene)}
     wave = max((model.initial_wave_speed(kind) for model in soft.values()), default=math.inf)
-    speeds = [
-        math.hypot(*np.where((body.name in soft) & held_axes(scene, body), 0.0, start_speeds(scene, body)))
-        for body in scene.bodies
-    ]
-    return max(speeds) >= FAST * wave
+    for body in scene.bodies:
+        speeds = start_speeds(scene, body)
+        if math.hypot(*speeds) >= FAST * wave:  # only then it matters what holds it
+            if body.name in soft:
+                speeds = np.where(held_axes(scene, body), 0.0, speeds)
+            if math.hypot(*speeds) >= FAST * wave:
+                return True
+    return False
 
 
 def largest_speed(scene: Any) -> float:
@@ -70,8 +73,8 @@ def _start_velocities(scene: Any, body: Any, points: Array) -> Array:
 
 def _points(scene: Any, body: Any) -> Array:
     """Points (3, n) spread over a body; one only where its velocity is the same everywhere."""
-    if not any(isinstance(component, Expression) for component in body.velocity or ()):
-        return _points_of_box(scene, body, 1)
+    if all(not isinstance(value, Expression) or value.is_constant for value in body.velocity or ()):
+        return np.zeros((3, 1))  # the same everywhere
     points = _points_of_box(scene, body, SAMPLES)
     if body.region.gives_particles:
         return points

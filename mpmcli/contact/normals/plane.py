@@ -99,7 +99,7 @@ class IteratedRegressionModel(RegressionModel):
     tolerance: quantity("1", gt=0) = 1e-5  # type: ignore[valid-type]
     """The normal n is found when 1 − n·n of the last two passes is below this, half the square of the angle
     between them [nairn2020, Eq. 57]."""
-    iterations: int = Field(default=15, ge=1)
+    iterations: int = Field(default=15, ge=1, le=1000)
     """The most passes, the first, linear one included; then the last result is used."""
     reuse: bool = False
     """Start from the normal of the last step at this node, if it still separates the particles, instead of

@@ -24,7 +24,21 @@ def test_text() -> None:
     lines = as_text(ordered(PROBLEMS)).splitlines()
     assert lines[1] == "a.yaml:2:3  c                            warning: doubtful"
     assert lines[2] == "a.yaml:2:7  a                            early"
-    assert as_text(PROBLEMS * 60).splitlines()[-1] == "… and 200 more"
+
+
+def test_problems_past_a_hundred_are_counted() -> None:
+    many = [Problem("a", f"fault {i}", "a.yaml", i, 1) for i in range(1, 261)]
+    doubts = [Problem("a", f"doubt {i}", "a.yaml", i, 1, "warning") for i in range(1, 41)]
+    found = ordered([*doubts, *many])
+    assert [p.message for p in found] == [f"fault {i}" for i in range(1, 101)] + ["… and 200 more"]
+    assert found[-1].code == "more" and found[-1].severity == "error"
+    assert as_text(found).splitlines()[-1] == "… and 200 more"
+    assert ordered(found) == found
+
+
+def test_very_long_text_is_cut_in_messages() -> None:
+    found = ordered([Problem("a" * 10**6, "b" * 10**6, "a.yaml", 1, 1)])[0]
+    assert len(found.path) == 200 and len(found.message) == 2000
 
 
 def test_json() -> None:

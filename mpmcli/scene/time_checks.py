@@ -1,0 +1,89 @@
+"""Whether a run can end: number of its time steps and of its outputs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from mpmcli.scene.not_built import member_label
+from mpmcli.scene.parts import Parts
+from mpmcli.scene.tree import Node
+
+MAX_OUTPUTS = 1_000_000
+"""Most rows of a table, files of a series, or checkpoints by simulated time."""
+MAX_STEPS = 10_000_000_000
+"""Most time steps of a run: the smallest scene takes a week for them."""
+
+Report = Callable[..., None]
+
+
+def check_times(parts: Parts, root: Node, report: Report) -> None:
+    """Steps longer than the run, and more steps or outputs than can be made."""
+    if parts.time is None:
+        return
+    end = parts.time.end
+    if parts.time.step is not None and parts.time.step > end:
+        report("time.step", f"is longer than the run, which ends at {end:g}", "interval", "warning")
+    _check_steps(parts, report)
+    for path, every in _intervals(parts, root):
+        if every > end:
+            words = f"{every:g} is longer than the run, which ends at {end:g}"
+            report(path, words, "interval", "warning")
+        elif (count := _ratio(end, every)) > MAX_OUTPUTS:
+            words = f"asks for {count:.2g} outputs: at most {MAX_OUTPUTS:.0e} are possible"
+            report(path, words, "interval")
+
+
+def _intervals(parts: Parts, root: Node) -> list[tuple[str, float]]:
+    """Path and value of every time between outputs that the scene gives."""
+    found = []
+    for name in ("particles", "globals", "grid", "checkpoint"):
+        asked = getattr(parts.archive, name, None)
+        if asked is not None and asked.every is not None:
+            found.append((f"archive.{name}.every", asked.every))
+    for index, probe in parts.probes:
+        if probe.every is not None:
+            label = member_label(root.value["probes"].value[index], index)
+            found.append((f"probes.{label}.every", probe.every))
+    return found
+
+
+def _check_steps(parts: Parts, report: Report) -> None:
+    """Refuse a run of more steps than can be taken, by its fixed step or by the first one of its Courant number."""
+    span = parts.time
+    step, path = span.step, "time.step"
+    if step is None:
+        step, path = _first_step(parts), "time.end"
+    count = _ratio(span.end, step) if step is not None else 0.0
+    if span.max_steps is not None:
+        count = min(count, span.max_steps)
+    if count > MAX_STEPS:
+        words = f"the run takes {count:.2g} steps of {step:.2g}: at most {MAX_STEPS:.0e} are possible"
+        report(path, f"{words} (time.max_steps ends a run before)", "too_many_steps")
+
+
+def _first_step(parts: Parts) -> float | None:
+    """Time step of the Courant number for the wave speeds at rest, None where none follows."""
+    if parts.grid is None or parts.analysis is None or not isinstance(parts.time.courant, float):
+        return None
+    kind = parts.analysis.kind
+    used = {body.material for _, body in parts.bodies}
+    models = [model for name, model in parts.materials.items() if name in used and kind in model.analyses]
+    speeds = [_speed(model, kind) for model in models if model.kind != "rigid"]
+    fastest = max(speeds, default=0.0)
+    if not 0.0 < fastest < math.inf:
+        return None
+    return float(parts.time.courant * min(parts.grid.cell) / fastest)
+
+
+def _speed(model: Any, kind: str) -> float:
+    try:
+        return float(model.initial_wave_speed(kind))
+    except ArithmeticError:
+        return math.inf
+
+
+def _ratio(end: float, every: float) -> float:
+    """``end/every``, at most 1e300."""
+    return end / every if every > end * 1e-300 else 1e300
