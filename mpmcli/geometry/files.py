@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field, ValidationInfo
 
+from mpmcli.core.files import NoPlainFile, TooLarge, read_plain
 from mpmcli.core.suggest import did_you_mean
 
 MAX_BYTES = 512 * 1024**2
@@ -32,6 +33,18 @@ def path_of(name: str) -> Path:
     return name.path if isinstance(name, SceneFile) else Path(name)
 
 
+def read_file(path: Path) -> bytes:
+    """The contents of a file of a scene; ValueError where it has become larger than it may be, or no plain file."""
+    try:
+        return read_plain(path, MAX_BYTES)
+    except TooLarge:
+        raise ValueError(f"'{path.name}' is too large: the limit is {MAX_BYTES >> 20} MiB") from None
+    except NoPlainFile:
+        raise ValueError(f"'{path.name}' is not a plain file") from None
+    except OSError as error:
+        raise ValueError(f"'{path.name}' cannot be read: {error.strerror}") from None
+
+
 def stamp_of(path: Path) -> tuple[int, int]:
     """What changes when a file does: time of its last change and its size."""
     status = path.stat()
@@ -55,7 +68,7 @@ def _find(name: str, info: ValidationInfo) -> SceneFile:
         if not path.is_file():
             raise ValueError(f"'{name}' is not a plain file")
         size = path.stat().st_size
-        with path.open("rb") as file:
+        with path.open("rb") as file:  # a plain file: opening it does not wait
             file.read(1)
     except (OSError, RuntimeError) as error:
         raise ValueError(f"'{name}' cannot be read: {getattr(error, 'strerror', None) or error}") from None

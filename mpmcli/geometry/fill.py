@@ -135,9 +135,10 @@ def parts_per_axis(particles_per_axis: int | Sequence[int], d: int) -> tuple[int
 def _given(body: BodyRequest, grid: GridBox) -> BodyParticles:
     """The particles that a region of given particles lists."""
     X, size, volume = body.region.particles(len(grid.lower))  # type: ignore[attr-defined]
-    outside = ((np.c_[grid.lower] > X) | (np.c_[grid.upper] < X)).any(axis=0)
-    if outside.any():
-        raise ValueError(_outside_words(body, grid, int(outside.sum()), X[:, outside][:, 0]))
+    lower, upper, cell = (np.asarray(corner, dtype=float) for corner in (grid.lower, grid.upper, grid.cell))
+    misfit = body.region.misfit_of_grid(lower, upper, cell)  # type: ignore[attr-defined]
+    if misfit is not None:
+        raise ValueError(misfit + scale_hint(body.region, grid))
     return BodyParticles(body.name, X, size, volume)
 
 

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import csv
+import io
+import re
 from collections.abc import Iterator
 from functools import cached_property, lru_cache
+from itertools import islice
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
@@ -15,17 +18,33 @@ from mpmcli.core.model import PositiveLength
 from mpmcli.core.suggest import listing
 from mpmcli.geometry.base import REGIONS, Array, Region
 from mpmcli.geometry.domains import in_a_domain
-from mpmcli.geometry.files import ReadableFile, path_of, stamp_of
+from mpmcli.geometry.files import ReadableFile, path_of, read_file, stamp_of
 from mpmcli.geometry.vectors import Count, Factor
 from mpmcli.geometry.vtk_files import VtkMissing, read_xml
 
 _AXES = ("x", "y", "z")
 
 
+SMALLEST, LARGEST = 1e-3, 1.0 + 1e-6
+"""Edges of a particle's domain over those of a cell: grid functions are made for these."""
+MAX_ROWS = 5_000_000
+"""Most particles of a file."""
+
+
 class Columns(dict[str, Array]):
-    """Columns (n,) of a table by name; two tables are equal only if they are the same one."""
+    """Columns (n,) of a table by name; two tables are equal only if they are the same one.
+
+    ``lines`` (n,) are the lines of a text file on which the rows stand, or None.
+    """
 
     __hash__ = None  # type: ignore[assignment]
+    lines: Array | None = None
+
+    def place(self, row: int, column: str) -> str:
+        """Where a number stands, in words."""
+        if self.lines is None:
+            return f"{column} of particle {row + 1}"
+        return f"line {self.lines[row]}, column '{column}'"
 
     def __eq__(self, other: object) -> bool:
         return self is other
@@ -58,8 +77,8 @@ class Points(Region):
         columns = _read(path_of(name))
         for axis in _AXES:
             if axis in columns and not np.isfinite(columns[axis]).all():
-                row = int(np.flatnonzero(~np.isfinite(columns[axis]))[0]) + 1
-                raise ValueError(f"'{name}': {axis} of particle {row} is not a finite number")
+                row = int(np.flatnonzero(~np.isfinite(columns[axis]))[0])
+                raise ValueError(f"'{name}', {columns.place(row, axis)}: not a finite number")
         return name
 
     @model_validator(mode="after")
@@ -73,8 +92,9 @@ class Points(Region):
                     "name the one with the volumes, or give 'size'"
                 )
         elif not (np.isfinite(volume) & (volume > 0)).all():
-            row = int(np.flatnonzero(~(np.isfinite(volume) & (volume > 0)))[0]) + 1
-            raise ValueError(f"'{self.file}': the volume of particle {row} is not a positive number")
+            row = int(np.flatnonzero(~(np.isfinite(volume) & (volume > 0)))[0])
+            words = f"the volume {volume[row]:.6g} is not a positive number"
+            raise ValueError(f"'{self.file}', {self._columns.place(row, self.volume)}: {words}")
         return self
 
     @cached_property
@@ -88,6 +108,33 @@ class Points(Region):
         volume = np.full(X.shape[1], np.prod(self.size or ())) if given is None else given * self.scale**d
         half = 0.5 * volume ** (1 / d) if self.size is None else 0.5 * np.array(self.size)[:, None]
         return X, np.broadcast_to(half, X.shape), volume
+
+    @np.errstate(all="ignore")
+    def misfit_of_grid(self, lower: Array, upper: Array, cell: Array) -> str | None:
+        """What keeps the particles from a grid of these corners and cells (d,), in words with row and column."""
+        d = len(cell)
+        X, half, volume = self.particles(d)
+        outside = ~((X >= np.c_[lower]) & (X <= np.c_[upper]))
+        if outside.any():
+            row = int(np.flatnonzero(outside.any(axis=0))[0])
+            axis = _AXES[int(np.flatnonzero(outside[:, row])[0])]
+            place = "[" + ", ".join(f"{x:g}" for x in X[:, row]) + "]"
+            return f"'{self.file}', {self._columns.place(row, axis)}: particle {row + 1} at {place} is out of the grid"
+        cells = 2 * half / np.c_[cell]
+        cells_of_volume = (volume / np.prod(cell)) ** (1 / d)
+        misfit = ~((cells >= SMALLEST) & (cells <= LARGEST)).all(axis=0)
+        misfit |= ~((cells_of_volume >= SMALLEST) & (cells_of_volume <= LARGEST))
+        if not misfit.any():
+            return None
+        row = int(np.flatnonzero(misfit)[0])
+        edges = " × ".join(f"{edge:.3g}" for edge in (2 * half)[:, row])
+        words = f"particle {row + 1}, of volume {volume[row]:.3g} and with a domain of {edges}"
+        if self.volume in self._columns:
+            words = f"{self._columns.place(row, self.volume)}: {words}"
+        return (
+            f"'{self.file}', {words}, does not fit cells of {' × '.join(f'{h:.3g}' for h in cell)}: its edges must be "
+            f"{SMALLEST:g} to 1 cells long ('scale' is the factor from the file's lengths to the scene's)"
+        )
 
     def particles(self, d: int) -> tuple[Array, Array, Array]:
         """Positions (d, n), half-sizes of the domains along the grid's axes (d, n) and volumes (n,)."""
@@ -128,34 +175,60 @@ def _read_version(path: Path, stamp: tuple[int, int]) -> Columns:
     ending = path.suffix.lower()
     if ending not in (".csv", ".vtu"):
         raise ValueError(f"'{path.name}' has an ending that is not known; it should be .csv or .vtu")
-    columns = _from_csv(path) if ending == ".csv" else _from_vtu(path)
+    columns = _from_csv(path) if ending == ".csv" else Columns(_from_vtu(path))
     if "x" not in columns:
         raise ValueError(f"'{path.name}' has no column x; its columns are {listing(columns) or 'none'}")
     if len(columns["x"]) == 0:
         raise ValueError(f"'{path.name}' holds no particles")
-    return Columns(columns)
+    if len(columns["x"]) > MAX_ROWS:
+        raise ValueError(
+            f"'{path.name}' holds {len(columns['x']):,} particles: at most {MAX_ROWS:,} are read"
+        )
+    return columns
 
 
-def _from_csv(path: Path) -> dict[str, Array]:
+def _from_csv(path: Path) -> Columns:
     """Columns of numbers under a line of names; lines that begin with # are left out."""
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            lines = (line for line in file if line.strip() and not line.lstrip().startswith("#"))
-            names = [name.strip() for name in next(csv.reader(lines), [])]
-            if len(set(names)) < len(names):
-                raise ValueError(f"'{path.name}' names a column twice")
-            rows = list(lines)
+        text = io.StringIO(read_file(path).decode("utf-8-sig"), newline="")
     except UnicodeDecodeError:
         raise ValueError(f"'{path.name}' is no text file in UTF-8") from None
-    if not rows:
-        return {name: np.zeros(0) for name in names}
-    try:
-        table = np.loadtxt(rows, delimiter=",", ndmin=2, comments=None)
-    except ValueError as error:
-        raise ValueError(f"'{path.name}' is no table of numbers: {str(error).split(';')[0]}") from None
-    if table.shape[1] != len(names):
-        raise ValueError(f"'{path.name}' names {len(names)} columns and has {table.shape[1]}")
-    return {name: np.ascontiguousarray(column) for name, column in zip(names, table.T, strict=True)}
+    numbers: list[int] = []
+    lines = (
+        numbers.append(number) or line  # type: ignore[func-returns-value]
+        for number, line in enumerate(text, 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    )
+    names = [name.strip()[:80] for name in next(csv.reader([next(lines, "")[:10_000]]), [])]
+    if len(set(names)) < len(names):
+        raise ValueError(f"'{path.name}' names a column twice")
+    rows = list(islice(lines, MAX_ROWS + 1))
+    found = Columns({name: np.zeros(0) for name in names})
+    if rows:
+        try:
+            table = np.loadtxt(rows, delimiter=",", ndmin=2, comments=None)
+        except ValueError as error:
+            raise ValueError(
+                f"'{path.name}' is no table of numbers: {_first_bad(rows, numbers, error)}"
+            ) from None
+        if table.shape[1] != len(names):
+            raise ValueError(f"'{path.name}' names {len(names)} columns and has {table.shape[1]}")
+        for name, column in zip(names, table.T, strict=True):
+            found[name] = np.ascontiguousarray(column)
+    found.lines = np.array(numbers[1:], dtype=np.int64)
+    return found
+
+
+def _first_bad(rows: list[str], numbers: list[int], error: ValueError) -> str:
+    """What numpy has against the rows, with the line of the file instead of its own count."""
+    words = str(error).split(";")[0]
+    found = re.search(r" at row (\d+), column (\d+)|row (\d+)", words)
+    if found is None:
+        return words[:200]
+    row = int(found[1] or found[3]) + (0 if found[1] else -1)
+    line = numbers[1 + row] if 0 <= row < len(rows) else numbers[-1]
+    words = words.replace(found[0], "")[:200].strip()
+    return f"line {line}" + (f", column {found[2]}" if found[2] else "") + f": {words}"
 
 
 def _from_vtu(path: Path) -> dict[str, Array]:

@@ -168,6 +168,11 @@ def _check_bounds(body: Any, path: str, parts: Parts, report: Report) -> None:
     lower, upper = (np.asarray(corner) for corner in body.region.bounds(grid.dimensions))
     low, high, cell = np.array(grid.lower), np.array(grid.upper), np.array(grid.cell)
     hint = scale_hint(body.region, SimpleNamespace(lower=low, upper=high, cell=cell))
+    if body.region.gives_particles:
+        misfit = body.region.misfit_of_grid(low, high, cell)
+        if misfit is not None:
+            report(path, misfit + hint, "points")
+        return
     if (upper <= low).any() or (lower >= high).any():
         words = f"the body lies outside the grid, which spans {_point(low)} to {_point(high)}"
         report(path, f"{words}: its region spans {_point(lower)} to {_point(upper)}{hint}", "outside")

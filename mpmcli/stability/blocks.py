@@ -98,7 +98,7 @@ def scheme_of(scene: Any) -> Scheme:
     )
 
 
-MOST_PARTICLES = 8
+MOST_PARTICLES = 6
 """Per cell and axis: with more of them the matrices of a block take seconds and gigabytes."""
 
 
