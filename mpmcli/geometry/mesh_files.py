@@ -12,12 +12,17 @@ from pathlib import Path
 
 import numpy as np
 
-from mpmcli.geometry.files import stamp_of
+from mpmcli.geometry.files import read_file, stamp_of
 from mpmcli.geometry.surface import Surface
 from mpmcli.geometry.vtk_files import Unreadable, quiet_vtk, read_xml
 
 Array = np.ndarray
 
+MAX_TRIANGLES = 1_000_000
+"""Largest surface that is read: within some seconds and a gigabyte."""
+MAX_BEHIND = 1000
+"""Most triangles that lie behind each other, on average, as seen along x: each particle is held against these."""
+_TOO_MANY = f"it has more than {MAX_TRIANGLES:,} triangles; make it coarser"
 
 # faces of volume cells by their corners, quadrilaterals as two triangles
 _FACES = {
@@ -51,18 +56,35 @@ def _read_version(path: Path, stamp: tuple[int, int]) -> Surface:
         raise ValueError(f"'{path.name}' cannot be read: {error}") from None
     except (Exception, SystemExit):  # meshio raises whatever comes, and exits on some files
         raise ValueError(f"'{path.name}' is damaged or no {ending[1:].upper()} file") from None
+    if len(triangles) > MAX_TRIANGLES:
+        raise ValueError(f"'{path.name}' cannot be read: {_TOO_MANY}")
     if len(triangles) and not (triangles.min() >= 0 and triangles.max() < len(corners)):
         raise ValueError(f"'{path.name}' is damaged: a triangle has a corner that does not exist")
     if len(triangles) == 0:
         raise ValueError(f"'{path.name}' holds no triangles: it is damaged, or no surface")
     if not np.isfinite(corners).all():
         raise ValueError(f"'{path.name}' holds corners that are not finite numbers")
+    behind = _depth(corners, triangles)
+    if behind > MAX_BEHIND:
+        raise ValueError(
+            f"'{path.name}' is no surface that can be filled: {behind:,.0f} of its triangles lie behind each other, "
+            f"at most {MAX_BEHIND:,} are possible"
+        )
     surface = _joined(corners, triangles, 0.0)
     if surface.open_edges:
         # corners written with few digits: join what is as near as single precision can tell
         joined = _joined(corners, triangles, 1e-6)
         surface = joined if joined.open_edges < surface.open_edges else surface
     return surface
+
+
+@np.errstate(all="ignore")
+def _depth(corners: Array, triangles: Array) -> float:
+    """How many triangles a ray along x is held against, on average: areas of their boxes over that of all."""
+    flat = corners[:, 1:][triangles]
+    area = np.prod(flat.max(axis=1) - flat.min(axis=1), axis=1).sum()
+    whole = np.prod(np.ptp(flat.reshape(-1, 2), axis=0))
+    return float(area / whole) if whole > 0.0 else 0.0
 
 
 def _joined(corners: Array, triangles: Array, tolerance: float) -> Surface:
@@ -83,9 +105,11 @@ def _joined(corners: Array, triangles: Array, tolerance: float) -> Surface:
 
 def _from_stl(path: Path) -> tuple[Array, Array]:
     """Binary or text STL: three corners per triangle, without sharing."""
-    content = path.read_bytes()
+    content = read_file(path)
     count = int.from_bytes(content[80:84], "little") if len(content) >= 84 else -1
     if len(content) == 84 + 50 * count:
+        if count > MAX_TRIANGLES:
+            raise Unreadable(_TOO_MANY)
         record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("extra", "<u2")])
         corners = np.frombuffer(content, dtype=record, offset=84)["corners"].reshape(-1, 3).astype(np.float64)
     elif content.lstrip()[:5].lower() == b"solid" and content.rstrip().rpartition(b"endsolid")[1]:
@@ -105,15 +129,16 @@ def _from_obj(path: Path) -> tuple[Array, Array]:
     """Corners and faces of an OBJ file; faces with more corners become fans of triangles."""
     corners: list[list[str]] = []
     triangles: list[tuple[int, int, int]] = []
-    with path.open(encoding="utf-8", errors="replace") as file:
-        for line in file:
-            word, *rest = line.split() or [""]
-            if word == "v":
-                corners.append(rest[:3])
-            elif word == "f":
-                face = [int(corner.partition("/")[0]) for corner in rest]
-                face = [k - 1 if k > 0 else len(corners) + k for k in face]
-                triangles += [(face[0], face[k], face[k + 1]) for k in range(1, len(face) - 1)]
+    for line in read_file(path).decode("utf-8", errors="replace").splitlines():
+        word, *rest = line.split() or [""]
+        if word == "v":
+            corners.append(rest[:3])
+        elif word == "f":
+            face = [int(corner.partition("/")[0]) for corner in rest]
+            face = [k - 1 if k > 0 else len(corners) + k for k in face]
+            triangles += [(face[0], face[k], face[k + 1]) for k in range(1, len(face) - 1)]
+        if len(corners) > 3 * MAX_TRIANGLES or len(triangles) > MAX_TRIANGLES:
+            raise Unreadable(_TOO_MANY)
     return np.array(corners, dtype=np.float64).reshape(-1, 3), np.array(triangles, dtype=np.int64).reshape(
         -1, 3
     )
@@ -179,7 +204,7 @@ def _from_meshio(path: Path) -> tuple[Array, Array]:
 
 def _check_counts(path: Path) -> None:
     """Refuse a PLY or MSH file on which meshio would count, or wait for the end of the header, for ever."""
-    content = path.read_bytes()
+    content = read_file(path)
     if path.suffix.lower() == ".ply":
         end = _END_OF_HEADER.search(content)
         if end is None:

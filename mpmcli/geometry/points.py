@@ -25,9 +25,9 @@ from mpmcli.geometry.vtk_files import VtkMissing, read_xml
 _AXES = ("x", "y", "z")
 
 
-SMALLEST, LARGEST = 1e-3, 1.0 + 1e-6
+SMALLEST, LARGEST = 1e-3, 2.0 + 1e-6
 """Edges of a particle's domain over those of a cell: grid functions are made for these."""
-MAX_ROWS = 5_000_000
+MAX_ROWS = 2_000_000
 """Most particles of a file."""
 
 
@@ -133,7 +133,7 @@ class Points(Region):
             words = f"{self._columns.place(row, self.volume)}: {words}"
         return (
             f"'{self.file}', {words}, does not fit cells of {' × '.join(f'{h:.3g}' for h in cell)}: its edges must be "
-            f"{SMALLEST:g} to 1 cells long ('scale' is the factor from the file's lengths to the scene's)"
+            f"{SMALLEST:g} to {LARGEST:.0f} cells long ('scale' is the factor from the file's lengths to the scene's)"
         )
 
     def particles(self, d: int) -> tuple[Array, Array, Array]:
@@ -203,6 +203,10 @@ def _from_csv(path: Path) -> Columns:
     if len(set(names)) < len(names):
         raise ValueError(f"'{path.name}' names a column twice")
     rows = list(islice(lines, MAX_ROWS + 1))
+    if len(rows) > MAX_ROWS:
+        raise ValueError(
+            f"'{path.name}' holds more than {MAX_ROWS:,} particles, which are the most that are read"
+        )
     found = Columns({name: np.zeros(0) for name in names})
     if rows:
         try:

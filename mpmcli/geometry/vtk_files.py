@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.geometry.files import read_file
+
 _READERS = {".vtp": "vtkXMLPolyDataReader", ".vtu": "vtkXMLUnstructuredGridReader"}
 _CLAIM = re.compile(rb"NumberOf\w+\s*=\s*[\"']([^\"']*)[\"']")
 _OFFSET = re.compile(rb"\boffset\s*=\s*[\"']([^\"']*)[\"']")
@@ -62,7 +64,7 @@ def read_xml(path: Path) -> Any:
     _need_vtk(path)
     from vtkmodules import vtkIOXML
 
-    _check_claims(path.read_bytes())
+    _check_claims(read_file(path))
     complaints: list[str] = []
     with quiet_vtk():
         source = getattr(vtkIOXML, _READERS[path.suffix.lower()])()

@@ -92,7 +92,9 @@ def test_overlap_with_a_filled_body(body, grid):
 
 def test_out_of_the_grid(body, grid):
     bodies = [body("cloud", kind="points", file="table.csv", translate=[0.4, 0])]
-    with pytest.raises(SceneError, match=r"1 particle outside, the first at \[1\.15, 0\.5\]"):
+    with pytest.raises(
+        SceneError, match=r"line 5, column 'x': particle 2 at \[1\.15, 0\.5\] is out of the grid"
+    ):
         fill_bodies(bodies, grid([0, 0], [1, 1], 0.1), PlaneStrain())
 
 
@@ -120,8 +122,8 @@ def test_lists_of_particles_cannot_be_combined(region):
         ("x,y,volume\n", "holds no particles"),
         ("a,b,volume\n1,2,3\n", "no column x; its columns are a, b, volume"),
         ("x,x,volume\n1,2,3\n", "names a column twice"),
-        ("x,y,volume\n1,nan,3\n", "y of particle 1 is not a finite number"),
-        ("x,y,volume\n1,1,1\n1,2,-3\n", "volume of particle 2 is not a positive number"),
+        ("x,y,volume\n1,nan,3\n", "line 2, column 'y': not a finite number"),
+        ("x,y,volume\n1,1,1\n1,2,-3\n", "line 3, column 'volume': the volume -3 is not a positive number"),
         (b"x,y,volume\n\xff\xfe\n", "no text file in UTF-8"),
     ],
 )
