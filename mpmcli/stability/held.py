@@ -81,7 +81,7 @@ def rigid_bodies_hold_no_free_axis(scene: Any, body: Any) -> bool:
     """Whether each rigid body covers a face of the body at the start, along an axis along which both faces are held."""
     bounds, held = _bounds(scene, body), held_axes(scene, body)
     near = NEAR * np.asarray(scene.grid.cell, dtype=float)
-    covered = _covered(bounds, _holders_of(scene).rigid, near).any(axis=1)
+    covered: Array = np.asarray(_covered(bounds, _holders_of(scene).rigid, near).any(axis=1))
     return all(axes.any() and not (axes & ~held).any() for axes in covered)
 
 

@@ -61,9 +61,35 @@ JUNK += [
     "9" * 5000,
 ]
 JUNK += [[], {}, [1], [1, 2, 3, 4, 5], [[1]], {"kind": "box"}, {"a": 1}, ["1e9", "1e9"], {"name": "x"}]
+HOSTILE = [
+    "1e99999999 GPa",
+    "1e-99999999 m",
+    "0e999999999 s",
+    "1e400",
+    1e308,
+    -1e308,
+    5e-324,
+    1e-20,
+    10**9,
+    10**19,
+]
+HOSTILE += [
+    "9" * 1990,
+    "1 ((km^9)^9)^9",
+    "1 m²³²³²³",
+    "1e300 Ym^9",
+    "1e99999999 m/s",
+    "-1e9999999999999999999 K",
+]
+HOSTILE += ["/dev/zero", "/dev/urandom", "/dev/stdin", "/proc/self/mem", "a_pipe", "hostile.csv"]
+"""Numbers and names of files that look well and are not."""
+VOLUMES = ["1", "1e-320", "1e300", "nan", "-1", "0", "9" * 400, "x", ""]
+"""Of a particle in ``hostile.csv``."""
+MANY = 300
+"""Copies of a member of a list, with the same faults as it has."""
 FACTORS = [0.0, -1.0, 0.5, 2.0, 3.0, 1e3, 1e-3, 1e-9, 1e9, 1e30, 1e-30, 1e200, 1.0000001]
 MARKS = "[]{}:,'\"&*!|>%@`\t\n#-? \0\ufeff\x85é"
-WAYS = ("drop", "retype", "swap", "scale", "rename", "nest", "graft")
+WAYS = ("drop", "retype", "swap", "scale", "rename", "nest", "graft", "hostile", "many", "points")
 
 Path_ = tuple[Any, ...]
 
@@ -142,6 +168,18 @@ def mutate(scene: Any, way: str, draw: Any) -> None:
         if isinstance(inner, list) and inner:
             wrapped.append(inner[0])
         parent[key] = draw(st.sampled_from(wrapped))
+    elif way == "hostile":
+        parent[key] = draw(st.sampled_from(HOSTILE))
+    elif way == "many":
+        lists = [p for p in everything if isinstance(at(scene, p), list) and at(scene, p)]
+        if lists:
+            members = at(scene, draw(st.sampled_from(lists)))
+            member = draw(st.sampled_from(members))
+            members += [copy.deepcopy(member) for _ in range(MANY)]
+    elif way == "points" and scene.get("bodies") and isinstance(scene["bodies"], list):
+        body = draw(st.sampled_from(scene["bodies"]))
+        if isinstance(body, dict):
+            body["region"] = {"kind": "points", "file": "hostile.csv"}
     elif way == "graft" and key in KNOWN:
         parent[key] = copy.deepcopy(draw(st.sampled_from(KNOWN[key])))
 
@@ -153,6 +191,9 @@ def mutated_scenes(draw: Any) -> str:
     for _ in range(draw(st.sampled_from([1, 1, 1, 1, 2, 2, 3]))):
         mutate(scene, draw(st.sampled_from(WAYS)), draw)
     text = str(yaml.dump(scene, Dumper=Dumper, allow_unicode=True, width=10**9))
+    if draw(st.integers(0, 19)) == 19:  # a bomb of merged mappings
+        keys = ", ".join(f"k{i}: 1" for i in range(draw(st.sampled_from([10, 200, 900]))))
+        text += f"bomb:\n  - &bomb {{{keys}}}\n" + "  - {<<: *bomb}\n" * draw(st.sampled_from([2, 900]))
     if draw(st.integers(0, 9)) == 9:  # garble
         place = draw(st.integers(0, len(text)))
         put = draw(st.text(MARKS, max_size=3))
@@ -170,7 +211,7 @@ class Dumper(yaml.SafeDumper):
 
 def most_particles(path: Path) -> float:
     """How many particles a valid scene has at most."""
-    scene = load_scene(path).scene
+    scene = load_scene(path, allow_outside_files=True).scene
     grid, total = scene.grid, 0.0
     for body in scene.bodies:
         lower, upper = (np.array(corner) for corner in body.region.bounds(grid.dimensions))
@@ -199,6 +240,9 @@ class Trial:
         self.slowest = 0.0
         for picture in (ROOT / "inputs").glob("*.png"):
             shutil.copy(picture, folder)
+        if not (folder / "a_pipe").exists():
+            os.mkfifo(folder / "a_pipe")
+        self.taken = 0
 
     def summary(self) -> str:
         """How many cases ended with which exit code."""
@@ -212,7 +256,10 @@ class Trial:
         """Validate a scene, and run five steps of a small one; what is wrong with how that went, in words."""
         path = self.folder / "scene.yaml"
         path.write_text(text, encoding="utf-8")
-        code, written, seconds = spoken(["validate", str(path)])
+        volume = VOLUMES[self.taken % len(VOLUMES)]
+        self.taken += 1
+        (self.folder / "hostile.csv").write_text(f"x,y,z,volume\n0,0,0,0.01\n0.1,0.1,0.1,{volume}\n")
+        code, written, seconds = spoken(["validate", "--allow-outside-files", str(path)])
         self.slowest = max(self.slowest, seconds)
         self.codes["validate"][code] += 1
         if code not in (0, 3) or seconds > SECONDS_TO_VALIDATE:
@@ -222,7 +269,7 @@ class Trial:
         if code or self.budget <= 0.0 or most_particles(path) > MOST_PARTICLES:
             return ""
         results = self.folder / "results"
-        options = ["--set", "time.max_steps=5", "--threads", "1", "-o", str(results)]
+        options = ["--set", "time.max_steps=5", "--allow-outside-files", "--threads", "1", "-o", str(results)]
         code, written, seconds = spoken(["run", str(path), *options])
         self.codes["run"][code] += 1
         self.budget -= seconds

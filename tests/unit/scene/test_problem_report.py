@@ -31,14 +31,14 @@ def test_problems_past_a_hundred_are_counted() -> None:
     doubts = [Problem("a", f"doubt {i}", "a.yaml", i, 1, "warning") for i in range(1, 41)]
     found = ordered([*doubts, *many])
     assert [p.message for p in found] == [f"fault {i}" for i in range(1, 101)] + ["… and 200 more"]
-    assert found[-1].code == "more" and found[-1].severity == "error"
+    assert (found[-1].code, found[-1].severity) == ("more", "error")
     assert as_text(found).splitlines()[-1] == "… and 200 more"
     assert ordered(found) == found
 
 
 def test_very_long_text_is_cut_in_messages() -> None:
     found = ordered([Problem("a" * 10**6, "b" * 10**6, "a.yaml", 1, 1)])[0]
-    assert len(found.path) == 200 and len(found.message) == 2000
+    assert (len(found.path), len(found.message)) == (200, 2000)
 
 
 def test_json() -> None:
