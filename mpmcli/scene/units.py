@@ -304,20 +304,14 @@ def base_unit_size(name: str, base: str) -> Fraction:
 
 _ANGLES = frozenset({"degree", "radian", "turn", "arcminute", "arcsecond", "milliradian", "grade", "gradian"})
 _ROOT_MASS = 1000  # pint's root unit of mass is the gram
-MAX_UNIT = 60
-"""Characters of the name of a base unit."""
-MAX_POWER = 400
-"""Powers of ten of a number with a unit: floating point holds 308."""
-MAX_EXPONENT = 100
-"""Largest power of a unit, as in ((m^9)^9)^9."""
+MAX_UNIT = 60  # characters of the name of a base unit
+MAX_POWER = 400  # of ten, of a number with a unit: floating point holds 308
+MAX_EXPONENT = 100  # of a unit, as in ((m^9)^9)^9
 _SMALLEST_BASE = Fraction(1, 10**30)
 
 
+_shown = "{:.60}".format
 _TOO_LARGE = "'{}' is too large a number in the units of the scene"
-
-
-def _shown(text: str) -> str:
-    return text if len(text) <= 60 else text[:57] + "…"
 
 
 def _number(text: str, whole: str) -> Fraction:
