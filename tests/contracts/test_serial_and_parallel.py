@@ -72,6 +72,7 @@ def scene_of(analysis: str = "plane_strain", blocks: int = 1, **keys: Any) -> di
         "materials": {"soft": SOFT},
         "bodies": [block(d, f"block{i}", i) for i in range(blocks)],
         "time": {"end": 10.0, "step": 0.02},
+        "archive": {"particles": {"every": 10.0, "fields": ["displacement"]}},
     } | keys
 
 
