@@ -217,9 +217,9 @@ def structured_scene(seed: int) -> dict[str, Any]:
         "materials": materials,
         "bodies": bodies,
         "time": dice.one_of([{"courant": 0.2}, {"courant": 0.9}, {"courant": "auto"}, {"step": 0.01}])
-        | {"end": 1e9, "max_steps": STEPS},
+        | {"end": 1e6, "max_steps": STEPS},
         "domain": {"on_exit": dice.one_of(["error", "delete", "stop_at_wall"])},
-        "archive": {"globals": {"every": 1e8}},
+        "archive": {"globals": {"every": 1e5}},
     }
     if has_contact:
         scene["contact"] = contact(dice, d, names)

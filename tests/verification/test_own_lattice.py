@@ -34,7 +34,7 @@ def test_uniform_stress_leaves_no_force_inside(start, shape):
     s.transfer.begin_step()
     run.particles.tau[:] = np.array([[3.0], [-2.0], [1.0], [0.7]])
     s.transfer.extrapolate(s.grid.mp, None)
-    s.transfer.internal_forces(s.grid.f)
+    s.transfer.internal_forces(run.particles.tau, s.grid.f)
     nodes = s.grid.active
     x, y = s.grid.coordinates(nodes)
     c, sn = np.cos(np.radians(35)), np.sin(np.radians(35))

@@ -200,7 +200,9 @@ def test_validate(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_validate_knows_columns_and_fields(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text = scene.read_text().replace("fields: [velocity, stress]", "fields: [velocity, strss]")
+    text = scene.read_text().replace(
+        "particles: {every: 20", "particles: {every: 20, fields: [velocity, strss]"
+    )
     scene.write_text(text)
     line = next(i for i, words in enumerate(text.splitlines(), start=1) if "strss" in words)
     assert call(["validate", str(scene)]) == 3

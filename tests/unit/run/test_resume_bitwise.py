@@ -131,7 +131,7 @@ def load(scene: dict[str, Any]):
     archive = {
         "particles": {"every": 0.05},
         "globals": {"every": 0.02},
-        "checkpoint": {"every": 1e-6},
+        "checkpoint": {"every": 2e-5},
     }
     if "contact" in scene or scene.get("probes"):
         archive["grid"] = {"every": 0.08}
