@@ -22,6 +22,7 @@ version = release = mpmcli.__version__
 extensions = [
     "myst_parser",
     "sphinx.ext.mathjax",
+    "sphinx-mathjax-offline",  # formulas render without a network
     "sphinx_copybutton",
     "sphinx_design",
     "sphinxcontrib.bibtex",
@@ -31,8 +32,6 @@ myst_heading_anchors = 3
 bibtex_bibfiles = ["references.bib"]
 bibtex_reference_style = "author_year"
 math_number_all = False
-# a copy, so that formulas render without a network: MathJax 3.2.2, all extensions and fonts in one file
-mathjax_path = "mathjax/tex-svg-full.js"
 numfig = True
 # the tables of quantities and shapes are included by other pages
 exclude_patterns = ["_build", "_generated/*_quantities.md", "_generated/shapes.md"]
