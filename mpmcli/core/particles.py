@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -98,9 +99,14 @@ class Particles:
         """Every allocated array by name (absent ones are left out)."""
         return {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) is not None}
 
-    def copy(self, into: Particles | None = None) -> Particles:
-        """An independent copy of the state; in the arrays of ``into`` if they fit, which spares fresh memory."""
+    def copy(self, into: Particles | None = None, names: Collection[str] | None = None) -> Particles:
+        """An independent copy of the state; in the arrays of ``into`` if they fit, which spares fresh memory.
+
+        ``names`` are those of the arrays that are copied; the others of the copy are empty.
+        """
         arrays = self.arrays()
+        if names is not None:
+            arrays |= {name: a[..., :0] for name, a in arrays.items() if name not in names}
         there = {} if into is None else into.arrays()
         if into is None or {n: a.shape for n, a in arrays.items()} != {n: a.shape for n, a in there.items()}:
             return replace(self, **{name: array.copy() for name, array in arrays.items()})

@@ -48,6 +48,8 @@ GOOD_EVERY = 200
 
 A step that fails before it has changed anything shows the state that it began with.
 """
+SHOWN = ("X", "V", "F", "tau", "mass", "id", "body", "material")
+"""Arrays of particles that are shown after a failure."""
 
 
 class Simulation:
@@ -184,7 +186,7 @@ class Simulation:
             last = self._last_good = None  # give its memory back before the next copy takes as much
         self._last_good = replace(
             self.state,
-            particles=self.particles.copy(into=last),
+            particles=self.particles.copy(into=last, names=SHOWN),
             work=dict(self.state.work),
             reactions=dict(self.state.reactions),
             extra=dict(self.state.extra),

@@ -93,3 +93,13 @@ def test_a_copy_is_independent():
 def test_absent_arrays_are_not_listed():
     assert "viscous_pressure" not in some("plane_strain").arrays()
     assert "viscous_pressure" in some("plane_strain", artificial_viscosity=True).arrays()
+
+
+def test_a_copy_of_some_arrays_leaves_the_others_empty():
+    p = some("plane_strain", history_rows=2)
+    p.X[:] = 1.0
+    shown = p.copy(names=("X", "mass"))
+    assert shown.count == p.count
+    assert (shown.X == 1.0).all()
+    assert shown.L.size == shown.H.size == 0
+    assert p.copy(into=shown, names=("X", "mass")) is shown
