@@ -324,7 +324,7 @@ def rest(transfer: dict, steps: int) -> None:
     weight = {"name": "weight", "kind": "gravity", "acceleration": [0, -0.1]}
     run = Run(
         bodies, transfer, boundary=[held("floor", "y", 0)], loads=[weight],
-        grid__lower=[-20, 0], method__damping={"grid": 1.0}, time={"end": 1e7, "step": 0.01},
+        grid__lower=[-20, 0], method__damping={"grid": 1.0}, time={"end": 1e6, "step": 0.01},
     )  # fmt: skip
     run.steps(steps)
     p, view = run.s.particles, run.s.contact.view

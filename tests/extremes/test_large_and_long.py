@@ -38,7 +38,7 @@ def bar(transfer: dict, velocity: str | float, courant: float = 0.2) -> Simulati
             "grid": {"lower": [-4], "upper": [24], "cell": 1},
             "method": {"shape": "ugimp", "transfer": transfer},
             "bodies": [{"name": "bar", "material": "soft", "region": region, "velocity": [velocity]}],
-            "time": {"end": 1e7, "courant": courant},
+            "time": {"end": 1e6, "courant": courant},
         }
     )
 
@@ -150,7 +150,7 @@ def test_ten_million_particles(hold):
         "method": {"shape": "ugimp", "transfer": FLIP},
         "materials": SOFT,
         "bodies": [{"name": "plate", "material": "soft", "region": region, "velocity": velocity}],
-        "time": {"end": 1e7, "courant": 0.2},
+        "time": {"end": 1e6, "courant": 0.2},
     }
     done = subprocess.run(
         [sys.executable, "-c", MANY], input=yaml.safe_dump(scene), capture_output=True, text=True, check=False
@@ -183,7 +183,7 @@ def cylinder(space: bool, shape: str, transfer: dict, cell: float) -> Simulation
             "method": {"shape": shape, "transfer": transfer},
             "bodies": [{"name": "cylinder", "material": "soft", "region": region, "velocity": velocity}],
             "boundary": planes if space else [],
-            "time": {"end": 1e7, "courant": 0.2},
+            "time": {"end": 1e6, "courant": 0.2},
         }
     )
 

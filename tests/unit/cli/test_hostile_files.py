@@ -26,15 +26,21 @@ bodies:
 time: {{end: 0.1, courant: 0.2}}
 archive: {{globals: {{every: 0.001{columns}}}}}
 """
-BOX = "{{kind: box, lower: [-5, -5], upper: [5, 5]}}"
+BOX = "{{kind: box, lower: {lower}, upper: {upper}}}"
 BODY = "  - {{name: b{i}, material: {material}, region: " + BOX + ", velocity: [{v}, 0]}}\n"
 
 
 def scene(
     constants: str = "", count: int = 1, material: str = "rubber", v: str = "v", columns: str = ""
 ) -> str:
-    """A scene of so many bodies."""
-    bodies = "".join(BODY.format(i=i, material=material, v=v) for i in range(count))
+    """A scene of one body, or of several, each in a cell of its own."""
+    boxes = [([i % 40 - 20, i // 40 % 40 - 20], [i % 40 - 19, i // 40 % 40 - 19]) for i in range(count)]
+    if count == 1:
+        boxes = [([-5, -5], [5, 5])]
+    bodies = "".join(
+        BODY.format(i=i, material=material, v=v, lower=lower, upper=upper)
+        for i, (lower, upper) in enumerate(boxes)
+    )
     return BASE.format(constants=constants, bodies=bodies, columns=columns)
 
 
