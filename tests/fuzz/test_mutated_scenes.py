@@ -9,13 +9,10 @@ from __future__ import annotations
 
 import contextlib
 import copy
-import io
 import json
 import math
 import os
-import re
 import shutil
-import time
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -24,10 +21,10 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from commands import spoken, unfit
 from hypothesis import HealthCheck, given, seed, settings
 from hypothesis import strategies as st
 
-from mpmcli.cli.main import call
 from mpmcli.scene.loader import load_scene
 from mpmcli.scene.tree import compose
 
@@ -221,15 +218,6 @@ def most_particles(path: Path) -> float:
     return total
 
 
-def spoken(arguments: list[str]) -> tuple[int, str, float]:
-    """Exit code of a command, all that it wrote, and the seconds that it computed."""
-    written = io.StringIO()
-    begin = time.process_time()
-    with contextlib.redirect_stdout(written), contextlib.redirect_stderr(written):
-        code = call(arguments)
-    return code, written.getvalue(), time.process_time() - begin
-
-
 class Trial:
     """Takes cases, in a folder of its own."""
 
@@ -278,14 +266,6 @@ class Trial:
         if code not in ALLOWED or seconds > SECONDS_TO_RUN or wrong:
             return f"run: exit code {code} after {seconds:.3g} s {wrong}\n{written}"
         return ""
-
-
-def unfit(code: int, written: str) -> str:
-    """What is wrong with the words of an answer."""
-    if code and not written.strip():
-        return "no words"
-    found = re.search(r"Traceback|Input should|validation error|Warning:", written)
-    return f"says '{found[0]}'" if found else ""
 
 
 @pytest.fixture
