@@ -27,8 +27,6 @@ WIDTH, COLORS = 720, 256
 MOVING_WIDTH, MOVING_COLORS = 560, 160
 """The same of animations."""
 
-FIELDS = ("--set", "archive.particles.fields=[velocity, stress, deformation_gradient]")
-
 INTRODUCTION = """\
 # Small scenes
 
@@ -73,7 +71,7 @@ GALLERY = (
     Shown(
         "two_disks",
         "Two disks with friction",
-        (*FIELDS, "--set", "archive.particles.every=0.005", "-D", "cell=1"),
+        ("--set", "archive.particles.every=0.005", "-D", "cell=1"),
         (
             Drawn(
                 "two_disks",
@@ -148,7 +146,7 @@ GALLERY = (
     Shown(
         "bitmap_grains",
         "Grains from a picture",
-        FIELDS,
+        (),
         (
             Drawn(
                 "bitmap_grains_material",
