@@ -368,7 +368,7 @@ class Simulation:
         X = p.X[:, particle]
         at = ", ".join(f"{x:.6g}" for x in X)
         place = np.floor((X - grid.lower) / grid.cell)
-        cell = f", cell ({', '.join(f'{i:.0f}' for i in place)})," if np.isfinite(place).all() else ""
+        cell = f", cell ({', '.join(f'{i:.10g}' for i in place)})," if np.isfinite(place).all() else ""
         return (
             f"particle {p.id[particle]} of body '{state.bodies[p.body[particle]]}' at ({at}){cell} "
             f"in step {state.step + 1}, time {state.time:.6g}"
