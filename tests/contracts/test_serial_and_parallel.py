@@ -102,9 +102,11 @@ def outcome(scene: dict[str, Any], parallel: bool, monkeypatch: pytest.MonkeyPat
     for quantity in QUANTITIES.at("particle"):
         if quantity.exists(context):
             found[f"field {quantity.name}"] = np.asarray(quantity.compute(snapshot)).tobytes()
+    assert s.parallel == parallel
     assert numbers["kinetic_energy"] > 0
     if "contact_nodes" in numbers:
         assert numbers["contact_nodes"] > 0
+        assert (s.contact.contacts.count >= s.contact.parallel_from) == parallel
     return found
 
 
