@@ -74,7 +74,7 @@ class VelocityConditions:
         return len(self._holders) > 1
 
     def select(self, time: float, active: Array, active_version: Any, mp: Array | None = None) -> Entries:
-        """Choose the held nodes and their values for a step that starts at ``time``.
+        """Choose the held nodes and their values for a step that starts at ``time``; ``mirror`` knows its ghosts.
 
         Parameters
         ----------
@@ -98,8 +98,6 @@ class VelocityConditions:
             self._version, self._keys = active_version, None
             for holder in self._holders:
                 holder.renew(active)
-            if self.mirror is not None:
-                self.mirror.renew(active)
         keys = [holder.key(time) for holder in self._holders]
         if keys != self._keys:
             self._find_nodes(time, keys)
@@ -109,8 +107,6 @@ class VelocityConditions:
             self._put_values(time, self._varying, mp)
         self._time = time
         self.impulse[:] = 0.0
-        if self.mirror is not None:
-            self.mirror.impulse[:] = 0.0
         return self.entries
 
     def impose_on_momentum(self, mp: Array, f: Array | None, dt: float) -> None:

@@ -6,6 +6,7 @@ Arrays are dense but untouched pages cost nothing: only nodes in ``active`` are 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -165,6 +166,16 @@ class Grid:
         self.f = np.zeros((self.dof_count, d))
         self.active = np.zeros(0, dtype=np.int64)
         self.active_version = 0
+
+    def memory(self) -> dict[str, Any]:
+        """Return what a checkpoint keeps of it: the nodes in use and the width of stencils."""
+        version, width = np.int64(self.active_version), np.int64(self.width)
+        return {"active": self.active, "active_version": version, "width": width}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Take it back."""
+        self.active, self.active_version = memory["active"], int(memory["active_version"])
+        self.width = int(memory["width"])
 
     @property
     def geometry(self) -> Any:

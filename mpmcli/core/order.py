@@ -7,6 +7,9 @@ above it (w: stencil width), and bands of one colour (every second one) never to
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from mpmcli.core.grid import Grid
@@ -48,6 +51,16 @@ class CellOrder:
     def is_stale(self) -> bool:
         """Whether a particle may have left the reach of its band."""
         return self.drift > MAX_DRIFT
+
+    def memory(self) -> dict[str, Any]:
+        """Return what a checkpoint keeps of it."""
+        kept = ("bands", "chunks", "drift", "version")
+        return {name: np.asarray(getattr(self, name)) for name in kept}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Take it back."""
+        self.bands, self.chunks = memory["bands"], memory["chunks"]
+        self.drift, self.version = float(memory["drift"]), int(memory["version"])
 
     def sort(self, parallel: bool) -> None:
         """Sort all particle arrays by cell and rebuild bands, chunks and active nodes."""

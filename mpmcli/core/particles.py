@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -98,6 +98,15 @@ class Particles:
     def arrays(self) -> dict[str, Array]:
         """Every allocated array by name (absent ones are left out)."""
         return {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) is not None}
+
+    def memory(self) -> dict[str, Array]:
+        """Return what a checkpoint keeps of them: all arrays."""
+        return self.arrays()
+
+    def recall(self, memory: Mapping[str, Array]) -> None:
+        """Take it back."""
+        for name in self.arrays():
+            setattr(self, name, memory[name])
 
     def copy(self, into: Particles | None = None, names: Collection[str] | None = None) -> Particles:
         """An independent copy of the state; in the arrays of ``into`` if they fit, which spares fresh memory.

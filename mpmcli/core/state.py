@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -86,7 +86,7 @@ class State:
     bodies: list[str]
     materials: list[str]
     material_models: list[Any]
-    strain_energy_density: Callable[[], np.ndarray]
+    strain_energy_density: Callable[[], np.ndarray] = lambda: np.zeros(0)
     step: int = 0
     time: float = 0.0
     dt: float = 0.0
@@ -98,3 +98,21 @@ class State:
     X0: np.ndarray | None = None
     rigid: tuple[int, ...] = ()
     extra: dict[str, float] = field(default_factory=dict)
+
+    def memory(self) -> dict[str, Any]:
+        """Return what a checkpoint keeps of it: step, times, and all numbers that are summed up."""
+        sums = {f"{group}.{name}": value for group in SUMS for name, value in getattr(self, group).items()}
+        numbers = {name: np.asarray(value, dtype=np.float64) for name, value in sums.items()}
+        return {"step": np.int64(self.step), "time": float(self.time), "dt": float(self.dt), **numbers}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Take it back."""
+        self.step, self.time, self.dt = int(memory["step"]), float(memory["time"]), float(memory["dt"])
+        for group in SUMS:
+            kept = {n.removeprefix(f"{group}."): v for n, v in memory.items() if n.startswith(f"{group}.")}
+            getattr(self, group).clear()
+            getattr(self, group).update({name: v if v.ndim else float(v) for name, v in kept.items()})
+
+
+SUMS = ("work", "extra", "reactions")
+"""Numbers and vectors by name that the state adds up or shows."""

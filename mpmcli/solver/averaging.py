@@ -9,91 +9,65 @@ these forces is the stress power of the averaged strain rate: the pair neither t
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from mpmcli.core.analysis import Axisymmetric
+from mpmcli.core.analysis import Analysis, Axisymmetric
 from mpmcli.core.averages import WeightedSums, divide_sums, mean_of_rows, shift_rows
+from mpmcli.core.grid import Grid
 from mpmcli.core.nodes import clear_nodes
-
-if TYPE_CHECKING:
-    from mpmcli.solver.simulation import Simulation
+from mpmcli.core.particles import Particles
+from mpmcli.solver.transfer import Transfer
 
 Array = np.ndarray
 
 
-class NoAveraging:
-    """Every particle keeps its own rate of volume and its own pressure."""
-
-    def __init__(self, s: Simulation):
-        self._s = s
-
-    @property
-    def L(self) -> Array:
-        """Velocity gradients (nL, N) of the strain update."""
-        return self._s.particles.L
-
-    @property
-    def tau(self) -> Array:
-        """Kirchhoff stresses (nT, N) that forces come from."""
-        return self._s.particles.tau
-
-    def average_rates(self) -> None:
-        """After velocity gradients are found."""
-
-    def average_stresses(self) -> None:
-        """Before forces are."""
-
-
-class VolumeAveraging(NoAveraging):
+class VolumeAveraging:
     """``method.volumetric: averaged``; its arrays live within a step.
 
     Plane strain and plane stress average the rate of area, 1D analyses that of length.
+
+    Attributes
+    ----------
+    L : (nL, N) velocity gradients whose trace is averaged, after ``average_rates``
+    tau : (nT, N) stresses whose mean is averaged, after ``average_stresses``
     """
 
-    def __init__(self, s: Simulation):
-        super().__init__(s)
-        analysis, d = s.plan.analysis, s.grid.dimensions
+    def __init__(self, analysis: Analysis, grid: Grid, particles: Particles, transfer: Transfer):
+        d = grid.dimensions
         hoop = isinstance(analysis, Axisymmetric)
+        self._grid, self._particles, self._transfer = grid, particles, transfer
         self._rows_of_L = np.array([*range(0, d * d, d + 1), *([4] if hoop else [])], dtype=np.uint64)
         self._rows_of_tau = np.arange(len(self._rows_of_L), dtype=np.uint64)
-        self._sums = np.zeros((s.grid.dof_count, 2))
+        self._sums = np.zeros((grid.dof_count, 2))
         self._mean = np.zeros(0)
         self._fit()
 
+    def nodal_arrays(self) -> dict[str, Array]:
+        """Arrays over all nodes, by name."""
+        return {"averaging.sums": self._sums}
+
     def _fit(self) -> None:
         """Make the arrays of particles as long as there are particles, some of which may have been removed."""
-        p = self._s.particles
+        p = self._particles
         if self._mean.shape != p.mass.shape:
-            self._L, self._tau, self._mean = np.zeros_like(p.L), np.zeros_like(p.tau), np.zeros(p.count)
-
-    @property
-    def L(self) -> Array:
-        """Velocity gradients whose trace is averaged."""
-        return self._L
-
-    @property
-    def tau(self) -> Array:
-        """Stresses whose mean is averaged."""
-        return self._tau
+            self.L, self.tau, self._mean = np.zeros_like(p.L), np.zeros_like(p.tau), np.zeros(p.count)
 
     def average_rates(self) -> None:
         """Average the rates of volume of the velocity gradients."""
         self._fit()
-        self._average(self._s.particles.L, self._rows_of_L, self._L)
+        self._average(self._particles.L, self._rows_of_L, self.L)
 
     def average_stresses(self) -> None:
         """Average the mean Kirchhoff stresses."""
         self._fit()
-        self._average(self._s.particles.tau, self._rows_of_tau, self._tau)
+        self._average(self._particles.tau, self._rows_of_tau, self.tau)
 
     def _average(self, A: Array, rows: Array, out: Array) -> None:
-        s, transfer, sums = self._s, self._s.transfer, self._sums
-        active, chunks, flat = s.grid.active, s.order.chunks, sums.reshape(-1)
-        mean_of_rows[s.parallel](A, rows, chunks, self._mean)
-        clear_nodes[s.parallel](active, sums)
-        transfer.scatter(WeightedSums(s.particles.vol0, self._mean, flat))
-        s.conditions.fold_sums(sums)
-        divide_sums[s.parallel](active, sums)
-        shift_rows[s.parallel](*transfer.operator(chunks), flat, self._mean, rows, A, out)
+        transfer, sums, parallel = self._transfer, self._sums, self._transfer.parallel
+        active, chunks, flat = self._grid.active, transfer.order.chunks, sums.reshape(-1)
+        mean_of_rows[parallel](A, rows, chunks, self._mean)
+        clear_nodes[parallel](active, sums)
+        transfer.scatter(WeightedSums(self._particles.vol0, self._mean, flat))
+        transfer.complete_scalars(sums)
+        divide_sums[parallel](active, sums)
+        shift_rows[parallel](*transfer.operator(chunks), flat, self._mean, rows, A, out)

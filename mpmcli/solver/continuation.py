@@ -1,110 +1,96 @@
 """What the next step depends on, as arrays by name, and a simulation set back to it.
 
-Everything else is made anew from the scene or from these arrays at the start of the next step, with the same bits. A
-part of the simulation that remembers something from one step to the next has ``memory()``, which gives arrays and
-numbers by name, and ``recall(memory)``.
+Everything else is made anew from the scene or from these arrays at the start of the next step, with the same bits. What
+remembers something from one step to the next has ``memory()``, which gives arrays and numbers by name, and
+``recall(memory)``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from mpmcli.core.errors import ArchiveError
-from mpmcli.materials.strain import block_count
-
-if TYPE_CHECKING:
-    from mpmcli.solver.simulation import Simulation
 
 Array = np.ndarray
 
-SUMS = ("work", "extra", "reactions")
-"""Numbers and vectors by name that the state adds up or shows."""
 BETWEEN = "|"
 """Between the parts of the name of a body's face."""
 
 
-def state_arrays(s: Simulation) -> dict[str, Any]:
-    """Arrays and numbers, by name, from which the simulation goes on to the same bits; not copied."""
-    state, order, grid = s.state, s.order, s.grid
-    found: dict[str, Any] = {
-        "state.step": np.int64(state.step),
-        "state.time": np.float64(state.time),
-        "state.dt": np.float64(state.dt),
-        "speed.wave": np.float64(s.wave_speed),
-        "speed.particle": np.float64(s.particle_speed),
-        "order.bands": order.bands,
-        "order.chunks": order.chunks,
-        "order.drift": np.float64(order.drift),
-        "order.version": np.int64(order.version),
-        "grid.active": grid.active,
-        "grid.active_version": np.int64(grid.active_version),
-        "grid.width": np.int64(grid.width),
+class Remembers(Protocol):
+    """What goes into a checkpoint."""
+
+    def memory(self) -> Mapping[str, Any]:
+        """Return arrays and numbers by name."""
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Take them back."""
+
+
+class Speeds:
+    """The largest speeds of waves and particles."""
+
+    def __init__(self, simulation: Any, stress: Any):
+        self._simulation, self._stress = simulation, stress
+
+    def memory(self) -> dict[str, float]:
+        """Return both."""
+        return {"wave": self._stress.wave_speed, "particle": self._simulation.particle_speed}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Take them back."""
+        self._stress.wave_speed = float(memory["wave"])
+        self._simulation.particle_speed = float(memory["particle"])
+
+
+class Surfaces:
+    """Identities of the particles on faces of bodies, by body, axis and side."""
+
+    def __init__(self, identities: dict[Any, Array]):
+        self._identities = identities
+
+    def memory(self) -> dict[str, Array]:
+        """Return them, by the name of the face."""
+        return {BETWEEN.join(map(str, key)): found for key, found in self._identities.items()}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Take them back."""
+        self._identities.clear()
+        for name, identities in memory.items():
+            body, axis, side = name.rsplit(BETWEEN, 2)
+            self._identities[body, int(axis), side] = identities
+
+
+def state_arrays(parts: Mapping[str, Remembers]) -> dict[str, Any]:
+    """Return arrays and numbers, by name, from which a simulation goes on to the same bits; not copied."""
+    return {
+        f"{name}.{key}": np.asarray(value)
+        for name, part in parts.items()
+        for key, value in part.memory().items()
     }
-    for group in SUMS:
-        members = getattr(state, group)
-        found |= {f"{group}.{name}": np.asarray(value, dtype=np.float64) for name, value in members.items()}
-    for key, identities in s.surface_identities.items():
-        found[f"surface.{BETWEEN.join(map(str, key))}"] = identities
-    for name, part in _parts(s).items():
-        found |= {f"{name}.{key}": np.asarray(value) for key, value in part.memory().items()}
-    return found | {f"particles.{name}": array for name, array in s.particles.arrays().items()}
 
 
-def restore(s: Simulation, arrays: Mapping[str, Array]) -> None:
-    """Set a simulation at the start of the same scene to a state that ``state_arrays`` gave.
+def restore(parts: Mapping[str, Remembers], arrays: Mapping[str, Array]) -> None:
+    """Set the parts of a simulation at the start of the same scene to a state that ``state_arrays`` gave.
 
     Raises
     ------
     ArchiveError
         If the arrays are not those of this simulation.
     """
-    _check_fit(s, arrays)
-    state, order, grid, p = s.state, s.order, s.grid, s.particles
-    state.step, state.time = int(arrays["state.step"]), float(arrays["state.time"])
-    state.dt = s._dt = float(arrays["state.dt"])
-    s.wave_speed, s.particle_speed = float(arrays["speed.wave"]), float(arrays["speed.particle"])
-    for group in SUMS:
-        kept = {name: v if v.ndim else float(v) for name, v in _members(arrays, group).items()}
-        getattr(state, group).clear()
-        getattr(state, group).update(kept)
-    s.surface_identities.clear()
-    for name, identities in _members(arrays, "surface").items():
-        body, axis, side = name.rsplit(BETWEEN, 2)
-        s.surface_identities[body, int(axis), side] = identities
-    for name in p.arrays():
-        setattr(p, name, arrays[f"particles.{name}"])
-    blocks = block_count(p.count)
-    s._speed2, s._bad = s._speed2[:blocks], s._bad[:blocks]
-    if s.arrays.X_new is not None:
-        s.arrays.X_new = np.zeros_like(p.X)
-    order.bands, order.chunks = arrays["order.bands"], arrays["order.chunks"]
-    order.drift, order.version = float(arrays["order.drift"]), int(arrays["order.version"])
-    grid.active, grid.active_version = arrays["grid.active"], int(arrays["grid.active_version"])
-    grid.width = int(arrays["grid.width"])
-    s.transfer.size_buffers()
-    for name, part in _parts(s).items():
-        part.recall(_members(arrays, name))
-    s.keep_good_state()
+    _check_fit(parts, arrays)
+    for name, part in parts.items():
+        start = f"{name}."
+        part.recall({key.removeprefix(start): a for key, a in arrays.items() if key.startswith(start)})
 
 
-def _parts(s: Simulation) -> dict[str, Any]:
-    """The parts that remember something."""
-    return {name: part for name, part in vars(s).items() if hasattr(part, "memory")}
-
-
-def _members(arrays: Mapping[str, Array], group: str) -> dict[str, Array]:
-    start = group + "."
-    return {name.removeprefix(start): a for name, a in arrays.items() if name.startswith(start)}
-
-
-def _check_fit(s: Simulation, arrays: Mapping[str, Array]) -> None:
+def _check_fit(parts: Mapping[str, Remembers], arrays: Mapping[str, Array]) -> None:
+    optional = ("state.reactions.", "surface.")  # they come with the first step
     expected = {
-        name: np.asarray(value)
-        for name, value in state_arrays(s).items()
-        if not name.startswith(("reactions.", "surface."))
+        name: array for name, array in state_arrays(parts).items() if not name.startswith(optional)
     }
     missing = [name for name in expected if name not in arrays]
     if missing:

@@ -20,18 +20,23 @@ class TimeStep:
     step : fixed time step, or None
     courant : Courant number, or None with a fixed step
     smallest_cell : Δx_min [length]
+
+    Attributes
+    ----------
+    dt, courant_of_step : size and Courant number of the last step that was chosen
     """
 
     def __init__(self, step: float | None, courant: float | None, smallest_cell: float):
         self.fixed = float(step or 0.0)
         self.courant = courant
         self.smallest_cell = smallest_cell
+        self.dt = self.courant_of_step = 0.0
         self._first: float | None = None
 
     def choose(
         self, wave_speed: float, particle_speed: float, describe: Callable[[str], str] = lambda which: ""
     ) -> float:
-        """Size of the next step for these largest speeds [velocity].
+        """Choose the size of the next step for these largest speeds [velocity].
 
         ``describe`` tells, for messages, of the ``fastest`` or the most ``compressed`` particle.
 
@@ -40,6 +45,11 @@ class TimeStep:
         SimulationError
             If a particle would move by more than a cell, or the step is next to nothing.
         """
+        self.dt = self._size(wave_speed, particle_speed, describe)
+        self.courant_of_step = self.dt * max(wave_speed, particle_speed) / self.smallest_cell
+        return self.dt
+
+    def _size(self, wave_speed: float, particle_speed: float, describe: Callable[[str], str]) -> float:
         if self.courant is None:
             cells = self.fixed * particle_speed / self.smallest_cell
             if cells > 1.0:
@@ -79,7 +89,3 @@ class TimeStep:
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Remember it again."""
         self._first = float(memory["first"]) or None
-
-    def courant_of(self, dt: float, wave_speed: float, particle_speed: float) -> float:
-        """Courant number that a step of ``dt`` has."""
-        return dt * max(wave_speed, particle_speed) / self.smallest_cell

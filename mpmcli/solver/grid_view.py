@@ -1,33 +1,32 @@
-"""What a simulation shows of its grid: nodal fields, computed when somebody looks."""
+"""What a simulation shows of its grid: nodal fields, computed when somebody reads them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mpmcli.core.grid import Grid
 from mpmcli.core.state import GridView
-
-if TYPE_CHECKING:
-    from mpmcli.solver.simulation import Simulation
 
 Array = np.ndarray
 
 
-def view_of_grid(s: Simulation) -> GridView:
-    """Mass, momentum, force and velocity of the matter at the user's nodes, of all velocity fields but rigid ones."""
-    grid = s.grid
+def view_of_grid(grid: Grid, v: Array, rigid_fields: tuple[bool, ...]) -> GridView:
+    """Return mass, momentum, force and velocity at the user's nodes, of all velocity fields but rigid ones.
+
+    ``v`` (dofs, d) are the grid velocities.
+    """
     inside = grid.interior()
     d = grid.dimensions
-    deformable = None if not any(s.plan.rigid_fields) else ~np.array(s.plan.rigid_fields)
+    deformable = None if not any(rigid_fields) else ~np.array(rigid_fields)
 
     def summed(array: Array) -> Array:
         return grid.sum_of_fields(array, deformable)[inside]
 
     def velocity() -> Array:
         m = summed(grid.mp[:, 0])[:, None]
-        momentum = summed(np.where(grid.mp[:, :1] > 0.0, grid.mp[:, :1] * s.arrays.v, 0.0))
+        momentum = summed(np.where(grid.mp[:, :1] > 0.0, grid.mp[:, :1] * v, 0.0))
         return np.divide(momentum, m, out=np.zeros_like(momentum), where=m > 0.0)
 
     return GridView(
@@ -43,12 +42,11 @@ def view_of_grid(s: Simulation) -> GridView:
     )
 
 
-def show_on_grid(s: Simulation, fields: Mapping[str, Callable[[], Array]]) -> None:
+def show_on_grid(view: GridView, grid: Grid, fields: Mapping[str, Callable[[], Array]]) -> None:
     """Show further nodal fields, functions that give a row per node of the grid, at the user's nodes."""
-    view, inside = s.state.grid, s.grid.interior()
+    inside = grid.interior()
 
     def shown(field: Callable[[], Array]) -> Callable[[], Array]:
         return lambda: field()[inside]
 
-    if view is not None:
-        view.fields.update({name: shown(field) for name, field in fields.items()})
+    view.fields.update({name: shown(field) for name, field in fields.items()})

@@ -1,4 +1,4 @@
-"""A running simulation: what a scene became, and the verbs that the time step calls."""
+"""A running simulation: what a scene became, and its steps."""
 
 from __future__ import annotations
 
@@ -10,33 +10,31 @@ from typing import Any
 import numpy as np
 
 from mpmcli.boundary.conditions import VelocityConditions
+from mpmcli.boundary.exits import Exits, held_sides
+from mpmcli.boundary.grid_conditions import GridConditions
 from mpmcli.boundary.loads import by_identity
 from mpmcli.core.compiler import use_threads
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.order import CellOrder
 from mpmcli.core.runtime import available_threads
 from mpmcli.core.state import State
+from mpmcli.core.step import Step
 from mpmcli.geometry.faces import surface_faces
-from mpmcli.materials.strain import (
-    ArtificialViscosity,
-    block_count,
-    stored_energy,
-    update_strain_and_stress,
-)
-from mpmcli.solver import setup
-from mpmcli.solver.averaging import NoAveraging, VolumeAveraging
+from mpmcli.solver import continuation, setup
+from mpmcli.solver.averaging import VolumeAveraging
 from mpmcli.solver.clock import TaskClock
-from mpmcli.solver.conditions import GridConditions, NoConditions
-from mpmcli.solver.contact import NoContact, NodalContact
-from mpmcli.solver.continuation import restore, state_arrays
+from mpmcli.solver.contact import NodalContact
 from mpmcli.solver.courant import TimeStep
-from mpmcli.solver.exits import held_sides, overrun_of, settle_exits
+from mpmcli.solver.damping import Damping
+from mpmcli.solver.failures import Failures
 from mpmcli.solver.grid_view import show_on_grid, view_of_grid
-from mpmcli.solver.loads import NodalLoads, NoLoads, place_of_identity
-from mpmcli.solver.period import EveryStep, Period
-from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan
-from mpmcli.solver.rigid import NoRigidBodies, RigidBodies
-from mpmcli.solver.step import advance
+from mpmcli.solver.loads import NodalLoads, place_of_identity
+from mpmcli.solver.parts import Parts
+from mpmcli.solver.period import Period
+from mpmcli.solver.plan import PARALLEL_FROM, Plan, allocate_step_arrays, make_plan
+from mpmcli.solver.rigid import RigidBodies
+from mpmcli.solver.step import Task, tasks_of
+from mpmcli.solver.stress import StressUpdate
 from mpmcli.solver.transfer import Transfer
 from mpmcli.stability.choice import ChosenCourant, GivenCourant
 
@@ -52,7 +50,7 @@ SHOWN = ("X", "V", "F", "tau", "mass", "id", "body", "material")
 """Arrays of particles that are shown after a failure."""
 
 
-class Simulation:
+class Simulation(Parts):
     """A scene set up to run.
 
     Parameters
@@ -64,9 +62,8 @@ class Simulation:
 
     Attributes
     ----------
-    state : what output sees
-    plan, arrays, grid, particles, order, transfer : the parts of the step
-    clock : the time that tasks take
+    plan : the choices of the scene; those in force in a step come with the step
+    timings : seconds per task so far, by number and name
     setup_report : text about the bodies
     """
 
@@ -74,76 +71,71 @@ class Simulation:
         scene = loaded.scene
         self.threads = use_threads(threads or available_threads())
         self.plan = make_plan(scene)
-        self.period = Period(self.plan) if self.plan.is_periodic else EveryStep(self.plan)
-        self.reached_order = self.plan.order
+        self.period = Period(self.plan) if self.plan.is_periodic else None
         self.grid = setup.make_grid(scene, self.plan)
-        of_bodies = [scene.materials[body.material] for body in scene.bodies]
-        section = setup.section_of(scene)
         turns = self._fill(scene)
-        self.materials = list(scene.materials.values())
-        name = self.plan.analysis_name
-        self._parameters = [m.parameters(name, self.plan.adiabatic) for m in self.materials]
         self.parallel = self._is_large()
         self.order = CellOrder(self.particles, self.grid)
-        self.on_exit = scene.domain.on_exit
-        self.held_sides = held_sides(scene, self.grid)
-        self._may_wait = {condition.name for condition in scene.boundary if condition.may_wait(self.grid)}
-        self.transfer = Transfer(
-            self.plan.analysis,
-            self.plan.shape,
-            self.particles,
-            self.grid,
-            self.order,
-            self.parallel,
-            self.describe,
-            keeps_domain=self.plan.update.first > 0.0,
-            affine=self.plan.velocity_gradient,
-            stores_weights=self.plan.stores_weights,
-            turns=turns,
-            overrun=overrun_of(self.held_sides, self.grid, self.on_exit),
-        )
         self.arrays = allocate_step_arrays(self.plan, self.grid, self.particles.count)
-        self._J_limits = tuple(float(J) for J in scene.domain.volume_ratio)
-        self.clock = TaskClock()
-        self.surface_identities: dict[Any, Array] = {}
-        self._speed2 = np.zeros(block_count(self.particles.count))
-        self._bad = np.full(block_count(self.particles.count), -1, dtype=np.int64)
-        self.wave_speed = max(
-            m.initial_wave_speed(name)
-            for i, m in enumerate(self.materials)
-            if np.any(self.particles.material == i)
-        )
+        self.state = self._make_state(scene)
+        self.max_steps = scene.time.max_steps
+        self.time_step = TimeStep(scene.time.step, None, float(self.grid.cell.min()))
+        self.reached_order = self.plan.order
+        self._last_good: State | None = None
+        self._surface_identities: dict[Any, Array] = {}
+        self._make_parts(scene, turns)
         self.particle_speed = float(np.sqrt(np.square(self.particles.V).sum(axis=0).max()))
         self.courant_choice = self._choose_courant(scene)
-        self.time_step = TimeStep(scene.time.step, self.courant_choice.courant, float(self.grid.cell.min()))
-        self._dt = 0.0
-        self._last_good: State | None = None
-        self._is_untouched = True
-        self._rigid_version = -1
-        self.max_steps = scene.time.max_steps
-        self.state = State(
-            analysis=self.plan.analysis,
-            particles=self.particles,
-            bodies=[body.name for body in scene.bodies],
-            materials=list(scene.materials),
-            material_models=self.materials,
-            strain_energy_density=self._strain_energy_density,
-            full_ring=setup.full_ring(self.plan),
-            grid=view_of_grid(self),
-            X0=by_identity(self.particles) if self.plan.shows_displacement else None,
-            rigid=tuple(i for i, model in enumerate(of_bodies) if model.kind == "rigid"),
+        self.time_step.courant = self.courant_choice.courant
+        self.make_tasks()
+        if self.stress.starts_with_stress:
+            self.stress.update(self.particles.L, 0.0)
+
+    def _make_parts(self, scene: Any, turns: Array | None) -> None:
+        """Make what the scene needs of the parts."""
+        plan, grid, particles, state = self.plan, self.grid, self.particles, self.state
+        materials, J = list(scene.materials.values()), scene.domain.volume_ratio
+        self.failures = Failures(particles, state, grid, self.time_step, J)
+        self.stress = StressUpdate(
+            plan, particles, materials, J, float(grid.cell.min()), self.parallel, self.failures.refuse_state
         )
-        self._used_materials = [i for i in range(len(self.materials)) if np.any(self.particles.material == i)]
+        state.strain_energy_density = self.stress.energy_density
+        self.exits = Exits(
+            scene.domain.on_exit, held_sides(scene.boundary, grid), grid, particles, state, self.failures.describe,
+            self.remove_particles,
+        )  # fmt: skip
+        self.transfer = Transfer(
+            plan.analysis,
+            plan.shape,
+            particles,
+            grid,
+            self.order,
+            self.parallel,
+            self.failures.describe,
+            bounds=self.exits.bounds,
+            keeps_domain=plan.update.first > 0.0,
+            affine=plan.velocity_gradient,
+            stores_weights=plan.stores_weights,
+            turns=turns,
+        )
         self.conditions = self._make_conditions(scene)
-        self.loads = NodalLoads(self, scene.loads, section) if self.plan.has_loads else NoLoads()
-        self._start_accounts(scene)
-        self.averaging = VolumeAveraging(self) if self.plan.averages_volume else NoAveraging(self)
-        self.rigid = RigidBodies(self, scene.bodies) if self.state.rigid else NoRigidBodies()
-        self.contact = NodalContact(self, scene) if self.plan.has_contact else NoContact()
-        self.state.contact = getattr(self.contact, "view", None)
-        show_on_grid(self, self.contact.nodal_fields())
-        if any("stress_free_at_rest" not in self.materials[i].properties for i in self._used_materials):
-            self.update_stress(0.0)
+        self.transfer.images = None if self.conditions is None else self.conditions.images
+        self.damping = Damping(plan.grid_damping, plan.particle_damping, state)
+        self.averaging = None
+        if plan.averages_volume:
+            self.averaging = VolumeAveraging(plan.analysis, grid, particles, self.transfer)
+        self.rigid = RigidBodies(self, scene.bodies) if state.rigid else None
+        self.loads = NodalLoads(self, scene.loads, setup.section_of(scene)) if plan.has_loads else None
+        self.contact = NodalContact(self, scene) if plan.has_contact else None
+        if self.contact is not None and state.grid is not None:
+            state.contact = self.contact.view
+            show_on_grid(state.grid, grid, self.contact.nodal_fields())
+
+    def make_tasks(self) -> None:
+        """List the tasks of a step, for every plan that steps may have."""
+        plans = [self.plan, self.plan.of_flip()] if self.plan.is_periodic else [self.plan]
+        self.tasks: dict[bool, list[Task]] = {plan.method.flip: tasks_of(plan, self) for plan in plans}
+        self.clock = TaskClock()
 
     # ------------------------------------------------------------------ the step
 
@@ -157,27 +149,42 @@ class Simulation:
         """Time of the state."""
         return self.state.time
 
+    @property
+    def wave_speed(self) -> float:
+        """Largest wave speed now."""
+        return self.stress.wave_speed
+
     def step(self) -> None:
         """Advance by one time step; raises SimulationError where the simulation cannot go on."""
         if self.state.step % GOOD_EVERY == 0:
             self.keep_good_state()
-        self._is_untouched = True
+        is_untouched = True
         try:
-            self.time_step.courant = self.courant_choice.at(
-                self.state.step, self.particles, self.wave_speed, self.particle_speed
-            )
-            self._dt = self.time_step.choose(self.wave_speed, self.particle_speed, self.describe_extreme)
-            self.plan = self.period.plan_of_step(self)
-            self.reached_order = self.plan.order
+            step = self._next_step()
             with np.errstate(all="ignore"):  # the watchdogs say it better
-                advance(self, self._dt)
+                for task in self.tasks[step.plan.method.flip]:
+                    is_untouched = is_untouched and not task.changes_state
+                    with self.clock(task):
+                        task.run(step)
+            self.particle_speed = self.transfer.largest_speed
             if self.state.step == 1:
                 self._warn_of_idle_conditions()
         except SimulationError as error:
-            if self._is_untouched and self.particles.are_possible():
+            if is_untouched and self.particles.are_possible():
                 self.keep_good_state()
             error.state = self._last_good
             raise
+
+    def _next_step(self) -> Step:
+        """Choose the size of the next step, and what it does."""
+        dt = self.time_step.choose(self.wave_speed, self.particle_speed, self.failures.describe_extreme)
+        plan = self.plan
+        if self.period is not None:
+            plan = self.period.plan_of_step(self.time_step.courant_of_step)
+        self.reached_order = plan.order
+        return Step(plan, dt, self.state.time)
+
+    # ------------------------------------------------------------------ what is kept
 
     def keep_good_state(self) -> None:
         """Copy the state, to be shown if a later step fails."""
@@ -194,70 +201,41 @@ class Simulation:
         )
 
     def state_arrays(self) -> dict[str, Any]:
-        """What the next step depends on, by name (see ``solver.continuation``); not copied."""
-        return state_arrays(self)
+        """Return what the next step depends on, by name (see ``solver.continuation``); not copied."""
+        return continuation.state_arrays(self._memories())
 
     def restore(self, arrays: Mapping[str, Array]) -> None:
         """Go back to a state that ``state_arrays`` gave; raises ArchiveError if it is not of this scene."""
-        restore(self, arrays)
+        continuation.restore(self._memories(), arrays)
+        self._fit_to_particles()
+        self.transfer.size_buffers()
+        self.keep_good_state()
 
-    def update_stress(self, dt: float) -> None:
-        """Tasks 1.d and 5: deformation gradient, stress and energies of every particle."""
-        self._is_untouched = False
-        p = self.particles
-        several = len(self._used_materials) > 1
-        fastest = 0.0
-        for i in self._used_materials:
-            update_strain_and_stress[self.parallel](
-                self.plan.analysis, self._parameters[i], i if several else -1, p.F, self.averaging.L, p.tau, p.H,
-                p.mass, p.vol0, p.material, p.stress_work, self._viscous_now(), dt, self._J_limits,
-                self._speed2, self._bad,
-            )  # fmt: skip
-            bad = int(self._bad.max())
-            if bad >= 0:
-                self._report_bad(bad)
-            fastest = max(fastest, float(self._speed2.max()))
-        self.wave_speed = float(np.sqrt(fastest))
+    def _memories(self) -> dict[str, Any]:
+        """What remembers something from step to step, by the names of the checkpoint."""
+        parts = ("time_step", "period", "contact", "courant_choice")
+        return {
+            "state": self.state,
+            "speed": continuation.Speeds(self, self.stress),
+            "order": self.order,
+            "grid": self.grid,
+            "surface": continuation.Surfaces(self._surface_identities),
+            **{name: part for name in parts if hasattr(part := getattr(self, name), "memory")},
+            "particles": self.particles,
+        }
 
-    def account_for_work(self, dt: float) -> None:
-        """Add the work that conditions and loads do in this step, the first change of the state."""
-        self._is_untouched = False
-        work = self.state.work
-        if "boundary_work" in work:
-            work["boundary_work"] += self.conditions.work(self.arrays.v)
-        if "external_work" in work:
-            work["external_work"] += self.loads.work(dt)
-        self.contact.account(self.arrays.v, dt)
+    def remove_particles(self, kept: Array) -> None:
+        """Keep only the particles of the mask ``kept`` (N,) in memory."""
+        self.particles.keep(kept)
+        self._fit_to_particles()
+        self.order.drift = np.inf  # sort at the start of the next step; until then the grid shows this one
 
-    def refuse_leaps(self) -> None:
-        """Raise SimulationError if a particle has just moved by more than a cell along an axis."""
-        if 1.0 < self.transfer.farthest < np.inf:
-            raise SimulationError(
-                f"a particle moved by {self.transfer.farthest:.3g} cells in one step; "
-                f"{self.describe_extreme('fastest')}. {self._advice()}"
-            )
+    def _fit_to_particles(self) -> None:
+        self.stress.fit()
+        if self.arrays.X_new is not None:
+            self.arrays.X_new = np.zeros_like(self.particles.X)
 
-    def finish_step(self, dt: float) -> None:
-        """Task 6: what happened to time, speeds, damping and particles that left the domain."""
-        state, a = self.state, self.arrays
-        if a.node_work is not None:
-            state.work["damping_work"] += float(a.node_work.sum())
-        if a.damped is not None:
-            state.work["damping_work"] += float(a.damped[: len(self.order.chunks) - 1].sum())
-        self.particle_speed = self.transfer.largest_speed
-        if not np.isfinite(self.particle_speed):
-            self._report_runaway()
-        if self.plan.has_conditions:
-            state.reactions = self.conditions.reactions(dt)
-        if self.transfer.particle_outside() >= 0:
-            settle_exits(self)
-        state.step += 1
-        if "mean_order" in state.extra:
-            state.extra["mean_order"] += (self.reached_order - state.extra["mean_order"]) / state.step
-        state.time += dt
-        state.dt = dt
-
-    # ------------------------------------------------------------------ parts
+    # ------------------------------------------------------------------ from the scene
 
     def _fill(self, scene: Any) -> Array | None:
         """Make the particles, and the report about the bodies; returns the turns of the particle domains."""
@@ -269,6 +247,29 @@ class Simulation:
         """Whether parallel kernels pay."""
         return self.particles.count >= PARALLEL_FROM
 
+    def _make_state(self, scene: Any) -> State:
+        plan, models = self.plan, [scene.materials[body.material] for body in scene.bodies]
+        work, extra = {}, {}
+        if scene.boundary:
+            work["boundary_work"] = 0.0
+        if plan.has_loads:
+            work["external_work"] = 0.0
+        if plan.is_periodic or plan.dynamic is not None:
+            extra["mean_order"] = 0.0
+        return State(
+            analysis=plan.analysis,
+            particles=self.particles,
+            bodies=[body.name for body in scene.bodies],
+            materials=list(scene.materials),
+            material_models=list(scene.materials.values()),
+            full_ring=setup.full_ring(plan),
+            grid=view_of_grid(self.grid, self.arrays.v, plan.rigid_fields),
+            X0=by_identity(self.particles) if plan.shows_displacement else None,
+            rigid=tuple(i for i, model in enumerate(models) if model.kind == "rigid"),
+            work=work,
+            extra=extra,
+        )
+
     def _choose_courant(self, scene: Any) -> Any:
         if scene.time.courant != "auto":
             return GivenCourant(scene.time.courant)
@@ -276,140 +277,26 @@ class Simulation:
         LOGGER.info("Courant number %.4g, chosen by the stability limit%s", choice.courant, choice.in_words())
         return choice
 
-    @property
-    def courant_of_step(self) -> float:
-        """Courant number of the current step."""
-        return self.time_step.courant_of(self._dt, self.wave_speed, self.particle_speed)
-
-    @property
-    def rigid_dofs(self) -> Array:
-        """Active degrees of freedom of rigid bodies."""
-        grid = self.grid
-        if grid.active_version != self._rigid_version:
-            self._rigid_version = grid.active_version
-            self._rigid_dofs = grid.active[np.array(self.plan.rigid_fields)[grid.active // grid.node_count]]
-        return self._rigid_dofs
-
-    @property
-    def has_mirror(self) -> bool:
-        """Whether the scene has symmetry planes."""
-        return self.conditions.mirror is not None
-
-    def _make_conditions(self, scene: Any) -> NoConditions:
+    def _make_conditions(self, scene: Any) -> GridConditions | None:
         if not self.plan.has_conditions:
-            return NoConditions()
+            return None
         conditions = VelocityConditions(scene.boundary, self.grid, self.plan.analysis, self._surface_nodes)
-        return GridConditions(
-            conditions,
-            self.grid,
-            rigid_fields=self.plan.rigid_fields,
-        )
+        self._may_wait = {condition.name for condition in scene.boundary if condition.may_wait(self.grid)}
+        return GridConditions(conditions, self.grid, self.plan.rigid_fields, self.state)
 
     def _surface_nodes(self, body: str, face: Any) -> Array:
         """Nodes that the particles on a face of a body see now; the face is that of the undeformed body."""
-        p = self.particles
+        p, known = self.particles, self._surface_identities
         key = (body, face.index, face.side)
-        if key not in self.surface_identities:
+        if key not in known:
             members = np.flatnonzero(p.body == self.state.bodies.index(body))
-            self.surface_identities[key] = p.id[surface_faces(p.X, p.size, face.index, face.side, members)]
-        place = place_of_identity(p.id)[self.surface_identities[key]]
+            known[key] = p.id[surface_faces(p.X, p.size, face.index, face.side, members)]
+        place = place_of_identity(p.id)[known[key]]
         return self.transfer.seen_nodes(place[place >= 0])
 
-    def _start_accounts(self, scene: Any) -> None:
-        work = self.state.work
-        if scene.boundary or self.on_exit != "error":
-            work["boundary_work"] = 0.0
-        if self.plan.has_loads:
-            work["external_work"] = 0.0
-        if self.plan.grid_damping or self.plan.particle_damping:
-            work["damping_work"] = 0.0
-        if self.on_exit == "delete":
-            self.state.extra.update(deleted_particles=0.0, deleted_mass=0.0)
-        if self.plan.is_periodic or self.plan.dynamic is not None:
-            self.state.extra["mean_order"] = 0.0
-
-    def remove_particles(self, kept: Array) -> None:
-        """Keep only the particles of the mask ``kept`` (N,) in memory."""
-        self.particles.keep(kept)
-        blocks = block_count(self.particles.count)
-        self._speed2, self._bad = self._speed2[:blocks], self._bad[:blocks]
-        if self.arrays.X_new is not None:
-            self.arrays.X_new = np.zeros_like(self.particles.X)
-        self.order.drift = np.inf  # sort at the start of the next step; until then the grid shows this one
-
-    def _viscous_now(self) -> ArtificialViscosity | None:
-        if self.plan.viscosity is None:
-            return None
-        p, (linear, quadratic) = self.particles, self.plan.viscosity
-        return ArtificialViscosity(
-            linear, quadratic, float(self.grid.cell.min()), p.viscous_pressure, p.viscous_work
-        )
-
-    def _strain_energy_density(self) -> Array:
-        p = self.particles
-        out = np.zeros(p.count)
-        for i in self._used_materials:
-            stored_energy[self.parallel](
-                self.plan.analysis, self._parameters[i], i, p.F, p.H, p.material, out
-            )
-        return out
-
-    # ------------------------------------------------------------------ what can go wrong
-
     def _warn_of_idle_conditions(self) -> None:
-        for name in self.conditions.idle(self.grid.mp):
-            if name in self._may_wait:
-                continue
-            LOGGER.warning("boundary condition '%s' holds no node of a body at the start", name)
-
-    def describe(self, particle: int) -> str:
-        """Particle, body, position, cell and time in words, for messages; ``particle`` is its place in memory."""
-        p, state, grid = self.particles, self.state, self.grid
-        X = p.X[:, particle]
-        at = ", ".join(f"{x:.6g}" for x in X)
-        place = np.floor((X - grid.lower) / grid.cell)
-        cell = f", cell ({', '.join(f'{i:.10g}' for i in place)})," if np.isfinite(place).all() else ""
-        return (
-            f"particle {p.id[particle]} of body '{state.bodies[p.body[particle]]}' at ({at}){cell} "
-            f"in step {state.step + 1}, time {state.time:.6g}"
-        )
-
-    def describe_extreme(self, which: str) -> str:
-        """The ``fastest`` or the most ``compressed`` particle in words, for messages."""
-        p = self.particles
-        if which == "fastest":
-            speed = np.sqrt(np.square(p.V).sum(axis=0))
-            particle = int(np.argmax(speed))
-            return f"the fastest is {self.describe(particle)}, with speed {speed[particle]:.3g}"
-        J = p.determinant()
-        particle = int(np.argmin(J))
-        return f"the most compressed is {self.describe(particle)}, with J = {J[particle]:.3g}"
-
-    def _report_bad(self, particle: int) -> None:
-        J = float(self.particles.determinant()[particle])
-        if np.isfinite(J) and J <= 0.0:
-            what = f"J = {J:.3g}: the particle turned inside out"
-        elif np.isfinite(J) and not self._J_limits[0] <= J <= self._J_limits[1]:
-            low, high = self._J_limits
-            what = f"J = {J:.3g} is out of domain.volume_ratio, {low:g} to {high:g}"
-        else:
-            what = "the stress is not finite"
-        raise SimulationError(f"{what}; {self.describe(particle)}. {self._advice()}")
-
-    def _report_runaway(self) -> None:
-        bad = ~np.isfinite(self.particles.V).all(axis=0)
-        raise SimulationError(
-            f"the velocity is not finite; {self.describe(int(np.argmax(bad)))}. {self._advice()}"
-        )
-
-    def _advice(self) -> str:
-        courant = self.courant_of_step
-        key, half = (
-            ("step", 0.5 * self._dt)
-            if self.time_step.courant is None
-            else ("courant", 0.5 * self.time_step.courant)
-        )
-        return (
-            f"The last step was {self._dt:.3g} (Courant number {courant:.2g}): most likely it is too long; "
-            f"try time.{key}: {half:.2g}"
-        )
+        if self.conditions is None:
+            return
+        for name in self.conditions.idle():
+            if name not in self._may_wait:
+                LOGGER.warning("boundary condition '%s' holds no node of a body at the start", name)

@@ -1,121 +1,213 @@
-"""One time step, in the order of Nairn (2026), section 2.1 and Fig. 1."""
+"""One time step as a list of tasks, in the order and with the numbers of Nairn (2026), section 2.1 and Fig. 1."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 from mpmcli.core import nodes
+from mpmcli.core.step import Step
+from mpmcli.solver.parts import Parts
+from mpmcli.solver.plan import Plan
 from mpmcli.solver.velocity import add_filtered_velocities, add_full_mass_increments
 
-if TYPE_CHECKING:
-    from mpmcli.solver.simulation import Simulation
+
+class Task(NamedTuple):
+    """A task of the step.
+
+    Attributes
+    ----------
+    number : of Fig. 1
+    name : what it does
+    run : does it in a step
+    changes_state : it changes particles or accounts, so that the step cannot be taken back
+    """
+
+    number: str
+    name: str
+    run: Callable[[Step], None]
+    changes_state: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.number} {self.name}"
 
 
-def advance(s: Simulation, dt: float) -> None:
-    """Advance the simulation from t to t + dt."""
-    grid, plan, transfer, conditions = s.grid, s.plan, s.transfer, s.conditions
-    a, clock = s.arrays, s.clock
-    w: Any = None if plan.method.full_mass else a.w
+def tasks_of(plan: Plan, s: Parts) -> list[Task]:
+    """Return the tasks of a step with this plan, in order; nothing else says what a step does."""
+    do = _Tasks(s)
+    conditions, loads, contact = s.conditions, s.loads, s.contact
+    first, last, again = plan.update.first > 0.0, plan.update.last > 0.0, plan.update.again
+    tasks = [
+        Task("1", "extrapolate mass and momentum", do.extrapolate),
+        loads and Task("1", "loads on nodes", loads.collect),
+        conditions and Task("1", "held nodes", conditions.select),
+        contact and Task("1.a", "contact on extrapolated momenta", contact.after_extrapolation),
+        first and Task("1.b", f"velocities before the forces{do.loop_in_words(plan)}", do.find_first_velocities),
+        first and Task("1.d", "strain and stress before the forces", do.update_first_stress, True),
+        Task("2", "forces" + " of stresses and loads" * (loads is not None), do.find_forces),
+        Task("3", "update momenta", do.update_momenta),
+        plan.imposes_lumped and Task("2.a", "reactions of velocity conditions", do.impose_on_momenta),
+        contact and Task("3.a", "contact on updated momenta", contact.after_update),
+        Task("3.b", f"velocities{do.loop_in_words(plan)}", do.find_velocities),
+        Task("3", "work of conditions, loads and contact", do.account, True) if do.has_accounts else None,
+        Task("4", "move particles", do.move_particles, True),
+        again and Task("4.a", "extrapolate momenta again", do.extrapolate_again),
+        again and contact and Task("4.b", "contact on momenta extrapolated again", contact.after_new_extrapolation),
+        again and Task("4.c", f"velocities again{do.loop_in_words(plan)}", do.find_new_velocities),
+        last and Task("5", "strain and stress", do.update_last_stress),
+        Task("6", "time, speeds and exits", do.finish),
+    ]  # fmt: skip
+    return [task for task in tasks if task]
 
-    # 1  extrapolate mass and momentum to the grid (and task 2's forces, if the stress is final already)
-    with clock("1 extrapolation"):
-        transfer.begin_step()
-        s.rigid.prepare(s.time, dt)
-        transfer.extrapolate(grid.mp, grid.f if plan.has_final_stress else None)
-        s.loads.collect(s.time)
-        conditions.select(s.time, replaces_velocity=not plan.method.flip)
-        s.contact.after_extrapolation(dt)  # 1.a
 
-    if plan.update.first > 0.0:
-        with clock("1 strain first"):
-            _strain_from_momenta(s, dt)  # 1.b, 1.c
-            s.averaging.average_rates()
-            s.update_stress(plan.update.first * dt)  # 1.d
+class _Tasks:
+    """What the tasks do that no part does by itself."""
 
-    # 2  forces from Kirchhoff stress on initial volume, and from loads
-    with clock("2 forces"):
-        if not plan.has_final_stress:
-            s.averaging.average_stresses()
-            transfer.internal_forces(s.averaging.tau, grid.f)
-        s.loads.add_to(grid.f)
-        conditions.fold_forces(grid.f, dt)
+    def __init__(self, s: Parts):
+        self._s = s
 
-    # 3  update momenta; conditions act as reaction forces (2.a)
-    with clock("3 momenta"):
-        nodes.update_momenta[s.parallel](
-            grid.active, grid.mp, grid.f, a.grid_damping, dt, a.p_start, a.node_work
-        )
-        if a.node_work is not None:
-            a.node_work[0] -= conditions.damping_of_images(grid.mp, grid.f, a.grid_damping[0], dt)
-        if plan.imposes_lumped:
-            conditions.impose_on_momentum(grid.mp, grid.f, dt)
-        s.contact.after_update(dt)  # 3.a
+    @property
+    def has_accounts(self) -> bool:
+        """Whether anything does work that is accounted for."""
+        s = self._s
+        return s.conditions is not None or s.loads is not None or s.contact is not None
 
-    # 3.b  grid velocities v⁺(k)
-    with clock("3 velocities"):
-        nodes.find_velocities[s.parallel](grid.active, grid.mp, grid.f, a.v, w)
+    @staticmethod
+    def loop_in_words(plan: Plan) -> str:
+        """What makes grid velocities of momenta, besides division by mass."""
         if plan.has_full_mass_loop:
-            add_full_mass_increments(s, a.v, dt, counts_reactions=True)
-            s.contact.after_velocities(a.v, dt)
-        if plan.imposes_velocity:
-            conditions.impose_on_velocity(a.v, grid.mp)
+            return f", FMPM loop with {plan.order - 1} further passes"
+        return f", XPIC filter with {plan.order - 1} passes" if plan.method.projects else ""
+
+    def extrapolate(self, step: Step) -> None:
+        """Task 1, and task 2's internal forces if the stress is final already."""
+        s, plan = self._s, step.plan
+        s.transfer.begin_step()
+        if s.rigid is not None:
+            s.rigid.prepare(step)
+        f = s.grid.f if plan.has_final_stress else None
+        s.transfer.extrapolate(s.grid.mp, f, replaces_velocity=not plan.method.flip)
+
+    def find_first_velocities(self, step: Step) -> None:
+        """Tasks 1.b and 1.c: the velocities that the momenta imply, conditions included."""
+        self._find_strain_velocities(step)
+
+    def update_first_stress(self, step: Step) -> None:
+        """Task 1.d."""
+        self._update_stress(step.plan.update.first * step.dt)
+
+    def find_forces(self, step: Step) -> None:
+        """Task 2: forces from Kirchhoff stress on initial volume, and from loads."""
+        s = self._s
+        if not step.plan.has_final_stress:
+            tau = s.particles.tau
+            if s.averaging is not None:
+                s.averaging.average_stresses()
+                tau = s.averaging.tau
+            s.transfer.internal_forces(tau, s.grid.f)
+        if s.loads is not None:
+            s.loads.add_to(s.grid.f)
+        s.transfer.complete_vectors(s.grid.f, step.dt)
+
+    def update_momenta(self, step: Step) -> None:
+        """Task 3."""
+        s, damping = self._s, self._s.damping
+        mp, f = s.grid.mp, s.grid.f
+        nodes.update_momenta[s.parallel](
+            s.grid.active, mp, f, damping.grid, step.dt, s.arrays.p_start, damping.of_nodes
+        )
+        damping.leave_out(s.transfer.images, mp, f, step.dt)
+
+    def impose_on_momenta(self, step: Step) -> None:
+        """Task 2.a, on momenta that the forces have updated: the reactions are part of them."""
+        assert self._s.conditions is not None
+        self._s.conditions.impose_on_momenta(step)
+
+    def find_velocities(self, step: Step) -> None:
+        """Task 3.b: grid velocities v⁺(k), and accelerations or filtered velocities where the transfer asks."""
+        s, plan, v = self._s, step.plan, self._s.arrays.v
+        w: Any = None if plan.method.full_mass else s.arrays.w
+        nodes.find_velocities[s.parallel](s.grid.active, s.grid.mp, s.grid.f, v, w)
+        self._refine(step, counts_reactions=True)
         if plan.method.projects:
-            add_filtered_velocities(s, w, dt)
-        s.account_for_work(dt)
+            add_filtered_velocities(s, step, w)
 
-    # 4  move particles (with USL, task 5's velocity gradients come from the same stencils)
-    with clock("4 particles"):
+    def account(self, step: Step) -> None:
+        """The work that conditions, loads and contact do in this step."""
+        s = self._s
+        for part in (s.conditions, s.loads, s.contact):
+            if part is not None:
+                part.account(step, s.arrays.v)
+
+    def move_particles(self, step: Step) -> None:
+        """Task 4; with USL, task 5's velocity gradients come from the same stencils."""
+        s, plan, a = self._s, step.plan, self._s.arrays
         X_new = a.X_new if plan.keeps_positions else s.particles.X
-        fused = plan.velocity_gradient or (plan.update.last > 0.0 and not plan.update.again)
-        transfer.move(
-            a.v, w, a.start if plan.method.projects else None, plan.method.flip, plan.alpha, plan.particle_damping, dt,
-            X_new, fused, a.damped,
+        s.transfer.move(
+            a.v, None if plan.method.full_mass else a.w, a.start if plan.method.projects else None, plan.method.flip,
+            plan.alpha, s.damping.particle, step.dt, X_new,
+            plan.velocity_gradient or (plan.update.last > 0.0 and not plan.update.again), s.damping.of_particles,
         )  # fmt: skip
-        s.refuse_leaps()
-        s.rigid.move(X_new)
+        s.failures.refuse_leap(s.transfer.farthest)
+        if s.rigid is not None:
+            s.rigid.move(X_new)
 
-    if plan.update.again:
-        with clock("4 momenta again"):
-            _strain_from_new_velocities(s, dt)  # 4.a–4.c
+    def extrapolate_again(self, step: Step) -> None:
+        """Task 4.a: momenta of the new particle velocities."""
+        s, p = self._s, self._s.arrays.p_again
+        nodes.clear_nodes[s.parallel](s.grid.active, p)
+        s.transfer.add_velocities(p)
+        s.transfer.complete_vectors(p, 0.0)
+        s.grid.mp[s.grid.active, 1:] = p[s.grid.active]
 
-    # 5  particle strain and stress
-    if plan.update.last > 0.0:
-        with clock("5 stress"):
+    def find_new_velocities(self, step: Step) -> None:
+        """Task 4.c."""
+        self._find_strain_velocities(step)
+
+    def update_last_stress(self, step: Step) -> None:
+        """Task 5."""
+        self._update_stress(step.plan.update.last * step.dt)
+
+    def finish(self, step: Step) -> None:
+        """Task 6: new positions, what damping took, reactions, particles that left the domain, the time."""
+        s, state = self._s, self._s.state
+        if step.plan.keeps_positions:
+            s.particles.X, s.arrays.X_new = s.arrays.X_new, s.particles.X
+        s.damping.account(len(s.order.chunks) - 1)
+        s.failures.refuse_speed(s.transfer.largest_speed)
+        if s.conditions is not None:
+            s.conditions.show_reactions(step)
+        if s.transfer.particle_outside() >= 0:
+            s.exits.apply()
+        state.step += 1
+        if "mean_order" in state.extra:
+            state.extra["mean_order"] += (s.reached_order - state.extra["mean_order"]) / state.step
+        state.time += step.dt
+        state.dt = step.dt
+
+    def _find_strain_velocities(self, step: Step) -> None:
+        """Velocity gradients of the velocities that the momenta imply; nothing of it is a reaction."""
+        s, v = self._s, self._s.arrays.v
+        nodes.find_velocities[s.parallel](s.grid.active, s.grid.mp, s.grid.f, v, None)
+        if step.plan.imposes_lumped and s.conditions is not None:
+            s.conditions.impose_on_velocity(v, counts_reactions=False)
+        self._refine(step, counts_reactions=False)
+        s.transfer.velocity_gradients(v)
+
+    def _refine(self, step: Step, counts_reactions: bool) -> None:
+        """Lumped velocities become v⁺(k)."""
+        s, plan, v = self._s, step.plan, self._s.arrays.v
+        if plan.has_full_mass_loop:
+            s.reached_order = add_full_mass_increments(s, step, v, counts_reactions)
+            if s.contact is not None:
+                s.contact.after_velocities(step, v)
+        if plan.imposes_velocity and s.conditions is not None:
+            s.conditions.impose_on_velocity(v, counts_reactions)
+
+    def _update_stress(self, dt: float) -> None:
+        s = self._s
+        L = s.particles.L
+        if s.averaging is not None:
             s.averaging.average_rates()
-            s.update_stress(plan.update.last * dt)
-    if plan.keeps_positions:
-        s.particles.X, a.X_new = a.X_new, s.particles.X
-
-    # 6  final tasks
-    with clock("6 final"):
-        s.finish_step(dt)
-
-
-def _strain_from_momenta(s: Simulation, dt: float) -> None:
-    """Tasks 1.b–1.d: velocity gradients of the velocities that the momenta imply, conditions included."""
-    grid, v = s.grid, s.arrays.v
-    nodes.find_velocities[s.parallel](grid.active, grid.mp, grid.f, v, None)
-    _find_gradients(s, v, dt)
-
-
-def _strain_from_new_velocities(s: Simulation, dt: float) -> None:
-    """Tasks 4.a–4.c: the same from particle velocities extrapolated again."""
-    grid, v, p = s.grid, s.arrays.v, s.arrays.p_again
-    nodes.clear_nodes[s.parallel](grid.active, p)
-    s.transfer.add_velocities(p)
-    s.conditions.fold_increment(p, weight=0.0)
-    grid.mp[grid.active, 1:] = p[grid.active]
-    s.contact.after_new_extrapolation(dt)  # 4.b
-    nodes.find_velocities[s.parallel](grid.active, grid.mp, grid.f, v, None)
-    _find_gradients(s, v, dt)
-
-
-def _find_gradients(s: Simulation, v, dt: float) -> None:
-    if s.plan.imposes_lumped:
-        s.conditions.impose_on_velocity(v, s.grid.mp, counts_reactions=False)
-    if s.plan.has_full_mass_loop:
-        add_full_mass_increments(s, v, dt, counts_reactions=False)
-        s.contact.after_velocities(v, dt)
-    if s.plan.imposes_velocity:
-        s.conditions.impose_on_velocity(v, s.grid.mp, counts_reactions=False)
-    s.transfer.velocity_gradients(v)
+            L = s.averaging.L
+        s.stress.update(L, dt)

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcli.boundary.images import Images
 from mpmcli.core import transfer as kernels
 from mpmcli.core.analysis import Analysis
 from mpmcli.core.domains import turn_domains
@@ -53,15 +54,16 @@ class Transfer:
     particles, grid, order : what is transferred, where to, and the cell order that keeps scatters apart
     parallel : run the parallel version of every kernel
     describe : names a particle (by its place in memory) in messages
+    bounds : (d, 2) the domain, which no particle may leave [length]
     affine : extrapolated velocities carry the velocity gradient of their particle
     stores_weights : the weights of the stencils are found once for all passes of the FMPM loop
     keeps_domain : the strain update changes F before the step is over, so that stencils need a copy of it
-    overrun : (d, 2) how far particles may be beyond the sides of the grid [cells], less than 1; None for nowhere
     turns : (bodies, d, d) from the sides of each body's particle domains to the grid's axes; None where all are along
 
     Attributes
     ----------
     farthest : largest displacement of a particle along an axis in the last motion [cells]
+    images : completes sums beside symmetry planes; None without any
     """
 
     def __init__(
@@ -73,11 +75,11 @@ class Transfer:
         order: CellOrder,
         parallel: bool,
         describe: Callable[[int], str],
+        bounds: Array,
         keeps_domain: bool = False,
         affine: bool = False,
         stores_weights: bool = False,
         turns: Array | None = None,
-        overrun: Array | None = None,
     ):
         self.analysis, self.shape = analysis, shape
         self.particles, self.grid, self.order = particles, grid, order
@@ -95,9 +97,8 @@ class Transfer:
         self.travel = np.zeros(CHUNKS)
         self.farthest = 0.0
         self.outside = np.full(CHUNKS, -1, dtype=np.int64)
-        beyond = np.full((grid.dimensions, 2), 1e-9) if overrun is None else np.maximum(overrun, 1e-9)
-        below, above = beyond.T * grid.cell
-        self.bounds = np.stack([grid.lower - below, grid.upper + above], axis=1)
+        self.bounds = bounds
+        self.images: Images | None = None
         self.sort()
         self._fix_domains()
 
@@ -163,10 +164,21 @@ class Transfer:
             )  # fmt: skip
         return self._stored
 
-    def extrapolate(self, mp: Array, f: Array | None) -> None:
-        """Task 1, and unless ``f`` is None task 2's internal forces with the same stencils.
+    def complete_vectors(self, q: Array, weight: float) -> None:
+        """Complete sums ``q`` (dofs, d) that scatters have left; ``weight`` times them is momentum of particles."""
+        if self.images is not None:
+            self.images.complete_vectors(q, weight)
 
-        Widens the stencil where a particle has stretched over more nodes than it spans.
+    def complete_scalars(self, q: Array) -> None:
+        """Complete sums ``q`` (dofs, c) of scalars."""
+        if self.images is not None:
+            self.images.complete_scalars(q)
+
+    def extrapolate(self, mp: Array, f: Array | None, replaces_velocity: bool) -> None:
+        """Task 1, and unless ``f`` is None task 2's internal forces with the same stencils; ``mp`` is complete.
+
+        Widens the stencil where a particle has stretched over more nodes than it spans. ``replaces_velocity``: grid
+        velocities replace those of particles in this step.
         """
         p = self.particles
         while True:
@@ -184,12 +196,14 @@ class Transfer:
                 self.scatter(StateAndForces(p.mass, p.V, p.vol0, p.tau, flat, f.reshape(-1)))
             problem, particle = self.stencil.status
             if problem == 0:
-                return
+                break
             if problem == OUTSIDE_GRID or self.grid.width >= self.widest:
                 raise SimulationError(self._what_is_wrong(int(problem), int(particle)))
             self.grid.width = min(self.grid.width + WIDENING, self.widest)
             self.sort()
             self._fix_domains()
+        if self.images is not None:
+            self.images.complete_momenta(mp, replaces_velocity)
 
     def _what_is_wrong(self, problem: int, particle: int) -> str:
         who = self._describe(particle)
@@ -217,8 +231,11 @@ class Transfer:
         else:
             self.add_vector(p.V, out)
 
-    def project(self, v: Array, out: Array, first: bool = True) -> None:
-        """out += Sᵀ M S v; ``first`` says that particles have moved or changed since the last projection."""
+    def project(self, v: Array, out: Array, weight: float, first: bool = True) -> None:
+        """out += Sᵀ M S v, complete; ``weight`` times it is momentum of particles.
+
+        ``first`` says that particles have moved or changed since the last projection.
+        """
         p = self.particles
         if self._affine:
             if self._passing_L is None or self._passing_L.shape != p.L.shape:  # particles were removed
@@ -227,6 +244,7 @@ class Transfer:
         else:
             task = Projection(p.mass, v.reshape(-1), out.reshape(-1))
             self.scatter(task, self._stored_weights(first) if self._stores else None)
+        self.complete_vectors(out, weight)
 
     def velocity_gradients(self, v: Array) -> None:
         """L = G v."""

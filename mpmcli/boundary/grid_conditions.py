@@ -1,0 +1,93 @@
+"""The velocity conditions of a scene as a part of the time step."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mpmcli.boundary.conditions import VelocityConditions
+from mpmcli.boundary.images import Images
+from mpmcli.core.grid import Grid
+from mpmcli.core.state import State
+from mpmcli.core.step import Step
+
+Array = np.ndarray
+
+
+class GridConditions:
+    """Velocity conditions on the grid, with their work and reactions in the current step.
+
+    Parameters
+    ----------
+    conditions : the scene's conditions on its grid
+    grid : the grid that they act on
+    rigid_fields : for each velocity field, whether it belongs to a rigid body, which no condition holds
+    state : receives their work and reactions
+
+    Attributes
+    ----------
+    images : completes nodal sums beside symmetry planes; None without any
+    """
+
+    def __init__(
+        self, conditions: VelocityConditions, grid: Grid, rigid_fields: tuple[bool, ...], state: State
+    ):
+        self.conditions = conditions
+        mirror = conditions.mirror
+        self.images = None if mirror is None else Images(mirror, grid, rigid_fields)
+        self._grid, self._state = grid, state
+        self._rigid = np.array(rigid_fields)
+        self._version = -1
+
+    def select(self, step: Step) -> None:
+        """Task 1: choose held nodes and their values; call after masses are known."""
+        grid = self._grid
+        if grid.active_version != self._version:
+            self._version, self._active = grid.active_version, grid.active
+            if self._rigid.any():
+                self._active = grid.active[~self._rigid[grid.active // grid.node_count]]
+        self.conditions.select(step.time, self._active, grid.active_version, grid.mp)
+
+    def impose_on_momenta(self, step: Step) -> None:
+        """Task 2.a: reaction forces that give held nodes their velocity."""
+        self.conditions.impose_on_momentum(self._grid.mp, self._grid.f, step.dt)
+
+    def impose_again(self, step: Step) -> None:
+        """Task 4.b: the same on momenta that were extrapolated again, which is no reaction."""
+        self.conditions.impose_on_momentum(self._grid.mp, None, step.dt)
+
+    def zero_increment(self, dv: Array, counts_reactions: bool) -> None:
+        """Task 3.b: take held components out of an FMPM increment."""
+        self._keeping_impulse(counts_reactions, self.conditions.zero_increment, dv)
+
+    def impose_on_velocity(self, v: Array, counts_reactions: bool = True) -> None:
+        """Task 3.b: set held components of a velocity."""
+        self._keeping_impulse(counts_reactions, self.conditions.impose_on_velocity, v)
+
+    def _keeping_impulse(self, counts: bool, act: Any, v: Array) -> None:
+        impulse = self.conditions.impulse
+        before = None if counts else impulse.copy()
+        act(v, self._grid.mp)
+        if before is not None:
+            impulse[:] = before
+
+    def account(self, step: Step, v: Array) -> None:
+        """Add the work of the conditions on the bodies: reactions times held velocities, 0 for a fixed support."""
+        work = self._state.work
+        if "boundary_work" in work:
+            work["boundary_work"] += self.conditions.work(v)
+
+    def show_reactions(self, step: Step) -> None:
+        """Task 6: the force of each condition on the bodies in this step, by name."""
+        conditions = self.conditions
+        self._state.reactions = dict(zip(conditions.names, conditions.reactions(step.dt), strict=True))
+
+    def idle(self) -> list[str]:
+        """Names of conditions that hold no node with mass in this step."""
+        return self.conditions.empty_conditions(self._grid.mp)
+
+    def rehearse(self) -> None:
+        """Call what is called only in steps in which two conditions hold the same node."""
+        if self.conditions.can_meet:
+            self.conditions.orthogonalise()

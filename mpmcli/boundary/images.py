@@ -1,0 +1,58 @@
+"""Completion of nodal sums beside symmetry planes: what particles give to nodes beyond a plane belongs to their images."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmcli.boundary.mirror import Mirror
+from mpmcli.core.grid import Grid
+
+Array = np.ndarray
+
+
+class Images:
+    """Completes the sums that scatters leave, with the mirror images of all particles but rigid ones.
+
+    Parameters
+    ----------
+    mirror : the symmetry planes
+    grid : the grid
+    rigid_fields : for each velocity field, whether it belongs to a rigid body, which has no images
+    """
+
+    def __init__(self, mirror: Mirror, grid: Grid, rigid_fields: tuple[bool, ...]):
+        self.mirror = mirror
+        self._grid = grid
+        self._rigid = np.array(rigid_fields)
+        self._version = -1
+
+    def complete_momenta(self, mp: Array, replaces_velocity: bool) -> None:
+        """Complete mass and momentum ``mp`` (dofs, 1 + d), the first sums of a step.
+
+        ``replaces_velocity``: grid velocities replace those of particles in this step (FMPM, XPIC), so that images
+        change the momentum of particles.
+        """
+        grid = self._grid
+        if grid.active_version != self._version:
+            self._version, active = grid.active_version, grid.active
+            if self._rigid.any():
+                active = active[~self._rigid[active // grid.node_count]]
+            self.mirror.renew(active)
+        self.mirror.impulse[:] = 0.0
+        self.mirror.fold_momentum(mp, float(replaces_velocity))
+
+    def complete_vectors(self, q: Array, weight: float) -> None:
+        """Complete sums ``q`` (dofs, d) of vectors; ``weight`` times them is momentum that particles receive."""
+        self.mirror.fold_vectors(q, self._grid.mp, weight)
+
+    def complete_scalars(self, q: Array) -> None:
+        """Complete sums ``q`` (dofs, c) of scalars."""
+        self.mirror.fold_scalars(q)
+
+    def damping_of(self, mp: Array, f: Array, damping: float, dt: float) -> float:
+        """Energy that grid damping has just taken from images, which is none of the scene's [energy]."""
+        nodes, share = self.mirror.shared()
+        m, force = mp[nodes, 0], f[nodes]
+        p = mp[nodes, 1:] - force * dt
+        taken = damping * dt * (p * (p + 0.5 * force * dt)).sum(axis=1)
+        return float(((1.0 - share) * np.divide(taken, m, out=np.zeros_like(m), where=m > 0.0)).sum())

@@ -1,0 +1,48 @@
+"""Damping on the grid and of particles, and the energy that it takes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmcli.boundary.images import Images
+from mpmcli.core.nodes import CHUNKS
+from mpmcli.core.state import State
+
+Array = np.ndarray
+
+
+class Damping:
+    """Damping of a scene; what a scene does not damp has no array.
+
+    Parameters
+    ----------
+    grid, particle : rates [1/time]
+    state : receives the energy taken
+
+    Attributes
+    ----------
+    grid : (1,) rate of grid damping, or None
+    particle : rate of particle damping
+    of_nodes, of_particles : (chunks,) energy that each has taken in the step, or None
+    """
+
+    def __init__(self, grid: float, particle: float, state: State):
+        self.grid: Array | None = np.array([grid]) if grid else None
+        self.particle = particle
+        self.of_nodes: Array | None = np.zeros(CHUNKS) if grid else None
+        self.of_particles: Array | None = np.zeros(CHUNKS) if particle else None
+        self._state = state
+        if grid or particle:
+            state.work["damping_work"] = 0.0
+
+    def leave_out(self, images: Images | None, mp: Array, f: Array, dt: float) -> None:
+        """Take what mirror images of particles lost out of what nodes lost."""
+        if images is not None and self.grid is not None and self.of_nodes is not None:
+            self.of_nodes[0] -= images.damping_of(mp, f, self.grid[0], dt)
+
+    def account(self, chunks: int) -> None:
+        """Task 6: add the energy taken; particles ran in ``chunks``."""
+        if self.of_nodes is not None:
+            self._state.work["damping_work"] += float(self.of_nodes.sum())
+        if self.of_particles is not None:
+            self._state.work["damping_work"] += float(self.of_particles[:chunks].sum())

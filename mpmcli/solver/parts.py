@@ -1,0 +1,48 @@
+"""The parts of a simulation, as the tasks of its steps know them."""
+
+from __future__ import annotations
+
+from mpmcli.boundary.exits import Exits
+from mpmcli.boundary.grid_conditions import GridConditions
+from mpmcli.core.grid import Grid
+from mpmcli.core.order import CellOrder
+from mpmcli.core.particles import Particles
+from mpmcli.core.state import State
+from mpmcli.solver.averaging import VolumeAveraging
+from mpmcli.solver.contact import NodalContact
+from mpmcli.solver.damping import Damping
+from mpmcli.solver.failures import Failures
+from mpmcli.solver.loads import NodalLoads
+from mpmcli.solver.plan import StepArrays
+from mpmcli.solver.rigid import RigidBodies
+from mpmcli.solver.stress import StressUpdate
+from mpmcli.solver.transfer import Transfer
+
+
+class Parts:
+    """What a step works on; parts that a scene does not need are None.
+
+    Attributes
+    ----------
+    state : what output sees
+    parallel : run the parallel version of every kernel
+    reached_order : order at which the FMPM loop of the step ended
+    """
+
+    state: State
+    grid: Grid
+    particles: Particles
+    order: CellOrder
+    transfer: Transfer
+    arrays: StepArrays
+    stress: StressUpdate
+    damping: Damping
+    exits: Exits
+    failures: Failures
+    conditions: GridConditions | None
+    loads: NodalLoads | None
+    averaging: VolumeAveraging | None
+    rigid: RigidBodies | None
+    contact: NodalContact | None
+    parallel: bool
+    reached_order: int
