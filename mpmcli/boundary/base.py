@@ -6,7 +6,7 @@ A new condition or load is one new file here, registered in ``CONDITIONS`` or ``
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,11 +17,29 @@ from mpmcli.core.registry import Registry
 
 Array = np.ndarray
 
-CONDITIONS = Registry("boundary condition", "CONDITIONS")
-LOADS = Registry("load", "LOADS")
+
+def _lack_of_condition(model: type[Any]) -> str:
+    """What a kind of condition lacks."""
+    return "" if model.holder is not ConditionModel.holder else "it does not define 'holder'"
+
+
+def _lack_of_load(model: type[Any]) -> str:
+    """What a kind of load lacks."""
+    if not model.effects():
+        return f"it defines none of {', '.join(EFFECTS)}"
+    if "traction_at" in model.effects() and model.loaded_face is LoadModel.loaded_face:
+        return "it defines 'traction_at' without 'loaded_face'"
+    return ""
+
+
+CONDITIONS = Registry("boundary condition", "CONDITIONS", _lack_of_condition)
+LOADS = Registry("load", "LOADS", _lack_of_load)
 
 TOLERANCE = 1e-9
 """How far from a plane, in cells, a node still counts as on it."""
+
+Values = Sequence[Any]
+"""One number or array (n,) per axis."""
 
 SurfaceNodes = Callable[[str, Any], Array]
 """Gives the nodes that a body's surface particles see now: (body name, ``place.Face``) -> node indices."""
@@ -91,11 +109,73 @@ class ConditionModel(Model):
         raise TypeError(f"{type(self).__name__} holds nothing")
 
 
+EFFECTS = ("uniform_acceleration", "acceleration_at", "force_at", "traction_at")
+"""Methods by which a load acts; each kind of load defines at least one of them."""
+
+
 class LoadModel(Model):
-    """Base of all loads."""
+    """Base of all loads: what acts on which particles, or on which face of a body.
+
+    Values have one member per axis. They are numbers, or (n,) arrays with a member per point.
+    """
 
     name: str = Field(min_length=1)
     """Name of the load, used in messages."""
+
+    @classmethod
+    def effects(cls) -> frozenset[str]:
+        """Return which of ``EFFECTS`` this kind of load has."""
+        return frozenset(name for name in EFFECTS if getattr(cls, name) is not getattr(LoadModel, name))
+
+    @property
+    def varies(self) -> bool:
+        """Whether its value at a particle may change during the run."""
+        return True
+
+    @property
+    def uses_initial_positions(self) -> bool:
+        """Whether ``acceleration_at`` and ``force_at`` take the particles' positions at the start."""
+        return False
+
+    @property
+    def shares_force(self) -> bool:
+        """Whether ``force_at`` is the force on all particles, shared by mass, and not that on each."""
+        return False
+
+    @property
+    def follows(self) -> bool:
+        """Whether a traction follows the deformed face: its area and its direction."""
+        return False
+
+    def uniform_acceleration(self, time: float) -> Values:
+        """Return the acceleration of all particles alike [acceleration]."""
+        raise TypeError(f"{type(self).__name__} has no uniform acceleration")
+
+    def acceleration_at(self, points: Array, time: float) -> Values:
+        """Return the force per mass on the chosen particles, at their positions (d, n) [acceleration]."""
+        raise TypeError(f"{type(self).__name__} accelerates no particles")
+
+    def force_at(self, points: Array, time: float) -> Values:
+        """Return the force on the chosen particles, at their positions (d, n) [force].
+
+        In axisymmetric analyses the force is that on the full ring.
+        """
+        raise TypeError(f"{type(self).__name__} has no force on particles")
+
+    def traction_at(self, points: Array, time: float) -> Values:
+        """Return the force per area on ``loaded_face``, at its points (d, n) at the start [pressure]."""
+        raise TypeError(f"{type(self).__name__} has no traction")
+
+    def chosen(self, points: Array, is_of: Callable[[str], Array]) -> Array | None:
+        """Return which particles it acts on, (N,) bool; None: on all.
+
+        ``points`` (d, N) are their positions at the start, ``is_of(name)`` those of a body, (N,) bool.
+        """
+        return None
+
+    def loaded_face(self) -> tuple[str, Any]:
+        """Return the name of the body, and the face (``place.Face``), that ``traction_at`` acts on."""
+        raise TypeError(f"{type(self).__name__} loads no face")
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What is wrong in an analysis with so many axes: pairs of key and message."""

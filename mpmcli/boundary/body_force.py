@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Literal
 
-from mpmcli.boundary.base import LOADS, LoadModel, check_length
-from mpmcli.boundary.velocity import check_variables
+from mpmcli.boundary.base import LOADS, Array, LoadModel, Values, check_length
+from mpmcli.boundary.velocity import check_variables, evaluate
 from mpmcli.core.model import Model, field_of
 
 _Acceleration: Any = field_of("acceleration")
@@ -30,6 +31,26 @@ class BodyForce(LoadModel):
     """Force per mass, one number or expression of x, y, z and t per axis."""
     coordinates: Literal["current", "initial"] = "current"
     """Whether x, y, z are the particle's position now or that at the start of the simulation."""
+
+    @property
+    def varies(self) -> bool:
+        """Whether it depends on time, or on the current position."""
+        if self.uses_initial_positions:
+            return any("t" in component.variables for component in self.acceleration)
+        return not all(component.is_constant for component in self.acceleration)
+
+    @property
+    def uses_initial_positions(self) -> bool:
+        """Whether it is evaluated at the positions at the start."""
+        return self.coordinates == "initial"
+
+    def chosen(self, points: Array, is_of: Callable[[str], Array]) -> Array | None:
+        """Return which particles are of the body."""
+        return None if self.on is None else is_of(self.on.body)
+
+    def acceleration_at(self, points: Array, time: float) -> Values:
+        """Return the force per mass at points (d, n)."""
+        return [evaluate(component, points, time) for component in self.acceleration]
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What does not fit an analysis with so many axes."""

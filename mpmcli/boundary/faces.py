@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mpmcli.boundary.base import Array, Nodes
+from mpmcli.boundary.base import Array, LoadModel, Nodes
 from mpmcli.boundary.corners import Cells, Corners, Faces, add_tractions
-from mpmcli.boundary.traction import Traction
-from mpmcli.boundary.velocity import evaluate
+from mpmcli.boundary.particle_loads import finite
 from mpmcli.core.analysis import Analysis, Axisymmetric
 from mpmcli.core.errors import SimulationError
+from mpmcli.core.identity import place_of_identity
 from mpmcli.core.particles import Particles
 
 
@@ -21,17 +21,15 @@ class TractionFaces:
     Parameters
     ----------
     loads
-        Pairs of a traction and the identities (n,) of the particles that have the loaded face.
+        Pairs of a load with a traction and the identities (n,) of the particles that have the loaded face.
     particles
-        All particles; sizes are read, and initial positions unless given.
+        All particles, at the start of the simulation.
     grid
         The grid (``base.Nodes``).
     analysis
         The kind of analysis; in axisymmetric ones areas are per radian.
     section
         Thickness in plane analyses, area of the section in 1D, else 1.
-    initial_positions
-        (d, N) by identity, where the particles are not at the start any more.
     grid_functions, domain
         The shape function's, as ``shapes.ShapeEntry`` names them.
     several_fields
@@ -44,19 +42,19 @@ class TractionFaces:
 
     def __init__(
         self,
-        loads: Sequence[tuple[Traction, Array]],
+        loads: Sequence[tuple[LoadModel, Array]],
         particles: Particles,
         grid: Nodes,
         analysis: Analysis,
         section: float = 1.0,
-        initial_positions: Array | None = None,
         *,
         grid_functions: str = "linear",
         domain: str = "corners",
         several_fields: bool = False,
     ):
         d = analysis.dimensions
-        self._loads = [(traction, np.asarray(ids, dtype=np.int64)) for traction, ids in loads]
+        self._loads = [(load, np.asarray(ids, dtype=np.int64)) for load, ids in loads]
+        faces = [load.loaded_face()[1] for load, _ in loads]
         self._cells = Cells.of(grid, grid_functions, domain)
         self._several_fields = several_fields
         self._axisymmetric = isinstance(analysis, Axisymmetric)
@@ -65,14 +63,13 @@ class TractionFaces:
         ends = np.cumsum([0, *counts])
         self._rows = [slice(int(ends[j]), int(ends[j + 1])) for j in range(len(counts))]
         ids = np.concatenate([np.empty(0, dtype=np.int64), *(ids for _, ids in self._loads)])
-        memory = np.full(int(max(particles.id.max(initial=-1), ids.max(initial=-1))) + 1, -1)
-        memory[particles.id] = np.arange(particles.count)
-        initial = particles.X[:, memory[ids]] if initial_positions is None else initial_positions[:, ids]
+        memory = place_of_identity(particles.id, least=int(ids.max(initial=-1)) + 1)
+        initial = particles.X[:, memory[ids]]
         self.faces = Faces(
             id=ids,
-            axis=np.repeat([traction.on.face.index for traction, _ in loads], counts).astype(np.int64),
-            sign=np.repeat([traction.on.face.sign for traction, _ in loads], counts).astype(np.float64),
-            follower=np.repeat([traction.follows for traction, _ in loads], counts).astype(bool),
+            axis=np.repeat([face.index for face in faces], counts).astype(np.int64),
+            sign=np.repeat([face.sign for face in faces], counts).astype(np.float64),
+            follower=np.repeat([load.follows for load, _ in loads], counts).astype(bool),
             radius=initial[0].copy(),
             traction=np.zeros((ids.shape[0], d)),
         )
@@ -84,9 +81,7 @@ class TractionFaces:
         weights = np.zeros((nc, self._cells.width**d))
         self.corners = Corners(np.zeros(nc, dtype=np.int64), weights, np.zeros((nc, d)))
         self._evaluated = False
-        self._varies = any(
-            "t" in component.variables for traction, _ in loads for component, _ in traction.components(d)
-        )
+        self._varies = any(load.varies for load, _ in loads)
 
     def __bool__(self) -> bool:
         """Whether any face is loaded."""
@@ -121,10 +116,7 @@ class TractionFaces:
             )
 
     def _evaluate(self, time: float) -> None:
-        for (traction, _), rows in zip(self._loads, self._rows, strict=True):
-            for a, (component, factor) in enumerate(traction.components(len(self._cells.stride))):
-                values = evaluate(component, self._centres[:, rows], time)
-                if not np.all(np.isfinite(values)):
-                    raise SimulationError(f"load '{traction.name}': its value is not finite at time {time:g}")
-                self.faces.traction[rows, a] = factor * values
+        for (load, _), rows in zip(self._loads, self._rows, strict=True):
+            for a, value in enumerate(load.traction_at(self._centres[:, rows], time)):
+                self.faces.traction[rows, a] = finite(value, load, time)
         self._evaluated = True

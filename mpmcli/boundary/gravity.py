@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from mpmcli.boundary.base import LOADS, LoadModel, check_length
+from mpmcli.boundary.base import LOADS, LoadModel, Values, check_length
 from mpmcli.core.model import field_of
 
 _Acceleration: Any = field_of("acceleration", ("t",))
@@ -18,6 +18,15 @@ class Gravity(LoadModel):
     """Kind of load."""
     acceleration: tuple[_Acceleration, ...]
     """Acceleration, one number or expression of t per axis."""
+
+    @property
+    def varies(self) -> bool:
+        """Whether it depends on time."""
+        return any("t" in component.variables for component in self.acceleration)
+
+    def uniform_acceleration(self, time: float) -> Values:
+        """Return the acceleration of all particles."""
+        return [component(t=time) for component in self.acceleration]
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What does not fit an analysis with so many axes."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Literal
 
+import numpy as np
 from pydantic import model_validator
 
-from mpmcli.boundary.base import LOADS, LoadModel, check_length
-from mpmcli.boundary.place import Box, Region, check_space
+from mpmcli.boundary.base import LOADS, Array, LoadModel, Values, check_length
+from mpmcli.boundary.place import Box, Region, check_space, inside
 from mpmcli.core.model import Model, field_of
 
 _Force: Any = field_of("force", ("t",))
@@ -42,6 +44,32 @@ class ParticleForce(LoadModel):
     """Force, one number or expression of t per axis (axisymmetric: on the full ring)."""
     per: Literal["total", "particle"] = "total"
     """Whether the force is the total, shared in proportion to mass, or that on each particle."""
+
+    @property
+    def varies(self) -> bool:
+        """Whether it depends on time."""
+        return any("t" in component.variables for component in self.force)
+
+    @property
+    def shares_force(self) -> bool:
+        """Whether the force is the total."""
+        return self.per == "total"
+
+    def chosen(self, points: Array, is_of: Callable[[str], Array]) -> Array:
+        """Return which particles are of the body, in the box and in the region."""
+        on = self.on
+        found = np.ones(points.shape[1], dtype=bool)
+        if on.body is not None:
+            found &= is_of(on.body)
+        if on.box is not None:
+            found &= inside(on.box, None, points)
+        if on.region is not None:
+            found &= inside(None, on.region, points)
+        return found
+
+    def force_at(self, points: Array, time: float) -> Values:
+        """Return the force."""
+        return [component(t=time) for component in self.force]
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What does not fit an analysis with so many axes."""

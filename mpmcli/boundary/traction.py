@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 from pydantic import model_validator
 
-from mpmcli.boundary.base import LOADS, LoadModel, check_length
+from mpmcli.boundary.base import LOADS, Array, LoadModel, Values, check_length
 from mpmcli.boundary.place import Face, check_axis
-from mpmcli.boundary.velocity import check_variables
+from mpmcli.boundary.velocity import check_variables, evaluate
 from mpmcli.core.expressions import Expression
 from mpmcli.core.model import Model, field_of
 
@@ -50,16 +50,23 @@ class Traction(LoadModel):
         """Whether area and direction follow the deformed face."""
         return self.pressure is not None if self.follower is None else self.follower
 
-    def components(self, dimensions: int) -> tuple[tuple[Expression, float], ...]:
-        """Traction along each axis as expression and factor (a pressure acts against the outward normal)."""
+    @property
+    def varies(self) -> bool:
+        """Whether it depends on time."""
+        return any("t" in component.variables for component in self.traction or (self.pressure,))
+
+    def loaded_face(self) -> tuple[str, Face]:
+        """Return body and face."""
+        return self.on.body, self.on.face
+
+    def traction_at(self, points: Array, time: float) -> Values:
+        """Return the traction at points (d, n) of the face; a pressure acts against the outward normal."""
         if self.traction is not None:
-            return tuple((component, 1.0) for component in self.traction)
-        nothing = Expression.constant(0.0)
-        pressure: Any = self.pressure
+            return [evaluate(component, points, time) for component in self.traction]
         face = self.on.face
-        return tuple(
-            (pressure, float(-face.sign)) if a == face.index else (nothing, 0.0) for a in range(dimensions)
-        )
+        along: list[Any] = [0.0] * points.shape[0]
+        along[face.index] = -face.sign * evaluate(cast(Expression, self.pressure), points, time)
+        return along
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What does not fit an analysis with so many axes."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, get_args
@@ -29,10 +29,13 @@ class Registry:
         What an entry is called in messages, e.g. ``"material"``.
     variable
         The name of the registry in the files of its entries, e.g. ``"MATERIALS"``.
+    lack
+        Says what a model lacks to be an entry; nothing if it is one.
     """
 
-    def __init__(self, noun: str, variable: str):
+    def __init__(self, noun: str, variable: str, lack: Callable[[type[Any]], str] = lambda model: ""):
         self.noun = noun
+        self._lack = lack
         self._pattern = re.compile(_ENTRY.format(variable), re.MULTILINE | re.DOTALL)
         self._entries: dict[str, type[BaseModel]] = {}
         self._modules: dict[str, str] = {}
@@ -50,6 +53,9 @@ class Registry:
 
     def register(self, model: type[Any]) -> type[Any]:
         """Class decorator: add a model under each name of its literal ``kind`` field."""
+        lack = self._lack(model)
+        if lack:
+            raise TypeError(f"{model.__name__} is no {self.noun}: {lack}")
         for kind in get_args(model.model_fields["kind"].annotation):
             if kind in self._entries or self._modules.setdefault(kind, model.__module__) != model.__module__:
                 raise ValueError(f"{self.noun} '{kind}' is registered twice")

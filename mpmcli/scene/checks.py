@@ -295,7 +295,7 @@ def _check_tractions(parts: Parts, root: Node, report: Report) -> None:
     if parts.method is None or SHAPES[parts.method.shape].grid_functions != "other":
         return
     for index, model in parts.loads:
-        if model.kind == "traction":
+        if "traction_at" in model.effects():
             words = f"tractions need linear or quadratic grid functions, which '{parts.method.shape}' has not"
             report(f"{label(root, 'loads', index)}.kind", words, "shape")
 

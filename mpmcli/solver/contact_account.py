@@ -12,8 +12,8 @@ from mpmcli.contact.clouds import NEAREST
 from mpmcli.contact.contacts import Contacts
 from mpmcli.contact.normals.base import NOT_CONVERGED
 from mpmcli.contact.separation.base import APART
+from mpmcli.core.identity import place_of_identity
 from mpmcli.core.state import ContactView
-from mpmcli.solver.loads import place_of_identity
 
 if TYPE_CHECKING:
     from mpmcli.solver.simulation import Simulation

@@ -81,6 +81,8 @@ def explain(
     kept = {f.name: getattr(arrays, f.name) for f in fields(StepArrays)}
     dense = {f"grid.{key}": array for key, array in (("mp", grid.mp), ("f", grid.f))}
     dense |= {key: array for key, array in kept.items() if array is not None}
+    if plan.has_loads:
+        dense["loads.force"] = np.zeros((grid.dof_count, grid.dimensions))
     contact = ContactChoice(scene, plan)
     dense |= contact.nodal_arrays(grid)
     particle_bytes = sum(array.nbytes for array in particles.arrays().values())

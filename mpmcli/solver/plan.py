@@ -190,7 +190,6 @@ class StepArrays:
     w : (n, d) accelerations (FLIP) or projected velocities (XPIC)
     dv, out : (n, d) velocity increment of the FMPM loop and what one pass makes of it
     p_start, p_again : (n, d) momenta at the start of the step; momenta extrapolated again
-    f_external : (n, d) forces of loads
     X_new : (d, N) positions after the step, while stencils still need the old ones
     grid_damping : (1,) rate
     node_work : (chunks,) energy taken by grid damping
@@ -205,7 +204,6 @@ class StepArrays:
     out: Any
     p_start: Any
     p_again: Any
-    f_external: Any
     X_new: Any
     grid_damping: Any
     node_work: Any
@@ -228,7 +226,6 @@ def allocate_step_arrays(plan: Plan, grid: Grid, particles: int) -> StepArrays:
         out=nodal(plan.has_full_mass_loop or plan.method.projects),
         p_start=nodal(plan.keeps_start_momenta),
         p_again=nodal(plan.update.again),
-        f_external=nodal(plan.has_loads),
         X_new=np.zeros((d, particles)) if plan.keeps_positions else None,
         grid_damping=np.array([plan.grid_damping]) if plan.grid_damping else None,
         node_work=np.zeros(CHUNKS) if plan.grid_damping else None,

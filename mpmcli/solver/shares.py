@@ -8,11 +8,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+from mpmcli.boundary.loads import NoLoads
 from mpmcli.core.errors import SimulationError
 from mpmcli.scene.method import Flip, Fmpm, Xpic
 from mpmcli.solver.conditions import NoConditions
 from mpmcli.solver.contact import NoContact
-from mpmcli.solver.loads import NoLoads
 from mpmcli.solver.rigid import NoRigidBodies
 from mpmcli.solver.simulation import Simulation
 from mpmcli.stability.scene_limit import chosen_courant

@@ -76,6 +76,11 @@ def test_a_scene_of_a_plugin_runs_and_is_recorded(shell):
     assert list(recorded) == ["mpmcli-example"]
     assert recorded["mpmcli-example"]["version"] == "1.0"
     assert "mpmcli-example 1.0" in shell("info", "first").stdout
+    # the load and the condition do work on the bodies, and the table pushes back
+    header, *rows = (first / "globals.csv").read_text().splitlines()
+    last = dict(zip(header.split(","), map(float, rows[-1].split(",")), strict=True))
+    assert last["external_work"] < 0.0, "the drop falls towards the centre"
+    assert last["boundary_work"] != 0.0
     # a longer run goes on from the checkpoint, but not once a source of the plugin has changed
     shell("resume", "first", "--until", "0.5", "-q")
     source = shell.plugin / "mpmcli_example" / "log_fluid.py"
@@ -98,9 +103,23 @@ def test_what_a_plugin_brings_is_told_like_our_own(shell):
     told = shell("validate", SCENE, *wrong, code=3).stdout
     assert "did you mean 'capped_friction'" in told
     assert "did you mean 'bspline3'" in told
+    wrong = ["--set", "loads.spin.body=drip", "--set", "boundary.table.plane.axis=z"]
+    told = shell("validate", SCENE, *wrong, code=3).stdout
+    assert "there is no body 'drip'" in told
+    assert "there is no axis z" in told
     load = "loads=[{kind: traction, name: pull, on: {body: ring, face: {axis: x, side: upper}}, pressure: 1}]"
     told = shell("validate", SCENE, "--set", load, code=3).stdout
     assert "tractions need linear or quadratic grid functions, which 'bspline3' has not" in told
+
+
+@pytest.mark.slow
+def test_a_load_of_a_plugin_that_does_nothing_is_refused(shell):
+    source = shell.plugin / "mpmcli_example" / "centrifugal.py"
+    text = source.read_text(encoding="utf-8")
+    source.write_text(text.replace("def acceleration_at(", "def acceleration_nowhere("), encoding="utf-8")
+    told = shell("validate", SCENE, code=3).stderr
+    assert "the plugin mpmcli-example 1.0 cannot be used" in told
+    assert "Centrifugal is no load: it defines none of uniform_acceleration, acceleration_at" in told
 
 
 @pytest.mark.slow

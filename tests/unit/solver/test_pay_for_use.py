@@ -171,7 +171,7 @@ NEEDS = [
     ({"method__update": "usf"}, set()),
     ({"method__damping": {"grid": 0.1}}, {"grid_damping", "node_work"}),
     ({"method__damping": {"particle": 0.1}}, {"damped"}),
-    ({"loads": [{"name": "g", "kind": "gravity", "acceleration": [0, -1]}]}, {"f_external", "p_start"}),
+    ({"loads": [{"name": "g", "kind": "gravity", "acceleration": [0, -1]}]}, {"p_start"}),
 ]
 
 

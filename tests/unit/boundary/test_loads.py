@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from mpmcli.boundary import LOADS
+from mpmcli.boundary import CONDITIONS, LOADS, ConditionModel, LoadModel
 from mpmcli.boundary.body_force import BodyForce
 from mpmcli.boundary.gravity import Gravity
-from mpmcli.boundary.loads import Loads
 from mpmcli.boundary.particle_force import ParticleForce
+from mpmcli.boundary.particle_loads import ParticleLoads
 from mpmcli.boundary.traction import Traction
 from mpmcli.core.analysis import Axisymmetric, PlaneStrain
 from mpmcli.core.errors import SimulationError
@@ -35,10 +36,7 @@ def particles(count=10, seed=0):
 
 
 def loads(*models, analysis=PlaneStrain(), p=None):
-    made = Loads(models, analysis, ["left", "right"])
-    if p is not None:
-        made.start(p)
-    return made
+    return ParticleLoads(models, analysis, ["left", "right"], particles() if p is None else p)
 
 
 def test_gravity_adds_up_and_may_vary_in_time():
@@ -47,13 +45,13 @@ def test_gravity_adds_up_and_may_vary_in_time():
     )
     np.testing.assert_allclose(made.gravity(1.0), [1.0, -4.905])
     assert loads().gravity(0.0) is None
-    assert made.particle_accelerations(0.0, particles()) is None
+    assert made.accelerations(0.0, particles()) is None
 
 
 def test_gravity_may_come_with_the_particles():
     p = particles()
     made = loads(Gravity(name="a", acceleration=[0, -2]), p=p)
-    B = made.particle_accelerations(0.0, p, with_gravity=True)
+    B = made.accelerations(0.0, p, with_gravity=True)
     np.testing.assert_array_equal(B, np.array([[0.0], [-2.0]]) * np.ones(p.count))
 
 
@@ -68,7 +66,7 @@ def test_body_forces_are_evaluated_where_particles_are():
         x, y = p.X
         right = p.body == 1
         expected = [x * time + right, 1 + y + x * right]
-        np.testing.assert_allclose(made.particle_accelerations(time, p), expected)
+        np.testing.assert_allclose(made.accelerations(time, p), expected)
         p.X += 0.5
 
 
@@ -79,23 +77,21 @@ def test_initial_coordinates_stay_with_the_particle():
     order = np.random.default_rng(1).permutation(p.count)
     p.X[:] = p.X[:, order] + 1.0
     p.id[:] = order
-    np.testing.assert_allclose(made.particle_accelerations(3.0, p), [start[0, order], 3 * start[1, order]])
-    resumed = loads(BodyForce(name="a", acceleration=["x", "y*t"], coordinates="initial"))
-    resumed.start(p, made.initial_positions)
-    np.testing.assert_allclose(resumed.particle_accelerations(3.0, p), [start[0, order], 3 * start[1, order]])
+    np.testing.assert_allclose(made.accelerations(3.0, p), [start[0, order], 3 * start[1, order]])
 
 
 def test_initial_positions_are_kept_only_where_needed():
     p = particles()
     made = loads(BodyForce(name="a", acceleration=["x", "y"]), p=p)
     assert made.initial_positions is None
-    assert not made.needs_initial_positions
+    chosen = ParticleForce(name="a", on={"box": {"lower": [0, 0], "upper": [2, 4]}}, force=[3, -1])
+    assert loads(chosen, p=p).initial_positions is None
 
 
 def test_a_total_force_is_shared_by_mass():
     p = particles()
     made = loads(ParticleForce(name="a", on={"body": "left"}, force=["3*t", -1]), p=p)
-    B = made.particle_accelerations(2.0, p)
+    B = made.accelerations(2.0, p)
     np.testing.assert_allclose(B @ p.mass, [6.0, -1.0])
     left = p.body == 0
     assert np.ptp(B[0, left]) < 1e-14
@@ -112,7 +108,7 @@ def test_a_force_per_particle_is_the_same_on_each():
     )
     inside = p.X[0] <= 2
     p.X += 5.0
-    force = made.particle_accelerations(0.0, p) * p.mass
+    force = made.accelerations(0.0, p) * p.mass
     np.testing.assert_allclose(force, np.array([[3.0], [-1.0]]) * inside)
 
 
@@ -123,7 +119,7 @@ def test_a_region_and_a_body_choose_what_is_in_both():
 
     p = particles(40)
     made = loads(ParticleForce(name="a", on={"body": "left", "region": Right()}, force=[3, 0]), p=p)
-    B = made.particle_accelerations(0.0, p)
+    B = made.accelerations(0.0, p)
     np.testing.assert_array_equal(B[0] > 0, (p.X[0] > 2) & (p.body == 0))
     assert B[0] @ p.mass == pytest.approx(3.0)
 
@@ -132,39 +128,42 @@ def test_the_total_does_not_change_when_particles_are_lost():
     p = particles()
     made = loads(ParticleForce(name="a", on={"body": "left"}, force=[3, 0]), p=p)
     kept = Particles(**{name: array[..., 3:] for name, array in p.arrays().items()})
-    assert made.particle_accelerations(0.0, kept)[0] @ kept.mass == pytest.approx(3.0)
+    assert made.accelerations(0.0, kept)[0] @ kept.mass == pytest.approx(3.0)
     none = Particles(**{name: array[..., p.body == 1] for name, array in p.arrays().items()})
-    np.testing.assert_array_equal(made.particle_accelerations(0.0, none), 0.0)
+    np.testing.assert_array_equal(made.accelerations(0.0, none), 0.0)
 
 
 def test_forces_of_the_user_are_those_on_the_full_ring():
     p = particles()
     made = loads(ParticleForce(name="a", on={"body": "left"}, force=[0, 3]), analysis=Axisymmetric(), p=p)
-    assert made.particle_accelerations(0.0, p)[1] @ p.mass * 2 * math.pi == pytest.approx(3.0)
+    assert made.accelerations(0.0, p)[1] @ p.mass * 2 * math.pi == pytest.approx(3.0)
 
 
 def test_loads_that_never_change_are_kept_between_sorts():
     p = particles()
     made = loads(BodyForce(name="a", acceleration=["x", 0], coordinates="initial"), p=p)
-    first = made.particle_accelerations(0.0, p, version=1).copy()
+    first = made.accelerations(0.0, p, version=1).copy()
     p.id[:] = p.id[::-1].copy()
-    np.testing.assert_array_equal(made.particle_accelerations(1.0, p, version=1), first)
-    np.testing.assert_array_equal(made.particle_accelerations(1.0, p, version=2), first[:, ::-1])
+    np.testing.assert_array_equal(made.accelerations(1.0, p, version=1), first)
+    np.testing.assert_array_equal(made.accelerations(1.0, p, version=2), first[:, ::-1])
 
 
 def test_values_that_are_not_finite_stop_the_run():
     p = particles()
     made = loads(BodyForce(name="spin", acceleration=["log(x - 9)", 0]), p=p)
     with pytest.raises(SimulationError, match="load 'spin': its value is not finite at time 1"):
-        made.particle_accelerations(1.0, p)
-    with pytest.raises(SimulationError, match="gravity: its value is not finite"):
+        made.accelerations(1.0, p)
+    with pytest.raises(SimulationError, match="load 'a': its value is not finite"):
         loads(Gravity(name="a", acceleration=["1/t", 0])).gravity(0.0)
 
 
-def test_tractions_are_set_apart():
+def test_tractions_act_on_faces():
     on = {"body": "left", "face": {"axis": "x", "side": "upper"}}
     traction = Traction(name="t", on=on, pressure=1)
-    assert loads(traction).tractions == [traction]
+    assert traction.effects() == {"traction_at"}
+    assert traction.loaded_face() == ("left", traction.on.face)
+    assert traction.traction_at(np.zeros((2, 3)), 0.0) == [-1.0, 0.0]
+    assert loads(traction).accelerations(0.0, particles(), with_gravity=True) is None
     assert traction.bodies() == [("on.body", "left")]
     assert traction.follows
     assert not Traction(name="t", on=on, pressure=1, follower=False).follows
@@ -207,3 +206,62 @@ def test_all_kinds_are_registered():
 def test_a_target_must_be_said():
     with pytest.raises(ValidationError, match="give body, box or region"):
         ParticleForce(name="a", on={}, force=[1])
+
+
+class Lift(LoadModel):
+    """Two effects in one kind: an acceleration of all, and a force on the upper half."""
+
+    kind: Literal["lift"] = "lift"
+
+    def uniform_acceleration(self, time):
+        return [0.0, 2.0 * time]
+
+    def chosen(self, points, is_of):
+        return is_of("left") & (points[1] > 2.0)
+
+    def force_at(self, points, time):
+        return [points[0], 0.0]
+
+    def problems(self, dimensions):
+        return []
+
+
+def test_a_load_acts_by_the_methods_that_it_has():
+    p = particles()
+    made = loads(Lift(name="up"), p=p)
+    np.testing.assert_array_equal(made.gravity(3.0), [0.0, 6.0])
+    chosen = (p.body == 0) & (p.X[1] > 2.0)
+    assert 0 < chosen.sum() < 10
+    p.X += 1.0
+    B = made.accelerations(1.0, p)
+    np.testing.assert_allclose(B * p.mass, [np.where(chosen, p.X[0], 0.0), np.zeros(10)])
+
+
+def test_a_load_without_effect_is_refused():
+    class Idle(LoadModel):
+        kind: Literal["idle"] = "idle"
+
+    with pytest.raises(TypeError, match="Idle is no load: it defines none of uniform_acceleration"):
+        LOADS.register(Idle)
+    assert "idle" not in LOADS
+
+    class Faceless(Idle):
+        def traction_at(self, points, time):
+            return [0.0, 0.0]
+
+    with pytest.raises(TypeError, match="'traction_at' without 'loaded_face'"):
+        LOADS.register(Faceless)
+
+
+def test_a_condition_that_holds_nothing_is_refused():
+    class Idle(ConditionModel):
+        kind: Literal["idle"] = "idle"
+
+    with pytest.raises(TypeError, match="Idle is no boundary condition: it does not define 'holder'"):
+        CONDITIONS.register(Idle)
+    assert "idle" not in CONDITIONS
+
+
+@pytest.mark.parametrize("kind", list(LOADS))
+def test_our_loads_say_what_they_do(kind):
+    assert LOADS[kind].effects()
