@@ -8,8 +8,6 @@ The models (one file each, imported when a scene names it) are the scene's words
 from mpmcli.boundary.base import CONDITIONS, LOADS, ConditionModel, LoadModel
 from mpmcli.core.plugins import load_plugins
 
-CONDITIONS.discover(__name__, __path__)
-LOADS.discover(__name__, __path__)
 load_plugins("conditions", CONDITIONS, ConditionModel)
 load_plugins("loads", LOADS, LoadModel)
 

@@ -1,7 +1,8 @@
 """What a boundary condition is: a model in words, and a holder that knows the nodes it holds and their
 values.
 
-A new condition or load is one new file here, registered in ``CONDITIONS`` or ``LOADS``.
+A new condition or load is one new file here, registered in ``CONDITIONS`` or ``LOADS``, and a row in the table of
+that registry.
 """
 
 from __future__ import annotations
@@ -32,8 +33,27 @@ def _lack_of_load(model: type[Any]) -> str:
     return ""
 
 
-CONDITIONS = Registry("boundary condition", "CONDITIONS", _lack_of_condition)
-LOADS = Registry("load", "LOADS", _lack_of_load)
+CONDITIONS = Registry(
+    "boundary condition",
+    "mpmcli.boundary",
+    {
+        "symmetry": "symmetry",
+        "velocity": "velocity",
+        "wall": "wall",
+    },
+    _lack_of_condition,
+)
+LOADS = Registry(
+    "load",
+    "mpmcli.boundary",
+    {
+        "body_force": "body_force",
+        "gravity": "gravity",
+        "particle_force": "particle_force",
+        "traction": "traction",
+    },
+    _lack_of_load,
+)
 
 TOLERANCE = 1e-9
 """How far from a plane, in cells, a node still counts as on it."""

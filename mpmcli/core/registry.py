@@ -1,23 +1,18 @@
 """Registries: the named alternatives (``kind:``) of a scene, each in a file of its own.
 
-A room reads once which of its files hold which kinds (``Registry.discover``), so that a new alternative is one new
-file; it is imported when a scene names it.
+A registry has a table of its kinds and the module of each, so that a module is imported when a scene names its kind.
 """
 
 from __future__ import annotations
 
 import importlib
 import pkgutil
-import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
-from pathlib import Path
 from typing import Annotated, Any, get_args
 
 from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import PydanticKnownError, SchemaValidator, core_schema
-
-_ENTRY = r"^@{}\.register\nclass .*?^    kind: Literal\[([^\]]*)\]"
 
 
 class Registry:
@@ -27,29 +22,26 @@ class Registry:
     ----------
     noun
         What an entry is called in messages, e.g. ``"material"``.
-    variable
-        The name of the registry in the files of its entries, e.g. ``"MATERIALS"``.
+    package
+        The package of its modules, e.g. ``"mpmcli.materials"``.
+    table
+        The module in the package of each kind; kinds of plugins come on top.
     lack
         Says what a model lacks to be an entry; nothing if it is one.
     """
 
-    def __init__(self, noun: str, variable: str, lack: Callable[[type[Any]], str] = lambda model: ""):
+    def __init__(
+        self,
+        noun: str,
+        package: str,
+        table: Mapping[str, str],
+        lack: Callable[[type[Any]], str] = lambda model: "",
+    ):
         self.noun = noun
         self._lack = lack
-        self._pattern = re.compile(_ENTRY.format(variable), re.MULTILINE | re.DOTALL)
         self._entries: dict[str, type[BaseModel]] = {}
-        self._modules: dict[str, str] = {}
-
-    def discover(self, package: str, path: list[str]) -> None:
-        """Learn from the text of a package's modules which of them holds which entry: none is imported."""
-        for folder in path:
-            for module in pkgutil.iter_modules([folder]):
-                name, source = f"{package}.{module.name}", Path(folder, f"{module.name}.py")
-                if not source.is_file():  # installed without sources
-                    importlib.import_module(name)
-                    continue
-                for kinds in self._pattern.findall(source.read_text(encoding="utf-8")):
-                    self._modules |= dict.fromkeys(re.findall(r'"([^"]*)"', kinds), name)
+        self._package = package
+        self._modules = {kind: f"{package}.{module}" for kind, module in table.items()}
 
     def register(self, model: type[Any]) -> type[Any]:
         """Class decorator: add a model under each name of its literal ``kind`` field."""
@@ -57,6 +49,8 @@ class Registry:
         if lack:
             raise TypeError(f"{model.__name__} is no {self.noun}: {lack}")
         for kind in get_args(model.model_fields["kind"].annotation):
+            if kind not in self and model.__module__.startswith(f"{self._package}."):
+                raise ValueError(f"{self.noun} '{kind}' is not in the table of its registry")
             if kind in self._entries or self._modules.setdefault(kind, model.__module__) != model.__module__:
                 raise ValueError(f"{self.noun} '{kind}' is registered twice")
             self._entries[kind] = model
@@ -66,6 +60,10 @@ class Registry:
         if kind not in self._entries:
             importlib.import_module(self._modules[kind])
         return self._entries[kind]
+
+    def module_of(self, kind: str) -> str:
+        """Return the name of the module that registers a kind."""
+        return self._modules[kind]
 
     def __contains__(self, kind: object) -> bool:
         return kind in self._modules

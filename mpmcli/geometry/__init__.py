@@ -6,7 +6,6 @@ from mpmcli.geometry.faces import surface_faces
 from mpmcli.geometry.fill import BodyParticles, fill_bodies
 from mpmcli.geometry.report import BodyReport, body_report, report_table
 
-REGIONS.discover(__name__, __path__)
 load_plugins("regions", REGIONS, Region)
 
 __all__ = [

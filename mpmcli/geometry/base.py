@@ -1,6 +1,7 @@
 """What a region is: a set of points that a scene describes, turned and moved as it says.
 
-A new region is one new file here: a model registered in ``REGIONS`` that says which points it holds
+A new region is one new file here, with a row in ``KINDS``: a model registered in ``REGIONS`` that says
+which points it holds
 (``_inside``) and where it ends (``_bounds``); size (``_measure``) and centre (``_centroid``) where a closed
 form is known. Own coordinates are those before ``rotate`` and ``translate``; the public methods speak of the
 region as it stands.
@@ -18,7 +19,25 @@ from mpmcli.core.registry import Registry
 from mpmcli.geometry.rotation import Rotation
 from mpmcli.geometry.vectors import Vector
 
-REGIONS = Registry("region", "REGIONS")
+KINDS = {
+    "bitmap": "bitmap",
+    "box": "box",
+    "cylinder": "cylinder",
+    "difference": "difference",
+    "disk": "sphere",
+    "ellipse": "ellipse",
+    "ellipsoid": "ellipse",
+    "half_space": "half_space",
+    "intersection": "intersection",
+    "mesh": "mesh",
+    "points": "points",
+    "polygon": "polygon",
+    "sphere": "sphere",
+    "union": "union",
+}
+"""The module in this package of each kind."""
+
+REGIONS = Registry("region", "mpmcli.geometry", KINDS)
 
 TOLERANCE = 1e-9
 """A point this near to the border, relative to the region's size, counts as inside."""

@@ -3,7 +3,6 @@
 from mpmcli.core.plugins import load_plugins
 from mpmcli.materials.base import MATERIALS, MaterialModel
 
-MATERIALS.discover(__name__, __path__)
 load_plugins("materials", MATERIALS, MaterialModel)
 
 __all__ = ["MATERIALS", "MaterialModel"]

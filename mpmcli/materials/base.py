@@ -1,7 +1,8 @@
 """What a material is: a pydantic model (the scene's words), a named tuple of numbers, and four scalar
 functions.
 
-A new material is one new file here: a model registered in ``MATERIALS``, its parameter tuple, and
+A new material is one new file here (and its row in ``KINDS``): a
+model registered in ``MATERIALS``, its parameter tuple, and
 implementations of ``kirchhoff_stress``, ``strain_energy``, ``wave_speed_squared`` (and
 ``bulk_speed_squared``, ``absorb_work`` where the defaults do not serve), registered for the tuple's class.
 """
@@ -16,7 +17,18 @@ from mpmcli.core.dispatch import generic
 from mpmcli.core.model import Density, Model
 from mpmcli.core.registry import Registry
 
-MATERIALS = Registry("material", "MATERIALS")
+KINDS = {
+    "ideal_gas": "ideal_gas",
+    "j2_plastic": "j2_plastic",
+    "linear_elastic": "linear_elastic",
+    "mie_gruneisen": "mie_gruneisen",
+    "neo_hookean": "neo_hookean",
+    "rigid": "rigid",
+    "tait_fluid": "tait_fluid",
+}
+"""The module in this package of each kind."""
+
+MATERIALS = Registry("material", "mpmcli.materials", KINDS)
 
 
 class Matter(Model):

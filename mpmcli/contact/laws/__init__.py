@@ -3,7 +3,6 @@
 from mpmcli.contact.laws.base import LAWS, LawModel
 from mpmcli.core.plugins import load_plugins
 
-LAWS.discover(__name__, __path__)
 load_plugins("laws", LAWS, LawModel)
 
 __all__ = ["LAWS", "LawModel"]

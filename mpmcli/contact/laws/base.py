@@ -1,6 +1,7 @@
 """What a contact law is: a pydantic model (the scene's words), a named tuple of numbers, and one compiled function.
 
-A new law is one new file here: a model registered in ``LAWS``, its parameter tuple, decorated with
+A new law is one new file here (and its row in ``KINDS``): a
+model registered in ``LAWS``, its parameter tuple, decorated with
 ``settle.contact_law``, and an implementation of ``settle.sliding_traction`` registered for the tuple's class.
 """
 
@@ -11,7 +12,18 @@ from typing import ClassVar, NamedTuple
 from mpmcli.core.model import Model
 from mpmcli.core.registry import Registry
 
-LAWS = Registry("contact law", "LAWS")
+KINDS = {
+    "adhesion_friction": "adhesion_friction",
+    "coulomb": "coulomb",
+    "frictionless": "frictionless",
+    "none": "none",
+    "perfect": "perfect",
+    "stick": "stick",
+    "velocity_friction": "velocity_friction",
+}
+"""The module in this package of each kind."""
+
+LAWS = Registry("contact law", "mpmcli.contact.laws", KINDS)
 
 
 class LawModel(Model):

@@ -3,7 +3,6 @@
 from mpmcli.contact.normals.base import DEGENERATE, FOUND, NORMALS, NOT_CONVERGED, NormalModel, find_normal
 from mpmcli.core.plugins import load_plugins
 
-NORMALS.discover(__name__, __path__)
 load_plugins("normals", NORMALS, NormalModel)
 
 __all__ = ["DEGENERATE", "FOUND", "NORMALS", "NOT_CONVERGED", "NormalModel", "find_normal"]

@@ -1,6 +1,7 @@
 """What a normal method is: a pydantic model (the scene's words), a named tuple of numbers, and one function.
 
-A new method is one new file here: a model registered in ``NORMALS``, its parameter tuple, and an
+A new method is one new file here (and its row in ``KINDS``): a
+model registered in ``NORMALS``, its parameter tuple, and an
 implementation of ``find_normal`` registered for the tuple's class.
 """
 
@@ -12,7 +13,20 @@ from mpmcli.core.dispatch import generic
 from mpmcli.core.model import Model, quantity
 from mpmcli.core.registry import Registry
 
-NORMALS = Registry("normal method", "NORMALS")
+KINDS = {
+    "average_gradient": "average_gradient",
+    "irls": "irls",
+    "linear_regression": "linear_regression",
+    "logistic_regression": "logistic_regression",
+    "maximum_gradient": "maximum_gradient",
+    "maximum_volume": "maximum_volume",
+    "own_gradient": "own_gradient",
+    "specified": "specified",
+    "volume_weighted_gradient": "volume_weighted_gradient",
+}
+"""The module in this package of each kind."""
+
+NORMALS = Registry("normal method", "mpmcli.contact.normals", KINDS)
 
 FOUND, NOT_CONVERGED, DEGENERATE = 0, 1, 2
 """What ``find_normal`` returns: all is well; the last iterate was taken; the method gave no direction."""

@@ -3,7 +3,6 @@
 from mpmcli.contact.separation.base import SEPARATIONS, SeparationModel, find_separation
 from mpmcli.core.plugins import load_plugins
 
-SEPARATIONS.discover(__name__, __path__)
 load_plugins("separations", SEPARATIONS, SeparationModel)
 
 __all__ = ["SEPARATIONS", "SeparationModel", "find_separation"]

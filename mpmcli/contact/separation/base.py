@@ -1,7 +1,8 @@
 """What a separation method is: a pydantic model, a named tuple of numbers, and one compiled function.
 
-A new method is one new file here: a model registered in ``SEPARATIONS``, its parameter tuple, and an implementation
-of ``find_separation`` registered for the tuple's class.
+A new method is one new file here (and its row in ``KINDS``): a
+model registered in ``SEPARATIONS``, its parameter tuple, and an
+implementation of ``find_separation`` registered for the tuple's class.
 """
 
 from __future__ import annotations
@@ -12,7 +13,16 @@ from mpmcli.core.dispatch import generic
 from mpmcli.core.model import Model
 from mpmcli.core.registry import Registry
 
-SEPARATIONS = Registry("separation", "SEPARATIONS")
+KINDS = {
+    "displacement": "displacement",
+    "none": "none",
+    "position_fit": "position_fit",
+    "position_offset": "position_offset",
+    "regression": "regression",
+}
+"""The module in this package of each kind."""
+
+SEPARATIONS = Registry("separation", "mpmcli.contact.separation", KINDS)
 
 TOUCHING = -1e300
 """Separation of sides that always touch [length]; finite, because compiled code knows no infinity."""

@@ -38,7 +38,7 @@ class Own(Base):
 @pytest.fixture
 def registry(monkeypatch):
     """A registry with one own entry; modules of plugins find it as ``registries.MATERIALS``."""
-    made = Registry("material", "MATERIALS")
+    made = Registry("material", "registries", {})
     made.register(Own)
     module = type(sys)("registries")
     module.MATERIALS = made
