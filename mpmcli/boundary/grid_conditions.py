@@ -9,34 +9,30 @@ import numpy as np
 from mpmcli.boundary.conditions import VelocityConditions
 from mpmcli.boundary.images import Images
 from mpmcli.core.grid import Grid
-from mpmcli.core.state import State
 from mpmcli.core.step import Step
 
 Array = np.ndarray
 
 
 class GridConditions:
-    """Velocity conditions on the grid, with their work and reactions in the current step.
+    """Velocity conditions on the grid, in the current step.
 
     Parameters
     ----------
     conditions : the scene's conditions on its grid
     grid : the grid that they act on
     rigid_fields : for each velocity field, whether it belongs to a rigid body, which no condition holds
-    state : receives their work and reactions
 
     Attributes
     ----------
     images : completes nodal sums beside symmetry planes; None without any
     """
 
-    def __init__(
-        self, conditions: VelocityConditions, grid: Grid, rigid_fields: tuple[bool, ...], state: State
-    ):
+    def __init__(self, conditions: VelocityConditions, grid: Grid, rigid_fields: tuple[bool, ...]):
         self.conditions = conditions
         mirror = conditions.mirror
         self.images = None if mirror is None else Images(mirror, grid, rigid_fields)
-        self._grid, self._state = grid, state
+        self._grid = grid
         self._rigid = np.array(rigid_fields)
         self._version = -1
 
@@ -72,16 +68,13 @@ class GridConditions:
         if before is not None:
             impulse[:] = before
 
-    def account(self, step: Step, v: Array) -> None:
-        """Add the work of the conditions on the bodies: reactions times held velocities, 0 for a fixed support."""
-        work = self._state.work
-        if "boundary_work" in work:
-            work["boundary_work"] += self.conditions.work(v)
+    def work(self, v: Array) -> float:
+        """Return their work on the bodies in this step: reactions times held velocities, 0 for a fixed support."""
+        return self.conditions.work(v)
 
-    def show_reactions(self, step: Step) -> None:
-        """Task 6: the force of each condition on the bodies in this step, by name."""
-        conditions = self.conditions
-        self._state.reactions = dict(zip(conditions.names, conditions.reactions(step.dt), strict=True))
+    def reactions(self, dt: float) -> dict[str, Array]:
+        """Return the force of each condition on the bodies in this step, by name."""
+        return dict(zip(self.conditions.names, self.conditions.reactions(dt), strict=True))
 
     def idle(self) -> list[str]:
         """Names of conditions that hold no node with mass in this step."""

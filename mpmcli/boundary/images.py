@@ -1,4 +1,4 @@
-"""Completion of nodal sums beside symmetry planes: what particles give to nodes beyond a plane belongs to their images."""
+"""Completion of nodal sums beside symmetry planes: what nodes beyond a plane receive belongs to their images too."""
 
 from __future__ import annotations
 

@@ -18,6 +18,7 @@ from mpmcli.core.identity import place_of_identity
 from mpmcli.core.nodes import CHUNKS
 from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
+from mpmcli.core.step import Step
 
 
 class Scatter(Protocol):
@@ -96,9 +97,9 @@ class Loads:
         self._version: Any = None
         self._work = np.zeros(CHUNKS)
 
-    def collect(self, time: float) -> None:
-        """Find the forces of all loads at ``time``; call when nodal masses are those of the particles alone."""
-        grid, f, version = self._grid, self.force, self._order.version
+    def collect(self, step: Step) -> None:
+        """Task 1: find the forces of all loads at the start of the step."""
+        time, grid, f, version = step.time, self._grid, self.force, self._order.version
         nodes.clear_nodes[self._parallel](grid.active, f)
         B = self.on_particles.accelerations(time, self._particles, version, self._has_mirror)
         if B is not None:
@@ -113,6 +114,10 @@ class Loads:
             self.faces.add(time, self._particles, self._place, grid.mp, f)
         if self._rigid_dofs is not None:
             f[self._rigid_dofs()] = 0.0
+
+    def nodal_arrays(self) -> dict[str, Array]:
+        """Return its arrays over all nodes, by name."""
+        return {"force": self.force}
 
     def add_to(self, f: Array) -> None:
         """Add them to nodal forces (n, d)."""
@@ -133,6 +138,10 @@ class NoLoads:
 
     def collect(self, time: float) -> None:
         """Nothing to find."""
+
+    def nodal_arrays(self) -> dict[str, Array]:
+        """Return its arrays over all nodes, by name."""
+        return {"force": self.force}
 
     def add_to(self, f: Array) -> None:
         """Nothing to add."""

@@ -253,6 +253,7 @@ class Clouds:
     ----------
     order, grid : of the simulation
     planes : (axis, line of nodes) of each symmetry plane
+    slot_of_node : (n,) −1 everywhere; says which contact node each node is
 
     Attributes
     ----------
@@ -262,9 +263,9 @@ class Clouds:
     sights : which particles they see
     """
 
-    def __init__(self, order: CellOrder, grid: Grid, planes: list[tuple[int, int]]):
+    def __init__(self, order: CellOrder, grid: Grid, planes: list[tuple[int, int]], slot_of_node: Array):
         self._order, self._grid = order, grid
-        self._slot_of_node = np.full(grid.node_count, -1, dtype=np.int32)
+        self._slot_of_node = slot_of_node
         self._version = -1
         self.candidates = NONE
         self._shape = np.array(grid.shape, dtype=np.int64)

@@ -44,7 +44,7 @@ class VolumeAveraging:
 
     def nodal_arrays(self) -> dict[str, Array]:
         """Arrays over all nodes, by name."""
-        return {"averaging.sums": self._sums}
+        return {"sums": self._sums}
 
     def _fit(self) -> None:
         """Make the arrays of particles as long as there are particles, some of which may have been removed."""

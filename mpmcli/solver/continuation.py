@@ -89,9 +89,7 @@ def restore(parts: Mapping[str, Remembers], arrays: Mapping[str, Array]) -> None
 
 def _check_fit(parts: Mapping[str, Remembers], arrays: Mapping[str, Array]) -> None:
     optional = ("state.reactions.", "surface.")  # they come with the first step
-    expected = {
-        name: array for name, array in state_arrays(parts).items() if not name.startswith(optional)
-    }
+    expected = {name: array for name, array in state_arrays(parts).items() if not name.startswith(optional)}
     missing = [name for name in expected if name not in arrays]
     if missing:
         raise ArchiveError(f"the checkpoint does not fit the simulation: it has no array '{missing[0]}'")

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from mpmcli.boundary.exits import Exits
 from mpmcli.boundary.grid_conditions import GridConditions
+from mpmcli.boundary.loads import Loads
+from mpmcli.boundary.rigid import RigidBodies
+from mpmcli.contact.nodal_contact import NodalContact
 from mpmcli.core.grid import Grid
 from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
 from mpmcli.core.state import State
 from mpmcli.solver.averaging import VolumeAveraging
-from mpmcli.solver.contact import NodalContact
 from mpmcli.solver.damping import Damping
 from mpmcli.solver.failures import Failures
-from mpmcli.solver.loads import NodalLoads
 from mpmcli.solver.plan import StepArrays
-from mpmcli.solver.rigid import RigidBodies
 from mpmcli.solver.stress import StressUpdate
 from mpmcli.solver.transfer import Transfer
+
+Array = np.ndarray
 
 
 class Parts:
@@ -40,9 +44,18 @@ class Parts:
     exits: Exits
     failures: Failures
     conditions: GridConditions | None
-    loads: NodalLoads | None
+    loads: Loads | None
     averaging: VolumeAveraging | None
     rigid: RigidBodies | None
     contact: NodalContact | None
     parallel: bool
     reached_order: int
+
+    def nodal_arrays(self) -> dict[str, Array]:
+        """Return every array over all nodes by name."""
+        found = {"grid.mp": self.grid.mp, "grid.f": self.grid.f} | self.arrays.nodal()
+        parts = {"contact": self.contact, "loads": self.loads, "averaging": self.averaging}
+        for name, part in parts.items():
+            if part is not None:
+                found |= {f"{name}.{key}": array for key, array in part.nodal_arrays().items()}
+        return found

@@ -191,9 +191,6 @@ class StepArrays:
     dv, out : (n, d) velocity increment of the FMPM loop and what one pass makes of it
     p_start, p_again : (n, d) momenta at the start of the step; momenta extrapolated again
     X_new : (d, N) positions after the step, while stencils still need the old ones
-    grid_damping : (1,) rate
-    node_work : (chunks,) energy taken by grid damping
-    damped : (chunks,) energy taken by particle damping
     node_sums : (chunks, 4) what a dynamic order is judged by
     """
 
@@ -205,10 +202,12 @@ class StepArrays:
     p_start: Any
     p_again: Any
     X_new: Any
-    grid_damping: Any
-    node_work: Any
-    damped: Any
     node_sums: Any
+
+    def nodal(self) -> dict[str, Array]:
+        """Return the arrays over all nodes by name."""
+        names = ("v", "start", "w", "dv", "out", "p_start", "p_again")
+        return {name: array for name in names if (array := getattr(self, name)) is not None}
 
 
 def allocate_step_arrays(plan: Plan, grid: Grid, particles: int) -> StepArrays:
@@ -227,8 +226,5 @@ def allocate_step_arrays(plan: Plan, grid: Grid, particles: int) -> StepArrays:
         p_start=nodal(plan.keeps_start_momenta),
         p_again=nodal(plan.update.again),
         X_new=np.zeros((d, particles)) if plan.keeps_positions else None,
-        grid_damping=np.array([plan.grid_damping]) if plan.grid_damping else None,
-        node_work=np.zeros(CHUNKS) if plan.grid_damping else None,
-        damped=np.zeros(CHUNKS) if plan.particle_damping else None,
         node_sums=np.zeros((CHUNKS, 4)) if plan.dynamic is not None else None,
     )

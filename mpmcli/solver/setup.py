@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.contact.choice import ContactChoice
 from mpmcli.core.analysis import Axisymmetric
 from mpmcli.core.errors import SceneError
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
 from mpmcli.geometry.fill import BodyParticles, fill_bodies
 from mpmcli.geometry.report import body_report, report_table
+from mpmcli.scene.fields import law_table
 from mpmcli.scene.filling import check_memory, find_masses, ghost_layers, section_of, start_velocity
 from mpmcli.solver.plan import Plan
 
@@ -82,6 +84,26 @@ def turns_of_bodies(filled: list[BodyParticles]) -> Array | None:
     if all(body.turn is None for body in filled):
         return None
     return np.stack([np.eye(len(body.X)) if body.turn is None else body.turn for body in filled])
+
+
+def choose_contact(scene: Any, plan: Plan) -> ContactChoice:
+    """Return what the scene chooses about contact."""
+    laws, table = law_table(scene, plan.fields)
+    return ContactChoice(
+        scene.contact,
+        plan.fields,
+        plan.rigid_fields,
+        laws,
+        table,
+        has_loop=plan.has_full_mass_loop,
+        particles_per_axis=min(min(np.ravel(body.particles_per_axis)) for body in scene.bodies),
+        thickness=section_of(scene),
+    )
+
+
+def rigid_bodies_of(scene: Any) -> tuple[int, ...]:
+    """Return the indices of the rigid bodies."""
+    return tuple(i for i, b in enumerate(scene.bodies) if scene.materials[b.material].kind == "rigid")
 
 
 def _set_initial_gradients(scene: Any, particles: Particles) -> None:

@@ -8,12 +8,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from mpmcli.boundary.loads import NoLoads
 from mpmcli.core.errors import SimulationError
 from mpmcli.scene.method import Flip, Fmpm, Xpic
-from mpmcli.solver.conditions import NoConditions
-from mpmcli.solver.contact import NoContact
-from mpmcli.solver.rigid import NoRigidBodies
 from mpmcli.solver.simulation import Simulation
 from mpmcli.stability.scene_limit import chosen_courant
 
@@ -27,7 +23,6 @@ FEWEST, MOST = 5, 400
 """Rounds."""
 PARTS = {"contact": "contact", "conditions": "boundary conditions", "loads": "loads", "rigid": "rigid bodies"}
 """Parts of a simulation whose share is found, within the tasks."""
-ABSENT = (NoContact, NoConditions, NoLoads, NoRigidBodies)
 
 
 class Stopwatch:
@@ -96,7 +91,7 @@ class _Way:
         s.step()
         self.steps += 1
         self.orders += s.reached_order
-        self.full_steps += not s.plan.method.flip
+        self.full_steps += not s.last_step.plan.method.flip
         view = s.state.contact
         self.touched += view is not None and view.touching > 0
 
@@ -143,9 +138,9 @@ def measure(loaded: Any, threads: int | None = None, seconds: float = SECONDS) -
     stopwatch = Stopwatch()
     for attribute, name in PARTS.items():
         part = getattr(s, attribute)
-        if type(part) not in ABSENT:
+        if part is not None:
             setattr(s, attribute, stopwatch.watch(part, name))
-    s.timings.clear()
+    s.make_tasks()
     others, without = _ways_to_compare(loaded, threads)
     begin, rounds, count = timer.perf_counter(), 0, 1
     ways = [own, *others.values()]

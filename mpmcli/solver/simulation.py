@@ -12,9 +12,12 @@ import numpy as np
 from mpmcli.boundary.conditions import VelocityConditions
 from mpmcli.boundary.exits import Exits, held_sides
 from mpmcli.boundary.grid_conditions import GridConditions
-from mpmcli.boundary.loads import by_identity
+from mpmcli.boundary.loads import Loads
+from mpmcli.boundary.rigid import RigidBodies
+from mpmcli.contact.nodal_contact import NodalContact
 from mpmcli.core.compiler import use_threads
 from mpmcli.core.errors import SimulationError
+from mpmcli.core.identity import by_identity, place_of_identity
 from mpmcli.core.order import CellOrder
 from mpmcli.core.runtime import available_threads
 from mpmcli.core.state import State
@@ -23,16 +26,13 @@ from mpmcli.geometry.faces import surface_faces
 from mpmcli.solver import continuation, setup
 from mpmcli.solver.averaging import VolumeAveraging
 from mpmcli.solver.clock import TaskClock
-from mpmcli.solver.contact import NodalContact
 from mpmcli.solver.courant import TimeStep
 from mpmcli.solver.damping import Damping
 from mpmcli.solver.failures import Failures
 from mpmcli.solver.grid_view import show_on_grid, view_of_grid
-from mpmcli.solver.loads import NodalLoads, place_of_identity
 from mpmcli.solver.parts import Parts
 from mpmcli.solver.period import Period
-from mpmcli.solver.plan import PARALLEL_FROM, Plan, allocate_step_arrays, make_plan
-from mpmcli.solver.rigid import RigidBodies
+from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan
 from mpmcli.solver.step import Task, tasks_of
 from mpmcli.solver.stress import StressUpdate
 from mpmcli.solver.transfer import Transfer
@@ -63,6 +63,7 @@ class Simulation(Parts):
     Attributes
     ----------
     plan : the choices of the scene; those in force in a step come with the step
+    last_step : the step that was taken last
     timings : seconds per task so far, by number and name
     setup_report : text about the bodies
     """
@@ -81,6 +82,7 @@ class Simulation(Parts):
         self.max_steps = scene.time.max_steps
         self.time_step = TimeStep(scene.time.step, None, float(self.grid.cell.min()))
         self.reached_order = self.plan.order
+        self.last_step = Step(self.plan, 0.0, 0.0)
         self._last_good: State | None = None
         self._surface_identities: dict[Any, Array] = {}
         self._make_parts(scene, turns)
@@ -124,12 +126,22 @@ class Simulation(Parts):
         self.averaging = None
         if plan.averages_volume:
             self.averaging = VolumeAveraging(plan.analysis, grid, particles, self.transfer)
-        self.rigid = RigidBodies(self, scene.bodies) if state.rigid else None
-        self.loads = NodalLoads(self, scene.loads, setup.section_of(scene)) if plan.has_loads else None
-        self.contact = NodalContact(self, scene) if plan.has_contact else None
-        if self.contact is not None and state.grid is not None:
+        mirror = None if self.conditions is None else self.conditions.conditions.mirror
+        self.rigid = self.loads = self.contact = None
+        if state.rigid:
+            self.rigid = RigidBodies(
+                scene.bodies, state.rigid, plan.fields, plan.field_of_body, self.order, mirror
+            )
+        if plan.has_loads:
+            self.loads = self._make_loads(scene)
+        if plan.has_contact:
+            self.contact = NodalContact(
+                setup.choose_contact(scene, plan), self.order, self.transfer, self.conditions, mirror, self.rigid,
+                state.work, self.parallel,
+            )  # fmt: skip
             state.contact = self.contact.view
-            show_on_grid(state.grid, grid, self.contact.nodal_fields())
+            if state.grid is not None:
+                show_on_grid(state.grid, grid, self.contact.nodal_fields())
 
     def make_tasks(self) -> None:
         """List the tasks of a step, for every plan that steps may have."""
@@ -160,11 +172,11 @@ class Simulation(Parts):
             self.keep_good_state()
         is_untouched = True
         try:
-            step = self._next_step()
+            self.last_step = step = self._next_step()
             with np.errstate(all="ignore"):  # the watchdogs say it better
                 for task in self.tasks[step.plan.method.flip]:
                     is_untouched = is_untouched and not task.changes_state
-                    with self.clock(task):
+                    with self.clock(task.title):
                         task.run(step)
             self.particle_speed = self.transfer.largest_speed
             if self.state.step == 1:
@@ -248,8 +260,7 @@ class Simulation(Parts):
         return self.particles.count >= PARALLEL_FROM
 
     def _make_state(self, scene: Any) -> State:
-        plan, models = self.plan, [scene.materials[body.material] for body in scene.bodies]
-        work, extra = {}, {}
+        plan, work, extra = self.plan, {}, {}
         if scene.boundary:
             work["boundary_work"] = 0.0
         if plan.has_loads:
@@ -264,8 +275,8 @@ class Simulation(Parts):
             material_models=list(scene.materials.values()),
             full_ring=setup.full_ring(plan),
             grid=view_of_grid(self.grid, self.arrays.v, plan.rigid_fields),
-            X0=by_identity(self.particles) if plan.shows_displacement else None,
-            rigid=tuple(i for i, model in enumerate(models) if model.kind == "rigid"),
+            X0=by_identity(self.particles.id, self.particles.X) if plan.shows_displacement else None,
+            rigid=setup.rigid_bodies_of(scene),
             work=work,
             extra=extra,
         )
@@ -282,15 +293,38 @@ class Simulation(Parts):
             return None
         conditions = VelocityConditions(scene.boundary, self.grid, self.plan.analysis, self._surface_nodes)
         self._may_wait = {condition.name for condition in scene.boundary if condition.may_wait(self.grid)}
-        return GridConditions(conditions, self.grid, self.plan.rigid_fields, self.state)
+        return GridConditions(conditions, self.grid, self.plan.rigid_fields)
+
+    def _make_loads(self, scene: Any) -> Loads:
+        rigid, images = self.rigid, self.transfer.images
+        return Loads(
+            scene.loads,
+            particles=self.particles,
+            grid=self.grid,
+            order=self.order,
+            transfer=self.transfer,
+            analysis=self.plan.analysis,
+            shape=self.plan.shape,
+            section=setup.section_of(scene),
+            bodies=self.state.bodies,
+            shown=self._shown,
+            rigid_dofs=None if rigid is None else lambda: rigid.dofs,
+            has_mirror=images is not None,
+            parallel=self.parallel,
+        )
+
+    def _shown(self, body: str, face: Any) -> Array:
+        """Return the identities of the particles that show a face of a body now."""
+        p = self.particles
+        members = np.flatnonzero(p.body == self.state.bodies.index(body))
+        return p.id[surface_faces(p.X, p.size, face.index, face.side, members)]
 
     def _surface_nodes(self, body: str, face: Any) -> Array:
         """Nodes that the particles on a face of a body see now; the face is that of the undeformed body."""
         p, known = self.particles, self._surface_identities
         key = (body, face.index, face.side)
         if key not in known:
-            members = np.flatnonzero(p.body == self.state.bodies.index(body))
-            known[key] = p.id[surface_faces(p.X, p.size, face.index, face.side, members)]
+            known[key] = self._shown(body, face)
         place = place_of_identity(p.id)[known[key]]
         return self.transfer.seen_nodes(place[place >= 0])
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import logging
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -16,9 +17,9 @@ import numpy as np
 
 from mpmcli.core.errors import MpmcliError
 from mpmcli.core.kernel import Call, recording
-from mpmcli.solver.contact import NodalContact
+from mpmcli.core.step import Step
 from mpmcli.solver.simulation import Simulation
-from mpmcli.solver.step import advance
+from mpmcli.solver.step import Task
 from mpmcli.stability.choice import GivenCourant
 
 Array = np.ndarray
@@ -53,33 +54,45 @@ class StandIn(Simulation):
     def _choose_courant(self, scene: Any) -> Any:
         return GivenCourant(1.0)
 
-    def calls(self) -> list[Call]:
-        """What its steps call, each function and set of types once, in order."""
-        plans = [self.plan, self.plan.of_flip()] if self.plan.is_periodic else [self.plan]
+    def calls_of_tasks(self) -> list[tuple[Task, list[Call]]]:
+        """Return the tasks of its steps, in order, with what each calls: each function and set of types once."""
         contact, bounds = self.contact, [math.inf]
-        if isinstance(contact, NodalContact):
+        if contact is not None:
             contact.clouds.renew()
-            if isinstance(self._original.contact, NodalContact) and math.isfinite(
-                self._original.contact.parallel_from
-            ):
+            original = self._original.contact
+            if original is not None and math.isfinite(original.parallel_from):
                 bounds.append(0)
-        with np.errstate(all="ignore"), recording() as calls:
-            try:
-                for self.plan in plans:
-                    for bound in bounds:
-                        contact.parallel_from = bound  # type: ignore[attr-defined]
-                        self.grid.mp[self.grid.active, 0] = 1.0  # every field has mass wherever it may reach
-                        advance(self, 1.0)
-                self.conditions.rehearse()
-                self._strain_energy_density()
-            except (MpmcliError, ArithmeticError, LookupError, ValueError) as problem:
-                # numbers that nobody calculated may lead anywhere; what is missing is compiled when it is called
-                LOGGER.debug(
-                    "the list of what is compiled ends early: %s: %s", type(problem).__name__, problem
-                )
-        return list(calls)
+        found: list[tuple[Task, list[Call]]] = []
+        with np.errstate(all="ignore"):
+            for plan in [self.plan, self.plan.of_flip()] if self.plan.is_periodic else [self.plan]:
+                for bound in bounds:
+                    if contact is not None:
+                        contact.parallel_from = bound
+                    self.grid.mp[self.grid.active, 0] = 1.0  # every field has mass wherever it may reach
+                    step = Step(plan, 1.0, 0.0)
+                    found += [(task, recorded(task.run, step)) for task in self.tasks[plan.method.flip]]
+        return found
+
+    def calls(self) -> list[Call]:
+        """Return all that it will call, each function and set of types once, in order."""
+        calls = [call for _, of_task in self.calls_of_tasks() for call in of_task]
+        if self.conditions is not None:
+            calls += recorded(self.conditions.rehearse)
+        calls += recorded(self.stress.energy_density)
+        return list(dict.fromkeys(calls))
+
+
+def recorded(function: Callable[..., Any], *arguments: Any) -> list[Call]:
+    """Return what a function calls, whose kernels do nothing."""
+    with recording() as calls:
+        try:
+            function(*arguments)
+        except (MpmcliError, ArithmeticError, LookupError, ValueError) as problem:
+            # numbers that nobody calculated may lead anywhere; what is missing is compiled when it is called
+            LOGGER.debug("the list of what is compiled ends early: %s: %s", type(problem).__name__, problem)
+    return list(calls)
 
 
 def calls_of(simulation: Any, loaded: Any) -> list[Call]:
-    """What the steps of a simulation call; nothing of one that is not ours."""
+    """Return what the steps of a simulation call; nothing of one that is not ours."""
     return StandIn(loaded, simulation).calls() if isinstance(simulation, Simulation) else []

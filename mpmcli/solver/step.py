@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 from mpmcli.core import nodes
 from mpmcli.core.step import Step
@@ -12,7 +13,8 @@ from mpmcli.solver.plan import Plan
 from mpmcli.solver.velocity import add_filtered_velocities, add_full_mass_increments
 
 
-class Task(NamedTuple):
+@dataclass
+class Task:
     """A task of the step.
 
     Attributes
@@ -21,15 +23,17 @@ class Task(NamedTuple):
     name : what it does
     run : does it in a step
     changes_state : it changes particles or accounts, so that the step cannot be taken back
+    title : number and name
     """
 
     number: str
     name: str
     run: Callable[[Step], None]
     changes_state: bool = False
+    title: str = ""
 
-    def __str__(self) -> str:
-        return f"{self.number} {self.name}"
+    def __post_init__(self) -> None:
+        self.title = f"{self.number} {self.name}"
 
 
 def tasks_of(plan: Plan, s: Parts) -> list[Task]:
@@ -135,9 +139,13 @@ class _Tasks:
     def account(self, step: Step) -> None:
         """The work that conditions, loads and contact do in this step."""
         s = self._s
-        for part in (s.conditions, s.loads, s.contact):
-            if part is not None:
-                part.account(step, s.arrays.v)
+        v, work = s.arrays.v, s.state.work
+        if s.conditions is not None and "boundary_work" in work:
+            work["boundary_work"] += s.conditions.work(v)
+        if s.loads is not None:
+            work["external_work"] += s.loads.work(s.arrays.p_start, v, step.dt)
+        if s.contact is not None:
+            s.contact.account(step, v)
 
     def move_particles(self, step: Step) -> None:
         """Task 4; with USL, task 5's velocity gradients come from the same stencils."""
@@ -176,7 +184,7 @@ class _Tasks:
         s.damping.account(len(s.order.chunks) - 1)
         s.failures.refuse_speed(s.transfer.largest_speed)
         if s.conditions is not None:
-            s.conditions.show_reactions(step)
+            state.reactions = s.conditions.reactions(step.dt)
         if s.transfer.particle_outside() >= 0:
             s.exits.apply()
         state.step += 1

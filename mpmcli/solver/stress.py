@@ -91,9 +91,7 @@ class StressUpdate:
         p = self._particles
         out = np.zeros(p.count)
         for i in self._used:
-            stored_energy[self._parallel](
-                self._analysis, self._parameters[i], i, p.F, p.H, p.material, out
-            )
+            stored_energy[self._parallel](self._analysis, self._parameters[i], i, p.F, p.H, p.material, out)
         return out
 
     def _viscous(self) -> ArtificialViscosity | None:

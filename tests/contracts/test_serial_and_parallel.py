@@ -16,6 +16,7 @@ import pytest
 import yaml
 
 from mpmcli.boundary.base import CONDITIONS, LOADS
+from mpmcli.contact import nodal_contact
 from mpmcli.contact.laws import LAWS
 from mpmcli.contact.model import Contact
 from mpmcli.contact.normals import NORMALS
@@ -29,7 +30,7 @@ from mpmcli.output.snapshot import Snapshot
 from mpmcli.scene.loader import load_scene
 from mpmcli.scene.method import UPDATES, Fmpm, Method
 from mpmcli.shapes import SHAPES
-from mpmcli.solver import contact, simulation
+from mpmcli.solver import simulation
 from mpmcli.solver.simulation import Simulation
 
 STEPS = 4
@@ -89,7 +90,7 @@ def outcome(scene: dict[str, Any], parallel: bool, monkeypatch: pytest.MonkeyPat
     """What some steps by the serial or the parallel kernels leave: the state, and all that tables can show."""
     least = 0 if parallel else 10**9
     monkeypatch.setattr(simulation, "PARALLEL_FROM", least)
-    monkeypatch.setattr(contact, "PARALLEL_CONTACTS", least)
+    monkeypatch.setattr(nodal_contact, "PARALLEL_CONTACTS", least)
     loaded = load_scene(yaml.safe_dump(scene, sort_keys=False))
     s = Simulation(loaded, threads=2)
     for _ in range(STEPS):

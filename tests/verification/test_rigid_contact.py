@@ -115,7 +115,7 @@ def test_turning_frame_takes_a_block_along(start, transfer):
     grid, seen = run.simulation.grid, []
 
     def off(r):
-        dofs = r.simulation.rigid_dofs
+        dofs = r.simulation.rigid.dofs
         m = grid.mp[dofs, 0]
         x, y = grid.coordinates(dofs)[:, m > 1e-9]
         seen.append(np.abs(r.simulation.arrays.v[dofs][m > 1e-9].T - 0.1 * np.stack([-y, x])).max())

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from mpmcli.contact import momenta
+from mpmcli.contact.choice import ContactChoice
 from mpmcli.contact.clouds import NEAREST
 from mpmcli.contact.contacts import Contacts
 from mpmcli.contact.normals.base import NOT_CONVERGED
 from mpmcli.contact.separation.base import APART
+from mpmcli.core.grid import Grid
 from mpmcli.core.identity import place_of_identity
+from mpmcli.core.particles import Particles
 from mpmcli.core.state import ContactView
-
-if TYPE_CHECKING:
-    from mpmcli.solver.simulation import Simulation
 
 Array = np.ndarray
 
@@ -24,26 +24,37 @@ Array = np.ndarray
 class ContactAccount:
     """Sums up the impulses of every step, and shows the contacts of the last one.
 
+    Parameters
+    ----------
+    choice, contacts : what the scene chooses, and the contacts of the current step
+    particles, grid : of the simulation
+    mirror : the symmetry planes, or None
+    work : accumulated energies by name
+
     Attributes
     ----------
     view : what output and watchdogs see
     """
 
-    def __init__(self, s: Simulation, contacts: Contacts, rigid: Array, has_geometry: bool):
-        self._s = s
-        self._contacts = contacts
-        self._rigid = rigid
-        self._has_geometry = has_geometry
-        names = s.plan.fields
-        n, d = len(names), s.grid.dimensions
+    def __init__(
+        self, choice: ContactChoice, contacts: Contacts, particles: Particles, grid: Grid, mirror: Any,
+        work: dict[str, float],
+    ):  # fmt: skip
+        self._contacts, self._particles, self._grid, self._mirror = contacts, particles, grid, mirror
+        self._work = work
+        self._rigid = rigid = np.array(choice.rigid_fields, dtype=bool)
+        self._has_geometry = choice.knows_normals
+        names = choice.fields
+        n, d = len(names), grid.dimensions
         pairs = [(i, j) for i in range(n) for j in range(i + 1, n) if not (rigid[i] and rigid[j])]
         self._pair = np.zeros((n, n), dtype=np.int64)
         for row, (i, j) in enumerate(pairs):
             self._pair[i, j] = self._pair[j, i] = row
         self._names = names
         self._rigid_work = np.zeros(n)
-        self._identity = s.particles.id
+        self._identity = particles.id
         self._impulse = np.zeros((0, d))
+        self._dt = 0.0
         self._share: Array | None = None
         self.view = ContactView(
             pairs=[(names[i], names[j]) for i, j in pairs],
@@ -53,9 +64,9 @@ class ContactAccount:
             particle_normal=self.particle_normals,
             rigid_work={names[i]: 0.0 for i in np.flatnonzero(rigid)},
         )
-        s.state.work["contact_work"] = 0.0
+        work["contact_work"] = 0.0
         if rigid.any():
-            s.state.work.setdefault("boundary_work", 0.0)
+            work.setdefault("boundary_work", 0.0)
 
     def clear(self) -> None:
         """Begin a step in which nothing has touched yet."""
@@ -69,19 +80,19 @@ class ContactAccount:
 
         ``impulse``, and relative velocities ``before`` and ``after`` it acted, have a row (d,) per contact.
         """
-        s, c, view = self._s, self._contacts, self.view
+        c, view, grid = self._contacts, self.view, self._grid
         view.nodes = c.clouds.count
         view.contacts = c.count
         view.all_contacts += c.count
         if c.count == 0:
             return
-        self._identity = s.particles.id
+        self._identity, self._dt = self._particles.id, dt
         self._impulse = impulse[: c.count].copy()  # of the whole step, for those who look later
         rigid_work = self._rigid_work.sum()
         share = self._shares(c.members.alpha[: c.count])
-        s.state.work["contact_work"] += momenta.tally(
-            (0.0,) * s.grid.dimensions, c.count, c.members, s.grid.node_count, c.clouds.dof, self._rigid, self._pair,
-            share, c.geometry.normal, c.geometry.area, c.state, impulse, before, after, s.grid.mp, view.force,
+        self._work["contact_work"] += momenta.tally(
+            (0.0,) * grid.dimensions, c.count, c.members, grid.node_count, c.clouds.dof, self._rigid, self._pair,
+            share, c.geometry.normal, c.geometry.area, c.state, impulse, before, after, grid.mp, view.force,
             view.area, view.momentum_error, self._rigid_work,
         )  # fmt: skip
         view.force /= dt
@@ -90,16 +101,16 @@ class ContactAccount:
             view.unconverged = int(np.count_nonzero(c.geometry.status[: c.count] == NOT_CONVERGED))
             view.all_unconverged += view.unconverged
         if view.rigid_work:
-            s.state.work["boundary_work"] += float(self._rigid_work.sum() - rigid_work)
+            self._work["boundary_work"] += float(self._rigid_work.sum() - rigid_work)
             self._show_rigid_work()
 
     def _shares(self, dof: Array) -> Array:
         """Share of a contact at each of these degrees of freedom that real particles have: images share their mass."""
-        mirror = self._s.conditions.mirror
+        mirror = self._mirror
         if mirror is None:
             return np.ones(len(dof))
         if self._share is None:
-            self._share = np.ones(self._s.grid.dof_count)
+            self._share = np.ones(self._grid.dof_count)
         shared, share = mirror.shared()
         self._share[shared] = share
         found: Array = self._share[dof]
@@ -124,8 +135,7 @@ class ContactAccount:
 
     def particle_normals(self) -> Array:
         """Outward normal at the contact that each particle is nearest to, (d, N); zero where there is none."""
-        s, c = self._s, self._contacts
-        p, n = s.particles, s.grid.node_count
+        c, p, n = self._contacts, self._particles, self._grid.node_count
         out = np.zeros_like(p.X)
         if c.count == 0 or not self._has_geometry:
             return out
@@ -167,16 +177,16 @@ class ContactAccount:
 
     def _tractions(self) -> Array:
         c = self._contacts
-        out = np.zeros((c.count, self._s.grid.dimensions))
+        out = np.zeros((c.count, self._grid.dimensions))
         area = c.geometry.area[: c.count, None]
-        np.divide(self._impulse[: c.count], area * self._s.state.dt, out=out, where=area > 0.0)
+        np.divide(self._impulse[: c.count], area * self._dt, out=out, where=area > 0.0)
         return out
 
     def _on_nodes(self, rows: Array) -> Array:
         """Rows (k, …) of the contacts on all nodes (n, …): that of the first contact of each."""
         c = self._contacts
         slot, first = np.unique(c.members.slot[: c.count], return_index=True)
-        out = np.zeros((self._s.grid.node_count, *rows.shape[1:]))
+        out = np.zeros((self._grid.node_count, *rows.shape[1:]))
         out[c.clouds.node[slot]] = rows[first]
         return out
 

@@ -1,0 +1,140 @@
+"""Rigid bodies: their particles move as the scene says, whatever the grid does."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.errors import SimulationError
+from mpmcli.core.order import CellOrder
+from mpmcli.core.step import Step
+
+Array = np.ndarray
+
+
+class RigidBodies:
+    """The rigid bodies of a scene, whose velocity is a function of place and time.
+
+    Parameters
+    ----------
+    bodies : all bodies of the scene, with ``name`` and ``velocity``
+    rigid : indices of those that are rigid
+    fields, field_of_body : names of the velocity fields, and the field of each body
+    order : of the particles in the cells of the grid
+    mirror : the symmetry planes, or None
+
+    Attributes
+    ----------
+    held : degrees of freedom whose velocity ``hold`` gave
+    """
+
+    def __init__(
+        self, bodies: Sequence[Any], rigid: Sequence[int], fields: Sequence[str], field_of_body: Sequence[int],
+        order: CellOrder, mirror: Any,
+    ):  # fmt: skip
+        self._bodies, self._rigid, self._fields = bodies, list(rigid), fields
+        self._order, self._grid, self._particles = order, order.grid, order.particles
+        self._mirror = mirror
+        self.held = np.zeros(0, dtype=np.int64)
+        self._is_rigid = np.zeros(len(fields), dtype=bool)
+        self._is_rigid[[field_of_body[i] for i in rigid]] = True
+        self._moving = [(i, bodies[i].velocity) for i in rigid if bodies[i].velocity]
+        self._of_fields = _velocities_of_fields(bodies, rigid, field_of_body)
+        self._version = self._dofs_version = self._nodes_version = -1
+        self._places: list[Array] = []
+        self._nodes: list[tuple[str, Array, Array, Any]] = []
+
+    @property
+    def dofs(self) -> Array:
+        """Active degrees of freedom of rigid bodies."""
+        grid = self._grid
+        if grid.active_version != self._dofs_version:
+            self._dofs_version = grid.active_version
+            self._dofs = grid.active[self._is_rigid[grid.active // grid.node_count]]
+        return self._dofs
+
+    def prepare(self, step: Step) -> None:
+        """Find positions and velocities at the end of the step (midpoint rule), before anything has changed.
+
+        Raises
+        ------
+        SimulationError
+            If a velocity is not finite.
+        """
+        p, time, dt = self._particles, step.time, step.dt
+        if self._order.version != self._version:
+            self._version = self._order.version
+            self._still = np.flatnonzero(np.isin(p.body, self._rigid))
+            bodies = p.body[self._still]
+            self._places = [np.flatnonzero(bodies == i) for i, _ in self._moving]
+        self._X = p.X[:, self._still]
+        self._V = np.zeros_like(self._X)
+        for places, (i, velocity) in zip(self._places, self._moving, strict=True):
+            name = self._bodies[i].name
+            start = self._X[:, places]
+            middle = start + velocity_at(velocity, start, time, name) * (0.5 * dt)
+            end = start + velocity_at(velocity, middle, time + 0.5 * dt, name) * dt
+            self._X[:, places] = end
+            self._V[:, places] = velocity_at(velocity, end, time + dt, name)
+
+    def hold(self, step: Step, mp: Array) -> None:
+        """Give the momenta ``mp`` (dofs, 1 + d) of a moving body's nodes its velocity at their places.
+
+        Particles near a surface lie to one side of its nodes, so that what they extrapolate is the velocity of a
+        place inside. Where bodies that move differently share a velocity field that has to do, and on symmetry planes.
+        """
+        if self._grid.active_version != self._nodes_version:
+            self._nodes_version = self._grid.active_version
+            self._find_nodes()
+        for name, dof, X, velocity in self._nodes:
+            mp[dof, 1:] = mp[dof, :1] * velocity_at(velocity, X, step.time, name).T
+
+    def _find_nodes(self) -> None:
+        grid, mirror, dofs = self._grid, self._mirror, self.dofs
+        if mirror is not None:
+            nodes = dofs % grid.node_count
+            dofs = dofs[~(mirror.beyond(nodes) | np.isin(nodes, mirror.pairs.own))]
+        self._nodes = []
+        for field, velocity in self._of_fields:
+            mine = dofs[dofs // grid.node_count == field]
+            self._nodes.append((self._fields[field], mine, grid.coordinates(mine), velocity))
+        self.held = np.concatenate([self.held[:0], *(dof for _, dof, _, _ in self._nodes)])
+
+    def move(self, X: Array) -> None:
+        """Put positions ``X`` (d, N) and velocities of rigid particles to the end of the step."""
+        moved = X[:, self._still]
+        X[:, self._still] = self._X
+        self._particles.V[:, self._still] = self._V
+        self._order.drift += float((np.abs(self._X - moved).max(axis=1) / self._grid.cell).max())
+
+
+def velocity_at(velocity: Any, X: Array, time: float, name: str) -> Array:
+    """Return the velocity (d, n) of body ``name``, given by expressions, at points X (d, n) and a time.
+
+    Raises
+    ------
+    SimulationError
+        If it is not finite.
+    """
+    x, y, z = (*X, 0.0, 0.0)[:3]
+    found = np.stack([np.broadcast_to(component(x, y, z, time), X.shape[1:]) for component in velocity])
+    if not np.isfinite(found).all():
+        raise SimulationError(f"rigid body '{name}': its velocity is not finite at time {time:g}")
+    return found
+
+
+def _velocities_of_fields(
+    bodies: Sequence[Any], rigid: Sequence[int], field_of_body: Sequence[int]
+) -> list[tuple[int, Any]]:
+    """Velocity of each velocity field whose rigid bodies move, all in the same way."""
+    found: dict[int, list[Any]] = {}
+    for i in rigid:
+        found.setdefault(field_of_body[i], []).append(bodies[i].velocity)
+    of_fields = []
+    for field, velocities in found.items():
+        ways = {tuple(component.source for component in velocity) for velocity in velocities}
+        if len(ways) == 1 and velocities[0]:
+            of_fields.append((field, velocities[0]))
+    return of_fields
