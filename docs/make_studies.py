@@ -194,8 +194,9 @@ def draw_metrics(_: Path) -> str:
 
 def metrics_of_step(scene: Path, metric: str, time: float) -> list[float]:
     """What the loop of the step at a time is judged by, for the orders 2 to the largest."""
+    from mpmcli.core import full_mass
+    from mpmcli.core.nodal_field import NodalField
     from mpmcli.scene.loader import load_scene
-    from mpmcli.solver import velocity
     from mpmcli.solver.simulation import Simulation
 
     # a tolerance that is never met, so that every order is judged
@@ -203,20 +204,20 @@ def metrics_of_step(scene: Path, metric: str, time: float) -> list[float]:
     while simulation.state.time < time:
         simulation.step()
     values: list[float] = []
-    original = velocity.has_converged
+    original = full_mass.has_converged
 
-    def watch(s: Simulation, dv: Any, v: Any) -> bool:
-        is_converged = original(s, dv, v)
-        sums = s.arrays.node_sums
+    def watch(field: NodalField, active: Any, parallel: bool, metric: str, tolerance: float) -> bool:
+        is_converged = original(field, active, parallel, metric, tolerance)
+        sums = field.sums
         total = sums[:, 1].sum() if metric == "means" else sums[:, 3].sum()
         values.append(float(sums[:, 0].sum() / total))
         return is_converged
 
-    velocity.has_converged = watch
+    full_mass.has_converged = watch
     try:
         simulation.step()
     finally:
-        velocity.has_converged = original
+        full_mass.has_converged = original
     return values
 
 

@@ -9,12 +9,13 @@ import numpy as np
 from mpmcli.boundary.conditions import VelocityConditions
 from mpmcli.boundary.images import Images
 from mpmcli.core.grid import Grid
+from mpmcli.core.nodal_field import Correction
 from mpmcli.core.step import Step
 
 Array = np.ndarray
 
 
-class GridConditions:
+class GridConditions(Correction):
     """Velocity conditions on the grid, in the current step.
 
     Parameters
@@ -52,6 +53,11 @@ class GridConditions:
     def impose_again(self, step: Step) -> None:
         """Task 4.b: the same on momenta that were extrapolated again, which is no reaction."""
         self.conditions.impose_on_momentum(self._grid.mp, None, step.dt)
+
+    def correct(self, step: Step, dv: Array, counts_reactions: bool) -> None:
+        """Part (1) of an FMPM increment."""
+        if step.plan.zeroes_increments:
+            self.zero_increment(dv, counts_reactions)
 
     def zero_increment(self, dv: Array, counts_reactions: bool) -> None:
         """Task 3.b: take held components out of an FMPM increment."""

@@ -6,11 +6,12 @@ import numpy as np
 
 from mpmcli.boundary.mirror import Mirror
 from mpmcli.core.grid import Grid
+from mpmcli.core.nodal_field import Correction
 
 Array = np.ndarray
 
 
-class Images:
+class Images(Correction):
     """Completes the sums that scatters leave, with the mirror images of all particles but rigid ones.
 
     Parameters
@@ -26,11 +27,10 @@ class Images:
         self._rigid = np.array(rigid_fields)
         self._version = -1
 
-    def complete_momenta(self, mp: Array, replaces_velocity: bool) -> None:
+    def complete_extrapolated(self, mp: Array, replaces_values: bool) -> None:
         """Complete mass and momentum ``mp`` (dofs, 1 + d), the first sums of a step.
 
-        ``replaces_velocity``: grid velocities replace those of particles in this step (FMPM, XPIC), so that images
-        change the momentum of particles.
+        Where ``replaces_values``, images change the momentum of particles.
         """
         grid = self._grid
         if grid.active_version != self._version:
@@ -39,15 +39,15 @@ class Images:
                 active = active[~self._rigid[active // grid.node_count]]
             self.mirror.renew(active)
         self.mirror.impulse[:] = 0.0
-        self.mirror.fold_momentum(mp, float(replaces_velocity))
+        self.mirror.fold_momentum(mp, float(replaces_values))
 
-    def complete_vectors(self, q: Array, weight: float) -> None:
-        """Complete sums ``q`` (dofs, d) of vectors; ``weight`` times them is momentum that particles receive."""
-        self.mirror.fold_vectors(q, self._grid.mp, weight)
+    def complete(self, sums: Array, weight: float) -> None:
+        """Complete ``sums`` (dofs, d) of vectors; ``weight`` times them is momentum that particles receive."""
+        self.mirror.fold_vectors(sums, self._grid.mp, weight)
 
-    def complete_scalars(self, q: Array) -> None:
-        """Complete sums ``q`` (dofs, c) of scalars."""
-        self.mirror.fold_scalars(q)
+    def complete_scalars(self, sums: Array) -> None:
+        """Complete ``sums`` (dofs, c) of scalars."""
+        self.mirror.fold_scalars(sums)
 
     def damping_of(self, mp: Array, f: Array, damping: float, dt: float) -> float:
         """Energy that grid damping has just taken from images, which is none of the scene's [energy]."""

@@ -17,6 +17,7 @@ from mpmcli.contact.direction import DirectionWatch
 from mpmcli.contact.members import Rules
 from mpmcli.contact.settle import BROKEN
 from mpmcli.core.analysis import Axisymmetric
+from mpmcli.core.nodal_field import Correction
 from mpmcli.core.order import CellOrder
 from mpmcli.core.state import ContactView
 from mpmcli.core.step import Step
@@ -24,7 +25,7 @@ from mpmcli.core.step import Step
 Array = np.ndarray
 
 
-class NodalContact:
+class NodalContact(Correction):
     """The contact of a scene.
 
     Geometry (nodes, normals, separations, areas) is found once per step, in task 1.a, and used by all corrections of
@@ -160,13 +161,14 @@ class NodalContact:
         if step.plan.imposes_lumped:
             self._conditions.impose_on_momenta(step)
 
-    def take_out_start(self, p: Array) -> None:
-        """Take Δp⁽¹⁾ out of momenta ``p`` (dofs, d) of the start of the step."""
+    def take_out_start(self, step: Step, p: Array) -> None:
+        """Take Δp⁽¹⁾ out of momenta ``p`` (dofs, d) of the start of the step, where the filter is to know it."""
         c = self.contacts
-        momenta.take_out(self._axes, c.count, c.members, c.start, p)
+        if step.plan.corrects_filter:
+            momenta.take_out(self._axes, c.count, c.members, c.start, p)
 
-    def correct_increment(self, step: Step, dv: Array, counts_reactions: bool) -> None:
-        """Contact on an FMPM increment Δv(ℓ); conditions, whose impulses may count, have the last word."""
+    def correct(self, step: Step, dv: Array, counts_reactions: bool) -> None:
+        """Part (2) of an FMPM increment: contact on Δv(ℓ); conditions, whose impulses may count, have the last word."""
         if self._rigid is not None:
             dv[self._rigid.held] = 0.0
         if self.contacts.count == 0 or not self._incremental:

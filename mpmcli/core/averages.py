@@ -37,7 +37,7 @@ def _(task, G):
 
 # fmt: off
 @scatter_particle.register(WeightedSums)
-def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
+def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
     weight = task.weight[p]
     value = weight * task.value[p]
     w = np.uint64(len(across))

@@ -25,6 +25,7 @@ from mpmcli.core.verbs import (
     scatter_momentum,
     scatter_stress,
     scatter_vector,
+    zero_vector,
 )
 
 Array = np.ndarray
@@ -33,12 +34,14 @@ ZERO, ONE = np.uint64(0), np.uint64(1)
 
 
 class MassAndMomentum(NamedTuple):
-    """Task 1: m = Sᵀ M and p = Sᵀ M V (Nairn 2026, section 2.1)."""
+    """Task 1: m = Sᵀ M and p = Sᵀ M V (Nairn 2026, section 2.1), or another capacity and what it carries."""
 
     M: Array
+    """(N,) capacity of each particle: of velocities its mass."""
     V: Array
+    """(c, N)"""
     mp: Array
-    """(n·(1 + d),) mass and momentum of the nodes."""
+    """(n·(1 + c),) capacity and extensive value of the nodes."""
 
 
 class InternalForces(NamedTuple):
@@ -66,9 +69,9 @@ class Projection(NamedTuple):
 
     M: Array
     v: Array
-    """(n·d,) nodal velocities."""
+    """(n·c,) nodal velocities, or other values."""
     out: Array
-    """(n·d,)"""
+    """(n·c,)"""
 
 
 class VectorSum(NamedTuple):
@@ -76,9 +79,9 @@ class VectorSum(NamedTuple):
 
     M: Array
     V: Array
-    """(d, N)"""
+    """(c, N)"""
     out: Array
-    """(n·d,)"""
+    """(n·c,)"""
 
 
 class AffineMassAndMomentum(NamedTuple):
@@ -144,7 +147,7 @@ def _(task, G):
 
 
 @generic
-def scatter_particle(task: Any, analysis: Any, grid: Any, weights: Any, corner: Any, base: Any, offsets: Any, across: Any, X: Any, p: Any) -> Any:  # fmt: skip  # noqa: E501
+def scatter_particle(task: Any, analysis: Any, zero: Any, grid: Any, weights: Any, corner: Any, base: Any, offsets: Any, across: Any, X: Any, p: Any) -> Any:  # fmt: skip  # noqa: E501
     """Add what particle ``p`` gives to the nodes of its stencil, which begins at ``base`` in its velocity field.
 
     ``corner`` is the same node in the first field.
@@ -152,64 +155,65 @@ def scatter_particle(task: Any, analysis: Any, grid: Any, weights: Any, corner: 
 
 
 @scatter_particle.register(MassAndMomentum)
-def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
-    scatter_momentum(weights, analysis, base, offsets, across, task.M, task.V, p, task.mp)
+def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
+    scatter_momentum(weights, analysis, zero, base, offsets, across, task.M, task.V, p, task.mp)
 
 
 @scatter_particle.register(InternalForces)
-def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
+def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
     scatter_stress(weights, analysis, base, offsets, across, task.vol0, task.tau, X, p, task.f)
 
 
 @scatter_particle.register(StateAndForces)
-def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
-    scatter_momentum(weights, analysis, base, offsets, across, task.M, task.V, p, task.mp)
+def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
+    scatter_momentum(weights, analysis, zero, base, offsets, across, task.M, task.V, p, task.mp)
     scatter_stress(weights, analysis, base, offsets, across, task.vol0, task.tau, X, p, task.f)
 
 
 @scatter_particle.register(Projection)
-def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
-    V = gather_vector(weights, analysis, base, offsets, across, task.v)
+def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
+    V = gather_vector(weights, analysis, zero, base, offsets, across, task.v)
     scatter_vector(weights, analysis, base, offsets, across, task.M[p], V, task.out)
 
 
 @scatter_particle.register(VectorSum)
-def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
-    scatter_vector(weights, analysis, base, offsets, across, task.M[p], column(analysis, task.V, p), task.out)
+def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
+    scatter_vector(weights, analysis, base, offsets, across, task.M[p], column(zero, task.V, p), task.out)
 
 
 # fmt: off
 @scatter_particle.register(AffineMassAndMomentum)
-def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
-    scatter_momentum(weights, analysis, base, offsets, across, task.M, task.V, p, task.mp)
+def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
+    scatter_momentum(weights, analysis, zero, base, offsets, across, task.M, task.V, p, task.mp)
     scatter_gradient(analysis, weights, grid, corner, base, offsets, across, task.M[p], task.L, X, p, ONE, task.mp)
 
 
 @scatter_particle.register(AffineStateAndForces)
-def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
-    scatter_momentum(weights, analysis, base, offsets, across, task.M, task.V, p, task.mp)
+def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
+    scatter_momentum(weights, analysis, zero, base, offsets, across, task.M, task.V, p, task.mp)
     scatter_gradient(analysis, weights, grid, corner, base, offsets, across, task.M[p], task.L, X, p, ONE, task.mp)
     scatter_stress(weights, analysis, base, offsets, across, task.vol0, task.tau, X, p, task.f)
 
 
 @scatter_particle.register(AffineProjection)
-def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
-    V, _ = gather_gradient(weights, analysis, base, offsets, across, task.v, None, X, p, task.L)
+def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
+    V, _ = gather_gradient(weights, analysis, zero, base, offsets, across, task.v, None, X, p, task.L)
     scatter_vector(weights, analysis, base, offsets, across, task.M[p], V, task.out)
     scatter_gradient(analysis, weights, grid, corner, base, offsets, across, task.M[p], task.L, X, p, ZERO, task.out)
 
 
 @scatter_particle.register(AffineVectorSum)
-def _(task, analysis, grid, weights, corner, base, offsets, across, X, p):
-    scatter_vector(weights, analysis, base, offsets, across, task.M[p], column(analysis, task.V, p), task.out)
+def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
+    scatter_vector(weights, analysis, base, offsets, across, task.M[p], column(zero, task.V, p), task.out)
     scatter_gradient(analysis, weights, grid, corner, base, offsets, across, task.M[p], task.L, X, p, ZERO, task.out)
 # fmt: on
 
 
 @kernel
-def scatter(task, analysis, shape, grid, across, bands, stencil, X, F, size, field):
+def scatter(task, zero, analysis, shape, grid, across, bands, stencil, X, F, size, field):
     """Particles to grid: run a scatter task (one of the tuples above) over all particles.
 
+    ``zero`` is a tuple of as many zeros as the carried quantity has components.
     The nodal arrays of ``task`` must be zero on entry, or hold what is added to. ``bands`` (n_bands + 1,) first
     particles of the bands; ``field`` (N,) velocity fields, or None if there is only one.
     """
@@ -225,7 +229,7 @@ def scatter(task, analysis, shape, grid, across, bands, stencil, X, F, size, fie
                 base = corner
                 if field is not None:
                     base += np.uint64(field[p]) * geometry.field_stride
-                scatter_particle(task, analysis, geometry, weights, corner, base, offsets, across, X, p)
+                scatter_particle(task, analysis, zero, geometry, weights, corner, base, offsets, across, X, p)
 
 
 def buffer_for(result: Any, buffer: Any) -> Any:
@@ -256,7 +260,7 @@ def move_particles(
     """
     for c in prange(chunks.shape[0] - 1):
         slot = np.uint64(c)
-        geometry = unfold(grid)
+        geometry, zero = unfold(grid), zero_vector(analysis)
         S, G, W, offsets = stencil.S[slot], stencil.G[slot], stencil.W[slot], stencil.offsets
         fastest, farthest, lost = 0.0, 0.0, 0.0
         lost_particle = np.int64(-1)
@@ -268,15 +272,15 @@ def move_particles(
             if field is not None:
                 base += np.uint64(field[p]) * geometry.field_stride
             if L is None:
-                Sv = gather_vector(weights, analysis, base, offsets, across, v)
+                Sv = gather_vector(weights, analysis, zero, base, offsets, across, v)
                 Sw = Sv
                 if w is not None:
-                    Sw = gather_vector(weights, analysis, base, offsets, across, w)
+                    Sw = gather_vector(weights, analysis, zero, base, offsets, across, w)
             else:
-                Sv, Sw = gather_gradient(weights, analysis, base, offsets, across, v, w, X, p, L)
+                Sv, Sw = gather_gradient(weights, analysis, zero, base, offsets, across, v, w, X, p, L)
             So = Sv
             if start is not None:
-                So = gather_vector(weights, analysis, base, offsets, across, start)
+                So = gather_vector(weights, analysis, zero, base, offsets, across, start)
             square = 0.0
             for a in range(len(geometry.inverse_cell)):
                 old = V[a, p]
@@ -306,8 +310,11 @@ def move_particles(
 
 
 @kernel
-def find_velocity_gradients(analysis, shape, grid, across, chunks, stencil, X, F, size, field, v, L):
-    """Task 1.d or 5 by itself: L = G v, for updates that extrapolate velocities apart from moving particles."""
+def find_velocity_gradients(zero, analysis, shape, grid, across, chunks, stencil, X, F, size, field, v, L):
+    """Task 1.d or 5 by itself: L = G v, for updates that extrapolate velocities apart from moving particles.
+
+    ``zero`` is a tuple of as many zeros as ``v`` has components.
+    """
     for c in prange(chunks.shape[0] - 1):
         slot = np.uint64(c)
         geometry = unfold(grid)
@@ -316,7 +323,7 @@ def find_velocity_gradients(analysis, shape, grid, across, chunks, stencil, X, F
             base, weights = weigh_gathers(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
             if field is not None:
                 base += np.uint64(field[p]) * geometry.field_stride
-            gather_gradient(weights, analysis, base, offsets, across, v, None, X, p, L)
+            gather_gradient(weights, analysis, zero, base, offsets, across, v, None, X, p, L)
 
 
 @kernel

@@ -2,7 +2,8 @@
 
 Each verb has one implementation per kind of weights (``verbs_of_tables``, ``verbs_of_rows``) and, where they differ,
 per number of axes (and one for axisymmetric analyses, where the hoop direction has the "gradient" S/r). Nodal arrays
-come flat: component a of node i of a d-vector is ``v[d·i + a]``, mass and momentum of node i are ``mp[(1 + d)·i …]``.
+come flat: component a of node i of c components is ``v[c·i + a]``, capacity and extensive value (mass and momentum) of
+node i are ``mp[(1 + c)·i …]``. The tuple ``zero`` has c members, so that c is known when compiled.
 ``base`` is the first node of the stencil of particle ``p``, ``offsets`` (m,) lead from there to all its nodes;
 ``across`` has a member per node along an axis, so that m is known when compiled. A row is the nodes along x. What
 belongs to one node is handled as one register (``lanes``). All indices are unsigned.
@@ -22,13 +23,14 @@ from mpmcli.core.analysis import (
     UniaxialStrain,
     UniaxialStress,
 )
+from mpmcli.core.compiler import compiled_as
 from mpmcli.core.dispatch import generic
 
 
 # fmt: off
 @generic(over=2)
-def scatter_momentum(weights: Any, analysis: Any, base: Any, offsets: Any, across: Any, M: Any, V: Any, p: Any, mp: Any) -> Any:  # noqa: E501
-    """Add mass and momentum: m_i += S_i M, p_i += S_i M V."""
+def scatter_momentum(weights: Any, analysis: Any, zero: Any, base: Any, offsets: Any, across: Any, M: Any, V: Any, p: Any, mp: Any) -> Any:  # noqa: E501
+    """Add capacity and extensive value, of velocities mass and momentum: m_i += S_i M, p_i += S_i M V."""
 
 
 @generic(over=2)
@@ -38,17 +40,17 @@ def scatter_stress(weights: Any, analysis: Any, base: Any, offsets: Any, across:
 
 @generic(over=2)
 def scatter_vector(weights: Any, analysis: Any, base: Any, offsets: Any, across: Any, M: Any, B: Any, f: Any) -> Any:
-    """Add a particle vector (a tuple of d numbers) times mass: f_i += S_i M B."""
+    """Add a particle vector (a tuple of c numbers) times capacity: f_i += S_i M B."""
 
 
 @generic(over=2)
-def gather_vector(weights: Any, analysis: Any, base: Any, offsets: Any, across: Any, v: Any) -> Any:
-    """Σ_i S_i v_i, a tuple of d numbers."""
+def gather_vector(weights: Any, analysis: Any, zero: Any, base: Any, offsets: Any, across: Any, v: Any) -> Any:
+    """Σ_i S_i v_i, a tuple of c numbers."""
 
 
 @generic(over=2)
-def gather_gradient(weights: Any, analysis: Any, base: Any, offsets: Any, across: Any, v: Any, w: Any, X: Any, p: Any, L: Any) -> Any:  # noqa: E501
-    """Velocity gradient L_ab = Σ_i v_ia ∂S_i/∂x_b into column p of L; returns Σ_i S_i v_i and Σ_i S_i w_i.
+def gather_gradient(weights: Any, analysis: Any, zero: Any, base: Any, offsets: Any, across: Any, v: Any, w: Any, X: Any, p: Any, L: Any) -> Any:  # noqa: E501
+    """Gradient L_ab = Σ_i v_ia ∂S_i/∂x_b into rows d·a + b of column p of L; returns Σ_i S_i v_i and Σ_i S_i w_i.
 
     Where ``w`` is None, the second is the first.
     """
@@ -65,11 +67,6 @@ def scatter_gradient(analysis: Any, weights: Any, grid: Any, corner: Any, base: 
 @generic
 def value_at(weights: Any, row: Any, a: Any, across: Any) -> Any:
     """S of node ``a`` of a row of the stencil (nodes along x)."""
-
-
-@generic
-def column(analysis: Any, V: Any, p: Any) -> Any:
-    """Column p of a (d, N) array as a tuple."""
 
 
 @generic
@@ -140,19 +137,44 @@ def _(analysis):
     return (0.0, 0.0, 0.0)
 
 
-@for_each(column, *LINE)
-def _(analysis, V, p):
-    return (V[0, p],)
+def column(like: Any, V: Any, p: Any) -> Any:
+    """Column p of a (c, N) array as a tuple of as many numbers as the tuple ``like`` has."""
+    return tuple(V[a, p] for a in range(len(like)))
 
 
-@for_each(column, *PLANE, Axisymmetric)
-def _(analysis, V, p):
-    return (V[0, p], V[1, p])
+@compiled_as(column)
+def _(like, V, p):
+    if len(like) == 1:
+        return lambda like, V, p: (V[0, p],)
+    if len(like) == 2:
+        return lambda like, V, p: (V[0, p], V[1, p])
+    return lambda like, V, p: (V[0, p], V[1, p], V[2, p])
 
 
-@for_each(column, Solid)
-def _(analysis, V, p):
-    return (V[0, p], V[1, p], V[2, p])
+def put_rows(values: Any, L: Any, first: Any, apart: Any, p: Any) -> None:
+    """Put the members of a tuple into column p of ``L``, in rows ``apart`` from each other."""
+    for a, value in enumerate(values):
+        L[first + a * apart, p] = value
+
+
+@compiled_as(put_rows)
+def _(values, L, first, apart, p):
+    if len(values) == 1:
+
+        def put(values, L, first, apart, p):
+            L[first, p] = values[0]
+
+    elif len(values) == 2:
+
+        def put(values, L, first, apart, p):
+            L[first, p], L[first + apart, p] = values
+
+    else:
+
+        def put(values, L, first, apart, p):
+            L[first, p], L[first + apart, p], L[first + apart + apart, p] = values
+
+    return put
 
 
 @for_each(scatter_gradient, *LINE)
@@ -215,11 +237,12 @@ def scatter_stress_around_axis(weights, analysis, base, offsets, across, vol0, t
     w = np.uint64(len(across))
     for r in range(w):
         for a in range(w):
-            f[(base + offsets[r * w] + a) * TWO] += hoop * value_at(weights, r, a, across)
+            f[(base + offsets[r * w + a]) * TWO] += hoop * value_at(weights, r, a, across)
 
 
-def gather_gradient_around_axis(weights, analysis, base, offsets, across, v, w, X, p, L):
-    """``gather_gradient`` of axisymmetric analyses, for all weights: that of the plane, and v_r/r."""
-    Sv, Sw = gather_gradient(weights, PlaneStrain(), base, offsets, across, v, w, X, p, L)
-    L[4, p] = Sv[0] / X[0, p]
+def gather_gradient_around_axis(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
+    """``gather_gradient`` of axisymmetric analyses, for all weights: that of the plane, and v_r/r of a vector."""
+    Sv, Sw = gather_gradient(weights, PlaneStrain(), zero, base, offsets, across, v, w, X, p, L)
+    if len(zero) > 1:
+        L[4, p] = Sv[0] / X[0, p]
     return Sv, Sw

@@ -11,19 +11,18 @@ from functools import partial
 import numpy as np
 
 from mpmcli.core.analysis import Axisymmetric, Solid
-from mpmcli.core.compiler import compiled_too
+from mpmcli.core.compiler import compiled_as, compiled_too
 from mpmcli.core.lanes import each, pack, plus, read
 from mpmcli.core.stencil import Corners
 from mpmcli.core.verbs import (
     LINE,
     ONE,
     PLANE,
-    THREE,
-    TWO,
     for_each,
     gather_gradient,
     gather_gradient_around_axis,
     gather_vector,
+    put_rows,
 )
 
 of_corners = partial(for_each, weights=Corners)
@@ -71,124 +70,160 @@ def at_point_of_line(v, base, last, x):
 
 
 @of_corners(gather_vector, *LINE)
-def _(weights, analysis, base, offsets, across, v):
+def _(weights, analysis, zero, base, offsets, across, v):
     (x,), (a,), last = weights.middle, weights.axes, np.uint64(len(across) - 2)
     return (0.5 * (at_point_of_line(v, base, last, x - a) + at_point_of_line(v, base, last, x + a)),)
 
 
 @of_corners(gather_gradient, *LINE)
-def _(weights, analysis, base, offsets, across, v, w, X, p, L):
+def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
     (x,), (a,), last = weights.middle, weights.axes, np.uint64(len(across) - 2)
     left, right = at_point_of_line(v, base, last, x - a), at_point_of_line(v, base, last, x + a)
     L[0, p] = (right - left) * (0.5 * weights.inverse_cell[0] / a)
     Sv = (0.5 * (left + right),)
-    return Sv, Sv if w is None else gather_vector(weights, analysis, base, offsets, across, w)
+    return Sv, Sv if w is None else gather_vector(weights, analysis, zero, base, offsets, across, w)
 
 
 @compiled_too
-def at_point_of_plane(v, base, row, last, x, y):
-    """The two components of ``v`` at a point, each twice: shares of the nodes to its left and to its right."""
+def at_point_of_plane(v, zero, base, row, last, x, y):
+    """The components of ``v`` at a point, each twice: shares of the nodes to its left and to its right."""
     i, tx = lower_node(x, last)
     j, ty = lower_node(y, last)
-    at = (base + i + j * row) * TWO
-    four = (0.0, 0.0, 0.0, 0.0)
-    lower, upper = read(v, at, four), read(v, at + row * TWO, four)
-    return pack((1.0 - tx, 1.0 - tx, tx, tx)) * plus(lower, ty, upper - lower)
+    c = np.uint64(len(zero))
+    at, both = (base + i + j * row) * c, zero + zero
+    lower, upper = read(v, at, both), read(v, at + row * c, both)
+    return pack(alike(1.0 - tx, zero) + alike(tx, zero)) * plus(lower, ty, upper - lower)
 
 
-@compiled_too
-def both_shares(value):
+def alike(number, like):
+    """A tuple of as many times ``number`` as ``like`` has members."""
+    return (number,) * len(like)
+
+
+@compiled_as(alike)
+def _(number, like):
+    if len(like) == 1:
+        return lambda number, like: (number,)
+    if len(like) == 2:
+        return lambda number, like: (number, number)
+    return lambda number, like: (number, number, number)
+
+
+def both_shares(value, like):
     """Components of what ``at_point_of_plane`` gives, or of its sums."""
-    a, b, c, d = each(value)
-    return a + c, b + d
+    shares = each(value)
+    return tuple(shares[a] + shares[a + len(like)] for a in range(len(like)))
+
+
+@compiled_as(both_shares)
+def _(value, like):
+    if len(like) == 1:
+
+        def add(value, like):
+            a, d = each(value)
+            return (a + d,)
+
+    elif len(like) == 2:
+
+        def add(value, like):
+            a, b, d, e = each(value)
+            return a + d, b + e
+
+    else:
+
+        def add(value, like):
+            a, b, c, d, e, f = each(value)
+            return a + d, b + e, c + f
+
+    return add
 
 
 @of_corners(gather_vector, *PLANE, Axisymmetric)
-def _(weights, analysis, base, offsets, across, v):
+def _(weights, analysis, zero, base, offsets, across, v):
     (x, y), (xx, xy, yx, yy) = weights.middle, weights.axes
     row, last = offsets[len(across)], np.uint64(len(across) - 2)
     total = (
-        at_point_of_plane(v, base, row, last, x - xx - xy, y - yx - yy)
-        + at_point_of_plane(v, base, row, last, x + xx - xy, y + yx - yy)
-        + at_point_of_plane(v, base, row, last, x - xx + xy, y - yx + yy)
-        + at_point_of_plane(v, base, row, last, x + xx + xy, y + yx + yy)
+        at_point_of_plane(v, zero, base, row, last, x - xx - xy, y - yx - yy)
+        + at_point_of_plane(v, zero, base, row, last, x + xx - xy, y + yx - yy)
+        + at_point_of_plane(v, zero, base, row, last, x - xx + xy, y - yx + yy)
+        + at_point_of_plane(v, zero, base, row, last, x + xx + xy, y + yx + yy)
     )
-    return both_shares(0.25 * total)
+    return both_shares(0.25 * total, zero)
 
 
 @of_corners(gather_gradient, *PLANE)
-def _(weights, analysis, base, offsets, across, v, w, X, p, L):
+def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
     (x, y), (xx, xy, yx, yy) = weights.middle, weights.axes
     row, last = offsets[len(across)], np.uint64(len(across) - 2)
-    v1 = at_point_of_plane(v, base, row, last, x - xx - xy, y - yx - yy)
-    v2 = at_point_of_plane(v, base, row, last, x + xx - xy, y + yx - yy)
-    v3 = at_point_of_plane(v, base, row, last, x - xx + xy, y - yx + yy)
-    v4 = at_point_of_plane(v, base, row, last, x + xx + xy, y + yx + yy)
+    v1 = at_point_of_plane(v, zero, base, row, last, x - xx - xy, y - yx - yy)
+    v2 = at_point_of_plane(v, zero, base, row, last, x + xx - xy, y + yx - yy)
+    v3 = at_point_of_plane(v, zero, base, row, last, x - xx + xy, y - yx + yy)
+    v4 = at_point_of_plane(v, zero, base, row, last, x + xx + xy, y + yx + yy)
     below, above = v1 + v2, v3 + v4
     along_xi, along_eta = (v2 - v1) + (v4 - v3), above - below
     x1, x2, y1, y2 = gradients_of_plane(weights.axes, weights.inverse_cell, 0.25)
-    L[0, p], L[2, p] = both_shares(x1 * along_xi + x2 * along_eta)
-    L[1, p], L[3, p] = both_shares(y1 * along_xi + y2 * along_eta)
-    Sv = both_shares(0.25 * (below + above))
-    return Sv, Sv if w is None else gather_vector(weights, analysis, base, offsets, across, w)
+    put_rows(both_shares(x1 * along_xi + x2 * along_eta, zero), L, 0, 2, p)
+    put_rows(both_shares(y1 * along_xi + y2 * along_eta, zero), L, 1, 2, p)
+    Sv = both_shares(0.25 * (below + above), zero)
+    return Sv, Sv if w is None else gather_vector(weights, analysis, zero, base, offsets, across, w)
 
 
 of_corners(gather_gradient, Axisymmetric)(gather_gradient_around_axis)
 
 
 @compiled_too
-def at_point_of_space(v, base, row, layer, last, x, y, z):
-    """The three components of ``v`` at a point."""
+def at_point_of_space(v, zero, base, row, layer, last, x, y, z):
+    """The components of ``v`` at a point."""
     i, tx = lower_node(x, last)
     j, ty = lower_node(y, last)
     k, tz = lower_node(z, last)
-    zero = (0.0, 0.0, 0.0)
-    at = (base + i + j * row + k * layer) * THREE
-    up, over = row * THREE, layer * THREE
+    n = np.uint64(len(zero))
+    at = (base + i + j * row + k * layer) * n
+    up, over = row * n, layer * n
     a, b = read(v, at, zero), read(v, at + up, zero)
     c, d = read(v, at + over, zero), read(v, at + over + up, zero)
-    a = plus(a, tx, read(v, at + THREE, zero) - a)
-    b = plus(b, tx, read(v, at + up + THREE, zero) - b)
-    c = plus(c, tx, read(v, at + over + THREE, zero) - c)
-    d = plus(d, tx, read(v, at + over + up + THREE, zero) - d)
+    a = plus(a, tx, read(v, at + n, zero) - a)
+    b = plus(b, tx, read(v, at + up + n, zero) - b)
+    c = plus(c, tx, read(v, at + over + n, zero) - c)
+    d = plus(d, tx, read(v, at + over + up + n, zero) - d)
     a, c = plus(a, ty, b - a), plus(c, ty, d - c)
     return plus(a, tz, c - a)
 
 
 @compiled_too
-def at_edge_of_space(v, base, row, layer, last, x, y, z, e, f, g):
+def at_edge_of_space(v, zero, base, row, layer, last, x, y, z, e, f, g):
     """Sum and difference of ``v`` at the ends of an edge of the domain, middle (x, y, z) and half-axis (e, f, g)."""
-    low = at_point_of_space(v, base, row, layer, last, x - e, y - f, z - g)
-    high = at_point_of_space(v, base, row, layer, last, x + e, y + f, z + g)
+    low = at_point_of_space(v, zero, base, row, layer, last, x - e, y - f, z - g)
+    high = at_point_of_space(v, zero, base, row, layer, last, x + e, y + f, z + g)
     return low + high, high - low
 
 
 @of_corners(gather_vector, Solid)
-def _(weights, analysis, base, offsets, across, v):
+def _(weights, analysis, zero, base, offsets, across, v):
     (x, y, z), (a, b, c, e, f, g, o, r, t) = weights.middle, weights.axes
     w = len(across)
     row, layer, last = offsets[w], offsets[w * w], np.uint64(w - 2)
-    s1, _ = at_edge_of_space(v, base, row, layer, last, x - b - c, y - f - g, z - r - t, a, e, o)
-    s2, _ = at_edge_of_space(v, base, row, layer, last, x + b - c, y + f - g, z + r - t, a, e, o)
-    s3, _ = at_edge_of_space(v, base, row, layer, last, x - b + c, y - f + g, z - r + t, a, e, o)
-    s4, _ = at_edge_of_space(v, base, row, layer, last, x + b + c, y + f + g, z + r + t, a, e, o)
+    s1, _ = at_edge_of_space(v, zero, base, row, layer, last, x - b - c, y - f - g, z - r - t, a, e, o)
+    s2, _ = at_edge_of_space(v, zero, base, row, layer, last, x + b - c, y + f - g, z + r - t, a, e, o)
+    s3, _ = at_edge_of_space(v, zero, base, row, layer, last, x - b + c, y - f + g, z - r + t, a, e, o)
+    s4, _ = at_edge_of_space(v, zero, base, row, layer, last, x + b + c, y + f + g, z + r + t, a, e, o)
     return each(0.125 * ((s1 + s2) + (s3 + s4)))
 
 
 @of_corners(gather_gradient, Solid)
-def _(weights, analysis, base, offsets, across, v, w, X, p, L):
+def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
     (x, y, z), (a, b, c, e, f, g, o, r, t) = weights.middle, weights.axes
     n = len(across)
     row, layer, last = offsets[n], offsets[n * n], np.uint64(n - 2)
-    s1, d1 = at_edge_of_space(v, base, row, layer, last, x - b - c, y - f - g, z - r - t, a, e, o)
-    s2, d2 = at_edge_of_space(v, base, row, layer, last, x + b - c, y + f - g, z + r - t, a, e, o)
-    s3, d3 = at_edge_of_space(v, base, row, layer, last, x - b + c, y - f + g, z - r + t, a, e, o)
-    s4, d4 = at_edge_of_space(v, base, row, layer, last, x + b + c, y + f + g, z + r + t, a, e, o)
+    s1, d1 = at_edge_of_space(v, zero, base, row, layer, last, x - b - c, y - f - g, z - r - t, a, e, o)
+    s2, d2 = at_edge_of_space(v, zero, base, row, layer, last, x + b - c, y + f - g, z + r - t, a, e, o)
+    s3, d3 = at_edge_of_space(v, zero, base, row, layer, last, x - b + c, y - f + g, z - r + t, a, e, o)
+    s4, d4 = at_edge_of_space(v, zero, base, row, layer, last, x + b + c, y + f + g, z + r + t, a, e, o)
     below, above = s1 + s2, s3 + s4
     xi, eta, zeta = (d1 + d2) + (d3 + d4), (s2 - s1) + (s4 - s3), above - below
     x1, x2, x3, y1, y2, y3, z1, z2, z3 = gradients_of_space(weights.axes, weights.inverse_cell, 0.125)
-    L[0, p], L[3, p], L[6, p] = each(x1 * xi + x2 * eta + x3 * zeta)
-    L[1, p], L[4, p], L[7, p] = each(y1 * xi + y2 * eta + y3 * zeta)
-    L[2, p], L[5, p], L[8, p] = each(z1 * xi + z2 * eta + z3 * zeta)
+    put_rows(each(x1 * xi + x2 * eta + x3 * zeta), L, 0, 3, p)
+    put_rows(each(y1 * xi + y2 * eta + y3 * zeta), L, 1, 3, p)
+    put_rows(each(z1 * xi + z2 * eta + z3 * zeta), L, 2, 3, p)
     Sv = each(0.125 * (below + above))
-    return Sv, Sv if w is None else gather_vector(weights, analysis, base, offsets, across, w)
+    return Sv, Sv if w is None else gather_vector(weights, analysis, zero, base, offsets, across, w)

@@ -20,13 +20,13 @@ from mpmcli.core.verbs import (
     gather_gradient,
     gather_gradient_around_axis,
     gather_vector,
+    put_rows,
     rows_of,
     scatter_momentum,
     scatter_stress,
     scatter_stress_around_axis,
     scatter_vector,
     value_at,
-    zero_vector,
 )
 
 of_rows = partial(for_each, weights=Rows)
@@ -38,9 +38,9 @@ def _(weights, row, a, across):
 
 
 @of_rows(scatter_momentum, *ALL)
-def _(weights, analysis, base, offsets, across, M, V, p, mp):
+def _(weights, analysis, zero, base, offsets, across, M, V, p, mp):
     x, values = weights.x, weights.values
-    one = (1.0, *column(analysis, V, p))
+    one = (1.0, *column(zero, V, p))
     matter = M[p] * pack(one)
     w, lead = np.uint64(len(across)), np.uint64(len(one))
     for r in range(rows_of(analysis, across)):
@@ -65,9 +65,8 @@ def _(weights, analysis, base, offsets, across, M, B, f):
 
 
 @of_rows(gather_vector, *ALL)
-def _(weights, analysis, base, offsets, across, v):
+def _(weights, analysis, zero, base, offsets, across, v):
     x, values = weights.x, weights.values
-    zero = zero_vector(analysis)
     w, d = np.uint64(len(across)), np.uint64(len(zero))
     total = zeros(zero)
     for r in range(rows_of(analysis, across)):
@@ -122,7 +121,7 @@ def _(weights, analysis, base, offsets, across, vol0, tau, X, p, f):
 
 
 @of_rows(gather_gradient, *LINE)
-def _(weights, analysis, base, offsets, across, v, w, X, p, L):
+def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
     Sv, Sw, xx = 0.0, 0.0, 0.0
     for a in range(np.uint64(len(across))):
         Sv += weights.x[a] * v[base + a]
@@ -134,26 +133,25 @@ def _(weights, analysis, base, offsets, across, v, w, X, p, L):
 
 
 @of_rows(gather_gradient, *PLANE)
-def _(weights, analysis, base, offsets, across, v, w, X, p, L):
-    zero = zero_vector(analysis)
+def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
     Sv, Sw, by_x, by_y = zeros(zero), zeros(zero), zeros(zero), zeros(zero)
-    width = np.uint64(len(across))
+    width, c = np.uint64(len(across)), np.uint64(len(zero))
     for r in range(width):
-        first = (base + offsets[r * width]) * TWO
+        first = (base + offsets[r * width]) * c
         along, slope, along_w = zeros(zero), zeros(zero), zeros(zero)
         for a in range(width):
-            u = read(v, first + a * TWO, zero)
+            u = read(v, first + a * c, zero)
             along = plus(along, weights.x[a], u)
             slope = plus(slope, weights.slopes[a], u)
             if w is not None:
-                along_w = plus(along_w, weights.x[a], read(w, first + a * TWO, zero))
+                along_w = plus(along_w, weights.x[a], read(w, first + a * c, zero))
         Sv = plus(Sv, weights.values[r], along)
         by_x = plus(by_x, weights.values[r], slope)
         by_y = plus(by_y, weights.gradients[r], along)
         if w is not None:
             Sw = plus(Sw, weights.values[r], along_w)
-    L[0, p], L[2, p] = each(by_x)
-    L[1, p], L[3, p] = each(by_y)
+    put_rows(each(by_x), L, 0, 2, p)
+    put_rows(each(by_y), L, 1, 2, p)
     return each(Sv), each(Sv if w is None else Sw)
 
 
@@ -161,27 +159,26 @@ of_rows(gather_gradient, Axisymmetric)(gather_gradient_around_axis)
 
 
 @of_rows(gather_gradient, Solid)
-def _(weights, analysis, base, offsets, across, v, w, X, p, L):
-    zero = zero_vector(analysis)
+def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
     Sv, Sw, by_x, by_y, by_z = zeros(zero), zeros(zero), zeros(zero), zeros(zero), zeros(zero)
-    width = np.uint64(len(across))
+    width, c = np.uint64(len(across)), np.uint64(len(zero))
     R = width * width
     for r in range(R):
-        first = (base + offsets[r * width]) * THREE
+        first = (base + offsets[r * width]) * c
         along, slope, along_w = zeros(zero), zeros(zero), zeros(zero)
         for a in range(width):
-            u = read(v, first + a * THREE, zero)
+            u = read(v, first + a * c, zero)
             along = plus(along, weights.x[a], u)
             slope = plus(slope, weights.slopes[a], u)
             if w is not None:
-                along_w = plus(along_w, weights.x[a], read(w, first + a * THREE, zero))
+                along_w = plus(along_w, weights.x[a], read(w, first + a * c, zero))
         Sv = plus(Sv, weights.values[r], along)
         by_x = plus(by_x, weights.values[r], slope)
         by_y = plus(by_y, weights.gradients[r], along)
         by_z = plus(by_z, weights.gradients[R + r], along)
         if w is not None:
             Sw = plus(Sw, weights.values[r], along_w)
-    L[0, p], L[3, p], L[6, p] = each(by_x)
-    L[1, p], L[4, p], L[7, p] = each(by_y)
-    L[2, p], L[5, p], L[8, p] = each(by_z)
+    put_rows(each(by_x), L, 0, 3, p)
+    put_rows(each(by_y), L, 1, 3, p)
+    put_rows(each(by_z), L, 2, 3, p)
     return each(Sv), each(Sv if w is None else Sw)

@@ -21,12 +21,12 @@ from mpmcli.core.verbs import (
     gather_gradient_around_axis,
     gather_vector,
     nodes_of,
+    put_rows,
     scatter_momentum,
     scatter_stress,
     scatter_stress_around_axis,
     scatter_vector,
     value_at,
-    zero_vector,
 )
 
 of_table = partial(for_each, weights=Table)
@@ -38,9 +38,9 @@ def _(weights, row, a, across):
 
 
 @of_table(scatter_momentum, *ALL)
-def _(weights, analysis, base, offsets, across, M, V, p, mp):
+def _(weights, analysis, zero, base, offsets, across, M, V, p, mp):
     S = weights.S
-    one = (1.0, *column(analysis, V, p))
+    one = (1.0, *column(zero, V, p))
     matter = pack(one)
     mass, lead = M[p], np.uint64(len(one))
     for j in range(nodes_of(analysis, across)):
@@ -96,9 +96,8 @@ def _(weights, analysis, base, offsets, across, M, B, f):
 
 
 @of_table(gather_vector, *ALL)
-def _(weights, analysis, base, offsets, across, v):
+def _(weights, analysis, zero, base, offsets, across, v):
     S = weights.S
-    zero = zero_vector(analysis)
     total, d = zeros(zero), np.uint64(len(zero))
     for j in range(nodes_of(analysis, across)):
         total = plus(total, S[j], read(v, (base + offsets[j]) * d, zero))
@@ -106,7 +105,7 @@ def _(weights, analysis, base, offsets, across, v):
 
 
 @of_table(gather_gradient, *LINE)
-def _(weights, analysis, base, offsets, across, v, w, X, p, L):
+def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
     S, G = weights.S, weights.G
     Sv, Sw, xx = 0.0, 0.0, 0.0
     for j in range(nodes_of(analysis, across)):
@@ -120,21 +119,20 @@ def _(weights, analysis, base, offsets, across, v, w, X, p, L):
 
 
 @of_table(gather_gradient, *PLANE)
-def _(weights, analysis, base, offsets, across, v, w, X, p, L):
+def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
     S, G = weights.S, weights.G
-    zero = zero_vector(analysis)
     Sv, Sw, by_x, by_y = zeros(zero), zeros(zero), zeros(zero), zeros(zero)
-    m = nodes_of(analysis, across)
+    m, c = nodes_of(analysis, across), np.uint64(len(zero))
     for j in range(m):
-        i = (base + offsets[j]) * TWO
+        i = (base + offsets[j]) * c
         u = read(v, i, zero)
         Sv = plus(Sv, S[j], u)
         by_x = plus(by_x, G[j], u)
         by_y = plus(by_y, G[m + j], u)
         if w is not None:
             Sw = plus(Sw, S[j], read(w, i, zero))
-    L[0, p], L[2, p] = each(by_x)
-    L[1, p], L[3, p] = each(by_y)
+    put_rows(each(by_x), L, 0, 2, p)
+    put_rows(each(by_y), L, 1, 2, p)
     return each(Sv), each(Sv if w is None else Sw)
 
 
@@ -142,13 +140,12 @@ of_table(gather_gradient, Axisymmetric)(gather_gradient_around_axis)
 
 
 @of_table(gather_gradient, Solid)
-def _(weights, analysis, base, offsets, across, v, w, X, p, L):
+def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
     S, G = weights.S, weights.G
-    zero = zero_vector(analysis)
     Sv, Sw, by_x, by_y, by_z = zeros(zero), zeros(zero), zeros(zero), zeros(zero), zeros(zero)
-    m = nodes_of(analysis, across)
+    m, c = nodes_of(analysis, across), np.uint64(len(zero))
     for j in range(m):
-        i = (base + offsets[j]) * THREE
+        i = (base + offsets[j]) * c
         u = read(v, i, zero)
         Sv = plus(Sv, S[j], u)
         by_x = plus(by_x, G[j], u)
@@ -156,7 +153,7 @@ def _(weights, analysis, base, offsets, across, v, w, X, p, L):
         by_z = plus(by_z, G[m + m + j], u)
         if w is not None:
             Sw = plus(Sw, S[j], read(w, i, zero))
-    L[0, p], L[3, p], L[6, p] = each(by_x)
-    L[1, p], L[4, p], L[7, p] = each(by_y)
-    L[2, p], L[5, p], L[8, p] = each(by_z)
+    put_rows(each(by_x), L, 0, 3, p)
+    put_rows(each(by_y), L, 1, 3, p)
+    put_rows(each(by_z), L, 2, 3, p)
     return each(Sv), each(Sv if w is None else Sw)

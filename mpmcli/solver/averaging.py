@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mpmcli.boundary.images import Images
 from mpmcli.core.analysis import Analysis, Axisymmetric
 from mpmcli.core.averages import WeightedSums, divide_sums, mean_of_rows, shift_rows
 from mpmcli.core.grid import Grid
@@ -32,10 +33,12 @@ class VolumeAveraging:
     tau : (nT, N) stresses whose mean is averaged, after ``average_stresses``
     """
 
-    def __init__(self, analysis: Analysis, grid: Grid, particles: Particles, transfer: Transfer):
+    def __init__(
+        self, analysis: Analysis, grid: Grid, particles: Particles, transfer: Transfer, images: Images | None
+    ):
         d = grid.dimensions
         hoop = isinstance(analysis, Axisymmetric)
-        self._grid, self._particles, self._transfer = grid, particles, transfer
+        self._grid, self._particles, self._transfer, self._images = grid, particles, transfer, images
         self._rows_of_L = np.array([*range(0, d * d, d + 1), *([4] if hoop else [])], dtype=np.uint64)
         self._rows_of_tau = np.arange(len(self._rows_of_L), dtype=np.uint64)
         self._sums = np.zeros((grid.dof_count, 2))
@@ -68,6 +71,7 @@ class VolumeAveraging:
         mean_of_rows[parallel](A, rows, chunks, self._mean)
         clear_nodes[parallel](active, sums)
         transfer.scatter(WeightedSums(self._particles.vol0, self._mean, flat))
-        transfer.complete_scalars(sums)
+        if self._images is not None:
+            self._images.complete_scalars(sums)
         divide_sums[parallel](active, sums)
         shift_rows[parallel](*transfer.operator(chunks), flat, self._mean, rows, A, out)

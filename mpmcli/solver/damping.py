@@ -18,6 +18,7 @@ class Damping:
     ----------
     grid, particle : rates [1/time]
     state : receives the energy taken
+    images : mirror images of particles, or None
 
     Attributes
     ----------
@@ -26,17 +27,18 @@ class Damping:
     of_nodes, of_particles : (chunks,) energy that each has taken in the step, or None
     """
 
-    def __init__(self, grid: float, particle: float, state: State):
+    def __init__(self, grid: float, particle: float, state: State, images: Images | None):
         self.grid: Array | None = np.array([grid]) if grid else None
         self.particle = particle
         self.of_nodes: Array | None = np.zeros(CHUNKS) if grid else None
         self.of_particles: Array | None = np.zeros(CHUNKS) if particle else None
-        self._state = state
+        self._state, self._images = state, images
         if grid or particle:
             state.work["damping_work"] = 0.0
 
-    def leave_out(self, images: Images | None, mp: Array, f: Array, dt: float) -> None:
+    def leave_out_images(self, mp: Array, f: Array, dt: float) -> None:
         """Take what mirror images of particles lost out of what nodes lost."""
+        images = self._images
         if images is not None and self.grid is not None and self.of_nodes is not None:
             self.of_nodes[0] -= images.damping_of(mp, f, self.grid[0], dt)
 

@@ -10,6 +10,7 @@ from mpmcli.boundary.loads import Loads
 from mpmcli.boundary.rigid import RigidBodies
 from mpmcli.contact.nodal_contact import NodalContact
 from mpmcli.core.grid import Grid
+from mpmcli.core.nodal_field import NodalField
 from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
 from mpmcli.core.state import State
@@ -38,6 +39,7 @@ class Parts:
     particles: Particles
     order: CellOrder
     transfer: Transfer
+    velocity: NodalField
     arrays: StepArrays
     stress: StressUpdate
     damping: Damping
@@ -53,7 +55,11 @@ class Parts:
 
     def nodal_arrays(self) -> dict[str, Array]:
         """Return every array over all nodes by name."""
-        found = {"grid.mp": self.grid.mp, "grid.f": self.grid.f} | self.arrays.nodal()
+        found = (
+            {"grid.mp": self.grid.mp, "grid.f": self.grid.f}
+            | self.arrays.nodal()
+            | self.velocity.nodal_arrays()
+        )
         parts = {"contact": self.contact, "loads": self.loads, "averaging": self.averaging}
         for name, part in parts.items():
             if part is not None:

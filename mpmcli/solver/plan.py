@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.analysis import ANALYSES, Analysis
+from mpmcli.core.full_mass import OrderRule
 from mpmcli.core.grid import Grid
-from mpmcli.core.order import CHUNKS
+from mpmcli.core.nodal_field import NodalField
+from mpmcli.core.particles import Particles
 from mpmcli.core.variants import STRAIN_UPDATES, TRANSFER_METHODS, StrainUpdate, TransferMethod
 from mpmcli.scene.archive import shows
 from mpmcli.scene.fields import velocity_fields
@@ -101,6 +103,11 @@ class Plan:
         """Weights of nodes are found once and kept where several passes of the FMPM loop read them."""
         return self.order > 2 and not self.velocity_gradient
 
+    @property
+    def order_rule(self) -> OrderRule:
+        """How many increments the full-mass loop adds."""
+        return OrderRule(self.order, self.blend_scale, self.dynamic)
+
     def blend_scale(self, order: int) -> float:
         """Factor of the increment of an order ℓ: α if ℓ mod m = 1 or m = 1 (Nairn 2026, section 3.3)."""
         if self.blend is None:
@@ -185,46 +192,50 @@ class StepArrays:
 
     Attributes
     ----------
-    v : (n, d) grid velocities
+    v : (n, d) grid velocities, those of the nodal field
     start : (n, d) velocities v⁺ − a Δt, contact included, that move positions of XPIC where bodies touch
     w : (n, d) accelerations (FLIP) or projected velocities (XPIC)
-    dv, out : (n, d) velocity increment of the FMPM loop and what one pass makes of it
     p_start, p_again : (n, d) momenta at the start of the step; momenta extrapolated again
     X_new : (d, N) positions after the step, while stencils still need the old ones
-    node_sums : (chunks, 4) what a dynamic order is judged by
     """
 
     v: Array
     w: Any
     start: Any
-    dv: Any
-    out: Any
     p_start: Any
     p_again: Any
     X_new: Any
-    node_sums: Any
 
     def nodal(self) -> dict[str, Array]:
         """Return the arrays over all nodes by name."""
-        names = ("v", "start", "w", "dv", "out", "p_start", "p_again")
+        names = ("v", "start", "w", "p_start", "p_again")
         return {name: array for name in names if (array := getattr(self, name)) is not None}
 
 
-def allocate_step_arrays(plan: Plan, grid: Grid, particles: int) -> StepArrays:
+def make_velocity(plan: Plan, grid: Grid, particles: Particles) -> NodalField:
+    """Make the nodal field of momentum, with the arrays that the plan needs."""
+    p = particles
+    velocity = NodalField(
+        "velocity", (0.0,) * grid.dimensions, lambda: p.mass, lambda: p.V, grid.mp, grid.f, np.zeros_like(grid.f),
+        gradient=(lambda: p.L) if plan.velocity_gradient else None,
+    )  # fmt: skip
+    if plan.has_full_mass_loop or plan.method.projects:
+        velocity.allocate_loop(is_dynamic=plan.dynamic is not None)
+    return velocity
+
+
+def allocate_step_arrays(plan: Plan, velocity: NodalField, particles: int) -> StepArrays:
     """Allocate what the plan needs and nothing else."""
-    n, d = grid.dof_count, grid.dimensions
+    n, d = velocity.v.shape
 
     def nodal(wanted: bool) -> Array | None:
         return np.zeros((n, d)) if wanted else None
 
     return StepArrays(
-        v=np.zeros((n, d)),
+        v=velocity.v,
         w=nodal(not plan.method.full_mass or plan.is_periodic),
         start=nodal(plan.method.projects and plan.has_contact),
-        dv=nodal(plan.has_full_mass_loop or plan.method.projects),
-        out=nodal(plan.has_full_mass_loop or plan.method.projects),
         p_start=nodal(plan.keeps_start_momenta),
         p_again=nodal(plan.update.again),
         X_new=np.zeros((d, particles)) if plan.keeps_positions else None,
-        node_sums=np.zeros((CHUNKS, 4)) if plan.dynamic is not None else None,
     )

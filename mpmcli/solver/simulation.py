@@ -32,7 +32,7 @@ from mpmcli.solver.failures import Failures
 from mpmcli.solver.grid_view import show_on_grid, view_of_grid
 from mpmcli.solver.parts import Parts
 from mpmcli.solver.period import Period
-from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan
+from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan, make_velocity
 from mpmcli.solver.step import Task, tasks_of
 from mpmcli.solver.stress import StressUpdate
 from mpmcli.solver.transfer import Transfer
@@ -77,7 +77,8 @@ class Simulation(Parts):
         turns = self._fill(scene)
         self.parallel = self._is_large()
         self.order = CellOrder(self.particles, self.grid)
-        self.arrays = allocate_step_arrays(self.plan, self.grid, self.particles.count)
+        self.velocity = make_velocity(self.plan, self.grid, self.particles)
+        self.arrays = allocate_step_arrays(self.plan, self.velocity, self.particles.count)
         self.state = self._make_state(scene)
         self.max_steps = scene.time.max_steps
         self.time_step = TimeStep(scene.time.step, None, float(self.grid.cell.min()))
@@ -114,26 +115,26 @@ class Simulation(Parts):
             self.order,
             self.parallel,
             self.failures.describe,
+            [self.velocity],
             bounds=self.exits.bounds,
             keeps_domain=plan.update.first > 0.0,
-            affine=plan.velocity_gradient,
             stores_weights=plan.stores_weights,
             turns=turns,
         )
         self.conditions = self._make_conditions(scene)
-        self.transfer.images = None if self.conditions is None else self.conditions.images
-        self.damping = Damping(plan.grid_damping, plan.particle_damping, state)
+        images = None if self.conditions is None else self.conditions.images
+        mirror = None if images is None else images.mirror
+        self.damping = Damping(plan.grid_damping, plan.particle_damping, state, images)
         self.averaging = None
         if plan.averages_volume:
-            self.averaging = VolumeAveraging(plan.analysis, grid, particles, self.transfer)
-        mirror = None if self.conditions is None else self.conditions.conditions.mirror
+            self.averaging = VolumeAveraging(plan.analysis, grid, particles, self.transfer, images)
         self.rigid = self.loads = self.contact = None
         if state.rigid:
             self.rigid = RigidBodies(
                 scene.bodies, state.rigid, plan.fields, plan.field_of_body, self.order, mirror
             )
         if plan.has_loads:
-            self.loads = self._make_loads(scene)
+            self.loads = self._make_loads(scene, has_mirror=images is not None)
         if plan.has_contact:
             self.contact = NodalContact(
                 setup.choose_contact(scene, plan), self.order, self.transfer, self.conditions, mirror, self.rigid,
@@ -142,6 +143,8 @@ class Simulation(Parts):
             state.contact = self.contact.view
             if state.grid is not None:
                 show_on_grid(state.grid, grid, self.contact.nodal_fields())
+        corrections = (images, self.conditions, self.contact)
+        self.velocity.corrections = [part for part in corrections if part is not None]
 
     def make_tasks(self) -> None:
         """List the tasks of a step, for every plan that steps may have."""
@@ -295,8 +298,8 @@ class Simulation(Parts):
         self._may_wait = {condition.name for condition in scene.boundary if condition.may_wait(self.grid)}
         return GridConditions(conditions, self.grid, self.plan.rigid_fields)
 
-    def _make_loads(self, scene: Any) -> Loads:
-        rigid, images = self.rigid, self.transfer.images
+    def _make_loads(self, scene: Any, has_mirror: bool) -> Loads:
+        rigid = self.rigid
         return Loads(
             scene.loads,
             particles=self.particles,
@@ -309,7 +312,7 @@ class Simulation(Parts):
             bodies=self.state.bodies,
             shown=self._shown,
             rigid_dofs=None if rigid is None else lambda: rigid.dofs,
-            has_mirror=images is not None,
+            has_mirror=has_mirror,
             parallel=self.parallel,
         )
 

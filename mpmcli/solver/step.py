@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from mpmcli.core import nodes
+from mpmcli.core.full_mass import add_filtered_values, add_full_mass_increments
 from mpmcli.core.step import Step
 from mpmcli.solver.parts import Parts
 from mpmcli.solver.plan import Plan
-from mpmcli.solver.velocity import add_filtered_velocities, add_full_mass_increments
 
 
 @dataclass
@@ -89,8 +89,9 @@ class _Tasks:
         s.transfer.begin_step()
         if s.rigid is not None:
             s.rigid.prepare(step)
-        f = s.grid.f if plan.has_final_stress else None
-        s.transfer.extrapolate(s.grid.mp, f, replaces_velocity=not plan.method.flip)
+        s.transfer.extrapolate(
+            s.velocity, replaces_values=not plan.method.flip, with_forces=plan.has_final_stress
+        )
 
     def find_first_velocities(self, step: Step) -> None:
         """Tasks 1.b and 1.c: the velocities that the momenta imply, conditions included."""
@@ -111,7 +112,7 @@ class _Tasks:
             s.transfer.internal_forces(tau, s.grid.f)
         if s.loads is not None:
             s.loads.add_to(s.grid.f)
-        s.transfer.complete_vectors(s.grid.f, step.dt)
+        s.velocity.complete(s.grid.f, step.dt)
 
     def update_momenta(self, step: Step) -> None:
         """Task 3."""
@@ -120,7 +121,7 @@ class _Tasks:
         nodes.update_momenta[s.parallel](
             s.grid.active, mp, f, damping.grid, step.dt, s.arrays.p_start, damping.of_nodes
         )
-        damping.leave_out(s.transfer.images, mp, f, step.dt)
+        damping.leave_out_images(mp, f, step.dt)
 
     def impose_on_momenta(self, step: Step) -> None:
         """Task 2.a, on momenta that the forces have updated: the reactions are part of them."""
@@ -134,7 +135,7 @@ class _Tasks:
         nodes.find_velocities[s.parallel](s.grid.active, s.grid.mp, s.grid.f, v, w)
         self._refine(step, counts_reactions=True)
         if plan.method.projects:
-            add_filtered_velocities(s, step, w)
+            add_filtered_values(s.velocity, s.transfer, step, plan.order, s.arrays.p_start, w, s.arrays.start)
 
     def account(self, step: Step) -> None:
         """The work that conditions, loads and contact do in this step."""
@@ -164,8 +165,7 @@ class _Tasks:
         """Task 4.a: momenta of the new particle velocities."""
         s, p = self._s, self._s.arrays.p_again
         nodes.clear_nodes[s.parallel](s.grid.active, p)
-        s.transfer.add_velocities(p)
-        s.transfer.complete_vectors(p, 0.0)
+        s.transfer.add_values(s.velocity, p)
         s.grid.mp[s.grid.active, 1:] = p[s.grid.active]
 
     def find_new_velocities(self, step: Step) -> None:
@@ -206,7 +206,9 @@ class _Tasks:
         """Lumped velocities become v⁺(k)."""
         s, plan, v = self._s, step.plan, self._s.arrays.v
         if plan.has_full_mass_loop:
-            s.reached_order = add_full_mass_increments(s, step, v, counts_reactions)
+            s.reached_order = add_full_mass_increments(
+                s.velocity, s.transfer, step, plan.order_rule, counts_reactions
+            )
             if s.contact is not None:
                 s.contact.after_velocities(step, v)
         if plan.imposes_velocity and s.conditions is not None:

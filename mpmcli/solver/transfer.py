@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcli.boundary.images import Images
 from mpmcli.core import transfer as kernels
 from mpmcli.core.analysis import Analysis
 from mpmcli.core.domains import turn_domains
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
+from mpmcli.core.nodal_field import NodalField
 from mpmcli.core.nodes import clear_nodes
 from mpmcli.core.order import CHUNKS, CellOrder
 from mpmcli.core.particles import Particles
@@ -54,8 +54,8 @@ class Transfer:
     particles, grid, order : what is transferred, where to, and the cell order that keeps scatters apart
     parallel : run the parallel version of every kernel
     describe : names a particle (by its place in memory) in messages
+    fields : what particles carry to the grid and back, velocity first
     bounds : (d, 2) the domain, which no particle may leave [length]
-    affine : extrapolated velocities carry the velocity gradient of their particle
     stores_weights : the weights of the stencils are found once for all passes of the FMPM loop
     keeps_domain : the strain update changes F before the step is over, so that stencils need a copy of it
     turns : (bodies, d, d) from the sides of each body's particle domains to the grid's axes; None where all are along
@@ -63,7 +63,6 @@ class Transfer:
     Attributes
     ----------
     farthest : largest displacement of a particle along an axis in the last motion [cells]
-    images : completes sums beside symmetry planes; None without any
     """
 
     def __init__(
@@ -75,9 +74,9 @@ class Transfer:
         order: CellOrder,
         parallel: bool,
         describe: Callable[[int], str],
+        fields: Sequence[NodalField],
         bounds: Array,
         keeps_domain: bool = False,
-        affine: bool = False,
         stores_weights: bool = False,
         turns: Array | None = None,
     ):
@@ -86,10 +85,11 @@ class Transfer:
         self.parallel = parallel
         self._describe = describe
         self.widest = grid.pad + 2 if shape.follows_deformation else grid.width
-        self._affine = affine
         self._stores = stores_weights
         self._stored: Any = None
-        self._passing_L = np.zeros_like(particles.L) if affine else None
+        self._passing: Any = None
+        self.fields = list(fields)
+        self.zero = (0.0,) * grid.dimensions
         self._keeps_domain = keeps_domain and shape.follows_deformation
         self.turns = turns
         self._domain_F = particles.F
@@ -98,14 +98,15 @@ class Transfer:
         self.farthest = 0.0
         self.outside = np.full(CHUNKS, -1, dtype=np.int64)
         self.bounds = bounds
-        self.images: Images | None = None
         self.sort()
         self._fix_domains()
 
     def sort(self) -> None:
         """Sort particles by cell and size the buffers for the bands that result."""
-        for array in (self.grid.mp, self.grid.f):  # nodes that fall out of use stay empty
-            clear_nodes[self.parallel](self.grid.active, array)
+        for field in self.fields:  # nodes that fall out of use stay empty
+            for array in (field.mp, field.f):
+                if array is not None:
+                    clear_nodes[self.parallel](self.grid.active, array)
         self.order.sort(self.parallel)
         self.size_buffers()
 
@@ -146,10 +147,15 @@ class Transfer:
         where = (p.X, self._domain_F, p.size, field)
         return self.analysis, self.shape.parameters, self.geometry, self.across, ranges, self.stencil, *where
 
-    def scatter(self, task: NamedTuple, shape: NamedTuple | None = None) -> None:
-        """Particles to grid: run a task of ``core.transfer`` over all particles, with the scene's shape or another."""
+    def scatter(self, task: NamedTuple, zero: Any = None, shape: NamedTuple | None = None) -> None:
+        """Particles to grid: run a task of ``core.transfer`` over all particles.
+
+        ``zero`` has as many zeros as the carried quantity has components, unless it is a vector. ``shape`` takes the
+        place of the scene's shape function.
+        """
         analysis, own_shape, *rest = self.operator(self.order.bands)
-        kernels.scatter[self.parallel](task, analysis, own_shape if shape is None else shape, *rest)
+        zero = self.zero if zero is None else zero
+        kernels.scatter[self.parallel](task, zero, analysis, own_shape if shape is None else shape, *rest)
 
     def _stored_weights(self, refresh: bool) -> Any:
         """The shape function that reads its weights from memory; ``refresh`` finds them anew."""
@@ -164,36 +170,26 @@ class Transfer:
             )  # fmt: skip
         return self._stored
 
-    def complete_vectors(self, q: Array, weight: float) -> None:
-        """Complete sums ``q`` (dofs, d) that scatters have left; ``weight`` times them is momentum of particles."""
-        if self.images is not None:
-            self.images.complete_vectors(q, weight)
+    def extrapolate(self, field: NodalField, replaces_values: bool, with_forces: bool = False) -> None:
+        """Task 1: capacity and extensive value of a field; ``with_forces`` (of velocity) task 2's internal forces, too.
 
-    def complete_scalars(self, q: Array) -> None:
-        """Complete sums ``q`` (dofs, c) of scalars."""
-        if self.images is not None:
-            self.images.complete_scalars(q)
-
-    def extrapolate(self, mp: Array, f: Array | None, replaces_velocity: bool) -> None:
-        """Task 1, and unless ``f`` is None task 2's internal forces with the same stencils; ``mp`` is complete.
-
-        Widens the stencil where a particle has stretched over more nodes than it spans. ``replaces_velocity``: grid
-        velocities replace those of particles in this step.
+        ``replaces_values``: particles take on nodal values in this step. Widens the stencil where a particle has
+        stretched over more nodes than it spans.
         """
-        p = self.particles
+        p, f = self.particles, field.f
         while True:
-            clear_nodes[self.parallel](self.grid.active, mp)
-            flat = mp.reshape(-1)
-            if f is not None:
+            clear_nodes[self.parallel](self.grid.active, field.mp)
+            M, V, flat = field.capacity(), field.carried(), field.mp.reshape(-1)
+            if with_forces:
                 clear_nodes[self.parallel](self.grid.active, f)
-            if f is None and self._affine:
-                self.scatter(AffineMassAndMomentum(p.mass, p.V, p.L, flat))
-            elif f is None:
-                self.scatter(MassAndMomentum(p.mass, p.V, flat))
-            elif self._affine:
-                self.scatter(AffineStateAndForces(p.mass, p.V, p.L, p.vol0, p.tau, flat, f.reshape(-1)))
+            if not with_forces and field.gradient is not None:
+                self.scatter(AffineMassAndMomentum(M, V, field.gradient(), flat), field.zero)
+            elif not with_forces:
+                self.scatter(MassAndMomentum(M, V, flat), field.zero)
+            elif field.gradient is not None:
+                self.scatter(AffineStateAndForces(M, V, field.gradient(), p.vol0, p.tau, flat, f.reshape(-1)))
             else:
-                self.scatter(StateAndForces(p.mass, p.V, p.vol0, p.tau, flat, f.reshape(-1)))
+                self.scatter(StateAndForces(M, V, p.vol0, p.tau, flat, f.reshape(-1)))
             problem, particle = self.stencil.status
             if problem == 0:
                 break
@@ -202,8 +198,7 @@ class Transfer:
             self.grid.width = min(self.grid.width + WIDENING, self.widest)
             self.sort()
             self._fix_domains()
-        if self.images is not None:
-            self.images.complete_momenta(mp, replaces_velocity)
+        field.complete_extrapolated(replaces_values)
 
     def _what_is_wrong(self, problem: int, particle: int) -> str:
         who = self._describe(particle)
@@ -223,33 +218,35 @@ class Transfer:
         """out += Sᵀ M V."""
         self.scatter(VectorSum(self.particles.mass, V, out.reshape(-1)))
 
-    def add_velocities(self, out: Array) -> None:
-        """out += Sᵀ M V for the particles' velocities, with their gradients in affine transfers."""
-        p = self.particles
-        if self._affine:
-            self.scatter(AffineVectorSum(p.mass, p.V, p.L, out.reshape(-1)))
+    def add_values(self, field: NodalField, out: Array) -> None:
+        """out += Sᵀ M V for the values that particles carry, with their gradients in affine transfers; completed."""
+        M, V, flat = field.capacity(), field.carried(), out.reshape(-1)
+        if field.gradient is not None:
+            self.scatter(AffineVectorSum(M, V, field.gradient(), flat), field.zero)
         else:
-            self.add_vector(p.V, out)
+            self.scatter(VectorSum(M, V, flat), field.zero)
+        field.complete(out)
 
-    def project(self, v: Array, out: Array, weight: float, first: bool = True) -> None:
-        """out += Sᵀ M S v, complete; ``weight`` times it is momentum of particles.
+    def project(self, field: NodalField, v: Array, out: Array, weight: float, first: bool = True) -> None:
+        """out += Sᵀ M S v, completed (see ``Correction.complete`` for ``weight``).
 
         ``first`` says that particles have moved or changed since the last projection.
         """
-        p = self.particles
-        if self._affine:
-            if self._passing_L is None or self._passing_L.shape != p.L.shape:  # particles were removed
-                self._passing_L = np.zeros_like(p.L)
-            self.scatter(AffineProjection(p.mass, v.reshape(-1), self._passing_L, out.reshape(-1)))
+        M = field.capacity()
+        if field.gradient is not None:
+            L = field.gradient()
+            if self._passing is None or self._passing.shape != L.shape:  # particles were removed
+                self._passing = np.zeros_like(L)
+            self.scatter(AffineProjection(M, v.reshape(-1), self._passing, out.reshape(-1)), field.zero)
         else:
-            task = Projection(p.mass, v.reshape(-1), out.reshape(-1))
-            self.scatter(task, self._stored_weights(first) if self._stores else None)
-        self.complete_vectors(out, weight)
+            task = Projection(M, v.reshape(-1), out.reshape(-1))
+            self.scatter(task, field.zero, self._stored_weights(first) if self._stores else None)
+        field.complete(out, weight)
 
     def velocity_gradients(self, v: Array) -> None:
         """L = G v."""
         kernels.find_velocity_gradients[self.parallel](
-            *self.operator(self.order.chunks), v.reshape(-1), self.particles.L,
+            self.zero, *self.operator(self.order.chunks), v.reshape(-1), self.particles.L,
         )  # fmt: skip
 
     def move(

@@ -33,7 +33,7 @@ def test_uniform_stress_leaves_no_force_inside(start, shape):
     s = run.simulation
     s.transfer.begin_step()
     run.particles.tau[:] = np.array([[3.0], [-2.0], [1.0], [0.7]])
-    s.transfer.extrapolate(s.grid.mp, None)
+    s.transfer.extrapolate(s.velocity)
     s.transfer.internal_forces(run.particles.tau, s.grid.f)
     nodes = s.grid.active
     x, y = s.grid.coordinates(nodes)

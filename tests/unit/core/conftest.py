@@ -84,9 +84,10 @@ class Cloud:
         transfer.store_weights[self.parallel](*operator, *stored)
         self.parameters = stored
 
-    def scatter(self, task):
-        """Run a scatter task of ``core.transfer``."""
-        transfer.scatter[self.parallel](task, *self.operator(self.order.bands))
+    def scatter(self, task, components: int | None = None):
+        """Run a scatter task of ``core.transfer``, of a quantity with as many components."""
+        zero = (0.0,) * (components or self.dimensions)
+        transfer.scatter[self.parallel](task, zero, *self.operator(self.order.bands))
 
     def nodal(self, components: int | None = None) -> np.ndarray:
         return np.zeros((self.grid.node_count, components or self.dimensions))
@@ -116,7 +117,8 @@ class Cloud:
     def find_gradients(self, v: np.ndarray) -> None:
         """L = G v of all particles."""
         operator = self.operator(self.order.chunks)
-        transfer.find_velocity_gradients[self.parallel](*operator, v.reshape(-1), self.particles.L)
+        zero = (0.0,) * v.shape[1]
+        transfer.find_velocity_gradients[self.parallel](zero, *operator, v.reshape(-1), self.particles.L)
 
     def move(self, v, w, flip, alpha=0.5, damping=0.0, dt=0.01, damped=None, L=True):
         """Move the particles; returns what the kernel reports per chunk."""

@@ -141,6 +141,30 @@ def test_velocity_gradients_equal_the_matrices(analysis, shape, cloud, dense_of)
         np.testing.assert_allclose(p.L[4], S @ v[:, 0] / p.X[0], atol=1e-12)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("analysis", "shape"), [*CASES, ("axisymmetric", "lcpdi"), ("3d", "lcpdi"), ("3d", "bspline2")]
+)
+def test_a_scalar_has_a_gradient_and_sums_of_its_own(analysis, shape, cloud, dense_of):
+    """The number of components belongs to what is carried, not to the analysis."""
+    c = cloud(analysis, shape)
+    p, d = c.particles, c.dimensions
+    S, G = dense_of(c)
+    T = np.random.default_rng(4).standard_normal((c.grid.node_count, 1))
+    p.L[:] = 7.0
+    c.find_gradients(T)
+    np.testing.assert_allclose(p.L[:d], np.einsum("n,bpn->bp", T[:, 0], G), rtol=0, atol=1e-12)
+    assert (p.L[d:] == 7.0).all()
+    sums, carried = c.nodal(2), p.V[:1]
+    c.scatter(transfer.MassAndMomentum(p.vol0, carried, sums.reshape(-1)), components=1)
+    np.testing.assert_allclose(
+        sums, np.stack([S.T @ p.vol0, S.T @ (p.vol0 * carried[0])], axis=1), atol=1e-13
+    )
+    out = c.nodal(1)
+    c.scatter(transfer.Projection(p.vol0, T.reshape(-1), out.reshape(-1)), components=1)
+    np.testing.assert_allclose(out, S.T @ (p.vol0[:, None] * (S @ T)), rtol=0, atol=1e-13)
+
+
 @pytest.mark.parametrize(
     ("analysis", "stretch"),
     [

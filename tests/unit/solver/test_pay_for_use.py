@@ -159,7 +159,8 @@ def test_running_imports_no_writers(reports):
 
 def arrays_of(run) -> set[str]:
     arrays = run.simulation.arrays
-    return {f.name for f in fields(StepArrays) if getattr(arrays, f.name) is not None}
+    present = {f.name for f in fields(StepArrays) if getattr(arrays, f.name) is not None}
+    return present | set(run.simulation.velocity.loop_arrays())
 
 
 NEEDS = [

@@ -29,7 +29,7 @@ def test_domains_of_a_step_are_those_of_its_start(bar):
     s = run.simulation
     run.particles.F[0, 20:24] = 5.0
     s.transfer.begin_step()
-    s.transfer.extrapolate(s.grid.mp, None)
+    s.transfer.extrapolate(s.velocity)
     assert s.grid.width > s.plan.shape.width
     assert not np.shares_memory(s.transfer._domain_F, run.particles.F)
     np.testing.assert_array_equal(s.transfer._domain_F, run.particles.F)

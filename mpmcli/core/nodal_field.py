@@ -1,0 +1,97 @@
+"""A nodal field: a quantity that particles carry to the grid and back, such as velocity or temperature."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.nodes import CHUNKS
+from mpmcli.core.step import Step
+
+Array = np.ndarray
+
+
+class Correction:
+    """What acts on a nodal field beside the particles: mirrors, conditions, contact. This one does nothing."""
+
+    def complete_extrapolated(self, mp: Array, replaces_values: bool) -> None:
+        """Complete capacities and extensive values ``mp`` (dofs, 1 + c), the first sums of a step.
+
+        ``replaces_values``: particles take on nodal values in this step (FMPM, XPIC).
+        """
+
+    def complete(self, sums: Array, weight: float) -> None:
+        """Complete the sums (dofs, c) of a scatter by what images beyond mirrors give.
+
+        ``weight`` is the share of these sums in what the particles carry after the step.
+        """
+
+    def correct(self, step: Step, dv: Array, counts_reactions: bool) -> None:
+        """Correct an increment ``dv`` (dofs, c) of the full-mass loop (parts (1) and (2) of task 3.b).
+
+        ``counts_reactions``: impulses count as reactions.
+        """
+
+    def take_out_start(self, step: Step, p: Array) -> None:
+        """Take what was added at the start of the step out of the extensive values ``p`` (dofs, c)."""
+
+
+@dataclass
+class NodalField:
+    """A quantity that particles carry to the grid and back, with c components.
+
+    Attributes
+    ----------
+    name : of the quantity, for people
+    zero : c zeros, a tuple from whose type compiled code knows c
+    capacity : gives the capacity of each particle, (N,): for velocities the mass
+    carried : gives the values that particles carry, (c, N)
+    gradient : gives the gradients of these values, (c·d …, N), where extrapolated values carry them; else None
+    mp : (dofs, 1 + c) capacity and extensive value: mass and momentum
+    f : (dofs, c) rate of the extensive value: force; None where nothing changes it
+    v : (dofs, c) value: velocity
+    dv, out : (dofs, c) an increment of the full-mass loop and what one pass makes of it; None without the loop
+    sums : (chunks, 4) what a dynamic order is judged by; None where orders are fixed
+    corrections : what acts on sums and increments, in this order
+    """
+
+    name: str
+    zero: tuple[float, ...]
+    capacity: Callable[[], Array]
+    carried: Callable[[], Array]
+    mp: Array
+    f: Any
+    v: Array
+    gradient: Callable[[], Array] | None = None
+    dv: Any = None
+    out: Any = None
+    sums: Any = None
+    corrections: list[Correction] = field(default_factory=list)
+
+    def allocate_loop(self, is_dynamic: bool) -> None:
+        """Allocate what the full-mass loop and the filter of XPIC work on; ``is_dynamic``: orders may end early."""
+        self.dv, self.out = np.zeros_like(self.v), np.zeros_like(self.v)
+        self.sums = np.zeros((CHUNKS, 4)) if is_dynamic else None
+
+    def nodal_arrays(self) -> dict[str, Array]:
+        """Return the arrays of the full-mass loop over all nodes, by name."""
+        found = {"dv": self.dv, "out": self.out}
+        return {name: array for name, array in found.items() if array is not None}
+
+    def complete_extrapolated(self, replaces_values: bool) -> None:
+        """Complete ``mp``."""
+        for correction in self.corrections:
+            correction.complete_extrapolated(self.mp, replaces_values)
+
+    def complete(self, sums: Array, weight: float = 0.0) -> None:
+        """Complete the sums (dofs, c) of a scatter."""
+        for correction in self.corrections:
+            correction.complete(sums, weight)
+
+    def correct(self, step: Step, counts_reactions: bool) -> None:
+        """Correct the increment ``dv``."""
+        for correction in self.corrections:
+            correction.correct(step, self.dv, counts_reactions)
