@@ -67,6 +67,7 @@ def measure(case: Case, folder: Path) -> tuple[float, dict[str, float]]:
     path.write_text(scene_text(case))
     simulation = Simulation(load_scene(path), threads=1)
     watch, p, plan = EnergyWatch(simulation), simulation.particles, simulation.plan
+    stress = simulation.stress
     update = {"with": strain.update_strain_and_stress[False], "without": blind_update(folder)}
 
     def march() -> None:
@@ -83,8 +84,8 @@ def measure(case: Case, folder: Path) -> tuple[float, dict[str, float]]:
 
     def strains(how: str) -> Callable[[], None]:
         return lambda: update[how](
-            plan.analysis, simulation._parameters[0], -1, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material,
-            p.stress_work, None, 1e-9, simulation._J_limits, simulation._speed2, simulation._bad,
+            plan.analysis, stress._parameters[0], -1, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material,
+            p.stress_work, None, 1e-9, stress._limits, stress._speed2, stress._bad,
         )  # fmt: skip
 
     jobs: dict[str, tuple[Callable[[], object], float]] = {

@@ -33,6 +33,15 @@ def held_sides(conditions: Iterable[Any], grid: Grid) -> dict[tuple[int, int], s
     return found
 
 
+def overrun_of(held: dict[tuple[int, int], str], grid: Grid, policy: str) -> Array:
+    """Return how far beyond the sides of the grid particles may be, (d, 2) [cells]; ``held`` from ``held_sides``."""
+    overrun = np.zeros((grid.dimensions, 2))
+    if policy != "stop_at_wall":
+        for side in held:
+            overrun[side] = MOST_OVERRUN
+    return overrun
+
+
 class Exits:
     """The sides of the domain, and what becomes of particles that pass them.
 
@@ -62,11 +71,7 @@ class Exits:
         self.policy, self.held = policy, held
         self._grid, self._particles, self._state = grid, particles, state
         self._describe, self._remove = describe, remove
-        beyond = np.full((grid.dimensions, 2), 1e-9)
-        if policy != "stop_at_wall":
-            for side in held:
-                beyond[side] = MOST_OVERRUN
-        below, above = beyond.T * grid.cell
+        below, above = np.maximum(overrun_of(held, grid, policy), 1e-9).T * grid.cell
         self.bounds = np.stack([grid.lower - below, grid.upper + above], axis=1)
         if policy != "error":
             state.work.setdefault("boundary_work", 0.0)

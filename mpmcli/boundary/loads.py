@@ -119,6 +119,10 @@ class Loads:
         """Return its arrays over all nodes, by name."""
         return {"force": self.force}
 
+    def nodal_arrays(self) -> dict[str, Array]:
+        """Return its arrays over all nodes, by name."""
+        return {"force": self.force}
+
     def add_to(self, f: Array) -> None:
         """Add them to nodal forces (n, d)."""
         nodes.add_nodal[self._parallel](self._grid.active, self.force, f)
@@ -131,21 +135,3 @@ class Loads:
         grid = self._grid
         nodes.external_power[self._parallel](grid.active, self.force, grid.mp, p_start, v, self._work)
         return float(self._work.sum()) * dt
-
-
-class NoLoads:
-    """A scene without loads."""
-
-    def collect(self, time: float) -> None:
-        """Nothing to find."""
-
-    def nodal_arrays(self) -> dict[str, Array]:
-        """Return its arrays over all nodes, by name."""
-        return {"force": self.force}
-
-    def add_to(self, f: Array) -> None:
-        """Nothing to add."""
-
-    def work(self, p_start: Any, v: Array, dt: float) -> float:
-        """No work."""
-        return 0.0

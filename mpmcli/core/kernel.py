@@ -121,12 +121,17 @@ class Call(NamedTuple):
         self.compiled.dispatcher.compile(self.types)
 
     @property
-    def words(self) -> str:
-        """What is compiled, for people: ``find geometry (LogisticPlane, Ellipsoids)``."""
+    def name(self) -> str:
+        """Name of the function, and what specialises it: ``find_geometry(LogisticPlane, Ellipsoids)``."""
         classes = (getattr(each, "instance_class", None) for each in self.types[:2])
         names = [each.__name__ for each in classes if each is not None]
-        name = self.compiled.address[1].strip("_").replace("_", " ")
-        return f"{name} ({', '.join(names)})" if names else name
+        name = self.compiled.address[1].strip("_")
+        return f"{name}({', '.join(names)})" if names else name
+
+    @property
+    def words(self) -> str:
+        """The same for people: ``find geometry (LogisticPlane, Ellipsoids)``."""
+        return self.name.replace("_", " ").replace("(", " (")
 
 
 def find_compiled(module: str, name: str, version: bool | None) -> Compiled:

@@ -53,7 +53,7 @@ def explain(
     threads = threads or available_threads()
     simulation = Simulation(loaded, threads)
     plan, grid, particles = simulation.plan, simulation.grid, simulation.particles
-    tasks = StandIn(loaded, simulation).calls_of_tasks()
+    kernels = StandIn(loaded, simulation).kernels_of_tasks()
     wave_speed, particle_speed = simulation.wave_speed, simulation.particle_speed
     fastest, cell = max(wave_speed, particle_speed), float(grid.cell.min())
     courant = simulation.courant_choice.courant
@@ -88,9 +88,10 @@ def explain(
         "grid_nodes": grid.node_count,
         "shape": scene.method.shape,
         "contact": contact.facts(particles, grid),
-        "tasks": list(dict.fromkeys(task.title for task, _ in tasks)),
+        "tasks": list(kernels),
         "not_modelled": left_out(plan, contact),
-        "kernels": list(dict.fromkeys(call.words for _, calls in tasks for call in calls)),
+        "kernels_of_tasks": kernels,
+        "kernels": list(dict.fromkeys(name for names in kernels.values() for name in names)),
         "arrays": sorted(dense),
         "particle_bytes": particle_bytes,
         "grid_bytes": grid_bytes,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
 from mpmcli.core.suggest import listing
@@ -20,12 +21,11 @@ def as_text(facts: dict[str, Any]) -> str:
         *_contact_in_words(facts["contact"]),
         "",
         "Each step:",
-        *(f"  {task}" for task in facts["tasks"]),
+        *_tasks_in_words(facts["kernels_of_tasks"]),
         "",
         "Not modelled, at no cost:",
         *(f"  {name}" for name in facts["not_modelled"]),
         "",
-        f"kernels    {', '.join(facts['kernels'])}",
         f"arrays     particles {facts['particle_bytes'] / 2**20:.1f} MiB, grid {facts['grid_bytes'] / 2**20:.1f} MiB "
         f"if every node were used ({', '.join(facts['arrays'])}); {size:.1f} MiB together",
         f"time step  {facts['time_step']:.4g} at the start: {_courant_in_words(facts)}",
@@ -40,6 +40,15 @@ def as_text(facts: dict[str, Any]) -> str:
         *(f"  {question}" for question in facts["to_find_out"]),
     ]
     return "\n".join(lines)
+
+
+def _tasks_in_words(kernels: dict[str, list[str]]) -> list[str]:
+    """Return the tasks of a step, and below each the kernels that it runs."""
+    lines = []
+    for task, names in kernels.items():
+        lines.append(f"  {task}")
+        lines += textwrap.wrap(", ".join(names), 110, initial_indent="      ", subsequent_indent="      ")
+    return lines
 
 
 def _time_in_words(facts: dict[str, Any]) -> str:
@@ -82,7 +91,7 @@ def _courant_in_words(facts: dict[str, Any]) -> str:
     limit, known = facts["known_stability_limit"], facts["stability_limit_of"]
     chosen = f"Courant number {facts['courant']:.3g}"
     if facts["courant_is_chosen"]:
-        chosen += f" (auto: {SAFETY:g} of the limit, 1 at most{facts['auto_in_words']})"
+        chosen += f" (auto: {SAFETY:g} of the limit, 1 at most)"
     if limit is None:
         return f"{chosen}; no stability limit is known: {known}"
     margin = facts["stability_margin"]

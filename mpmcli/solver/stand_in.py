@@ -73,6 +73,14 @@ class StandIn(Simulation):
                     found += [(task, recorded(task.run, step)) for task in self.tasks[plan.method.flip]]
         return found
 
+    def kernels_of_tasks(self) -> dict[str, list[str]]:
+        """Return the names of the kernels that each task runs, by its title; functions without versions are left out."""
+        found: dict[str, dict[str, None]] = {}
+        for task, calls in self.calls_of_tasks():
+            of_task = found.setdefault(task.title, {})
+            of_task |= dict.fromkeys(call.name for call in calls if call.compiled.address[2] is not None)
+        return {title: list(names) for title, names in found.items()}
+
     def calls(self) -> list[Call]:
         """Return all that it will call, each function and set of types once, in order."""
         calls = [call for _, of_task in self.calls_of_tasks() for call in of_task]

@@ -9,6 +9,7 @@ from typing import Any
 from mpmcli.core import nodes
 from mpmcli.core.full_mass import add_filtered_values, add_full_mass_increments
 from mpmcli.core.step import Step
+from mpmcli.core.suggest import listing
 from mpmcli.solver.parts import Parts
 from mpmcli.solver.plan import Plan
 
@@ -45,16 +46,16 @@ def tasks_of(plan: Plan, s: Parts) -> list[Task]:
         Task("1", "extrapolate mass and momentum", do.extrapolate),
         loads and Task("1", "loads on nodes", loads.collect),
         conditions and Task("1", "held nodes", conditions.select),
-        contact and Task("1.a", "contact on extrapolated momenta", contact.after_extrapolation),
+        contact and Task("1.a", do.first_contact, contact.after_extrapolation),
         first and Task("1.b", f"velocities before the forces{do.loop_in_words(plan)}", do.find_first_velocities),
         first and Task("1.d", "strain and stress before the forces", do.update_first_stress, True),
         Task("2", "forces" + " of stresses and loads" * (loads is not None), do.find_forces),
         Task("3", "update momenta", do.update_momenta),
         plan.imposes_lumped and Task("2.a", "reactions of velocity conditions", do.impose_on_momenta),
-        contact and Task("3.a", "contact on updated momenta", contact.after_update),
+        contact and Task("3.a", do.second_contact, contact.after_update),
         Task("3.b", f"velocities{do.loop_in_words(plan)}", do.find_velocities),
-        Task("3", "work of conditions, loads and contact", do.account, True) if do.has_accounts else None,
-        Task("4", "move particles", do.move_particles, True),
+        do.accounts and Task("3", f"work of {listing(do.accounts)}", do.account, True),
+        Task("4", "move particles" + " and rigid bodies" * (s.rigid is not None), do.move_particles, True),
         again and Task("4.a", "extrapolate momenta again", do.extrapolate_again),
         again and contact and Task("4.b", "contact on momenta extrapolated again", contact.after_new_extrapolation),
         again and Task("4.c", f"velocities again{do.loop_in_words(plan)}", do.find_new_velocities),
@@ -71,17 +72,40 @@ class _Tasks:
         self._s = s
 
     @property
-    def has_accounts(self) -> bool:
-        """Whether anything does work that is accounted for."""
+    def accounts(self) -> list[str]:
+        """What does work that is accounted for."""
         s = self._s
-        return s.conditions is not None or s.loads is not None or s.contact is not None
+        parts = {"conditions": s.conditions, "loads": s.loads, "contact": s.contact}
+        return [name for name, part in parts.items() if part is not None]
 
-    @staticmethod
-    def loop_in_words(plan: Plan) -> str:
+    @property
+    def first_contact(self) -> str:
+        """What contact does with extrapolated momenta."""
+        contact = self._s.contact
+        return "contact on extrapolated momenta" if contact and contact.choice.starts else "find contacts"
+
+    @property
+    def second_contact(self) -> str:
+        """What contact does with updated momenta."""
+        contact = self._s.contact
+        return (
+            "contact on updated momenta"
+            if contact and contact.choice.lumped
+            else "contact waits for velocities"
+        )
+
+    def loop_in_words(self, plan: Plan) -> str:
         """What makes grid velocities of momenta, besides division by mass."""
+        contact = self._s.contact
         if plan.has_full_mass_loop:
-            return f", FMPM loop with {plan.order - 1} further passes"
-        return f", XPIC filter with {plan.order - 1} passes" if plan.method.projects else ""
+            words = f", FMPM loop with {plan.order - 1} further passes"
+            if contact and contact.choice.increments:
+                words += ", contact on every increment"
+            return words + ", then contact" if contact and contact.choice.later else words
+        if plan.method.projects:
+            aware = ", aware of what contact corrected" * plan.corrects_filter
+            return f", XPIC filter with {plan.order - 1} passes{aware}"
+        return ""
 
     def extrapolate(self, step: Step) -> None:
         """Task 1, and task 2's internal forces if the stress is final already."""

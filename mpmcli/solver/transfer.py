@@ -170,7 +170,9 @@ class Transfer:
             )  # fmt: skip
         return self._stored
 
-    def extrapolate(self, field: NodalField, replaces_values: bool, with_forces: bool = False) -> None:
+    def extrapolate(
+        self, field: NodalField, replaces_values: bool = False, with_forces: bool = False
+    ) -> None:
         """Task 1: capacity and extensive value of a field; ``with_forces`` (of velocity) task 2's internal forces, too.
 
         ``replaces_values``: particles take on nodal values in this step. Widens the stencil where a particle has

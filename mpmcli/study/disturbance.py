@@ -38,7 +38,7 @@ class DisturbedTwin:
         self._twin = Simulation(LoadedScene(**(vars(loaded) | {"scene": scene})), threads=threads)
         p = self._twin.particles
         amplitude = AMPLITUDE * max(first.wave_speed, first.particle_speed)
-        rigid = np.array([m.kind == "rigid" for m in first.materials])[p.material]
+        rigid = np.array([m.kind == "rigid" for m in first.state.material_models])[p.material]
         noise = np.random.default_rng(0).normal(scale=amplitude, size=p.V.shape)
         p.V += np.where(rigid, 0.0, noise)
         self._start = self._difference()

@@ -51,7 +51,11 @@ class Model:
         g, held, mirror = self.grid, self.held, self.held.mirror
         g.mp[:, 0] = self.scatter(self.M)
         g.mp[:, 1:] = self.scatter(self.M[:, None] * self.V.T)
-        held.select(0.0, np.flatnonzero(g.mp[:, 0] > 0), 0, g.mp)
+        active = np.flatnonzero(g.mp[:, 0] > 0)
+        if mirror is not None:
+            mirror.renew(active)
+            mirror.impulse[:] = 0.0
+        held.select(0.0, active, 0, g.mp)
         f = self.f.copy()
         if mirror is not None:
             mirror.fold_momentum(g.mp, float(replaces))

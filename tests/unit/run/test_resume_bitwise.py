@@ -204,7 +204,7 @@ def test_a_resumed_run_gives_the_same_bytes(name, tmp_path, monkeypatch):
         bond = arrays["simulation.particles.bond"]
         assert 0.0 < bond.mean() < 1.0
     if name == "lost":
-        assert arrays["simulation.extra.deleted_particles"] > 0
+        assert arrays["simulation.state.extra.deleted_particles"] > 0
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ import yaml
 
 from mpmcli.core.errors import SimulationError
 from mpmcli.scene.loader import load_scene
-from mpmcli.solver.exits import MOST_OVERRUN, held_sides, overrun_of
+from mpmcli.boundary.exits import MOST_OVERRUN, held_sides, overrun_of
 from mpmcli.solver.plan import make_plan
 from mpmcli.solver.setup import make_grid
 
@@ -54,7 +54,7 @@ def scene(**changes):
 def test_which_side_a_condition_holds(condition, side):
     read = load_scene(yaml.safe_dump(scene(boundary=[condition]))).scene
     grid = make_grid(read, make_plan(read))
-    held = held_sides(read, grid)
+    held = held_sides(read.boundary, grid)
     assert held == ({side: "floor"} if side else {})
     overrun = overrun_of(held, grid, "error")
     assert overrun.sum() == (MOST_OVERRUN if side else 0)

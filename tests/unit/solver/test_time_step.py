@@ -95,7 +95,9 @@ def test_speeds_that_are_not_finite_collapse_the_step(speed):
 
 
 def test_courant_number_of_a_step():
-    assert TimeStep(0.1, None, smallest_cell=0.5).courant_of(0.1, 3.0, 4.0) == pytest.approx(0.8)
+    step = TimeStep(0.1, None, smallest_cell=0.5)
+    assert step.choose(3.0, 4.0) == step.dt == 0.1
+    assert step.courant_of_step == pytest.approx(0.8)
 
 
 def test_a_particle_faster_than_a_cell_per_step_is_refused_by_name(block):
@@ -115,7 +117,7 @@ def test_a_particle_faster_than_a_cell_per_step_is_refused_by_name(block):
 
 def test_a_collapsed_step_names_what_controls_it(block):
     run = block().steps(1)
-    run.simulation.wave_speed = 1e12
+    run.simulation.stress.wave_speed = 1e12
     run.particles.F[0, 7] = 0.01
     identity = run.particles.id[7]
     with pytest.raises(SimulationError, match=rf"the most compressed is particle {identity} of body 'block'"):
