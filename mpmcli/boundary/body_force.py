@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import Annotated, Literal
 
 from mpmcli.boundary.base import LOADS, Array, LoadModel, Values, check_length
 from mpmcli.boundary.velocity import check_variables, evaluate
-from mpmcli.core.model import Model, field_of
+from mpmcli.core.expressions import Expression
+from mpmcli.core.model import Model, Varying
 
-_Acceleration: Any = field_of("acceleration")
+AccelerationField = Annotated[Expression, Varying("acceleration")]
 
 
 class OnBody(Model):
@@ -27,7 +28,7 @@ class BodyForce(LoadModel):
     """Kind of load."""
     on: OnBody | None = None
     """The body; by default all of them."""
-    acceleration: tuple[_Acceleration, ...]
+    acceleration: tuple[AccelerationField, ...]
     """Force per mass, one number or expression of x, y, z and t per axis."""
     coordinates: Literal["current", "initial"] = "current"
     """Whether x, y, z are the particle's position now or that at the start of the simulation."""

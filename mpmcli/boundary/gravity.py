@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Literal
 
 from mpmcli.boundary.base import LOADS, LoadModel, Values, check_length
-from mpmcli.core.model import field_of
+from mpmcli.core.expressions import Expression
+from mpmcli.core.model import Varying
 
-_Acceleration: Any = field_of("acceleration", ("t",))
+AccelerationField = Annotated[Expression, Varying("acceleration", ("t",))]
 
 
 @LOADS.register
@@ -16,7 +17,7 @@ class Gravity(LoadModel):
 
     kind: Literal["gravity"] = "gravity"
     """Kind of load."""
-    acceleration: tuple[_Acceleration, ...]
+    acceleration: tuple[AccelerationField, ...]
     """Acceleration, one number or expression of t per axis."""
 
     @property

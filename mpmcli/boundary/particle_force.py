@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import model_validator
 
 from mpmcli.boundary.base import LOADS, Array, LoadModel, Values, check_length
 from mpmcli.boundary.place import Box, Region, check_space, inside
-from mpmcli.core.model import Model, field_of
+from mpmcli.core.expressions import Expression
+from mpmcli.core.model import Model, Varying
 
-_Force: Any = field_of("force", ("t",))
+ForceField = Annotated[Expression, Varying("force", ("t",))]
 
 
 class Target(Model):
@@ -40,7 +41,7 @@ class ParticleForce(LoadModel):
     """Kind of load."""
     on: Target
     """Which particles."""
-    force: tuple[_Force, ...]
+    force: tuple[ForceField, ...]
     """Force, one number or expression of t per axis (axisymmetric: on the full ring)."""
     per: Literal["total", "particle"] = "total"
     """Whether the force is the total, shared in proportion to mass, or that on each particle."""

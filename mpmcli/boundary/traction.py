@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, cast
+from typing import Annotated, Any, Literal, cast
 
 from pydantic import model_validator
 
@@ -10,9 +10,9 @@ from mpmcli.boundary.base import LOADS, Array, LoadModel, Values, check_length
 from mpmcli.boundary.place import Face, check_axis
 from mpmcli.boundary.velocity import check_variables, evaluate
 from mpmcli.core.expressions import Expression
-from mpmcli.core.model import Model, field_of
+from mpmcli.core.model import Model, Varying
 
-_Traction: Any = field_of("pressure")
+TractionField = Annotated[Expression, Varying("pressure")]
 
 
 class Surface(Model):
@@ -32,9 +32,9 @@ class Traction(LoadModel):
     """Kind of load."""
     on: Surface
     """Body and face."""
-    traction: tuple[_Traction, ...] | None = None
+    traction: tuple[TractionField, ...] | None = None
     """Force per area, one number or expression of x, y, z (of the face at the start) and t per axis."""
-    pressure: _Traction | None = None
+    pressure: TractionField | None = None
     """Instead of ``traction``: pressure on the face, positive inwards."""
     follower: bool | None = None
     """Whether area and direction follow the deformed face; by default pressures do and tractions do not."""
@@ -53,7 +53,8 @@ class Traction(LoadModel):
     @property
     def varies(self) -> bool:
         """Whether it depends on time."""
-        return any("t" in component.variables for component in self.traction or (self.pressure,))
+        components = (self.pressure,) if self.traction is None else self.traction
+        return any(component is not None and "t" in component.variables for component in components)
 
     def loaded_face(self) -> tuple[str, Face]:
         """Return body and face."""

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from mpmcli.boundary.base import CONDITIONS, Array, ConditionModel, Nodes, SurfaceNodes
 from mpmcli.boundary.place import AXES, Direction, Place, check_direction, unit_vector
 from mpmcli.core.expressions import Expression
-from mpmcli.core.model import field_of
+from mpmcli.core.model import Varying
 
 
 @CONDITIONS.register
@@ -23,7 +23,7 @@ class Velocity(ConditionModel):
     """Where: nodes on a plane and beyond it, in a box or region, or seen by a body's surface particles."""
     direction: Direction
     """Direction of the component, an axis or a vector."""
-    value: field_of("velocity")  # type: ignore[valid-type]
+    value: Annotated[Expression, Varying("velocity")]
     """Velocity in that direction, a number or an expression of x, y, z (of the node) and t."""
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, cast
 
 import numpy as np
 from pydantic import BeforeValidator, TypeAdapter, ValidationInfo, WithJsonSchema
@@ -28,9 +28,10 @@ from mpmcli.boundary.place import (
     unit_vector,
 )
 from mpmcli.core.errors import SimulationError
-from mpmcli.core.model import field_of, quantity
+from mpmcli.core.expressions import Expression
+from mpmcli.core.model import Quantity, Varying
 
-_coordinate: TypeAdapter[Any] = TypeAdapter(field_of("length", ("t",)))
+_coordinate: TypeAdapter[Any] = TypeAdapter(Annotated[Expression, Varying("length", ("t",))])
 
 
 def _read_position(value: Any, info: ValidationInfo) -> Any:
@@ -62,11 +63,11 @@ class Wall(ConditionModel):
     """Normal of the wall, pointing into the material: an axis or a vector."""
     position: Position
     """Coordinate along the axis of the normal, an expression of t; for an oblique normal a point."""
-    velocity: field_of("velocity", ("t",))  # type: ignore[valid-type]
+    velocity: Annotated[Expression, Varying("velocity", ("t",))]
     """Velocity along the positive axis of the normal (oblique: along the normal), an expression of t."""
-    gradient: field_of("1/time", ("t",)) = 0.0  # type: ignore[valid-type]
+    gradient: Annotated[Expression, Varying("1/time", ("t",))] = cast(Any, 0.0)
     """Gradient of the velocity along that axis, an expression of t."""
-    depth: quantity("1", ge=0) = 1.0  # type: ignore[valid-type]
+    depth: Annotated[float, Quantity("1", ge=0)] = 1.0
     """How far into the material nodes are held, in cells."""
 
     model_config = {"validate_default": True}

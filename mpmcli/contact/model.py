@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from mpmcli.contact.laws import LAWS
 from mpmcli.contact.normals import NORMALS
 from mpmcli.contact.separation import SEPARATIONS
-from mpmcli.core.model import Model, quantity
+from mpmcli.core.model import Model, Quantity
+from mpmcli.core.registry import OneOf
 
 Name = Annotated[str, Field(min_length=1, max_length=80)]
 Names = Annotated[tuple[Name, ...], Field(min_length=2, max_length=2)]
@@ -20,7 +21,7 @@ class Pair(Model):
 
     between: Names
     """Names of two bodies (with ``fields: material`` of two materials), or of the fields that they share."""
-    law: LAWS.union()  # type: ignore[valid-type]
+    law: Annotated[Any, OneOf(LAWS)]
     """The contact law of this pair."""
 
 
@@ -33,15 +34,15 @@ class Contact(Model):
 
     fields: Literal["body", "material"] = "body"
     """What owns a velocity field; several owners share one if they name the same ``field``."""
-    normal: NORMALS.union() = Field(  # type: ignore[valid-type]
+    normal: Annotated[Any, OneOf(NORMALS)] = Field(
         default_factory=lambda: NORMALS["logistic_regression"].model_validate({"kind": "logistic_regression"})
     )
     """How the direction between two fields is found."""
-    separation: SEPARATIONS.union() = Field(  # type: ignore[valid-type]
+    separation: Annotated[Any, OneOf(SEPARATIONS)] = Field(
         default_factory=lambda: SEPARATIONS["regression"].model_validate({"kind": "regression"})
     )
     """How the distance between two fields is found; contact needs it to be negative."""
-    law: LAWS.union()  # type: ignore[valid-type]
+    law: Annotated[Any, OneOf(LAWS)]
     """What fields in contact do to each other."""
     pairs: tuple[Pair, ...] = ()
     """Exceptions: pairs of fields with another law."""
@@ -49,11 +50,11 @@ class Contact(Model):
     """How contact acts in the FMPM loop [nairn2026, section 3.2]."""
     once: bool = False
     """Skip the correction at the start of the step, for comparison only."""
-    mass_ratio: quantity("1", ge=0, lt=0.5) = 1e-5  # type: ignore[valid-type]
+    mass_ratio: Annotated[float, Quantity("1", ge=0, lt=0.5)] = 1e-5
     """No contact at nodes where one side has less than this share of the mass; 0 for none [nairn2023notes]."""
     displacement_only: bool = False
     """Contact wherever the separation is negative, the fields approaching each other or not."""
-    overlap_removal: quantity("1", ge=0, le=1) = 0.0  # type: ignore[valid-type]
+    overlap_removal: Annotated[float, Quantity("1", ge=0, le=1)] = 0.0
     """Share of their overlap by which a step drives apart sides in contact [baumgarte1972]; 0 for none. Meant for
     FMPM: with XPIC particles may collapse under it."""
     three_or_more: Literal["lumped", "pairs", "coupled"] = "lumped"

@@ -8,8 +8,11 @@ context (a ``Resolver``); without a context (Python use) only numbers and plain 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Annotated, Any, Protocol
 
+from annotated_types import GroupedMetadata
 from pydantic import (
     BaseModel,
     BeforeValidator,
@@ -108,17 +111,29 @@ def _resolve_number(dimension: str) -> Any:
     return resolve
 
 
-def quantity(dimension: str, **constraints: Any) -> Any:
-    """The type of a number with a physical dimension (``"length"``, ``"pressure"``, ``"1"``…).
+@dataclass(frozen=True)
+class Quantity(GroupedMetadata):
+    """Marks a number with a physical dimension: ``Annotated[float, Quantity("length", gt=0)]``.
 
-    Keyword arguments are pydantic constraints (``gt``, ``ge``, ``lt``, ``le``).
+    Attributes
+    ----------
+    dimension : ``"length"``, ``"pressure"``, ``"1"``…
+    gt, ge, lt, le : bounds
     """
-    bounds = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
-    number: dict[str, Any] = {"type": "number"} | {bounds[k]: v for k, v in constraints.items()}
-    schema = {"anyOf": [number, {"type": "string"}], "x-dimension": dimension}
-    return Annotated[
-        float, Field(**constraints), BeforeValidator(_resolve_number(dimension)), WithJsonSchema(schema)
-    ]
+
+    dimension: str
+    gt: float | None = None
+    ge: float | None = None
+    lt: float | None = None
+    le: float | None = None
+
+    def __iter__(self) -> Iterator[Any]:
+        words = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
+        bounds = {name: getattr(self, name) for name in words if getattr(self, name) is not None}
+        number = {"type": "number"} | {words[name]: value for name, value in bounds.items()}
+        yield Field(**bounds)
+        yield BeforeValidator(_resolve_number(self.dimension))
+        yield WithJsonSchema({"anyOf": [number, {"type": "string"}], "x-dimension": self.dimension})
 
 
 def _resolve_field(dimension: str, variables: tuple[str, ...]) -> Any:
@@ -141,20 +156,28 @@ def _resolve_field(dimension: str, variables: tuple[str, ...]) -> Any:
     return resolve
 
 
-def field_of(dimension: str, variables: tuple[str, ...] = ("x", "y", "z", "t")) -> Any:
-    """The type of a value that may vary in space and time: a number, a string with unit, or an expression."""
-    schema = {"anyOf": [{"type": "number"}, {"type": "string"}], "x-dimension": dimension}
-    return Annotated[
-        Expression, BeforeValidator(_resolve_field(dimension, variables)), WithJsonSchema(schema)
-    ]
+@dataclass(frozen=True)
+class Varying(GroupedMetadata):
+    """Marks a value that may vary in space and time: ``Annotated[Expression, Varying("velocity")]``.
+
+    A scene gives a number, a string with a unit, or an expression of the variables.
+    """
+
+    dimension: str
+    variables: tuple[str, ...] = ("x", "y", "z", "t")
+
+    def __iter__(self) -> Iterator[Any]:
+        yield BeforeValidator(_resolve_field(self.dimension, self.variables))
+        schema = {"anyOf": [{"type": "number"}, {"type": "string"}], "x-dimension": self.dimension}
+        yield WithJsonSchema(schema)
 
 
-Number = quantity("1")
-Length = quantity("length")
-PositiveLength = quantity("length", gt=0)
-Pressure = quantity("pressure")
-PositivePressure = quantity("pressure", gt=0)
-Density = quantity("density", gt=0)
-Velocity = quantity("velocity")
-Time = quantity("time")
-PositiveTime = quantity("time", gt=0)
+Number = Annotated[float, Quantity("1")]
+Length = Annotated[float, Quantity("length")]
+PositiveLength = Annotated[float, Quantity("length", gt=0)]
+Pressure = Annotated[float, Quantity("pressure")]
+PositivePressure = Annotated[float, Quantity("pressure", gt=0)]
+Density = Annotated[float, Quantity("density", gt=0)]
+Velocity = Annotated[float, Quantity("velocity")]
+Time = Annotated[float, Quantity("time")]
+PositiveTime = Annotated[float, Quantity("time", gt=0)]

@@ -9,7 +9,7 @@ import importlib
 import pkgutil
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache
-from typing import Annotated, Any, get_args
+from typing import Any, get_args
 
 from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import PydanticKnownError, SchemaValidator, core_schema
@@ -75,13 +75,12 @@ class Registry:
         """Every registered model once, ordered by name."""
         return list(dict.fromkeys(self[kind] for kind in self))
 
-    def union(self) -> Any:
-        """The pydantic type "one of these, told apart by kind"."""
-        return Annotated[Any, OneOf(self)]
-
 
 class OneOf:
-    """What pydantic does with a value that must be an entry of a registry: only the entry it names is imported."""
+    """Marks a value that must be an entry of a registry: ``Annotated[Any, OneOf(MATERIALS)]``.
+
+    Only the entry that the value names is imported.
+    """
 
     def __init__(self, registry: Registry):
         self.registry = registry

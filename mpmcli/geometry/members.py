@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, ClassVar
+from typing import Annotated, ClassVar
 
+from mpmcli.core.registry import OneOf
 from mpmcli.geometry.base import REGIONS, Region
 
-if TYPE_CHECKING:
-    AnyRegion = Region
-else:
-    AnyRegion = REGIONS.union()
+AnyRegion = Annotated[Region, OneOf(REGIONS)]
 
 
 class Combination(Region):

@@ -9,7 +9,7 @@ from pydantic import AfterValidator, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
-from mpmcli.core.model import Length, Number, quantity
+from mpmcli.core.model import Length, Number, Quantity
 
 
 @dataclass(frozen=True)
@@ -49,11 +49,11 @@ def has_length(direction: tuple[float, ...]) -> tuple[float, ...]:
     return direction
 
 
-Factor = quantity("1", gt=0)
+Factor = Annotated[float, Quantity("1", gt=0)]
 """A factor above zero."""
-NonNegative = quantity("1", ge=0)
-NonNegativeLength = quantity("length", ge=0)
-ColourPart = quantity("1", ge=0, le=255)
+NonNegative = Annotated[float, Quantity("1", ge=0)]
+NonNegativeLength = Annotated[float, Quantity("length", ge=0)]
+ColourPart = Annotated[float, Quantity("1", ge=0, le=255)]
 Vector = Annotated[tuple[Length, ...], Count(1, 3)]
 """One length per axis of the grid."""
 Point2 = Annotated[tuple[Length, ...], Count(2, 2)]

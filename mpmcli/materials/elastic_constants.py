@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar, Self
+from typing import Annotated, ClassVar, Self
 
 from pydantic import model_validator
 
 from mpmcli.core.analysis import ANALYSES
-from mpmcli.core.model import quantity
+from mpmcli.core.model import Quantity
 from mpmcli.materials.base import MaterialModel
 
 
@@ -17,13 +17,13 @@ class ElasticModel(MaterialModel):
 
     analyses: ClassVar[frozenset[str]] = frozenset(ANALYSES)
 
-    E: quantity("pressure", gt=0) | None = None  # type: ignore[valid-type]
+    E: Annotated[float, Quantity("pressure", gt=0)] | None = None
     """Young's modulus; needs nu."""
-    nu: quantity("1", gt=-1, lt=0.5) | None = None  # type: ignore[valid-type]
+    nu: Annotated[float, Quantity("1", gt=-1, lt=0.5)] | None = None
     """Poisson's ratio; needs E."""
-    K: quantity("pressure", gt=0) | None = None  # type: ignore[valid-type]
+    K: Annotated[float, Quantity("pressure", gt=0)] | None = None
     """Bulk modulus; needs G."""
-    G: quantity("pressure", gt=0) | None = None  # type: ignore[valid-type]
+    G: Annotated[float, Quantity("pressure", gt=0)] | None = None
     """Shear modulus; needs K."""
 
     @model_validator(mode="after")

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import Field
 
 from mpmcli.core.dispatch import generic
-from mpmcli.core.model import Model, PositivePressure, quantity
+from mpmcli.core.model import Model, PositivePressure, Quantity
 
 
 class LinearHardening(Model):
@@ -17,7 +17,7 @@ class LinearHardening(Model):
     kind: Literal["linear"]
     yield_stress: PositivePressure
     """Initial yield stress."""
-    modulus: quantity("pressure", ge=0) = 0.0  # type: ignore[valid-type]
+    modulus: Annotated[float, Quantity("pressure", ge=0)] = 0.0
     """Slope of the flow stress against equivalent plastic strain; 0 is perfectly plastic."""
 
     def parameters(self) -> Linear:
@@ -34,19 +34,19 @@ class JohnsonCookHardening(Model):
     kind: Literal["johnson_cook"]
     A: PositivePressure
     """Initial yield stress."""
-    B: quantity("pressure", ge=0) = 0.0  # type: ignore[valid-type]
+    B: Annotated[float, Quantity("pressure", ge=0)] = 0.0
     """Hardening coefficient."""
-    n: quantity("1", gt=0) = 1.0  # type: ignore[valid-type]
+    n: Annotated[float, Quantity("1", gt=0)] = 1.0
     """Hardening exponent."""
-    C: quantity("1", ge=0) = 0.0  # type: ignore[valid-type]
+    C: Annotated[float, Quantity("1", ge=0)] = 0.0
     """Rate coefficient."""
-    eps0_dot: quantity("rate", gt=0) = 1.0  # type: ignore[valid-type]
+    eps0_dot: Annotated[float, Quantity("rate", gt=0)] = 1.0
     """Reference rate of plastic strain."""
-    Tm: quantity("temperature", gt=0) = 1e30  # type: ignore[valid-type]
+    Tm: Annotated[float, Quantity("temperature", gt=0)] = 1e30
     """Melting temperature; without it there is no thermal softening."""
-    T0: quantity("temperature", ge=0) = 300.0  # type: ignore[valid-type]
+    T0: Annotated[float, Quantity("temperature", ge=0)] = 300.0
     """Reference temperature."""
-    m: quantity("1", gt=0) = 1.0  # type: ignore[valid-type]
+    m: Annotated[float, Quantity("1", gt=0)] = 1.0
     """Exponent of thermal softening."""
 
     def parameters(self) -> JohnsonCook:

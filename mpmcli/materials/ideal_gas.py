@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.core.exponentials import exponential_1d, logarithm
-from mpmcli.core.model import PositivePressure, quantity
+from mpmcli.core.model import PositivePressure, Quantity
 from mpmcli.core.tensors import determinant
 from mpmcli.materials.base import (
     MATERIALS,
@@ -40,9 +40,9 @@ class IdealGas(MaterialModel):
     kind: Literal["ideal_gas"]
     pressure: PositivePressure
     """Initial pressure p0 at the initial density."""
-    gamma: quantity("1", gt=1) = 1.4  # type: ignore[valid-type]
+    gamma: Annotated[float, Quantity("1", gt=1)] = 1.4
     """Ratio of the heat capacities at constant pressure and constant volume."""
-    T0: quantity("temperature", gt=0) = 300.0  # type: ignore[valid-type]
+    T0: Annotated[float, Quantity("temperature", gt=0)] = 300.0
     """Initial temperature."""
 
     def parameters(self, analysis: str, adiabatic: bool) -> Gas:

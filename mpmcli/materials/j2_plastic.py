@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import namedtuple
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.core.exponentials import exponential_symmetric, log_symmetric, logarithm
 from mpmcli.core.kernel import inline
-from mpmcli.core.model import quantity
+from mpmcli.core.model import Quantity
 from mpmcli.core.tensors import determinant, push_forward
 from mpmcli.materials.base import (
     MATERIALS,
@@ -49,22 +49,24 @@ class J2Plastic(ElasticModel):
     kind: Literal["j2_plastic"]
     hardening: Hardening
     """Flow stress against plastic strain, rate and temperature."""
-    heat_capacity: quantity("specific_heat", gt=0) | None = None  # type: ignore[valid-type]
+    heat_capacity: Annotated[float, Quantity("specific_heat", gt=0)] | None = None
     """Heat capacity per mass; without it the temperature stays."""
-    taylor_quinney: quantity("1", ge=0, le=1) = 0.9  # type: ignore[valid-type]
+    taylor_quinney: Annotated[float, Quantity("1", ge=0, le=1)] = 0.9
     """Part χ of the plastic work that turns into heat."""
-    temperature: quantity("temperature", ge=0) = 300.0  # type: ignore[valid-type]
+    temperature: Annotated[float, Quantity("temperature", ge=0)] = 300.0
     """Initial temperature."""
 
     def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
         """Moduli, what heating needs, and the hardening law's numbers."""
-        heats = adiabatic and self.heat_capacity is not None
+        heating = 0.0
+        if adiabatic and self.heat_capacity is not None:
+            heating = 1 / (self.density * self.heat_capacity)
         elastic = ElasticPart(
             bulk=self.bulk_modulus,
             shear=self.shear_modulus,
             density=self.density,
             lateral=lateral_factor(self.lame_modulus, self.shear_modulus, analysis),
-            heating=1 / (self.density * self.heat_capacity) if heats else 0.0,
+            heating=heating,
             chi=self.taylor_quinney,
         )
         law = self.hardening.parameters()

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar, Literal, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import model_validator
 
 from mpmcli.core.exponentials import exponential_1d
 from mpmcli.core.kernel import inline
-from mpmcli.core.model import quantity
+from mpmcli.core.model import Quantity
 from mpmcli.core.tensors import determinant
 from mpmcli.materials.base import (
     MATERIALS,
@@ -46,23 +46,23 @@ class MieGruneisen(MaterialModel):
     properties: ClassVar[frozenset[str]] = frozenset({"isotropic", "stress_free_at_rest"})
 
     kind: Literal["mie_gruneisen"]
-    K: quantity("pressure", gt=0) | None = None  # type: ignore[valid-type]
+    K: Annotated[float, Quantity("pressure", gt=0)] | None = None
     """Bulk modulus at rest; or give C0."""
-    C0: quantity("velocity", gt=0) | None = None  # type: ignore[valid-type]
+    C0: Annotated[float, Quantity("velocity", gt=0)] | None = None
     """Bulk wave speed at rest, K = ρ₀C0²; or give K."""
-    G: quantity("pressure", ge=0) = 0.0  # type: ignore[valid-type]
+    G: Annotated[float, Quantity("pressure", ge=0)] = 0.0
     """Shear modulus."""
-    S1: quantity("1") = 0.0  # type: ignore[valid-type]
+    S1: Annotated[float, Quantity("1")] = 0.0
     """Slope of shock speed against particle speed."""
-    S2: quantity("1") = 0.0  # type: ignore[valid-type]
+    S2: Annotated[float, Quantity("1")] = 0.0
     """Second coefficient of the Hugoniot curve."""
-    S3: quantity("1") = 0.0  # type: ignore[valid-type]
+    S3: Annotated[float, Quantity("1")] = 0.0
     """Third coefficient of the Hugoniot curve."""
-    gamma0: quantity("1", ge=0) = 0.0  # type: ignore[valid-type]
+    gamma0: Annotated[float, Quantity("1", ge=0)] = 0.0
     """Grüneisen parameter at rest; γρ stays constant."""
-    heat_capacity: quantity("specific_heat", gt=0)  # type: ignore[valid-type]
+    heat_capacity: Annotated[float, Quantity("specific_heat", gt=0)]
     """Heat capacity per mass at constant volume, c_v."""
-    T0: quantity("temperature", gt=0) = 300.0  # type: ignore[valid-type]
+    T0: Annotated[float, Quantity("temperature", gt=0)] = 300.0
     """Initial temperature, without stress."""
 
     @model_validator(mode="after")

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.core.exponentials import exponential_1d, logarithm
-from mpmcli.core.model import PositivePressure, quantity
+from mpmcli.core.model import PositivePressure, Quantity
 from mpmcli.core.tensors import determinant, multiply
 from mpmcli.materials.base import (
     MATERIALS,
@@ -36,11 +36,11 @@ class TaitFluid(MaterialModel):
     kind: Literal["tait_fluid"]
     K: PositivePressure
     """Bulk modulus at rest."""
-    exponent: quantity("1", gt=1) = 7.0  # type: ignore[valid-type]
+    exponent: Annotated[float, Quantity("1", gt=1)] = 7.0
     """n, slope of the bulk modulus against pressure; 7 for water."""
-    viscosity: quantity("viscosity", ge=0) = 0.0  # type: ignore[valid-type]
+    viscosity: Annotated[float, Quantity("viscosity", ge=0)] = 0.0
     """Dynamic viscosity μ."""
-    tension_limit: quantity("pressure", ge=0) | None = None  # type: ignore[valid-type]
+    tension_limit: Annotated[float, Quantity("pressure", ge=0)] | None = None
     """Largest tension, so that the pressure is never less than its negative; 0 for liquids with a free surface."""
 
     def parameters(self, analysis: str, adiabatic: bool) -> Tait:

@@ -49,7 +49,7 @@ ClockTime = Annotated[
 class ParticleArchive(Model):
     """Files of all particles."""
 
-    every: PositiveTime  # type: ignore[valid-type]
+    every: PositiveTime
     """Time between files."""
     fields: tuple[Column, ...] = ("displacement", "velocity", "stress", "deformation_gradient")
     """Quantities to write, besides position, identity, body and material."""
@@ -62,7 +62,7 @@ class ParticleArchive(Model):
 class GlobalArchive(Model):
     """The table of quantities of the whole scene, ``globals.csv``."""
 
-    every: PositiveTime  # type: ignore[valid-type]
+    every: PositiveTime
     """Time between rows."""
     columns: tuple[Column, ...] | None = None
     """Columns to write; without it all that the scene has a use for."""
@@ -71,7 +71,7 @@ class GlobalArchive(Model):
 class GridArchive(Model):
     """Files of the grid."""
 
-    every: PositiveTime  # type: ignore[valid-type]
+    every: PositiveTime
     """Time between files."""
     fields: tuple[Column, ...] = ("mass", "velocity")
     """Quantities of the nodes to write."""
@@ -83,7 +83,7 @@ class CheckpointArchive(Model):
     With this key also at the end of the run; signals and ``--max-walltime`` save it in any case.
     """
 
-    every: PositiveTime | None = None  # type: ignore[valid-type]
+    every: PositiveTime | None = None
     """Time between checkpoints."""
     wall: ClockTime | None = None
     """Time between checkpoints by the clock, with a unit: 15 min."""
@@ -119,7 +119,7 @@ class ParticleProbe(Model):
     """The particle is the one nearest to this point at the start."""
     columns: tuple[Column, ...] = ("position", "velocity")
     """Quantities of the particle to write."""
-    every: PositiveTime | None = None  # type: ignore[valid-type]
+    every: PositiveTime | None = None
     """Time between rows; without it that of ``archive.globals``."""
 
 
@@ -133,7 +133,7 @@ class PointProbe(Model):
     """The point."""
     columns: tuple[Column, ...] = ("velocity",)
     """Quantities of the grid to write."""
-    every: PositiveTime | None = None  # type: ignore[valid-type]
+    every: PositiveTime | None = None
     """Time between rows; without it that of ``archive.globals``."""
 
 

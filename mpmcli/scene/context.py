@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import TypeAdapter
 
 from mpmcli.core.expressions import parse
 from mpmcli.core.model import has_unit
+from mpmcli.core.registry import OneOf
 from mpmcli.scene.units import Units, split_unit
 
 
@@ -68,4 +69,4 @@ class Context:
 def _any_region() -> TypeAdapter[Any]:
     from mpmcli.geometry import REGIONS
 
-    return TypeAdapter(REGIONS.union())
+    return TypeAdapter(Annotated[Any, OneOf(REGIONS)])

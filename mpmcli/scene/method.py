@@ -14,17 +14,17 @@ from pydantic import (
     model_validator,
 )
 
-from mpmcli.core.model import Model, PositiveTime, quantity
+from mpmcli.core.model import Model, PositiveTime, Quantity
 from mpmcli.core.suggest import did_you_mean
 from mpmcli.scene.values import Rate
 from mpmcli.shapes import SHAPES
 
-Alpha = quantity("1", ge=0, le=1)
-Coefficient = quantity("1", ge=0)
+Alpha = Annotated[float, Quantity("1", ge=0, le=1)]
+Coefficient = Annotated[float, Quantity("1", ge=0)]
 MAX_ORDER = 100
 MAX_COURANT = 2.5
 """Largest Courant number of a scene; above 1 it must also lie within the stability limit of the scene."""
-_courant: TypeAdapter[Any] = TypeAdapter(quantity("1", gt=0, le=MAX_COURANT))
+_courant: TypeAdapter[Any] = TypeAdapter(Annotated[float, Quantity("1", gt=0, le=MAX_COURANT)])
 
 
 def _read_courant(value: Any, info: ValidationInfo) -> Any:
@@ -54,7 +54,7 @@ class Affine(Model):
 class Periodic(Affine):
     """Transfers that may act on some steps only, with FLIP between."""
 
-    every_courant: quantity("1", gt=0, le=1000) | None = None  # type: ignore[valid-type]
+    every_courant: Annotated[float, Quantity("1", gt=0, le=1000)] | None = None
     """Act on steps at least this Courant number apart, FLIP between [nairn2026, section 3.3]."""
     every_steps: int | None = Field(default=None, ge=1, le=1_000_000_000)
     """Act on every so many steps, FLIP between."""
@@ -71,7 +71,7 @@ class Blend(Model):
 
     order: int = Field(default=2, ge=1, le=MAX_ORDER)
     """Order m of the method that is mixed in; 1 costs energy, 2 hardly any."""
-    fraction: quantity("1", ge=0, le=1) = 0.8  # type: ignore[valid-type]
+    fraction: Annotated[float, Quantity("1", ge=0, le=1)] = 0.8
     """Fraction α of FMPM(k); 1 is FMPM(k) itself."""
 
 
@@ -80,7 +80,7 @@ class Dynamic(Model):
 
     metric: Literal["means", "changes"] = "means"
     """Mean change over mean velocity, or the mean over nodes of their relative changes."""
-    tolerance: quantity("1", gt=0) = 1e-2  # type: ignore[valid-type]
+    tolerance: Annotated[float, Quantity("1", gt=0)] = 1e-2
     """The loop ends when the metric falls below it."""
 
 
@@ -88,7 +88,7 @@ class Flip(Affine):
     """FLIP: particles take the change of the grid velocity."""
 
     kind: Literal["flip"]
-    alpha: Alpha = 0.5  # type: ignore[valid-type]
+    alpha: Alpha = 0.5
     """Weight α of the acceleration in the position update [nairn2026, Eq. 7]."""
 
 
@@ -100,7 +100,7 @@ class Xpic(Periodic):
     """Order m; 1 is PIC."""
     contact_correction: bool = True
     """Take into account what contact does to the velocities that the filter uses [nairn2020, Eqs. 37-44]."""
-    alpha: Alpha = 0.5  # type: ignore[valid-type]
+    alpha: Alpha = 0.5
     """Weight α of the acceleration in the position update [nairn2026, Eq. 7]."""
 
 
@@ -110,7 +110,7 @@ class Fmpm(Periodic):
     kind: Literal["fmpm"]
     order: int = Field(default=4, ge=1, le=MAX_ORDER)
     """Order k; 1 is PIC. With ``dynamic`` the largest order."""
-    alpha: Alpha = 0.5  # type: ignore[valid-type]
+    alpha: Alpha = 0.5
     """Weight α of the acceleration in the position update [nairn2026, Eq. 7]."""
     blend: Blend | None = None
     """Blend with a lower order."""
@@ -133,18 +133,18 @@ UPDATES = {
 class Damping(Model):
     """Damping proportional to velocity."""
 
-    particle: Rate = 0.0  # type: ignore[valid-type]
+    particle: Rate = 0.0
     """Damping of particle velocities."""
-    grid: Rate = 0.0  # type: ignore[valid-type]
+    grid: Rate = 0.0
     """Damping of grid velocities."""
 
 
 class ArtificialViscosity(Model):
     """Pressure that spreads shocks over some cells [nairn2020, Eq. 52]."""
 
-    linear: Coefficient = 0.2  # type: ignore[valid-type]
+    linear: Coefficient = 0.2
     """Coefficient A1 of the part linear in the rate of compression."""
-    quadratic: Coefficient = 2.0  # type: ignore[valid-type]
+    quadratic: Coefficient = 2.0
     """Coefficient A2 of the quadratic part."""
 
 
@@ -183,14 +183,14 @@ class Method(Model):
 class TimeSpan(Model):
     """How long the run is, and its time step."""
 
-    end: PositiveTime  # type: ignore[valid-type]
+    end: PositiveTime
     """The run ends with the first step at or past this time."""
     courant: Courant | None = 0.2
     """Courant number: step over the time in which the fastest wave crosses a cell; ``auto`` chooses a stable one.
 
     Above 1 only where the stability limit of the scene is known and as large.
     """
-    step: PositiveTime | None = None  # type: ignore[valid-type]
+    step: PositiveTime | None = None
     """A fixed time step, instead of a Courant number."""
     max_steps: int | None = Field(default=None, ge=1, le=10_000_000_000)
     """The run ends after this many steps at the latest."""

@@ -6,21 +6,22 @@ Materials, regions, boundary conditions, loads and shape functions come from the
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
 from mpmcli.boundary import CONDITIONS, LOADS
 from mpmcli.contact.model import Contact
 from mpmcli.core.analysis import ANALYSES
-from mpmcli.core.model import Model, PositiveLength, quantity
+from mpmcli.core.model import Model, PositiveLength, Quantity
+from mpmcli.core.registry import OneOf
 from mpmcli.geometry import REGIONS
 from mpmcli.materials import MATERIALS
 from mpmcli.scene.archive import Archive, Probe
 from mpmcli.scene.method import Method, TimeSpan
 from mpmcli.scene.values import CellSize, Name, ParticlesPerAxis, Point, TemperatureField, VelocityField
 
-VolumeRatio = quantity("1", ge=0)
+VolumeRatio = Annotated[float, Quantity("1", ge=0)]
 MAX_NODES = 2_000_000_000
 WHOLE = 1e-6
 """How far from a whole number the number of cells along an axis may be."""
@@ -43,7 +44,7 @@ class Uniaxial(Model):
     """A bar along x: one axis, lateral strain or lateral stress zero."""
 
     kind: Literal["uniaxial_strain", "uniaxial_stress"]
-    area: quantity("area", gt=0) = 1.0  # type: ignore[valid-type]
+    area: Annotated[float, Quantity("area", gt=0)] = 1.0
     """Area of the bar's cross section."""
 
 
@@ -51,7 +52,7 @@ class Planar(Model):
     """Two axes, x and y; strain or stress across the plane zero."""
 
     kind: Literal["plane_strain", "plane_stress"]
-    thickness: PositiveLength = 1.0  # type: ignore[valid-type]
+    thickness: PositiveLength = 1.0
     """Thickness across the plane."""
 
 
@@ -129,7 +130,7 @@ class Body(Model):
     """Name of the body."""
     material: Name
     """Name of its material."""
-    region: REGIONS.union()  # type: ignore[valid-type]
+    region: Annotated[Any, OneOf(REGIONS)]
     """The space that it fills."""
     particles_per_axis: ParticlesPerAxis = 2
     """Particles per cell along each axis: one number, or one per axis."""
@@ -139,12 +140,12 @@ class Body(Model):
     Along the region, particles are as large as whole numbers of them in the box around it allow, so that they fill
     a box exactly, and a turned one has flat faces. Domains of `ugimp`, `b2gimp` lie along the grid nevertheless.
     """
-    velocity: tuple[VelocityField, ...] = ()  # type: ignore[valid-type]
+    velocity: tuple[VelocityField, ...] = ()
     """Initial velocity: one number or expression of x, y, z per axis; without it the body is at rest.
 
     For rigid bodies the velocity at all times, of the points x, y, z where they are then, also of t.
     """
-    temperature: TemperatureField | None = None  # type: ignore[valid-type]
+    temperature: TemperatureField | None = None
     """Initial temperature, for materials that track it."""
     overlap: Literal["error", "replace", "keep"] = "error"
     """What happens where an earlier body is already: error, replace it, or keep it."""
@@ -157,7 +158,7 @@ class Domain(Model):
 
     on_exit: Literal["error", "delete", "stop_at_wall"] = "error"
     """What happens to a particle that leaves the grid, or passes a held side of it by more than a cell."""
-    volume_ratio: tuple[VolumeRatio, VolumeRatio] = (1e-3, 1e3)  # type: ignore[valid-type]
+    volume_ratio: tuple[VolumeRatio, VolumeRatio] = (1e-3, 1e3)
     """Smallest and largest volume of a particle over its initial one, J = det F: beyond them the run has failed."""
 
     @field_validator("volume_ratio")
@@ -191,15 +192,15 @@ class Scene(Model):
     """The background grid."""
     method: Method = Field(default_factory=Method)
     """The numerical method."""
-    materials: dict[str, MATERIALS.union()] = Field(min_length=1)  # type: ignore[valid-type]
+    materials: dict[str, Annotated[Any, OneOf(MATERIALS)]] = Field(min_length=1)
     """Materials by name."""
     bodies: tuple[Body, ...] = Field(min_length=1)
     """Bodies."""
     contact: Contact | None = None
     """Contact between bodies; without it all bodies share one velocity field."""
-    boundary: tuple[CONDITIONS.union(), ...] = ()  # type: ignore[valid-type]
+    boundary: tuple[Annotated[Any, OneOf(CONDITIONS)], ...] = ()
     """Boundary conditions."""
-    loads: tuple[LOADS.union(), ...] = ()  # type: ignore[valid-type]
+    loads: tuple[Annotated[Any, OneOf(LOADS)], ...] = ()
     """Loads."""
     time: TimeSpan
     """Length of the run, and its time step."""

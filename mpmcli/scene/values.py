@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
-from mpmcli.core.expressions import parse
-from mpmcli.core.model import Length, PositiveLength, field_of, quantity
+from mpmcli.core.expressions import Expression, parse
+from mpmcli.core.model import Length, PositiveLength, Quantity, Varying
 
 Name = Annotated[str, Field(min_length=1, max_length=80)]
 """A name that the user chooses; which characters it may have is checked for all names together."""
@@ -15,9 +15,9 @@ Name = Annotated[str, Field(min_length=1, max_length=80)]
 Point = Annotated[tuple[Length, ...], Field(min_length=1, max_length=3)]
 """One coordinate per axis."""
 
-VelocityField = field_of("velocity")
-TemperatureField = field_of("temperature", ("x", "y", "z"))
-Rate = quantity("1/time", ge=0)
+VelocityField = Annotated[Expression, Varying("velocity")]
+TemperatureField = Annotated[Expression, Varying("temperature", ("x", "y", "z"))]
+Rate = Annotated[float, Quantity("1/time", ge=0)]
 
 MAX_PARTICLES_PER_AXIS = 100
 

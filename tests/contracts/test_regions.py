@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import csv
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
 from PIL import Image
 from pydantic import TypeAdapter, ValidationError
 
+from mpmcli.core.registry import OneOf
 from mpmcli.geometry import REGIONS
 from mpmcli.geometry.report import sampled_measure
 
@@ -42,7 +44,7 @@ CASES = [
     for kind, examples in EXAMPLES.items()
     for n, example in enumerate(examples)
 ]
-ANY_REGION = TypeAdapter(REGIONS.union())
+ANY_REGION = TypeAdapter(Annotated[Any, OneOf(REGIONS)])
 
 
 @pytest.fixture(autouse=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.contact.laws.base import LAWS, LawModel
 from mpmcli.contact.settle import (
@@ -19,7 +19,7 @@ from mpmcli.contact.settle import (
     take_tangent,
 )
 from mpmcli.core.kernel import inline
-from mpmcli.core.model import PositivePressure, quantity
+from mpmcli.core.model import PositivePressure, Quantity
 
 
 @LAWS.register
@@ -39,7 +39,7 @@ class AdhesionFriction(LawModel):
     """Tensile strength S_n of the bond."""
     shear_strength: PositivePressure
     """Shear strength S_s of the bond."""
-    friction: quantity("1", ge=0)  # type: ignore[valid-type]
+    friction: Annotated[float, Quantity("1", ge=0)]
     """Coefficient of friction μ of the broken contact; it also adds to the strength of a bond in compression."""
 
     def parameters(self) -> Bond:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import model_validator
 
 from mpmcli.contact.laws.base import LAWS
 from mpmcli.contact.laws.stiffness import PressedModel, with_stiffness
 from mpmcli.contact.settle import contact_law, sliding_traction
-from mpmcli.core.model import quantity
+from mpmcli.core.model import Quantity
 
 
 @LAWS.register
@@ -17,9 +17,9 @@ class Coulomb(PressedModel):
     """Coulomb friction: sides stick up to a traction of μ_s N and slide at μ_k N [nairn2020, Eq. 10]."""
 
     kind: Literal["coulomb"]
-    friction: quantity("1", ge=0)  # type: ignore[valid-type]
+    friction: Annotated[float, Quantity("1", ge=0)]
     """Coefficient of (kinetic) friction μ_k."""
-    static_friction: quantity("1", ge=0) | None = None  # type: ignore[valid-type]
+    static_friction: Annotated[float, Quantity("1", ge=0)] | None = None
     """Coefficient of static friction μ_s, not below ``friction``, to which it is equal if left out."""
 
     @model_validator(mode="after")

@@ -8,6 +8,7 @@ sides that press.
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
 from mpmcli.contact.laws.base import LawModel
 from mpmcli.contact.settle import (
@@ -24,7 +25,7 @@ from mpmcli.contact.settle import (
     slide,
 )
 from mpmcli.core.kernel import inline
-from mpmcli.core.model import quantity
+from mpmcli.core.model import Quantity
 
 FAR = 1e150
 """Separations beyond this are no lengths, but a method's word for "always touching" or "nothing there"."""
@@ -36,7 +37,7 @@ C4_TERMS = tuple((-1.0) ** k / math.factorial(2 * k + 4) for k in range(12))
 class PressedModel(LawModel):
     """Base of laws for sides that press on each other."""
 
-    stiffness: quantity("pressure/length", gt=0) | None = None  # type: ignore[valid-type]
+    stiffness: Annotated[float, Quantity("pressure/length", gt=0)] | None = None
     """Contact stiffness D_c: pressure per overlap; without it sides that touch are rigid."""
 
     @property

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar, Literal, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import model_validator
 
 from mpmcli.contact.laws.base import LAWS
 from mpmcli.contact.laws.stiffness import PressedModel, with_stiffness
 from mpmcli.contact.settle import contact_law, sliding_traction
-from mpmcli.core.model import quantity
+from mpmcli.core.model import Quantity
 
 
 @LAWS.register
@@ -25,13 +25,13 @@ class VelocityFriction(PressedModel):
     needs_area: ClassVar[bool] = True
 
     kind: Literal["velocity_friction"]
-    friction: quantity("1", ge=0)  # type: ignore[valid-type]
+    friction: Annotated[float, Quantity("1", ge=0)]
     """Coefficient of friction μ_k at high sliding speed."""
-    static_friction: quantity("1", ge=0) | None = None  # type: ignore[valid-type]
+    static_friction: Annotated[float, Quantity("1", ge=0)] | None = None
     """Coefficient of friction μ_s at rest; equal to ``friction`` if left out."""
-    characteristic_speed: quantity("velocity", gt=0) | None = None  # type: ignore[valid-type]
+    characteristic_speed: Annotated[float, Quantity("velocity", gt=0)] | None = None
     """Sliding speed v_c over which the coefficient changes; needed with ``static_friction``."""
-    viscosity: quantity("pressure/velocity", ge=0) = 0.0  # type: ignore[valid-type]
+    viscosity: Annotated[float, Quantity("pressure/velocity", ge=0)] = 0.0
     """Shear traction per sliding speed c."""
 
     @model_validator(mode="after")

@@ -7,10 +7,10 @@ implementation of ``find_normal`` registered for the tuple's class.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 from mpmcli.core.dispatch import generic
-from mpmcli.core.model import Model, quantity
+from mpmcli.core.model import Model, Quantity
 from mpmcli.core.registry import Registry
 
 KINDS = {
@@ -56,7 +56,7 @@ class NormalModel(Model):
 class BiasedNormalModel(NormalModel):
     """Base of the methods that may trust a rigid body's surface more than what they find."""
 
-    rigid_bias: quantity("1", ge=1) = 1.0  # type: ignore[valid-type]
+    rigid_bias: Annotated[float, Quantity("1", ge=1)] = 1.0
     """Against a rigid body, its volume gradient is the normal unless the gradient that this method
     calculates is more than this factor larger; 1 is no bias. The regressions calculate no gradient: they
     take the rigid body's from a factor of 10 on [nairn2023notes, 3.5]."""

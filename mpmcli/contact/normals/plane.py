@@ -15,7 +15,7 @@ normal, given as a multiple of h², is a plain number there.
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -34,7 +34,7 @@ from mpmcli.contact.normals.sums import NO_SUMS, add_particles
 from mpmcli.core.compiler import compiled_too
 from mpmcli.core.dispatch import generic
 from mpmcli.core.exponentials import exponential_1d
-from mpmcli.core.model import Model, quantity
+from mpmcli.core.model import Model, Quantity
 
 BIAS_FOR_RIGID = 10.0
 """From this rigid bias on, the regressions take the normal from the rigid body."""
@@ -63,9 +63,9 @@ GUESSED_MARGIN, NARROWEST = 2.0, 0.05
 class Penalty(Model):
     """Penalties of a regression."""
 
-    normal: quantity("1", ge=0) = 1e-7  # type: ignore[valid-type]
+    normal: Annotated[float, Quantity("1", ge=0)] = 1e-7
     """Penalty λ on the components of the normal, as a multiple of the squared cell size."""
-    offset: quantity("1", ge=0) = 0.0  # type: ignore[valid-type]
+    offset: Annotated[float, Quantity("1", ge=0)] = 0.0
     """Penalty λ on the offset; a good value is 5e-4 with none on the normal [nairn2023notes, 3.4.5]."""
 
 
@@ -96,7 +96,7 @@ class IteratedRegressionModel(RegressionModel):
 
     numbers: ClassVar[type[IteratedPlane]] = IteratedPlane
 
-    tolerance: quantity("1", gt=0) = 1e-5  # type: ignore[valid-type]
+    tolerance: Annotated[float, Quantity("1", gt=0)] = 1e-5
     """The normal n is found when 1 − n·n of the last two passes is below this, half the square of the angle
     between them [nairn2020, Eq. 57]."""
     iterations: int = Field(default=15, ge=1, le=1000)

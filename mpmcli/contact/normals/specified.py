@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from pydantic import model_validator
 
 from mpmcli.contact.normals.base import FOUND, NORMALS, NormalModel, find_normal
-from mpmcli.core.model import Number, quantity
+from mpmcli.core.model import Number, Quantity
 
 
 def _cos_sin(degrees: float) -> tuple[float, float]:
@@ -42,9 +42,9 @@ class SpecifiedModel(NormalModel):
     """Normal method."""
     vector: tuple[Number, ...] | None = None
     """Components of the normal, of any length."""
-    azimuth: quantity("angle") | None = None  # type: ignore[valid-type]
+    azimuth: Annotated[float, Quantity("angle")] | None = None
     """Angle in degrees from x towards y of the normal's part in the x-y plane."""
-    polar: quantity("angle") | None = None  # type: ignore[valid-type]
+    polar: Annotated[float, Quantity("angle")] | None = None
     """Angle in degrees between the normal and z, by default 90; in 3D only."""
 
     @model_validator(mode="after")

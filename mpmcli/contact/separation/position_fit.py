@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import model_validator
 
 from mpmcli.contact.separation.base import APART, SEPARATIONS, UNKNOWN, SeparationModel, find_separation
 from mpmcli.contact.separation.extrapolated import extrapolate_along
 from mpmcli.core.kernel import inline
-from mpmcli.core.model import quantity
+from mpmcli.core.model import Quantity
 
 NOWHERE = 1e300
 
@@ -28,7 +28,7 @@ class PositionFit(SeparationModel):
     kind: Literal["position_fit"]
     fit: Literal["auto", "power", "two_per_cell", "one_per_cell"] = "auto"
     """The curve; auto is one_per_cell for bodies with one particle per axis and the power law otherwise."""
-    exponent: quantity("1", gt=0) = 0.58  # type: ignore[valid-type]
+    exponent: Annotated[float, Quantity("1", gt=0)] = 0.58
     """Exponent of the power law; only with ``fit: power``."""
 
     @model_validator(mode="after")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 from mpmcli.contact.separation.base import APART, SEPARATIONS, UNKNOWN, SeparationModel, find_separation
 from mpmcli.contact.separation.extrapolated import extrapolate_along
-from mpmcli.core.model import quantity
+from mpmcli.core.model import Quantity
 
 
 @SEPARATIONS.register
@@ -18,7 +18,7 @@ class PositionOffset(SeparationModel):
     """
 
     kind: Literal["position_offset"]
-    offset: quantity("1") | None = None  # type: ignore[valid-type]
+    offset: Annotated[float, Quantity("1")] | None = None
     """Separation of extrapolated positions in contact, δ_c, in cells. Left out: 0.8, or 1.07 for bodies with one
     particle per axis. Straight lines fitted to the exact relation give 0.92 for GIMP and 0.96 for CPDI with two
     particles per axis [nairn2020, Eq. 17]."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.contact.laws.base import LAWS, LawModel
 from mpmcli.contact.settle import contact_law, sliding_traction
-from mpmcli.core.model import PositivePressure, quantity
+from mpmcli.core.model import PositivePressure, Quantity
 
 
 @LAWS.register
@@ -16,9 +16,9 @@ class CappedFriction(LawModel):
     needs_area: ClassVar[bool] = True
 
     kind: Literal["capped_friction"]
-    friction: quantity("1", ge=0)  # type: ignore[valid-type]
+    friction: Annotated[float, Quantity("1", ge=0)]
     """Coefficient of friction μ."""
-    shear_strength: PositivePressure  # type: ignore[valid-type]
+    shear_strength: PositivePressure
     """Largest shear traction S_max."""
 
     def parameters(self) -> Capped:

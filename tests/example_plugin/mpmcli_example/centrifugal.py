@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal
+from typing import Annotated, Literal
 
 from mpmcli.boundary.base import LOADS, Array, LoadModel, Values, check_length
-from mpmcli.core.model import quantity
+from mpmcli.core.model import Quantity
 from mpmcli.geometry.vectors import Vector
 
 
@@ -19,7 +19,7 @@ class Centrifugal(LoadModel):
     """Name of the body."""
     center: Vector
     """A point of the axis."""
-    rate: quantity("1/time")  # type: ignore[valid-type]
+    rate: Annotated[float, Quantity("1/time")]
     """Angular velocity ω."""
 
     def chosen(self, points: Array, is_of: Callable[[str], Array]) -> Array:

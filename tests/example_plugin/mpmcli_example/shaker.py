@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
 from mpmcli.boundary.base import CONDITIONS, Array, ConditionModel, Nodes, SurfaceNodes
 from mpmcli.boundary.place import Plane, beyond, check_axis
-from mpmcli.core.model import Velocity, quantity
+from mpmcli.core.model import Quantity, Velocity
 
 
 @CONDITIONS.register
@@ -20,9 +20,9 @@ class Shaker(ConditionModel):
     kind: Literal["shaker"]
     plane: Plane
     """The plane."""
-    speed: Velocity  # type: ignore[valid-type]
+    speed: Velocity
     """Largest velocity v."""
-    frequency: quantity("1/time", gt=0)  # type: ignore[valid-type]
+    frequency: Annotated[float, Quantity("1/time", gt=0)]
     """Frequency f."""
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:

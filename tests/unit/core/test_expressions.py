@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import pickle
+from typing import Annotated
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mpmcli.core.expressions import FUNCTIONS, Expression, parse
-from mpmcli.core.model import Model, field_of
+from mpmcli.core.model import Model, Varying
 
 XYZT = ("x", "y", "z", "t")
 
@@ -159,7 +160,7 @@ def test_identity_and_copies() -> None:
 
 def test_in_a_model() -> None:
     class Holder(Model):
-        value: field_of("velocity")  # type: ignore[valid-type]
+        value: Annotated[Expression, Varying("velocity")]
 
     assert Holder(value="2*x").value(3.0) == 6.0
     assert Holder(value=3).model_dump_json() == '{"value":3.0}'

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import pytest
 from pydantic import Field, ValidationError
 
 from mpmcli.core.descriptions import field_descriptions
-from mpmcli.core.model import Model, has_unit, quantity
+from mpmcli.core.model import Model, Quantity, has_unit
 
 
 class Sample(Model):
     """Some values."""
 
-    size: quantity("length", gt=0) = 1.0  # type: ignore[valid-type]
+    size: Annotated[float, Quantity("length", gt=0)] = 1.0
     """A length."""
     count: int = Field(default=1, ge=1)
     """A whole number."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 import importlib
 import sys
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import pytest
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from mpmcli.core.registry import Registry, discover
+from mpmcli.core.registry import OneOf, Registry, discover
 from mpmcli.scene.alternatives import ALTERNATIVES
 
 ANIMAL = """
@@ -65,7 +65,7 @@ def test_only_what_is_named_is_imported(zoo: Registry) -> None:
     assert list(zoo) == ["cat", "crow", "raven"]
     assert "raven" in zoo
     assert "dog" not in zoo
-    adapter = TypeAdapter(dict[str, zoo.union()])
+    adapter = TypeAdapter(dict[str, Annotated[Any, OneOf(zoo)]])
     assert adapter.validate_python({"Tom": {"kind": "cat", "legs": 4}})["Tom"].legs == 4
     assert "zoo.cat" in sys.modules
     assert "zoo.birds" not in sys.modules
@@ -73,7 +73,7 @@ def test_only_what_is_named_is_imported(zoo: Registry) -> None:
 
 
 def test_what_is_wrong_has_its_place(zoo: Registry) -> None:
-    adapter = TypeAdapter(list[zoo.union()])
+    adapter = TypeAdapter(list[Annotated[Any, OneOf(zoo)]])
     wrong = [
         {"kind": "cat", "legs": "many"},
         {"kind": "dog"},
@@ -98,7 +98,7 @@ def test_what_is_wrong_has_its_place(zoo: Registry) -> None:
 
 def test_a_model_may_stand_for_itself(zoo: Registry) -> None:
     raven = zoo["raven"](kind="raven", legs=2)
-    assert TypeAdapter(zoo.union()).validate_python(raven) is raven
+    assert TypeAdapter(Annotated[Any, OneOf(zoo)]).validate_python(raven) is raven
 
 
 def test_a_kind_that_the_table_lacks_is_refused(zoo: Registry, tmp_path: Path) -> None:

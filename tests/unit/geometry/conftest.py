@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
+from mpmcli.core.registry import OneOf
 from mpmcli.geometry import REGIONS
 
-_ANY_REGION = TypeAdapter(REGIONS.union())
+_ANY_REGION = TypeAdapter(Annotated[Any, OneOf(REGIONS)])
 
 
 @pytest.fixture

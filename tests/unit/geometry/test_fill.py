@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pydantic import TypeAdapter
 
 from mpmcli.core.analysis import Axisymmetric, PlaneStrain, Solid, UniaxialStress
 from mpmcli.core.errors import SceneError
@@ -83,7 +82,7 @@ def test_many_chunks_give_the_lattice_of_one(body, grid, monkeypatch):
     st.integers(10, 30),
 )
 def test_volume_of_a_disk_is_within_the_bound_of_its_boundary(x, y, radius, per_axis, cells):
-    disk = TypeAdapter(REGIONS.union()).validate_python({"kind": "disk", "center": [x, y], "radius": radius})
+    disk = REGIONS["disk"](kind="disk", center=[x, y], radius=radius)
     step = 1 / cells / per_axis
     box = SimpleNamespace(lower=np.zeros(2), upper=np.ones(2), cell=np.full(2, 1 / cells))
     request = SimpleNamespace(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from types import SimpleNamespace
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
@@ -11,10 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
+from mpmcli.core.registry import OneOf
 from mpmcli.geometry import REGIONS
 from mpmcli.scene.schema import scene_schema
 
-ANY_REGION = TypeAdapter(REGIONS.union())
+ANY_REGION = TypeAdapter(Annotated[Any, OneOf(REGIONS)])
 
 
 def one(region, *point):
