@@ -74,21 +74,6 @@ def introduction() -> str:
     return "\n".join(lines)
 
 
-def not_built() -> Iterator[str]:
-    """The values that a scene may be thought to take, and that are refused."""
-    from mpmcli.scene.not_built import ENTRIES
-
-    yield from (
-        "## Left out",
-        "",
-        "A scene with one of these is refused:",
-        "",
-    )
-    for path, value, words in ENTRIES:
-        key = ".".join("NAME" if part == "*" else part for part in path)
-        yield f"- `{key}{f': {value}' if value is not None else ''}`: {words}"
-
-
 class Reference:
     """Walks through the schema of a scene, one section per key and one per model, each model once."""
 
@@ -110,7 +95,6 @@ class Reference:
                 yield from (f"## `{key}`", "", sentence(node.get("description", "")), "")
             for name in names:
                 yield from self.section(name, NOUNS.get(key, ""))
-        yield from not_built()
 
     def section(self, name: str, noun: str) -> Iterator[str]:
         """A model and the models that it leads to."""

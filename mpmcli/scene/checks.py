@@ -17,11 +17,10 @@ from mpmcli.core.expressions import Expression
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.geometry.fill import scale_hint
 from mpmcli.scene.lattice_checks import check_lattices
-from mpmcli.scene.not_built import member_label
 from mpmcli.scene.parts import LISTS, Parts
 from mpmcli.scene.report import locate
 from mpmcli.scene.time_checks import check_times
-from mpmcli.scene.tree import Node
+from mpmcli.scene.tree import Node, member_label
 from mpmcli.shapes import SHAPES
 
 NO_AXIS_Z = re.compile(r"there is no axis z\b|'z' does not exist in this analysis")

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from mpmcli.geometry.lattice import is_by_right_angles
-from mpmcli.scene.not_built import member_label
 from mpmcli.scene.parts import Parts
-from mpmcli.scene.tree import Node
+from mpmcli.scene.tree import Node, member_label
 from mpmcli.shapes import SHAPES
 
 

@@ -21,7 +21,6 @@ from mpmcli.scene.constants import read_constants
 from mpmcli.scene.contact_checks import check_contact
 from mpmcli.scene.context import Context
 from mpmcli.scene.models import BaseUnits, Scene
-from mpmcli.scene.not_built import take_out
 from mpmcli.scene.override import apply_defines, apply_sets
 from mpmcli.scene.parts import Parts
 from mpmcli.scene.plugins import check_plugins, plugins_of
@@ -173,12 +172,12 @@ def _read(root: Node, base: Path, allow_outside_files: bool) -> tuple[Scene | No
     units, unit_problems = _read_units(root)
     constants, constant_problems = read_constants(root.value.get("constants"), units)
     context = Context(units, constants, base, allow_outside_files)
-    root, problems = take_out(root)
     # a key with nothing behind it (all of its members commented out) is as good as absent
     plain = {key: value for key, value in root.plain().items() if value is not None} | {
         "constants": constants
     }
     scene = None
+    problems: list[Problem] = []
     try:
         scene = Scene.model_validate(plain, context=context)
         parts = Parts.of(scene)

@@ -170,6 +170,15 @@ class Method(Model):
     precision: Literal["double"] = "double"
     """Precision of particle and grid arrays."""
 
+    @field_validator("precision", mode="before")
+    @classmethod
+    def _double_only(cls, precision: Any) -> Any:
+        if precision == "single":
+            raise ValueError(
+                "'single' is not available, because it would save less than 10 % of a step; use 'double'"
+            )
+        return precision
+
     @field_validator("shape")
     @classmethod
     def _known_shape(cls, shape: str) -> str:

@@ -15,8 +15,7 @@ from mpmcli.core.errors import Problem
 from mpmcli.core.model import Refused
 from mpmcli.core.registry import OneOf
 from mpmcli.core.suggest import MAX_WORD, did_you_mean, listing, meanings, searches_are_left, synonym
-from mpmcli.scene.not_built import member_label
-from mpmcli.scene.tree import Mark, Node
+from mpmcli.scene.tree import Mark, Node, member_label
 
 MAX_SHOWN = 100
 """Problems that are shown; further ones are counted."""

@@ -6,9 +6,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from mpmcli.scene.not_built import member_label
 from mpmcli.scene.parts import Parts
-from mpmcli.scene.tree import Node
+from mpmcli.scene.tree import Node, member_label
 
 MAX_OUTPUTS = 1_000_000
 """Most rows of a table, files of a series, or checkpoints by simulated time."""

@@ -363,3 +363,10 @@ def _character_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:
     code = getattr(error, "character", None)
     shown = f" ({code:#04x})" if isinstance(code, int) else ""
     return Problem("", f"a character{shown} that YAML does not allow", file, line, column, code="encoding")
+
+
+def member_label(node: Node, index: int) -> str:
+    """How a member of a list is called in a path: by its name, or by its index."""
+    if node.is_mapping and "name" in node.value and isinstance(node.value["name"].value, str):
+        return node.value["name"].value
+    return str(index)

@@ -230,8 +230,8 @@ def test_warnings(problems_with: Find, old: str, new: str, path: str, words: str
 
 def test_what_is_left_out_says_why(problems_with: Find) -> None:
     (problem,) = problems_with(("probes:", "method: {precision: single}\nprobes:"))
-    assert (problem.path, problem.code) == ("method.precision", "not_built")
-    assert "single precision is left out: it would save" in problem.message
+    assert (problem.path, problem.code) == ("method.precision", "invalid")
+    assert "'single' is not available, because it would save" in problem.message
 
 
 def test_a_fault_in_one_part_does_not_hide_those_of_others(problems_with: Find) -> None:
