@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -12,9 +11,9 @@ from mpmcli.core.runtime import available_threads
 from mpmcli.core.stencil import kept_as
 from mpmcli.solver.explain_text import as_text
 from mpmcli.solver.plan import Plan
+from mpmcli.solver.redundant import find_questions, find_redundant
 from mpmcli.solver.setup import choose_contact
 from mpmcli.solver.simulation import Simulation
-from mpmcli.solver.spare import find_questions, find_spare
 from mpmcli.solver.stand_in import StandIn
 from mpmcli.stability.blocks import NoKnownLimit
 from mpmcli.stability.scene_limit import known_limit
@@ -107,8 +106,8 @@ def explain(
         "threads": threads,
         "estimated_seconds": seconds,
         "measured": measured,
-        "could_be_dropped": [asdict(spare) for spare in find_spare(scene, plan, grid, particles, dt)],
-        "to_find_out": find_questions(scene, plan),
+        "redundant": [found._asdict() for found in find_redundant(scene, plan, dt)],
+        "questions": find_questions(scene, plan),
     }
     facts["text"] = as_text(facts)
     return facts

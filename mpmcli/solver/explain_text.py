@@ -32,12 +32,12 @@ def as_text(facts: dict[str, Any]) -> str:
         f"run        about {facts['steps']} steps, {_time_in_words(facts)}",
         *_measured_in_words(facts["measured"]),
         "",
-        "Could go, the answer being the same:"
-        if facts["could_be_dropped"]
-        else "Nothing in it is known to be idle.",
-        *(f"  {s['path']}: {s['because']}; {s['same']}" for s in facts["could_be_dropped"]),
-        *(["To be found out with mpmcli tradeoff:"] if facts["to_find_out"] else []),
-        *(f"  {question}" for question in facts["to_find_out"]),
+        "Redundant settings (remove them; the results stay the same):"
+        if facts["redundant"]
+        else "No redundant setting found.",
+        *(f"  {found['path']}: {found['because']}" for found in facts["redundant"]),
+        *(["Questions that mpmcli tradeoff can answer:"] if facts["questions"] else []),
+        *(f"  {question}" for question in facts["questions"]),
     ]
     return "\n".join(lines)
 
