@@ -211,4 +211,4 @@ def check_length(key: str, vector: Any, dimensions: int) -> list[tuple[str, str]
     if len(vector) == dimensions:
         return []
     s = "s" * (dimensions != 1)
-    return [(key, f"{dimensions} component{s} needed (one per axis), not {len(vector)}")]
+    return [(key, f"this analysis needs {dimensions} component{s}, one per axis, not {len(vector)}")]

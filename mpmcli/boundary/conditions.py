@@ -254,7 +254,7 @@ class VelocityConditions:
         names = " and ".join(dict.fromkeys(self._called(int(c)) for c in owners))
         at = ", ".join(f"{x:g}" for x in self._grid.coordinates(np.array([node]))[:, 0])
         raise SimulationError(
-            f"{names} contradict each other at time {time:g}: "
+            f"{names} contradict each other at time {time:g}; "
             f"no velocity of the grid node at ({at}) satisfies all of them"
         )
 

@@ -130,13 +130,13 @@ class Exits:
         name = self.held.get(side)
         if name is not None:
             return (
-                f"The boundary condition '{name}' holds the velocity there, and the particle is a cell beyond it: try "
-                "a shorter step, a plane of kind symmetry, or domain.on_exit: stop_at_wall"
+                f"The boundary condition '{name}' holds the velocity there, but the particle is a cell beyond it. Try "
+                "a shorter step, a condition of kind symmetry, or domain.on_exit: stop_at_wall"
             )
         where = f"the {('lower', 'upper')[side[1]]} side of {'xyz'[side[0]]}"
         return (
-            f"Nothing holds particles at {where}: enlarge the grid, put a boundary condition there (kind: symmetry is "
-            "a smooth wall), or choose domain.on_exit: delete or stop_at_wall"
+            f"No boundary condition holds {where}. Enlarge the grid, add a condition there (kind: symmetry is a smooth "
+            "wall), or use domain.on_exit: delete or stop_at_wall"
         )
 
     def _without_rigid(self, chosen: Array) -> Array:

@@ -50,8 +50,8 @@ class Plane(Model):
         centre = 0.5 * (grid.lower[a] + grid.upper[a])
         if abs(self.at - centre) <= TOLERANCE * grid.cell[a]:
             raise ValueError(
-                f"the plane {self.axis} = {self.at:g} is in the middle of the grid: "
-                "say 'side: lower' or 'side: upper'"
+                f"the plane {self.axis} = {self.at:g} is in the middle of the grid; "
+                "give 'side: lower' or 'side: upper'"
             )
         return "lower" if self.at < centre else "upper"
 
@@ -116,9 +116,9 @@ class Place(Model):
     def _one_place(self) -> Place:
         given = [n for n in ("plane", "box", "region", "body") if getattr(self, n) is not None]
         if len(given) != 1:
-            raise ValueError("give one of plane, box, region, or body with face")
+            raise ValueError("give one of: plane, box, region, or body with face")
         if (self.body is None) != (self.face is None):
-            raise ValueError("body and face belong together")
+            raise ValueError("give both body and face, or neither")
         return self
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
@@ -172,7 +172,7 @@ def check_axis(key: str, part: Plane | Face | None, dimensions: int) -> list[tup
     if part is None or part.index < dimensions:
         return []
     return [
-        (f"{key}.axis", f"there is no axis {part.axis}: this analysis has {', '.join(AXES[:dimensions])}")
+        (f"{key}.axis", f"there is no axis {part.axis}; this analysis has {', '.join(AXES[:dimensions])}")
     ]
 
 
@@ -183,11 +183,11 @@ def check_space(key: str, box: Box | None, region: Any, dimensions: int) -> list
         found += check_length(f"{key}.box.lower", box.lower, dimensions)
         found += check_length(f"{key}.box.upper", box.upper, dimensions)
         if not found and any(low > high for low, high in zip(box.lower, box.upper, strict=True)):
-            found.append((f"{key}.box.upper", "must not be below lower"))
+            found.append((f"{key}.box.upper", "must not lie below lower"))
     if dimensions not in getattr(region, "dimensions", (dimensions,)):
-        found.append((f"{key}.region", f"this kind of region does not exist with {dimensions} axes"))
+        found.append((f"{key}.region", f"this kind of region is not available in {dimensions}D"))
     if getattr(region, "gives_particles", False):
-        found.append((f"{key}.region", "a list of particles is no region of space"))
+        found.append((f"{key}.region", "a list of particles is not a region of space"))
     return found
 
 
@@ -203,14 +203,14 @@ def _read_direction(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, str):
         if value not in AXES:
             hint = did_you_mean(value, AXES)
-            raise ValueError(f"'{value}' is no direction{hint}: give x, y, z or a vector such as [1, 0]")
+            raise ValueError(f"'{value}' is not a direction{hint}; give x, y, z or a vector such as [1, 0]")
         return value
     if not isinstance(value, list | tuple) or not 1 <= len(value) <= 3:
         raise ValueError("give x, y, z or a vector with one component per axis")
     components = [read(_number, v, info) for v in value]
     size = math.hypot(*components)
     if not (math.isfinite(size) and size > 0):
-        raise ValueError("a direction needs a length above zero")
+        raise ValueError("a direction must not have length zero")
     return tuple(component / size for component in components)
 
 
@@ -248,4 +248,4 @@ def check_direction(key: str, direction: Any, dimensions: int) -> list[tuple[str
         return check_length(key, direction, dimensions)
     if AXES.index(direction) < dimensions:
         return []
-    return [(key, f"there is no axis {direction}: this analysis has {', '.join(AXES[:dimensions])}")]
+    return [(key, f"there is no axis {direction}; this analysis has {', '.join(AXES[:dimensions])}")]

@@ -73,7 +73,7 @@ def symmetry_line(plane: Plane, grid: Nodes) -> int:
     line = grid_line(grid, plane.index, plane.at)
     if abs(line - round(line)) > 1e-6 or not 0 <= round(line) < grid.shape[plane.index]:
         raise ValueError(
-            f"symmetry plane must lie on a grid line: {plane.axis} = {plane.at:g} does not "
+            f"a symmetry plane must lie on a grid line; {plane.axis} = {plane.at:g} does not "
             f"(lines at {grid.lower[plane.index]:g} + n·{grid.cell[plane.index]:g}, inside the grid)"
         )
     return round(line)

@@ -42,7 +42,7 @@ class Traction(LoadModel):
     @model_validator(mode="after")
     def _traction_or_pressure(self) -> Traction:
         if (self.traction is None) == (self.pressure is None):
-            raise ValueError("give traction or pressure")
+            raise ValueError("give either traction or pressure")
         return self
 
     @property

@@ -78,7 +78,9 @@ class Wall(ConditionModel):
         if isinstance(self.position, tuple):
             found += check_length("position", self.position, dimensions)
         elif not found and along_axis(unit_vector(self.normal, dimensions)) is None:
-            found.append(("position", "a wall whose normal is along no axis needs a point, such as [0, 0]"))
+            found.append(
+                ("position", "a wall with an oblique normal needs a point as position, such as [0, 0]")
+            )
         return found
 
     def held_side(self, grid: Nodes) -> tuple[int, int] | None:
@@ -157,7 +159,7 @@ class ObliqueWall:
 
     def __init__(self, wall: Wall, grid: Nodes):
         if not isinstance(wall.position, tuple):
-            raise ValueError(f"wall '{wall.name}' is along no axis, so its position must be a point")
+            raise ValueError(f"wall '{wall.name}' has an oblique normal, so its position must be a point")
         self._point: Any = wall.position
         self._name = wall.name
         self._velocity: Any = wall.velocity

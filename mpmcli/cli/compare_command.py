@@ -22,7 +22,7 @@ from mpmcli.cli.completion import columns_to_compare, offering
     "--columns",
     metavar="NAME,…",
     multiple=True,
-    help="Compare these only; * stands for any text.",
+    help="Compare these columns only; * matches any text.",
     shell_complete=offering(columns_to_compare, is_list=True),
 )
 def command(a: Path, b: Path, rtol: float, atol: float, columns: tuple[str, ...]) -> int:

@@ -16,17 +16,17 @@ from mpmcli.cli.options import SceneChanges, load_checked, scene_options
     "--processes",
     metavar="N",
     type=click.IntRange(min=1),
-    help="Compile in N processes (one per processor).",
+    help="Number of processes; one per processor by default.",
 )
 @click.option("-q", "--quiet", is_flag=True, help="Show no progress.")
 @scene_options
 def command(
     scenes: tuple[str, ...], processes: int | None, quiet: bool, **changes: Unpack[SceneChanges]
 ) -> None:
-    """Compile what every SCENE needs, so that its runs start at once; without SCENE, what the shipped scenes need.
+    """Compile the functions that every SCENE needs; without SCENE, those of the shipped scenes.
 
-    The code is kept in the folder that MPMCLI_CACHE_DIR names, or in the user's cache folder. Make it part of a
-    container image, or share it between the nodes of a cluster that have the same processors.
+    The compiled code is kept in the folder MPMCLI_CACHE_DIR, or in the cache folder of the user. Add it to a container
+    image, or share it between nodes of a cluster that have the same processors.
     """
     from mpmcli.core.runtime import cache_folder
     from mpmcli.run.api import compile_scenes

@@ -17,20 +17,20 @@ from mpmcli.cli.options import SceneChanges, check_time_step, load_checked, scen
     "--measure",
     "measures",
     is_flag=True,
-    help="Run some steps in memory (seconds) and tell what each part costs.",
+    help="Run some steps in memory (a few seconds) and report the cost of each part.",
 )
 @click.option(
     "-j",
     "--threads",
     type=click.IntRange(1, 4096),
     envvar="MPMCLI_NUM_THREADS",
-    help="Number of threads that times are for [env: MPMCLI_NUM_THREADS]; all by default.",
+    help="Number of threads of the time estimate [env: MPMCLI_NUM_THREADS]; all by default.",
 )
 @scene_options
 def command(
     scene: str, as_object: bool, measures: bool, threads: int | None, **changes: Unpack[SceneChanges]
 ) -> None:
-    """Tell what SCENE will model and what not, what could go, its time step, memory and cost."""
+    """Report what SCENE models, its redundant settings, time step, memory and cost."""
     loaded = load_checked(scene, changes)
     check_time_step(loaded)
     show_warnings(loaded)

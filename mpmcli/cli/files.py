@@ -18,6 +18,6 @@ def write_or_print(text: str, path: Path | None, overwrite: bool) -> None:
         with path.open("w" if overwrite else "x", encoding="utf-8") as file:
             file.write(text)
     except FileExistsError:
-        raise ArchiveError(f"{path} exists already, and is left as it is") from None
+        raise ArchiveError(f"{path} already exists; use another name") from None
     except OSError as error:
         raise ArchiveError(f"{path} cannot be written: {error.strerror}") from None

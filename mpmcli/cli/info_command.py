@@ -10,7 +10,7 @@ import click
 @click.command("info")
 @click.argument("path", type=click.Path(path_type=Path))
 def command(path: Path) -> None:
-    """Tell what a results folder, a table or a VTU file holds."""
+    """Report the contents of a results folder, a table, a VTU file or a checkpoint."""
     from mpmcli.output.info import describe
 
     click.echo(describe(path))

@@ -26,7 +26,7 @@ KINDS = (
 @click.command("list")
 @click.argument("kind", type=click.Choice(KINDS))
 def command(kind: str) -> None:
-    """List what a scene can name, with parameters and their defaults."""
+    """List the alternatives of a kind, with their parameters and defaults."""
     for line in lines(kind):
         click.echo(line)
 
@@ -83,7 +83,7 @@ def _describe(model: Any) -> Iterator[str]:
 
 def _default(field: Any) -> str:
     if field.is_required():
-        return "(needed)"
+        return "(required)"
     value = field.get_default(call_default_factory=True)
     return "-" if value is None or value == () else str(value)
 

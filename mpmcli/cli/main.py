@@ -15,18 +15,18 @@ from mpmcli import __version__
 COMMANDS = {
     "run": "Run a scene.",
     "resume": "Continue a run from its last checkpoint.",
-    "validate": "Report every problem of scenes.",
-    "compile": "Compile what scenes need, so that they start at once.",
-    "explain": "Tell what a scene will model and what it costs.",
+    "validate": "Report all problems of scenes.",
+    "compile": "Compile the functions that scenes need.",
+    "explain": "Report what a scene models, and its cost.",
     "schema": "Print the JSON Schema of scenes.",
-    "list": "List what scenes can name, with parameters.",
+    "list": "List the available materials, loads, … with their parameters.",
     "new": "Print or write a scene to start from.",
-    "compare": "Compare two tables or results folders as numbers.",
-    "info": "Tell what a results folder holds.",
+    "compare": "Compare two tables or results folders.",
+    "info": "Report the contents of a results folder.",
     "plot": "Draw the tables and particles of a results folder.",
-    "cite": "Print BibTeX of the methods that a scene uses.",
+    "cite": "Print BibTeX entries of the methods that a scene uses.",
     "stability": "Find the largest stable Courant numbers of a scene.",
-    "tradeoff": "Measure what accuracy costs, over variations of a scene.",
+    "tradeoff": "Measure cost and accuracy of variations of a scene.",
 }
 
 OUR_BUG = 70
@@ -60,7 +60,7 @@ class Commands(click.Group):
             from mpmcli.core.suggest import nearest
 
             name = nearest(args[0], COMMANDS)
-            hint = f" Did you mean '{name}'?" if name else f" There are {', '.join(COMMANDS)}."
+            hint = f" Did you mean '{name}'?" if name else f" Commands: {', '.join(COMMANDS)}."
             raise click.UsageError(f"There is no command '{args[0]}'.{hint}", context)
         return super().resolve_command(context, args)
 
@@ -123,10 +123,10 @@ def _tell(error: Exception) -> int:
         click.echo(str(error), err=True)
         return error.exit_code
     name = type(error).__name__
-    click.echo(f"mpmcli has a fault of its own ({name}: {error}); please report it.", err=True)
+    click.echo(f"This is an error in mpmcli ({name}: {error}); please report it.", err=True)
     if plugins := ", ".join(map(str, installed())):
-        click.echo(f"It may be one of an installed plugin: {plugins}.", err=True)
-    click.echo("Set MPMCLI_DEBUG=1 to see where.", err=True)
+        click.echo(f"An installed plugin may have caused it: {plugins}.", err=True)
+    click.echo("Set MPMCLI_DEBUG=1 to see the traceback.", err=True)
     return OUR_BUG
 
 

@@ -16,7 +16,7 @@ OURS = '"title": "Scene of mpmcli"'
 @click.command("new")
 @click.argument("name", default="simple", shell_complete=offering(scenes))
 @click.option("-o", "--output", metavar="FILE", type=click.Path(path_type=Path), help="Write to a new file.")
-@click.option("--list", "listing", is_flag=True, help="List the scenes that come with mpmcli.")
+@click.option("--list", "listing", is_flag=True, help="List the scenes that mpmcli contains.")
 def command(name: str, output: Path | None, listing: bool) -> None:
     """Print or write a scene to start from.
 
@@ -29,18 +29,18 @@ def command(name: str, output: Path | None, listing: bool) -> None:
         return
     if name not in shipped():
         hint = did_you_mean(name, shipped()) or ""
-        message = f"there is no scene '{name}'{hint}; 'mpmcli new --list' lists all"
+        message = f"there is no scene '{name}'{hint}; see 'mpmcli new --list'"
         raise click.BadParameter(message, param_hint="NAME")
     if output is not None:
         write(name, output)
         return
     click.echo(scene_text(name), nl=False)
     for file in companions(name):
-        click.echo(f"this scene reads {file.name}, which -o FILE writes beside it", err=True)
+        click.echo(f"this scene needs {file.name}; use -o FILE to write both files", err=True)
 
 
 def listed() -> str:
-    """Names and titles of the scenes that come with mpmcli."""
+    """Names and titles of the scenes that mpmcli contains."""
     from mpmcli.scene.shipped import is_start, shipped, title
 
     width = max(map(len, shipped())) + 2
@@ -65,17 +65,19 @@ def write(name: str, output: Path) -> None:
 
     needed = {output.with_name(file.name): file.read_bytes() for file in companions(name)}
     if output in needed or output.name == SCHEMA:
-        raise click.BadParameter(f"{output}: the scene needs that name for a file beside it", param_hint="-o")
+        raise click.BadParameter(
+            f"{output} is the name of a file that the scene needs; use another name", param_hint="-o"
+        )
     for path, contents in needed.items():
         if path.exists() and path.read_bytes() != contents:
-            raise ArchiveError(f"{path} exists already, and is left as it is")
+            raise ArchiveError(f"{path} already exists; use another name")
     write_or_print(scene_text(name), output, overwrite=False)
     for path, contents in needed.items():
         path.write_bytes(contents)
     schema = output.with_name(SCHEMA)
     if schema.exists() and OURS not in schema.read_text(encoding="utf-8", errors="replace"):
-        click.echo(f"{schema} is not a schema of mpmcli, and is left as it is", err=True)
+        click.echo(f"{schema} exists and is not a schema of mpmcli; use another folder", err=True)
     else:
         write_or_print(schema_text(), schema, overwrite=True)
     beside = ", ".join((*(path.name for path in needed), SCHEMA))
-    click.echo(f"{output} is written ({beside} beside it); next: mpmcli run {output}")
+    click.echo(f"wrote {output} (and {beside} beside it); next: mpmcli run {output}")

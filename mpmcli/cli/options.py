@@ -53,7 +53,7 @@ def _assignments(context: click.Context, option: click.Parameter, values: tuple[
     for value in values:
         name, equals, _ = value.partition("=")
         if not equals or not name.strip():
-            raise click.BadParameter(f"'{value}' has no '=': write name=value", context, option)
+            raise click.BadParameter(f"'{value}' has no '='; write name=value", context, option)
     return values
 
 
@@ -62,12 +62,12 @@ def seconds_by_the_clock(context: click.Context, option: click.Parameter, text: 
     if text is None:
         return None
     if not re.fullmatch(r"(\d+:){0,2}\d+(\.\d*)?", text):
-        raise click.BadParameter(f"'{text}' is no time by the clock: write H:M:S", context, option)
+        raise click.BadParameter(f"'{text}' is not a wall-clock time; write H:M:S", context, option)
     seconds = 0.0
     for part in text.split(":"):
         seconds = 60 * seconds + float(part)
     if not seconds > 0:
-        raise click.BadParameter("the time must be longer than 0", context, option)
+        raise click.BadParameter("the time must be above 0", context, option)
     return seconds
 
 
@@ -78,13 +78,18 @@ scene_options = _together(
         metavar="KEY=VALUE",
         multiple=True,
         callback=_assignments,
-        help="Replace what stands at a dotted key by a YAML value (list members by name or index).",
+        help="Replace the value of a dotted key by a YAML value (list members by name or index).",
     ),
     click.option(
-        "-D", "defines", metavar="NAME=VALUE", multiple=True, callback=_assignments, help="Set a constant."
+        "-D",
+        "defines",
+        metavar="NAME=VALUE",
+        multiple=True,
+        callback=_assignments,
+        help="Set a constant of the scene.",
     ),
     click.option(
-        "--allow-outside-files", is_flag=True, help="Let the scene name files outside its own folder."
+        "--allow-outside-files", is_flag=True, help="Allow the scene to read files outside its own folder."
     ),
 )
 """The options that change a scene while it is read."""
@@ -95,14 +100,14 @@ march_options = _together(
         "--threads",
         type=click.IntRange(1, 4096),
         envvar="MPMCLI_NUM_THREADS",
-        help="Number of threads [env: MPMCLI_NUM_THREADS]; all by default. It never changes a result.",
+        help="Number of threads [env: MPMCLI_NUM_THREADS]; all by default. Results do not depend on it.",
     ),
-    click.option("--until", metavar="T", help="End of the run, instead of the scene's."),
+    click.option("--until", metavar="T", help="End time of the run, instead of time.end."),
     click.option(
         "--max-walltime",
         metavar="H:M:S",
         callback=seconds_by_the_clock,
-        help="Stop after this time by the clock.",
+        help="Stop after this wall-clock time.",
     ),
     click.option("-q", "--quiet", is_flag=True, help="Show errors only."),
     click.option("-v", "--verbose", count=True, help="Show more."),
@@ -118,14 +123,14 @@ def study_options(command: str, picture: str) -> Callable[[Command], Command]:
             "--output",
             metavar="DIR",
             type=click.Path(path_type=Path),
-            help=f"Folder of the study (results/NAME_{command} without it).",
+            help=f"Folder of the study; results/NAME_{command} by default.",
         ),
-        click.option("--until", metavar="T", help="End of the runs, instead of the scene's."),
+        click.option("--until", metavar="T", help="End time of the runs, instead of time.end."),
         click.option(
             "--timeout",
             metavar="SECONDS",
             type=click.FloatRange(min=0, min_open=True),
-            help="Give a case up if one of its runs takes longer.",
+            help="Stop a case if one of its runs takes longer.",
         ),
         click.option(
             "--plot/--no-plot", default=None, help=f"Draw {picture}; by default if matplotlib is installed."
@@ -200,14 +205,14 @@ def until_in_scene_units(text: str | None, loaded: LoadedScene) -> float | None:
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--until") from None
     if not (math.isfinite(until) and until > 0):
-        raise click.BadParameter("the time must be longer than 0", param_hint="--until")
+        raise click.BadParameter("the time must be above 0", param_hint="--until")
     return until
 
 
 def march(load: Callable[[], LoadedScene], directory: Path | None, options: MarchOptions, **more: Any) -> int:
     """Read a scene, run it with the options of ``march_options``, and return the exit code."""
     if options["quiet"] and options["verbose"]:
-        raise click.UsageError("-q and -v exclude each other.")
+        raise click.UsageError("Use either -q or -v.")
     loaded = load()
     until = until_in_scene_units(options["until"], loaded)
     if not options["quiet"]:

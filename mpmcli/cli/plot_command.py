@@ -54,7 +54,7 @@ def section_of(text: str, manifest: dict[str, Any]) -> tuple[int, float | None]:
     axis, sign, place = (part.strip() for part in text.partition("="))
     if axis not in AXES or (sign and not place):
         raise click.BadParameter(
-            f"'{text}' is no plane: give its axis (x, y or z), and where it is if not in the middle, as in 'z=5'",
+            f"'{text}' is not a plane; give an axis (x, y or z), or an axis and a position, such as 'z=5'",
             param_hint="--slice",
         )
     return AXES.index(axis), in_scene_units(place, "length", "--slice", manifest) if place else None
@@ -66,7 +66,7 @@ def section_of(text: str, manifest: dict[str, Any]) -> tuple[int, float | None]:
     "--what",
     metavar="WORD,…",
     multiple=True,
-    help=f"Of what: {', '.join(WHAT)}.",
+    help=f"Subjects of the pictures: {', '.join(WHAT)}.",
     shell_complete=offering(lambda parameters: WHAT, is_list=True),
 )
 @click.option(
@@ -74,57 +74,64 @@ def section_of(text: str, manifest: dict[str, Any]) -> tuple[int, float | None]:
     "columns",
     metavar="NAME,…",
     multiple=True,
-    help="Columns of tables; * stands for any text.",
+    help="Columns of tables to draw; * matches any text.",
     shell_complete=offering(columns_of_tables, is_list=True),
 )
 @click.option(
     "--x",
     "over",
     metavar="NAME",
-    help="Draw columns over this one instead of time.",
+    help="Column on the horizontal axis; time by default.",
     shell_complete=offering(columns_of_tables),
 )
 @click.option(
     "--color",
     metavar="QUANTITY",
-    help="Colour particles by an array of the archives, stress_xy, body, …",
+    help="Quantity that colours the particles: stress_xy, body, …",
     shell_complete=offering(quantities),
 )
 @click.option(
-    "--range", "limits", nargs=2, type=float, metavar="LOW HIGH", help="Numbers at the ends of the colours."
+    "--range",
+    "limits",
+    nargs=2,
+    type=float,
+    metavar="LOW HIGH",
+    help="Lowest and highest value of the colour scale.",
 )
-@click.option("--time", metavar="T", help="Show the particles at the archive nearest to this time.")
+@click.option("--time", metavar="T", help="Draw the particles of the archive nearest to this time.")
 @click.option(
-    "--frame", metavar="N", help="Show archive N, from 0, or -1 for the last; 'failed' for failed.vtu."
+    "--frame",
+    metavar="N",
+    help="Draw archive N (the first is 0, the last is -1), or 'failed' for failed.vtu.",
 )
-@click.option("--animate", type=click.Choice(["gif", "mp4"]), help="Show the particles at all times.")
+@click.option("--animate", type=click.Choice(["gif", "mp4"]), help="Write an animation of all archives.")
 @click.option(
     "--rate",
     type=click.FloatRange(min=0.1, max=50),
     default=10.0,
     show_default=True,
-    help="Pictures per second of an animation.",
+    help="Frames per second of the animation.",
 )
 @click.option(
     "--view",
     type=click.Choice(["iso", "xy", "xz", "yz"]),
     default="iso",
     show_default=True,
-    help="From where particles in three dimensions are seen.",
+    help="View direction in 3D.",
 )
 @click.option(
     "--slice",
     "section",
     metavar="AXIS[=POSITION]",
-    help="Cut particles in three dimensions by a plane across x, y or z, in the middle or at a position.",
+    help="In 3D, draw a section normal to x, y or z, in the middle or at a position.",
 )
-@click.option("--paraview", is_flag=True, help="Write a Python script that opens the result in ParaView.")
+@click.option("--paraview", is_flag=True, help="Write a Python script that opens the results in ParaView.")
 @click.option(
     "-o",
     "--output",
     metavar="FILE|DIR",
     type=click.Path(path_type=Path),
-    help="File of the picture, or folder of several; DIR/plots by default.",
+    help="File of one picture, or folder of several pictures; DIR/plots by default.",
 )
 def command(
     directory: Path,
@@ -144,7 +151,7 @@ def command(
 ) -> None:
     """Draw the tables and the particles of a results folder.
 
-    Without options: the energies over time, and the particles at the last time.
+    By default, it draws the energies over time and the particles at the last time.
     """
     from mpmcli.output.manifest import read_manifest
     from mpmcli.study.pictures import Request, plot

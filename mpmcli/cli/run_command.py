@@ -16,8 +16,8 @@ from mpmcli.cli.options import MarchOptions, SceneChanges, load_checked, march, 
 @scene_options
 @march_options
 @click.option("--overwrite", is_flag=True, help="Replace results of an earlier run in the folder.")
-@click.option("--resume", is_flag=True, help="Go on from the last checkpoint in the folder.")
-@click.option("--dry-run", is_flag=True, help="Set everything up, write the start, and end.")
+@click.option("--resume", is_flag=True, help="Continue from the last checkpoint in the folder.")
+@click.option("--dry-run", is_flag=True, help="Set up the scene, write the initial state, and stop.")
 def command(
     scene: str,
     output: Path | None,
@@ -29,10 +29,10 @@ def command(
     dry_run: bool,
     **options: Unpack[MarchOptions],
 ) -> int:
-    """Run SCENE, and write the results to a folder (results/NAME without -o)."""
+    """Run SCENE and write the results to a folder (results/NAME by default)."""
     if resume and (overwrite or dry_run):
         other = "--overwrite" if overwrite else "--dry-run"
-        raise click.UsageError(f"--resume and {other} exclude each other.")
+        raise click.UsageError(f"Use either --resume or {other}.")
     changes: SceneChanges = {"sets": sets, "defines": defines, "allow_outside_files": allow_outside_files}
     return march(
         lambda: load_checked(scene, changes),

@@ -39,7 +39,9 @@ class Study:
 
         code = run_until_interrupted(study, stop)
         if code:
-            click.echo(f"interrupted; {len(journal.results)} runs are kept in {journal.path}", err=True)
+            click.echo(
+                f"interrupted; {journal.path} keeps the {len(journal.results)} finished runs", err=True
+            )
         return code
 
 
@@ -61,7 +63,7 @@ def begin_study(
     from mpmcli.study.stability import Source
 
     if plot and not can_plot():
-        raise click.UsageError("--plot needs matplotlib: pip install 'mpmcli[plot]'")
+        raise click.UsageError("--plot needs matplotlib; install it with pip install 'mpmcli[plot]'")
     return Study(
         Source(scene, changes["sets"], changes["defines"], changes["allow_outside_files"]),
         loaded.scene.title or Path(scene).stem,

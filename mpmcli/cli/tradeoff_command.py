@@ -25,38 +25,38 @@ COSTS = {"run": "run_seconds", "cpu": "cpu_seconds", "step": "step_seconds", "me
     metavar="KEY=V1,V2,…",
     multiple=True,
     required=True,
-    help="A dotted key of the scene and its values; transfers may be in short form (method.transfer=flip,fmpm:4). "
-    "Given several times, all products are run.",
+    help="A dotted key of the scene and its values; transfers may have a short form (method.transfer=flip,fmpm:4). "
+    "Repeat the option to run all combinations.",
 )
 @click.option(
     "--against",
     metavar="exact|finest|TABLE",
     default="finest",
     show_default=True,
-    help="The reference: expressions of t (see --error), the case with the smallest cells (of those the most "
-    "expensive one), or a CSV table with a column time.",
+    help="The reference solution: expressions of t (see --error), the most expensive case with the smallest cells, "
+    "or a CSV table with a column time.",
 )
 @click.option(
     "--error",
     "errors",
     metavar="COLUMN[=EXPRESSION]",
     multiple=True,
-    help="Columns of globals.csv whose error counts; kinetic_energy and strain_energy by default. The largest counts.",
+    help="Columns of globals.csv; the largest of their errors counts. Default: kinetic_energy and strain_energy.",
 )
 @click.option(
     "--measure",
     type=click.Choice(["rms", "end"]),
     default="rms",
     show_default=True,
-    help="The error: root mean square over time, or at the end; relative to the largest reference value.",
+    help="Measure of the error: root mean square over time, or final value; relative to the largest reference value.",
 )
 @click.option(
     "--cost",
     type=click.Choice(list(COSTS)),
     default="run",
     show_default=True,
-    help="The cost of the front, the plot and the sentence: run time, processor time (fairer on a busy "
-    "machine), time per step, or peak memory.",
+    help="Measure of the cost: run time, processor time (more reliable on a busy machine), time per step, or peak "
+    "memory.",
 )
 @click.option(
     "--within",
@@ -64,19 +64,25 @@ COSTS = {"run": "run_seconds", "cpu": "cpu_seconds", "step": "step_seconds", "me
     type=click.FloatRange(min=0, min_open=True),
     default=0.01,
     show_default=True,
-    help="The sentence names the cheapest case with at most this error.",
+    help="Report the cheapest case with at most this error.",
 )
 @click.option(
-    "--repeats", type=click.IntRange(1, 100), default=3, show_default=True, help="Runs of each case."
+    "--repeats",
+    type=click.IntRange(1, 100),
+    default=3,
+    show_default=True,
+    help="Number of runs of each case.",
 )
 @click.option(
     "--jobs",
     type=click.IntRange(1, 4096),
     default=1,
     show_default=True,
-    help="Runs side by side; times are honest with one only.",
+    help="Number of simultaneous runs; use 1 for reliable times.",
 )
-@click.option("--threads", type=click.IntRange(1, 4096), help="Threads of each run; all by default.")
+@click.option(
+    "--threads", type=click.IntRange(1, 4096), help="Number of threads of each run; all by default."
+)
 @click.option("--scheduler", metavar="ADDRESS", help="Run the cases on this Dask cluster.")
 @study_options("tradeoff", "tradeoff.png")
 @scene_options
@@ -101,11 +107,11 @@ def command(
     defines: tuple[str, ...],
     allow_outside_files: bool,
 ) -> int:
-    """Measure what accuracy costs: SCENE is run with all products of the values given.
+    """Measure cost and accuracy of SCENE for all combinations of the given values.
 
-    Each run has a process of its own, and the cases take turns, so that a busy machine is fair to all. Finished runs
-    are kept in DIR/runs.jsonl; started again, the study goes on where it was stopped. It leaves tradeoff.csv,
-    tradeoff.json and tradeoff.png, and says which case is the cheapest within a given error.
+    Each run has its own process, and the cases alternate, so that a busy machine affects all cases alike. Finished
+    runs are kept in DIR/runs.jsonl; a repeated command continues an interrupted study. Output: tradeoff.csv,
+    tradeoff.json, tradeoff.png, and the cheapest case within a given error.
     """
     changes: SceneChanges = {
         "sets": sets, "defines": defines, "allow_outside_files": allow_outside_files,
@@ -116,13 +122,15 @@ def command(
     from mpmcli.study.processes import Processes
 
     if scheduler is not None and not cluster.can_connect():
-        raise click.UsageError("--scheduler needs Dask: pip install distributed")
+        raise click.UsageError("--scheduler needs Dask; install it with pip install distributed")
     measures = _measures(errors, against, study.constants)
     columns = [m.column for m in measures]
     varied = _read(tradeoff.Variation.read, variations, "--vary")
     keys = [variation.key for variation in varied]
     if len(set(keys)) < len(keys):
-        raise click.BadParameter("a key is varied twice; give all its values at once", param_hint="--vary")
+        raise click.BadParameter(
+            "a key is varied twice; give all its values in one --vary", param_hint="--vary"
+        )
     cases = tradeoff.make_cases(study.source, varied, study.end, columns)
     known = None
     if against not in ("exact", "finest"):
@@ -169,7 +177,7 @@ def command(
             tradeoff_report.plot_tradeoff(path, study.title, cases, price, within, against)
     click.echo(tradeoff_report.tradeoff_as_text(cases))
     click.echo(words)
-    study.tell(f"the tables are in {directory}")
+    study.tell(f"tables: {directory}")
     return 0 if any(case.is_finished for case in cases) else 4
 
 
@@ -185,8 +193,8 @@ def _measures(errors: tuple[str, ...], against: str, constants: dict[str, float]
 
     if not errors and against == "exact":
         raise click.UsageError(
-            "--against exact needs the exact values: --error 'kinetic_energy=EXPRESSION' of t and the scene's "
-            "constants, or --error energy_error, which is 0."
+            "--against exact needs an exact solution: --error 'kinetic_energy=EXPRESSION' of t and the constants of "
+            "the scene, or --error energy_error (exactly 0)."
         )
     measures: list[Measure] = _read(Measure.read, errors or DEFAULT_COLUMNS, "--error")
     if against == "exact":

@@ -15,7 +15,7 @@ from mpmcli.garbage import keeping_all
 @click.option("--json", "as_list", is_flag=True, help="Print a JSON list of problems.")
 @scene_options
 def command(scenes: tuple[str, ...], as_list: bool, **changes: Unpack[SceneChanges]) -> int:
-    """Report every problem of every SCENE; exit code 3 if there is an error."""
+    """Report all problems of every SCENE; the exit code is 3 if there is an error."""
     with keeping_all():
         from mpmcli.core.errors import Problem, SceneError
         from mpmcli.scene.report import as_json, as_text

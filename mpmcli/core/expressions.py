@@ -124,14 +124,14 @@ class Expression:
         if not self.variables:
             value = self._evaluate(0.0, 0.0, 0.0, 0.0)
             if not np.isfinite(value):
-                raise ValueError(f"'{source}' gives {float(value)}: a finite number is needed")
+                raise ValueError(f"'{source}' is {float(value)}; a finite number is needed")
             put(self, "_value", float(value))
 
     @classmethod
     def constant(cls, value: float) -> Expression:
         """The expression that is the same number everywhere and always."""
         if not math.isfinite(value):
-            raise ValueError(f"{value} is no finite number")
+            raise ValueError(f"{value} is not a finite number")
         made = object.__new__(cls)
         number, put = float(value), object.__setattr__
         for name, content in (("source", repr(number)), ("variables", frozenset()), ("_constants", ())):
@@ -165,10 +165,10 @@ class Expression:
             return eval(self._code, _SCOPE, used)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        raise AttributeError("an expression does not change")
+        raise AttributeError("an expression cannot be changed")
 
     def __delattr__(self, name: str) -> None:
-        raise AttributeError("an expression does not change")
+        raise AttributeError("an expression cannot be changed")
 
     def _identity(self) -> tuple[Any, ...]:
         return self.source, self._constants, tuple(sorted(self.variables))
@@ -230,9 +230,9 @@ def parse(text: str, constants: Mapping[str, float], variables: tuple[str, ...])
 
 def _syntax(text: str) -> ast.expr:
     if not text.strip():
-        raise ValueError("an expression is needed, not empty text")
+        raise ValueError("an expression must not be empty")
     if len(text) > MAX_LENGTH:
-        raise ValueError(f"the expression is too long ({len(text)} characters; {MAX_LENGTH} are allowed)")
+        raise ValueError(f"the expression has {len(text)} characters; at most {MAX_LENGTH} are allowed")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -241,11 +241,11 @@ def _syntax(text: str) -> ast.expr:
         if "too many nested" in str(error):
             raise ValueError("the expression is nested too deeply") from None
         hint = f": {error.msg}" if error.msg and error.msg != "invalid syntax" else ""
-        raise ValueError(f"'{text}' is no number and no expression{hint}") from None
+        raise ValueError(f"'{text}' is neither a number nor an expression{hint}") from None
     except (RecursionError, MemoryError):
         raise ValueError("the expression is nested too deeply") from None
     except ValueError:
-        raise ValueError(f"{text!r} is no number and no expression") from None
+        raise ValueError(f"{text!r} is neither a number nor an expression") from None
 
 
 class _Builder:
@@ -287,10 +287,10 @@ class _Builder:
             self.used_constants[name] = float(self.constants[name])
             return _literal(self.used_constants[name])
         if name in FUNCTIONS:
-            raise ValueError(f"'{name}' is a function: it needs its arguments in brackets")
+            raise ValueError(f"'{name}' is a function and needs arguments in parentheses")
         if name in VARIABLES:
-            allowed = f"only {', '.join(self.variables)} may" if self.variables else "x, y, z and t may not"
-            raise ValueError(f"'{name}' is not known here: {allowed} occur in this value")
+            allowed = f"; it may depend on {', '.join(self.variables)}" if self.variables else ""
+            raise ValueError(f"this value must not depend on '{name}'{allowed}")
         known = [*self.constants, *CONSTANTS, *self.variables]
         raise ValueError(
             f"'{name}' is not known{did_you_mean(name, known) or _known_constants(self.constants)}"
@@ -311,7 +311,9 @@ class _Builder:
         name = node.func.id
         if name not in FUNCTIONS:
             hint = did_you_mean(name, FUNCTIONS)
-            raise ValueError(f"'{name}' is no function of expressions{hint} ({', '.join(FUNCTIONS)})")
+            raise ValueError(
+                f"'{name}' is not a function of expressions{hint} (allowed: {', '.join(FUNCTIONS)})"
+            )
         if node.keywords or any(isinstance(argument, ast.Starred) for argument in node.args):
             raise ValueError(f"'{name}' takes plain arguments only")
         _, least, most = FUNCTIONS[name]
@@ -332,7 +334,7 @@ def _call(name: str, arguments: list[ast.expr]) -> ast.expr:
 
 def _number(value: Any) -> ast.expr:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{value!r} may not occur in an expression")
+        raise ValueError(f"{value!r} is not allowed in an expression")
     try:
         number = float(value)
     except OverflowError:
@@ -349,7 +351,7 @@ def _check_power(base: ast.expr, exponent: ast.expr) -> None:
     except ValueError:
         return
     if abs(power) > MAX_EXPONENT:
-        raise ValueError(f"the exponent {power:g} is too large (at most {MAX_EXPONENT:g})")
+        raise ValueError(f"the exponent {power:g} is too large; at most {MAX_EXPONENT:g} is allowed")
 
 
 def _fold(tree: ast.expr) -> Any:
@@ -363,11 +365,11 @@ def _fold(tree: ast.expr) -> Any:
 
 def _refusal(node: ast.AST) -> str:
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitXor):
-        return "'^' may not occur in an expression: powers are written **"
+        return "'^' is not allowed in an expression; write powers as **"
     if isinstance(node, ast.BoolOp) or (isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not)):
-        return "'and', 'or', 'not' may not occur in an expression: multiply comparisons, or use where(…)"
+        return "'and', 'or', 'not' are not allowed in an expression; multiply comparisons, or use where(…)"
     if isinstance(node, ast.IfExp):
-        return "'if' may not occur in an expression: use where(condition, a, b)"
+        return "'if' is not allowed in an expression; use where(condition, a, b)"
     words = {
         ast.Attribute: "a dot between names",
         ast.Subscript: "square brackets",
@@ -375,10 +377,10 @@ def _refusal(node: ast.AST) -> str:
         ast.Call: "a call of a call",
         ast.Tuple: "a comma outside brackets",
         ast.List: "a list",
-        ast.BinOp: "this operator (only + - * / ** are known)",
-        ast.Compare: "this comparison (only < <= > >= == != are known)",
+        ast.BinOp: "an operator other than + - * / **",
+        ast.Compare: "a comparison other than < <= > >= == !=",
     }
-    return f"{words.get(type(node), 'this')} may not occur in an expression"
+    return f"{words.get(type(node), 'this')} is not allowed in an expression"
 
 
 def _known_constants(constants: Mapping[str, float]) -> str:

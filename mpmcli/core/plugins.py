@@ -165,10 +165,10 @@ def _check_names(word: str, own: Container[str]) -> None:
                 continue
             named = f"the {NOUNS[word]} '{entry.name}'"
             if entry.name in own:
-                raise _fault(plugin, entry, f"{named} is mpmcli's own")
+                raise _fault(plugin, entry, f"{named} already belongs to mpmcli")
             if entry.name in providers:
                 others = f"{providers[entry.name]} and {plugin}"
-                raise PluginError(f"two plugins bring {named}: {others}; uninstall one of them")
+                raise PluginError(f"two plugins define {named}: {others}; uninstall one of them")
             providers[entry.name] = plugin
 
 
@@ -188,7 +188,7 @@ def _load(plugin: Plugin, entry: importlib.metadata.EntryPoint, entries: Any, ba
             raise _fault(plugin, entry, f"its module registers no {noun} '{entry.name}'")
         return
     if base is not None and not issubclass(entries[entry.name], base):
-        raise _fault(plugin, entry, f"the {noun} '{entry.name}' is no {base.__name__}")
+        raise _fault(plugin, entry, f"the {noun} '{entry.name}' is not a {base.__name__}")
 
 
 def _place(error: BaseException) -> str:

@@ -47,7 +47,7 @@ class Registry:
         """Class decorator: add a model under each name of its literal ``kind`` field."""
         lack = self._lack(model)
         if lack:
-            raise TypeError(f"{model.__name__} is no {self.noun}: {lack}")
+            raise TypeError(f"{model.__name__} is not a {self.noun}: {lack}")
         for kind in get_args(model.model_fields["kind"].annotation):
             if kind not in self and model.__module__.startswith(f"{self._package}."):
                 raise ValueError(f"{self.noun} '{kind}' is not in the table of its registry")

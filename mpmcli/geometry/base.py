@@ -172,13 +172,13 @@ class Region(Model):
         kind = self.kind  # type: ignore[attr-defined]
         if d not in self.own_dimensions():
             fitting = " or ".join(f"{k}D" for k in sorted(self.own_dimensions()))
-            yield ("kind",), f"a region of kind '{kind}' is for {fitting} analyses, and this one is {d}D"
+            yield ("kind",), f"a region of kind '{kind}' needs a {fitting} analysis, and this one is {d}D"
             return
         for name in (*self.per_axis, "translate"):
             value = getattr(self, name)
             if value is not None and len(value) != d:
                 label = type(self).model_fields[name].alias or name
-                yield (label,), f"one number per axis is needed: {d} in a {d}D analysis, not {len(value)}"
+                yield (label,), f"a {d}D analysis needs one number per axis, not {len(value)}"
         if self.rotate is not None:
             for place, words in self.rotate.misfits(d):
                 yield ("rotate", *place), words

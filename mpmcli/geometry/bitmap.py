@@ -173,14 +173,14 @@ def _read_version(path: Path, stamp: tuple[int, int]) -> Array:
                 elif image.mode in _COLOUR:
                     pixels = np.array(image.convert("RGB"))
                 else:
-                    modes = "grey, palette and RGB pictures can be read"
-                    raise ValueError(f"'{name}' is a picture of mode {image.mode}; {modes}")
+                    modes = "use a grey, palette or RGB image"
+                    raise ValueError(f"'{name}' is an image of mode {image.mode}; {modes}")
     except (Image.DecompressionBombError, Image.DecompressionBombWarning):
         raise ValueError(
             f"'{name}' has too many pixels; the limit is {MAX_PIXELS // 1024**2} million"
         ) from None
     except UnidentifiedImageError:
-        raise ValueError(f"'{name}' is no picture that can be read") from None
+        raise ValueError(f"'{name}' is not an image that can be read") from None
     except (OSError, SyntaxError, EOFError) as error:
         raise ValueError(f"'{name}' is damaged: {error}") from None
     pixels.setflags(write=False)

@@ -38,9 +38,9 @@ def read_file(path: Path) -> bytes:
     try:
         return read_plain(path, MAX_BYTES)
     except TooLarge:
-        raise ValueError(f"'{path.name}' is too large: the limit is {MAX_BYTES >> 20} MiB") from None
+        raise ValueError(f"'{path.name}' is too large; the limit is {MAX_BYTES >> 20} MiB") from None
     except NoPlainFile:
-        raise ValueError(f"'{path.name}' is not a plain file") from None
+        raise ValueError(f"'{path.name}' is not a regular file") from None
     except OSError as error:
         raise ValueError(f"'{path.name}' cannot be read: {error.strerror}") from None
 
@@ -56,17 +56,19 @@ def _find(name: str, info: ValidationInfo) -> SceneFile:
     base = Path(getattr(info.context, "base_directory", None) or Path.cwd()).resolve()
     confined = info.context is not None and not getattr(info.context, "allow_outside_files", False)
     if "\0" in name:
-        raise ValueError("the name of a file cannot hold a zero byte")
+        raise ValueError("a file name must not contain a zero byte")
     try:
         path = (base / name).resolve()
         if confined and not path.is_relative_to(base):
-            raise ValueError(f"'{name}' lies outside the folder of the scene, {base}")
+            raise ValueError(
+                f"'{name}' is outside the folder of the scene, {base}; use --allow-outside-files"
+            )
         if path.is_dir():
             raise ValueError(f"'{name}' is a folder, not a file")
         if not path.exists():
             raise ValueError(f"there is no file '{name}' in {base}{_nearest(path)}")
         if not path.is_file():
-            raise ValueError(f"'{name}' is not a plain file")
+            raise ValueError(f"'{name}' is not a regular file")
         size = path.stat().st_size
         with path.open("rb") as file:  # a plain file: opening it does not wait
             file.read(1)
@@ -76,7 +78,7 @@ def _find(name: str, info: ValidationInfo) -> SceneFile:
         raise ValueError(f"'{name}' is empty")
     if size > MAX_BYTES:
         raise ValueError(
-            f"'{name}' is too large: {size / 1024**2:.0f} MiB, and the limit is {MAX_BYTES >> 20} MiB"
+            f"'{name}' is too large: {size / 1024**2:.0f} MiB; the limit is {MAX_BYTES >> 20} MiB"
         )
     return SceneFile(name, path)
 

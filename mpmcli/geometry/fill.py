@@ -230,10 +230,10 @@ def _check_extent(body: BodyRequest, lattice: GridLattice | OwnLattice, hint: st
     spans = f"the region of body '{body.name}' spans {_point(lower)} to {_point(upper)}"
     if whole > max(MAX_OUTSIDE, 2 * lattice.within):
         raise ValueError(
-            f"{spans}, which reaches far out of the grid{hint or '; cut it with an intersection'}"
+            f"{spans} and extends far beyond the grid{hint or '; intersect it with a bounded region'}"
         )
     if whole > MAX_TESTED:
-        raise ValueError(f"{spans}: {whole:.2g} sub-cells, more than can be tested")
+        raise ValueError(f"{spans}, which is {whole:.2g} sub-cells; use larger cells or a smaller region")
 
 
 def _chunks(first: Array, last: Array) -> Iterator[Array]:
@@ -255,20 +255,18 @@ def _point(x: Array) -> str:
 
 def _outside_words(body: BodyRequest, grid: GridBox, count: int, example: Array) -> str:
     what = "1 particle" if count == 1 else f"{count} particles"
-    words = f"body '{body.name}' reaches out of the grid: {what} outside, the first at {_point(example)}"
+    words = f"body '{body.name}' extends beyond the grid: {what} outside, the first at {_point(example)}"
     return words + scale_hint(body.region, grid)
 
 
 def _across_words(body: BodyRequest) -> str:
-    return (
-        f"body '{body.name}' reaches across the axis of symmetry: its particles can only lie along the grid"
-    )
+    return f"body '{body.name}' crosses the axis of symmetry; use 'particles_along: grid'"
 
 
 def _memory_words(body: BodyRequest, d: int, most: float, memory: float) -> str:
     return (
         f"body '{body.name}' has up to {most:.2g} particles, which need {most * BYTES_PER_PARTICLE[d] / 1e9:.3g} GB "
-        f"of memory, and there are {memory / 1e9:.3g} GB: larger cells or fewer particles_per_axis are needed"
+        f"of memory, but only {memory / 1e9:.3g} GB are available; use larger cells or fewer particles_per_axis"
     )
 
 
@@ -280,6 +278,6 @@ def _nothing_words(body: BodyRequest, grid: GridBox) -> str:
             f"which spans {_point(grid.lower)} to {_point(grid.upper)}{scale_hint(body.region, grid)}"
         )
     return (
-        f"body '{body.name}' has no particles: no centre of a sub-cell is inside its region, which spans "
+        f"body '{body.name}' has no particles, because no centre of a sub-cell is inside its region, which spans "
         f"{_point(lower)} to {_point(upper)} (cell {_point(grid.cell)}){scale_hint(body.region, grid)}"
     )

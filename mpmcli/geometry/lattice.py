@@ -87,7 +87,7 @@ class OwnLattice:
         self._origin, upper = region.own_bounds(len(usual))
         extent = upper - self._origin
         if not np.isfinite(extent).all():
-            raise ValueError("a region without end has no sides of its own for particles to lie along")
+            raise ValueError("an unbounded region has no sides that particles can lie along")
         count = np.maximum(np.rint(np.minimum(extent / usual, 1e15)), 1.0)
         self.step = extent / count
         self.first, self.last = np.zeros(len(usual), dtype=np.int64), count.astype(np.int64)

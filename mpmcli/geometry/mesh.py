@@ -38,7 +38,9 @@ class Mesh(Region):
         surface = read_surface(path_of(name))
         if surface.open_edges and info.data.get("open") == "error":
             edges = "1 open edge" if surface.open_edges == 1 else f"{surface.open_edges} open edges"
-            raise ValueError(f"the surface in '{name}' is not closed: {edges}; mend it, or say open: allow")
+            raise ValueError(
+                f"the surface in '{name}' is not closed ({edges}); repair it, or use 'open: allow'"
+            )
         return name
 
     @cached_property

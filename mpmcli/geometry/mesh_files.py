@@ -22,7 +22,7 @@ MAX_TRIANGLES = 1_000_000
 """Largest surface that is read: within some seconds and a gigabyte."""
 MAX_BEHIND = 1000
 """Most triangles that lie behind each other, on average, as seen along x: each particle is held against these."""
-_TOO_MANY = f"it has more than {MAX_TRIANGLES:,} triangles; make it coarser"
+_TOO_MANY = f"it has more than {MAX_TRIANGLES:,} triangles; use a coarser mesh"
 
 # faces of volume cells by their corners, quadrilaterals as two triangles
 _FACES = {
@@ -49,26 +49,26 @@ def _read_version(path: Path, stamp: tuple[int, int]) -> Surface:
     ending = path.suffix.lower()
     if ending not in _READERS:
         endings = ", ".join(_READERS)
-        raise ValueError(f"'{path.name}' has an ending that is not known; it should be one of {endings}")
+        raise ValueError(f"'{path.name}' has an unknown ending (allowed: {endings})")
     try:
         corners, triangles = _READERS[ending](path)
     except Unreadable as error:
         raise ValueError(f"'{path.name}' cannot be read: {error}") from None
     except (Exception, SystemExit):  # meshio raises whatever comes, and exits on some files
-        raise ValueError(f"'{path.name}' is damaged or no {ending[1:].upper()} file") from None
+        raise ValueError(f"'{path.name}' is damaged or not a {ending[1:].upper()} file") from None
     if len(triangles) > MAX_TRIANGLES:
         raise ValueError(f"'{path.name}' cannot be read: {_TOO_MANY}")
     if len(triangles) and not (triangles.min() >= 0 and triangles.max() < len(corners)):
         raise ValueError(f"'{path.name}' is damaged: a triangle has a corner that does not exist")
     if len(triangles) == 0:
-        raise ValueError(f"'{path.name}' holds no triangles: it is damaged, or no surface")
+        raise ValueError(f"'{path.name}' has no triangles: it is damaged, or not a surface")
     if not np.isfinite(corners).all():
-        raise ValueError(f"'{path.name}' holds corners that are not finite numbers")
+        raise ValueError(f"'{path.name}' has corners that are not finite")
     behind = _depth(corners, triangles)
     if behind > MAX_BEHIND:
         raise ValueError(
-            f"'{path.name}' is no surface that can be filled: {behind:,.0f} of its triangles lie behind each other, "
-            f"at most {MAX_BEHIND:,} are possible"
+            f"'{path.name}' is too dense to be filled: {behind:,.0f} of its triangles lie behind each other, "
+            f"and the limit is {MAX_BEHIND:,}"
         )
     surface = _joined(corners, triangles, 0.0)
     if surface.open_edges:
@@ -116,7 +116,7 @@ def _from_stl(path: Path) -> tuple[Array, Array]:
         numbers = _VERTEX.findall(content)
         corners = np.array(numbers, dtype=np.bytes_).astype(np.float64).reshape(-1, 3)
     else:
-        raise Unreadable("damaged, or no STL file")
+        raise Unreadable("damaged, or not an STL file")
     if len(corners) % 3:
         raise Unreadable("a triangle is not complete")
     return corners, np.arange(len(corners)).reshape(-1, 3)
@@ -195,7 +195,7 @@ def _from_meshio(path: Path) -> tuple[Array, Array]:
         elif block.type in _FACES:
             faces += [block.data[:, list(face)] for face in _FACES[block.type]]
         elif block.dim > 1:
-            raise Unreadable(f"cells of type {block.type}, and only linear ones can be read")
+            raise Unreadable(f"cells of type {block.type}; only linear cells can be read")
     pieces = _outer_faces(faces) if faces else flat
     if not pieces:
         return corners, np.zeros((0, 3), dtype=np.int64)
@@ -213,7 +213,7 @@ def _check_counts(path: Path) -> None:
     else:
         counts = [count for pair in _MSH_COUNTS.findall(content) for count in pair if count]
     if any(len(count) > 15 or int(count) > len(content) for count in counts):
-        raise Unreadable("damaged, it claims to hold more than it can")
+        raise Unreadable("damaged, its header promises more than the file has")
 
 
 _END_OF_HEADER = re.compile(rb"^[ \t]*end_header\s*$", re.MULTILINE)

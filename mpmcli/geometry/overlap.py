@@ -46,7 +46,7 @@ def settle_overlaps(
                 _settle_pair(bodies, filled, earlier, later, kept, found)
     for body, mask in zip(bodies, kept, strict=True):
         if not mask.any():
-            words = f"body '{body.name}' has no particles left: other bodies hold all of its places"
+            words = f"body '{body.name}' has no particles left, because other bodies occupy its whole region"
             found.append((body, words, ("overlap",)))
     return [p if mask.all() else p.only(mask) for p, mask in zip(filled, kept, strict=True)], found
 
@@ -55,7 +55,7 @@ def _clash(bodies: Sequence[BodyRequest], earlier: int, later: int, count: int) 
     what = "1 particle" if count == 1 else f"{count} particles"
     words = (
         f"body '{bodies[later].name}' overlaps body '{bodies[earlier].name}' in {what}; "
-        "overlap: replace gives the place to the later body, overlap: keep to the earlier one"
+        "use 'overlap: replace' to keep the later body there, 'overlap: keep' for the earlier one"
     )
     return bodies[later], words, ("region",)
 

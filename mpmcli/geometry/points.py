@@ -89,7 +89,7 @@ class Points(Region):
                 names = listing(name for name in self._columns if name not in _AXES)
                 raise ValueError(
                     f"'{self.file}' has no column '{self.volume}' ({names or 'only coordinates'}); "
-                    "name the one with the volumes, or give 'size'"
+                    "set 'volume' to the column of volumes, or give 'size'"
                 )
         elif not (np.isfinite(volume) & (volume > 0)).all():
             row = int(np.flatnonzero(~(np.isfinite(volume) & (volume > 0)))[0])
@@ -119,7 +119,7 @@ class Points(Region):
             row = int(np.flatnonzero(outside.any(axis=0))[0])
             axis = _AXES[int(np.flatnonzero(outside[:, row])[0])]
             place = "[" + ", ".join(f"{x:g}" for x in X[:, row]) + "]"
-            return f"'{self.file}', {self._columns.place(row, axis)}: particle {row + 1} at {place} is out of the grid"
+            return f"'{self.file}', {self._columns.place(row, axis)}: particle {row + 1} at {place} is outside the grid"
         cells = 2 * half / np.c_[cell]
         cells_of_volume = (volume / np.prod(cell)) ** (1 / d)
         misfit = ~((cells >= SMALLEST) & (cells <= LARGEST)).all(axis=0)
@@ -132,8 +132,8 @@ class Points(Region):
         if self.volume in self._columns:
             words = f"{self._columns.place(row, self.volume)}: {words}"
         return (
-            f"'{self.file}', {words}, does not fit cells of {' × '.join(f'{h:.3g}' for h in cell)}: its edges must be "
-            f"{SMALLEST:g} to {LARGEST:.0f} cells long ('scale' is the factor from the file's lengths to the scene's)"
+            f"'{self.file}', {words}, does not fit cells of {' × '.join(f'{h:.3g}' for h in cell)}; its edges must be "
+            f"{SMALLEST:g} to {LARGEST:.0f} cells long. Use 'scale' to convert the lengths of the file"
         )
 
     def particles(self, d: int) -> tuple[Array, Array, Array]:
@@ -174,16 +174,14 @@ def _read(path: Path) -> Columns:
 def _read_version(path: Path, stamp: tuple[int, int]) -> Columns:
     ending = path.suffix.lower()
     if ending not in (".csv", ".vtu"):
-        raise ValueError(f"'{path.name}' has an ending that is not known; it should be .csv or .vtu")
+        raise ValueError(f"'{path.name}' has an unknown ending (allowed: .csv, .vtu)")
     columns = _from_csv(path) if ending == ".csv" else Columns(_from_vtu(path))
     if "x" not in columns:
         raise ValueError(f"'{path.name}' has no column x; its columns are {listing(columns) or 'none'}")
     if len(columns["x"]) == 0:
-        raise ValueError(f"'{path.name}' holds no particles")
+        raise ValueError(f"'{path.name}' has no particles")
     if len(columns["x"]) > MAX_ROWS:
-        raise ValueError(
-            f"'{path.name}' holds {len(columns['x']):,} particles: at most {MAX_ROWS:,} are read"
-        )
+        raise ValueError(f"'{path.name}' holds {len(columns['x']):,} particles; the limit is {MAX_ROWS:,}")
     return columns
 
 
@@ -192,7 +190,7 @@ def _from_csv(path: Path) -> Columns:
     try:
         text = io.StringIO(read_file(path).decode("utf-8-sig"), newline="")
     except UnicodeDecodeError:
-        raise ValueError(f"'{path.name}' is no text file in UTF-8") from None
+        raise ValueError(f"'{path.name}' is not a UTF-8 text file") from None
     numbers: list[int] = []
     lines = (
         numbers.append(number) or line  # type: ignore[func-returns-value]
@@ -204,16 +202,14 @@ def _from_csv(path: Path) -> Columns:
         raise ValueError(f"'{path.name}' names a column twice")
     rows = list(islice(lines, MAX_ROWS + 1))
     if len(rows) > MAX_ROWS:
-        raise ValueError(
-            f"'{path.name}' holds more than {MAX_ROWS:,} particles, which are the most that are read"
-        )
+        raise ValueError(f"'{path.name}' holds more than {MAX_ROWS:,} particles, which is the limit")
     found = Columns({name: np.zeros(0) for name in names})
     if rows:
         try:
             table = np.loadtxt(rows, delimiter=",", ndmin=2, comments=None)
         except ValueError as error:
             raise ValueError(
-                f"'{path.name}' is no table of numbers: {_first_bad(rows, numbers, error)}"
+                f"'{path.name}' is not a table of numbers: {_first_bad(rows, numbers, error)}"
             ) from None
         if table.shape[1] != len(names):
             raise ValueError(f"'{path.name}' names {len(names)} columns and has {table.shape[1]}")
@@ -242,7 +238,7 @@ def _from_vtu(path: Path) -> dict[str, Array]:
     except VtkMissing as error:
         raise ValueError(f"'{path.name}' cannot be read: {error}") from None
     except ValueError:
-        raise ValueError(f"'{path.name}' is damaged or no VTU file") from None
+        raise ValueError(f"'{path.name}' is damaged or not a VTU file") from None
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
     if grid.GetNumberOfPoints() == 0:

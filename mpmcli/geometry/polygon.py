@@ -29,7 +29,7 @@ class Polygon(Region):
         if crossing is not None:
             (ax, ay), (bx, by) = (corners[k] for k in crossing)
             raise ValueError(
-                f"the edge that starts at [{ax:g}, {ay:g}] meets the edge that starts at [{bx:g}, {by:g}]"
+                f"the edge from [{ax:g}, {ay:g}] crosses or touches the edge from [{bx:g}, {by:g}]"
             )
         if len(corners) < 3 or abs(_area(corners)) <= 1e-12 * np.prod(np.ptp(corners, axis=0)):
             raise ValueError("the corners enclose no area")

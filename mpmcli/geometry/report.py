@@ -100,7 +100,7 @@ def _lattice_notes(body: BodyRequest, particles: BodyParticles) -> list[str]:
     if body.particles_along != "region":
         return []
     edges = " × ".join(f"{2.0 * half:.5g}" for half in particles.size[:, 0])
-    turned = "" if particles.turn is None else ", turned with it"
+    turned = "" if particles.turn is None else ", rotated with it"
     return [f"particles of {edges} along the region's own sides{turned}"]
 
 

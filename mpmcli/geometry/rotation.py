@@ -35,7 +35,7 @@ def _in_degrees(value: Any, info: ValidationInfo) -> Any:
     text, factor = (match[1], _IN_DEGREES[match[2]]) if match else (value, 1.0)
     if has_unit(text):
         raise ValueError(
-            f"'{value}' is no angle; write degrees, or text with a unit such as '15 deg' or '0.3 rad'"
+            f"'{value}' is not an angle; give degrees, or text with a unit such as '15 deg' or '0.3 rad'"
         )
     if info.context is not None:
         return factor * info.context.number(text.strip(), "1")
@@ -54,7 +54,7 @@ def _axis_vector(value: Any) -> Any:
     if isinstance(value, str) and value in ("x", "y", "z"):
         return [float(value == letter) for letter in "xyz"]
     if isinstance(value, str):
-        raise ValueError(f"'{value}' is no axis; write x, y, z or three numbers")
+        raise ValueError(f"'{value}' is not an axis; give x, y, z or three numbers")
     return value
 
 
@@ -101,14 +101,14 @@ class Rotation(Model):
     def misfits(self, d: int) -> Iterator[tuple[tuple[str | int, ...], str]]:
         """What keeps the turn from use on a grid with ``d`` axes: place in the model, and words."""
         if d == 1:
-            yield (), "nothing can be turned in a 1D analysis"
+            yield (), "a 1D analysis has no rotations"
             return
         if d == 2 and self.axis is not None:
-            yield ("axis",), "a turn in the plane needs no axis"
+            yield ("axis",), "a rotation in 2D has no axis"
         if d == 3 and self.axis is None:
-            yield (), "a turn in 3D needs an axis"
+            yield (), "a rotation in 3D needs an axis"
         if self.about is not None and len(self.about) != d:
-            yield ("about",), f"one number per axis is needed: {d} in a {d}D analysis, not {len(self.about)}"
+            yield ("about",), f"a {d}D analysis needs one number per axis, not {len(self.about)}"
 
 
 def _cos_sin(degrees: float) -> tuple[float, float]:

@@ -45,7 +45,7 @@ class Count:
 def has_length(direction: tuple[float, ...]) -> tuple[float, ...]:
     """Check that a direction is not the zero vector."""
     if not any(direction):
-        raise ValueError("a direction of length zero is no direction")
+        raise ValueError("a direction must not have length zero")
     return direction
 
 

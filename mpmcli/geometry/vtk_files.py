@@ -22,7 +22,7 @@ _CLAIM = re.compile(rb"NumberOf\w+\s*=\s*[\"']([^\"']*)[\"']")
 _OFFSET = re.compile(rb"\boffset\s*=\s*[\"']([^\"']*)[\"']")
 _KEYS = rb"(?:<InformationKey.*?</InformationKey>\s*)*"
 _ARRAY = re.compile(rb"<(?:Data)?Array\b([^>]*)>\s*" + _KEYS + rb"([^<\s]*)", re.DOTALL)
-_TOO_MUCH = "damaged, it claims to hold more than it can"
+_TOO_MUCH = "damaged, its header promises more than the file has"
 
 
 class Unreadable(ValueError):
@@ -39,9 +39,7 @@ def _need_vtk(path: Path) -> None:
         import vtkmodules  # noqa: F401
     except ImportError:
         kind = path.suffix[1:].upper()
-        raise VtkMissing(
-            f"{kind} files need vtk, which is not installed: pip install 'mpmcli[mesh]'"
-        ) from None
+        raise VtkMissing(f"{kind} files need vtk; install it with pip install 'mpmcli[mesh]'") from None
 
 
 @contextmanager
@@ -73,7 +71,7 @@ def read_xml(path: Path) -> Any:
         source.Update()
         output = source.GetOutput()
     if complaints or output is None:
-        raise Unreadable(f"damaged, or no {path.suffix[1:].upper()} file")
+        raise Unreadable(f"damaged, or not a {path.suffix[1:].upper()} file")
     return output
 
 

@@ -31,7 +31,7 @@ class ElasticModel(MaterialModel):
         given = {name for name in ("E", "nu", "K", "G") if getattr(self, name) is not None}
         if given not in ({"E", "nu"}, {"K", "G"}):
             found = " and ".join(sorted(given)) or "none of them"
-            raise ValueError(f"the elastic constants are one pair, E and nu or K and G; given: {found}")
+            raise ValueError(f"give one pair of elastic constants, E and nu or K and G; given: {found}")
         return self
 
     @property

@@ -78,21 +78,21 @@ def unpacked(data: memoryview, offset: int, word: str, compressor: str, size: in
     def words(first: int, count: int) -> list[int]:
         piece = data[offset + first * at : offset + (first + count) * at]
         if offset < 0 or len(piece) < count * at:
-            raise Damaged("an array is cut short")
+            raise Damaged("an array is incomplete")
         return np.frombuffer(piece, dtype=word).tolist()
 
     if not compressor:
         (found,) = words(0, 1)
         values = data[offset + at : offset + at + size]
         if found != size or len(values) < size:
-            raise Damaged("an array has another size than the file claims")
+            raise Damaged("the size of an array is wrong")
         return values
     (count,) = words(0, 1)
     if count == 0 and size == 0:
         return b""
     _, block, last = words(0, 3)
     if not 1 <= count <= len(data) or (count - 1) * block + (last or block) != size:
-        raise Damaged("an array has another size than the file claims")
+        raise Damaged("the size of an array is wrong")
     sizes, lengths = words(3, count), [block] * (count - 1) + [last or block]
     made, start = [], offset + (3 + count) * at
     for packed_size, length in zip(sizes, lengths, strict=True):

@@ -130,7 +130,7 @@ def _write_file(path: Path, arrays: Mapping[str, Any], facts: dict[str, Any]) ->
 def _write_array(archive: zipfile.ZipFile, name: str, values: Any) -> int:
     array = np.ascontiguousarray(values) if np.ndim(values) else np.asarray(values)
     if array.dtype.hasobject:
-        raise TypeError(f"{name} holds objects, not numbers")
+        raise TypeError(f"{name} has objects, not numbers")
     with archive.open(name, "w", force_zip64=True) as member:
         np.lib.format.write_array(member, array, allow_pickle=False)
     return archive.getinfo(name).CRC
@@ -205,7 +205,7 @@ def read_checkpoint(path: Path, header_only: bool = False) -> Checkpoint:
     DamagedCheckpoint
         If any byte is not as it was written, or the file is cut off.
     ArchiveError
-        If there is none, it is no checkpoint of mpmcli, or one of a later format.
+        If there is none, it is not a checkpoint of mpmcli, or one of a later format.
     """
     try:
         with open(path, "rb") as stream:
@@ -228,12 +228,10 @@ def _verify(path: Path, stream: BinaryIO) -> None:
     is_closed = len(end) == tail and end.startswith(MARK)
     if not is_ours and not is_closed:
         if size and not FIRST.encode().startswith(begins[30:]):
-            raise ArchiveError(f"{path} is no checkpoint of mpmcli")
+            raise ArchiveError(f"{path} is not a checkpoint of mpmcli")
         raise DamagedCheckpoint(f"{path} is damaged: it is cut off after {size} bytes")
     if not is_closed:
-        raise DamagedCheckpoint(
-            f"{path} is damaged: it is cut off after {size} bytes, or its end is not as written"
-        )
+        raise DamagedCheckpoint(f"{path} is damaged: it is cut off after {size} bytes, or its end is wrong")
     if _digest(stream, size - DIGITS) != end[len(MARK) :]:
         raise DamagedCheckpoint(f"{path} is damaged: {_what_is_damaged(stream)}")
 
@@ -247,8 +245,8 @@ def _what_is_damaged(stream: BinaryIO) -> str:
                     while member.read(BLOCK):
                         pass
             except Exception:
-                return f"the array '{name.removesuffix('.npy')}' does not have its checksum"
-    return "the file does not have its checksum"
+                return f"the array '{name.removesuffix('.npy')}' does not match its checksum"
+    return "the file does not match its checksum"
 
 
 def _read(path: Path, stream: BinaryIO, header_only: bool) -> Checkpoint:
@@ -258,7 +256,7 @@ def _read(path: Path, stream: BinaryIO, header_only: bool) -> Checkpoint:
             form = int(_read_array(archive, FIRST))
             if form > FORMAT:
                 raise ArchiveError(
-                    f"{path} was written by a newer mpmcli (format {form}); this one, {mpmcli.__version__}, "
+                    f"{path} was written by a newer mpmcli (format {form}); mpmcli {mpmcli.__version__} "
                     f"reads format {FORMAT}"
                 )
             header = json.loads(_read_array(archive, HEADER).tobytes())
@@ -266,7 +264,7 @@ def _read(path: Path, stream: BinaryIO, header_only: bool) -> Checkpoint:
             for name, facts in {} if header_only else header["arrays"].items():
                 if archive.getinfo(f"{name}.npy").CRC != facts["crc32"]:
                     raise DamagedCheckpoint(
-                        f"{path} is damaged: the array '{name}' does not have its checksum"
+                        f"{path} is damaged: the array '{name}' does not match its checksum"
                     )
                 arrays[name] = _read_array(archive, f"{name}.npy")
             return Checkpoint(path, header, arrays)

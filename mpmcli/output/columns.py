@@ -164,7 +164,7 @@ def unknown_name(name: str, noun: str, names: Iterable[str]) -> str:
     """``'masss' is no column of this scene; did you mean 'mass'? (…)``."""
     known = list(names)
     shown = list(dict.fromkeys(alias.split("[")[0] for alias in known))
-    return f"'{name}' is no {noun}{did_you_mean(name, known)} ({listing(shown)})"
+    return f"'{name}' is not a {noun}{did_you_mean(name, known)} (allowed: {listing(shown)})"
 
 
 def fields_of(context: Context) -> dict[str, Quantity]:

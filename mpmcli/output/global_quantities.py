@@ -194,7 +194,7 @@ QUANTITIES.add(
         "vector",
         "global",
         lambda s: _momentum(s)[int(s.is_axisymmetric) :],
-        "Σ M V; in axisymmetric analyses only the axial component, for the radial one is no momentum",
+        "Σ M V; in axisymmetric analyses only the axial component",
         components=lambda context: tuple(AXES[int(context.is_axisymmetric) : context.dimensions]),
     ),
     Quantity(

@@ -30,7 +30,7 @@ def describe(path: Path | str) -> str:
     path = Path(path)
     if path.is_dir():
         if not any(True for _ in owned_files(path)):
-            raise ArchiveError(f"{path} holds no results of mpmcli")
+            raise ArchiveError(f"{path} has no results of mpmcli")
         return "\n".join(_of_folder(path))
     if not path.is_file():
         raise ArchiveError(f"{path} does not exist")
@@ -111,7 +111,7 @@ def _of_vtu(path: Path, units: dict[str, str]) -> Iterator[str]:
         head = stream.read(HEAD)
     points = COUNT.search(head)
     if points is None:
-        raise ArchiveError(f"cannot read {path}: it is no VTU file, or damaged")
+        raise ArchiveError(f"cannot read {path}: it is damaged or not a VTU file")
     yield f"{path.name}: {int(points[1])} points with"
     inside = head[head.find(b"<PointData") : head.find(b"</PointData>")]
     for kind, name, count in ARRAY.findall(inside):

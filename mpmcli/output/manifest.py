@@ -218,9 +218,7 @@ def read_manifest(directory: Path) -> dict[str, Any] | None:
         found = error.errors(include_url=False, include_context=False)[0]
         words = str(found["msg"])
         key = ".".join(_key_of(contents, found["loc"]))
-        raise ArchiveError(
-            f"{path} is not as mpmcli wrote it: {key}: {words[:1].lower()}{words[1:]}"
-        ) from None
+        raise ArchiveError(f"{path} is damaged: {key}: {words[:1].lower()}{words[1:]}") from None
     return contents
 
 

@@ -219,7 +219,7 @@ def make_probe(model: Any, state: State, context: Context, path: str) -> Probe:
         If a column is unknown.
     """
     if model.name in (".", "..") or any(mark in model.name for mark in "/\\\0"):
-        raise SceneError([Problem(f"{path}.name", f"'{model.name}' cannot be the name of a file")])
+        raise SceneError([Problem(f"{path}.name", f"'{model.name}' is not a valid file name")])
     if model.kind == "particle":
         quantities = resolve_fields(model.columns, context, f"{path}.columns")
         return ParticleProbe(model.name, state, model.body, model.near, quantities, context)

@@ -36,7 +36,7 @@ class Vtu:
         content = path.read_bytes()
         found = _APPENDED.search(content)
         if found is None:
-            raise Damaged("no VTU file with raw appended data")
+            raise Damaged("not a VTU file with raw appended data")
         try:
             root = xml.fromstring(content[: found.start()] + b"</VTKFile>")
         except (xml.ParseError, ValueError, LookupError):
@@ -46,13 +46,13 @@ class Vtu:
         self._compressor = root.get("compressor", "")
         pieces = root.findall("UnstructuredGrid/Piece")
         if len(pieces) != 1 or not self._word or root.get("byte_order") != "LittleEndian":
-            raise Damaged("no file of mpmcli")
+            raise Damaged("not a file of mpmcli")
         piece = pieces[0]
         count = self._whole(piece.get("NumberOfPoints"))
         element = piece.find("Points/DataArray")
         self.points = np.zeros((0, 3)) if element is None else self._array(element, count).astype(float)
         if self.points.shape != (count, 3):
-            raise Damaged("its points have no three coordinates")
+            raise Damaged("its points do not have three coordinates")
         self.arrays: dict[str, Array] = {}
         self.components: dict[str, tuple[str, ...]] = {}
         for element in piece.findall("PointData/DataArray"):
@@ -77,7 +77,7 @@ class Vtu:
         """The values of an array of ``count`` tuples."""
         kind = NUMPY_TYPES.get(element.get("type", ""))
         if kind is None or element.get("format") != "appended":
-            raise Damaged("no file of mpmcli")
+            raise Damaged("not a file of mpmcli")
         many = self._whole(element.get("NumberOfComponents", "1"))
         size = np.dtype(kind).itemsize * many * count
         offset = self._whole(element.get("offset"))

@@ -136,10 +136,10 @@ class Results:
     def __init__(self, directory: Path | str):
         self.directory = Path(directory)
         if not self.directory.is_dir():
-            reason = "is no folder" if self.directory.exists() else "does not exist"
-            raise ArchiveError(f"{self.directory} {reason}: results are a folder")
+            reason = "is not a folder" if self.directory.exists() else "does not exist"
+            raise ArchiveError(f"{self.directory} {reason}; give a results folder")
         if not any(True for _ in owned_files(self.directory)):
-            raise ArchiveError(f"{self.directory} holds no results of mpmcli")
+            raise ArchiveError(f"{self.directory} has no results of mpmcli")
         self.manifest: dict[str, Any] = read_manifest(self.directory) or {}
 
     def __repr__(self) -> str:
@@ -270,7 +270,7 @@ class Results:
         try:
             numbers = np.array([read_numbers(row) for row in rows])
         except ValueError:
-            raise ArchiveError(f"cannot read {path}: it holds cells that are no numbers") from None
+            raise ArchiveError(f"cannot read {path}: some cells are not numbers") from None
         if "time" not in columns:
             raise ArchiveError(f"cannot read {path}: it has no column 'time'")
         return Table(name, columns, numbers, self.units_of(name))
@@ -286,7 +286,7 @@ class Results:
             ]
         except FileNotFoundError:
             raise ArchiveError(
-                f"{self.directory} holds no archives of particles: the scene needs archive.particles"
+                f"{self.directory} has no archives of particles; add archive.particles to the scene"
             ) from None
         except (OSError, xml.ParseError, LookupError, ValueError) as error:
             raise ArchiveError(f"cannot read {pvd}: {error}") from error
@@ -305,7 +305,7 @@ class Results:
         slack = SLACK * (times[-1] - times[0])
         if not times[0] - slack <= time <= times[-1] + slack:
             span = f"{times[0]:g} to {with_unit(times[-1], self.time_unit)}"
-            raise RequestError(f"time {time:g} is outside the archives of particles, which go from {span}")
+            raise RequestError(f"time {time:g} is outside the archives of particles, which span {span}")
         return min(self.series, key=lambda entry: abs(entry[0] - time))[1]
 
     def path_of(self, number: str | int) -> Path:
@@ -313,15 +313,15 @@ class Results:
         if number == "failed":
             path = self.directory / FAILED
             if not path.exists():
-                raise RequestError(f"there is no {path}: the run has not failed")
+                raise RequestError(f"{path} does not exist, because the run did not fail")
             return path
         try:
             return self.series[int(number)][1]
         except ValueError:
-            raise RequestError(f"'{number}' is no number of an archive, and not 'failed'") from None
+            raise RequestError(f"'{number}' is neither the number of an archive nor 'failed'") from None
         except IndexError:
             raise RequestError(
-                f"there is no archive {number}: they are numbered from 0 to {len(self.series) - 1}"
+                f"there is no archive {number}; the numbers are 0 to {len(self.series) - 1}"
             ) from None
 
     def frame(self, path: Path) -> Frame:
@@ -341,7 +341,7 @@ def optional(library: str) -> Any:
     try:
         return importlib.import_module(library)
     except ImportError:
-        raise RequestError(f"{library} is not installed: pip install {library}") from None
+        raise RequestError(f"this needs {library}; install it with pip install {library}") from None
 
 
 def unit_in_brackets(unit: str) -> str:

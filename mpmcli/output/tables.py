@@ -71,7 +71,7 @@ class Table:
         if left or found != checksum:
             self._stream.close()
             raise ArchiveError(
-                f"cannot continue {self.path}: it is not what the run had written at its checkpoint"
+                f"cannot continue {self.path}: it differs from what the run had written at its checkpoint"
             )
         self._stream.seek(size)
         self.position = (size, checksum)

@@ -30,7 +30,7 @@ from mpmcli.scene.loader import LoadedScene
 __all__ = ["Outcome", "compile_scenes", "load", "resume", "run", "scene_of_run"]
 
 LOGGER = logging.getLogger("mpmcli")
-COMPILING = "Compiling {} functions, once: later runs start at once"
+COMPILING = "Compiling {} functions once; later runs start faster"
 
 
 def run(
@@ -161,7 +161,9 @@ def _run(
                 checkpoint = last_checkpoint(directory)
                 refuse_changes(loaded, checkpoint)
                 if is_over(checkpoint.step, checkpoint.time, end, loaded.scene.time.max_steps):
-                    LOGGER.info("nothing left to do: step %d, time %.6g", checkpoint.step, checkpoint.time)
+                    LOGGER.info(
+                        "the run is already complete: step %d, time %.6g", checkpoint.step, checkpoint.time
+                    )
                     return Outcome(0, "finished", directory, checkpoint.step, checkpoint.time)
             with Compilers() as compilers:
                 if runtime.is_cold() and not dry_run:

@@ -23,14 +23,14 @@ def default_folder(scene: Path | str) -> Path:
 def refuse_occupied(directory: Path, overwrite: bool) -> None:
     """Raise ArchiveError if the folder holds results that may not be replaced (those of a dry run may)."""
     if directory.exists() and not directory.is_dir():
-        raise ArchiveError(f"{directory} is a file; results need a folder")
+        raise ArchiveError(f"{directory} is a file; give a folder for the results")
     # a log alone is what a run leaves whose scene could not be set up
     found = (path for path in owned_files(directory) if path.name != LOG)
     occupied = next(found, None) if directory.exists() else None
     if occupied is None or overwrite or _is_dry_run(directory):
         return
     raise ArchiveError(
-        f"{directory} holds results already ({occupied.name}); choose another folder (-o) or use --overwrite"
+        f"{directory} already has results ({occupied.name}); give another folder with -o, or use --overwrite"
     )
 
 
@@ -66,7 +66,7 @@ def locked_folder(directory: Path) -> Iterator[None]:
         If there is none, another run holds it, or it cannot be written.
     """
     if not directory.is_dir():
-        raise ArchiveError(f"{directory} does not exist: there is no run to resume")
+        raise ArchiveError(f"{directory} does not exist, so there is no run to resume")
     with hold(directory, "run"):
         yield
 
@@ -85,7 +85,7 @@ def hold(directory: Path, other: str) -> Iterator[None]:
     try:
         lock.acquire(timeout=0)
     except Timeout as error:
-        raise ArchiveError(f"another {other} writes to {directory}") from error
+        raise ArchiveError(f"another {other} is writing to {directory}") from error
     except OSError as error:
         raise cannot_write(directory, error) from error
     try:

@@ -149,7 +149,10 @@ class March:
                     return exit_code_of(interrupts.received), f"interrupted by {name_of(interrupts.received)}"
                 before, compiled_before = clock(), compiled()
                 if max_walltime is not None and before - self.begin >= max_walltime:
-                    return STOPPED_EARLY, f"stopped after {duration_in_words(max_walltime)} by the clock"
+                    return (
+                        STOPPED_EARLY,
+                        f"stopped after {duration_in_words(max_walltime)} of wall-clock time",
+                    )
                 simulation.step()
                 self.step_seconds += clock() - before - (compiled() - compiled_before)
                 self.counted_steps += 1
@@ -212,7 +215,7 @@ class March:
         good = error.state
         try:
             path = self.recorder.write_failed(self.simulation.state if good is None else good)
-            LOGGER.error("%s has %s", path, self._which_state(good))
+            LOGGER.error("%s shows %s", path, self._which_state(good))
         except (ArchiveError, OSError) as problem:
             LOGGER.error("%s", problem)
 
@@ -223,8 +226,8 @@ class March:
         earlier = self.simulation.state.step - good.step
         which = f"the state after step {good.step} (time {good.time:.6g}), "
         if earlier == 0:
-            return which + "with which the failed step began"
-        return which + f"the last one kept; the run failed in step {self.simulation.state.step + 1}"
+            return which + "at the start of the failed step"
+        return which + f"the last one that was kept; the run failed in step {self.simulation.state.step + 1}"
 
     def _close(self, ended: str) -> None:
         state = self.simulation.state
@@ -278,7 +281,7 @@ class March:
         level = logging.WARNING if share > UNCONVERGED_SHARE else logging.DEBUG
         LOGGER.log(
             level,
-            "%d contacts in all steps; the normals of %d (%.2g %%) did not converge: their last iterates were used",
+            "%d contacts in all steps; the normals of %d (%.2g %%) did not converge, and their last iterates were used",
             number,
             unconverged,
             100.0 * share,

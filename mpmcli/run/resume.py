@@ -37,12 +37,12 @@ def last_checkpoint(directory: Path) -> Checkpoint:
     newest, previous = directory / CHECKPOINT, directory / CHECKPOINT_PREVIOUS
     if not newest.exists() and not previous.exists():
         raise ArchiveError(
-            f"{directory} holds no checkpoint to go on from; a run writes them where the scene has "
-            "archive.checkpoint, on SIGINT and SIGTERM, and at the end of --max-walltime"
+            f"{directory} has no checkpoint. A run writes one at the intervals of archive.checkpoint, on SIGINT and "
+            "SIGTERM, and at the end of --max-walltime"
         )
     if not newest.exists():
         found = read_checkpoint(previous)
-        LOGGER.warning("%s is missing: going on from %s", newest, _called(found))
+        LOGGER.warning("%s is missing; the run continues from %s", newest, _called(found))
         set_damaged_aside(directory)
         return found
     try:
@@ -56,7 +56,9 @@ def last_checkpoint(directory: Path) -> Checkpoint:
             raise ArchiveError(f"{error}\n{other}") from error
         LOGGER.warning("%s", error)
         aside = set_damaged_aside(directory)
-        LOGGER.warning("going on from %s; the damaged one is kept as %s", _called(found), aside.name)
+        LOGGER.warning(
+            "the run continues from %s; the damaged checkpoint is kept as %s", _called(found), aside.name
+        )
         return found
 
 
@@ -84,7 +86,7 @@ def refuse_changes(loaded: Any, checkpoint: Checkpoint) -> None:
     header = checkpoint.header
     if header["mpmcli"] != mpmcli.__version__:
         LOGGER.warning(
-            "the checkpoint is of mpmcli %s, this is %s: the run goes on, but perhaps not to the same last digits",
+            "the checkpoint is of mpmcli %s, and this is %s; the results may differ in the last digits",
             header["mpmcli"],
             mpmcli.__version__,
         )
@@ -102,13 +104,13 @@ def refuse_changes(loaded: Any, checkpoint: Checkpoint) -> None:
     files = header["files"]
     for name in sorted({*files, *loaded.file_digests}):
         if files.get(name) != loaded.file_digests.get(name):
-            problems.append(_problem("bodies", f"the file '{name}' is not what it was"))
+            problems.append(_problem("bodies", f"the file '{name}' has changed"))
     if problems:
         if len(problems) > MOST_LISTED:
             more = len(problems) - MOST_LISTED
             problems = [*problems[:MOST_LISTED], _problem("", f"{more} more keys differ")]
-        only = "a resumed run may change only its end, intervals of archives and checkpoints, and threads"
-        problems.append(_problem("", f"{only}; run the changed scene from its start, into another folder"))
+        only = "a resumed run may change only its end, the intervals of archives and checkpoints, and its threads"
+        problems.append(_problem("", f"{only}; run the changed scene from the start, in another folder"))
         raise SceneError(problems)
 
 
@@ -120,7 +122,7 @@ def _changed_plugins(before: dict[str, dict[str, str]], now: dict[str, dict[str,
             continue
         words = f"is {new.get('version', 'absent')}, was {old.get('version', 'absent')}"
         if old.get("version") == new.get("version"):
-            words = f"its sources are not what they were (version {new['version']})"
+            words = f"its sources have changed (version {new['version']})"
         yield _problem("plugins", f"{name}: {words}")
 
 
@@ -174,16 +176,16 @@ def scene_of(directory: Path) -> dict[str, Any]:
         If the folder is none of mpmcli's, or the scene was no file.
     """
     if not directory.is_dir():
-        raise ArchiveError(f"{directory} is no results folder")
+        raise ArchiveError(f"{directory} is not a results folder")
     contents = read_manifest(directory)
     source = (contents or {}).get("run", {}).get("source")
     if not isinstance(source, dict) or not source.get("path"):
         raise ArchiveError(
-            f"{directory} has no run.json that tells its scene: use mpmcli run SCENE --resume -o {directory}"
+            f"{directory} has no run.json with the path of its scene; use mpmcli run SCENE --resume -o {directory}"
         )
     if not Path(source["path"]).is_file():
         raise ArchiveError(
-            f"the scene of {directory}, {source['path']}, does not exist any more: "
+            f"the scene of {directory}, {source['path']}, does not exist any more; "
             f"use mpmcli run SCENE --resume -o {directory}"
         )
     return source

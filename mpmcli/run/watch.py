@@ -86,23 +86,23 @@ class EnergyWatch:
             self._has_warned_of_loss = True
             state = self._simulation.state
             LOGGER.warning(
-                "energy error %.3g %% in step %d, time %.6g: the scene loses energy that friction, damping, viscosity "
-                "and plastic flow do not account for, so stresses and velocities are likely wrong; try %s",
+                "energy error %.3g %% in step %d, time %.6g: more energy is lost than friction, damping, viscosity and "
+                "plastic flow dissipate. Stresses and velocities are likely wrong; try %s",
                 100.0 * error, state.step, state.time, remedy(self._scene),
             )  # fmt: skip
 
     def _found(self, error: float) -> str:
         state = self._simulation.state
         return (
-            f"the energy error has grown to {100.0 * error:.3g} % in step {state.step}, time {state.time:.6g}: "
-            "so much of the energy has come from nowhere"
+            f"the energy error is {100.0 * error:.3g} % in step {state.step}, time {state.time:.6g}: "
+            "the total energy grows by spurious energy"
         )
 
     def _advice(self) -> str:
         describe = getattr(self._simulation, "describe_extreme", None)
         fastest = f"; {describe('fastest')}" if describe else ""
         return (
-            f"{fastest}. Most likely the time step is too long: try half of time.courant (or time.step), "
+            f"{fastest}. The time step is probably too long; try half of time.courant (or time.step), "
             "a lower order of the transfer, or method.update: usl"
         )
 

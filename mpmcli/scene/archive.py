@@ -23,16 +23,18 @@ def clock_seconds(text: str) -> float:
     """Seconds of a time by the clock such as ``"15 min"``; ValueError with words for the user."""
     found = CLOCK_TIME.match(text)
     if found is None or found[2] not in CLOCK_UNITS:
-        raise ValueError(f"'{text}' is no time by the clock: write '15 min' ({listing(CLOCK_UNITS)})")
+        raise ValueError(
+            f"'{text}' is not a wall-clock time; write a number and a unit, such as '15 min' ({listing(CLOCK_UNITS)})"
+        )
     seconds = float(found[1]) * CLOCK_UNITS[found[2]]
     if not (seconds > 0.0 and math.isfinite(seconds)):
-        raise ValueError("must be longer than 0")
+        raise ValueError("must be above 0")
     return seconds
 
 
 def _read_clock_time(value: Any) -> Any:
     if isinstance(value, int | float) and not isinstance(value, bool):
-        raise ValueError(f"a time by the clock needs a unit, as in '{value:g} min'")
+        raise ValueError(f"a wall-clock time needs a unit, such as '{value:g} min'")
     if isinstance(value, str):
         clock_seconds(value)
     return value

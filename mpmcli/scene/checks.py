@@ -24,9 +24,9 @@ from mpmcli.scene.tree import Node, member_label
 from mpmcli.shapes import SHAPES
 
 NO_AXIS_Z = re.compile(r"there is no axis z\b|'z' does not exist in this analysis")
-AXIS_OF_RINGS = "; in axisymmetric analyses the axis z of pictures is y (x is the radius r)"
+AXIS_OF_RINGS = "; in axisymmetric analyses x is the radius and y the axis of symmetry"
 NAME = re.compile(r"\w[\w +-]*\Z")
-NAME_WORDS = "letters, digits, spaces, _, + and - are possible"
+NAME_WORDS = "use letters, digits, spaces, _, + and -"
 
 Report = Callable[..., None]
 
@@ -78,7 +78,7 @@ def names_of(root: Node, key: str) -> list[str]:
 def _check_names(root: Node, report: Report) -> None:
     for material in names_of(root, "materials"):
         if not NAME.match(material):
-            report(f"materials.{material}", f"'{material}' cannot be a name: {NAME_WORDS}", "name")
+            report(f"materials.{material}", f"'{material}' is not a valid name; {NAME_WORDS}", "name")
     for key in LISTS:
         node = root.value.get(key)
         lines: dict[str, int | None] = {}
@@ -88,10 +88,10 @@ def _check_names(root: Node, report: Report) -> None:
                 continue
             path = f"{key}.{index}.name"
             if not NAME.match(name.value):
-                report(path, f"'{name.value}' cannot be a name: {NAME_WORDS}", "name")
+                report(path, f"'{name.value}' is not a valid name; {NAME_WORDS}", "name")
             if name.value in lines:
-                place = f"first in line {lines[name.value]}"
-                report(path, f"the name '{name.value}' is used twice ({place})", "duplicate_name")
+                words = f"the name '{name.value}' is already used in line {lines[name.value]}"
+                report(path, words, "duplicate_name")
             lines.setdefault(name.value, name.mark.line)
 
 
@@ -113,21 +113,23 @@ def _check_materials(parts: Parts, root: Node, report: Report) -> None:
             _check_reference(report, path, material.value, names, "material")
     for name in names:
         if name not in used:
-            report(f"materials.{name}", "no body is made of this material", "unused", "warning")
+            report(f"materials.{name}", "no body uses this material", "unused", "warning")
     if parts.analysis is None:
         return
     for name, model in parts.materials.items():
         if parts.analysis.kind not in model.analyses:
             fitting = listing(sorted(model.analyses))
-            words = f"'{model.kind}' is not defined for {parts.analysis.kind} analyses (only {fitting})"
+            words = (
+                f"'{model.kind}' is not available in {parts.analysis.kind} analyses (available in {fitting})"
+            )
             report(f"materials.{name}.kind", words, "analysis")
 
 
 def _check_count(report: Report, path: str, vector: Any, dimensions: int) -> bool:
     if len(vector) == dimensions:
         return True
-    many = "1 number is" if dimensions == 1 else f"{dimensions} numbers are"
-    report(path, f"{many} needed in this analysis (one per axis), not {len(vector)}", "axes")
+    many = f"{dimensions} number{'s' * (dimensions != 1)}"
+    report(path, f"this analysis needs {many}, one per axis, not {len(vector)}", "axes")
     return False
 
 
@@ -136,7 +138,7 @@ def _check_grid(parts: Parts, dimensions: int, report: Report) -> None:
     if grid is None or not _check_count(report, "grid.lower", grid.lower, dimensions):
         return
     if parts.analysis.kind == "axisymmetric" and grid.lower[0] < 0:
-        report("grid.lower.0", "x is the radius in axisymmetric analyses: it cannot be negative", "range")
+        report("grid.lower.0", "x is the radius in axisymmetric analyses and must not be negative", "range")
 
 
 def _check_bodies(parts: Parts, dimensions: int, root: Node, report: Report) -> None:
@@ -158,7 +160,7 @@ def _check_bodies(parts: Parts, dimensions: int, root: Node, report: Report) -> 
             _check_bounds(body, f"{path}.region", parts, report)
         tracks = getattr(parts.materials.get(body.material), "history", ("temperature",))
         if body.temperature is not None and "temperature" not in tracks:
-            words = f"has no effect: the material '{body.material}' does not track its temperature"
+            words = f"has no effect, because material '{body.material}' has no temperature"
             report(f"{path}.temperature", words, "no_effect", "warning")
 
 
@@ -173,8 +175,8 @@ def _check_bounds(body: Any, path: str, parts: Parts, report: Report) -> None:
             report(path, misfit + hint, "points")
         return
     if (upper <= low).any() or (lower >= high).any():
-        words = f"the body lies outside the grid, which spans {_point(low)} to {_point(high)}"
-        report(path, f"{words}: its region spans {_point(lower)} to {_point(upper)}{hint}", "outside")
+        words = f"the region spans {_point(lower)} to {_point(upper)} and lies outside the grid, which spans"
+        report(path, f"{words} {_point(low)} to {_point(high)}{hint}", "outside")
         return
     # the outermost row of particles has its centres half a sub-cell inside the region's bounds
     reach = 0.5 * cell / np.array(body.particles_per_axis) + 1e-9 * cell
@@ -184,11 +186,11 @@ def _check_bounds(body: Any, path: str, parts: Parts, report: Report) -> None:
         under[0] = False
     if (over | under).any():
         is_exact = body.region.kind == "box" and body.region.rotate is None
-        words = f"the body reaches out of the grid, which spans {_point(low)} to {_point(high)}"
-        severity = "error" if is_exact else "warning"
-        report(
-            path, f"{words}: its region spans {_point(lower)} to {_point(upper)}{hint}", "outside", severity
+        words = (
+            f"the region spans {_point(lower)} to {_point(upper)} and extends beyond the grid, which spans"
         )
+        severity = "error" if is_exact else "warning"
+        report(path, f"{words} {_point(low)} to {_point(high)}{hint}", "outside", severity)
 
 
 def _point(x: Any) -> str:
@@ -221,8 +223,8 @@ def _check_plane(model: Any, path: str, grid: Any, report: Report) -> None:
     a = plane.index
     low, high, cell = grid.lower[a], grid.upper[a], grid.cell[a]
     if not low - 1e-6 * cell <= plane.at <= high + 1e-6 * cell:
-        words = f"the plane {plane.axis} = {plane.at:g} lies outside the grid ({low:g} to {high:g})"
-        report(f"{path}.{place}.at", f"{words}: it would hold nothing", "outside")
+        words = f"the plane {plane.axis} = {plane.at:g} lies outside the grid"
+        report(f"{path}.{place}.at", f"{words}, which spans {low:g} to {high:g}", "outside")
         return
     try:
         plane.side_on(SimpleNamespace(lower=grid.lower, upper=grid.upper, cell=grid.cell))
@@ -232,7 +234,7 @@ def _check_plane(model: Any, path: str, grid: Any, report: Report) -> None:
     if model.kind == "symmetry" and abs(line - round(line)) > 1e-6:
         report(
             f"{path}.{place}.at",
-            f"a symmetry plane must lie on a grid line, not {line:.6g} cells from lower",
+            f"a symmetry plane must lie on a grid line; this one is {line:.6g} cells from grid.lower",
             "grid",
         )
 
@@ -262,7 +264,7 @@ def _check_start(parts: Parts, root: Node, report: Report) -> None:
                     value = np.ravel(expression(x, y, z, 0.0))[0]
                     report(
                         path,
-                        f"'{expression.source}' has no finite value at time 0 (it gives {value})",
+                        f"'{expression.source}' is {value} at time 0; a finite value is needed",
                         "start",
                     )
 
@@ -295,7 +297,7 @@ def _check_tractions(parts: Parts, root: Node, report: Report) -> None:
         return
     for index, model in parts.loads:
         if "traction_at" in model.effects():
-            words = f"tractions need linear or quadratic grid functions, which '{parts.method.shape}' has not"
+            words = f"tractions need linear or quadratic grid functions; '{parts.method.shape}' has others"
             report(f"{label(root, 'loads', index)}.kind", words, "shape")
 
 
@@ -305,8 +307,10 @@ def _check_effects(parts: Parts, report: Report) -> None:
         return
     given = parts.method.model_fields_set
     if "velocity_conditions" in given and parts.method.transfer.kind != "fmpm":
-        words = f"has no effect with {parts.method.transfer.kind}: it belongs to fmpm"
+        words = f"has no effect with {parts.method.transfer.kind}; only the transfer fmpm uses it"
         report("method.velocity_conditions", words, "no_effect", "warning")
     tracking = [m for m in parts.materials.values() if {"temperature", "internal_energy"} & set(m.history)]
     if parts.method.heating == "adiabatic" and parts.materials and not tracking:
-        report("method.heating", "has no effect: no material tracks its temperature", "no_effect", "warning")
+        report(
+            "method.heating", "has no effect, because no material has a temperature", "no_effect", "warning"
+        )

@@ -35,9 +35,9 @@ def read_constants(node: Node | None, units: Units) -> tuple[dict[str, float], l
         path = f"constants.{name}"
         if not _NAME.match(name) or name in RESERVED:
             why = (
-                "is a word of expressions already"
+                "is a reserved name of expressions; choose another name"
                 if name in RESERVED
-                else "is no name: letters, digits and _"
+                else "is not a valid name; use letters, digits and _"
             )
             problems.append(node.keys[name].problem(path, f"'{name}' {why}", "constant_name"))
             continue
@@ -57,7 +57,7 @@ class _Circle(ValueError):
     """Constants that need each other."""
 
     def __init__(self, chain: list[str]):
-        super().__init__(f"the constants are defined in a circle: {' → '.join(chain)}")
+        super().__init__(f"the constants depend on each other in a circle: {' → '.join(chain)}")
         self.members = frozenset(chain)
 
 
@@ -78,7 +78,7 @@ class _Reader:
         if name in waiting:
             raise _Circle([*waiting[waiting.index(name) :], name])
         if len(waiting) > MAX_CHAIN:
-            raise _TooLong(f"the constants need each other over more than {MAX_CHAIN} steps")
+            raise _TooLong(f"the constants depend on each other through more than {MAX_CHAIN} steps")
         if name not in self.values:
             try:
                 self.values[name] = self.known[name] = self._read(self.members[name].value, (*waiting, name))

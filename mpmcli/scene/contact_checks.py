@@ -67,7 +67,7 @@ def check_contact(parts: Parts, root: Node) -> list[Problem]:
     fields = read_fields(root, contact if has_contact else None)
     count = len(fields.names)
     if has_contact and count > MAX_FIELDS:
-        words = f"{count} velocity fields: at most {MAX_FIELDS} are possible; let bodies share one (field)"
+        words = f"the scene has {count} velocity fields, at most {MAX_FIELDS} are allowed; let bodies share a 'field'"
         report("contact.fields", words, "range")
         return problems
     _check_field_keys(root, fields, has_contact, report)
@@ -77,7 +77,7 @@ def check_contact(parts: Parts, root: Node) -> list[Problem]:
     if not has_contact:
         return problems
     if fields.complete and len(fields.names) == 1:
-        report("contact", f"has no effect: {_why_single(fields)}", "no_effect", "warning")
+        report("contact", f"has no effect, because {_why_single(fields)}", "no_effect", "warning")
     else:
         _check_pairs(contact, root, fields, report)
         if parts.contact is not None:
@@ -123,8 +123,8 @@ def _why_single(fields: Fields) -> str:
     if len(fields.members) < 2:
         return words
     if fields.noun == "material" and len({member.material for member in fields.members}) == 1:
-        return f"{words}, for all bodies are of one material (fields: body gives each body its own)"
-    return f"{words}, for all {'bodies' if fields.noun == 'body' else 'materials'} share it"
+        return f"{words}: all bodies have one material. Use 'fields: body' for a field per body"
+    return f"{words}, which all {'bodies' if fields.noun == 'body' else 'materials'} share"
 
 
 def _check_field_keys(root: Node, fields: Fields, has_contact: bool, report: Report) -> None:
@@ -136,11 +136,13 @@ def _check_field_keys(root: Node, fields: Fields, has_contact: bool, report: Rep
         if field is None:
             continue
         if not NAME.match(field):
-            report(f"{path}.field", f"'{field}' cannot be a name: {NAME_WORDS}", "name")
+            report(f"{path}.field", f"'{field}' is not a valid name; {NAME_WORDS}", "name")
         elif not has_contact:
-            report(f"{path}.field", "has no effect: the scene has no 'contact'", "no_effect", "warning")
+            report(
+                f"{path}.field", "has no effect, because the scene has no 'contact'", "no_effect", "warning"
+            )
         elif noun == other:
-            words = f"has no effect: with contact.fields: {fields.noun} the key belongs to the {_plural(fields.noun)}"
+            words = f"has no effect with contact.fields: {fields.noun}; give this key to the {_plural(fields.noun)}"
             report(f"{path}.field", words, "no_effect", "warning")
         else:
             given[f"{path}.field"] = field
@@ -177,19 +179,19 @@ def _check_rigid(fields: Fields, has_contact: bool, report: Report) -> None:
     if not rigid:
         return
     if fields.complete and len(rigid) == len(fields.members):
-        report("bodies", "every body is rigid: nothing in the scene could deform", "rigid")
+        report("bodies", "every body is rigid; at least one body must be deformable", "rigid")
         return
     for member in rigid:
         if not has_contact:
-            words = f"the rigid body '{member.name}' acts on others by contact only, and the scene has no 'contact'"
+            words = f"the rigid body '{member.name}' acts on other bodies by contact only; add 'contact' to the scene"
             report(f"{member.path}.material", words, "rigid")
             continue
         soft = [m.name for m in fields.members if not m.is_rigid and m.field == member.field]
         if soft:
             words = (
                 f"the rigid body '{member.name}' shares the velocity field '{member.field}' with "
-                f"{'a deformable body' if len(soft) == 1 else 'deformable bodies'} ({listing(soft, 4)}): "
-                "contact is between fields only"
+                f"{'a deformable body' if len(soft) == 1 else 'deformable bodies'} ({listing(soft, 4)}); "
+                "give it a field of its own"
             )
             report(member.field_path, words, "rigid")
 
@@ -205,7 +207,7 @@ def _check_motion(parts: Parts, root: Node, fields: Fields, report: Report) -> N
             continue
         for axis, component in enumerate(body.velocity):
             if "t" in component.variables and body.material in parts.materials:
-                words = f"'t' is for rigid bodies: '{body.name}' has this velocity only at the start"
+                words = f"the initial velocity of '{body.name}' must not depend on t; only rigid bodies move as prescribed"
                 report(f"{path}.{axis}", words, "time")
     for key in ("boundary", "loads"):
         for index, model in getattr(parts, key):
@@ -213,9 +215,9 @@ def _check_motion(parts: Parts, root: Node, fields: Fields, report: Report) -> N
                 if not kinds.get(name, False):
                     continue
                 path = f"{label(root, key, index)}.{place}"
-                words = f"the body '{name}' is rigid: it moves as its 'velocity' says"
+                words = f"the body '{name}' is rigid, and its 'velocity' prescribes its motion"
                 if key == "loads":
-                    report(path, f"has no effect: {words}", "no_effect", "warning")
+                    report(path, f"has no effect, because {words}", "no_effect", "warning")
                 else:
                     report(path, words, "rigid")
 
@@ -232,8 +234,8 @@ def _check_shared_motion(
     name, other = moves.setdefault(field, (body.name, motion))
     if other != motion:
         words = (
-            f"moves otherwise than '{name}', with which it shares the velocity field '{field}': "
-            "where they are close their velocities mix"
+            f"differs from the motion of '{name}' in the same velocity field '{field}'; "
+            "near each other, their velocities are averaged"
         )
         report(path if body.velocity else path.removesuffix(".velocity"), words, "doubtful", "warning")
 
@@ -243,9 +245,9 @@ def _check_transfer(parts: Parts, fields: Fields, has_contact: bool, report: Rep
         return
     path = "method.transfer.contact_correction"
     if not has_contact:
-        report(path, "has no effect: the scene has no 'contact'", "no_effect", "warning")
+        report(path, "has no effect, because the scene has no 'contact'", "no_effect", "warning")
     elif parts.method.transfer.order == 1:
-        report(path, "has no effect with XPIC(1), which filters nothing", "no_effect", "warning")
+        report(path, "has no effect with XPIC(1), which has no filter", "no_effect", "warning")
 
 
 def _named_pairs(contact: Node) -> Iterator[tuple[int, tuple[str, str]]]:
@@ -271,8 +273,8 @@ def _check_pairs(contact: Node, root: Node, fields: Fields, report: Report) -> N
                 report(f"{path}.{place}", words + _other_kind(name, names, root, fields), "unknown_reference")
             elif name in fields.names and owners.get(name, name) != name:
                 words = (
-                    f"'{name}' is a velocity field and also a {fields.noun} of the field '{owners[name]}': "
-                    "give the field another name"
+                    f"'{name}' is a velocity field and also a {fields.noun} of the field '{owners[name]}'; "
+                    "rename the field"
                 )
                 report(f"{path}.{place}", words, "ambiguous")
             else:
@@ -286,7 +288,7 @@ def _other_kind(name: str, names: list[str], root: Node, fields: Fields) -> str:
     other = "bodies" if fields.noun == "material" else "materials"
     if name in names_of(root, other):
         noun = "body" if other == "bodies" else "material"
-        return f": it is a {noun}, and the fields are those of {_plural(fields.noun)} ({listing(names)})"
+        return f"; it is a {noun}, but velocity fields belong to {_plural(fields.noun)} ({listing(names)})"
     return did_you_mean(name, names) or f" ({listing(names)})"
 
 
@@ -302,16 +304,16 @@ def _check_pair(
     a, b = between
     if found[0] == found[1]:
         reason = f"'{a}' is named twice" if a == b else f"'{a}' and '{b}' share the field '{found[0]}'"
-        report(path, f"{reason}: a pair is made of two velocity fields", "pair")
+        report(path, f"{reason}; a pair needs two different velocity fields", "pair")
         return
     pair = frozenset(found)
     if pair in lines:
-        words = f"the pair of '{a}' and '{b}' has a law already (first in line {lines[pair]})"
+        words = f"the pair of '{a}' and '{b}' already has a law in line {lines[pair]}"
         report(path, words, "duplicate_pair")
         return
     lines[pair] = locate(root, path, "").line
     if fields.is_rigid(found[0]) and fields.is_rigid(found[1]):
-        words = "has no effect: both are rigid, and nothing moves rigid bodies"
+        words = "has no effect, because both are rigid"
         report(path, words, "no_effect", "warning")
 
 
@@ -321,49 +323,49 @@ def _check_choices(parts: Parts, fields: Fields, report: Report) -> None:
     given = contact.model_fields_set
     laws = [contact.law, *(pair.law for pair in contact.pairs)]
 
-    def idle(key: str, reason: str) -> None:
-        report(f"contact.{key}", f"has no effect: {reason}", "no_effect", "warning")
+    def no_effect(key: str, reason: str) -> None:
+        report(f"contact.{key}", f"has no effect, because {reason}", "no_effect", "warning")
 
     kinds = " and ".join(dict.fromkeys(f"'{law.kind}'" for law in laws))
     if not any(law.needs_normal for law in laws):
         for key in ("normal", "separation", "displacement_only"):
             if key in given and getattr(contact, key) is not False:
-                idle(key, f"the law {kinds} asks neither for normals nor for separations")
+                no_effect(key, f"the law {kinds} uses neither normals nor separations")
     if "mass_ratio" in given and not any(law.screened and not law.skipped for law in laws):
-        idle("mass_ratio", f"the law {kinds} takes all nodes alike")
+        no_effect("mass_ratio", f"the law {kinds} applies at all nodes")
     if contact.overlap_removal > 0.0 and not any(law.drives_apart for law in laws):
-        idle("overlap_removal", f"the law {kinds} does not let overlapping sides be driven apart")
+        no_effect("overlap_removal", f"the law {kinds} does not remove overlap")
     check_combinations(parts, report)
     soft = [name for name in fields.names if not fields.is_rigid(name)]
-    deformable = f"{len(soft)} velocity field{'s' * (len(soft) != 1)} that deform{'s' * (len(soft) == 1)}"
+    deformable = f"{len(soft)} deformable velocity field{'s' * (len(soft) != 1)}"
     if contact.three_or_more != "lumped" and fields.complete and len(soft) < 3:
-        idle("three_or_more", f"the scene has {deformable}")
+        no_effect("three_or_more", f"the scene has {deformable}")
     if "mass_ratio" in given and fields.complete and len(soft) < 2:
-        idle("mass_ratio", f"it is for two deformable fields at a node, and the scene has {deformable}")
+        no_effect("mass_ratio", f"it needs two deformable fields at a node, and the scene has {deformable}")
     bias, least = getattr(contact.normal, "rigid_bias", 1.0), contact.normal.least_rigid_bias
     if bias != 1.0 and not any(m.is_rigid for m in fields.members):
-        idle("normal.rigid_bias", "no body is rigid")
+        no_effect("normal.rigid_bias", "no body is rigid")
     elif 1.0 < bias < least:
-        idle("normal.rigid_bias", f"regressions take the rigid body's normal from {least:g} on")
+        no_effect("normal.rigid_bias", f"regressions use the normal of the rigid body only from {least:g} on")
     if parts.method is None:
         return
     transfer = parts.method.transfer
     if contact.overlap_removal > 0.0 and contact.increments == "after" and transfer.kind == "fmpm":
-        idle("overlap_removal", "with increments 'after' no impulse of contact is a force")
+        no_effect("overlap_removal", "with increments 'after' contact does not act as a force")
     if contact.increments not in ("net", "lumped"):
         if transfer.kind != "fmpm":
-            idle("increments", f"with {transfer.kind} there are none, they belong to fmpm")
+            no_effect("increments", f"the transfer {transfer.kind} has no increments; fmpm has")
         elif transfer.order == 1:
-            idle("increments", "FMPM(1) has none")
+            no_effect("increments", "FMPM(1) has no increments")
     if contact.once:
         if parts.method.update in ("usf", "usavg", "usavg+"):
             words = (
-                f"with {parts.method.update} strains at the start of the step follow from momenta that contact has "
-                "not corrected"
+                f"with update {parts.method.update}, the first strain update of a step uses velocities that contact "
+                "has not corrected"
             )
             report("contact.once", words, "inaccurate", "warning")
         elif any(law.kind == "perfect" for law in laws):
-            words = "with once, bodies in perfect contact do not move quite as one"
+            words = "with 'once', bodies in perfect contact do not move exactly as one body"
             report("contact.once", words, "inaccurate", "warning")
 
 
@@ -374,7 +376,7 @@ def _check_size(parts: Parts, fields: Fields, report: Report) -> None:
     nodes, count = math.prod(cells + 1 for cells in parts.grid.cells), len(fields.names)
     if nodes * count > MAX_NODES:
         words = (
-            f"{count} velocity fields on a grid of {nodes:.2g} nodes: at most {MAX_NODES:.0e} nodes of all fields "
-            "together are possible"
+            f"{count} velocity fields on a grid of {nodes:.2g} nodes exceed the limit of {MAX_NODES:.0e} nodes for "
+            "all fields together"
         )
         report("contact.fields", words, "range")

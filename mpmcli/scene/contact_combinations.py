@@ -19,7 +19,7 @@ def check_combinations(parts: Parts, report: Report) -> None:
     _check_calibration(parts, report)
     if contact.three_or_more != "lumped" and not contact.normal.shares_normal:
         words = (
-            f"settles pairs by one normal for both sides: with '{contact.normal.kind}' that of the field that comes "
+            f"needs one normal per pair; with '{contact.normal.kind}' this is the normal of the field that comes "
             "first in the scene"
         )
         report("contact.three_or_more", words, "inaccurate", "warning")
@@ -36,25 +36,23 @@ def _check_spring(parts: Parts, path: str, report: Report) -> None:
     has_loop = method is not None and method.transfer.kind == "fmpm" and method.transfer.order > 1
     if has_loop and contact.increments in ("after", "combined"):
         words = (
-            f"does not go with increments '{contact.increments}': a spring acts on updated momenta, not on final "
-            "velocities; take 'net'"
+            f"cannot be combined with increments '{contact.increments}', because a spring acts on updated momenta; "
+            "use 'net'"
         )
         report(path, words, "combination")
     if contact.three_or_more != "lumped":
-        words = (
-            f"has no effect where three or more fields meet: '{contact.three_or_more}' settles them as rigid"
-        )
+        words = f"has no effect where three or more fields meet, because '{contact.three_or_more}' is a rigid contact"
         report(path, words, "no_effect", "warning")
 
 
 def _check_need_of_separation(contact: Any, laws: list[tuple[str, Any]], report: Report) -> None:
     """What cannot be without knowing how far two fields are apart."""
     if contact.displacement_only:
-        words = "needs a separation: with separation 'none' fields would never come apart"
+        words = "needs a separation; with separation 'none' the fields would never separate"
         report("contact.displacement_only", words, "combination")
     for path, law in laws:
         if getattr(law, "stiffness", None) is not None:
-            words = "needs a separation: with separation 'none' nothing says how far fields overlap"
+            words = "needs a separation; with separation 'none' the overlap is unknown"
             report(f"contact.{path}.stiffness", words, "combination")
 
 
@@ -69,10 +67,10 @@ def _check_calibration(parts: Parts, report: Report) -> None:
     if 1 in counts and len(counts) > 1:
         both = " and ".join(map(str, sorted(counts)))
         words = (
-            f"is chosen by the particles per axis, but bodies have {both}: give '{key}', or take separation "
+            f"depends on the particles per axis, and the bodies have {both}; give '{key}', or use separation "
             "'regression'"
         )
         report("contact.separation", f"'{separation.kind}' {words}", "combination")
     elif max(counts, default=2) > 2:
-        words = f"is known for one and two particles per axis, not for {max(counts)}"
+        words = f"is calibrated for 1 and 2 particles per axis, not for {max(counts)}"
         report("contact.separation", f"'{separation.kind}' {words}", "inaccurate", "warning")

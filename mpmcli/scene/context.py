@@ -56,7 +56,7 @@ class Context:
             except ValueError as error:
                 parts = split_unit(text)
                 if parts is not None and parts[1] in self.constants:
-                    raise ValueError(f"'{text}' needs a sign between: {parts[0]}*{parts[1]}") from None
+                    raise ValueError(f"'{text}' needs an operator: write {parts[0]}*{parts[1]}") from None
                 raise error
         return float(parse(text, constants=self.constants, variables=())())
 

@@ -43,8 +43,8 @@ def check_memory(scene: Any) -> None:
     if needed > there:
         several = f" in {fields} velocity fields" if fields > 1 else ""
         words = (
-            f"a grid of {nodes:.2g} nodes{several} needs {needed / 1e9:.3g} GB of memory, and there are "
-            f"{there / 1e9:.3g} GB: larger cells or a smaller grid are needed"
+            f"a grid of {nodes:.2g} nodes{several} needs {needed / 1e9:.3g} GB of memory, but only "
+            f"{there / 1e9:.3g} GB are available; use larger cells or a smaller grid"
         )
         raise SceneError([Problem("grid.cell", words, code="memory")])
 
@@ -74,7 +74,7 @@ def find_masses(scene: Any, filled: Sequence[BodyParticles]) -> tuple[Array, Arr
     problems = [
         Problem(
             f"bodies.{body.name}.material",
-            f"a particle of it would have the mass {mass[index == i][0]:g}: density times volume is out of range",
+            f"a particle would have mass {mass[index == i][0]:g}; check density, cell size and units",
             code="mass",
         )
         for i, body in enumerate(scene.bodies)
@@ -91,7 +91,7 @@ def start_velocity(body: Any, X: Array) -> tuple[list[Any], list[Problem]]:
     problems = [
         Problem(
             f"bodies.{body.name}.velocity.{axis}",
-            f"the velocity '{component.source}' is not finite at some particle",
+            f"the velocity '{component.source}' is not finite at some particles",
             code="not_finite",
         )
         for axis, (component, value) in enumerate(zip(body.velocity, values, strict=True))
@@ -117,7 +117,9 @@ def check_filling(scene: Any) -> Problem | None:
     analysis = ANALYSES[scene.analysis.kind]()
     places = sum(places_to_test(body, grid, analysis) for body in scene.bodies)
     if places > MAX_PLACES:
-        words = f"there are {places:.2g} places for particles: whether the bodies can be filled is left to the run"
+        words = (
+            f"the bodies have up to {places:.2g} particles, more than are checked here; the run checks them"
+        )
         return Problem("bodies", words, code="not_checked", severity="warning")
     filled = fill_bodies(scene.bodies, grid, analysis)
     find_masses(scene, filled)

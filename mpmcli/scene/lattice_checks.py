@@ -21,23 +21,25 @@ def check_lattices(parts: Parts, dimensions: int, root: Node, report: Callable[.
             continue
         path = f"bodies.{member_label(root.value['bodies'].value[index], index)}"
         if body.region.gives_particles:
-            words = f"a region of kind '{body.region.kind}' gives its particles: they lie along nothing"
+            words = (
+                f"not allowed for a region of kind '{body.region.kind}', which is itself a list of particles"
+            )
             report(f"{path}.particles_along", words, "lattice")
         elif not np.isfinite(body.region.own_bounds(dimensions)).all():
-            words = "the region has no end, and so no sides of its own; cut it with an intersection, or write 'grid'"
+            words = (
+                "the region is unbounded and has no sides; intersect it with a bounded region, or use 'grid'"
+            )
             report(f"{path}.particles_along", words, "lattice")
         elif not is_by_right_angles(body.region.turn(dimensions)):
             turned.add(body.name)
             shape = None if parts.method is None else SHAPES[parts.method.shape]
             if shape is not None and shape.domain == "box":
-                words = f"the domains of '{shape.name}' lie along the grid: beside turned particles they leave gaps"
-                report(f"{path}.particles_along", f"{words}; CPDI shapes turn theirs", "lattice", "warning")
+                words = f"the particle domains of '{shape.name}' stay parallel to the grid and leave gaps"
+                report(f"{path}.particles_along", f"{words}; use a CPDI shape function", "lattice", "warning")
     for key in ("boundary", "loads"):
         for index, model in getattr(parts, key):
             on: Any = getattr(model, "on", None)
             if getattr(on, "face", None) is not None and on.body in turned:
-                words = (
-                    f"the particles of body '{on.body}' are turned, and none of their faces is across an axis"
-                )
+                words = f"the particles of body '{on.body}' are rotated, so none of their faces is normal to an axis"
                 path = f"{key}.{member_label(root.value[key].value[index], index)}.on.face"
-                report(path, f"{words}: let them lie along the grid, or hold nodes in a region", "lattice")
+                report(path, f"{words}; use 'particles_along: grid', or hold a region", "lattice")

@@ -146,7 +146,11 @@ def _load(
     root = compose(text, file)
     if not root.is_mapping:
         raise SceneError(
-            [root.mark.problem("", "a scene is a mapping: version: 1, title: …, grid: …", "type")]
+            [
+                root.mark.problem(
+                    "", "a scene must be a mapping, such as version: 1, title: …, grid: …", "type"
+                )
+            ]
         )
     root = apply_sets(apply_defines(root, defines), sets)
     base = path.resolve().parent if path is not None else Path.cwd()
@@ -196,7 +200,7 @@ def _is_echo(problem: Problem, root: Node, constants: dict[str, float], units_fa
     names = declared.value if declared is not None and declared.is_mapping else {}
     if any(name not in constants and problem.message.startswith(f"'{name}' is not known") for name in names):
         return True
-    return units_failed and (problem.path.startswith("units") or "declares none" in problem.message)
+    return units_failed and (problem.path.startswith("units") or "declares no units" in problem.message)
 
 
 def _read_units(root: Node) -> tuple[Units, list[Problem]]:
@@ -230,13 +234,13 @@ def read_text(path: Path) -> str:
         else:
             contents = read_plain(path, MAX_BYTES)
     except FileNotFoundError:
-        raise SceneError([place.problem("", "there is no such file", "file")]) from None
+        raise SceneError([place.problem("", "the file does not exist", "file")]) from None
     except TooLarge as error:
         size = "" if error.size is None else f"{error.size / 1024**2:.0f} MiB, "
         words = f"is too large for a scene ({size}at most {MAX_BYTES // 1024**2} MiB)"
         raise SceneError([place.problem("", words, "file")]) from None
     except NoPlainFile:
-        words = f"is no plain file; write '{STANDARD_INPUT}' to read a scene from standard input"
+        words = f"is not a regular file; use '{STANDARD_INPUT}' to read a scene from standard input"
         raise SceneError([place.problem("", words, "file")]) from None
     except (OSError, ValueError) as error:
         words = getattr(error, "strerror", None) or str(error)
@@ -246,5 +250,5 @@ def read_text(path: Path) -> str:
     except UnicodeDecodeError as error:
         line = contents.count(b"\n", 0, error.start) + 1
         column = error.start - contents.rfind(b"\n", 0, error.start)
-        words = f"this is no UTF-8 text (byte 0x{contents[error.start]:02x})"
+        words = f"the file is not UTF-8 text (byte 0x{contents[error.start]:02x})"
         raise SceneError([Mark(str(path), line, column).problem("", words, "encoding")]) from None

@@ -184,7 +184,7 @@ class Method(Model):
     def _known_shape(cls, shape: str) -> str:
         if shape not in SHAPES:
             raise ValueError(
-                f"'{shape}' is no shape function{did_you_mean(shape, SHAPES)} ({', '.join(sorted(SHAPES))})"
+                f"'{shape}' is not a known shape function{did_you_mean(shape, SHAPES)} ({', '.join(sorted(SHAPES))})"
             )
         return shape
 

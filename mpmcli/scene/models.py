@@ -83,7 +83,9 @@ class Grid(Model):
     def _above_lower(cls, upper: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
         lower = info.data.get("lower", upper)
         if len(lower) != len(upper):
-            raise ValueError(f"one number per axis is needed: lower has {len(lower)}, upper {len(upper)}")
+            raise ValueError(
+                f"one number per axis is needed, but lower has {len(lower)} and upper {len(upper)}"
+            )
         for axis, low, high in zip("xyz", lower, upper, strict=False):
             if "lower" in info.data and not high > low:
                 raise ValueError(f"upper must lie above lower, but {high:g} <= {low:g} along {axis}")
@@ -97,7 +99,7 @@ class Grid(Model):
         lower, upper = info.data["lower"], info.data["upper"]
         if len(cell) != len(lower):
             raise ValueError(
-                f"one number, or one per axis, is needed: lower has {len(lower)}, cell {len(cell)}"
+                f"one number, or one per axis, is needed, but lower has {len(lower)} and cell {len(cell)}"
             )
         nodes = 1.0
         for axis, low, high, size in zip("xyz", lower, upper, cell, strict=False):
@@ -108,7 +110,7 @@ class Grid(Model):
                 )
             nodes *= round(count) + 1.0
         if nodes > MAX_NODES:
-            raise ValueError(f"the grid has {nodes:.2g} nodes: at most {MAX_NODES:.0e} are possible")
+            raise ValueError(f"the grid has {nodes:.2g} nodes; at most {MAX_NODES:.0e} are allowed")
         return cell
 
     @property
@@ -166,8 +168,7 @@ class Domain(Model):
     def _holds_the_start(cls, limits: tuple[float, float]) -> tuple[float, float]:
         if not limits[0] < 1.0 < limits[1]:
             raise ValueError(
-                f"the first must be below 1 and the second above, for particles begin with 1: "
-                f"not [{limits[0]:g}, {limits[1]:g}]"
+                f"the limits must enclose the initial value 1, but are [{limits[0]:g}, {limits[1]:g}]"
             )
         return limits
 

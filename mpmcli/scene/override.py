@@ -45,13 +45,13 @@ def _put(node: Node, keys: list[str], before: tuple[str, ...], value: Node, opti
         if member is None:
             names = [n.value["name"].value for n in node.value if n.is_mapping and "name" in n.value]
             choice = f" ({listing(names)})" if names else f" (it has {len(node.value)} members)"
-            message = f"'{key}' is no member of the list{did_you_mean(key, map(str, names))}{choice}"
+            message = f"'{key}' is not a member of the list{did_you_mean(key, map(str, names))}{choice}"
             raise SceneError([mark.problem(path, message, "option")])
         new = _put(member, rest, (*before, key), value, option)
         return replace(node, value=[new if other is member else other for other in node.value])
     if node.value is not None and not node.is_mapping:
         raise SceneError(
-            [mark.problem(path, f"'{'.'.join(before)}' is a single value: it has no keys", "option")]
+            [mark.problem(path, f"'{'.'.join(before)}' is a single value and has no keys", "option")]
         )
     members = node.value or {}
     member = members.get(key) or Node(None, mark)

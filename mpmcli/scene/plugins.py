@@ -79,7 +79,7 @@ def _require(plugin: Plugin, name: str, numbers_of: Callable[[], Any], needed: I
         raise PluginError(f"{fault} gives no parameters ({type(error).__name__}: {error})") from error
     kind: Any = type(numbers)
     if not (isinstance(numbers, tuple) and hasattr(kind, "_fields")):
-        raise PluginError(f"{fault}: its parameters are no named tuple but {kind.__name__}")
+        raise PluginError(f"{fault}: its parameters must be a named tuple, not {kind.__name__}")
     missing = [each.__name__ for each in needed if kind not in each.implementations]
     if settle.implementations.get(kind) is settle_pressed and kind not in sliding_traction.implementations:
         missing.append(sliding_traction.__name__)

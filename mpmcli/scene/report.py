@@ -173,11 +173,13 @@ def _tag_problem(kind: str, place: Place, context: dict[str, Any]) -> Problem:
         if not place.node.is_mapping:
             message = f"a mapping with 'kind' is needed, not {describe(place.node.plain())}"
             return place.node.mark.problem(path, message, "type")
-        return place.node.mark.problem(_join(path, "kind"), f"is missing: which {noun}?", "missing")
+        return place.node.mark.problem(_join(path, "kind"), f"is missing; give the kind of {noun}", "missing")
     names = re.findall(r"'([^']*)'", str(context.get("expected_tags", "")))
     node = place.node.value.get("kind", place.node) if place.node.is_mapping else place.node
     word = describe(node.value)
-    message = f"{word} is no {noun}{did_you_mean(str(node.value), names)} ({listing(names, 40)})"
+    message = (
+        f"{word} is not a known {noun}{did_you_mean(str(node.value), names)} (allowed: {listing(names, 40)})"
+    )
     return node.mark.problem(_join(path, "kind"), message, "unknown_kind")
 
 
@@ -196,16 +198,16 @@ def _words(kind: str, context: dict[str, Any], details: dict[str, Any]) -> str:
         found = re.findall(r"'([^']*)'|(\d+)", str(context.get("expected", "")))
         choice = [text or number for text, number in found]
         hint = did_you_mean(value, choice) if isinstance(value, str) else ""
-        return f"{describe(value)} is not possible here{hint} ({listing(choice, 40)})"
+        return f"{describe(value)} is not allowed{hint} (allowed: {listing(choice, 40)})"
     if kind in _NEEDED:
-        hint = ": put it in quotes" if kind == "string_type" and isinstance(value, int | float) else ""
+        hint = "; put it in quotes" if kind == "string_type" and isinstance(value, int | float) else ""
         if kind == "model_attributes_type" and isinstance(value, str) and details["loc"][-1] in _NOUNS:
-            hint = f": write {{kind: {value}}}" if value.isidentifier() else ""
+            hint = f"; write {{kind: {value}}}" if value.isidentifier() else ""
         return f"{_NEEDED[kind]} is needed, not {describe(value)}{hint}"
     if kind in {"too_short", "too_long"}:
         limit = context.get("min_length", context.get("max_length"))
         bound = "at least" if kind == "too_short" else "at most"
-        return f"{bound} {limit} needed, not {context['actual_length']}"
+        return f"{bound} {limit} values are allowed, not {context['actual_length']}"
     if kind == "string_too_short":
         return "must not be empty"
     if kind == "string_too_long":
@@ -262,7 +264,7 @@ def _paths_of_sections(model: type[BaseModel], depth: int = 2) -> dict[str, str]
 
 
 def _choice(keys: list[str]) -> str:
-    return f" ({listing(keys, 40)})" if keys else ""
+    return f" (allowed: {listing(keys, 40)})" if keys else ""
 
 
 def _keys_of(model: type[BaseModel], loc: Sequence[Any]) -> list[str]:

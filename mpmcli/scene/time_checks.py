@@ -30,7 +30,7 @@ def check_times(parts: Parts, root: Node, report: Report) -> None:
             words = f"{every:g} is longer than the run, which ends at {end:g}"
             report(path, words, "interval", "warning")
         elif (count := _ratio(end, every)) > MAX_OUTPUTS:
-            words = f"asks for {count:.2g} outputs: at most {MAX_OUTPUTS:.0e} are possible"
+            words = f"results in {count:.2g} outputs; at most {MAX_OUTPUTS:.0e} are allowed"
             report(path, words, "interval")
 
 
@@ -58,8 +58,8 @@ def _check_steps(parts: Parts, report: Report) -> None:
     if span.max_steps is not None:
         count = min(count, span.max_steps)
     if count > MAX_STEPS:
-        words = f"the run takes {count:.2g} steps of {step:.2g}: at most {MAX_STEPS:.0e} are possible"
-        report(path, f"{words} (time.max_steps ends a run before)", "too_many_steps")
+        words = f"the run needs {count:.2g} steps of {step:.2g}, but at most {MAX_STEPS:.0e} are allowed"
+        report(path, f"{words}; time.max_steps can end it earlier", "too_many_steps")
 
 
 def _first_step(parts: Parts) -> float | None:

@@ -201,7 +201,9 @@ class _Composer:
         for event in self.events:
             if isinstance(event, yaml.DocumentStartEvent):
                 if root is not None:
-                    self._stop(event, "a second document begins here: a scene is one document", "documents")
+                    self._stop(
+                        event, "a second YAML document begins here; a scene is one document", "documents"
+                    )
                 root = self._node(next(self.events), 0)
         if root is None or root.value is None:
             raise SceneError([Mark(self.file, 1, 1).problem("", "the scene is empty", "empty")])
@@ -209,12 +211,12 @@ class _Composer:
 
     def _node(self, event: Any, depth: int) -> Node:
         if depth > MAX_DEPTH:
-            self._stop(event, f"nested deeper than {MAX_DEPTH} levels: that is refused", "nesting")
+            self._stop(event, f"the scene is nested deeper than the limit of {MAX_DEPTH} levels", "nesting")
         self._count(event, 1)
         if isinstance(event, yaml.AliasEvent):
             return self._alias(event, depth)
         if event.tag is not None and event.tag not in _TAGS and event.tag != "!":
-            self._stop(event, f"the tag '{event.tag}' is not known: a scene has plain values only", "tag")
+            self._stop(event, f"the tag '{event.tag}' is not allowed; a scene has plain values only", "tag")
         node = Node(None, self._mark(event))
         if event.anchor:
             self.anchors[event.anchor] = None
@@ -232,7 +234,7 @@ class _Composer:
             node.value = self._mapping(node, depth)
             node.measure(node.value.values())
         if depth + node.height > MAX_DEPTH:
-            self._stop(event, f"nested deeper than {MAX_DEPTH} levels: that is refused", "nesting")
+            self._stop(event, f"the scene is nested deeper than the limit of {MAX_DEPTH} levels", "nesting")
         if event.anchor:
             self.anchors[event.anchor] = node
         return node
@@ -244,7 +246,7 @@ class _Composer:
             )
         node = self.anchors[event.anchor]
         if node is None:
-            self._stop(event, f"the alias '*{event.anchor}' stands inside its own anchor", "alias")
+            self._stop(event, f"the alias '*{event.anchor}' is inside its own anchor", "alias")
         assert node is not None
         self._count(event, node.size - 1)
         return node
@@ -253,14 +255,12 @@ class _Composer:
         """Count keys and values, those that an alias stands for included, and stop where they are too many."""
         self.count += size
         if self.count > MAX_SIZE:
-            message = f"the scene is too large: more than {MAX_SIZE:,} keys and values"
-            self._stop(
-                event, f"{message}, where text counts several times and aliases are written out", "too_many"
-            )
+            message = f"the scene exceeds the limit of {MAX_SIZE:,} keys and values, aliases expanded"
+            self._stop(event, message, "too_many")
 
     def _check_text(self, event: Any) -> None:
         if len(event.value) > MAX_TEXT:
-            message = f"a text of {len(event.value):,} characters: at most {MAX_TEXT:,} are possible"
+            message = f"the text has {len(event.value):,} characters; at most {MAX_TEXT:,} are allowed"
             self._stop(event, message, "too_long")
 
     def _sequence(self, depth: int) -> list[Node]:
@@ -271,7 +271,7 @@ class _Composer:
                 is_long = len(members) > MAX_NUMBERS
                 if is_long or isinstance(members[-1].value, dict | str):
                     most = MAX_NUMBERS if is_long else MAX_MEMBERS
-                    self._stop(event, f"a list of more than {most:,} members: that is refused", "too_many")
+                    self._stop(event, f"the list exceeds the limit of {most:,} members", "too_many")
         return members
 
     def _mapping(self, node: Node, depth: int) -> dict[str, Node]:
@@ -286,12 +286,12 @@ class _Composer:
             key, mark, is_plain = str(scalar.value), self._mark(event), scalar.implicit[0]
             value = self._node(next(self.events), depth + 1)
             if len(members) >= MAX_MEMBERS:
-                self._stop(event, f"a mapping of more than {MAX_MEMBERS:,} keys: that is refused", "too_many")
+                self._stop(event, f"the mapping exceeds the limit of {MAX_MEMBERS:,} keys", "too_many")
             if key == "<<" and is_plain:
                 merged.extend(self._merge(value, mark))
             elif key in members:
                 first = node.keys[key].line
-                message = f"the key '{key}' stands here for a second time; the first is in line {first}"
+                message = f"duplicate key '{key}'; the first is in line {first}"
                 self.problems.append(mark.problem(key, message, "duplicate_key"))
                 if len(self.problems) >= MAX_REPEATED:
                     raise SceneError(self.problems)
@@ -342,9 +342,9 @@ def _syntax_problem(error: yaml.MarkedYAMLError, text: str, file: str) -> Proble
     here = lines[line - 1] if line <= len(lines) else ""
     before = here[: len(here) - len(here.lstrip())]
     if "\t" in before:
-        message = "a tab is used for indentation: YAML is indented with spaces"
+        message = "the line is indented with a tab; YAML needs spaces"
         return Problem("", message, file, line, before.index("\t") + 1, code="tab")
-    words = (error.problem or "this cannot be read as YAML").replace(
+    words = (error.problem or "this is not YAML").replace(
         "did not find expected", "did not find the expected"
     )
     if "cannot start any token" in words:
@@ -357,12 +357,12 @@ def _syntax_problem(error: yaml.MarkedYAMLError, text: str, file: str) -> Proble
 def _character_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:
     position = getattr(error, "position", None)
     if not isinstance(position, int) or position > len(text):
-        return Problem("", "this cannot be read as YAML text", file, 1, 1, code="encoding")
+        return Problem("", "the file is not YAML text", file, 1, 1, code="encoding")
     before = text[:position]
     line, column = before.count("\n") + 1, position - before.rfind("\n")
     code = getattr(error, "character", None)
     shown = f" ({code:#04x})" if isinstance(code, int) else ""
-    return Problem("", f"a character{shown} that YAML does not allow", file, line, column, code="encoding")
+    return Problem("", f"YAML does not allow this character{shown}", file, line, column, code="encoding")
 
 
 def member_label(node: Node, index: int) -> str:

@@ -119,7 +119,7 @@ class Dimension(NamedTuple):
         total = [Fraction(0)] * 4
         for word, power in _factors(words):
             if word not in DIMENSIONS:
-                raise ValueError(f"'{word}' is no dimension{did_you_mean(word, DIMENSIONS)}")
+                raise ValueError(f"'{word}' is not a dimension{did_you_mean(word, DIMENSIONS)}")
             total = [a + power * b for a, b in zip(total, DIMENSIONS[word], strict=True)]
         return cls((total[0], total[1], total[2], total[3]))
 
@@ -142,7 +142,7 @@ def _factors(words: str) -> list[tuple[str, Fraction]]:
 
 
 def split_unit(text: str) -> tuple[str, str] | None:
-    """Number and unit of text such as ``"1.5 GPa"``; None if the text is no number with a unit."""
+    """Number and unit of text such as ``"1.5 GPa"``; None if the text is not a number with a unit."""
     found = _WITH_UNIT.match(text) if len(text) < 200 else None
     return (found.group(1), found.group(2).strip()) if found else None
 
@@ -190,10 +190,10 @@ class Units:
     def _convert(self, text: str, wanted: Dimension | None, words: str) -> float:
         parts = split_unit(text)
         if parts is None:
-            raise ValueError(f"'{text}' is no number with a unit")
+            raise ValueError(f"'{text}' is not a number with a unit")
         if not self.are_declared:
             hint = "add units: {length: …, mass: …, time: …}"
-            raise ValueError(f"'{text}' has a unit, but the scene declares none: {hint}")
+            raise ValueError(f"'{text}' has a unit, but the scene declares no units; {hint}")
         number = _number(parts[0], text)
         known = _size_and_dimension(parts[1]) if _UNIT_TEXT.match(parts[1]) else None
         if known is not None and (wanted is None or known[1] == wanted):
@@ -208,7 +208,7 @@ class Units:
             quantity = quantity.to("K")
         elif "delta_" in str(quantity.units) and found == Dimension.of("temperature"):
             raise ValueError(
-                f"'{text}' is a difference of temperatures: write the temperature itself, in K or degC"
+                f"'{text}' is a temperature difference; give the temperature itself in K or degC"
             )
         if str(quantity.units) in _ANGLES:
             value = float(quantity.to("degree" if words == "angle" else "radian").magnitude)
@@ -272,7 +272,7 @@ def check_base_unit(name: str, base: str) -> None:
         return
     if base == "temperature" and name.lower().strip("°") in {"c", "degc", "celsius", "f", "degf"}:
         raise ValueError(
-            f"'{name}' does not start at absolute zero: use K (values such as '20 degC' are converted)"
+            f"'{name}' does not start at absolute zero; use K (values such as '20 degC' are converted)"
         )
     base_unit_size(name, base)
 
@@ -281,7 +281,7 @@ def check_base_unit(name: str, base: str) -> None:
 def base_unit_size(name: str, base: str) -> Fraction:
     """Size of a unit that is not in the table in m, kg, s or K, by pint."""
     if len(name) > MAX_UNIT:
-        raise ValueError(f"'{_shown(name)}' is no unit of {base}")
+        raise ValueError(f"'{_shown(name)}' is not a unit of {base}")
     others = [
         f"'{unit}' is a {other}" for other in BASE for unit in KNOWN[other] if unit == name and other != base
     ]
@@ -291,13 +291,13 @@ def base_unit_size(name: str, base: str) -> Fraction:
         quantity = _quantity("1", name, name)
         found = _dimension(quantity, name)
     except ValueError:
-        raise ValueError(f"'{name}' is no unit of {base}{did_you_mean(name, KNOWN[base])}") from None
+        raise ValueError(f"'{name}' is not a unit of {base}{did_you_mean(name, KNOWN[base])}") from None
     if found != Dimension.of(base) or not quantity._is_multiplicative:
-        raise ValueError(f"'{name}' is no unit of {base}")
+        raise ValueError(f"'{name}' is not a unit of {base}")
     size = Fraction(quantity.to_root_units().magnitude) / (_ROOT_MASS if base == "mass" else 1)
     if not _SMALLEST_BASE <= size <= 1 / _SMALLEST_BASE:
         raise ValueError(
-            f"'{name}' is {float(size):.2g} of the SI unit of {base}: no base unit is so far from it"
+            f"'{name}' is {float(size):.2g} times the SI unit of {base}; use a base unit closer to it"
         )
     return size
 
@@ -311,7 +311,7 @@ _SMALLEST_BASE = Fraction(1, 10**30)
 
 
 _shown = "{:.60}".format
-_TOO_LARGE = "'{}' is too large a number in the units of the scene"
+_TOO_LARGE = "'{}' is too large in the units of the scene"
 
 
 def _number(text: str, whole: str) -> Fraction:
@@ -321,7 +321,7 @@ def _number(text: str, whole: str) -> Fraction:
         if number and not -MAX_POWER <= number.adjusted() <= MAX_POWER:
             raise ArithmeticError
     except ArithmeticError:
-        raise ValueError(f"'{_shown(whole)}' is beyond the numbers that floating point holds") from None
+        raise ValueError(f"'{_shown(whole)}' exceeds the range of floating-point numbers") from None
     return Fraction(number) if number else Fraction(0)
 
 
@@ -357,7 +357,7 @@ def _quantity(number: str, unit: str, text: str) -> Any:
     """A pint quantity; the unit is checked before, so that nothing in it can take long."""
     if not _UNIT_TEXT.match(unit) or unit.count("(") != unit.count(")"):
         raise ValueError(
-            f"'{unit}' is no unit{_with_powers(unit)} (units are written like kg/m^3; arithmetic needs '*', as in 2*v)"
+            f"'{unit}' is not a unit{_with_powers(unit)}; write units like kg/m^3, and products like 2*v"
         )
     import pint
 
@@ -372,9 +372,9 @@ def _quantity(number: str, unit: str, text: str) -> Any:
     except pint.UndefinedUnitError as error:
         name = str(error.unit_names if isinstance(error.unit_names, str) else error.unit_names[0])
         hint = _with_powers(unit) or did_you_mean(name, _EXAMPLES)
-        raise ValueError(f"'{name}' in '{text}' is no unit{hint}") from None
+        raise ValueError(f"'{name}' in '{text}' is not a unit{hint}") from None
     except Exception:
-        raise ValueError(f"'{text}' is no number with a unit") from None
+        raise ValueError(f"'{text}' is not a number with a unit") from None
 
 
 def _with_powers(unit: str) -> str:
@@ -394,6 +394,6 @@ def _dimension(quantity: Any, text: str) -> Dimension:
     exponents = [Fraction(0)] * 4
     for name, exponent in quantity.dimensionality.items():
         if name not in names:
-            raise ValueError(f"'{text}' has a dimension that does not occur in mechanics: {name}")
+            raise ValueError(f"'{text}' has the dimension {name}, which scenes do not use")
         exponents[names[name]] = Fraction(exponent)
     return Dimension((exponents[0], exponents[1], exponents[2], exponents[3]))

@@ -36,9 +36,9 @@ def _read_count(value: Any, info: ValidationInfo) -> int:
         constants = {} if info.context is None else info.context.constants
         value = parse(value, constants=constants, variables=())()
     if isinstance(value, bool) or not isinstance(value, int | float) or value != value // 1:
-        raise ValueError(f"{value!r} is no whole number")
+        raise ValueError(f"{value!r} is not a whole number")
     if not 1 <= value <= MAX_PARTICLES_PER_AXIS:
-        raise ValueError(f"{value:g} is out of range: 1 to {MAX_PARTICLES_PER_AXIS} are possible")
+        raise ValueError(f"{value:g} is out of range: must be 1 to {MAX_PARTICLES_PER_AXIS}")
     return int(value)
 
 

@@ -97,7 +97,7 @@ def _check_fit(parts: Mapping[str, Remembers], arrays: Mapping[str, Array]) -> N
     for name, array in expected.items():
         found = arrays[name]
         if found.dtype != array.dtype or found.ndim != array.ndim:
-            raise ArchiveError(f"the checkpoint does not fit the simulation: '{name}' is of another kind")
+            raise ArchiveError(f"the checkpoint does not fit the simulation: '{name}' has another type")
         if name.startswith("particles.") and (*array.shape[:-1], *count) != found.shape:
             raise ArchiveError(
                 f"the checkpoint does not fit the simulation: '{name}' has the shape {found.shape}"

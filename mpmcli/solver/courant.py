@@ -55,9 +55,8 @@ class TimeStep:
             if cells > 1.0:
                 raise SimulationError(
                     f"a particle would move by {cells:.3g} cells in one step of {self.fixed:.3g}; "
-                    f"{describe('fastest')}. Either the step is too long for this speed, or the run has become "
-                    f"unstable: try time.step below {self.smallest_cell / max(particle_speed, wave_speed):.2g}, "
-                    "or time.courant instead"
+                    f"{describe('fastest')}. The step is too long for this speed, or the run is unstable; try "
+                    f"time.step below {self.smallest_cell / max(particle_speed, wave_speed):.2g}, or time.courant"
                 )
             return self.fixed
         fastest = max(wave_speed, particle_speed)
@@ -66,19 +65,17 @@ class TimeStep:
             dt = min(dt, self.smallest_cell / particle_speed)  # no particle may pass a whole cell in a step
         if not (0.0 < dt < math.inf):
             raise SimulationError(
-                f"no time step follows from the largest wave speed, {wave_speed:.3g}, the largest particle speed, "
-                f"{particle_speed:.3g}, and a cell of {self.smallest_cell:.3g}: look at the numbers of the materials, "
-                "velocities and the grid, and at their units"
+                f"the time step is not finite for wave speed {wave_speed:.3g}, particle speed {particle_speed:.3g} "
+                f"and cell {self.smallest_cell:.3g}; check the values and units of materials, velocities and grid"
             )
         if self._first is None:
             self._first = dt
         if not dt > COLLAPSED * self._first:
             which = "fastest" if particle_speed > wave_speed else "compressed"
             raise SimulationError(
-                f"the time step collapsed to {dt:.3g}, from {self._first:.3g} at the start: the largest wave speed "
-                f"is {wave_speed:.3g}, the largest particle speed {particle_speed:.3g}; {describe(which)}. Most likely "
-                "the run has become unstable before: look at energy_error in globals.csv; try a smaller Courant "
-                f"number (time.courant: {0.5 * self.courant:.2g})"
+                f"the time step decreased from {self._first:.3g} to {dt:.3g}: the wave speed is {wave_speed:.3g}, the "
+                f"particle speed {particle_speed:.3g}; {describe(which)}. The run is probably unstable; check "
+                f"energy_error in globals.csv, and try time.courant: {0.5 * self.courant:.2g}"
             )
         return dt
 

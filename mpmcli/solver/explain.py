@@ -117,8 +117,7 @@ def left_out(plan: Plan, contact: ContactChoice) -> list[str]:
     """What the scene does not ask for; nothing of it is stored, computed or compiled."""
     absent = {
         "contact (one velocity field): nodal volumes, positions, gradients, normals": not contact.exists,
-        "contact normals, separations, areas and clouds of particles": contact.exists
-        and not contact.knows_normals,
+        "contact normals, separations and areas": contact.exists and not contact.knows_normals,
         "rigid bodies": not any(plan.rigid_fields),
         "FMPM loop": not plan.has_full_mass_loop,
         "XPIC filter": not plan.method.projects,

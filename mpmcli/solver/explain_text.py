@@ -23,11 +23,11 @@ def as_text(facts: dict[str, Any]) -> str:
         "Each step:",
         *_tasks_in_words(facts["kernels_of_tasks"]),
         "",
-        "Not modelled, at no cost:",
+        "Not used (no arrays, no kernels):",
         *(f"  {name}" for name in facts["not_modelled"]),
         "",
         f"arrays     particles {facts['particle_bytes'] / 2**20:.1f} MiB, grid {facts['grid_bytes'] / 2**20:.1f} MiB "
-        f"if every node were used ({', '.join(facts['arrays'])}); {size:.1f} MiB together",
+        f"if all nodes are active ({', '.join(facts['arrays'])}); {size:.1f} MiB in total",
         f"time step  {facts['time_step']:.4g} at the start: {_courant_in_words(facts)}",
         f"run        about {facts['steps']} steps, {_time_in_words(facts)}",
         *_measured_in_words(facts["measured"]),
@@ -53,18 +53,22 @@ def _tasks_in_words(kernels: dict[str, list[str]]) -> list[str]:
 
 def _time_in_words(facts: dict[str, Any]) -> str:
     time = _duration(facts["estimated_seconds"])
-    threads = f"on {facts['threads']} threads" if facts["parallel"] else "too small for threads"
+    threads = (
+        f"on {facts['threads']} threads"
+        if facts["parallel"]
+        else "on 1 thread (fewer particles than parallel runs need)"
+    )
     measured = facts["measured"]
     if measured is None or measured["seconds_per_step"] is None:
-        return f"very roughly {time}, {threads} (--measure finds out)"
-    return f"{time} as measured, {threads}, output and what changes on the way apart"
+        return f"roughly {time}, {threads} (--measure gives a better estimate)"
+    return f"{time} by the measured steps, {threads}, without output"
 
 
 def _measured_in_words(measured: dict[str, Any] | None) -> list[str]:
     if measured is None:
         return []
     if measured["seconds_per_step"] is None:
-        return ["measured   nothing: the run is over too soon"]
+        return ["measured   nothing, because the run is too short"]
     lines = [
         f"measured   {measured['nanoseconds']:.3g} ns per particle and step, median of {measured['steps']} of the "
         f"first steps, {_duration(measured['seconds_per_step'])} each",
@@ -74,16 +78,16 @@ def _measured_in_words(measured: dict[str, Any] | None) -> list[str]:
         parts = ", ".join(f"{name} {share:.1%}" for name, share in measured["parts"].items())
         lines.append(f"  of which {parts}")
     if measured["contact_steps"] is not None:
-        lines.append(f"  fields were in contact in {measured['contact_steps']:.0%} of these steps")
+        lines.append(f"  fields in contact in {measured['contact_steps']:.0%} of these steps")
     if measured["mean_order"] < measured["order"]:
-        share = f"{measured['transfer_steps']:.0%} of the steps are not FLIP's"
+        share = f"{measured['transfer_steps']:.0%} of the steps use the transfer, the others FLIP"
         lines.append(f"  mean order {measured['mean_order']:.3g} of {measured['order']}; {share}")
     if measured["F"] is None:
-        return [*lines, f"  no F of Eq. 3 of Nairn (2026): {measured['without_F']}"]
+        return [*lines, f"  F of Eq. 3 of Nairn (2026) is unknown: {measured['without_F']}"]
     return [
         *lines,
-        f"  one more order costs F = {measured['F']:.3g} of the step of FLIP (Eq. 3 of Nairn 2026; {measured['F_of']} "
-        "and FLIP in turns)",
+        f"  one more order costs F = {measured['F']:.3g} of a FLIP step (Eq. 3 of Nairn 2026; {measured['F_of']} "
+        "against FLIP)",
     ]
 
 
@@ -93,10 +97,15 @@ def _courant_in_words(facts: dict[str, Any]) -> str:
     if facts["courant_is_chosen"]:
         chosen += f" (auto: {SAFETY:g} of the limit, 1 at most)"
     if limit is None:
-        return f"{chosen}; no stability limit is known: {known}"
+        return f"{chosen}; the stability limit is unknown: {known}"
     margin = facts["stability_margin"]
-    verdict = f"{margin:.0%} below" if margin >= 0.0 else f"{-margin:.0%} above: the run may fail"
-    return f"{chosen}; stability limit {limit:.3g} ({known}), {verdict}"
+    estimate = f"the estimated stability limit of {limit:.3g} ({known})"
+    verdict = (
+        f"{margin:.0%} below {estimate}"
+        if margin >= 0.0
+        else f"{-margin:.0%} above {estimate}; the run may fail"
+    )
+    return f"{chosen}, {verdict}"
 
 
 def _fields_in_words(facts: dict[str, Any]) -> str:
@@ -117,13 +126,13 @@ def _contact_in_words(contact: dict[str, Any]) -> list[str]:
     screen = contact["mass_ratio"]
     hint = ""
     if screen > EXACT_MASS_RATIO:
-        hint = f"; where interfaces cross grid lines {EXACT_MASS_RATIO:g} or less is more exact"
+        hint = f"; use {EXACT_MASS_RATIO:g} or less where interfaces cross grid lines"
     passed_over = (
-        f"nodes are passed over where a side has less than {screen:g} of the mass (mass_ratio){hint}"
+        f"nodes where one side has less than {screen:g} of the mass have no contact (mass_ratio){hint}"
     )
     return [
         f"contact of {listing(named, 8)}: {geometry}, {laws} {', '.join(contact['laws'])}; in the first step "
-        f"{contact['candidate_nodes']} nodes and {contact['candidate_particles']} particles are looked at",
+        f"{contact['candidate_nodes']} nodes and {contact['candidate_particles']} particles are checked",
         *([passed_over] if screen > 0.0 else []),
     ]
 

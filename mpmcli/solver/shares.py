@@ -154,7 +154,7 @@ def measure(loaded: Any, threads: int | None = None, seconds: float = SECONDS) -
                 if way is own:
                     raise
                 ways = [own]
-                without = f"the run to compare with failed: {error}"
+                without = f"the reference run failed: {error}"
                 others.clear()
                 break
         if own.is_over:
@@ -210,7 +210,7 @@ def _ways_to_compare(loaded: Any, threads: int | None) -> tuple[dict[str, _Way],
             scene = loaded.scene.model_copy(update={"method": changed, "time": _fixed(loaded.scene)})
             ways[name] = _Way(replace(loaded, scene=scene), threads)
     except SimulationError as error:
-        return {}, f"the run to compare with failed: {error}"
+        return {}, f"the reference run failed: {error}"
     return ways, ""
 
 

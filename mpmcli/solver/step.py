@@ -103,7 +103,7 @@ class _Tasks:
                 words += ", contact on every increment"
             return words + ", then contact" if contact and contact.choice.later else words
         if plan.method.projects:
-            aware = ", aware of what contact corrected" * plan.corrects_filter
+            aware = ", with contact corrections" * plan.corrects_filter
             return f", XPIC filter with {plan.order - 1} passes{aware}"
         return ""
 

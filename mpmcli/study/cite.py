@@ -67,12 +67,12 @@ def bibtex(scene: Any) -> str:
         else:
             without.append(f"{words}: {key}" if key else words)
     title = f" '{scene.title}'" if scene.title else ""
-    lines = [_comment(f"What the scene{title} uses, as told by mpmcli {mpmcli.__version__}."), ""]
+    lines = [_comment(f"References of the scene{title}, by mpmcli {mpmcli.__version__}."), ""]
     lines += [_comment("Cited for the program."), program_entry(), ""]
     for key, said in reasons.items():
         lines += [_comment(f"Cited for {'; '.join(said)}."), entries[key], ""]
     if without:
-        lines += [_comment("Used, and not in the bibliography of mpmcli:")]
+        lines += [_comment("Used, but not in the bibliography of mpmcli:")]
         lines += [_comment(f"- {each}") for each in dict.fromkeys(without)]
         lines += [""]
     return "\n".join(lines)

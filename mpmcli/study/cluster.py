@@ -68,8 +68,13 @@ class Cluster:
             if self.is_stopped:
                 raise Stopped from None
             if self._client.status != "running":
-                raise ArchiveError(f"the scheduler {self._address} is gone: {error}") from error
-            result = {"ended": CRASHED, "message": f"the cluster lost it: {type(error).__name__}: {error}"}
+                raise ArchiveError(
+                    f"the connection to the scheduler {self._address} is lost: {error}"
+                ) from error
+            result = {
+                "ended": CRASHED,
+                "message": f"the cluster lost the run: {type(error).__name__}: {error}",
+            }
         finally:
             with self._lock:
                 self._running.discard(future)

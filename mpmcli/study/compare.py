@@ -78,7 +78,7 @@ def compare(
         if not path.exists():
             raise ArchiveError(f"{path} does not exist")
     if first.is_dir() != second.is_dir():
-        raise ArchiveError(f"a table cannot be compared with a folder: {first}, {second}")
+        raise ArchiveError(f"one of {first} and {second} is a table and the other a folder")
     own = {name: Tolerance(*pair) for name, pair in (tolerances or {}).items()}
     if not first.is_dir():
         return _compare_tables(first.name, first, second, Tolerance(rtol, atol), columns, own)
@@ -104,7 +104,7 @@ def _tables_of(directory: Path) -> set[str]:
     names = {GLOBALS} if (directory / GLOBALS).exists() else set()
     names |= {path.relative_to(directory).as_posix() for path in (directory / "probes").glob("*.csv")}
     if not names:
-        raise ArchiveError(f"{directory} holds no tables of a run")
+        raise ArchiveError(f"{directory} has no tables of a run")
     return names
 
 

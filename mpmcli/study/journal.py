@@ -53,7 +53,7 @@ class Journal:
             except (ValueError, KeyError, TypeError):
                 continue
         if len(written) > 1 and not self.results:
-            raise ArchiveError(f"cannot read {self.path}: it holds no results of a study")
+            raise ArchiveError(f"cannot read {self.path}: it has no results of a study")
 
     def get(self, key: str) -> dict[str, Any] | None:
         """The result of this key, if it is finished."""
@@ -85,7 +85,7 @@ def study_folder(directory: Path) -> Iterator[Path]:
         If another study or run holds it, or it cannot be written.
     """
     if directory.exists() and not directory.is_dir():
-        raise ArchiveError(f"{directory} is a file; a study needs a folder")
+        raise ArchiveError(f"{directory} is a file; give a folder for the study")
     make_folder(directory)
     with hold(directory, "study or run"):
         yield directory

@@ -27,7 +27,7 @@ def new_figure(width: float = 6.4, height: float = 4.4) -> tuple[Any, Any]:
         If matplotlib is not installed.
     """
     if not can_plot():
-        raise ArchiveError("plots need matplotlib: pip install 'mpmcli[plot]'")
+        raise ArchiveError("plots need matplotlib; install it with pip install 'mpmcli[plot]'")
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), layout="constrained")

@@ -130,7 +130,7 @@ def _wait(
             result: dict[str, Any] = json.loads(line.removeprefix(MARK))
             return result
     if is_late:
-        return {"ended": TIMED_OUT, "message": f"it took longer than {timeout:g} s by the clock"}
+        return {"ended": TIMED_OUT, "message": f"the run took longer than {timeout:g} s"}
     messages.seek(0)
     last = messages.read().strip()[-LAST_CHARACTERS:]
     return {"ended": CRASHED, "message": _how_it_ended(code), "last_words": last}

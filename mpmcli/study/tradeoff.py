@@ -46,7 +46,7 @@ class Variation:
         key, equals, values = text.partition("=")
         found = tuple(dict.fromkeys(split_list(values)))
         if not equals or not key.strip() or not found:
-            raise ValueError(f"'{text}' is no variation: write key=value,value,… as in grid.cell=0.5,1")
+            raise ValueError(f"'{text}' is not a variation; write key=value,value,… such as grid.cell=0.5,1")
         variation = cls(key.strip(), found)
         for value in found:
             variation.setting(value)
@@ -234,7 +234,7 @@ def read_columns(path: Path) -> dict[str, Array]:
     try:
         numbers = np.array([read_numbers(row) for row in rows]).reshape(len(rows), len(header))
     except ValueError:
-        raise ArchiveError(f"cannot read {path}: it holds something else than numbers") from None
+        raise ArchiveError(f"cannot read {path}: some cells are not numbers") from None
     return {name: numbers[:, i] for i, name in enumerate(header)}
 
 
@@ -253,7 +253,9 @@ class Measure:
         """``COLUMN`` or ``COLUMN=EXPRESSION``."""
         column, equals, expression = text.partition("=")
         if not column.strip() or (equals and not expression.strip()):
-            raise ValueError(f"'{text}': write COLUMN, or COLUMN=EXPRESSION with --against exact")
+            raise ValueError(
+                f"'{text}' is not a measure; write COLUMN, or COLUMN=EXPRESSION with --against exact"
+            )
         return cls(column.strip(), expression.strip() if equals else None)
 
     def exact(self, constants: Mapping[str, float]) -> Callable[[Array], Array]:
@@ -263,7 +265,7 @@ class Measure:
             text = "0"
         if text is None:
             raise ValueError(
-                f"what is the exact '{self.column}'? Write --error '{self.column}=EXPRESSION' of t and constants"
+                f"'{self.column}' has no exact solution; write --error '{self.column}=EXPRESSION' of t and constants"
             )
         function = parse(text, constants=dict(constants), variables=("t",))
         return lambda t: np.broadcast_to(np.asarray(function(t=t), dtype=float), t.shape)
@@ -312,7 +314,7 @@ def find_errors(
         place = 1 if measure == "rms" else 0
         case.error = max(pair[place] for pair in case.errors.values())
         if not np.isfinite(case.error):
-            case.error, case.remark = None, "nothing to compare with at these times"
+            case.error, case.remark = None, "the reference has no values at these times"
 
 
 def _errors(table: Mapping[str, Array], column: str, reference: Reference) -> tuple[float, float]:
@@ -351,7 +353,7 @@ def sentence(cases: Sequence[Case], within: float, against: str, cost: Cost = "r
     """The cheapest case within a given error, in one sentence."""
     able = _comparable(cases, cost)
     if not able:
-        return "No case could be compared."
+        return "No case has results to compare."
     chosen = find_cheapest(cases, within, cost)
     if chosen is None:
         best = min(able, key=lambda c: c.error if c.error is not None else np.inf)

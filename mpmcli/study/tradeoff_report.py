@@ -139,8 +139,8 @@ def plot_tradeoff(
         axes.plot(
             *place, "o", color="black", fillstyle="none", markersize=15, label=f"cheapest within {asked}"
         )
-    axes.set_xlabel(f"{COSTS[cost]}  (cheaper to the left)")
-    axes.set_ylabel("error, %  (better below)")
+    axes.set_xlabel(f"{COSTS[cost]}  (cheaper: left)")
+    axes.set_ylabel("error, %  (better: below)")
     write_title(figure, title, TITLE_SIZE)
     axes.set_title(f"error against {against}", fontsize=TITLE_SIZE, loc="left")
     if shown:  # beside the picture, where it hides no point

@@ -47,16 +47,18 @@ def transfer_value(text: str) -> str:
     match = SHORT.fullmatch(text)
     kinds = ", ".join("flip" if kind == "flip" else f"{kind}:ORDER" for kind in TRANSFER_METHODS)
     if match is None:
-        raise ValueError(f"'{text}' is no transfer: write one of {kinds}, or {{kind: fmpm, order: 4}}")
+        raise ValueError(f"'{text}' is not a transfer; write one of {kinds}, or {{kind: fmpm, order: 4}}")
     kind, order = match.groups()
     if kind not in TRANSFER_METHODS:
-        raise ValueError(f"'{kind}' is no transfer{did_you_mean(kind, TRANSFER_METHODS)} ({kinds})")
+        raise ValueError(
+            f"'{kind}' is not a transfer{did_you_mean(kind, TRANSFER_METHODS)} (allowed: {kinds})"
+        )
     if order is None:
         return f"{{kind: {kind}}}"
     if kind == "flip":
-        raise ValueError(f"'{text}': flip has no order")
+        raise ValueError(f"'{text}' is not a transfer, because flip has no order")
     if not order.isdecimal() or int(order) < 1:
-        raise ValueError(f"'{text}': the order is a whole number from 1 on, not '{order}'")
+        raise ValueError(f"'{text}' is not a transfer; the order must be a whole number of at least 1")
     return f"{{kind: {kind}, order: {int(order)}}}"
 
 
@@ -83,5 +85,7 @@ def check_names(names: list[str], known: Iterable[str], what: str) -> list[str]:
     known = list(known)
     for name in names:
         if name not in known:
-            raise ValueError(f"'{name}' is no {what}{did_you_mean(name, known)} ({', '.join(sorted(known))})")
+            raise ValueError(
+                f"'{name}' is not a {what}{did_you_mean(name, known)} (allowed: {', '.join(sorted(known))})"
+            )
     return names

@@ -23,9 +23,7 @@ MOST_FRAMES = 300
 def check_writer(kind: str) -> None:
     """Raise PictureError if no program is there that writes such files."""
     if kind == "mp4" and shutil.which("ffmpeg") is None:
-        raise PictureError(
-            "MP4 needs the program ffmpeg, which is not installed here; --animate gif needs nothing more"
-        )
+        raise PictureError("MP4 animations need the program ffmpeg; install it, or use --animate gif")
 
 
 def write_animation(path: Path, pictures: Iterator[np.ndarray], rate: float) -> None:
@@ -80,7 +78,7 @@ def _write_mp4(path: Path, pictures: Iterator[np.ndarray], rate: float) -> None:
                 pass  # what ffmpeg has to say follows
             words = writer.stderr.read().decode(errors="replace").strip()
         if writer.returncode:
-            raise ArchiveError(f"cannot write {path}: ffmpeg says: {words or writer.returncode}")
+            raise ArchiveError(f"cannot write {path}: ffmpeg reports: {words or writer.returncode}")
         partial.replace(path)
     except OSError as error:
         raise cannot_write(path, error) from error

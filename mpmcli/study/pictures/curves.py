@@ -94,15 +94,13 @@ def subject_panels(results: Results, subject: str) -> list[Panel]:
     """The panels about a subject; PictureError if the table has no such column."""
     if GLOBALS not in results.table_names():
         raise PictureError(
-            f"{results.directory} has no {GLOBALS} to draw {subject} from: the scene needs archive.globals"
+            f"{results.directory} has no {GLOBALS} with {subject}; add archive.globals to the scene"
         )
     table = results.table(GLOBALS)
     wanted = SUBJECTS[subject]
     columns = [name for name in table.columns if parts_of(name)[0] in wanted]
     if not columns:
-        raise PictureError(
-            f"{results.directory / GLOBALS} has no columns about {subject} ({listing(wanted)})"
-        )
+        raise PictureError(f"{results.directory / GLOBALS} has no columns of {subject} ({listing(wanted)})")
     if subject == ENERGIES:
         return _energy_panels(table, columns)
     return _by_quantity([(table, name) for name in columns])
@@ -166,7 +164,7 @@ def abscissa(results: Results, name: str) -> Abscissa:
         raise _no_column(name, tables)
     if len(fitting) > 1 and fitting[0][0].name != GLOBALS:
         names = [f"{_probe_of(table)}:{column}" for table, column in fitting]
-        raise PictureError(f"several probes have a column '{name}': choose {listing(names)}")
+        raise PictureError(f"several probes have a column '{name}'; use one of {listing(names)}")
     return Abscissa(*fitting[0])
 
 

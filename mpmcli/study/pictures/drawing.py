@@ -55,7 +55,7 @@ def save(figure: Any, path: Path) -> None:
     """Write a figure in one move, in the format of the file's ending."""
     ending = path.suffix.lower()
     if ending not in FORMATS:
-        raise PictureError(f"'{path.name}' has no ending of a picture ({', '.join(FORMATS)})")
+        raise PictureError(f"'{path.name}' is not a picture file (allowed: {', '.join(FORMATS)})")
     dates = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {"Software": None}}
     drawn = io.BytesIO()
     figure.savefig(drawn, format=ending[1:], dpi=figure.dpi, metadata=dates.get(ending))

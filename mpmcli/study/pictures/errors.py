@@ -22,7 +22,5 @@ def matplotlib() -> Any:
     try:
         import matplotlib
     except ImportError:
-        raise PictureError(
-            "pictures need matplotlib, which is not installed: pip install 'mpmcli[plot]'"
-        ) from None
+        raise PictureError("pictures need matplotlib; install it with pip install 'mpmcli[plot]'") from None
     return matplotlib

@@ -136,12 +136,9 @@ class ParticlePicture(ABC):
         """(N, d, d) half-edges of the domains, with notes where they are not what they should be."""
         domains = domains_of(self.results, frame)
         if not domains.are_deformed:
-            self._note(
-                "particles are drawn undeformed: their deformed domains need deformation_gradient "
-                "in archive.particles.fields"
-            )
+            self._note("particles are drawn undeformed; add deformation_gradient to archive.particles.fields")
         if domains.are_guessed:
-            self._note("the size of particles is a guess: the scene does not say it")
+            self._note("the particle size is estimated, because the scene does not give it")
         return domains.edges
 
     def _length(self, axis: int) -> str:

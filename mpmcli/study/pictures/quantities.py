@@ -127,10 +127,12 @@ def find_coloring(name: str | None, frame: Frame, usual: tuple[str, ...] = DEFAU
         return known[name]
     if name in frame.components:
         parts = [each for each, coloring in known.items() if coloring.array == name]
-        raise PictureError(f"'{name}' has {len(frame.components[name])} components: choose {listing(parts)}")
+        raise PictureError(
+            f"'{name}' has {len(frame.components[name])} components; use one of {listing(parts)}"
+        )
     raise PictureError(
-        f"the archives hold no '{name}'{did_you_mean(name, known)} ({listing(known, 40)}); "
-        "archive.particles.fields of the scene says what they hold"
+        f"the archives have no '{name}'{did_you_mean(name, known)} ({listing(known, 40)}); "
+        "add it to archive.particles.fields of the scene"
     )
 
 

@@ -108,7 +108,7 @@ def plot(directory: Path | str, request: Request | None = None) -> tuple[list[Pa
         check_writer(request.animate)
     jobs = list(_jobs(results, request))
     if not jobs:
-        raise ArchiveError(f"{directory} holds neither {GLOBALS} nor archives of particles: nothing to draw")
+        raise ArchiveError(f"{directory} has neither {GLOBALS} nor archives of particles")
     paths = _paths(results, request, [(name, ending) for name, ending, _ in jobs])
     notes: list[str] = []
     with drawing():
@@ -122,22 +122,21 @@ def _check(request: Request) -> None:
         if word not in WHAT:
             raise PictureError(f"there is no picture '{word}'{did_you_mean(word, WHAT)} ({', '.join(WHAT)})")
     if request.animate not in (None, *KINDS):
-        raise PictureError(f"'{request.animate}' is no kind of animation ({', '.join(KINDS)})")
+        raise PictureError(f"'{request.animate}' is not a kind of animation (allowed: {', '.join(KINDS)})")
     if request.view not in VIEWS:
         raise PictureError(
             f"there is no view '{request.view}'{did_you_mean(request.view, VIEWS)} ({', '.join(VIEWS)})"
         )
     if request.time is not None and request.frame is not None:
-        raise PictureError("a time and the number of an archive exclude each other")
+        raise PictureError("give either a time or the number of an archive")
     if request.animate and (request.time is not None or request.frame is not None):
-        raise PictureError("an animation shows all times")
+        raise PictureError("an animation shows all times; remove the time or archive")
     if request.section is not None and request.view != "iso":
-        raise PictureError("a section is seen along its own axis: leave out the view")
+        raise PictureError("a section is seen along its normal; remove the view")
     about_tables = (request.what, request.columns, request.over, request.animate, request.section)
     if request.paraview and any(about_tables):
         raise PictureError(
-            "a script for ParaView shows the particles at all times: it takes a quantity, a range of colours, a "
-            "time or archive to begin with, and a view, and nothing else"
+            "a ParaView script takes only a quantity, a colour range, a view, and the time or archive to begin with"
         )
     if request.limits is not None and not request.limits[0] < request.limits[1]:
         raise PictureError("the first number of a range must be below the second")
@@ -182,9 +181,9 @@ def _what(results: Results, request: Request) -> list[str]:
     if not what and not request.columns and request.over is None:
         what = [word for word in (ENERGIES, PARTICLES) if word in _existing(results)]
     if request.over is not None and not request.columns and what in ([], [PARTICLES]):
-        raise PictureError("there are no columns to draw over another: name some")
+        raise PictureError("--x needs columns; give --column")
     if PROBES in what and results.table_names() in ([], [GLOBALS]):
-        raise PictureError(f"{results.directory} has no tables of probes: the scene needs probes")
+        raise PictureError(f"{results.directory} has no tables of probes; add probes to the scene")
     return what
 
 
@@ -208,7 +207,7 @@ def _paths(results: Results, request: Request, pictures: list[tuple[str, str]]) 
     if len(pictures) > 1:
         names = ", ".join(name for name, _ in pictures)
         raise PictureError(
-            f"{output} is one file, and {len(pictures)} are asked for ({names}): name a folder"
+            f"{output} is one file, but {len(pictures)} pictures are requested ({names}); give a folder"
         )
     is_animation = f".{request.animate}" == pictures[0][1]
     allowed = (pictures[0][1],) if is_animation else FORMATS
@@ -264,7 +263,7 @@ def _picture(
     palette = Palette(results, coloring, extent, request.limits)
     d = results.dimensions(frame)
     if d < 3 and request.section is not None:
-        raise PictureError(f"a section needs three dimensions, and there are {d}")
+        raise PictureError(f"a section needs a 3D analysis, and this one is {d}D")
     if d == 1:
         return LinePicture(results, palette, extent)
     if d == 2:

@@ -105,7 +105,7 @@ def place_of_section(frame: Frame, extent: Extent, axis: int, position: float | 
         return float(places[np.abs(places - middle).argmin()]) if len(places) else middle
     if not low <= position <= high:
         raise PictureError(
-            f"the plane {'xyz'[axis]} = {position:g} cuts no particle: they reach from {low:.4g} to {high:.4g}"
+            f"the plane {'xyz'[axis]} = {position:g} cuts no particle; the particles span {low:.4g} to {high:.4g}"
         )
     return position
 

@@ -58,7 +58,7 @@ def test_a_plane_holds_nodes_on_it_and_beyond(plane, expected):
 
 
 def test_a_plane_in_the_middle_needs_a_side():
-    with pytest.raises(ValueError, match=r"x = 2 is in the middle of the grid: say 'side: lower'"):
+    with pytest.raises(ValueError, match=r"x = 2 is in the middle of the grid; give 'side: lower'"):
         held(square(), [condition(Place(plane=Plane(axis="x", at=2.0)))])
 
 
@@ -202,9 +202,9 @@ def test_a_value_that_is_not_finite_stops_the_run():
 @pytest.mark.parametrize(
     ("place", "message"),
     [
-        ({}, "one of plane, box, region, or body"),
-        ({"plane": {"axis": "x", "at": 0}, "box": {"lower": [0], "upper": [1]}}, "one of plane"),
-        ({"body": "a"}, "belong together"),
+        ({}, "one of: plane, box, region, or body"),
+        ({"plane": {"axis": "x", "at": 0}, "box": {"lower": [0], "upper": [1]}}, "one of: plane"),
+        ({"body": "a"}, "give both body and face"),
         ({"plane": {"axis": "w", "at": 0}}, "axis"),
     ],
 )
@@ -216,8 +216,8 @@ def test_a_place_that_makes_no_sense_is_refused(place, message):
 @pytest.mark.parametrize(
     ("direction", "message"),
     [
-        ("up", "'up' is no direction"),
-        ([0, 0], "length above zero"),
+        ("up", "'up' is not a direction"),
+        ([0, 0], "must not have length zero"),
         ([1, "a"], "error, 'a' is not known"),
         (3, "x, y, z or a vector"),
     ],
@@ -239,7 +239,7 @@ def test_what_does_not_fit_the_axes_is_listed():
     made = Velocity(name="a", on={"plane": {"axis": "z", "at": 0}}, direction="z", value=0)
     assert [key for key, _ in made.problems(2)] == ["on.plane.axis", "direction"]
     made = Velocity(name="a", on={"box": {"lower": [2, 2], "upper": [1, 3]}}, direction="y", value=0)
-    assert made.problems(2) == [("on.box.upper", "must not be below lower")]
+    assert made.problems(2) == [("on.box.upper", "must not lie below lower")]
 
 
 def test_regions_that_do_not_fit_are_listed():

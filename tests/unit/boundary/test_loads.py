@@ -168,9 +168,9 @@ def test_tractions_act_on_faces():
     assert traction.follows
     assert not Traction(name="t", on=on, pressure=1, follower=False).follows
     assert not Traction(name="t", on=on, traction=[1, 0]).follows
-    with pytest.raises(ValidationError, match="give traction or pressure"):
+    with pytest.raises(ValidationError, match="give either traction or pressure"):
         Traction(name="t", on=on)
-    with pytest.raises(ValidationError, match="give traction or pressure"):
+    with pytest.raises(ValidationError, match="give either traction or pressure"):
         Traction(name="t", on=on, traction=[1, 0], pressure=1)
 
 
@@ -241,7 +241,7 @@ def test_a_load_without_effect_is_refused():
     class Idle(LoadModel):
         kind: Literal["idle"] = "idle"
 
-    with pytest.raises(TypeError, match="Idle is no load: it defines none of uniform_acceleration"):
+    with pytest.raises(TypeError, match="Idle is not a load: it defines none of uniform_acceleration"):
         LOADS.register(Idle)
     assert "idle" not in LOADS
 
@@ -257,7 +257,7 @@ def test_a_condition_that_holds_nothing_is_refused():
     class Idle(ConditionModel):
         kind: Literal["idle"] = "idle"
 
-    with pytest.raises(TypeError, match="Idle is no boundary condition: it does not define 'holder'"):
+    with pytest.raises(TypeError, match="Idle is not a boundary condition: it does not define 'holder'"):
         CONDITIONS.register(Idle)
     assert "idle" not in CONDITIONS
 

@@ -234,6 +234,6 @@ def test_mirrors_face_to_face():
 
 def test_a_plane_between_grid_lines_is_refused():
     grid = Grid(np.zeros(2), np.full(2, 4.0), np.ones(2), 1, 2)
-    with pytest.raises(ValueError, match=r"symmetry plane must lie on a grid line: x = 0\.5"):
+    with pytest.raises(ValueError, match=r"a symmetry plane must lie on a grid line; x = 0\.5"):
         Symmetry(name="s", plane={"axis": "x", "at": 0.5}).holder(grid, None)
     assert Symmetry(name="s", plane={"axis": "z", "at": 0}).problems(2)[0][0] == "plane.axis"

@@ -57,30 +57,33 @@ FILES: dict[str, tuple[Callable[[], str], str]] = {
             + f"z:\n  - &a {{{', '.join(f'k{i}: 1' for i in range(900))}}}\n"
             + "  - {<<: *a}\n" * 20000
         ),
-        "too large",
+        "exceeds the limit",
     ),
     "merge_list": (
         lambda: scene() + f"z:\n  - &a {{k: 1}}\n  - {{<<: [{'*a, ' * 500000}]}}\n",
-        "list of more",
+        "list exceeds the limit",
     ),
-    "aliases": (lambda: scene() + f"z: &q [1, 2, 3]\ny: [{'*q,' * 1000000}]\n", "list of more"),
-    "list_of_9_MB": (lambda: scene() + f"z: [{'1,' * 4500000}]\n", "list of more"),
-    "lists": (lambda: scene() + f"z: [{'[],' * 3000000}]\n", "list of more"),
-    "unknown_keys": (lambda: scene() + "".join(f"key{i}: 1\n" for i in range(50000)), "mapping of more"),
+    "aliases": (lambda: scene() + f"z: &q [1, 2, 3]\ny: [{'*q,' * 1000000}]\n", "list exceeds the limit"),
+    "list_of_9_MB": (lambda: scene() + f"z: [{'1,' * 4500000}]\n", "list exceeds the limit"),
+    "lists": (lambda: scene() + f"z: [{'[],' * 3000000}]\n", "list exceeds the limit"),
+    "unknown_keys": (
+        lambda: scene() + "".join(f"key{i}: 1\n" for i in range(50000)),
+        "mapping exceeds the limit",
+    ),
     "unknown_keys_below_the_limit": (
         lambda: scene() + "".join(f"key{i}: 1\n" for i in range(900)),
         "more\n",
     ),
-    "repeated_keys": (lambda: scene() + "title: x\n" * 900000, "second time"),
+    "repeated_keys": (lambda: scene() + "title: x\n" * 900000, "duplicate key"),
     "misspelt_constants": (lambda: scene(constants('"2*cc{i}x"', 900)), "more\n"),
-    "many_constants": (lambda: scene(constants('"2*cc{i}x"', 50000)), "mapping of more"),
+    "many_constants": (lambda: scene(constants('"2*cc{i}x"', 50000)), "mapping exceeds the limit"),
     "units": (lambda: scene(constants('"{i} GPa"', 900)), "valid"),
     "wrong_units": (lambda: scene(constants('"{i} GPaq{i}"', 900)), "more\n"),
     "bodies_with_one_fault": (lambda: scene(count=1000, material="ruber"), "more\n"),
     "bodies_with_a_wrong_value": (lambda: scene(count=1000, v="vv"), "more\n"),
     "bodies_of_one_name": (lambda: scene(count=1000).replace("name: b", "name: b0 #"), "syntax"),
     "bodies": (lambda: scene(count=1000), "valid"),
-    "too_many_bodies": (lambda: scene(count=5000, material="ruber"), "list of more"),
+    "too_many_bodies": (lambda: scene(count=5000, material="ruber"), "list exceeds the limit"),
     "bodies_in_contact": (
         lambda: scene(count=1000) + "contact: {law: {kind: coulomb, friction: 0.3}}\n",
         "velocity fields",
@@ -90,7 +93,7 @@ FILES: dict[str, tuple[Callable[[], str], str]] = {
         "more\n",
     ),
     "long_text": (lambda: "title: " + "A" * 9_000_000 + "\n" + scene(), "characters"),
-    "long_expressions": (lambda: scene(constants(f'"{"+".join(["v"] * 900)}"', 900)), "too large"),
+    "long_expressions": (lambda: scene(constants(f'"{"+".join(["v"] * 900)}"', 900)), "exceeds the limit"),
     "long_comment": (lambda: scene() + "#" + "x" * 9_900_000, "valid"),
     "quote_without_end": (lambda: scene() + 'z: "' + "x\n" * 4_000_000, "syntax"),
 }
@@ -146,17 +149,17 @@ def test_what_is_no_file_is_not_read(
     monkeypatch.chdir(tmp_path)
     os.mkfifo("a_pipe")
     assert call(["validate", file]) == 3
-    assert "is no plain file" in capsys.readouterr().out
+    assert "is not a regular file" in capsys.readouterr().out
     for region in ("kind: points", "kind: mesh", "kind: bitmap, levels: [0, 9], pixel: 1"):
         text = scene().replace("kind: box, lower: [-5, -5], upper: [5, 5]", f"{region}, file: {file}")
         Path("scene.yaml").write_text(text)
         assert call(["validate", "--allow-outside-files", "scene.yaml"]) == 3
-        assert "is not a plain file" in capsys.readouterr().out
+        assert "is not a regular file" in capsys.readouterr().out
 
 
 def test_a_file_that_is_larger_than_it_says(capsys: pytest.CaptureFixture[str]) -> None:
     if not Path("/proc/self/pagemap").exists():
-        pytest.skip("there is no such file here")
+        pytest.skip("the file does not exist here")
     assert call(["validate", "/proc/self/pagemap"]) == 3
     answer = capsys.readouterr().out
     assert "too large" in answer or "cannot be read" in answer

@@ -76,9 +76,9 @@ def test_every_scene_can_be_cited(scene, capsys) -> None:
 def test_cite_writes_a_new_file_only(tmp_path, capsys) -> None:
     scene, path = str(ROOT / "inputs" / "vibrating_bar.yaml"), tmp_path / "a.bib"
     assert call(["cite", scene, "-o", str(path)]) == 0
-    assert path.read_text(encoding="utf-8").startswith("% What the scene")
+    assert path.read_text(encoding="utf-8").startswith("% References of the scene")
     assert call(["cite", scene, "-o", str(path)]) == 5
-    assert "exists already" in capsys.readouterr().err
+    assert "already exists" in capsys.readouterr().err
 
 
 def test_cite_reports_problems_of_the_scene(tmp_path, capsys) -> None:

@@ -105,12 +105,15 @@ FAULTS = {
     "is no Python": (entry("garbled"), r"SyntaxError: .*garbled\.py:1\)"),
     "leaves": (entry("leaving"), "SystemExit: 7"),
     "registers nothing": (entry("empty"), "registers no material 'jelly'"),
-    "wrong base": (entry("soft_matter"), "the material 'jelly' is no Base"),
+    "wrong base": (entry("soft_matter"), "the material 'jelly' is not a Base"),
     "a group misspelt": (
         entry("soft_matter", group="mpmcli.material"),
         "there is no group 'mpmcli.material'; did you mean 'mpmcli.materials'",
     ),
-    "the name of an own entry": (entry("soft_matter", name="own"), "the material 'own' is mpmcli's own"),
+    "the name of an own entry": (
+        entry("soft_matter", name="own"),
+        "the material 'own' already belongs to mpmcli",
+    ),
     "registers an own name too": (
         entry("twice"),
         "ValueError: material 'own' is registered twice",
@@ -140,7 +143,9 @@ def test_what_is_wrong_with_a_plugin_is_said_in_words(case, install, registry):
 def test_two_plugins_must_not_bring_the_same_name(install, registry):
     install("soft", {"soft_matter.py": MATERIAL}, entry("soft_matter"))
     install("hard", {"hard_matter.py": MATERIAL}, entry("hard_matter"), version="2.1")
-    with pytest.raises(PluginError, match=r"two plugins bring the material 'jelly': hard 2\.1 and soft 1\.0"):
+    with pytest.raises(
+        PluginError, match=r"two plugins define the material 'jelly': hard 2\.1 and soft 1\.0"
+    ):
         plugins.load_plugins("materials", registry)
 
 

@@ -115,7 +115,7 @@ def test_pictures_that_cannot_be_used(region, tmp_path, monkeypatch):
         f"Value error, there is no file 'leter.png' in {tmp_path}; did you mean 'letter.png'?",
     )
     (tmp_path / "text.png").write_text("hello")
-    assert "no picture" in refused(region, file="text.png")[1]
+    assert "not an image" in refused(region, file="text.png")[1]
     content = (tmp_path / "letter.png").read_bytes()
     (tmp_path / "half.png").write_bytes(content[: len(content) // 2])
     assert "'half.png'" in refused(region, file="half.png")[1]

@@ -57,7 +57,7 @@ def test_what_is_no_readable_file_is_refused(folder, monkeypatch):
     assert "is a folder" in refused("scene", context)
     assert "did you mean 'outside.txt'" in refused("outsidee.txt", context)
     assert "zero byte" in refused("a\0b", context)
-    assert "not a plain file" in refused("/dev/null", context)
+    assert "not a regular file" in refused("/dev/null", context)
     (folder / "empty.txt").touch()
     assert "is empty" in refused("empty.txt", context)
     monkeypatch.setattr("mpmcli.geometry.files.MAX_BYTES", 0)

@@ -100,7 +100,7 @@ def test_mirror_image_beyond_the_axis_is_left_out(body, grid):
     bodies = [body("ball", kind="disk", center=[0, 0], radius=1)]
     [half] = fill_bodies(bodies, grid([0, -2], [2, 2], 0.1), Axisymmetric())
     assert half.volume.sum() == pytest.approx(np.pi / 2, rel=0.01)
-    with pytest.raises(SceneError, match="reaches out of the grid"):
+    with pytest.raises(SceneError, match="beyond the grid:"):
         fill_bodies(bodies, grid([0, -2], [2, 2], 0.1), PlaneStrain())
 
 
@@ -115,11 +115,11 @@ def test_every_problem_is_reported_at_once(body, grid):
     with pytest.raises(SceneError) as caught:
         fill_bodies(bodies, grid([0, 0], [1, 1], 0.1), PlaneStrain())
     by_path = {problem.path: problem.message for problem in caught.value.problems}
-    assert "reaches out of the grid" in by_path["bodies.big.region"]
+    assert "beyond the grid:" in by_path["bodies.big.region"]
     assert "lies outside the grid" in by_path["bodies.far.region"]
     assert "has no particles" in by_path["bodies.tiny.region"]
-    assert "is for 3D analyses, and this one is 2D" in by_path["bodies.solid.region.kind"]
-    assert "far out of the grid" in by_path["bodies.huge.region"]
+    assert "needs a 3D analysis, and this one is 2D" in by_path["bodies.solid.region.kind"]
+    assert "far beyond the grid" in by_path["bodies.huge.region"]
 
 
 def overlapping(body, policy, per_axis=2):

@@ -156,7 +156,7 @@ def test_an_open_surface_is_an_error_unless_allowed(region, folder):
         region("mesh", file="hole.stl")
     [error] = caught.value.errors()
     assert error["loc"] == ("mesh", "file")
-    assert "not closed: 3 open edges" in error["msg"]
+    assert "not closed (3 open edges)" in error["msg"]
     allowed = region("mesh", file="hole.stl", open="allow")
     assert "open along 3 edges" in allowed.notes()[0]
     assert allowed.measure(3) is None
@@ -273,7 +273,7 @@ def test_a_file_that_claims_too_much_is_refused_before_memory_is_asked_for(regio
     stop = content.index(b'"', start)
     for claim in (b"99999999999999", b"-1", b"many"):
         (folder / "big.vtp").write_bytes(content[:start] + claim + content[stop:])
-        with pytest.raises(ValidationError, match="claims to hold more than it can"):
+        with pytest.raises(ValidationError, match="promises more than the file has"):
             region("mesh", file="big.vtp")
 
 

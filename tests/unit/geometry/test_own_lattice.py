@@ -20,7 +20,7 @@ def test_turned_box_is_filled_exactly(body, grid):
     assert block.count == 4 * 2 * 4
     [report] = body_report(bodies, [block], [1.0], space, analysis)
     assert report.exact
-    assert report.notes == ("particles of 0.5 × 0.5 along the region's own sides, turned with it",)
+    assert report.notes == ("particles of 0.5 × 0.5 along the region's own sides, rotated with it",)
     assert report.difference == pytest.approx(0, abs=1e-14)
     lower, upper = bodies[0].region.bounds(2)
     np.testing.assert_allclose([report.lower, report.upper], [lower, upper], atol=1e-12)
@@ -84,9 +84,9 @@ def test_what_cannot_be(body, grid):
     with pytest.raises(SceneError) as caught:
         fill_bodies(bodies, grid([-3, -3], [6, 6], 1), PlaneStrain())
     words = [problem.message for problem in caught.value.problems]
-    assert "without end" in words[0]
-    assert "reaches out of the grid" in words[1]
-    assert "far out of the grid" in words[2]
+    assert "unbounded region" in words[0]
+    assert "extends beyond the grid" in words[1]
+    assert "far beyond the grid" in words[2]
     ball = [body("ball", along="region", kind="disk", center=[0, 2], radius=1)]
-    with pytest.raises(SceneError, match="across the axis of symmetry"):
+    with pytest.raises(SceneError, match="crosses the axis of symmetry"):
         fill_bodies(ball, grid([0, 0], [3, 4], 0.25), Axisymmetric())

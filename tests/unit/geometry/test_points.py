@@ -93,7 +93,7 @@ def test_overlap_with_a_filled_body(body, grid):
 def test_out_of_the_grid(body, grid):
     bodies = [body("cloud", kind="points", file="table.csv", translate=[0.4, 0])]
     with pytest.raises(
-        SceneError, match=r"line 5, column 'x': particle 2 at \[1\.15, 0\.5\] is out of the grid"
+        SceneError, match=r"line 5, column 'x': particle 2 at \[1\.15, 0\.5\] is outside the grid"
     ):
         fill_bodies(bodies, grid([0, 0], [1, 1], 0.1), PlaneStrain())
 
@@ -117,14 +117,14 @@ def test_lists_of_particles_cannot_be_combined(region):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("x,y,volume\n1,2,three\n", "no table of numbers"),
+        ("x,y,volume\n1,2,three\n", "not a table of numbers"),
         ("x,y,volume\n1,2\n", "names 3 columns and has 2"),
-        ("x,y,volume\n", "holds no particles"),
+        ("x,y,volume\n", "has no particles"),
         ("a,b,volume\n1,2,3\n", "no column x; its columns are a, b, volume"),
         ("x,x,volume\n1,2,3\n", "names a column twice"),
         ("x,y,volume\n1,nan,3\n", "line 2, column 'y': not a finite number"),
         ("x,y,volume\n1,1,1\n1,2,-3\n", "line 3, column 'volume': the volume -3 is not a positive number"),
-        (b"x,y,volume\n\xff\xfe\n", "no text file in UTF-8"),
+        (b"x,y,volume\n\xff\xfe\n", "not a UTF-8 text file"),
     ],
 )
 def test_tables_that_cannot_be_used(region, folder, content, words):
@@ -134,6 +134,6 @@ def test_tables_that_cannot_be_used(region, folder, content, words):
 
 def test_other_files(region, folder):
     (folder / "bad.txt").write_text("1 2 3")
-    assert "should be .csv or .vtu" in refused(region, file="bad.txt")
+    assert "(allowed: .csv, .vtu)" in refused(region, file="bad.txt")
     (folder / "bad.vtu").write_text("1 2 3")
-    assert "damaged or no VTU file" in refused(region, file="bad.vtu")
+    assert "damaged or not a VTU file" in refused(region, file="bad.vtu")

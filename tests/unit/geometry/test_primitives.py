@@ -184,18 +184,18 @@ def test_wrong_fields_are_named():
     [(place, words)] = errors(kind="disk", center=["ten", 0], radius=1)
     assert place == ("disk", "center", 0)
     [(place, words)] = errors(kind="half_space", point=[0, 0], normal=[0, 0])
-    assert "direction of length zero" in words
+    assert "direction must not have length zero" in words
     [(place, words)] = errors(kind="polygon", points=[[0, 0], [1, 1], [1, 0], [0, 1]])
-    assert "meets the edge" in words
+    assert "crosses or touches the edge" in words
     [(place, words)] = errors(kind="polygon", points=[[0, 0], [1, 1], [2, 2]])
     assert "no area" in words
     [(place, words)] = errors(kind="cylinder", radius=1, **{"from": [0, 0, 0], "to": [0, 0, 0]})
     assert "same point" in words
     [(place, words)] = errors(kind="box", lower=[0, 0], upper=[1, 1], rotate={"angle": "3 rod"})
     assert place == ("box", "rotate", "angle")
-    assert "'3 rod' is no angle" in words
+    assert "'3 rod' is not an angle" in words
     [(place, words)] = errors(kind="box", lower=[0, 0], upper=[1, 1], rotate={"angle": 1, "axis": "w"})
-    assert "no axis" in words
+    assert "is not an axis" in words
     [(place, words)] = errors(kind="union", regions=[])
     assert "at least 1 regions" in words
 
@@ -217,18 +217,18 @@ def test_misfits_have_places_and_words(region):
     box = {"kind": "box", "lower": [0, 0], "upper": [1, 1], "rotate": {"angle": 10}, "translate": [1]}
     both = region("union", regions=[disk, box])
     found = dict(both.misfits(3))
-    assert found[("regions", 0, "kind")] == "a region of kind 'disk' is for 2D analyses, and this one is 3D"
-    assert "3 in a 3D analysis, not 2" in found[("regions", 1, "lower")]
-    assert found[("regions", 1, "rotate")] == "a turn in 3D needs an axis"
+    assert found[("regions", 0, "kind")] == "a region of kind 'disk' needs a 2D analysis, and this one is 3D"
+    assert "a 3D analysis needs one number per axis, not 2" in found[("regions", 1, "lower")]
+    assert found[("regions", 1, "rotate")] == "a rotation in 3D needs an axis"
     assert list(dict(both.misfits(2))) == [("regions", 1, "translate")]
     solid = region("box", lower=[0, 0], upper=[1, 1], rotate={"angle": 1, "axis": "z", "about": [0, 0, 0]})
     assert [place for place, _ in solid.misfits(2)] == [("rotate", "axis"), ("rotate", "about")]
     bar = region("box", lower=[0], upper=[1], rotate={"angle": 1})
-    assert list(bar.misfits(1)) == [(("rotate",), "nothing can be turned in a 1D analysis")]
+    assert list(bar.misfits(1)) == [(("rotate",), "a 1D analysis has no rotations")]
     ball = region("sphere", center=[0, 0, 0], radius=1)
     assert [place for place, _ in ball.misfits(1)] == [("kind",)]
     tube = region("cylinder", **{"from": [0] * 3, "to": [1] * 3}, radius=1)
-    assert dict(tube.misfits(2))["kind",].startswith("a region of kind 'cylinder' is for 3D analyses")
+    assert dict(tube.misfits(2))["kind",].startswith("a region of kind 'cylinder' needs a 3D analysis")
 
 
 def test_schema_shows_regions_within_regions():

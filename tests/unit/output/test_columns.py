@@ -80,7 +80,7 @@ def test_a_name_may_stand_for_components_and_owners():
 
 def test_asked_columns_that_the_scene_does_not_use_exist_but_contact_does_not():
     assert names(resolve_columns(["plastic_work", "damping_work"], PLAIN)) == ["plastic_work", "damping_work"]
-    with pytest.raises(SceneError, match="'contact_work' is no column"):
+    with pytest.raises(SceneError, match="'contact_work' is not a column"):
         resolve_columns(["contact_work"], PLAIN)
 
 

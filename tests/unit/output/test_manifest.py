@@ -115,7 +115,7 @@ def test_a_manifest_that_somebody_edited_is_refused_in_words(tmp_path):
         if place in (("title",), ("run", "resumed")):
             assert manifest.read_manifest(tmp_path) == changed
             continue
-        with pytest.raises(ArchiveError, match=r"run\.json is not as mpmcli wrote it: [\w.]+: \w"):
+        with pytest.raises(ArchiveError, match=r"run\.json is damaged: [\w.]+: \w"):
             manifest.read_manifest(tmp_path)
 
 
@@ -123,7 +123,7 @@ def test_an_edited_manifest_ends_commands_with_words(tmp_path, capsys):
     (tmp_path / "run.json").write_text('{"run": 3, "units": []}')
     for command in ("info", "resume", "plot"):
         assert call([command, str(tmp_path)]) == 5
-        assert "run.json is not as mpmcli wrote it" in capsys.readouterr().err
+        assert "run.json is damaged" in capsys.readouterr().err
 
 
 def test_text_that_cannot_be_written_leaves_no_part(tmp_path):

@@ -112,7 +112,7 @@ def test_empty_nodes_take_no_part(make_state, make_grid):
 def test_wrong_words_are_scene_errors(make_state):
     with pytest.raises(SceneError, match="did you mean 'position'"):
         make_probe(particle_probe(columns=("positon",)), make_state(), CONTEXT, "probes.0")
-    with pytest.raises(SceneError, match="'pressure' is no field of the grid"):
+    with pytest.raises(SceneError, match="'pressure' is not a field of the grid"):
         make_probe(point_probe(columns=("pressure",)), make_state(), CONTEXT, "probes.0")
-    with pytest.raises(SceneError, match="name of a file"):
+    with pytest.raises(SceneError, match="not a valid file name"):
         make_probe(point_probe(name="../up"), make_state(), CONTEXT, "probes.0")

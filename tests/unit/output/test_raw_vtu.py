@@ -203,5 +203,5 @@ def test_files_that_need_vtk_say_so_where_it_is_missing(tmp_path):
     code, words = told(tmp_path, "validate", "solid.yaml")
     assert code == 3, words
     for file, kind in (("ball.vtp", "VTP"), ("dust.vtu", "VTU")):
-        need = f"{kind} files need vtk, which is not installed: pip install 'mpmcli[mesh]'"
+        need = f"{kind} files need vtk; install it with pip install 'mpmcli[mesh]'"
         assert f"'{file}' cannot be read: {need}" in words

@@ -166,7 +166,7 @@ def test_info_tells_what_a_folder_holds(make_state, make_loaded, make_grid, tmp_
 
 
 def test_info_of_what_is_not_ours(tmp_path):
-    with pytest.raises(ArchiveError, match="holds no results"):
+    with pytest.raises(ArchiveError, match="has no results"):
         describe(tmp_path)
     with pytest.raises(ArchiveError, match="does not exist"):
         describe(tmp_path / "none")
@@ -174,7 +174,7 @@ def test_info_of_what_is_not_ours(tmp_path):
     with pytest.raises(ArchiveError, match="neither a results folder"):
         describe(tmp_path / "a.txt")
     (tmp_path / "a.vtu").write_text("x")
-    with pytest.raises(ArchiveError, match="no VTU file"):
+    with pytest.raises(ArchiveError, match="not a VTU file"):
         describe(tmp_path / "a.vtu")
 
 

@@ -76,7 +76,7 @@ def test_a_missing_library_is_named(make_results, monkeypatch, library, use):
     results = Results(make_results())
     monkeypatch.setitem(sys.modules, library, None)
     for source in (results, results.particles()):
-        with pytest.raises(RequestError, match=f"{library} is not installed: pip install {library}"):
+        with pytest.raises(RequestError, match=f"{library}; install it with pip install {library}"):
             getattr(source, use)()
 
 

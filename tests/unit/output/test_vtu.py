@@ -142,7 +142,7 @@ def test_sizes_that_point_beyond_a_damaged_file_are_refused(make_state, tmp_path
             read_xml(tmp_path / "b.vtu")
     first = content.index(b"_", content.index(b"<AppendedData")) + 1
     (tmp_path / "b.vtu").write_bytes(content[:first] + b"\xff" * 8 + content[first + 8 :])
-    with pytest.raises(Unreadable, match="claims to hold more than it can"):
+    with pytest.raises(Unreadable, match="promises more than the file has"):
         read_xml(tmp_path / "b.vtu")
 
 

@@ -59,7 +59,7 @@ def test_run_reads_scenes_itself_and_says_what_is_doubtful(tmp_path, simulation,
     loaded, directory = mpmcli.run(text)
     assert list(loaded.scene.materials) == ["rock", "spare"]
     assert directory.as_posix() == "results/scene"
-    assert "no body is made of this material" in capsys.readouterr().err
+    assert "no body uses this material" in capsys.readouterr().err
     path = tmp_path / "block.yaml"
     path.write_text(SCENE)
     assert mpmcli.run(path)[1].as_posix() == "results/block"
@@ -82,5 +82,5 @@ def test_results_are_arrays(loaded, simulation, tmp_path):
 
 
 def test_resume_tells_why_it_cannot(tmp_path):
-    with pytest.raises(ArchiveError, match="is no results folder"):
+    with pytest.raises(ArchiveError, match="is not a results folder"):
         mpmcli.resume(tmp_path / "nowhere")

@@ -109,7 +109,7 @@ def test_without_the_key_a_resumed_run_saves_its_end(go, saved_steps, loaded, tm
     assert saved_steps == [38, 75]
     before = (tmp_path / "out" / "globals.csv").read_bytes()
     go(until=0.75, resume=True)
-    assert "nothing left to do: step 75" in capfd.readouterr().err
+    assert "the run is already complete: step 75" in capfd.readouterr().err
     assert (tmp_path / "out" / "globals.csv").read_bytes() == before
     assert go(resume=True).steps == 100
     assert "resumed from checkpoint.npz: step 75" in capfd.readouterr().err
@@ -152,7 +152,7 @@ def test_a_finished_run_can_be_made_longer_but_not_repeated(go, save_every, tmp_
     before = (tmp_path / "out" / "globals.csv").read_bytes()
     outcome = go(until=0.25, resume=True)
     assert (outcome.exit_code, outcome.steps) == (0, 25)
-    assert "nothing left to do: step 25" in capfd.readouterr().err
+    assert "the run is already complete: step 25" in capfd.readouterr().err
     assert (tmp_path / "out" / "globals.csv").read_bytes() == before
     assert go(until=0.45, resume=True).steps == 45
     assert pandas.read_csv(tmp_path / "out" / "globals.csv")["step"].tolist() == [0, 10, 20, 30, 40, 45]
@@ -236,7 +236,7 @@ def test_a_locked_folder_is_left_alone(go, tmp_path):
     go(max_walltime=0.0)
     with (
         FileLock(tmp_path / "out" / LOCK),
-        pytest.raises(ArchiveError, match="another run writes to") as caught,
+        pytest.raises(ArchiveError, match="another run is writing to") as caught,
     ):
         go(resume=True)
     assert caught.value.exit_code == 5
@@ -248,7 +248,7 @@ def test_tables_that_were_changed_are_not_continued(go, tmp_path):
     path = tmp_path / "out" / "globals.csv"
     path.write_text(path.read_text().replace("0", "1", 1))
     with pytest.raises(
-        ArchiveError, match=r"cannot continue .*globals\.csv: it is not what the run had written"
+        ArchiveError, match=r"cannot continue .*globals\.csv: it differs from what the run had written"
     ):
         go(resume=True)
     path.write_text("")
@@ -277,12 +277,12 @@ def test_results_of_a_run_that_failed_later_are_cleared_away(go, loaded, save_ev
 
 
 def test_no_checkpoint_is_no_fresh_start(go, tmp_path):
-    with pytest.raises(ArchiveError, match="does not exist: there is no run to resume"):
+    with pytest.raises(ArchiveError, match="does not exist, so there is no run to resume"):
         go(resume=True)
     assert not (tmp_path / "out").exists()
     go()
     before = (tmp_path / "out" / "globals.csv").read_bytes()
-    with pytest.raises(ArchiveError, match="holds no checkpoint to go on from"):
+    with pytest.raises(ArchiveError, match="has no checkpoint"):
         go(resume=True)
     assert (tmp_path / "out" / "globals.csv").read_bytes() == before
 
@@ -295,7 +295,7 @@ def test_a_damaged_one_is_named_and_the_one_before_is_used(go, save_every, tmp_p
     assert go(resume=True).exit_code == 0
     printed = capfd.readouterr().err
     assert "checkpoint.npz is damaged: it is cut off after" in printed
-    assert "going on from checkpoint_prev.npz of step 40" in printed
+    assert "continues from checkpoint_prev.npz of step 40" in printed
     assert pandas.read_csv(tmp_path / "out" / "globals.csv")["step"].tolist() == list(range(0, 101, 10))
     assert (tmp_path / "out" / "checkpoint_damaged.npz").exists()
     assert read_checkpoint(newest).step == 100
@@ -343,7 +343,7 @@ def test_foreign_and_newer_ones_are_refused_whatever_else_there_is(
         facts = {key: found.header[key] for key in ("scene_hash", "scene", "files", "step", "time")}
         write_checkpoint(tmp_path / "out", found.arrays, facts)
         monkeypatch.undo()
-    words = {"foreign": "is no checkpoint of mpmcli", "newer": "written by a newer mpmcli"}[kind]
+    words = {"foreign": "is not a checkpoint of mpmcli", "newer": "written by a newer mpmcli"}[kind]
     with pytest.raises(ArchiveError, match=words) as caught:
         go(resume=True)
     assert caught.value.exit_code == 5
@@ -454,7 +454,7 @@ def test_a_changed_file_of_the_scene_is_noticed(tmp_path):
     path.write_text(text)
     assert run(load_scene(path), tmp_path / "out", progress=False, verbosity=-1, until=0.4).exit_code == 0
     Image.new("L", (8, 4), 5).save(tmp_path / "grains.png")
-    with pytest.raises(SceneError, match=r"the file 'grains\.png' is not what it was"):
+    with pytest.raises(SceneError, match=r"the file 'grains\.png' has changed"):
         run(load_scene(path), tmp_path / "out", progress=False, resume=True)
 
 
@@ -483,17 +483,17 @@ def test_resume_finds_the_scene_and_its_options(in_folder, capfd):
     assert "bar.yaml:11:" in printed
     assert "bodies.bar.velocity" in printed
     assert call(["resume", "r"]) == 0
-    assert "nothing left to do" in capfd.readouterr().err
+    assert "already complete" in capfd.readouterr().err
 
 
 def test_resume_without_what_it_needs(in_folder, capfd):
     assert call(["resume", "nowhere"]) == 5
-    assert "nowhere is no results folder" in capfd.readouterr().err
+    assert "nowhere is not a results folder" in capfd.readouterr().err
     (in_folder / "empty").mkdir()
     assert call(["resume", "empty"]) == 5
     assert "use mpmcli run SCENE --resume -o empty" in capfd.readouterr().err
     assert call(["run", "bar.yaml", "--resume", "-o", "empty"]) == 5
-    assert "holds no checkpoint" in capfd.readouterr().err
+    assert "has no checkpoint" in capfd.readouterr().err
     assert call(["run", "bar.yaml", "-o", "r", "-q"]) == 0
     (in_folder / "bar.yaml").rename("moved.yaml")
     assert call(["resume", "r"]) == 5

@@ -153,7 +153,7 @@ def test_results_are_not_overwritten_unless_asked(go, tmp_path):
     go()
     before = (tmp_path / "out" / "globals.csv").read_bytes()
     (tmp_path / "out" / "notes.txt").write_text("mine")
-    with pytest.raises(ArchiveError, match="holds results already") as caught:
+    with pytest.raises(ArchiveError, match="already has results") as caught:
         go(until=0.2)
     assert caught.value.exit_code == 5
     assert (tmp_path / "out" / "globals.csv").read_bytes() == before
@@ -173,7 +173,7 @@ def test_a_dry_run_reports_and_may_be_followed_by_the_run(go, tmp_path, capfd):
 
 def test_two_runs_cannot_share_a_folder(go, tmp_path):
     (tmp_path / "out").mkdir()
-    with FileLock(tmp_path / "out" / LOCK), pytest.raises(ArchiveError, match="another run writes to"):
+    with FileLock(tmp_path / "out" / LOCK), pytest.raises(ArchiveError, match="another run is writing to"):
         go()
 
 
@@ -245,7 +245,7 @@ def test_the_wall_limit_stops_with_an_archive(go, tmp_path):
     outcome = go(max_walltime=0.0)
     assert (outcome.exit_code, outcome.steps) == (6, 1)
     assert pandas.read_csv(tmp_path / "out" / "globals.csv")["step"].tolist() == [0, 1]
-    assert "by the clock" in manifest_of(tmp_path / "out")["run"]["ended"]
+    assert "of wall-clock time" in manifest_of(tmp_path / "out")["run"]["ended"]
 
 
 def test_a_failed_simulation_writes_its_last_state(go, loaded, tmp_path, capfd):
@@ -258,14 +258,14 @@ def test_a_failed_simulation_writes_its_last_state(go, loaded, tmp_path, capfd):
     assert (tmp_path / "out" / "failed.vtu").is_file()
     printed = capfd.readouterr().err
     assert "error: velocity is not finite at step 38" in printed
-    assert "failed.vtu has the state at the failure" in printed
+    assert "failed.vtu shows the state at the failure" in printed
     assert "Traceback" not in printed
     assert manifest_of(tmp_path / "out")["run"]["ended"].startswith("failed: velocity")
     assert pandas.read_csv(tmp_path / "out" / "globals.csv")["step"].tolist() == [0, 10, 20, 30]
 
 
 @pytest.mark.parametrize(
-    ("kept", "words"), [(37, "with which the failed step began"), (30, "the last one kept")]
+    ("kept", "words"), [(37, "at the start of the failed step"), (30, "the last one that was kept")]
 )
 def test_the_file_of_a_failed_run_is_said_to_be_of_which_step(kept, words, go, loaded, capfd):
     def fail():
@@ -276,7 +276,7 @@ def test_the_file_of_a_failed_run_is_said_to_be_of_which_step(kept, words, go, l
     loaded.at[37] = fail
     assert go().exit_code == 4
     printed = " ".join(capfd.readouterr().err.split())
-    assert f"failed.vtu has the state after step {kept} (time {kept / 100:g}), {words}" in printed
+    assert f"failed.vtu shows the state after step {kept} (time {kept / 100:g}), {words}" in printed
     assert ("the run failed in step 38" in printed) == (kept == 30)
 
 
@@ -326,7 +326,7 @@ def test_a_scene_that_fails_late_in_set_up_does_not_occupy_the_folder(go, loaded
         "every": None,
     }
     loaded.scene.probes = (SimpleNamespace(**probe | {"body": None, "name": "a/b"}),)
-    with pytest.raises(SceneError, match="name of a file"):
+    with pytest.raises(SceneError, match="is not a valid file name"):
         go()
     loaded.scene.probes = (SimpleNamespace(**probe | {"body": "block"}),)
     assert go().exit_code == 0

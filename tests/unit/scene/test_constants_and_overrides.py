@@ -29,13 +29,13 @@ def test_values_in_any_order() -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ('{a: "b", b: "a"}', "constants.a: the constants are defined in a circle: a → b → a"),
-        ('{a: "a + 1"}', "constants.a: the constants are defined in a circle: a → a"),
+        ('{a: "b", b: "a"}', "constants.a: the constants depend on each other in a circle: a → b → a"),
+        ('{a: "a + 1"}', "constants.a: the constants depend on each other in a circle: a → a"),
         ('{a: "d*2", d_: 1}', "constants.a: 'd' is not known; did you mean 'd_'?"),
-        ("{sin: 1}", "constants.sin: 'sin' is a word of expressions already"),
-        ("{pi: 3}", "constants.pi: 'pi' is a word of expressions already"),
-        ("{x: 3}", "constants.x: 'x' is a word of expressions already"),
-        ("{2a: 3}", "constants.2a: '2a' is no name: letters, digits and _"),
+        ("{sin: 1}", "constants.sin: 'sin' is a reserved name of expressions; choose another name"),
+        ("{pi: 3}", "constants.pi: 'pi' is a reserved name of expressions; choose another name"),
+        ("{x: 3}", "constants.x: 'x' is a reserved name of expressions; choose another name"),
+        ("{2a: 3}", "constants.2a: '2a' is not a valid name; use letters, digits and _"),
         (
             "{a: true}",
             "constants.a: a number, text with a unit, or an expression of other constants is needed",
@@ -45,8 +45,8 @@ def test_values_in_any_order() -> None:
             "constants.a: a number, text with a unit, or an expression of other constants is needed",
         ),
         ("{a: .nan}", "constants.a: must be finite"),
-        ("{a: 1/0}", "constants.a: '1/0' gives inf: a finite number is needed"),
-        ("{a: 3 flurbs}", "constants.a: 'flurbs' in '3 flurbs' is no unit"),
+        ("{a: 1/0}", "constants.a: '1/0' gives inf; a finite number is needed"),
+        ("{a: 3 flurbs}", "constants.a: 'flurbs' in '3 flurbs' is not a unit"),
         ("[1, 2]", "constants: a mapping of names to values is needed"),
     ],
 )
@@ -69,7 +69,7 @@ def test_what_follows_from_a_fault_is_told_as_such() -> None:
 def test_very_long_chains_are_refused() -> None:
     chain = ", ".join(f'c{i}: "c{i + 1}"' for i in range(900))
     _, problems = constants(f"{{{chain}, c900: 1}}")
-    assert problems[0] == "constants.c0: the constants need each other over more than 100 steps"
+    assert problems[0] == "constants.c0: the constants depend on each other through more than 100 steps"
 
 
 def test_set_replaces_what_stands_there(scene: str) -> None:
@@ -107,11 +107,11 @@ def test_define_may_give_what_the_scene_lacks(scene: str) -> None:
     [
         (
             {"sets": ["bodies.blok.velocity=[1, 0]"]},
-            "'blok' is no member of the list; did you mean 'block'? (block)",
+            "'blok' is not a member of the list; did you mean 'block'? (block)",
         ),
-        ({"sets": ["probes.7.near=[1, 0]"]}, "'7' is no member of the list (corner)"),
+        ({"sets": ["probes.7.near=[1, 0]"]}, "'7' is not a member of the list (corner)"),
         ({"sets": ["method.transfr.order=3"]}, "unknown key 'transfr'; did you mean 'transfer'?"),
-        ({"sets": ["title.x=3"]}, "'title' is a single value: it has no keys"),
+        ({"sets": ["title.x=3"]}, "'title' is a single value and has no keys"),
         ({"sets": ["..=3"]}, "a dotted key is needed"),
         ({"sets": ["time.end=[1"]}, "did not find the expected"),
         ({"sets": ["time.end=-1"]}, "-1 is out of range: must be above 0"),

@@ -39,8 +39,8 @@ def problems_of(*sets: str, soft: int = 3) -> list[Problem]:
 @pytest.mark.parametrize(
     ("soft", "change", "path", "words"),
     [
-        (2, "contact.three_or_more=pairs", "contact.three_or_more", "2 velocity fields that deform"),
-        (1, "contact.mass_ratio=1e-8", "contact.mass_ratio", "1 velocity field that deforms"),
+        (2, "contact.three_or_more=pairs", "contact.three_or_more", "deformable velocity fields"),
+        (1, "contact.mass_ratio=1e-8", "contact.mass_ratio", "1 deformable velocity field"),
         (3, "contact.normal={kind: irls, rigid_bias: 5}", "contact.normal.rigid_bias", "from 10 on"),
     ],
 )
@@ -66,7 +66,7 @@ def test_a_spring_acts_on_updated_momenta(increments):
     sets = ("contact.law.stiffness=1", f"contact.increments={increments}")
     (problem,) = problems_of(*sets)
     assert (problem.path, problem.severity) == ("contact.law.stiffness", "error")
-    assert "take 'net'" in problem.message
+    assert "use 'net'" in problem.message
     for transfer in ("{kind: flip}", "{kind: fmpm, order: 1}"):
         assert all(p.severity == "warning" for p in problems_of(*sets, f"method.transfer={transfer}"))
 
@@ -75,11 +75,11 @@ def test_a_spring_acts_on_updated_momenta(increments):
 def test_pairs_at_a_node_have_no_spring(way):
     (problem,) = problems_of("contact.law.stiffness=1", f"contact.three_or_more={way}")
     assert (problem.path, problem.severity) == ("contact.law.stiffness", "warning")
-    assert f"'{way}' settles them as rigid" in problem.message
+    assert f"'{way}' is a rigid contact" in problem.message
 
 
 def test_pairs_at_a_node_have_one_normal():
     (problem,) = problems_of("contact.normal={kind: own_gradient}", "contact.three_or_more=pairs")
     assert (problem.path, problem.severity) == ("contact.three_or_more", "warning")
-    assert "that of the field that comes first" in problem.message
+    assert "normal of the field that comes first" in problem.message
     assert problems_of("contact.normal={kind: own_gradient}") == []

@@ -183,53 +183,53 @@ PAIRS_OF_RIGID = (
         (
             [("fmpm, order: 4", "flip"), (LAW, f"{LAW}\n  increments: evolving")],
             "contact.increments",
-            "with flip",
+            "transfer flip",
         ),
         (
             [("fmpm, order: 4", "fmpm, order: 1"), (LAW, f"{LAW}\n  increments: after")],
             "contact.increments",
-            "FMPM(1) has none",
+            "FMPM(1) has no increments",
         ),
         (
             [("name: right, material: rubber", "name: right, material: rubber, field: left"),
              ("name: top, material: cork", "name: top, material: cork, field: left"),
              (LAW, f"{LAW}\n  three_or_more: pairs")],
             "contact.three_or_more",
-            "the scene has 1 velocity field that deforms",
+            "the scene has 1 deformable velocity field",
         ),
         ([(LAW, "law: {kind: perfect}\n  normal: {kind: own_gradient}")], "contact.normal", "the law 'perfect'"),
         ([(LAW, "law: {kind: none}\n  separation: {kind: displacement}")], "contact.separation", "the law 'none'"),
         ([(LAW, "law: {kind: perfect}\n  displacement_only: true")], "contact.displacement_only", "'perfect'"),
-        ([(LAW, "law: {kind: perfect}\n  mass_ratio: 0.01")], "contact.mass_ratio", "takes all nodes alike"),
+        ([(LAW, "law: {kind: perfect}\n  mass_ratio: 0.01")], "contact.mass_ratio", "at all nodes"),
         (
             [(LAW, "law: {kind: perfect}\n  overlap_removal: 0.05")],
             "contact.overlap_removal",
-            "the law 'perfect' does not let overlapping sides be driven apart",
+            "the law 'perfect' does not remove overlap",
         ),
         (
             [(LAW, f"{LAW}\n  overlap_removal: 0.05\n  increments: after")],
             "contact.overlap_removal",
-            "no impulse of contact is a force",
+            "contact does not act as a force",
         ),
-        ([(LAW, "law: {kind: perfect}\n  once: true")], "contact.once", "do not move quite as one"),
+        ([(LAW, "law: {kind: perfect}\n  once: true")], "contact.once", "do not move exactly as one"),
         (
             [("method: {", "method: {update: usavg, "), (LAW, f"{LAW}\n  once: true")],
             "contact.once",
-            "with usavg strains at the start of the step",
+            "the first strain update of a step uses velocities",
         ),
-        ([("contact:\n", PAIRS_OF_RIGID)], "contact.pairs.0.between", "nothing moves rigid bodies"),
+        ([("contact:\n", PAIRS_OF_RIGID)], "contact.pairs.0.between", "because both are rigid"),
         (
             [("material: steel,", "material: steel, particles_per_axis: 3,"),
              (LAW, f"{LAW}\n  separation: {{kind: position_fit}}")],
             "contact.separation",
-            "known for one and two particles per axis, not for 3",
+            "calibrated for 1 and 2 particles per axis, not for 3",
         ),
-        ([("nu: 0.33", "nu: 0.33, field: a")], "materials.rubber.field", "the key belongs to the bodies"),
+        ([("nu: 0.33", "nu: 0.33, field: a")], "materials.rubber.field", "this key to the bodies"),
         (
             [("contact:\n", "contact:\n  fields: material\n"),
              ("name: left, material: rubber", "name: left, material: rubber, field: a")],
             "bodies.left.field",
-            "the key belongs to the materials",
+            "give this key to the materials",
         ),
         (
             [("name: left, material: rubber", "name: left, material: rubber, field: together"),
@@ -241,20 +241,20 @@ PAIRS_OF_RIGID = (
         (
             [("fmpm, order: 4", "xpic, order: 1, contact_correction: false")],
             "method.transfer.contact_correction",
-            "filters nothing",
+            "filter",
         ),
         (
             [("time: {end", "loads:\n  - {name: push, kind: traction, on: {body: plate, face: {axis: y, side: lower}}, "
               "pressure: 1}\ntime: {end")],
             "loads.push.on.body",
-            "has no effect: the body 'plate' is rigid",
+            "has no effect, because the body 'plate' is rigid",
         ),
         (
             [("contact:\n",
               "  - {name: anvil, material: steel, region: {kind: box, lower: [-12, -9], upper: [12, -7]}, "
               "field: plate}\ncontact:\n")],
             "bodies.anvil",
-            "moves otherwise than 'plate'",
+            "differs from the motion of 'plate'",
         ),
     ],
 )  # fmt: skip
@@ -293,8 +293,8 @@ def test_what_has_no_effect_without_contact(changes: list[tuple[str, str]], path
 @pytest.mark.parametrize(
     ("fields", "words"),
     [
-        ("material", "all bodies are of one material (fields: body gives each body its own)"),
-        ("body", "for all bodies share it"),
+        ("material", "all bodies have one material. Use 'fields: body' for a field per body"),
+        ("body", "which all bodies share"),
     ],
 )
 def test_a_single_field_is_told_why(fields: str, words: str) -> None:
@@ -373,9 +373,9 @@ def test_velocity_of_rigid_bodies_follows_place_and_time() -> None:
         (
             [("upper: [0, 5]}", "upper: [0, 5]}, velocity: [0, t]")],
             "bodies.left.velocity.1",
-            "'t' is for rigid bodies",
+            "'left' must not depend on t; only rigid bodies",
         ),
-        ([(CONTACT, "")], "bodies.plate.material", "acts on others by contact only"),
+        ([(CONTACT, "")], "bodies.plate.material", "acts on other bodies by contact only"),
         ([("material: steel,", "material: steel, field: top,")], "bodies.plate.field", "a deformable body (top)"),
         (
             [("contact:\n", "contact:\n  fields: material\n"), ("{kind: rigid}", "{kind: rigid, field: rubber}")],
@@ -386,7 +386,7 @@ def test_velocity_of_rigid_bodies_follows_place_and_time() -> None:
             [("time: {end", "boundary:\n  - {name: hold, kind: velocity, "
               "on: {body: plate, face: {axis: y, side: lower}}, direction: y, value: 0}\ntime: {end")],
             "boundary.hold.on.body",
-            "it moves as its 'velocity' says",
+            "prescribes its motion",
         ),
     ],
 )  # fmt: skip

@@ -67,7 +67,7 @@ def test_new_writes_the_scene_and_what_it_needs(tmp_path, capsys):
     (tmp_path / "bitmap_grains.png").write_bytes(b"another")
     capsys.readouterr()
     assert call(["new", "bitmap_grains", "-o", str(tmp_path / "third.yaml")]) == 5
-    assert "bitmap_grains.png exists already" in capsys.readouterr().err
+    assert "bitmap_grains.png already exists" in capsys.readouterr().err
     assert not (tmp_path / "third.yaml").exists()
     assert (tmp_path / "bitmap_grains.png").read_bytes() == b"another"
 
@@ -76,7 +76,7 @@ def test_new_leaves_a_foreign_schema_alone(tmp_path, capsys):
     schema = tmp_path / scenes.SCHEMA
     schema.write_text("{}")
     assert call(["new", "-o", str(tmp_path / "a.yaml")]) == 0
-    assert "left as it is" in capsys.readouterr().err
+    assert "not a schema of mpmcli" in capsys.readouterr().err
     assert schema.read_text() == "{}"
     schema.write_text('{"title": "Scene of mpmcli", "of": "an older version"}')
     assert call(["new", "-o", str(tmp_path / "b.yaml")]) == 0
@@ -86,7 +86,7 @@ def test_new_leaves_a_foreign_schema_alone(tmp_path, capsys):
 def test_new_does_not_take_the_place_of_what_the_scene_reads(tmp_path, capsys):
     for taken in ("mesh_3d.stl", scenes.SCHEMA):
         assert call(["new", "mesh_3d", "-o", str(tmp_path / taken)]) == 2
-        assert "the scene needs that name" in capsys.readouterr().err
+        assert "the scene needs; use another name" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
 

@@ -132,7 +132,7 @@ def test_aliases_that_grow_are_refused() -> None:
     rows = "".join(
         f"{b}: &{b} [{', '.join(['*' + a] * 10)}]\n" for a, b in zip("abcdefg", "bcdefgh", strict=True)
     )
-    with pytest.raises(SceneError, match="the scene is too large"):
+    with pytest.raises(SceneError, match="the scene exceeds the limit"):
         compose("a: &a [x, x, x, x, x, x, x, x, x, x]\n" + rows, "a.yaml")
 
 

@@ -73,7 +73,9 @@ def test_contact_says_what_it_chooses_and_what_it_looks_at():
     assert "contact.slot_of_node" in facts["arrays"]
     assert "1.a contact on extrapolated momenta" in facts["tasks"]
     assert "3.a contact on updated momenta" in facts["tasks"]
-    screen = "less than 1e-05 of the mass (mass_ratio); where interfaces cross grid lines 1e-08 or less is more exact"
+    screen = (
+        "less than 1e-05 of the mass have no contact (mass_ratio); use 1e-08 or less where interfaces cross"
+    )
     for words in (
         "2 velocity fields",
         "contact of left, right: normal logistic_regression",
@@ -102,7 +104,7 @@ def test_bodies_held_together_need_no_normals_and_no_clouds():
         "settle_stage(Joined)",
         "add_to_momenta",
     }
-    assert "contact normals, separations, areas and clouds of particles" in facts["not_modelled"]
+    assert "contact normals, separations and areas" in facts["not_modelled"]
     assert "no normals" in facts["text"]
 
 
@@ -133,7 +135,7 @@ def test_the_place_of_contact_in_the_fmpm_loop(increments, loop, updated, later)
 def test_xpic_kernels_go_by_their_names():
     facts = facts_of({}, transfer={"kind": "xpic", "order": 5})
     assert {"start_projection", "next_projection", "add_projected"} <= set(facts["kernels"])
-    assert "3.b velocities, XPIC filter with 4 passes, aware of what contact corrected" in facts["tasks"]
+    assert "3.b velocities, XPIC filter with 4 passes, with contact corrections" in facts["tasks"]
     plain = facts_of({}, transfer={"kind": "xpic", "order": 5, "contact_correction": False})
     assert "3.b velocities, XPIC filter with 4 passes" in plain["tasks"]
 

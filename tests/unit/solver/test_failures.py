@@ -218,9 +218,7 @@ def test_deleting_works_with_every_work_array(update, block):
 
 @pytest.mark.parametrize(("density", "mass"), [(1e300, "inf"), (1e-320, "0")])
 def test_masses_beyond_what_numbers_hold_are_refused_at_set_up(density, mass, block):
-    with pytest.raises(
-        SceneError, match=rf"bodies\.block\.material +a particle of it would have the mass {mass}:"
-    ):
+    with pytest.raises(SceneError, match=rf"bodies\.block\.material +a particle would have mass {mass};"):
         block(
             materials__soft__density=density,
             analysis={"kind": "plane_strain", "thickness": 1e10 if mass == "inf" else 1e-10},

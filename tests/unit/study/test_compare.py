@@ -102,8 +102,8 @@ def test_errors_in_words(table, tmp_path):
     a = table("a.csv", BASE)
     with pytest.raises(ArchiveError, match="does not exist"):
         compare(a, tmp_path / "none.csv")
-    with pytest.raises(ArchiveError, match="cannot be compared with a folder"):
+    with pytest.raises(ArchiveError, match="a table and the other a folder"):
         compare(a, tmp_path)
     (tmp_path / "empty").mkdir()
-    with pytest.raises(ArchiveError, match="holds no tables"):
+    with pytest.raises(ArchiveError, match="has no tables"):
         compare(tmp_path / "empty", tmp_path / "empty")

@@ -95,7 +95,7 @@ def test_only_a_table_or_only_particles(make_results):
     (directory / "particles.pvd").unlink()
     assert [path.name for path in plot(directory)[0]] == ["energies.png"]
     (directory / "globals.csv").unlink()
-    with pytest.raises(ArchiveError, match="nothing to draw"):
+    with pytest.raises(ArchiveError, match="nor archives of particles"):
         plot(directory)
 
 
@@ -207,7 +207,7 @@ def test_columns_of_tables_with_other_times_meet_in_between(make_results):
     np.testing.assert_allclose(energy.at(results.table("probes/tip.csv")), [0.05, 0.55, np.nan])
     (directory / "probes" / "end.csv").write_text("\n".join(rows) + "\n")
     with pytest.raises(
-        PictureError, match="several probes have a column 'velocity_x': choose end:velocity_x"
+        PictureError, match="several probes have a column 'velocity_x'; use one of end:velocity_x"
     ):
         abscissa(Results(directory), "velocity_x")
     assert abscissa(Results(directory), "tip:velocity_x").table.name == "probes/tip.csv"
@@ -251,7 +251,7 @@ def test_without_manifest_sizes_are_guessed(make_results):
     directory = make_results()
     (directory / "run.json").unlink()
     picture, frame = picture_of(directory, frame=0)
-    assert "guess" in picture.notes[-1]
+    assert "estimated" in picture.notes[-1]
     assert picture.axes.get_xlabel() == "x"
     half = domains_of(Results(directory), frame).edges[0]
     assert 0.1 < half[0, 0] < 0.3
@@ -437,7 +437,7 @@ def test_long_series_are_thinned_out_and_said(make_results, monkeypatch):
 
 def test_no_writer_of_mp4(make_results, monkeypatch):
     monkeypatch.setattr(animation.shutil, "which", lambda name: None)
-    with pytest.raises(PictureError, match="MP4 needs the program ffmpeg"):
+    with pytest.raises(PictureError, match="MP4 animations need the program ffmpeg"):
         plot(make_results(), Request(animate="mp4"))
 
 
@@ -459,7 +459,7 @@ def test_mp4_by_ffmpeg(make_results, monkeypatch, tmp_path, fails):
     monkeypatch.setenv("PATH", str(tmp_path))
     request = Request(animate="mp4", output=tmp_path / "film.mp4")
     if fails:
-        with pytest.raises(ArchiveError, match="ffmpeg says: no such codec"):
+        with pytest.raises(ArchiveError, match="ffmpeg reports: no such codec"):
             plot(make_results(), request)
         assert not (tmp_path / "film.mp4").exists()
     else:
@@ -474,26 +474,26 @@ def test_mp4_by_ffmpeg(make_results, monkeypatch, tmp_path, fails):
 @pytest.mark.parametrize(
     ("request_", "words"),
     [
-        (Request(color="presure"), "the archives hold no 'presure'; did you mean 'pressure'?"),
-        (Request(color="stress"), "'stress' has 6 components: choose stress_xx"),
-        (Request(time=1.2), "time 1.2 is outside the archives of particles, which go from 0 to 1 ms"),
+        (Request(color="presure"), "the archives have no 'presure'; did you mean 'pressure'?"),
+        (Request(color="stress"), "'stress' has 6 components; use one of stress_xx"),
+        (Request(time=1.2), "time 1.2 is outside the archives of particles, which span 0 to 1 ms"),
         (Request(time=-0.1), "outside"),
-        (Request(frame="3"), "there is no archive 3: they are numbered from 0 to 2"),
-        (Request(frame="last"), "'last' is no number of an archive"),
-        (Request(frame="failed"), "the run has not failed"),
-        (Request(time=0.0, frame="0"), "exclude each other"),
-        (Request(animate="gif", time=0.0), "an animation shows all times"),
-        (Request(animate="avi"), "'avi' is no kind of animation"),
+        (Request(frame="3"), "there is no archive 3; the numbers are 0 to 2"),
+        (Request(frame="last"), "'last' is neither the number of an archive"),
+        (Request(frame="failed"), "the run did not fail"),
+        (Request(time=0.0, frame="0"), "give either"),
+        (Request(animate="gif", time=0.0), "an animation shows all times; remove the time or archive"),
+        (Request(animate="avi"), "'avi' is not a kind of animation"),
         (Request(view="front"), "there is no view 'front'"),
         (Request(limits=(1.0, 1.0)), "must be below"),
-        (Request(section=(2, None)), "a section needs three dimensions, and there are 2"),
-        (Request(section=(2, None), view="xy"), "leave out the view"),
+        (Request(section=(2, None)), "a section needs a 3D analysis, and this one is 2"),
+        (Request(section=(2, None), view="xy"), "remove the view"),
         (Request(over="contact_node", columns=("momentum_x",)), "did you mean 'contact_nodes'?"),
-        (Request(over="time"), "no columns to draw over another"),
-        (Request(over="time", what=("particles",)), "no columns to draw over another"),
+        (Request(over="time"), "needs columns"),
+        (Request(over="time", what=("particles",)), "needs columns"),
         (Request(what=("energie",)), "there is no picture 'energie'; did you mean 'energies'?"),
-        (Request(what=("strains",)), "has no columns about strains"),
-        (Request(output=Path("x.png")), "is one file, and 2 are asked for"),
+        (Request(what=("strains",)), "has no columns of strains"),
+        (Request(output=Path("x.png")), "is one file, but 2 are asked for"),
         (Request(what=("particles",), output=Path("x.gif")), "must end with .png or"),
         (Request(animate="gif", output=Path("x.png")), "must end with .gif"),
     ],
@@ -508,10 +508,10 @@ def test_wrong_requests(make_results, request_, words):
 def test_no_results(tmp_path, make_results):
     with pytest.raises(ArchiveError, match="does not exist"):
         plot(tmp_path / "nowhere")
-    with pytest.raises(ArchiveError, match="holds no results of mpmcli"):
+    with pytest.raises(ArchiveError, match="has no results of mpmcli"):
         plot(tmp_path)
     directory = make_results()
-    with pytest.raises(ArchiveError, match="is no folder"):
+    with pytest.raises(ArchiveError, match="is not a folder"):
         plot(directory / "globals.csv")
     (directory / "particles" / "particles_000002.vtu").write_bytes(b"<VTKFile")
     with pytest.raises(ArchiveError, match=r"cannot read .*particles_000002.vtu"):
@@ -530,7 +530,7 @@ def test_table_without_rows_or_with_text(make_results):
     with pytest.raises(ArchiveError, match="has no rows"):
         plot(directory)
     (directory / "globals.csv").write_text("step,time,kinetic_energy\n0,0,much\n")
-    with pytest.raises(ArchiveError, match="no numbers"):
+    with pytest.raises(ArchiveError, match="not numbers"):
         plot(directory)
 
 

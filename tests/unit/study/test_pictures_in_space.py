@@ -40,7 +40,7 @@ def test_undeformed_domains_are_noted(make_results, tmp_path):
     for options in ({}, {"section": (0, None)}):
         request = Request(what=("particles",), output=tmp_path / "a.png", **options)
         _, (note,) = plot(make_results(3, fields=("stress",), name=f"r{len(options)}"), request)
-        assert "need deformation_gradient" in note
+        assert "add deformation_gradient" in note
 
 
 @pytest.mark.parametrize("view", ["iso", "xy", "xz", "yz"])
@@ -110,7 +110,7 @@ def test_sections_of_a_tilted_cube_are_triangles_and_a_hexagon():
 
 def test_a_section_goes_through_particles_near_the_middle_or_where_it_is_asked(make_results, tmp_path):
     directory = make_results(3)
-    with pytest.raises(PictureError, match="the plane z = 5 cuts no particle: they reach from 0 to 2"):
+    with pytest.raises(PictureError, match="the plane z = 5 cuts no particle; the particles span 0 to 2"):
         plot(directory, Request(section=(2, 5.0)))
     (path,), _ = plot(directory, Request(section=(2, 1.9), output=tmp_path / "b.png", what=("particles",)))
     assert path.exists()

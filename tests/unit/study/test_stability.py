@@ -249,11 +249,11 @@ def test_other_settings_are_other_trials(tmp_path):
 def test_a_run_that_takes_too_long_decides_nothing(tmp_path):
     class Slow(Pretend):
         def run(self, job):
-            return {"ended": processes.TIMED_OUT, "message": "it took longer than 1 s by the clock"}
+            return {"ended": processes.TIMED_OUT, "message": "the run took longer than 1 s"}
 
     (case,) = search(tmp_path, ["flip"], Slow({}))
     assert (case.limit, case.is_decided) == (None, False)
-    assert case.remark == "not decided: at C = 0.5 it took longer than 1 s by the clock"
+    assert case.remark == "not decided: at C = 0.5 the run took longer than 1 s"
     assert Journal(tmp_path / "trials.jsonl").results == {}
 
 
@@ -347,9 +347,9 @@ def test_short_forms_of_transfers(text, value):
     [
         ("fmpn:4", "did you mean 'fmpm'"),
         ("flip:2", "flip has no order"),
-        ("fmpm:0", "whole number from 1"),
-        ("fmpm:x", "whole number from 1"),
-        ("4", "is no transfer"),
+        ("fmpm:0", "whole number of"),
+        ("fmpm:x", "whole number of"),
+        ("4", "is not a transfer"),
     ],
 )
 def test_transfers_that_are_none(text, words):
@@ -443,7 +443,7 @@ def test_the_command(pretend, tmp_path, capsys):
         (["--criterion", "nice"], 2, "nice"),
         (["--between", "1", "0.5"], 2, "LOW must be below HIGH"),
         (["--resolution", "0"], 2, "0"),
-        (["--until", "-1"], 2, "longer than 0"),
+        (["--until", "-1"], 2, "must be above 0"),
         (["--jobs", "0"], 2, "0"),
         (["--timeout", "0"], 2, "0"),
         (["--set", "method.update=never"], 3, "never"),
@@ -457,7 +457,7 @@ def test_what_can_be_wrong(arguments, code, words, pretend, tmp_path, capsys):
 
 def test_no_such_scene(capsys):
     assert call(["stability", "no_such.yaml"]) == 3
-    assert "there is no such file" in capsys.readouterr().err
+    assert "the file does not exist" in capsys.readouterr().err
 
 
 def test_a_folder_that_is_a_file(pretend, tmp_path, capsys):
