@@ -1,9 +1,9 @@
-"""Draw the stability limits of the vibrating bar, and write the tables of them in ``docs/studies.md``.
+"""Draw the stability limits of the vibrating bar, and write the tables of limits in ``docs/tables``.
 
     python docs/draw_limits.py
 
-Measured limits are those of ``tests/data/limits_of_the_bar.csv``, found with ``mpmcli stability``; predicted ones, in
-brackets, are found here (two minutes).
+Measured limits are those of ``tests/data/limits_of_the_bar.csv`` and ``limits_of_scenes.csv``, found with ``mpmcli
+stability``. Predicted ones, in brackets, and what ``courant: auto`` selects are found here, in a minute.
 """
 
 from __future__ import annotations
@@ -13,31 +13,37 @@ import runpy
 from pathlib import Path
 
 from mpmcli.scene.loader import load_scene
-from mpmcli.stability.scene_limit import predict
+from mpmcli.stability.scene_limit import limit_in_motion, stable_courant
 from mpmcli.study.limits_report import plot_limits
 from mpmcli.study.stability import Case, Settings, Source, make_cases
+from mpmcli.study.transfers import transfer_value
 
 HERE = Path(__file__).parent
 INPUTS = HERE.parent / "inputs"
-MEASURED = HERE.parent / "tests" / "data" / "limits_of_the_bar.csv"
+DATA = HERE.parent / "tests" / "data"
 TABLES = HERE / "tables"
 PICTURE = HERE / "images" / "limits_bar.png"
 SCENES = {"vibrating_bar": 3, "vibrating_bar_2d": 2, "vibrating_bar_3d": 2}
 """Scenes and the digits of their limits."""
 
 
+def rows_of(name: str) -> list[dict[str, str]]:
+    """A table of measured limits."""
+    with (DATA / f"{name}.csv").open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
 def cases_of(scene: str) -> list[Case]:
     """FLIP and plain FMPM with measured and predicted limits."""
-    with MEASURED.open(encoding="utf-8") as file:
-        rows = [row for row in csv.DictReader(file) if row["scene"] == scene]
     cases = []
-    for row in rows:
-        if row["criterion"] != "bounded" or row["transfer"].partition(":")[0] not in ("flip", "fmpm"):
+    for row in rows_of("limits_of_the_bar"):
+        is_plain = row["transfer"].partition(":")[0] in ("flip", "fmpm")
+        if row["scene"] != scene or row["criterion"] != "bounded" or not is_plain:
             continue
         source = Source(str(INPUTS / f"{scene}.yaml"))
         (case,) = make_cases(source, [row["transfer"]], [row["shape"]])
-        prediction = predict(load_scene(INPUTS / f"{scene}.yaml", sets=case.source.sets).scene)
-        case.limit, case.predicted = float(row["stable"]), prediction.moving if prediction else None
+        case.limit = float(row["stable"])
+        case.predicted = limit_in_motion(load_scene(INPUTS / f"{scene}.yaml", sets=case.source.sets).scene)
         cases.append(case)
     return cases
 
@@ -57,8 +63,25 @@ def table_of(cases: list[Case], digits: int) -> str:
     return "\n".join(lines) + "\n"
 
 
+def table_of_auto() -> str:
+    """What ``courant: auto`` selects beside the limits of the scenes as they come."""
+    found = []
+    for row in rows_of("limits_of_scenes"):
+        path = INPUTS / f"{row['scene']}.yaml"
+        own = load_scene(path, defines=[row["define"]] if row["define"] else [])
+        sets = [f"method.shape={row['shape']}", f"method.transfer={transfer_value(row['transfer'])}"]
+        if row["quiet"] and own.scene.method == load_scene(path, sets=sets).scene.method:
+            auto, quiet = stable_courant(own.scene).courant, float(row["quiet"])
+            name = f"`{row['scene']}`" + (f", `{row['define']}`" if row["define"] else "")
+            found.append((1.0 - auto / quiet, f"| {name} | {auto:.3f} | {row['stable']} | {row['quiet']} |"))
+    lines = ["| scene | `auto` | bounded up to | quiet up to | below quiet |", "| --- " * 5 + "|"]
+    lines += [f"{words} {100.0 * below:.0f} % |" for below, words in sorted(found)]
+    return "\n".join(lines) + "\n"
+
+
 def main() -> None:
     """Write the tables and the picture."""
+    (TABLES / "auto.md").write_text(table_of_auto(), encoding="utf-8")
     for scene, digits in SCENES.items():
         cases = cases_of(scene)
         (TABLES / f"{scene}.md").write_text(table_of(cases, digits), encoding="utf-8")

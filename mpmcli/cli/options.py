@@ -169,20 +169,18 @@ def _add_warning(loaded: LoadedScene, warning: Problem | None) -> None:
 
 @keeping_all()
 def check_time_step(loaded: LoadedScene) -> None:
-    """Add a warning to the scene if its step is above the known stability limit.
+    """Add a warning to the scene if its step is above the stable Courant number.
 
     Raises
     ------
     SceneError
-        If it asks for a Courant number by itself and there is no known limit, or gives one above 1 that is not known to
-        be stable.
+        If the Courant number is ``auto`` and no stability limit is known.
     """
     from mpmcli.core.errors import SceneError
-    from mpmcli.stability.scene_limit import chosen_courant, refuse_large_courant, warning_of
+    from mpmcli.stability.scene_limit import chosen_courant, warning_of
 
     try:
         chosen_courant(loaded.scene)
-        refuse_large_courant(loaded.scene)
     except SceneError as error:
         raise loaded.locate(error) from None
     _add_warning(loaded, warning_of(loaded.scene))

@@ -77,14 +77,14 @@ from mpmcli.cli.studies import begin_study
     type=click.IntRange(0, 1000),
     default=3,
     show_default=True,
-    help="Once a limit is found, look at up to so many Courant numbers amid the stable ones below it: limits may be "
-    "those of islands, with unstable steps below.",
+    help="Once a limit is found, check up to so many Courant numbers below it: there may be isolated unstable "
+    "intervals.",
 )
 @click.option("--jobs", type=click.IntRange(1, 4096), help="Runs side by side; one per processor by default.")
 @click.option(
-    "--auto", is_flag=True, help="Also run what courant: auto chooses, and tell how much it gives away."
+    "--auto", is_flag=True, help="Also run the Courant number that courant: auto selects: is it stable?"
 )
-@click.option("--no-prediction", is_flag=True, help="Leave the predicted limits out.")
+@click.option("--no-prediction", is_flag=True, help="Leave out the predicted limits and auto.")
 @study_options("stability", "limits.png")
 @scene_options
 def command(

@@ -50,3 +50,22 @@ TRANSFER_METHODS = {
     "xpic": TransferMethod(full_mass=False, flip=False, projects=True),
     "fmpm": TransferMethod(full_mass=True, flip=False, projects=False),
 }
+
+
+def increment_factor(blend: tuple[int, float] | None, order: int) -> float:
+    """Return the factor of the increment of order ℓ of blended FMPM (Nairn 2026, section 3.3).
+
+    Parameters
+    ----------
+    blend : order m and fraction α of the blend, or None
+    order : ℓ from 2 on
+
+    Returns
+    -------
+    float
+        α if ℓ mod m = 1 or m = 1, else 1.
+    """
+    if blend is None:
+        return 1.0
+    m, fraction = blend
+    return fraction if m == 1 or order % m == 1 else 1.0

@@ -145,7 +145,6 @@ def _run(
     make_simulation: Callable[..., Any],
 ) -> Outcome:
     check_output(loaded.scene)
-    _check_courant(loaded.scene)
     if not resume:
         refuse_occupied(directory, overwrite)
     end = float(loaded.scene.time.end if until is None else until)
@@ -181,14 +180,6 @@ def _run(
         held.enter_context(log_file(directory, "a" if resume else "w"))
         march = March(loaded, directory, simulation, interrupts, shown, end, begin, checkpoint)
         return march.dry_run() if dry_run else march.run(max_walltime)
-
-
-def _check_courant(scene: Any) -> None:
-    """Refuse a Courant number above 1 that is not known to be stable; smaller ones need no estimate."""
-    if isinstance(scene.time.courant, float) and scene.time.courant > 1.0:
-        from mpmcli.stability.scene_limit import refuse_large_courant
-
-        refuse_large_courant(scene)
 
 
 def compile_scenes(

@@ -23,7 +23,7 @@ Alpha = Annotated[float, Quantity("1", ge=0, le=1)]
 Coefficient = Annotated[float, Quantity("1", ge=0)]
 MAX_ORDER = 100
 MAX_COURANT = 2.5
-"""Largest Courant number of a scene; above 1 it must also lie within the stability limit of the scene."""
+"""Largest Courant number of a scene."""
 _courant: TypeAdapter[Any] = TypeAdapter(Annotated[float, Quantity("1", gt=0, le=MAX_COURANT)])
 
 
@@ -195,10 +195,7 @@ class TimeSpan(Model):
     end: PositiveTime
     """The run ends with the first step at or past this time."""
     courant: Courant | None = 0.2
-    """Courant number: step over the time in which the fastest wave crosses a cell; ``auto`` chooses a stable one.
-
-    Above 1 only where the stability limit of the scene is known and as large.
-    """
+    """Courant number: step over the time in which the fastest wave crosses a cell; ``auto`` selects a stable one."""
     step: PositiveTime | None = None
     """A fixed time step, instead of a Courant number."""
     max_steps: int | None = Field(default=None, ge=1, le=10_000_000_000)

@@ -15,8 +15,8 @@ from mpmcli.solver.redundant import find_questions, find_redundant
 from mpmcli.solver.setup import choose_contact
 from mpmcli.solver.simulation import Simulation
 from mpmcli.solver.stand_in import StandIn
-from mpmcli.stability.blocks import NoKnownLimit
-from mpmcli.stability.scene_limit import known_limit
+from mpmcli.stability.models import NoKnownLimit
+from mpmcli.stability.scene_limit import stable_courant
 
 Array = np.ndarray
 
@@ -55,15 +55,15 @@ def explain(
     kernels = StandIn(loaded, simulation).kernels_of_tasks()
     wave_speed, particle_speed = simulation.wave_speed, simulation.particle_speed
     fastest, cell = max(wave_speed, particle_speed), float(grid.cell.min())
-    courant = simulation.courant_choice.courant
+    courant = simulation.time_step.courant
     dt = scene.time.step if courant is None else courant * cell / fastest
     courant = dt * fastest / cell
-    limit, known = None, ""
+    stable, because = None, ""
     try:
-        found = known_limit(scene)
-        limit, known = found.courant, found.because
+        found = stable_courant(scene)
+        stable, because = found.courant, found.because
     except NoKnownLimit as reason:
-        known = str(reason)
+        because = str(reason)
     steps = int(np.ceil(scene.time.end / dt))
     contact = choose_contact(scene, plan)
     dense = simulation.nodal_arrays()
@@ -98,9 +98,9 @@ def explain(
         "time_step": dt,
         "courant": courant,
         "courant_is_chosen": scene.time.courant == "auto",
-        "known_stability_limit": limit,
-        "stability_margin": None if limit is None else 1.0 - courant / limit,
-        "stability_limit_of": known,
+        "stable_courant": stable,
+        "stability_margin": None if stable is None else 1.0 - courant / stable,
+        "stable_because": because,
         "steps": steps,
         "parallel": parallel,
         "threads": threads,

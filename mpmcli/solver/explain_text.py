@@ -6,7 +6,6 @@ import textwrap
 from typing import Any
 
 from mpmcli.core.suggest import listing
-from mpmcli.stability.scene_limit import SAFETY
 
 EXACT_MASS_RATIO = 1e-8
 """``contact.mass_ratio`` from which on it hardly matters (docs/verification.md, two blocks compressed)."""
@@ -92,20 +91,15 @@ def _measured_in_words(measured: dict[str, Any] | None) -> list[str]:
 
 
 def _courant_in_words(facts: dict[str, Any]) -> str:
-    limit, known = facts["known_stability_limit"], facts["stability_limit_of"]
+    stable, because = facts["stable_courant"], facts["stable_because"]
     chosen = f"Courant number {facts['courant']:.3g}"
+    if stable is None:
+        return f"{chosen}; the stability limit is unknown: {because}"
     if facts["courant_is_chosen"]:
-        chosen += f" (auto: {SAFETY:g} of the limit, 1 at most)"
-    if limit is None:
-        return f"{chosen}; the stability limit is unknown: {known}"
+        return f"{chosen} (auto: the stable Courant number; {because})"
     margin = facts["stability_margin"]
-    estimate = f"the estimated stability limit of {limit:.3g} ({known})"
-    verdict = (
-        f"{margin:.0%} below {estimate}"
-        if margin >= 0.0
-        else f"{-margin:.0%} above {estimate}; the run may fail"
-    )
-    return f"{chosen}, {verdict}"
+    verdict = f"{margin:.0%} below" if margin >= 0.0 else f"{-margin:.0%} above (the run may fail)"
+    return f"{chosen}, {verdict} the stable Courant number {stable:.3g} ({because})"
 
 
 def _fields_in_words(facts: dict[str, Any]) -> str:

@@ -12,7 +12,13 @@ from mpmcli.core.full_mass import OrderRule
 from mpmcli.core.grid import Grid
 from mpmcli.core.nodal_field import NodalField
 from mpmcli.core.particles import Particles
-from mpmcli.core.variants import STRAIN_UPDATES, TRANSFER_METHODS, StrainUpdate, TransferMethod
+from mpmcli.core.variants import (
+    STRAIN_UPDATES,
+    TRANSFER_METHODS,
+    StrainUpdate,
+    TransferMethod,
+    increment_factor,
+)
 from mpmcli.scene.archive import shows
 from mpmcli.scene.fields import velocity_fields
 from mpmcli.shapes import SHAPES, ShapeEntry
@@ -109,11 +115,8 @@ class Plan:
         return OrderRule(self.order, self.blend_scale, self.dynamic)
 
     def blend_scale(self, order: int) -> float:
-        """Factor of the increment of an order ℓ: α if ℓ mod m = 1 or m = 1 (Nairn 2026, section 3.3)."""
-        if self.blend is None:
-            return 1.0
-        m, fraction = self.blend
-        return fraction if m == 1 or order % m == 1 else 1.0
+        """Factor of the increment of an order ℓ, see ``core.variants.increment_factor``."""
+        return increment_factor(self.blend, order)
 
     @property
     def imposes_lumped(self) -> bool:

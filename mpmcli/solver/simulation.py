@@ -36,7 +36,7 @@ from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan, m
 from mpmcli.solver.step import Task, tasks_of
 from mpmcli.solver.stress import StressUpdate
 from mpmcli.solver.transfer import Transfer
-from mpmcli.stability.choice import ChosenCourant, GivenCourant
+from mpmcli.stability.scene_limit import chosen_courant
 
 Array = np.ndarray
 LOGGER = logging.getLogger("mpmcli")
@@ -81,15 +81,13 @@ class Simulation(Parts):
         self.arrays = allocate_step_arrays(self.plan, self.velocity, self.particles.count)
         self.state = self._make_state(scene)
         self.max_steps = scene.time.max_steps
-        self.time_step = TimeStep(scene.time.step, None, float(self.grid.cell.min()))
+        self.time_step = TimeStep(scene.time.step, self._choose_courant(scene), float(self.grid.cell.min()))
         self.reached_order = self.plan.order
         self.last_step = Step(self.plan, 0.0, 0.0)
         self._last_good: State | None = None
         self._surface_identities: dict[Any, Array] = {}
         self._make_parts(scene, turns)
         self.particle_speed = float(np.sqrt(np.square(self.particles.V).sum(axis=0).max()))
-        self.courant_choice = self._choose_courant(scene)
-        self.time_step.courant = self.courant_choice.courant
         self.make_tasks()
         if self.stress.starts_with_stress:
             self.stress.update(self.particles.L, 0.0)
@@ -228,7 +226,7 @@ class Simulation(Parts):
 
     def _memories(self) -> dict[str, Any]:
         """What remembers something from step to step, by the names of the checkpoint."""
-        parts = ("time_step", "period", "contact", "courant_choice")
+        parts = ("time_step", "period", "contact")
         return {
             "state": self.state,
             "speed": continuation.Speeds(self, self.stress),
@@ -284,12 +282,11 @@ class Simulation(Parts):
             extra=extra,
         )
 
-    def _choose_courant(self, scene: Any) -> Any:
-        if scene.time.courant != "auto":
-            return GivenCourant(scene.time.courant)
-        choice = ChosenCourant(scene, self.particles)
-        LOGGER.info("Courant number %.4g, chosen by the stability limit%s", choice.courant, choice.in_words())
-        return choice
+    def _choose_courant(self, scene: Any) -> float | None:
+        courant = chosen_courant(scene)
+        if scene.time.courant == "auto":
+            LOGGER.info("Courant number %.4g, selected by auto", courant)
+        return courant
 
     def _make_conditions(self, scene: Any) -> GridConditions | None:
         if not self.plan.has_conditions:

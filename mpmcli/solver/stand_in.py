@@ -20,7 +20,6 @@ from mpmcli.core.kernel import Call, recording
 from mpmcli.core.step import Step
 from mpmcli.solver.simulation import Simulation
 from mpmcli.solver.step import Task
-from mpmcli.stability.choice import GivenCourant
 
 Array = np.ndarray
 LOGGER = logging.getLogger("mpmcli")
@@ -51,8 +50,8 @@ class StandIn(Simulation):
     def _is_large(self) -> bool:
         return self._original.parallel
 
-    def _choose_courant(self, scene: Any) -> Any:
-        return GivenCourant(1.0)
+    def _choose_courant(self, scene: Any) -> float | None:
+        return 1.0
 
     def calls_of_tasks(self) -> list[tuple[Task, list[Call]]]:
         """Return the tasks of its steps, in order, with what each calls: each function and set of types once."""

@@ -5,13 +5,15 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+
+from mpmcli.core.functions import hat, hat_integral, quadratic_spline, quadratic_spline_integral
 
 Array = np.ndarray
 
 MARGIN = 3
-VARIANCE_PLACES = 20
 MANY = 4
 """With so many particles per cell and axis a block of one cell must do; its limits are a tenth lower."""
 
@@ -120,11 +122,14 @@ def _kron(A: Array, B: Array) -> Array:
 def axis_stencils(
     grid_functions: str, domain: str, particles: int, cells: int, offsets: Array
 ) -> tuple[Array, Array, Array]:
-    """S, G and S·(x_i − X_p) (P, N, n) of one axis in cells, for particles that fill ``cells`` cells at each offset."""
+    """Return S, G and S·(x_i − X_p) (P, N, n) of one axis in cells, for particles that fill ``cells`` cells.
+
+    Particles and nodes are evenly spaced: each distance between them is evaluated once.
+    """
     l = 0.5 / particles
-    X = (np.arange(cells * particles) + 0.5) / particles + offsets[:, None]
     nodes = np.arange(-MARGIN, cells + 2 + MARGIN)
-    x = X[..., None] - nodes
+    apart = np.arange(cells * particles)[:, None] - particles * nodes
+    x = (np.arange(apart.min(), apart.max() + 1) + 0.5) / particles + offsets[:, None]
     value, integral = GRID_FUNCTIONS[grid_functions]
     if domain == "point":
         h = 1e-6
@@ -135,16 +140,8 @@ def axis_stencils(
         S, G = 0.5 * (value(x + l) + value(x - l)), (value(x + l) - value(x - l)) / (2 * l)
         if domain == "corners_and_middles":
             S = S / 3.0 + 2.0 / 3.0 * value(x)
-    return S, G, -S * x
-
-
-def variance(lattice: Lattice) -> float:
-    """Σ_i S (x_i − X)² along an axis [cells²], the mean over all places within a cell."""
-    places = (np.arange(VARIANCE_PLACES) + 0.5) / VARIANCE_PLACES
-    S, _, _ = axis_stencils(lattice.grid_functions, lattice.domain, lattice.particles, 1, places)
-    X = 0.5 / lattice.particles + places
-    nodes = np.arange(-MARGIN, 3 + MARGIN)
-    return float((S[:, 0] * (nodes - X[:, None]) ** 2).sum(axis=1).mean())
+    place = apart - apart.min()
+    return S[:, place], G[:, place], (-S * x)[:, place]
 
 
 def _repeated(A: Array, period: int) -> Array:
@@ -152,24 +149,13 @@ def _repeated(A: Array, period: int) -> Array:
     return np.stack([A[..., node::period].sum(axis=-1) for node in range(period)], axis=-1)
 
 
-def _hat(r: Array) -> Array:
-    return np.maximum(0.0, 1.0 - np.abs(r))
+def _of_arrays(function: Any) -> Callable[[Array], Array]:
+    """A compiled function of numbers as a plain one of arrays, without its compiler."""
+    return np.vectorize(function.py_func, otypes=[np.float64])
 
 
-def _hat_integral(r: Array) -> Array:
-    s = np.clip(r, -1.0, 1.0)
-    return s - 0.5 * s * np.abs(s)
-
-
-def _spline(r: Array) -> Array:
-    a = np.abs(r)
-    return np.where(a < 0.5, 0.75 - a * a, 0.5 * np.maximum(0.0, 1.5 - a) ** 2)
-
-
-def _spline_integral(r: Array) -> Array:
-    a = np.minimum(np.abs(r), 1.5)
-    return np.sign(r) * np.where(a < 0.5, 0.75 * a - a**3 / 3.0, 0.5 - (1.5 - a) ** 3 / 6.0)
-
-
-GRID_FUNCTIONS = {"linear": (_hat, _hat_integral), "quadratic": (_spline, _spline_integral)}
+GRID_FUNCTIONS = {
+    "linear": (_of_arrays(hat), _of_arrays(hat_integral)),
+    "quadratic": (_of_arrays(quadratic_spline), _of_arrays(quadratic_spline_integral)),
+}
 DOMAINS = ("point", "box", "corners", "corners_and_middles")

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mpmcli.core.variants import STRAIN_UPDATES, TRANSFER_METHODS
-from mpmcli.stability.lattice import Lattice, Stencils, stencils, variance
+from mpmcli.core.variants import STRAIN_UPDATES, TRANSFER_METHODS, increment_factor
+from mpmcli.stability.lattice import Lattice, Stencils, stencils
 
 Array = np.ndarray
 
@@ -42,13 +42,6 @@ class Scheme:
     every_steps: int | None = None
     velocity_gradient: bool = False
     viscosity: float = 0.0
-
-    def factor(self, order: int) -> float:
-        """Factor of the increment of an order ℓ (Nairn 2026, section 3.3)."""
-        if self.blend is None:
-            return 1.0
-        m, fraction = self.blend
-        return fraction if m == 1 or order % m == 1 else 1.0
 
 
 @dataclass
@@ -187,24 +180,6 @@ class LinearStep:
         return replace(state, stress=state.stress + dt * np.stack(rates), viscous=viscous)
 
 
-def wave_damping(lattice: Lattice, scheme: Scheme, wave: float) -> float:
-    """Share of the velocities of a long wave that a step takes away, by the factors of its transfer.
-
-    S⁺S multiplies a wave of ``wave`` (radians per cell) by 1 − a, with a = σ² ``wave``² and the mean variance σ² of the
-    shape function; the series multiplies it by 1 + f₂a + f₂f₃a² + … .
-    """
-    if not (TRANSFER_METHODS[scheme.kind].full_mass or TRANSFER_METHODS[scheme.kind].projects):
-        return 0.0
-    if scheme.velocity_gradient:
-        return 0.0  # what S⁺S smooths, the gradients put back
-    a = variance(lattice) * wave * wave
-    total = increment = 1.0
-    for order in range(2, scheme.order + 1):
-        increment *= scheme.factor(order) * a
-        total += increment
-    return 1.0 - (1.0 - a) * total
-
-
 def series_of(at: Stencils, scheme: Scheme) -> Array:
     """I + 𝐀 + 𝐀² + … to the order of the transfer, blended, with 𝐀 = I − S⁺S of the nodes, (P, n, n)."""
     passed = at.S.swapaxes(-1, -2) @ at.S
@@ -214,6 +189,6 @@ def series_of(at: Stencils, scheme: Scheme) -> Array:
     passed = identity - passed / at.mass
     total = increment = identity
     for order in range(2, scheme.order + 1):
-        increment = scheme.factor(order) * (passed @ increment)
+        increment = increment_factor(scheme.blend, order) * (passed @ increment)
         total = total + increment
     return total

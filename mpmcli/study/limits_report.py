@@ -21,10 +21,9 @@ HEADINGS = {
     "limit": "stable up to",
     "unstable_at": "unstable at",
     "predicted": "predicted",
-    "predicted_worst": "at rest, worst place",
-    "loss": "loss there",
-    "auto": "auto takes",
-    "waste": "gives away",
+    "auto": "auto",
+    "below": "auto is below by",
+    "loss": "loss at the limit",
     "remark": "",
 }
 LONGEST_REMARK = 60
@@ -42,7 +41,8 @@ def rows_of(cases: Sequence[Case], settings: Settings) -> list[dict[str, Any]]:
             "limit": case.limit,
             "unstable_at": case.unstable_at,
             "predicted": case.predicted,
-            "predicted_worst": case.predicted_worst,
+            "auto": case.auto,
+            "below": case.below,
             "loss": case.loss,
             "excess": case.excess,
             "trials": len(case.trials),
@@ -50,16 +50,7 @@ def rows_of(cases: Sequence[Case], settings: Settings) -> list[dict[str, Any]]:
             "is_decided": case.is_decided,
             "remark": case.remark,
         }
-        | (
-            {
-                "auto": case.auto,
-                "auto_is_stable": case.auto_is_stable,
-                "auto_growth": case.auto_growth,
-                "waste": case.waste,
-            }
-            if settings.tries_auto
-            else {}
-        )
+        | ({"auto_is_stable": case.auto_is_stable} if settings.tries_auto else {})
         for case in cases
     ]
 

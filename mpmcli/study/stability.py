@@ -1,8 +1,8 @@
 """Stability limits: the largest Courant number at which a scene stays bounded, accurate or quiet, found by bisection.
 
 Courant numbers are whole multiples of the resolution. A search begins at the predicted limit, goes away from it in
-doubling strides until it has one stable and one unstable number, and halves what is between. There may be islands:
-stable numbers above unstable ones. So a few numbers amid the stable ones below the limit are looked at, too.
+doubling strides until it has one stable and one unstable number, and halves the interval between them. There may be
+isolated unstable intervals below. A few numbers among the stable ones are therefore checked, too.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, Protocol
@@ -18,7 +19,8 @@ import mpmcli
 from mpmcli.core.bisection import bisect_limit
 from mpmcli.core.errors import SceneError
 from mpmcli.scene.loader import LoadedScene
-from mpmcli.stability.scene_limit import predict
+from mpmcli.stability.models import NoKnownLimit
+from mpmcli.stability.scene_limit import limit_in_motion, stable_courant
 from mpmcli.study.interruption import wait_for
 from mpmcli.study.journal import Journal
 from mpmcli.study.processes import TIMED_OUT, Stopped
@@ -29,7 +31,6 @@ Criterion = Literal["bounded", "accurate", "quiet"]
 TRIALS = "trials.jsonl"
 DEFAULT_TRANSFERS = ("flip", "fmpm:1", "fmpm:2", "fmpm:4", "fmpm:8", "fmpm:16", "fmpm:40", "fmpm:80")
 DEFAULT_START = 0.5
-AUTO = "auto"
 
 
 class Runner(Protocol):
@@ -53,8 +54,8 @@ class Settings:
     lowest, highest : Courant numbers between which limits are looked for
     until : end of the runs, or None for the scene's
     threads : of each run
-    tries_auto : also run what ``courant: auto`` chooses
-    checks : how many Courant numbers amid those found stable are looked at once a limit is found
+    tries_auto : also run the Courant number that ``courant: auto`` selects
+    checks : how many Courant numbers among those found stable are checked once a limit is found
     """
 
     criterion: Criterion = "bounded"
@@ -94,11 +95,10 @@ class Case:
     source, scene_hash : the scene of this case
     limit : largest stable Courant number, None if there is none or it was not found
     unstable_at : smallest Courant number above it that is unstable, None if there is none
-    predicted, predicted_worst : of a moving block, and of one at rest at the worst place (``stability``)
+    predicted : limit of bodies in motion (``stability``)
+    auto : the Courant number that ``courant: auto`` selects, None where no limit is known
     loss, excess : energy lost, and most energy too much, at the limit, as shares of what was put in
-    auto : mean Courant number of the steps of a run with ``courant: auto``; None if not asked
-    auto_is_stable : whether that run was bounded
-    auto_growth : of the disturbance in that run; None if there was none
+    auto_is_stable : whether a run with this number was stable by the criterion; None if there was no such run
     trials : all that were looked at, by Courant number
     remark : how the run at ``unstable_at`` ended, or why there is no limit
     is_decided : the search came to its end
@@ -112,12 +112,10 @@ class Case:
     limit: float | None = None
     unstable_at: float | None = None
     predicted: float | None = None
-    predicted_worst: float | None = None
+    auto: float | None = None
     loss: float | None = None
     excess: float | None = None
-    auto: float | None = None
     auto_is_stable: bool | None = None
-    auto_growth: float | None = None
     trials: dict[float, dict[str, Any]] = field(default_factory=dict)
     remark: str = ""
     is_decided: bool = False
@@ -128,8 +126,8 @@ class Case:
         return f"{self.shape} {self.transfer}"
 
     @property
-    def waste(self) -> float | None:
-        """Share of the limit that ``courant: auto`` gives away."""
+    def below(self) -> float | None:
+        """How far ``auto`` is below the limit, as a share of the limit."""
         return None if self.auto is None or not self.limit else 1.0 - self.auto / self.limit
 
 
@@ -219,33 +217,37 @@ class _Search:
         """Find the limit."""
         case, settings = self.case, self.settings
         loaded = load_job(case.source.job())
-        if self.predicts:
+        if self.predicts or settings.tries_auto:
             self._predict(loaded)
         step = settings.resolution
         start = round((case.predicted or DEFAULT_START) / step)
         lowest, highest = max(1, round(settings.lowest / step)), round(settings.highest / step)
         try:
-            low, high = bisect_limit(self._is_stable, start, lowest, highest, settings.checks)
+            low, high = bisect_limit(
+                lambda place: self._is_stable(self._courant(place)), start, lowest, highest, settings.checks
+            )
         except Undecided as reason:
             case.remark = f"not decided: {reason}"
             self.tell(f"{case.name}: {case.remark}")
             return
         case.is_decided = True
         self._conclude(low, high)
-        if settings.tries_auto and case.limit is not None:
-            self._try_auto()
+        if settings.tries_auto and case.auto is not None:
+            with suppress(Undecided):
+                case.auto_is_stable = self._is_stable(case.auto)
 
     def _predict(self, loaded: LoadedScene) -> None:
         with self._predicting:  # numpy has its own threads
-            prediction = predict(loaded.scene)
-        if prediction is not None:
-            self.case.predicted, self.case.predicted_worst = prediction.moving, prediction.worst
+            try:
+                self.case.predicted = limit_in_motion(loaded.scene)
+                self.case.auto = stable_courant(loaded.scene).courant
+            except NoKnownLimit:
+                return
 
     def _courant(self, place: int) -> float:
         return float(f"{place * self.settings.resolution:.9g}")
 
-    def _is_stable(self, place: int) -> bool:
-        courant = self._courant(place)
+    def _is_stable(self, courant: float) -> bool:
         trial = self._trial(courant)
         if not trial["bounded"]:
             return False
@@ -264,16 +266,7 @@ class _Search:
         return bool(half["bounded"]) and half["growth"] is not None and growth <= most * half["growth"]
 
     def _trial(self, courant: float) -> dict[str, Any]:
-        trial = self.case.trials[courant] = self._run(courant, f"{courant:.9g}")
-        return trial
-
-    def _try_auto(self) -> None:
-        trial = self._run(AUTO, AUTO)
-        self.case.auto, self.case.auto_is_stable = trial.get("mean_courant"), trial["bounded"]
-        self.case.auto_growth = trial["growth"]
-
-    def _run(self, courant: float | str, name: str) -> dict[str, Any]:
-        case, settings = self.case, self.settings
+        case, settings, name = self.case, self.settings, f"{courant:.9g}"
         is_disturbed = settings.criterion == "quiet"
         key = f"{mpmcli.__version__} {case.scene_hash} {name} {case.end:.17g} {settings.energy:.9g}"
         key += " disturbed" * is_disturbed
@@ -296,6 +289,7 @@ class _Search:
             about = {"shape": case.shape, "transfer": case.transfer, "courant": courant}
             self.journal.add(key, about | trial)
             self.tell(f"{case.name}: C = {name} {_words(trial)}")
+        case.trials[courant] = trial
         return trial
 
     def _conclude(self, low: int | None, high: int | None) -> None:
@@ -309,10 +303,10 @@ class _Search:
         case.limit = self._courant(low)
         case.loss, case.excess = (case.trials[case.limit][name] for name in ("loss", "excess"))
         if high is None:
-            case.remark = "stable up to the largest Courant number that was looked at"
+            case.remark = "stable up to the largest Courant number that was tried"
 
     def _why(self, courant: float) -> str:
-        trial = case_trial = self.case.trials[courant]
+        trial = self.case.trials[courant]
         if trial["bounded"]:
             half = self.case.trials.get(_half(courant), {"bounded": True})
             if not half["bounded"]:
@@ -320,7 +314,7 @@ class _Search:
             if self.settings.criterion == "quiet":
                 growth = trial["growth"]
                 return "a disturbance grows " + ("without bound" if growth is None else f"{growth:.3g} times")
-            return f"loses {case_trial['loss']:.3g}, at half of it {half['loss']:.3g}"
+            return f"loses {trial['loss']:.3g}, at half of it {half['loss']:.3g}"
         return str(trial["message"])
 
 

@@ -42,9 +42,8 @@ def march_trial(job: dict[str, Any]) -> dict[str, Any]:
     -------
     dict
         ``ended`` in a word and ``message``; ``bounded``; ``excess``, the largest share of the energy put in that was
-        too much; ``loss``, the share that was missing at the end; ``steps``, ``time``, ``seconds`` and
-        ``mean_courant``, over the steps; ``growth`` of the disturbance, None where it went beyond all measure or
-        there was none.
+        too much; ``loss``, the share that was missing at the end; ``steps``, ``time`` and ``seconds``; ``growth`` of
+        the disturbance, None where it went beyond all measure or there was none.
     """
     from mpmcli.solver.simulation import Simulation
 
@@ -72,7 +71,6 @@ def march_trial(job: dict[str, Any]) -> dict[str, Any]:
         "loss": watch.loss if ended in (FINISHED, ENERGY) and math.isfinite(watch.loss) else None,
         "steps": simulation.state.step,
         "time": simulation.state.time,
-        "mean_courant": watch.mean_courant,
         "growth": twin.growth if twin is not None and math.isfinite(twin.growth) else None,
         "seconds": time.perf_counter() - begin,
     }
@@ -89,7 +87,7 @@ def load_job(job: dict[str, Any]) -> LoadedScene:
 
 
 def set_courant(loaded: LoadedScene, courant: float | str) -> None:
-    """Put a Courant number into a scene, also one that scenes may not ask for (above 1), or ``auto``."""
+    """Put a Courant number, or ``auto``, into a scene instead of its own step."""
     scene = loaded.scene
     span = scene.time.model_copy(update={"courant": courant, "step": None})
     loaded.scene = scene.model_copy(update={"time": span})
@@ -107,7 +105,6 @@ def _march(
             simulation.step()
             if twin is not None:
                 twin.step()
-            watch.mean_courant += ((simulation.time_step.courant or 0.0) - watch.mean_courant) / state.step
             if state.step == 1:
                 most = MOST_STEPS * (end / state.dt + 10.0)
             if state.step % every == 0:
@@ -133,7 +130,6 @@ class EnergyWatch:
     Attributes
     ----------
     running_excess : the last excess over the largest energy put in so far [-]
-    mean_courant : mean Courant number of the steps so far
     """
 
     def __init__(self, state: Any):
@@ -141,7 +137,6 @@ class EnergyWatch:
         self.put_in = self.largest_put_in = self.start
         self.largest_excess = 0.0
         self.running_excess = 0.0
-        self.mean_courant = 0.0
 
     def look(self, state: Any) -> None:
         """Take the energies of this state into account."""

@@ -1,0 +1,145 @@
+"""The small blocks and endless rows of particles that stand for the deformable bodies of a scene."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from mpmcli.shapes import SHAPES
+from mpmcli.stability.growth import FAST
+from mpmcli.stability.held import Holders
+from mpmcli.stability.lattice import DOMAINS, GRID_FUNCTIONS, Lattice
+from mpmcli.stability.linear_step import Scheme
+from mpmcli.stability.speeds import start_speeds
+
+SPACE = 0.95
+"""Limits in space over those in the plane: 0.742/0.783 (FLIP) and 0.463/0.487 (FMPM(4)) for lcpdi and ν = 1/3, found
+once with cubes of 2³ cells, whose eigenvalues take a minute."""
+SLOW = 0.025
+"""Speed over wave speed of the block that moves slowly; from 1/150 to 1/10 its limit depends little on the speed."""
+SLOWER = 0.7
+"""A fast body becomes slower: each speed by this factor below its own counts too, down to ``FAST``."""
+FASTEST = 10.0
+"""Speed over wave speed from which rows count as equally fast."""
+MOST_PARTICLES = 6
+"""Per cell and axis: with more of them the matrices of a block take seconds and gigabytes."""
+IN_COMPRESSION = 0.5
+"""Share of the time in which artificial viscosity acts, as behind a shock, where bodies oscillate about their
+compression. The quadratic part is left out: it is large in the front only, which passes within some steps."""
+
+
+class NoKnownLimit(ValueError):
+    """A scene whose stability limit is not known; the message says why."""
+
+
+@dataclass(frozen=True)
+class Model:
+    """A lattice of particles that stands for a body.
+
+    Attributes
+    ----------
+    lattice : block or endless row
+    speed : over the wave speed; 0 at rest, at the worst position within a cell
+    scale : Courant number of the scene over that of the lattice: wave speed of the fastest body over this one's, and
+        ``SPACE`` for three axes
+    body : name of the body
+    because : what the lattice does, in words
+    """
+
+    lattice: Lattice
+    speed: float
+    scale: float
+    body: str
+    because: str
+
+
+def deformable(scene: Any) -> list[tuple[Any, Any]]:
+    """Return the deformable bodies and their materials."""
+    models = [(body, scene.materials[body.material]) for body in scene.bodies]
+    return [(body, model) for body, model in models if model.kind != "rigid"]
+
+
+def largest_wave_speed(scene: Any) -> float:
+    """Return the largest wave speed of the deformable bodies at the start [velocity], 0 without any."""
+    return max((m.initial_wave_speed(scene.analysis.kind) for _, m in deformable(scene)), default=0.0)
+
+
+def scheme_of(scene: Any) -> Scheme:
+    """Return what the steps of a scene do; a dynamic order counts as the largest one."""
+    transfer = scene.method.transfer
+    blend = getattr(transfer, "blend", None)
+    viscosity = scene.method.artificial_viscosity
+    return Scheme(
+        transfer.kind,
+        getattr(transfer, "order", 1),
+        scene.method.update,
+        None if blend is None else (blend.order, float(blend.fraction)),
+        getattr(transfer, "every_courant", None),
+        getattr(transfer, "every_steps", None),
+        bool(getattr(transfer, "velocity_gradient", False)),
+        0.0 if viscosity is None else IN_COMPRESSION * float(viscosity.linear),
+    )
+
+
+def models_of(scene: Any) -> list[Model]:
+    """Return the models of all deformable bodies, each kind once, lowest limits first as a rule.
+
+    Materials that are not elastic at rest count as fluids of their wave speed, axisymmetric analyses as plane.
+
+    Raises
+    ------
+    NoKnownLimit
+        If a body or the shape function is of a kind that the analysis does not know.
+    """
+    shape = SHAPES[scene.method.shape]
+    if shape.grid_functions not in GRID_FUNCTIONS or shape.domain not in DOMAINS:
+        raise NoKnownLimit(f"the shape function {scene.method.shape} is of no kind that was analysed")
+    bodies, holders, fastest = deformable(scene), Holders(scene), largest_wave_speed(scene)
+    if not bodies:
+        raise NoKnownLimit("all bodies are rigid")
+    kinds: dict[Model, Model] = {}
+    for body, material in bodies:
+        for model in _models_of_body(scene, body, material, holders.held_axes(body), fastest):
+            kinds.setdefault(replace(model, body=""), model)
+    return sorted(kinds.values(), key=lambda model: model.speed)
+
+
+def _models_of_body(
+    scene: Any, body: Any, material: Any, is_held: np.ndarray, fastest: float
+) -> Iterator[Model]:
+    """Models of a body.
+
+    A block has the axes along which the body is not held, in space the two of them with the smallest edges of a cell,
+    and one axis if the body is held along all. An endless row stands for each axis along which it is held or fast.
+    """
+    wave = material.initial_wave_speed(scene.analysis.kind)
+    if not 0.0 < wave < math.inf or not 0.0 < (modulus := material.density * wave * wave) < math.inf:
+        raise NoKnownLimit(f"body '{body.name}' has the wave speed {wave:.3g}")
+    cell = np.asarray(scene.grid.cell, dtype=float)
+    particles = np.broadcast_to(np.asarray(body.particles_per_axis), cell.shape)
+    shape, edges = SHAPES[scene.method.shape], cell / cell.min()
+    free = np.flatnonzero(~is_held) if not is_held.all() else np.array([cell.argmin()])
+    if particles[free].max() > MOST_PARTICLES:
+        raise NoKnownLimit(f"body '{body.name}' has more than {MOST_PARTICLES} particles per cell and axis")
+    axes = np.sort(free[np.argsort(cell[free], kind="stable")[:2]])
+    shear = float(getattr(material, "shear_modulus", 0.0)) / modulus if len(axes) > 1 else 0.0
+    scale = (SPACE if len(free) == 3 else 1.0) * fastest / wave
+    for count in sorted({int(n) for n in particles[free]}):
+        elastic = tuple(map(float, edges[axes])), 1.0 - 2.0 * shear, shear
+        block = Lattice(shape.grid_functions, shape.domain, count, *elastic)
+        yield Model(block, 0.0, scale, body.name, "at rest at its worst position")
+        yield Model(block, SLOW, scale, body.name, "moving slowly")
+    speeds = start_speeds(scene, body) / wave
+    for a, edge in enumerate(edges):
+        row = Lattice(shape.grid_functions, shape.domain, int(particles[a]), (float(edge),), is_endless=True)
+        if is_held[a]:
+            yield Model(row, 0.0, fastest / wave, body.name, "between held faces")
+        speed = float(f"{min(speeds[a], FASTEST):.2g}")  # bodies that are nearly as fast need one search
+        words = f"moving at {speed:g} of the wave speed"
+        while speed >= FAST:
+            yield Model(row, speed, fastest / wave, body.name, words)
+            speed *= SLOWER
