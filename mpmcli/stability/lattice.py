@@ -1,4 +1,4 @@
-"""A small elastic block on the grid: its particles' stencils at any place within the cells."""
+"""A small elastic block on the grid: stencils of its particles at any position within the cells."""
 
 from __future__ import annotations
 
@@ -59,57 +59,50 @@ class Lattice:
 
 @dataclass(eq=False)
 class Stencils:
-    """At P places, of N particles and n nodes: S (P, N, n), G (d, P, N, n), Σ_p S (P, n, 1), and what finds ``reach``.
+    """Stencils of N particles at n nodes with the block at P positions.
 
-    Nodes have mass at one of the places at least; where they have none, their mass counts as 1, and S and G vanish.
+    Nodes have mass at one of the positions at least; where they have none, their mass counts as 1, and S, G and the
+    reach vanish.
+
+    Attributes
+    ----------
+    S : (P, N, n)
+    G, reach : (d, P, N, n) gradients, and S·(x_i − X_p), which velocity gradients need
+    mass : (P, n, 1) Σ_p S
     """
 
     S: Array
     G: Array
+    reach: Array
     mass: Array
-    find_reach: Callable[[], Array]
-
-    @functools.cached_property
-    def reach(self) -> Array:
-        """S·(x_i − X_p) (d, P, N, n), which velocity gradients ask for."""
-        return self.find_reach()
 
 
 def stencils(lattice: Lattice, offsets: Array) -> Stencils:
-    """The tensor products of the axes, at nodes that have mass; ``offsets`` (P, d) of the block in cells."""
+    """Return the tensor products of the axes, at nodes that have mass; ``offsets`` (P, d) of the block in cells."""
     along = [
         axis_stencils(lattice.grid_functions, lattice.domain, lattice.particles, lattice.edge, offset)
         for offset in offsets.T
     ]
     if lattice.is_endless:
-        along = [
-            (_repeated(S, lattice.edge), _repeated(G, lattice.edge), _repeated(R, lattice.edge))
-            for S, G, R in along
-        ]
-
-    def product(*factors: Array) -> Array:
-        return functools.reduce(_kron, factors)
-
+        n = lattice.edge
+        along = [(_repeated(S, n), _repeated(G, n), _repeated(R, n)) for S, G, R in along]
     values = [S for S, _, _ in along]
-    value = product(*values)
+    value = functools.reduce(_kron, values)
     mass = value.sum(axis=-2, keepdims=True)
     has_mass = mass > 1e-12
     kept = has_mass.any(axis=(0, 1))
     seen = has_mass[..., kept]
 
-    def of_nodes(all_nodes: Array) -> Array:
-        return all_nodes[..., kept] * seen
-
     def along_each(others: list[Array]) -> Array:
         """For each axis the product in which the values along it have made room for ``others``."""
-        products = [product(*values[:a], other, *values[a + 1 :]) for a, other in enumerate(others)]
-        return of_nodes(np.stack(products))
+        products = [functools.reduce(_kron, [*values[:a], A, *values[a + 1 :]]) for a, A in enumerate(others)]
+        return np.stack(products)[..., kept] * seen
 
     return Stencils(
-        of_nodes(value),
+        value[..., kept] * seen,
         along_each([G / cell for (_, G, _), cell in zip(along, lattice.cell, strict=True)]),
+        along_each([R * cell for (_, _, R), cell in zip(along, lattice.cell, strict=True)]),
         np.where(seen, mass[..., kept], 1.0).swapaxes(1, 2),
-        lambda: along_each([R * cell for (_, _, R), cell in zip(along, lattice.cell, strict=True)]),
     )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -46,8 +47,8 @@ class Scheme:
 
 @dataclass
 class State:
-    """B states at each of P places: V (d, P, N, B), stresses (pairs, P, N, B); velocity gradients (d, d, P, N, B) and
-    viscous stress (P, N, B), or None.
+    """B states at each of P positions: V (d, P, N, B), stresses (pairs, P, N, B); velocity gradients (d, d, P, N, B)
+    and viscous stress (P, N, B), or None.
     """
 
     V: Array
@@ -87,27 +88,23 @@ class LinearStep:
             viscous[None] if len(viscous) else None,
         )
 
-    def matrices(self, places: Array, is_flip: Array) -> Iterator[Array]:
-        """The matrix of one step after the other, with the block at ``places`` (steps, d), in cells.
+    def matrices(self, positions: Array, is_flip: Array) -> Iterator[Array]:
+        """Yield the matrices of steps with the block at ``positions`` (steps, d) [cells].
 
-        ``is_flip`` (steps,) tells the steps of FLIP between those of a periodic transfer. Steps at the same place share
-        a matrix.
+        ``is_flip`` (steps,) marks the steps of FLIP between those of a periodic transfer.
         """
         start = self.identity()
         share = max(1, MOST_NUMBERS // start.V.shape[-1] ** 2)
-        for begin in range(0, len(places), share):
+        for begin in range(0, len(positions), share):
             part = slice(begin, begin + share)
-            steps = [
-                (*place, flip)
-                for place, flip in zip(places[part].tolist(), is_flip[part].tolist(), strict=True)
-            ]
-            found: dict[tuple[float, ...], Array] = {}
+            matrices: list[Any] = [None] * len(positions[part])
             for flip in (False, True):
-                asked = [step for step in dict.fromkeys(steps) if step[-1] == flip]
-                if asked:
-                    at = stencils(self.lattice, np.array(asked)[:, :-1])
-                    found |= zip(asked, self.advance(start, at, flip).matrices(), strict=True)
-            yield from (found[step] for step in steps)
+                steps = np.flatnonzero(is_flip[part] == flip)
+                if len(steps):
+                    at = stencils(self.lattice, positions[part][steps])
+                    for step, matrix in zip(steps, self.advance(start, at, flip).matrices(), strict=True):
+                        matrices[step] = matrix
+            yield from matrices
 
     def advance(self, state: State, at: Stencils, is_flip: bool = False) -> State:
         """All states after one step; ``is_flip`` for those between the steps of a periodic transfer."""
