@@ -1,7 +1,7 @@
 """The compiler, imported when the first function is compiled: reading and checking a scene needs none of it.
 
-Numba takes a third of a second to import. What has to be told to it (how a generic function chooses, what lanes are)
-waits here until then.
+Numba takes a third of a second to import. What has to be told to it (how a generic function chooses, what a
+vector register is) waits here until then.
 """
 
 from __future__ import annotations
@@ -54,6 +54,7 @@ def get_compiler_ready() -> None:
         if not _is_ready:
             configure()
             _import_without_blas()
+            importlib.import_module("mpmcli.core.registers_in_llvm")
             _is_ready = True
             try:
                 while _told:

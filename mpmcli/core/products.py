@@ -14,7 +14,7 @@ import numpy as np
 from mpmcli.core.dispatch import generic
 from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry
 from mpmcli.core.kernel import inline
-from mpmcli.core.lanes import each, load, pack, store
+from mpmcli.core.registers import each, load, pack, store
 from mpmcli.core.stencil import fill, first_node, keep, kept_as, weigh, weigh_gathers
 
 

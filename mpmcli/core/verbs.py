@@ -6,7 +6,7 @@ come flat: component a of node i of c components is ``v[c·i + a]``, capacity an
 node i are ``mp[(1 + c)·i …]``. The tuple ``zero`` has c members, so that c is known when compiled.
 ``base`` is the first node of the stencil of particle ``p``, ``offsets`` (m,) lead from there to all its nodes;
 ``across`` has a member per node along an axis, so that m is known when compiled. A row is the nodes along x. What
-belongs to one node is handled as one register (``lanes``). All indices are unsigned.
+belongs to one node is handled as one register (``registers``). All indices are unsigned.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ import numpy as np
 
 from mpmcli.core.analysis import Axisymmetric, Solid
 from mpmcli.core.compiler import compiled_as, compiled_too
-from mpmcli.core.lanes import each, pack, plus, read
+from mpmcli.core.registers import each, pack, plus, read
 from mpmcli.core.stencil import Corners
 from mpmcli.core.verbs import (
     LINE,

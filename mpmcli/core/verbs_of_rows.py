@@ -7,8 +7,8 @@ from functools import partial
 import numpy as np
 
 from mpmcli.core.analysis import Axisymmetric, Solid
-from mpmcli.core.lanes import each, load, pack, plus, read, store, zeros
 from mpmcli.core.products import Rows
+from mpmcli.core.registers import each, load, pack, plus, read, store, zeros
 from mpmcli.core.verbs import (
     ALL,
     LINE,

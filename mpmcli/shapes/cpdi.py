@@ -16,7 +16,7 @@ from mpmcli.core.compiler import compiled_too
 from mpmcli.core.dispatch import generic
 from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry
 from mpmcli.core.kernel import inline
-from mpmcli.core.lanes import distances, load, plus, ramp_down, store
+from mpmcli.core.registers import distances, load, plus, ramp_down, store
 from mpmcli.core.stencil import DOMAIN_TOO_WIDE, Corners, fill, first_node, weigh_by_table, weigh_gathers
 from mpmcli.core.verbs_of_corners import gradients_of_plane, gradients_of_space
 from mpmcli.shapes.base import add_shape

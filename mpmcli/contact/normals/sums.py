@@ -1,4 +1,4 @@
-"""Sums over the particles of a cloud, four side by side where they are compiled."""
+"""Sums over the particles of a cloud, four side by side."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.compiler import compiled_as, compiled_too
-from mpmcli.core.lanes import each, load, zeros
+from mpmcli.core.compiler import compiled_too
+from mpmcli.core.registers import each, load, zeros
 
 NO_SUMS = (0.0,) * 14
 FOUR = (0.0,) * 4
@@ -27,6 +27,14 @@ def add_particle(d: Any, cloud: Any, p: Any, w: Any, r: Any, sums: Any) -> Any:
     )  # fmt: skip
 
 
+@compiled_too
+def across(register: Any) -> Any:
+    """Return the sum of four components."""
+    a, b, c, d = each(register)
+    return (a + b) + (c + d)
+
+
+@compiled_too
 def add_particles(
     axes: Any, cloud: Any, start: Any, count: Any, weight: Any, residual: Any, sums: Any
 ) -> Any:
@@ -35,48 +43,30 @@ def add_particles(
     These are Σ w (xx, xy, xz, yy, yz, zz, x, y, z, 1) and Σ r (x, y, z, 1), with w and r in the first ``count``
     members of ``weight`` and ``residual``; those of absent axes stay zero.
     """
-    for i in range(count):
-        sums = add_particle(len(axes), cloud, start + i, weight[i], residual[i], sums)
-    return sums
-
-
-@compiled_too
-def across(lanes: Any) -> Any:
-    """The sum of four lanes."""
-    a, b, c, d = each(lanes)
-    return (a + b) + (c + d)
-
-
-@compiled_as(add_particles)
-def _(axes: Any, cloud: Any, start: Any, count: Any, weight: Any, residual: Any, sums: Any) -> Any:
     d = len(axes)
-
-    def add(axes: Any, cloud: Any, start: Any, count: Any, weight: Any, residual: Any, sums: Any) -> Any:
-        xx = xy = xz = yy = yz = zz = zeros(FOUR)
-        x1 = y1 = z1 = one = zeros(FOUR)
-        rx = ry = rz = r1 = zeros(FOUR)
-        fours = count - count % np.uint64(4)
-        for i in range(np.uint64(0), fours, np.uint64(4)):
-            w, r = load(weight, i, FOUR), load(residual, i, FOUR)
-            x = load(cloud.x[0], start + i, FOUR)
-            wx = w * x
-            xx, x1, one, rx, r1 = xx + wx * x, x1 + wx, one + w, rx + r * x, r1 + r
-            if d > 1:
-                y = load(cloud.x[1], start + i, FOUR)
-                wy = w * y
-                xy, yy, y1, ry = xy + wx * y, yy + wy * y, y1 + wy, ry + r * y
-            if d > 2:
-                z = load(cloud.x[2], start + i, FOUR)
-                wz = w * z
-                xz, yz, zz = xz + wx * z, yz + wy * z, zz + wz * z
-                z1, rz = z1 + wz, rz + r * z
-        for i in range(fours, count):
-            sums = add_particle(d, cloud, start + i, weight[i], residual[i], sums)
-        a, b, c, e, f, g, h, j, k, m, n, o, q, s = sums
-        return (
-            a + across(xx), b + across(xy), c + across(xz), e + across(yy), f + across(yz), g + across(zz),
-            h + across(x1), j + across(y1), k + across(z1), m + across(one),
-            n + across(rx), o + across(ry), q + across(rz), s + across(r1),
-        )  # fmt: skip
-
-    return add
+    xx = xy = xz = yy = yz = zz = zeros(FOUR)
+    x1 = y1 = z1 = one = zeros(FOUR)
+    rx = ry = rz = r1 = zeros(FOUR)
+    fours = count - count % np.uint64(4)
+    for i in range(np.uint64(0), fours, np.uint64(4)):
+        w, r = load(weight, i, FOUR), load(residual, i, FOUR)
+        x = load(cloud.x[0], start + i, FOUR)
+        wx = w * x
+        xx, x1, one, rx, r1 = xx + wx * x, x1 + wx, one + w, rx + r * x, r1 + r
+        if d > 1:
+            y = load(cloud.x[1], start + i, FOUR)
+            wy = w * y
+            xy, yy, y1, ry = xy + wx * y, yy + wy * y, y1 + wy, ry + r * y
+        if d > 2:
+            z = load(cloud.x[2], start + i, FOUR)
+            wz = w * z
+            xz, yz, zz = xz + wx * z, yz + wy * z, zz + wz * z
+            z1, rz = z1 + wz, rz + r * z
+    for i in range(fours, count):
+        sums = add_particle(d, cloud, start + i, weight[i], residual[i], sums)
+    a, b, c, e, f, g, h, j, k, m, n, o, q, s = sums
+    return (
+        a + across(xx), b + across(xy), c + across(xz), e + across(yy), f + across(yz), g + across(zz),
+        h + across(x1), j + across(y1), k + across(z1), m + across(one),
+        n + across(rx), o + across(ry), q + across(rz), s + across(r1),
+    )  # fmt: skip

@@ -1,11 +1,10 @@
-"""What waits for the compiler, and what only compiled code can call."""
+"""What waits for the compiler."""
 
 from __future__ import annotations
 
 import pytest
 
 from mpmcli.core import compiler
-from mpmcli.core.lanes import zeros
 
 
 def test_what_is_told_waits_until_something_is_compiled(monkeypatch):
@@ -39,8 +38,3 @@ def test_what_raises_is_done_again_before_the_rest(monkeypatch):
     assert heard == ["tried"]
     compiler.get_compiler_ready()
     assert heard == ["tried", "tried", "rest"]
-
-
-def test_lanes_cannot_be_had_in_python():
-    with pytest.raises(TypeError, match="zeros exists in compiled code only"):
-        zeros((0.0,))

@@ -1,4 +1,4 @@
-"""What ``core.lanes`` is for the compiler: a type, and the code of each function."""
+"""What ``core.registers`` is in compiled code: a type, and the code of each function."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, make_intrinsic_template, signature
 from numba.extending import models, register_model
 
-from mpmcli.core import lanes
+from mpmcli.core import registers
 
 DOUBLE = ir.DoubleType()
 INDEX = ir.IntType(32)
@@ -27,20 +27,20 @@ def written_in_llvm(name: Callable[..., Any]) -> Callable[[Callable[..., Any]], 
     return decorate
 
 
-class Lanes(types.Type):
+class Register(types.Type):
     """``count`` float64 in one register."""
 
     def __init__(self, count: int):
         self.count = count
-        super().__init__(name=f"Lanes({count})")
+        super().__init__(name=f"Register({count})")
 
 
-@register_model(Lanes)
-class LanesModel(models.PrimitiveModel):
+@register_model(Register)
+class RegisterModel(models.PrimitiveModel):
     """A vector type of LLVM; the compiler splits what the machine has no register for."""
 
-    def __init__(self, manager: Any, lanes: Lanes):
-        super().__init__(manager, lanes, ir.VectorType(DOUBLE, lanes.count))
+    def __init__(self, manager: Any, register: Register):
+        super().__init__(manager, register, ir.VectorType(DOUBLE, register.count))
 
 
 def _address(context: Any, builder: Any, array_type: Any, array: Any, i: Any, count: int) -> Any:
@@ -59,16 +59,16 @@ def _all_alike(builder: Any, number: Any, count: int) -> Any:
     return builder.shuffle_vector(one, empty, ir.Constant(ir.VectorType(INDEX, count), [0] * count))
 
 
-@written_in_llvm(lanes.load)
+@written_in_llvm(registers.load)
 def _(typing_context: Any, array: Any, i: Any, like: Any) -> Any:
-    return Lanes(len(like))(array, types.uint64, like), _load
+    return Register(len(like))(array, types.uint64, like), _load
 
 
-@written_in_llvm(lanes.read)
+@written_in_llvm(registers.read)
 def _(typing_context: Any, array: Any, i: Any, like: Any) -> Any:
     count = len(like)
     if count != 3:
-        return Lanes(count)(array, types.uint64, like), _load
+        return Register(count)(array, types.uint64, like), _load
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         four, mask = ir.VectorType(DOUBLE, 4), ir.VectorType(ir.IntType(1), 4)
@@ -82,10 +82,10 @@ def _(typing_context: Any, array: Any, i: Any, like: Any) -> Any:
         whole = builder.call(masked_load, [address, INDEX(8), wanted, zero])
         return builder.shuffle_vector(whole, whole, ir.Constant(ir.VectorType(INDEX, 3), [0, 1, 2]))
 
-    return Lanes(count)(array, types.uint64, like), build
+    return Register(count)(array, types.uint64, like), build
 
 
-@written_in_llvm(lanes.store)
+@written_in_llvm(registers.store)
 def _(typing_context: Any, array: Any, i: Any, value: Any) -> Any:
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         address = _address(context, builder, sig.args[0], args[0], args[1], value.count)
@@ -95,30 +95,30 @@ def _(typing_context: Any, array: Any, i: Any, value: Any) -> Any:
     return types.void(array, types.uint64, value), build
 
 
-@written_in_llvm(lanes.pack)
+@written_in_llvm(registers.pack)
 def _(typing_context: Any, components: Any) -> Any:
     count = len(components)
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         vector = ir.Constant(ir.VectorType(DOUBLE, count), ir.Undefined)
-        for lane, value in enumerate(cgutils.unpack_tuple(builder, args[0])):
-            vector = builder.insert_element(vector, value, INDEX(lane))
+        for position, value in enumerate(cgutils.unpack_tuple(builder, args[0])):
+            vector = builder.insert_element(vector, value, INDEX(position))
         return vector
 
-    return Lanes(count)(types.UniTuple(types.float64, count)), build
+    return Register(count)(types.UniTuple(types.float64, count)), build
 
 
-@written_in_llvm(lanes.zeros)
+@written_in_llvm(registers.zeros)
 def _(typing_context: Any, like: Any) -> Any:
     count = len(like)
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return ir.Constant(ir.VectorType(DOUBLE, count), [0.0] * count)
 
-    return Lanes(count)(like), build
+    return Register(count)(like), build
 
 
-@written_in_llvm(lanes.distances)
+@written_in_llvm(registers.distances)
 def _(typing_context: Any, start: Any, like: Any) -> Any:
     count = len(like)
 
@@ -130,10 +130,10 @@ def _(typing_context: Any, start: Any, like: Any) -> Any:
         fabs = cgutils.get_or_insert_function(builder.module, ir.FunctionType(vector, [vector]), name)
         return builder.call(fabs, [difference])
 
-    return Lanes(count)(types.float64, like), build
+    return Register(count)(types.float64, like), build
 
 
-@written_in_llvm(lanes.ramp_down)
+@written_in_llvm(registers.ramp_down)
 def _(typing_context: Any, end: Any, value: Any) -> Any:
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         count = sig.return_type.count
@@ -144,16 +144,16 @@ def _(typing_context: Any, end: Any, value: Any) -> Any:
     return value(types.float64, value), build
 
 
-@written_in_llvm(lanes.each)
+@written_in_llvm(registers.each)
 def _(typing_context: Any, value: Any) -> Any:
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        parts = [builder.extract_element(args[0], INDEX(lane)) for lane in range(value.count)]
+        parts = [builder.extract_element(args[0], INDEX(position)) for position in range(value.count)]
         return context.make_tuple(builder, sig.return_type, parts)
 
     return types.UniTuple(types.float64, value.count)(value), build
 
 
-@written_in_llvm(lanes.plus)
+@written_in_llvm(registers.plus)
 def _(typing_context: Any, total: Any, weight: Any, value: Any) -> Any:
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         total, weight, value = args
@@ -168,14 +168,14 @@ def _(typing_context: Any, total: Any, weight: Any, value: Any) -> Any:
 
 class _Sum(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
-        if len(args) == 2 and isinstance(args[0], Lanes) and args[0] == args[1]:
+        if len(args) == 2 and isinstance(args[0], Register) and args[0] == args[1]:
             return signature(args[0], *args)
         return None
 
 
 class _Product(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
-        if len(args) == 2 and isinstance(args[1], Lanes):
+        if len(args) == 2 and isinstance(args[1], Register):
             if args[0] == args[1]:
                 return signature(args[1], *args)
             if isinstance(args[0], types.Float):
@@ -188,23 +188,23 @@ for _operator in (operator.add, operator.iadd, operator.sub, operator.isub):
 infer_global(operator.mul)(type("_Product", (_Product,), {"key": operator.mul}))
 
 
-@lower_builtin(operator.add, Lanes, Lanes)
-@lower_builtin(operator.iadd, Lanes, Lanes)
+@lower_builtin(operator.add, Register, Register)
+@lower_builtin(operator.iadd, Register, Register)
 def _add(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.fadd(*args)
 
 
-@lower_builtin(operator.sub, Lanes, Lanes)
-@lower_builtin(operator.isub, Lanes, Lanes)
+@lower_builtin(operator.sub, Register, Register)
+@lower_builtin(operator.isub, Register, Register)
 def _subtract(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.fsub(*args)
 
 
-@lower_builtin(operator.mul, types.Float, Lanes)
+@lower_builtin(operator.mul, types.Float, Register)
 def _scale(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.fmul(_all_alike(builder, args[0], sig.args[1].count), args[1])
 
 
-@lower_builtin(operator.mul, Lanes, Lanes)
+@lower_builtin(operator.mul, Register, Register)
 def _multiply(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.fmul(*args)

@@ -1,10 +1,10 @@
-"""Lanes: the arithmetic of single numbers, several at once."""
+"""Vector registers: the arithmetic of single numbers, several at once; in Python that of arrays."""
 
 import numpy as np
 import pytest
 
 from mpmcli.core.kernel import inline
-from mpmcli.core.lanes import distances, each, load, pack, plus, ramp_down, read, store, zeros
+from mpmcli.core.registers import distances, each, load, pack, plus, ramp_down, read, store, zeros
 
 
 @inline
@@ -15,13 +15,25 @@ def scale_and_add(values, start, factor, added, out):
     return each(total)
 
 
+def in_python(compiled):
+    return compiled.py_func
+
+
+def as_compiled(compiled):
+    return compiled
+
+
+BOTH = pytest.mark.parametrize("version", [in_python, as_compiled])
+
+
+@BOTH
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 5])
-def test_lanes_round_like_single_numbers(count):
+def test_registers_round_like_single_numbers(count, version):
     """Load, scale, add, subtract and store: bit for bit numpy's, and nothing beside them is touched."""
     values = np.random.default_rng(count).normal(size=9)
     added = tuple(np.random.default_rng(7).normal(size=count))
     out = np.full(9, np.nan)
-    got = scale_and_add(values, 2, 0.3, added, out)
+    got = version(scale_and_add)(values, 2, 0.3, added, out)
     wanted = (values[2 : 2 + count] + 0.3 * np.array(added)) - np.array(added)
     assert list(got) == list(wanted)
     np.testing.assert_array_equal(out[2 : 2 + count], wanted)
@@ -40,7 +52,7 @@ def parabola(start, end, like):
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 5])
-def test_multiply_and_add_rounds_once(count):
+def test_compiled_code_multiplies_and_adds_rounding_once(count):
     """(1 + ε)² − (1 + 2ε) is ε² if rounded once and 0 if rounded twice; also at the very end of an array."""
     epsilon = 2.0**-30
     values = np.full(1 + count, 1.0 + epsilon)
@@ -48,8 +60,15 @@ def test_multiply_and_add_rounds_once(count):
     assert list(got) == [epsilon**2] * count
 
 
+@BOTH
 @pytest.mark.parametrize("count", [2, 3, 4, 6])
-def test_functions_of_the_distance_to_each_node(count):
-    got = parabola(1.25, 1.5, (0.0,) * count)
+def test_functions_of_the_distance_to_each_node(count, version):
+    got = version(parabola)(1.25, 1.5, (0.0,) * count)
     wanted = np.maximum(1.5 - np.abs(1.25 - np.arange(count)), 0.0) ** 2
     assert list(got) == list(wanted)
+
+
+def test_python_multiplies_and_adds():
+    values = np.array([9.0, 0.25, 0.5, 9.0])
+    got = multiply_and_add.py_func(values, 3.0, (1.0, 2.0))
+    np.testing.assert_array_equal(got, [1.75, 3.5])

@@ -1,0 +1,65 @@
+"""Vector registers: short vectors of float64, of which one instruction handles all components.
+
+The compiler keeps the components of a sum over a stencil in separate registers, runs out of them, and writes them to
+memory. As a vector the sum takes one register (the gain stands in ``benchmarks/README.md``). The arithmetic is that of
+the components one by one, in the same order and with the same rounding, so that the digits do not depend on the
+processor's vector width; where ``plus`` rounds once, it always does.
+
+In Python a register is an array, so that what is written with these functions runs there too. ``registers_in_llvm``
+tells the compiler what they are in compiled code. In both, ``+``, ``-`` and products (with a number too) act on all
+components.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+
+def load(array: Any, i: Any, like: Any) -> Any:
+    """Return as many components as the tuple ``like`` has, from ``array`` (n,) at index ``i`` on."""
+    return array[int(i) : int(i) + len(like)].copy()
+
+
+def read(array: Any, i: Any, like: Any) -> Any:
+    """Return what ``load`` does, for values that are not stored again.
+
+    Compiled code loads three components with one instruction, which is slow where a part was stored just before.
+    """
+    return load(array, i, like)
+
+
+def store(array: Any, i: Any, value: Any) -> None:
+    """Put the components into ``array`` (n,) from index ``i`` on."""
+    array[int(i) : int(i) + len(value)] = value
+
+
+def pack(components: Any) -> Any:
+    """Return the register of a tuple of numbers."""
+    return np.array(components, dtype=np.float64)
+
+
+def zeros(like: Any) -> Any:
+    """Return as many zeros as the tuple ``like`` has members."""
+    return np.zeros(len(like))
+
+
+def distances(start: Any, like: Any) -> Any:
+    """Return |start − 0|, |start − 1|, … for as many numbers as the tuple ``like`` has members."""
+    return np.abs(start - np.arange(len(like)))
+
+
+def ramp_down(end: Any, value: Any) -> Any:
+    """Return max(end − value, 0) of each component."""
+    return np.maximum(end - value, 0.0)
+
+
+def each(value: Any) -> Any:
+    """Return the components as a tuple of numbers."""
+    return tuple(value)
+
+
+def plus(total: Any, weight: Any, value: Any) -> Any:
+    """Return ``total + weight · value``, rounded once by compiled code (Python rounds the product, too)."""
+    return total + weight * value
