@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any, TypedDict
 
 import click
 
-from mpmcli.garbage import keeping_all
-
 if TYPE_CHECKING:
     from mpmcli.core.errors import Problem
     from mpmcli.run.outcome import Outcome
@@ -139,7 +137,6 @@ def study_options(command: str, picture: str) -> Callable[[Command], Command]:
     )
 
 
-@keeping_all()
 def load_checked(scene: str, changes: SceneChanges) -> LoadedScene:
     """Read and check a scene; warnings stay in ``warnings``."""
     from mpmcli.run.load import load
@@ -147,7 +144,6 @@ def load_checked(scene: str, changes: SceneChanges) -> LoadedScene:
     return load(Path(scene), **changes)
 
 
-@keeping_all()
 def check_start(loaded: LoadedScene) -> None:
     """Refuse what a run would refuse when it sets up the scene, or add a warning that this is left to the run."""
     from mpmcli.core.errors import SceneError
@@ -167,7 +163,6 @@ def _add_warning(loaded: LoadedScene, warning: Problem | None) -> None:
         loaded.warnings = ordered([*loaded.warnings, place])
 
 
-@keeping_all()
 def check_time_step(loaded: LoadedScene) -> None:
     """Add a warning to the scene if its step is above the stable Courant number.
 

@@ -7,7 +7,6 @@ from typing import Unpack
 import click
 
 from mpmcli.cli.options import SceneChanges, check_start, check_time_step, load_checked, scene_options
-from mpmcli.garbage import keeping_all
 
 
 @click.command("validate")
@@ -16,9 +15,8 @@ from mpmcli.garbage import keeping_all
 @scene_options
 def command(scenes: tuple[str, ...], as_list: bool, **changes: Unpack[SceneChanges]) -> int:
     """Report all problems of every SCENE; the exit code is 3 if there is an error."""
-    with keeping_all():
-        from mpmcli.core.errors import Problem, SceneError
-        from mpmcli.scene.report import as_json, as_text
+    from mpmcli.core.errors import Problem, SceneError
+    from mpmcli.scene.report import as_json, as_text
 
     problems: list[Problem] = []
     exit_code = 0

@@ -6,6 +6,7 @@ the cache. It ends when its stdin is closed: then whoever asked is gone.
 
 from __future__ import annotations
 
+import gc
 import importlib
 import os
 import pickle
@@ -13,12 +14,11 @@ import sys
 
 from mpmcli.core.compiler import get_compiler_ready
 from mpmcli.core.kernel import Call, find_compiled
-from mpmcli.garbage import keeping_all
 
 
-@keeping_all()
 def main() -> None:
     """Compile what is asked for until nobody asks any more."""
+    gc.disable()  # what is compiled stays: looking for garbage takes a tenth of the time
     # what a library prints must not be taken for an answer
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)

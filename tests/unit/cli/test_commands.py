@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import json
 import subprocess
 import sys
@@ -16,7 +15,6 @@ from mpmcli.cli import main
 from mpmcli.cli.list_command import KINDS
 from mpmcli.cli.main import COMMANDS, call
 from mpmcli.core.errors import ArchiveError, SceneError, SimulationError
-from mpmcli.garbage import keeping_all
 from mpmcli.scene.shipped import is_start, scene_text, shipped
 
 FORBIDDEN = ("numba", "pydantic", "numpy", "yaml", "vtkmodules", "matplotlib", "pint", "rich")
@@ -226,22 +224,6 @@ def test_validate_is_quick_and_light(tmp_path: Path) -> None:
         [sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=True
     )
     assert result.stderr.strip() == "0 True []"
-
-
-def test_the_collector_of_garbage_is_as_it_was_after_a_scene_is_read(scene: Path) -> None:
-    with keeping_all():
-        assert not gc.isenabled()
-    assert call(["validate", str(scene)]) == 0
-    assert gc.isenabled()
-    assert call(["validate", "missing.yaml"]) == 3
-    assert gc.isenabled()
-    gc.disable()
-    try:
-        with keeping_all():
-            pass
-        assert not gc.isenabled()
-    finally:
-        gc.enable()
 
 
 def test_schema(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import subprocess
@@ -92,6 +93,21 @@ def test_progress_names_what_is_compiled():
         compilers.compile(calls, told.append)
     assert told == [f"Compiling {n} of 4: {name}…" for n, name in enumerate("abcd", start=1)]
     assert all(call.threads for call in calls)
+
+
+@pytest.mark.parametrize("is_enabled", [True, False])
+def test_garbage_is_collected_after_compiling_as_before(is_enabled):
+    enabled = []
+    call = FakeCall("a")
+    call.compile = lambda: enabled.append(gc.isenabled())
+    (gc.enable if is_enabled else gc.disable)()
+    try:
+        with Compilers(1) as compilers:
+            compilers.compile([call], lambda line: None)
+        assert gc.isenabled() is is_enabled
+    finally:
+        gc.enable()
+    assert enabled == [False, False]
 
 
 @pytest.mark.parametrize("ends", ["import sys", "import sys; sys.stdin.buffer.read(1)"])
