@@ -1,38 +1,46 @@
-"""One-dimensional grid functions, at a distance r (in cells) from their node."""
+"""One-dimensional grid functions at a distance r (in cells) from their node: a number, a register, or an array."""
 
 from __future__ import annotations
 
-from mpmcli.core.kernel import inline
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.compiler import compiled_too
+from mpmcli.core.registers import positive_part
 
 
-@inline
-def hat(r):
-    """Linear function of support (−1, 1)."""
-    return max(1.0 - abs(r), 0.0)
+@compiled_too
+def hat(r: Any) -> Any:
+    """Return the linear function of support (−1, 1)."""
+    return positive_part(1.0 - abs(r))
 
 
-@inline
-def hat_integral(r):
-    """Integral of the hat from 0 to r (odd, ±1/2 outside the support)."""
-    s = max(1.0 - abs(r), 0.0)
-    value = 0.5 - 0.5 * s * s
-    return value if r > 0.0 else -value
+@compiled_too
+def hat_integral(r: Any) -> Any:
+    """Return the integral of the hat from 0 to r (odd, ±1/2 outside the support); no registers."""
+    s = positive_part(1.0 - abs(r))
+    return np.copysign(0.5 - 0.5 * s * s, r)
 
 
-@inline
-def quadratic_spline(r):
-    """Quadratic B-spline of support (−3/2, 3/2)."""
+@compiled_too
+def quadratic_spline(r: Any) -> Any:
+    """Return the quadratic B-spline of support (−3/2, 3/2)."""
     s = abs(r)
-    outer = max(1.5 - s, 0.0)
-    inner = max(0.5 - s, 0.0)
+    outer, inner = positive_part(1.5 - s), positive_part(0.5 - s)
     return 0.5 * outer * outer - 1.5 * inner * inner
 
 
-@inline
-def quadratic_spline_integral(r):
-    """Integral of the spline from 0 to r (odd, ±1/2 outside the support)."""
+@compiled_too
+def quadratic_spline_integral(r: Any) -> Any:
+    """Return the integral of the spline from 0 to r (odd, ±1/2 outside the support); no registers."""
     s = abs(r)
-    outer = max(1.5 - s, 0.0)
-    inner = max(0.5 - s, 0.0)
-    value = 0.5 - outer * outer * outer / 6.0 + 0.5 * inner * inner * inner
-    return value if r > 0.0 else -value
+    outer, inner = positive_part(1.5 - s), positive_part(0.5 - s)
+    return np.copysign(0.5 - outer * outer * outer / 6.0 + 0.5 * inner * inner * inner, r)
+
+
+GRID_FUNCTIONS = {
+    "linear": (hat, hat_integral),
+    "quadratic": (quadratic_spline, quadratic_spline_integral),
+}
+"""Function and integral by the name that shape functions give their grid functions."""

@@ -6,8 +6,8 @@ the components one by one, in the same order and with the same rounding, so that
 processor's vector width; where ``plus`` rounds once, it always does.
 
 In Python a register is an array, so that what is written with these functions runs there too. ``registers_in_llvm``
-tells the compiler what they are in compiled code. In both, ``+``, ``-`` and products (with a number too) act on all
-components.
+tells the compiler what they are in compiled code. In both, ``+``, ``-``, products (with a number too), a number minus a
+register, and ``abs`` act on all components.
 """
 
 from __future__ import annotations
@@ -45,14 +45,14 @@ def zeros(like: Any) -> Any:
     return np.zeros(len(like))
 
 
-def distances(start: Any, like: Any) -> Any:
-    """Return |start − 0|, |start − 1|, … for as many numbers as the tuple ``like`` has members."""
-    return np.abs(start - np.arange(len(like)))
+def offsets(start: Any, like: Any) -> Any:
+    """Return start − 0, start − 1, … for as many numbers as the tuple ``like`` has members."""
+    return start - np.arange(len(like))
 
 
-def ramp_down(end: Any, value: Any) -> Any:
-    """Return max(end − value, 0) of each component."""
-    return np.maximum(end - value, 0.0)
+def positive_part(value: Any) -> Any:
+    """Return max(value, 0) of each component, or of a number."""
+    return np.maximum(value, 0.0)
 
 
 def each(value: Any) -> Any:

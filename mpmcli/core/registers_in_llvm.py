@@ -118,30 +118,24 @@ def _(typing_context: Any, like: Any) -> Any:
     return Register(count)(like), build
 
 
-@written_in_llvm(registers.distances)
+@written_in_llvm(registers.offsets)
 def _(typing_context: Any, start: Any, like: Any) -> Any:
     count = len(like)
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        vector = ir.VectorType(DOUBLE, count)
-        counted = ir.Constant(vector, [float(i) for i in range(count)])
-        difference = builder.fsub(_all_alike(builder, args[0], count), counted)
-        name = f"llvm.fabs.v{count}f64"
-        fabs = cgutils.get_or_insert_function(builder.module, ir.FunctionType(vector, [vector]), name)
-        return builder.call(fabs, [difference])
+        counted = ir.Constant(ir.VectorType(DOUBLE, count), [float(i) for i in range(count)])
+        return builder.fsub(_all_alike(builder, args[0], count), counted)
 
     return Register(count)(types.float64, like), build
 
 
-@written_in_llvm(registers.ramp_down)
-def _(typing_context: Any, end: Any, value: Any) -> Any:
+@written_in_llvm(registers.positive_part)
+def _(typing_context: Any, value: Any) -> Any:
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        count = sig.return_type.count
-        zero = ir.Constant(ir.VectorType(DOUBLE, count), [0.0] * count)
-        left = builder.fsub(_all_alike(builder, args[0], count), args[1])
-        return builder.select(builder.fcmp_ordered(">", left, zero), left, zero)
+        zero = context.get_constant_null(value)
+        return builder.select(builder.fcmp_ordered(">", args[0], zero), args[0], zero)
 
-    return value(types.float64, value), build
+    return value(value), build
 
 
 @written_in_llvm(registers.each)
@@ -173,6 +167,18 @@ class _Sum(AbstractTemplate):
         return None
 
 
+class _Difference(_Sum):
+    def generic(self, args: Any, kws: Any) -> Any:
+        if len(args) == 2 and isinstance(args[0], types.Float) and isinstance(args[1], Register):
+            return signature(args[1], types.float64, args[1])
+        return super().generic(args, kws)
+
+
+class _Size(AbstractTemplate):
+    def generic(self, args: Any, kws: Any) -> Any:
+        return signature(args[0], args[0]) if isinstance(args[0], Register) else None
+
+
 class _Product(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
         if len(args) == 2 and isinstance(args[1], Register):
@@ -183,9 +189,15 @@ class _Product(AbstractTemplate):
         return None
 
 
-for _operator in (operator.add, operator.iadd, operator.sub, operator.isub):
-    infer_global(_operator)(type("_Sum", (_Sum,), {"key": _operator}))
-infer_global(operator.mul)(type("_Product", (_Product,), {"key": operator.mul}))
+for _operator, _template in (
+    (operator.add, _Sum),
+    (operator.iadd, _Sum),
+    (operator.sub, _Difference),
+    (operator.isub, _Sum),
+    (operator.mul, _Product),
+    (abs, _Size),
+):
+    infer_global(_operator)(type(_template.__name__, (_template,), {"key": _operator}))
 
 
 @lower_builtin(operator.add, Register, Register)
@@ -208,3 +220,16 @@ def _scale(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 @lower_builtin(operator.mul, Register, Register)
 def _multiply(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.fmul(*args)
+
+
+@lower_builtin(operator.sub, types.Float, Register)
+def _subtract_from(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.fsub(_all_alike(builder, args[0], sig.args[1].count), args[1])
+
+
+@lower_builtin(abs, Register)
+def _size(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    vector = args[0].type
+    name = f"llvm.fabs.v{sig.args[0].count}f64"
+    fabs = cgutils.get_or_insert_function(builder.module, ir.FunctionType(vector, [vector]), name)
+    return builder.call(fabs, args)

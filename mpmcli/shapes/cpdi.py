@@ -14,9 +14,10 @@ import numpy as np
 
 from mpmcli.core.compiler import compiled_too
 from mpmcli.core.dispatch import generic
+from mpmcli.core.functions import hat
 from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry
 from mpmcli.core.kernel import inline
-from mpmcli.core.registers import distances, load, plus, ramp_down, store
+from mpmcli.core.registers import load, offsets, plus, positive_part, store
 from mpmcli.core.stencil import DOMAIN_TOO_WIDE, Corners, fill, first_node, weigh_by_table, weigh_gathers
 from mpmcli.core.verbs_of_corners import gradients_of_plane, gradients_of_space
 from mpmcli.shapes.base import add_shape
@@ -85,13 +86,13 @@ def grid_functions(shape, r, across):
 @grid_functions.register(LinearCpdi)
 @grid_functions.register(QuadraticCpdi)
 def _(shape, r, across):
-    return ramp_down(1.0, distances(r, across))
+    return hat(offsets(r, across))
 
 
 @grid_functions.register(SplineCpdi)
 def _(shape, r, across):
-    away = distances(r, across)
-    wide, narrow = ramp_down(1.5, away), ramp_down(0.5, away)
+    away = abs(offsets(r, across))
+    wide, narrow = positive_part(1.5 - away), positive_part(0.5 - away)
     return 0.5 * (wide * wide) - 1.5 * (narrow * narrow)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mpmcli.core.kernel import inline
-from mpmcli.core.registers import distances, each, load, pack, plus, ramp_down, read, store, zeros
+from mpmcli.core.registers import each, load, offsets, pack, plus, positive_part, read, store, zeros
 
 
 @inline
@@ -47,7 +47,7 @@ def multiply_and_add(values, weight, added):
 
 @inline
 def parabola(start, end, like):
-    height = ramp_down(end, distances(start, like))
+    height = positive_part(end - abs(offsets(start, like)))
     return each(height * height)
 
 
