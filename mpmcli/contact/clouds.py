@@ -13,7 +13,7 @@ import numpy as np
 
 from mpmcli.core.grid import Grid, unfold
 from mpmcli.core.kernel import inline, kernel, prange
-from mpmcli.core.order import CellOrder, locate_cells
+from mpmcli.core.order import CellOrder, locate_cells, or_shifted
 from mpmcli.core.stencil import SEEN, fill, is_seen
 
 Array = np.ndarray
@@ -110,19 +110,12 @@ def _near(nodes: Array, order: CellOrder, grid: Grid) -> Array:
     for axis in range(mark.ndim):
         spread = mark.copy()
         for shift in range(-grid.width, grid.width):
-            _or_shifted(spread, mark, axis, shift)
+            or_shifted(spread, mark, axis, shift)
         mark = spread
     inside = np.all((cell >= low[:, None]) & (cell < (low + extent)[:, None]), axis=0)
     near = np.flatnonzero(inside)
     at = tuple((cell[a, near] - low[a]) for a in range(len(extent)))[::-1]
     return near[mark[at]]
-
-
-def _or_shifted(target: Array, source: Array, axis: int, shift: int) -> None:
-    into, out_of = [slice(None)] * target.ndim, [slice(None)] * target.ndim
-    into[axis] = slice(shift, None) if shift > 0 else slice(None, shift or None)
-    out_of[axis] = slice(None, -shift) if shift > 0 else slice(-shift, None)
-    target[tuple(into)] |= source[tuple(out_of)]
 
 
 @inline

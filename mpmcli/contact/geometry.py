@@ -12,6 +12,7 @@ from mpmcli.contact.clouds import IMAGE_BITS
 from mpmcli.contact.normals.base import find_normal
 from mpmcli.contact.separation.base import find_separation
 from mpmcli.core.kernel import inline, kernel, prange
+from mpmcli.core.particles import determinant_of_particle
 
 Array = np.ndarray
 
@@ -53,22 +54,8 @@ def sum_volumes(slots, first, dof, node_count, head, following, seer, S, field, 
             p = seer[at]
             for e in range(first[slot], first[slot + 1]):
                 if dof[e] // node_count == field[p]:
-                    volume[e] += S[at] * determinant(F, p) * vol0[p]
+                    volume[e] += S[at] * determinant_of_particle(F, p) * vol0[p]
             at = following[at]
-
-
-@inline
-def determinant(F, p):
-    """J = det F of particle ``p``; ``F`` (3 | 5 | 9, N)."""
-    if F.shape[0] == 3:
-        return F[0, p] * F[1, p] * F[2, p]
-    if F.shape[0] == 5:
-        return (F[0, p] * F[3, p] - F[1, p] * F[2, p]) * F[4, p]
-    return (
-        F[0, p] * (F[4, p] * F[8, p] - F[5, p] * F[7, p])
-        - F[1, p] * (F[3, p] * F[8, p] - F[5, p] * F[6, p])
-        + F[2, p] * (F[3, p] * F[7, p] - F[4, p] * F[6, p])
-    )
 
 
 @inline
@@ -83,7 +70,7 @@ def put_radius(axes, F, size, p, turned, M, at):
         M[0, at], M[1, at] = e * inverse / size[0, p], -b * inverse / size[0, p]
         M[2, at], M[3, at] = -c * inverse / size[1, p], a * inverse / size[1, p]
     else:
-        inverse = 1.0 / determinant(F, p)
+        inverse = 1.0 / determinant_of_particle(F, p)
         for i in range(3):
             for j in range(3):
                 # cofactor of F[j, i]
@@ -143,7 +130,7 @@ def gather(
         mine = field[p] == alpha
         if mine or (field[p] == beta if members.alone[k] else not rigid_field[field[p]]):
             image = (turned[at] >> IMAGE_BITS) - 1
-            J = determinant(F, p)
+            J = determinant_of_particle(F, p)
             for a in range(len(axes)):
                 x, g = X[a, p], G[at, a]
                 flip = turned[at] >> a & 1

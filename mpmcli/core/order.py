@@ -139,9 +139,9 @@ class CellOrder:
         for axis in range(mark.ndim):
             spread = mark.copy()
             for shift in range(1, above + 1):
-                _or_shifted(spread, mark, axis, shift)
+                or_shifted(spread, mark, axis, shift)
             for shift in range(1, below + 1):
-                _or_shifted(spread, mark, axis, -shift)
+                or_shifted(spread, mark, axis, -shift)
             mark[...] = spread
         inside = np.nonzero(mark)
         index = np.zeros(len(inside[0]), dtype=np.int64)
@@ -161,9 +161,10 @@ def band_height(rows: int, least: int) -> int:
     return min(candidates, key=lambda h: (rows_in_sequence(h), h))
 
 
-def _or_shifted(target: Array, source: Array, axis: int, shift: int) -> None:
+def or_shifted(target: Array, source: Array, axis: int, shift: int) -> None:
+    """Mark in ``target`` what ``source`` marks, moved by ``shift`` along an axis; both are arrays of booleans."""
     into, out_of = [slice(None)] * target.ndim, [slice(None)] * target.ndim
-    into[axis] = slice(shift, None) if shift > 0 else slice(None, shift)
+    into[axis] = slice(shift, None) if shift > 0 else slice(None, shift or None)
     out_of[axis] = slice(None, -shift) if shift > 0 else slice(-shift, None)
     target[tuple(into)] |= source[tuple(out_of)]
 

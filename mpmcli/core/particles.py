@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, fields, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from mpmcli.core.analysis import F_COMPONENTS, STRESS_COMPONENTS, Analysis, gradient_rows
+from mpmcli.core.compiler import INLINED, compiled_too
 
 Array = np.ndarray
 
@@ -135,13 +138,18 @@ class Particles:
 
     def determinant(self) -> Array:
         """J = det F per particle, shape (N,)."""
-        F = self.F
-        if F.shape[0] == 3:
-            return F[0] * F[1] * F[2]
-        if F.shape[0] == 5:
-            return (F[0] * F[3] - F[1] * F[2]) * F[4]
-        return (
-            F[0] * (F[4] * F[8] - F[5] * F[7])
-            - F[1] * (F[3] * F[8] - F[5] * F[6])
-            + F[2] * (F[3] * F[7] - F[4] * F[6])
-        )
+        return determinant_of_particle(self.F, slice(None))
+
+
+@partial(compiled_too, options=INLINED | {"fastmath": False})
+def determinant_of_particle(F: Any, p: Any) -> Any:
+    """J = det F of particle ``p``, or of all of a slice; ``F`` (3 | 5 | 9, N), also where it is not finite."""
+    if F.shape[0] == 3:
+        return F[0, p] * F[1, p] * F[2, p]
+    if F.shape[0] == 5:
+        return (F[0, p] * F[3, p] - F[1, p] * F[2, p]) * F[4, p]
+    return (
+        F[0, p] * (F[4, p] * F[8, p] - F[5, p] * F[7, p])
+        - F[1, p] * (F[3, p] * F[8, p] - F[5, p] * F[6, p])
+        + F[2, p] * (F[3, p] * F[7, p] - F[4, p] * F[6, p])
+    )

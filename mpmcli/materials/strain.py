@@ -14,6 +14,7 @@ import numpy as np
 
 from mpmcli.core.exponentials import SMALL_INCREMENT, exponential_1d
 from mpmcli.core.kernel import Compiled, inline, kernel, prange
+from mpmcli.core.particles import determinant_of_particle
 from mpmcli.core.tensors import IDENTITY, determinant, multiply
 from mpmcli.materials.base import (
     absorb_work,
@@ -106,14 +107,7 @@ def first_bad_particle(
     for p in range(start, end):
         if material_index >= 0 and material[p] != material_index:
             continue
-        if F.shape[0] == 3:
-            J = F[0, p] * F[1, p] * F[2, p]
-        elif F.shape[0] == 5:
-            J = (F[0, p] * F[3, p] - F[1, p] * F[2, p]) * F[4, p]
-        else:
-            J = F[0, p] * (F[4, p] * F[8, p] - F[5, p] * F[7, p])
-            J += F[1, p] * (F[5, p] * F[6, p] - F[3, p] * F[8, p])
-            J += F[2, p] * (F[3, p] * F[7, p] - F[4, p] * F[6, p])
+        J = determinant_of_particle(F, p)
         if not (J > 0.0 and limits[0] <= J <= limits[1] and math.isfinite(J)):
             return np.int64(p)
         for A in (F, L, tau):
