@@ -43,7 +43,7 @@ class GridConditions(Correction):
         if grid.active_version != self._version:
             self._version, self._active = grid.active_version, grid.active
             if self._rigid.any():
-                self._active = grid.active[~self._rigid[grid.active // grid.node_count]]
+                self._active = grid.active[~self._rigid[grid.field_of(grid.active)]]
         self.conditions.select(step.time, self._active, grid.active_version, grid.mp)
 
     def impose_on_momenta(self, step: Step) -> None:

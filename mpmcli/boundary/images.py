@@ -36,7 +36,7 @@ class Images(Correction):
         if grid.active_version != self._version:
             self._version, active = grid.active_version, grid.active
             if self._rigid.any():
-                active = active[~self._rigid[active // grid.node_count]]
+                active = active[~self._rigid[grid.field_of(active)]]
             self.mirror.renew(active)
         self.mirror.impulse[:] = 0.0
         self.mirror.fold_momentum(mp, float(replaces_values))

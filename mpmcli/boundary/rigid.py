@@ -52,7 +52,7 @@ class RigidBodies:
         grid = self._grid
         if grid.active_version != self._dofs_version:
             self._dofs_version = grid.active_version
-            self._dofs = grid.active[self._is_rigid[grid.active // grid.node_count]]
+            self._dofs = grid.active[self._is_rigid[grid.field_of(grid.active)]]
         return self._dofs
 
     def prepare(self, step: Step) -> None:
@@ -94,11 +94,11 @@ class RigidBodies:
     def _find_nodes(self) -> None:
         grid, mirror, dofs = self._grid, self._mirror, self.dofs
         if mirror is not None:
-            nodes = dofs % grid.node_count
+            nodes = grid.node_of(dofs)
             dofs = dofs[~(mirror.beyond(nodes) | np.isin(nodes, mirror.pairs.own))]
         self._nodes = []
         for field, velocity in self._of_fields:
-            mine = dofs[dofs // grid.node_count == field]
+            mine = dofs[grid.field_of(dofs) == field]
             self._nodes.append((self._fields[field], mine, grid.coordinates(mine), velocity))
         self.held = np.concatenate([self.held[:0], *(dof for _, dof, _, _ in self._nodes)])
 

@@ -10,11 +10,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcli.core.cut import is_cut
 from mpmcli.core.grid import unfold
 from mpmcli.core.kernel import inline, kernel, prange
-from mpmcli.core.stencil import weigh
+from mpmcli.core.stencil import Table, weigh
 from mpmcli.core.transfer import gradients_for, scatter_particle
-from mpmcli.core.verbs import TWO, rows_of, value_at
+from mpmcli.core.verbs import TWO, ZERO, rows_of, value_at
 
 Array = np.ndarray
 
@@ -82,8 +83,20 @@ def divide_sums(active, sums):
             sums[i, 1] /= sums[i, 0]
 
 
+@inline
+def shift_particle(mean, value, rows, A, p, out):
+    """Column p of ``A`` to ``out``, with its rows ``rows`` shifted by what ``mean`` differs from the value."""
+    shift = mean - value[p]
+    for row in range(A.shape[0]):
+        out[row, p] = A[row, p]
+    for row in rows:
+        out[row, p] += shift
+
+
 @kernel
-def shift_rows(analysis, shape, grid, across, chunks, stencil, X, F, size, field, sums, value, rows, A, out):
+def shift_rows(
+    analysis, shape, grid, across, chunks, stencil, X, F, size, field, cut, sums, value, rows, A, out
+):
     """Write ``A`` (…, N) to ``out`` with the rows ``rows`` (m,) shifted by what the average of ``value`` (N,) differs.
 
     ``sums`` (n·2,) holds the means of the nodes.
@@ -93,11 +106,15 @@ def shift_rows(analysis, shape, grid, across, chunks, stencil, X, F, size, field
         geometry = unfold(grid)
         S, W, offsets = stencil.S[slot], stencil.W[slot], stencil.offsets
         for p in range(chunks[slot], chunks[slot + np.uint64(1)]):
+            if is_cut(cut, p):
+                continue
             base, weights = weigh(shape, geometry, across, X, F, size, p, S, None, W, stencil.status)
             if field is not None:
                 base += np.uint64(field[p]) * geometry.field_stride
-            shift = gather_mean(analysis, weights, base, offsets, across, sums) - value[p]
-            for row in range(A.shape[0]):
-                out[row, p] = A[row, p]
-            for row in rows:
-                out[row, p] += shift
+            shift_particle(
+                gather_mean(analysis, weights, base, offsets, across, sums), value, rows, A, p, out
+            )
+        if cut is not None:
+            for q in range(cut.chunks[slot], cut.chunks[slot + np.uint64(1)]):
+                mean = gather_mean(analysis, Table(cut.S[q], None), ZERO, cut.dof[q], across, sums)
+                shift_particle(mean, value, rows, A, cut.particle[q], out)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.core.dispatch import generic
+from mpmcli.core.dofs import field_of, node_of, side_of
 
 
 class LineGeometry(NamedTuple):
@@ -135,9 +136,11 @@ class Grid:
     pad : ghost layers
     width : nodes per axis that the shape function's stencil spans
     fields : velocity fields
+    sides : sides that a node may have; 1 unless something cuts bodies
 
-    A degree of freedom is velocity field × node: its index is ``field · node_count + node``, and all arrays and
-    ``active`` run over degrees of freedom, field after field.
+    A degree of freedom is velocity field × node on a side of it (``core.dofs``), and all arrays and ``active`` run over
+    degrees of freedom: side after side, field after field. ``active`` lists further sides only at the nodes that
+    ``add_sides`` names.
     """
 
     def __init__(
@@ -148,6 +151,7 @@ class Grid:
         pad: int,
         width: int,
         fields: int = 1,
+        sides: int = 1,
     ):
         self.lower = np.asarray(lower, dtype=np.float64)
         self.upper = np.asarray(upper, dtype=np.float64)
@@ -161,7 +165,8 @@ class Grid:
         self.stride = tuple(int(np.prod(self.shape[:a])) for a in range(self.dimensions))
         d = self.dimensions
         self.fields = fields
-        self.dof_count = fields * self.node_count
+        self.sides = sides
+        self.dof_count = sides * fields * self.node_count
         self.mp = np.zeros((self.dof_count, 1 + d))
         self.f = np.zeros((self.dof_count, d))
         self.active = np.zeros(0, dtype=np.int64)
@@ -205,12 +210,44 @@ class Grid:
             rest = rest // count
         return out
 
+    def node_of(self, dofs: np.ndarray) -> np.ndarray:
+        """Return the nodes of degrees of freedom (n,)."""
+        return np.asarray(node_of(dofs, self.node_count))
+
+    def field_of(self, dofs: np.ndarray) -> np.ndarray:
+        """Return the velocity fields of degrees of freedom (n,)."""
+        return np.asarray(field_of(dofs, self.node_count, self.fields))
+
+    def side_of(self, dofs: np.ndarray) -> np.ndarray:
+        """Return the sides of degrees of freedom (n,)."""
+        return np.asarray(side_of(dofs, self.node_count, self.fields))
+
+    def add_sides(self, nodes: np.ndarray) -> None:
+        """Let ``active``, of which side 0 is listed, run over the further sides of ``nodes`` (n,), too."""
+        if self.sides > 1 and len(nodes):
+            there = self.active[np.isin(self.node_of(self.active), nodes)]
+            beyond = (there + side * self.fields * self.node_count for side in range(1, self.sides))
+            self.active = np.concatenate([self.active, *beyond])
+            self.active_version += 1
+
+    @property
+    def used_dofs(self) -> int:
+        """Number of degrees of freedom whose memory may be touched: all of side 0, and the active ones of others."""
+        ordinary = self.fields * self.node_count
+        return ordinary + int(np.count_nonzero(self.active >= ordinary))
+
     def sum_of_fields(self, array: np.ndarray, chosen: np.ndarray | None = None) -> np.ndarray:
-        """Sum over the velocity fields, or those of a mask (fields,), of (dof_count, …): (node_count, …)."""
-        if self.fields == 1:
+        """Sum over the velocity fields, or those of a mask (fields,), and sides of (dof_count, …): (node_count, …)."""
+        ordinary = self.fields * self.node_count
+        if self.fields == 1 and self.sides == 1:
             return array
-        by_field = array.reshape(self.fields, self.node_count, *array.shape[1:])
-        return by_field.sum(axis=0) if chosen is None else by_field[chosen].sum(axis=0)
+        by_field = array[:ordinary].reshape(self.fields, self.node_count, *array.shape[1:])
+        total = by_field.sum(axis=0) if chosen is None else by_field[chosen].sum(axis=0)
+        beyond = self.active[self.active >= ordinary]
+        if chosen is not None:
+            beyond = beyond[chosen[self.field_of(beyond)]]
+        np.add.at(total, self.node_of(beyond), array[beyond])
+        return total
 
     def interior(self) -> np.ndarray:
         """Flat indices of the user's nodes (no ghosts), x fastest."""

@@ -73,7 +73,8 @@ class NodalField:
 
     def allocate_loop(self, is_dynamic: bool) -> None:
         """Allocate what the full-mass loop and the filter of XPIC work on; ``is_dynamic``: orders may end early."""
-        self.dv, self.out = np.zeros_like(self.v), np.zeros_like(self.v)
+        # not zeros_like, which touches every page of memory
+        self.dv, self.out = np.zeros(self.v.shape), np.zeros(self.v.shape)
         self.sums = np.zeros((CHUNKS, 4)) if is_dynamic else None
 
     def nodal_arrays(self) -> dict[str, Array]:

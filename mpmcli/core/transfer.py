@@ -12,11 +12,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.core import verbs_of_corners, verbs_of_rows, verbs_of_tables  # noqa: F401 (registered there)
-from mpmcli.core.compiler import compiled_as
+from mpmcli.core.compiler import compiled_as, compiled_too
+from mpmcli.core.cut import is_cut
 from mpmcli.core.dispatch import generic
 from mpmcli.core.grid import unfold
 from mpmcli.core.kernel import kernel, prange
-from mpmcli.core.stencil import keep, weigh, weigh_gathers
+from mpmcli.core.stencil import Table, keep, weigh, weigh_gathers
 from mpmcli.core.verbs import (
     column,
     gather_gradient,
@@ -210,12 +211,12 @@ def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
 
 
 @kernel
-def scatter(task, zero, analysis, shape, grid, across, bands, stencil, X, F, size, field):
+def scatter(task, zero, analysis, shape, grid, across, bands, stencil, X, F, size, field, cut):
     """Particles to grid: run a scatter task (one of the tuples above) over all particles.
 
-    ``zero`` is a tuple of as many zeros as the carried quantity has components.
-    The nodal arrays of ``task`` must be zero on entry, or hold what is added to. ``bands`` (n_bands + 1,) first
-    particles of the bands; ``field`` (N,) velocity fields, or None if there is only one.
+    ``zero`` is a tuple of as many zeros as the carried quantity has components. The nodal arrays of ``task`` must be
+    zero on entry, or hold what is added to. ``bands`` (n_bands + 1,) first particles of the bands; ``field`` (N,)
+    velocity fields, or None if there is only one; ``cut`` the particles whose nodes are on several sides, or None.
     """
     count = bands.shape[0] - 1
     for colour in range(2):
@@ -224,12 +225,21 @@ def scatter(task, zero, analysis, shape, grid, across, bands, stencil, X, F, siz
             geometry = unfold(grid)
             S, G, W, offsets = stencil.S[b], stencil.G[b], stencil.W[b], stencil.offsets
             for p in range(bands[b], bands[b + np.uint64(1)]):
+                if is_cut(cut, p):
+                    continue
                 wanted = gradients_for(task, G)
                 corner, weights = weigh(shape, geometry, across, X, F, size, p, S, wanted, W, stencil.status)
                 base = corner
                 if field is not None:
                     base += np.uint64(field[p]) * geometry.field_stride
                 scatter_particle(task, analysis, zero, geometry, weights, corner, base, offsets, across, X, p)
+            if cut is not None:
+                for q in range(cut.bands[b], cut.bands[b + np.uint64(1)]):
+                    weights = Table(cut.S[q], gradients_for(task, cut.G[q]))
+                    scatter_particle(
+                        task, analysis, zero, geometry, weights, cut.corner[q], ZERO, cut.dof[q], across, X,
+                        cut.particle[q],
+                    )  # fmt: skip
 
 
 def buffer_for(result: Any, buffer: Any) -> Any:
@@ -244,10 +254,50 @@ def _(result, buffer):
     return lambda result, buffer: buffer
 
 
+@compiled_too
+def move_particle(
+    analysis, zero, weights, base, offsets, across, inverse_cell, p, v, w, start, alpha, damping, dt, flip, X, V, X_new,
+    L, M, bounds, damped, found,
+):  # fmt: skip
+    """Move particle ``p``; ``found`` is what ``move_particles`` reports of the particles before: see there."""
+    fastest, farthest, lost, lost_particle = found
+    if L is None:
+        Sv = gather_vector(weights, analysis, zero, base, offsets, across, v)
+        Sw = Sv
+        if w is not None:
+            Sw = gather_vector(weights, analysis, zero, base, offsets, across, w)
+    else:
+        Sv, Sw = gather_gradient(weights, analysis, zero, base, offsets, across, v, w, X, p, L)
+    So = Sv
+    if start is not None:
+        So = gather_vector(weights, analysis, zero, base, offsets, across, start)
+    square = 0.0
+    for a in range(len(inverse_cell)):
+        old = V[a, p]
+        if flip is not None:
+            A = Sw[a] - damping * old
+            U = Sv[a] - Sw[a] * dt
+        else:
+            A = (Sw[a] - old) / dt - damping * old
+            U = old if start is None else So[a]
+        step = (U + alpha * A * dt) * dt
+        new = old + A * dt
+        if damped is not None:
+            lost += damping * M[p] * old * 0.5 * (old + new) * dt
+        x = X[a, p] + step
+        X_new[a, p] = x
+        V[a, p] = new
+        square += new * new
+        farthest = max(farthest, abs(step) * inverse_cell[a])
+        if (x < bounds[a, 0]) | (x > bounds[a, 1]):
+            lost_particle = np.int64(p)
+    return max(fastest, square), farthest, lost, lost_particle
+
+
 @kernel
 def move_particles(
-    analysis, shape, grid, across, chunks, stencil, X, F, size, field, v, w, start, alpha, damping, dt, flip, V, X_new,
-    L, M, speed2, travel, outside, bounds, damped,
+    analysis, shape, grid, across, chunks, stencil, X, F, size, field, cut, v, w, start, alpha, damping, dt, flip, V,
+    X_new, L, M, speed2, travel, outside, bounds, damped,
 ):  # fmt: skip
     """Tasks 4 and 5: effective acceleration 𝔸 and velocity 𝕍, positions and velocities by Eq. 7 of Nairn (2026).
 
@@ -262,55 +312,36 @@ def move_particles(
         slot = np.uint64(c)
         geometry, zero = unfold(grid), zero_vector(analysis)
         S, G, W, offsets = stencil.S[slot], stencil.G[slot], stencil.W[slot], stencil.offsets
-        fastest, farthest, lost = 0.0, 0.0, 0.0
-        lost_particle = np.int64(-1)
+        found = (0.0, 0.0, 0.0, np.int64(-1))
         for p in range(chunks[slot], chunks[slot + np.uint64(1)]):
+            if is_cut(cut, p):
+                continue
             wanted = buffer_for(L, G)
             base, weights = weigh_gathers(
                 shape, geometry, across, X, F, size, p, S, wanted, W, stencil.status
             )
             if field is not None:
                 base += np.uint64(field[p]) * geometry.field_stride
-            if L is None:
-                Sv = gather_vector(weights, analysis, zero, base, offsets, across, v)
-                Sw = Sv
-                if w is not None:
-                    Sw = gather_vector(weights, analysis, zero, base, offsets, across, w)
-            else:
-                Sv, Sw = gather_gradient(weights, analysis, zero, base, offsets, across, v, w, X, p, L)
-            So = Sv
-            if start is not None:
-                So = gather_vector(weights, analysis, zero, base, offsets, across, start)
-            square = 0.0
-            for a in range(len(geometry.inverse_cell)):
-                old = V[a, p]
-                if flip is not None:
-                    A = Sw[a] - damping * old
-                    U = Sv[a] - Sw[a] * dt
-                else:
-                    A = (Sw[a] - old) / dt - damping * old
-                    U = old if start is None else So[a]
-                step = (U + alpha * A * dt) * dt
-                new = old + A * dt
-                if damped is not None:
-                    lost += damping * M[p] * old * 0.5 * (old + new) * dt
-                x = X[a, p] + step
-                X_new[a, p] = x
-                V[a, p] = new
-                square += new * new
-                farthest = max(farthest, abs(step) * geometry.inverse_cell[a])
-                if (x < bounds[a, 0]) | (x > bounds[a, 1]):
-                    lost_particle = np.int64(p)
-            fastest = max(fastest, square)
-        speed2[slot] = fastest
-        travel[slot] = farthest
-        outside[slot] = lost_particle
+            found = move_particle(
+                analysis, zero, weights, base, offsets, across, geometry.inverse_cell, p, v, w, start, alpha, damping,
+                dt, flip, X, V, X_new, L, M, bounds, damped, found,
+            )  # fmt: skip
+        if cut is not None:
+            for q in range(cut.chunks[slot], cut.chunks[slot + np.uint64(1)]):
+                found = move_particle(
+                    analysis, zero, Table(cut.S[q], buffer_for(L, cut.G[q])), ZERO, cut.dof[q], across,
+                    geometry.inverse_cell, cut.particle[q], v, w, start, alpha, damping, dt, flip, X, V, X_new, L, M,
+                    bounds, damped, found,
+                )  # fmt: skip
+        speed2[slot], travel[slot], lost, outside[slot] = found
         if damped is not None:
             damped[slot] = lost
 
 
 @kernel
-def find_velocity_gradients(zero, analysis, shape, grid, across, chunks, stencil, X, F, size, field, v, L):
+def find_velocity_gradients(
+    zero, analysis, shape, grid, across, chunks, stencil, X, F, size, field, cut, v, L
+):
     """Task 1.d or 5 by itself: L = G v, for updates that extrapolate velocities apart from moving particles.
 
     ``zero`` is a tuple of as many zeros as ``v`` has components.
@@ -320,10 +351,18 @@ def find_velocity_gradients(zero, analysis, shape, grid, across, chunks, stencil
         geometry = unfold(grid)
         S, G, W, offsets = stencil.S[slot], stencil.G[slot], stencil.W[slot], stencil.offsets
         for p in range(chunks[slot], chunks[slot + np.uint64(1)]):
+            if is_cut(cut, p):
+                continue
             base, weights = weigh_gathers(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
             if field is not None:
                 base += np.uint64(field[p]) * geometry.field_stride
             gather_gradient(weights, analysis, zero, base, offsets, across, v, None, X, p, L)
+        if cut is not None:
+            for q in range(cut.chunks[slot], cut.chunks[slot + np.uint64(1)]):
+                weights = Table(cut.S[q], cut.G[q])
+                gather_gradient(
+                    weights, analysis, zero, ZERO, cut.dof[q], across, v, None, X, cut.particle[q], L
+                )
 
 
 @kernel

@@ -218,10 +218,10 @@ class StepArrays:
 def make_velocity(plan: Plan, grid: Grid, particles: Particles) -> NodalField:
     """Make the nodal field of momentum, with the arrays that the plan needs."""
     p = particles
+    v, gradient = np.zeros(grid.f.shape), (lambda: p.L) if plan.velocity_gradient else None
     velocity = NodalField(
-        "velocity", (0.0,) * grid.dimensions, lambda: p.mass, lambda: p.V, grid.mp, grid.f, np.zeros_like(grid.f),
-        gradient=(lambda: p.L) if plan.velocity_gradient else None,
-    )  # fmt: skip
+        "velocity", (0.0,) * grid.dimensions, lambda: p.mass, lambda: p.V, grid.mp, grid.f, v, gradient
+    )
     if plan.has_full_mass_loop or plan.method.projects:
         velocity.allocate_loop(is_dynamic=plan.dynamic is not None)
     return velocity

@@ -9,6 +9,7 @@ import numpy as np
 
 from mpmcli.core import transfer as kernels
 from mpmcli.core.analysis import Analysis
+from mpmcli.core.cut import Cut, Sights, find_cut
 from mpmcli.core.domains import turn_domains
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
@@ -63,6 +64,8 @@ class Transfer:
     Attributes
     ----------
     farthest : largest displacement of a particle along an axis in the last motion [cells]
+    sights : what cuts particles, or None
+    cut : the particles that it cuts in this step, or None
     """
 
     def __init__(
@@ -90,6 +93,8 @@ class Transfer:
         self._passing: Any = None
         self.fields = list(fields)
         self.zero = (0.0,) * grid.dimensions
+        self.sights: Sights | None = None
+        self.cut: Cut | None = None
         self._keeps_domain = keeps_domain and shape.follows_deformation
         self.turns = turns
         self._domain_F = particles.F
@@ -108,6 +113,8 @@ class Transfer:
                 if array is not None:
                     clear_nodes[self.parallel](self.grid.active, array)
         self.order.sort(self.parallel)
+        if self.sights is not None:
+            self.grid.add_sides(self.sights.nodes())
         self.size_buffers()
 
     def size_buffers(self) -> None:
@@ -123,6 +130,10 @@ class Transfer:
         if self.order.is_stale:
             self.sort()
         self._fix_domains()
+        self._find_cut()
+
+    def _find_cut(self) -> None:
+        self.cut = None if self.sights is None else find_cut(self.sights, self, self._domain_F)
 
     @property
     def domain_F(self) -> Array:
@@ -144,7 +155,7 @@ class Transfer:
         """What makes S and G: the arguments that all transfer kernels share, for bands or chunks of particles."""
         p = self.particles
         field = p.velocity_field if self.grid.fields > 1 else None
-        where = (p.X, self._domain_F, p.size, field)
+        where = (p.X, self._domain_F, p.size, field, self.cut)
         return self.analysis, self.shape.parameters, self.geometry, self.across, ranges, self.stencil, *where
 
     def scatter(self, task: NamedTuple, zero: Any = None, shape: NamedTuple | None = None) -> None:
@@ -200,6 +211,7 @@ class Transfer:
             self.grid.width = min(self.grid.width + WIDENING, self.widest)
             self.sort()
             self._fix_domains()
+            self._find_cut()
         field.complete_extrapolated(replaces_values)
 
     def _what_is_wrong(self, problem: int, particle: int) -> str:

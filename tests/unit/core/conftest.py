@@ -73,6 +73,7 @@ class Cloud:
             p.F,
             p.size,
             None,
+            None,
         )
 
     def keep_weights(self) -> None:
@@ -80,7 +81,7 @@ class Cloud:
         kept, count = kept_as(self.parameters), self.particles.count
         columns = kept.columns(self.grid.width, self.dimensions)
         stored = kept(np.zeros(count, dtype=np.uint64), np.zeros((count, columns)))
-        _, *operator, _ = self.operator(self.order.chunks)
+        _, *operator, _, _ = self.operator(self.order.chunks)
         transfer.store_weights[self.parallel](*operator, *stored)
         self.parameters = stored
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import mmap
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from mpmcli.core.dofs import dof_of, field_of, node_of, side_of
 from mpmcli.core.grid import Grid, unfold
 
 
@@ -57,3 +61,65 @@ def test_compiled_code_sees_the_same_geometry(d):
     last = sum(int(b) * s for b, s in zip(g.last_base, grid.stride, strict=True))
     assert last + int(grid.offsets()[-1]) == grid.node_count - 1
     assert int(g.field_stride) == grid.node_count
+
+
+@pytest.mark.parametrize("of", [int, np.array])
+def test_degrees_of_freedom_are_decoded_in_one_place(of):
+    """dof = (side · fields + field) · nodes + node."""
+    nodes, fields, seen = 7, 3, set()
+    for side in range(4):
+        for field in range(fields):
+            for node in range(nodes):
+                dof = of(dof_of(node, field, side, nodes, fields))
+                assert (node_of(dof, nodes), field_of(dof, nodes, fields), side_of(dof, nodes, fields)) == (
+                    node,
+                    field,
+                    side,
+                )
+                seen.add(int(dof))
+    assert seen == set(range(4 * fields * nodes))
+
+
+def sided(sides=4, fields=2, cells=5):
+    return Grid(np.zeros(2), np.full(2, float(cells)), np.ones(2), pad=2, width=3, fields=fields, sides=sides)
+
+
+def test_side_0_keeps_its_numbers_and_further_sides_are_active_only_where_they_are_named():
+    grid = sided()
+    n = grid.node_count
+    grid.active = np.array([3, 4, 9, n + 4, n + 5])
+    version = grid.active_version
+    grid.add_sides(np.array([4, 5, 8]))
+    assert grid.active[:5].tolist() == [3, 4, 9, n + 4, n + 5]
+    assert np.all(np.diff(grid.active) > 0)
+    added = grid.active[5:]
+    assert sorted(set(grid.side_of(added))) == [1, 2, 3]
+    assert grid.node_of(added).tolist() == [4, 4, 5] * 3
+    assert grid.field_of(added).tolist() == [0, 1, 1] * 3
+    assert grid.active_version > version
+    assert grid.used_dofs == 2 * n + 9
+    values = np.zeros((grid.dof_count, 1))
+    values[grid.active, 0] = 2.0 ** np.arange(len(grid.active))
+    total = grid.sum_of_fields(values)
+    assert total.shape == (n, 1)
+    assert total.sum() == values.sum()
+    assert total[4] == values[grid.active[grid.node_of(grid.active) == 4]].sum()
+    second = grid.sum_of_fields(values, np.array([False, True]))
+    assert second.sum() == values[grid.active[grid.field_of(grid.active) == 1]].sum()
+    assert grid.sum_of_fields(values[:, 0]).sum() == values.sum()
+
+
+@pytest.mark.skipif(
+    not Path("/proc/self/statm").exists(), reason="the resident memory of the process is not known"
+)
+def test_sides_that_nobody_uses_cost_no_memory():
+    def resident():
+        return int(Path("/proc/self/statm").read_text().split()[1]) * mmap.PAGESIZE
+
+    before = resident()
+    grid = sided(sides=4, fields=1, cells=1500)
+    grid.active = np.arange(1000)
+    grid.add_sides(np.arange(500, 520))
+    grid.mp[grid.active] = 1.0
+    assert grid.mp.nbytes > 2e8
+    assert resident() - before < 0.05 * grid.mp.nbytes
