@@ -119,10 +119,6 @@ class Loads:
         """Return its arrays over all nodes, by name."""
         return {"force": self.force}
 
-    def nodal_arrays(self) -> dict[str, Array]:
-        """Return its arrays over all nodes, by name."""
-        return {"force": self.force}
-
     def add_to(self, f: Array) -> None:
         """Add them to nodal forces (n, d)."""
         nodes.add_nodal[self._parallel](self._grid.active, self.force, f)

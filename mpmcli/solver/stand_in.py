@@ -73,7 +73,7 @@ class StandIn(Simulation):
         return found
 
     def kernels_of_tasks(self) -> dict[str, list[str]]:
-        """Return the names of the kernels that each task runs, by its title; functions without versions are left out."""
+        """Return the names of the kernels that each task runs, by its title."""
         found: dict[str, dict[str, None]] = {}
         for task, calls in self.calls_of_tasks():
             of_task = found.setdefault(task.title, {})

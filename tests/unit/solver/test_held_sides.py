@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import yaml
 
+from mpmcli.boundary.exits import MOST_OVERRUN, held_sides, overrun_of
 from mpmcli.core.errors import SimulationError
 from mpmcli.scene.loader import load_scene
-from mpmcli.boundary.exits import MOST_OVERRUN, held_sides, overrun_of
 from mpmcli.solver.plan import make_plan
 from mpmcli.solver.setup import make_grid
 
