@@ -1,4 +1,4 @@
-"""Draw the stability limits of the vibrating bar, and write the tables of limits in ``docs/tables``.
+"""Draw the stability limits of the vibrating bar, and write the tables of ``docs/studies/limits.md``.
 
     python docs/draw_limits.py
 

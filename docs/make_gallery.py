@@ -30,8 +30,7 @@ MOVING_WIDTH, MOVING_COLORS = 560, 160
 INTRODUCTION = """\
 # Small scenes
 
-Small scenes that come with mpmcli, run and drawn by the commands beside each picture.
-`python docs/make_gallery.py` makes this page.
+The commands beside each picture run and draw small scenes of mpmcli. `python docs/make_gallery.py` makes this page.
 """
 
 
@@ -76,17 +75,17 @@ GALLERY = (
             Drawn(
                 "two_disks",
                 ("--color", "pressure", "--animate", "gif"),
-                "Two rubber disks meet off their centres, slide along each other with friction, and part.",
+                "Two rubber disks collide with offset centres, slide along each other with friction, and separate.",
             ),
             Drawn(
                 "two_disks_pressure",
                 ("--color", "pressure", "--time", "0.09"),
-                "Pressure while they slide along each other. Each particle is drawn as its deformed domain.",
+                "Pressure during sliding. Each particle is drawn as its deformed domain.",
             ),
             Drawn(
                 "two_disks_contact",
                 ("--what", "contact"),
-                "Energy that friction takes, the force of the right disk on the left one, and the nodes they share.",
+                "Friction work, force of the right disk on the left one, and number of contact nodes.",
             ),
         ),
     ),
@@ -122,7 +121,7 @@ GALLERY = (
             Drawn(
                 "indentation",
                 ("--what", "particles", "--color", "equivalent_plastic_strain"),
-                "Plastic strain under a rigid ball that was pressed into a metal block and drawn out.",
+                "Plastic strain in a metal block after indentation by a rigid ball.",
             ),
             Drawn(
                 "indentation_force",
@@ -154,7 +153,9 @@ GALLERY = (
                 "Grains and matrix, read from `inputs/bitmap_grains.png`.",
             ),
             Drawn(
-                "bitmap_grains_stress", ("--color", "von_mises"), "Von Mises stress when the box is squeezed."
+                "bitmap_grains_stress",
+                ("--color", "von_mises"),
+                "Von Mises stress under compression of the box.",
             ),
         ),
     ),

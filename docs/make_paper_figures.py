@@ -19,9 +19,10 @@ from make_studies import draw_study
 INDEX = """\
 # Gallery
 
-[Pictures of small scenes](scenes.md), and the figures of three papers made again, each by one command from a scene of
-`inputs/`. A page shows our figure, our numbers beside the published ones, and says what differs and why. Published
-numbers are those that the texts state; curves were not read off. The next figure is one new file in `docs/figures`.
+The gallery contains [pictures of small scenes](scenes.md) and figures of three papers computed again. One command
+makes each figure from a scene of `inputs/`. Each page shows the figure, the numbers of mpmcli beside the published
+ones, and the differences with their reasons. Published numbers are those in the text of the papers, not read from
+curves.
 """
 
 

@@ -1,4 +1,4 @@
-"""Run the studies behind the figures of ``docs/studies.md`` and draw them.
+"""Run the studies behind the figures of ``docs/studies`` and draw them.
 
     python docs/make_studies.py NAME [--results DIR] [--repeats N]
 

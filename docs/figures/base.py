@@ -207,7 +207,7 @@ class Figure:
         commands = self.commands()
         if commands:
             lines += [
-                "## Make it",
+                "## Commands",
                 "",
                 "```bash",
                 f"python docs/make_paper_figures.py {self.name}",
@@ -215,8 +215,10 @@ class Figure:
                 "",
             ]
             is_all = len(commands) <= SHOWN
-            told = "these commands" if is_all else f"{len(commands)} commands like these (`--list` shows all)"
-            lines += [f"makes picture and table from the results of {told}:", ""]
+            which = (
+                "these commands" if is_all else f"{len(commands)} commands like these (`--list` shows all)"
+            )
+            lines += [f"The script makes picture and table from the results of {which}:", ""]
             shown = commands if is_all else commands[:2]
             lines += ["```bash", *shown, "```", ""]
         return "\n".join(lines).rstrip() + "\n"

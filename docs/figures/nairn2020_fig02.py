@@ -84,21 +84,24 @@ def draw(runs: Runs, path: Path) -> None:
 FIGURE = Figure(
     paper="nairn2020",
     number="2",
-    title="When a gap closes",
+    title="Contact of a closing gap",
     verdict="as published",
     alt="Mean axial stress of two blocks over time with five ways to detect contact",
     cases=CASES,
     measure=measure,
     draw=draw,
     words="""
-Two blocks, 1.5 cells apart, meet. Solid lines: the surfaces meet on a grid line; dashed: amid cells. The table has
-the gap that is left when the first contact force appears.
+Two blocks, 1.5 cells apart, approach each other. Solid lines: the surfaces meet on a grid line. Dashed lines: they
+meet between grid lines. The table lists the remaining gap at the first contact force.
 
-As published: by velocity alone contact comes far too early; the position offsets are better, 0.8 better than 0.92;
-the position fit is nearly exact on a grid line; amid cells all of these are too early, and logistic regression
-alone is exact in both places.
+As published:
 
-What differs: the upper block approaches at 0.5 % of the wave speed as a whole, where the author pushes its top at
-0.05 %. Stress therefore appears at the contact only, and a mean stress before it is the fault of the method.
+- Contact by velocity alone starts far too early.
+- Position offsets are better, 0.8 better than 0.92.
+- The position fit is nearly exact on a grid line.
+- Between grid lines all of these start too early. Only logistic regression is exact at both positions.
+
+Differences: the whole upper block approaches at 0.5 % of the wave speed. The author pushes its top at 0.05 %. A mean
+stress before contact is therefore an error of the method.
 """,
 )

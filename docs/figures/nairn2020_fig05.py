@@ -105,22 +105,24 @@ FIGURE = Figure(
     measure=measure,
     draw=draw,
     words="""
-Two equal blocks, one on the other, should be as stiff as one. The table has the largest difference to one field
-(with the same transfer) in four ranges of the compression, in percent.
+Two equal blocks, one on the other, are as stiff as one block in the exact solution. The table lists the largest
+difference to one velocity field (with the same transfer) in four ranges of the compression, in percent.
 
-As published: the position offset is the worst, with large errors from 5 % on; the position fit is about as far off
-as no separation at all, so what is left is the fault of the normals; with a specified normal it is nearly exact;
-logistic regression works to large strain.
+As published:
 
-What differs:
+- The position offset is the least accurate, with large errors from 5 % on.
+- The position fit is as inaccurate as no separation. The remaining error is that of the normals.
+- With a specified normal the position fit is nearly exact.
+- Logistic regression remains accurate up to large strain.
 
-- The blocks are pressed at 0.5 % of the wave speed, where the author has 0.05 %; below 0.7 % strain the waves of
-  the start show.
-- Logistic regression exceeds 1 % above 18 %. NairnMPM, run with the set-up of this page, reaches the same value.
-- The specified normal stays exact above 18 %, where the author's and NairnMPM's error rises: masses that vanish
-  when the interface leaves a cell are kept here (`mass_ratio: 1e-10`, see
-  [verification](../verification.md#two-blocks-compressed)).
-- XPIC(5) does not lower the error here; the author has 0.24 % with it.
-- Correcting contact once per step does no harm here. The author finds larger errors, which grow with the speed.
+Differences:
+
+- The compression speed is 0.5 % of the wave speed, the author's 0.05 %. Below 0.7 % strain, the initial waves are
+  visible.
+- Logistic regression exceeds 1 % above 18 %. NairnMPM with the same set-up reaches the same value.
+- The specified normal remains exact above 18 %, where the error of NairnMPM rises, because vanishing masses are kept
+  here (`mass_ratio: 1e-10`, see [verification](../verification/compression.md)).
+- XPIC(5) does not reduce the error; the author reports 0.24 %.
+- A contact correction once per step causes no error here. The author finds larger errors, which grow with the speed.
 """,
 )

@@ -86,24 +86,24 @@ def draw(runs: Runs, path: Path) -> None:
 FIGURE = Figure(
     paper="nairn2020",
     number="6",
-    title="Ellipses pressed together",
-    verdict="by logistic regression bodies stay apart, by grid data they do not, at a quarter of the resolution",
+    title="Compaction of ellipses",
+    verdict="logistic regression keeps bodies apart, grid data do not; a quarter of the resolution",
     alt="Twenty ellipses at the start, and pressed to a quarter of the height by grid data and by logistic regression",
     cases=CASES,
     measure=measure,
     draw=draw,
     words="""
-Twenty ellipses, each a body of its own, in a box of 1 mm × 2 mm with smooth walls, pressed to a quarter of its
-height with XPIC(5). Colours are bodies. DF: average gradient and position fit; LR: logistic regression.
+Smooth walls compress twenty ellipses, each a body of its own, to a quarter of their height with XPIC(5). Colours show
+bodies. DF: average gradient and position fit. LR: logistic regression.
 
-As published: with grid data bodies go into each other and are softer; by logistic regression they stay apart.
+As published: with grid data bodies penetrate each other and are softer. Logistic regression keeps bodies apart.
 
-What differs:
+Differences:
 
-- 72 particles in the height, where the author has 280, and stresses lower than with more. With 140 and 280, where
-  the scene comes to 97 GPa and FMPM(4) to 109, see [verification](../verification.md#ellipses-pressed-together).
-- The author lumps all others where a node sees three bodies or more, and has clean interfaces with it. Here that
-  is not enough (same page); the scene has all pairs `coupled`, which holds them apart.
-- Picture and contact law of the paper are not given; here another picture, without friction.
+- The height has 72 particles, the author's 280, and the stresses are lower. With 280 particles, the scene reaches 97
+  GPa and FMPM(4) 109 GPa ([verification](../verification/ellipses.md)).
+- The author lumps all other bodies at nodes with three or more bodies and has clean interfaces. Here lumping is not
+  sufficient; the scene couples all pairs (`coupled`).
+- The paper does not give its picture and contact law. Here another picture is used, without friction.
 """,
 )

@@ -44,13 +44,13 @@ FIGURE = Figure(
     measure=measure,
     draw=draw,
     words="""
-A nickel bar of two pieces that stick together, pressed by a piston at 1840 m/s; pressures near the interface soon
-after the front, which moves to the left, has passed it. The bar is one row of cells high, for its sides hold it.
+A piston at 1840 m/s compresses a nickel bar of two bodies with a perfect interface. The pressures are those near the
+interface soon after the front has passed to the left. The bar is one row of cells high.
 
-As published: two fields with XPIC(5) that contains what contact corrects at the start of the step (Eq. 37 of the
-paper) are one bar but for a small difference at the interface; without that term the pressure oscillates there.
+As published: two fields equal one bar, but for a small difference at the interface, if XPIC(5) contains the contact
+correction at the start of the step (Eq. 37 of the paper). Without this term the pressure oscillates there.
 
-What differs: how strong. Without the term the oscillations are 6 % of the plateau; the author's are called large,
-without a number. With two fields, either way, the front runs a fraction of a cell ahead of that in one.
+Differences: without the term the oscillations are 6 % of the plateau; the author calls them large, without a number.
+With two fields, the front is a fraction of a cell ahead of the front in one field.
 """,
 )

@@ -53,22 +53,25 @@ FIGURE = Figure(
     paper="nairn2023notes",
     number="3.2",
     title="Corner of a block under a rigid plate",
-    verdict="as published, but for coarse tolerances",
-    alt="Way of the corner of a block against its compression for seven normals",
+    verdict="as published, except for coarse tolerances",
+    alt="Displacement of the corner of a block against its compression for seven normals",
     cases=CASES,
     measure=measure,
     draw=draw,
     words="""
-A block, 10 mm wide with ν = 0.3, is compressed by a rigid plate that is wider. All of it should move to the side
-in proportion to its height; the particle in the corner sees the one node whose normal may be wrong. Its way is
-scaled to the height of the edge.
+A rigid plate compresses a narrower block (10 mm wide, ν = 0.3). The exact lateral displacement is proportional to the
+height. The corner particle interacts with the one node whose normal may be wrong. The displacement is scaled to the
+height of the edge.
 
-As published: the specified normal is nearly exact; linear regression tilts the normal, which pushes the corner in;
-the average gradient is about as bad and goes up and down as particles pass nodes; logistic regression (without
-penalty) is better, the more so the smaller its tolerance.
+As published:
 
-What differs: cell size, length and speed are not stated in the notes; here cells are 1 mm, the block is 20 mm long
-and pressed at 0.3 % of the wave speed, with FMPM(4). `rigid_bias: 10`, which takes the normal from the rigid
-plate, mends the corner (0.99 of the exact way, see [verification](../verification.md#rigid-bodies-and-friction)).
+- The specified normal is nearly exact.
+- Linear regression tilts the normal, which pushes the corner inwards.
+- The average gradient is as inaccurate, and oscillates as particles pass nodes.
+- Logistic regression (without penalty) improves with a smaller tolerance.
+
+Differences: the notes do not state cell size, length and speed. Here cells are 1 mm, the block is 20 mm long, and the
+speed is 0.3 % of the wave speed, with FMPM(4). `rigid_bias: 10`, which uses the normal of the rigid plate, corrects
+the corner (0.99 of the exact displacement, see [verification](../verification/compression.md)).
 """,
 )

@@ -1,4 +1,4 @@
-"""Slope of the corner's way against the tolerance of the logistic regression."""
+"""Slope of the corner displacement against the tolerance of the logistic regression."""
 
 from __future__ import annotations
 
@@ -50,17 +50,17 @@ FIGURE = Figure(
     number="3.3",
     title="Tolerance of the logistic regression",
     verdict="as published",
-    alt="Slope of the corner's way against the tolerance of the logistic regression, beside other normals",
+    alt="Slope of the corner displacement against the tolerance of the logistic regression, beside other normals",
     cases=CASES,
     measure=measure,
     draw=draw,
     words="""
-The block of [Fig. 3.2](nairn2023notes_fig03_2.md): slope of the corner's way over the compression.
+The block of [Fig. 3.2](nairn2023notes_fig03_2.md). The slope is that of the corner displacement over the compression.
 
-As published: logistic regression gets better as its tolerance falls, with little to gain below 1e-5, and does not
-reach the specified normal.
+As published: a smaller tolerance improves logistic regression, with little effect below 1e-5. Logistic regression
+does not reach the specified normal.
 
-What differs: from 0.1 to 0.01 it gets no better here, and the average gradient is better than either. The usual
-penalty on the normal, which {cite:t}`nairn2020` recommends, costs some of the gain.
+Differences: between 0.1 and 0.01 the slope does not improve here, and the average gradient is more accurate than
+both. The usual penalty on the normal ({cite:t}`nairn2020`) reduces the gain.
 """,
 )

@@ -144,22 +144,22 @@ FIGURE = Figure(
     paper="nairn2026",
     number="3",
     title="Velocity conditions on every increment",
-    verdict="as published, but that b2cpdi is better than FLIP by 630 to 710 times, not 4400",
+    verdict="as published, but b2cpdi is more accurate than FLIP by 630 to 710 times, not 4400",
     alt="Velocity error of a stretched bar against the order of FMPM and against the depth of its walls",
     cases={**CASES, **{f"{name}, slowly": case for name, case in SLOWLY.items()}},
     measure=measure,
     draw=draw,
     words="""
-A bar of 20 m × 4 m is drawn to 1.2 times its length by moving walls; all particles should keep their velocity. A:
-walls of depth 1. B: solid lines lcpdi, dashed ones b2cpdi.
+Moving walls stretch a bar of 20 m × 4 m to 1.2 times its length. The exact velocity of each particle is constant. A:
+walls of depth 1. B: solid lines lcpdi, dashed lines b2cpdi.
 
-As published: held on every increment, the error falls with the order and then stays low; the older way
-(`combined`) is the same up to order 2 and worse from there. Walls must be 1 cell deep for lcpdi and 1.5 for
-b2cpdi, and b2cpdi is the more exact.
+As published: with conditions on every increment, the error falls with the order and then remains low. The older
+method
+(`combined`) agrees up to order 2 and is less accurate above. Walls must be 1 cell deep for lcpdi and 1.5 for b2cpdi,
+and b2cpdi is the most accurate.
 
-What differs: how many times the error of FLIP is that of FMPM. The paper does not state the rate of strain, which
-matters. At 0.1/s, the scene's, FMPM(16) comes near the published ratio; at 0.01/s `combined` becomes worse than
-FLIP, as published. With b2cpdi neither rate gives the published 4400. The 1D code, written for comparison, has the
-errors of mpmcli.
+Differences: the ratio of the errors of FLIP and FMPM. The paper does not state the strain rate, which affects the
+ratio. At 0.1/s (the scene), FMPM(16) approaches the published ratio. At 0.01/s, `combined` is less accurate than
+FLIP, as published. Neither rate gives the published 4400 with b2cpdi. The independent 1D code agrees with mpmcli.
 """,
 )

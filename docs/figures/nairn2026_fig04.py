@@ -90,28 +90,26 @@ def draw(runs: Runs, path: Path) -> None:
 FIGURE = Figure(
     paper="nairn2026",
     number="4",
-    title="A shock passes a perfect interface",
+    title="A shock through a perfect interface",
     verdict="as published, without heat conduction; the plateau is 1 % low",
     alt="Pressure of a shock that has passed an interface for FLIP and FMPM of order 1, 2 and 4",
     cases=CASES,
     measure=measure,
     draw=draw,
     words="""
-A nickel bar of two pieces that stick together, pressed from the right by a piston at 1840 m/s; the front has
-passed the interface and moves to the left. The bar is one row of cells high, for its sides hold it. The column
-before the last is the largest difference of two fields, with net or evolving increments, to one.
+A piston at 1840 m/s compresses a nickel bar of two bodies with a perfect interface. The front has passed the
+interface and moves to the left. The bar is one row of cells high. The second last column is the largest difference of
+two fields, with net or evolving increments, to one field.
 
-As published: perfect contact is one field at every order, by net and by evolving increments; FLIP oscillates at
-the front, FMPM(1) makes it broad, orders from 2 on do neither.
+As published: perfect contact equals one field at every order, with net and with evolving increments. FLIP oscillates
+at the front, FMPM(1) broadens the front, and orders from 2 on do neither.
 
-What differs:
+Differences:
 
-- Heat conduction is not built yet: these runs are adiabatic, those of the paper conduct heat. In 2.2 µs heat
-  spreads by less than 0.01 mm in nickel.
-- The plateau is 1.1 % (FMPM(1): more) below the theory, as it is in NairnMPM. The table is from particles, the
-  paper's curves are from the grid, which smooths.
+- mpmcli has no heat conduction; the runs are adiabatic. In 2.2 µs heat spreads by less than 0.01 mm in nickel.
+- The plateau is 1.1 % (FMPM(1): more) below the theory, as in NairnMPM. The table uses particles; the paper uses the
+  grid, which smooths.
 - Order 8 has the plateau of order 4 with more scatter, as in NairnMPM.
-- Particles of the last three cells before the wall, whose nodes it holds, are no part of the wave. In NairnMPM
-  they are the same.
+- The particles of the last three cells before the wall are excluded, because the wall holds their nodes.
 """,
 )

@@ -48,20 +48,20 @@ def draw(runs: Runs, path: Path) -> None:
 FIGURE = Figure(
     paper="nairn2026",
     number="5",
-    title="A shock passes a frictionless interface",
+    title="A shock through a frictionless interface",
     verdict="as published, without heat conduction",
     alt="Pressure of a shock that has passed a frictionless interface, with net and with evolving increments",
     cases=CASES,
     measure=measure,
     draw=draw,
     words="""
-The bar of [Fig. 4](nairn2026_fig04.md) with contact without friction between its pieces, which are pressed
-together all the time: it should be one bar still.
+The bar of [Fig. 4](nairn2026_fig04.md) with frictionless contact between its bodies. Both bodies stay in contact, so
+that the exact solution is that of one bar.
 
-As published: net increments work at every order; evolving ones leave artefacts at the interface that grow with the
-order, up to a run that fails.
+As published: net increments are accurate at every order. Evolving increments cause errors at the interface that grow
+with the order, until a run fails.
 
-What differs: heat conduction is not built yet, and these runs are adiabatic. Pressures are those of particles, not
-of the grid, which makes artefacts larger.
+Differences: the runs are adiabatic, without heat conduction. Pressures are those of particles, not of the grid, and
+show larger errors.
 """,
 )

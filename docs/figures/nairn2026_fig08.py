@@ -97,20 +97,19 @@ def draw(runs: Runs, path: Path) -> None:
 FIGURE = Figure(
     paper="nairn2026",
     number="8",
-    title="Ways of two disks",
+    title="Paths of two disks",
     verdict="as published, with cells of 1 instead of 1/3 mm",
-    alt="Ways of the centres of two disks for three coefficients of friction, with FLIP, FMPM(4) and FMPM(1)",
+    alt="Paths of the centres of two disks for three coefficients of friction, with FLIP, FMPM(4) and FMPM(1)",
     cases=CASES,
     measure=measure,
     draw=draw,
     words="""
-Two disks meet off-centre. Lines: FLIP; dots on the left disk FMPM(4), on the right one FMPM(1).
+Two disks collide with offset centres. Lines: FLIP. Dots: FMPM(4) on the left disk, FMPM(1) on the right disk.
 
-As published: friction turns the disks more sharply, FMPM(4) goes where FLIP goes, and FMPM(1), which dissipates, a
-little aside.
+As published: friction increases the deflection. FMPM(4) follows the path of FLIP. FMPM(1), which dissipates, deviates
+slightly.
 
-What differs: cells are 1 mm for the time it takes; deflections with 1/3 mm, and those of NairnMPM, are in
-[verification](../verification.md#two-disks-in-contact). The paper's times are 100 times too long in the captions
-(16 for 0.16 ms); the scene ends at 0.16 ms, which agrees with its pictures.
+Differences: cells are 1 mm, to save time. [Verification](../verification/two_disks.md) lists the deflections with 1/3
+mm and those of NairnMPM. The times in the captions of the paper are 100 times too long (16 for 0.16 ms).
 """,
 )

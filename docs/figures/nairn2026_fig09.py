@@ -73,26 +73,27 @@ def draw(runs: Runs, path: Path) -> None:
 FIGURE = Figure(
     paper="nairn2026",
     number="9",
-    title="Energy that two disks lose",
-    verdict="coarser cells lose more, no heat conduction; with friction FMPM(4) loses less than FLIP, not more",
+    title="Energy loss of two disks",
+    verdict="coarser cells lose more; no heat conduction; with friction FMPM(4) loses less than FLIP",
     alt="Energy lost in the impact of two disks over time, and at its end against the order of FMPM",
     cases=CASES,
     measure=measure,
     draw=draw,
     words="""
-The disks of [Fig. 8](nairn2026_fig08.md): energy of the start less kinetic energy, stress work and friction work.
+The disks of [Fig. 8](nairn2026_fig08.md). The loss is the initial energy less kinetic energy, stress work and
+friction work.
 
-As published: FLIP and FMPM(4) lose little; FMPM(1) loses far too much, FMPM(2) much less, and from order 6 on
-there is little to gain.
+As published: FLIP and FMPM(4) lose little. FMPM(1) loses far too much, FMPM(2) much less, and orders above 6 gain
+little.
 
-What differs:
+Differences:
 
-- Heat conduction is not built yet. The author's runs conduct heat and count internal energy; here there is no heat
-  flow, and friction work is what the contact takes out, which no conduction would change in the sum.
-- Cells are 1 mm for the time it takes, and losses larger than with the author's 1/3 mm. With those, FLIP and
-  FMPM(4) lose 0.8 to 1.7 %, FMPM(1) 18.1 %, see [verification](../verification.md#two-disks-in-contact).
-- The author's FMPM(4) loses more than FLIP. Here it does so without friction only. Friction work is counted once
-  per step, with the mean of the velocities before and after (same page); with FMPM(4) and much friction the sum is
-  above that of the start for a while.
+- mpmcli has no heat conduction. The author's runs conduct heat and include internal energy. Conduction does not
+  change the sum of the energies.
+- Cells are 1 mm, to save time, and the losses are larger than with the author's 1/3 mm. With 1/3 mm, FLIP and FMPM(4)
+  lose 0.8 to 1.7 %, FMPM(1) 18.1 % ([verification](../verification/two_disks.md)).
+- The author's FMPM(4) loses more than FLIP; here only without friction. mpmcli counts friction work once per step,
+  with the mean of the velocities before and after. With FMPM(4) and high friction, the sum temporarily exceeds the
+  start.
 """,
 )

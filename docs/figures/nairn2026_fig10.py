@@ -39,15 +39,15 @@ FIGURE = Figure(
     paper="nairn2026",
     number="10",
     title="Free energy of two disks",
-    verdict="needs heat conduction, which is not built yet: the stored energy stands in",
+    verdict="needs heat conduction, which is not available: the stored energy is shown instead",
     alt="Energy stored in two disks over time, with FLIP and FMPM(4), for three coefficients of friction",
     cases=OVER_TIME,
     measure=measure,
     draw=draw,
     words="""
-The paper's figure needs heat conduction and entropy, which are not built yet. What can be shown is the free energy
-of the isothermal material, its stored energy, from the runs of [Fig. 9](nairn2026_fig09.md): it has the same
-shape. It rises with the impact, falls to a small rest when the disks part, and goes up and down with the waves
-that stay in them; dots of FMPM(4) lie on the lines of FLIP. The height of the peak cannot be compared.
+The figure of the paper needs heat conduction and entropy, which mpmcli does not have. The figure here shows the free
+energy of the isothermal material, its stored energy, from the runs of [Fig. 9](nairn2026_fig09.md). The shape is as
+published. The energy rises during the impact, falls to a small value when the disks separate, and oscillates with the
+remaining waves. The dots of FMPM(4) lie on the lines of FLIP. The height of the peak cannot be compared.
 """,
 )

@@ -48,8 +48,8 @@ def measure(runs: Runs) -> Table:
 FIGURE = Figure(
     paper="nairn2026",
     number="11",
-    title="Energy of two disks: cells and steps",
-    verdict="as published but for periodic FMPM, whose loss goes to a limit with shorter steps here",
+    title="Energy of two disks: cell and time step",
+    verdict="as published, except that the loss of periodic FMPM with shorter steps has a limit here",
     studies=STUDIES,
     drawn={
         "studies/disks_cells.png": "Energy lost by two disks against the cell size with FLIP and FMPM(4), usl and usl+",
@@ -57,10 +57,8 @@ FIGURE = Figure(
     },
     measure=measure,
     words="""
-The disks of [Fig. 8](nairn2026_fig08.md) with μ = 0.3; Courant numbers with cells of 1/3 mm, as published. What
-agrees and what differs is discussed where the studies are: [cell size](../studies.md#two-disks-cell-size),
-[Courant number](../studies.md#two-disks-courant-number); why periodic FMPM loses more with shorter steps, up to a
-limit and without contact, is [there](../studies.md#why-periodic-fmpm-loses-more-with-shorter-steps). A negative loss is
-energy gained.
+The disks of [Fig. 8](nairn2026_fig08.md) with μ = 0.3. The Courant numbers are for cells of 1/3 mm, as published. A
+negative loss is spurious energy. [Two disks](../studies/two_disks.md) discusses agreement and differences, and
+explains the loss of periodic FMPM with shorter steps.
 """,
 )

@@ -139,15 +139,15 @@ FIGURE = Figure(
     measure=measure,
     draw=draw,
     words="""
-A bar of 40 cells vibrates for five periods. A: the largest Courant number at which it stays bounded. B: what a
-blend of FMPM(4) with FMPM(1) loses.
+A bar of 40 cells vibrates for five periods. A: the largest Courant number at which the bar remains bounded. B: the
+energy loss of a blend of FMPM(4) with FMPM(1).
 
-As published: the limit falls with the order and levels off; blending and periodic FMPM raise it; a blend with
-FMPM(1) costs energy, one with FMPM(2) nearly none.
+As published: the limit falls with the order and levels off. Blended and periodic FMPM raise the limit. A blend with
+FMPM(1) costs energy, a blend with FMPM(2) nearly none.
 
-What differs: limits are up to 0.02 from the published ones, which were found by hand within 0.005. For periodic
-FMPM the criterion decides (here: hardly more lost than at half the Courant number); what the author accepted is
-not stated in numbers. FMPM(4) itself loses a little more than the published 0.03 %, as in the 1D code. All studies
-of this bar are under [studies](../studies.md#the-vibrating-bar).
+Differences: limits are up to 0.02 from the published ones, which the author found by hand within 0.005. For periodic
+FMPM the limit depends on the criterion (here: at most 1 % more loss than at half the Courant number). FMPM(4) itself
+loses slightly more than the published 0.03 %, as in the 1D code. [Stability limits](../studies/limits.md) has all
+studies of this bar.
 """,
 )

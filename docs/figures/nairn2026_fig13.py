@@ -37,7 +37,7 @@ def measure(runs: Runs) -> Table:
 FIGURE = Figure(
     paper="nairn2026",
     number="13",
-    title="An order that adapts itself, in the block impact",
+    title="Dynamic order in the block impact",
     verdict="as published",
     studies=("metrics", "impact"),
     drawn={
@@ -46,8 +46,7 @@ FIGURE = Figure(
     },
     measure=measure,
     words="""
-Two blocks meet head-on with FMPM of an order that ends when a metric falls below a tolerance, 20 at most.
-Discussed, with what differs, in the [studies](../studies.md#an-order-that-adapts-itself). Times are medians
-of three runs on a busy machine, good to a tenth or two.
+Two blocks collide head-on. The FMPM loop ends when a metric falls below a tolerance, at order 20 at most. [Dynamic
+order](../studies/dynamic_order.md) discusses the results. Times are medians of three runs, within 10 to 20 %.
 """,
 )

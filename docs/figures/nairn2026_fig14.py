@@ -28,7 +28,7 @@ def measure(runs: Runs) -> Table:
 FIGURE = Figure(
     paper="nairn2026",
     number="14",
-    title="Mean order that a tolerance asks for",
+    title="Mean order at a given tolerance",
     verdict="as published, the shock without heat conduction",
     studies=("impact", "shock"),
     drawn={
@@ -36,8 +36,8 @@ FIGURE = Figure(
     },
     measure=measure,
     words="""
-As published: in the block impact the order rises very quickly as the tolerance falls, in the shock slowly. The
-mean is over all steps, also those before the impact, which need order 2. Discussed in the
-[studies](../studies.md#an-order-that-adapts-itself). The shock is adiabatic; heat conduction is not built yet.
+As published: with a smaller tolerance, the order rises rapidly in the block impact and slowly in the shock. The mean
+includes the steps before the impact, which need order 2. [Dynamic order](../studies/dynamic_order.md) discusses the
+results. The shock is adiabatic.
 """,
 )

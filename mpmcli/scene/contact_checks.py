@@ -207,7 +207,8 @@ def _check_motion(parts: Parts, root: Node, fields: Fields, report: Report) -> N
             continue
         for axis, component in enumerate(body.velocity):
             if "t" in component.variables and body.material in parts.materials:
-                words = f"the initial velocity of '{body.name}' must not depend on t; only a rigid body moves as prescribed"
+                words = f"the initial velocity of '{body.name}' must not depend on t"
+                words += "; only rigid bodies move as prescribed"
                 report(f"{path}.{axis}", words, "time")
     for key in ("boundary", "loads"):
         for index, model in getattr(parts, key):

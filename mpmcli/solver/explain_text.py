@@ -8,7 +8,7 @@ from typing import Any
 from mpmcli.core.suggest import listing
 
 EXACT_MASS_RATIO = 1e-8
-"""``contact.mass_ratio`` from which on it hardly matters (docs/verification.md, two blocks compressed)."""
+"""``contact.mass_ratio`` from which on it hardly matters (docs/verification/compression.md)."""
 
 
 def as_text(facts: dict[str, Any]) -> str:

@@ -84,7 +84,7 @@ def test_citations_in_the_code_are_in_the_bibliography():
 def test_citations_in_the_documents_are_in_the_bibliography():
     cited = {
         key.strip()
-        for path in DOCS.glob("*.md")
+        for path in DOCS.rglob("*.md")
         for keys in re.findall(r"\{cite:[pt]\}`([^`]+)`", path.read_text(encoding="utf-8"))
         for key in keys.split(",")
     }

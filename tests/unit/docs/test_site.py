@@ -35,7 +35,7 @@ def test_formulas_are_rendered_by_a_copy_that_is_there():
 
 def test_definition_lists_are_read_as_such():
     settings = configuration()
-    pages = [page.read_text(encoding="utf-8") for page in DOCS.glob("*.md")]
+    pages = [page.read_text(encoding="utf-8") for page in DOCS.rglob("*.md")]
     assert any(re.search(r"^: ", page, re.MULTILINE) for page in pages)
     assert "deflist" in settings["myst_enable_extensions"]
 
@@ -46,6 +46,15 @@ def test_every_page_is_in_one_group_of_the_front_door():
     listed = [page for _, pages in groups for page in pages.split()]
     assert len(set(listed)) == len(listed)
     assert {path.stem for path in DOCS.glob("*.md")} - {"index"} <= set(listed)
+
+
+@pytest.mark.parametrize("group", ["verification", "studies"])
+def test_every_topic_is_in_the_list_of_its_group(group):
+    page = (DOCS / f"{group}.md").read_text(encoding="utf-8")
+    (listed,) = re.findall(r"```\{toctree\}\n:hidden:\n\n(.*?)```", page, re.DOTALL)
+    topics = {f"{group}/{path.stem}" for path in (DOCS / group).glob("*.md")}
+    assert sorted(topics) == sorted(listed.split())
+    assert all(f"]({topic}.md)" in page for topic in topics)
 
 
 def test_pictures_of_the_front_door_exist_and_lead_somewhere():
