@@ -1,4 +1,4 @@
-"""When contact is found as a gap closes, on a grid line and amid cells."""
+"""When contact is found as a gap closes, on a grid line and between grid lines."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ METHODS = {
 }
 """By the names in the paper."""
 
-PLACES = {"on a grid line": (), "amid cells": ("constants.below=52.5",)}
+PLACES = {"on a grid line": (), "between grid lines": ("constants.below=52.5",)}
 CASES = {
     f"{method}, {place}": Case("axial_compression", ("constants.gap=7.5", *there, *sets, *OUTPUT))
     for method, sets in METHODS.items()
@@ -55,7 +55,7 @@ def measure(runs: Runs) -> Table:
         "method",
         "gap left, on a grid line, cells",
         "published",
-        "gap left, amid cells, cells",
+        "gap left, between grid lines, cells",
         "published",
     ]
     rows: Table = [header]
