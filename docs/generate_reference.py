@@ -64,12 +64,11 @@ def introduction() -> str:
     from mpmcli.core.expressions import FUNCTIONS
 
     lines = [
-        "This page is made from the models that read a scene, so it says what the program accepts.",
-        'Any number may also be text with a unit (`"1 GPa"`; the scene must declare its `units`) or an',
-        "expression of the scene's `constants` (`2*R`). Where a value may vary, the meaning says of which of",
-        "`x`, `y`, `z`, `t`. Expressions know `+ - * / **`, comparisons (1 where true, 0 where not), `pi`,",
-        f"and `{' '.join(FUNCTIONS)}`.",
-        "`mpmcli schema` prints the same for editors.",
+        "The program generates this page from the models that read a scene. A number may be text with a unit",
+        '(`"1 GPa"`; the scene must declare its `units`) or an expression of the `constants` (`2*R`). Values that',
+        "may vary are expressions of `x`, `y`, `z` or `t`, as stated in their meaning. Expressions may contain",
+        f"`+ - * / **`, comparisons (1 if true, 0 if false), `pi` and `{' '.join(FUNCTIONS)}`.",
+        "`mpmcli schema` prints the JSON Schema for editors.",
     ]
     return "\n".join(lines)
 
@@ -117,7 +116,7 @@ class Reference:
         yield "| key | value | default | meaning |"
         yield "| --- | --- | --- | --- |"
         for key, node in sorted(model["properties"].items(), key=lambda entry: entry[0] != "kind"):
-            default = "needed" if key in required else default_of(node)
+            default = "required" if key in required else default_of(node)
             if default == "–":
                 default = self.made.get(key, default)
             cells = (f"`{key}`", self.words(node), default, sentence(node.get("description", "")))
