@@ -160,6 +160,42 @@ GALLERY = (
         ),
     ),
     Shown(
+        "kirsch_plate",
+        "Plate with a hole",
+        (),
+        (
+            Drawn(
+                "kirsch_plate",
+                ("--what", "particles", "--color", "stress_xx"),
+                "Axial stress of a quarter of a plate with a hole under tension.",
+            ),
+        ),
+    ),
+    Shown(
+        "rolling_disk",
+        "Disk on an incline",
+        (),
+        (
+            Drawn(
+                "rolling_disk",
+                ("--what", "particles", "--color", "velocity", "--time", "100"),
+                "Speed of a disk that rolls on a rigid plane; the contact point is at rest.",
+            ),
+        ),
+    ),
+    Shown(
+        "vortex",
+        "Vortex",
+        (),
+        (
+            Drawn(
+                "vortex",
+                ("--what", "particles", "--color", "displacement", "--time", "0.5"),
+                "Displacement of a ring under the body force of a manufactured solution.",
+            ),
+        ),
+    ),
+    Shown(
         "vibrating_bar",
         "Vibrating bar",
         (),
