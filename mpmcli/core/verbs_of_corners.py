@@ -138,27 +138,28 @@ def _(value, like):
     return add
 
 
-@of_corners(gather_vector, *PLANE, Axisymmetric)
-def _(weights, analysis, zero, base, offsets, across, v):
+@compiled_too
+def at_corners_of_plane(weights, zero, base, offsets, across, v):
+    """What ``at_point_of_plane`` gives for the four corners of the domain."""
     (x, y), (xx, xy, yx, yy) = weights.middle, weights.axes
     row, last = offsets[len(across)], np.uint64(len(across) - 2)
-    total = (
-        at_point_of_plane(v, zero, base, row, last, x - xx - xy, y - yx - yy)
-        + at_point_of_plane(v, zero, base, row, last, x + xx - xy, y + yx - yy)
-        + at_point_of_plane(v, zero, base, row, last, x - xx + xy, y - yx + yy)
-        + at_point_of_plane(v, zero, base, row, last, x + xx + xy, y + yx + yy)
+    return (
+        at_point_of_plane(v, zero, base, row, last, x - xx - xy, y - yx - yy),
+        at_point_of_plane(v, zero, base, row, last, x + xx - xy, y + yx - yy),
+        at_point_of_plane(v, zero, base, row, last, x - xx + xy, y - yx + yy),
+        at_point_of_plane(v, zero, base, row, last, x + xx + xy, y + yx + yy),
     )
-    return both_shares(0.25 * total, zero)
+
+
+@of_corners(gather_vector, *PLANE, Axisymmetric)
+def _(weights, analysis, zero, base, offsets, across, v):
+    v1, v2, v3, v4 = at_corners_of_plane(weights, zero, base, offsets, across, v)
+    return both_shares(0.25 * (v1 + v2 + v3 + v4), zero)
 
 
 @of_corners(gather_gradient, *PLANE)
 def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
-    (x, y), (xx, xy, yx, yy) = weights.middle, weights.axes
-    row, last = offsets[len(across)], np.uint64(len(across) - 2)
-    v1 = at_point_of_plane(v, zero, base, row, last, x - xx - xy, y - yx - yy)
-    v2 = at_point_of_plane(v, zero, base, row, last, x + xx - xy, y + yx - yy)
-    v3 = at_point_of_plane(v, zero, base, row, last, x - xx + xy, y - yx + yy)
-    v4 = at_point_of_plane(v, zero, base, row, last, x + xx + xy, y + yx + yy)
+    v1, v2, v3, v4 = at_corners_of_plane(weights, zero, base, offsets, across, v)
     below, above = v1 + v2, v3 + v4
     along_xi, along_eta = (v2 - v1) + (v4 - v3), above - below
     x1, x2, y1, y2 = gradients_of_plane(weights.axes, weights.inverse_cell, 0.25)
@@ -198,27 +199,29 @@ def at_edge_of_space(v, zero, base, row, layer, last, x, y, z, e, f, g):
     return low + high, high - low
 
 
-@of_corners(gather_vector, Solid)
-def _(weights, analysis, zero, base, offsets, across, v):
+@compiled_too
+def at_edges_of_space(weights, zero, base, offsets, across, v):
+    """What ``at_edge_of_space`` gives for the four edges of the domain along its first axis."""
     (x, y, z), (a, b, c, e, f, g, o, r, t) = weights.middle, weights.axes
     w = len(across)
     row, layer, last = offsets[w], offsets[w * w], np.uint64(w - 2)
-    s1, _ = at_edge_of_space(v, zero, base, row, layer, last, x - b - c, y - f - g, z - r - t, a, e, o)
-    s2, _ = at_edge_of_space(v, zero, base, row, layer, last, x + b - c, y + f - g, z + r - t, a, e, o)
-    s3, _ = at_edge_of_space(v, zero, base, row, layer, last, x - b + c, y - f + g, z - r + t, a, e, o)
-    s4, _ = at_edge_of_space(v, zero, base, row, layer, last, x + b + c, y + f + g, z + r + t, a, e, o)
+    return (
+        at_edge_of_space(v, zero, base, row, layer, last, x - b - c, y - f - g, z - r - t, a, e, o),
+        at_edge_of_space(v, zero, base, row, layer, last, x + b - c, y + f - g, z + r - t, a, e, o),
+        at_edge_of_space(v, zero, base, row, layer, last, x - b + c, y - f + g, z - r + t, a, e, o),
+        at_edge_of_space(v, zero, base, row, layer, last, x + b + c, y + f + g, z + r + t, a, e, o),
+    )
+
+
+@of_corners(gather_vector, Solid)
+def _(weights, analysis, zero, base, offsets, across, v):
+    (s1, _), (s2, _), (s3, _), (s4, _) = at_edges_of_space(weights, zero, base, offsets, across, v)
     return each(0.125 * ((s1 + s2) + (s3 + s4)))
 
 
 @of_corners(gather_gradient, Solid)
 def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
-    (x, y, z), (a, b, c, e, f, g, o, r, t) = weights.middle, weights.axes
-    n = len(across)
-    row, layer, last = offsets[n], offsets[n * n], np.uint64(n - 2)
-    s1, d1 = at_edge_of_space(v, zero, base, row, layer, last, x - b - c, y - f - g, z - r - t, a, e, o)
-    s2, d2 = at_edge_of_space(v, zero, base, row, layer, last, x + b - c, y + f - g, z + r - t, a, e, o)
-    s3, d3 = at_edge_of_space(v, zero, base, row, layer, last, x - b + c, y - f + g, z - r + t, a, e, o)
-    s4, d4 = at_edge_of_space(v, zero, base, row, layer, last, x + b + c, y + f + g, z + r + t, a, e, o)
+    (s1, d1), (s2, d2), (s3, d3), (s4, d4) = at_edges_of_space(weights, zero, base, offsets, across, v)
     below, above = s1 + s2, s3 + s4
     xi, eta, zeta = (d1 + d2) + (d3 + d4), (s2 - s1) + (s4 - s3), above - below
     x1, x2, x3, y1, y2, y3, z1, z2, z3 = gradients_of_space(weights.axes, weights.inverse_cell, 0.125)
