@@ -28,8 +28,8 @@ from mpmcli.cli.studies import begin_study
     type=click.Choice(["bounded", "accurate", "quiet"]),
     default="bounded",
     show_default=True,
-    help="bounded: the run ends, and its energy stays below what was put in; accurate: and it loses hardly more "
-    "than at half the Courant number; quiet: bounded, and a small disturbance of the velocities does not grow.",
+    help="bounded: the run finishes, and its energy stays below the energy put in; accurate: bounded, and it loses "
+    "hardly more energy than at half the Courant number; quiet: bounded, and a small perturbation does not grow.",
 )
 @click.option(
     "--tolerance",
@@ -38,7 +38,7 @@ from mpmcli.cli.studies import begin_study
     type=click.FloatRange(min=0),
     default=0.05,
     show_default=True,
-    help="Kinetic and strain energy may exceed what was put in by this share of it.",
+    help="Largest spurious energy of a bounded run, as a share of the energy put in.",
 )
 @click.option(
     "--loss",
@@ -46,7 +46,7 @@ from mpmcli.cli.studies import begin_study
     type=click.FloatRange(min=0),
     default=0.01,
     show_default=True,
-    help="For accurate: share of the energy by which the loss may exceed that at half the Courant number.",
+    help="For accurate: largest additional loss compared with half the Courant number, as a share of the energy.",
 )
 @click.option(
     "--growth",
@@ -54,7 +54,7 @@ from mpmcli.cli.studies import begin_study
     type=click.FloatRange(min=1),
     default=10.0,
     show_default=True,
-    help="For quiet: a disturbance may grow so many times, or so many times more than at half the Courant number.",
+    help="For quiet: largest growth factor of a perturbation, or this factor times that at half the Courant number.",
 )
 @click.option(
     "--resolution",
@@ -70,7 +70,7 @@ from mpmcli.cli.studies import begin_study
     default=(0.02, 2.0),
     show_default=True,
     metavar="LOW HIGH",
-    help="Courant numbers between which limits are looked for.",
+    help="Courant numbers between which limits are searched for.",
 )
 @click.option(
     "--checks",
@@ -112,8 +112,8 @@ def command(
 ) -> int:
     """Find the largest stable Courant number of SCENE for transfers and shape functions, by bisection.
 
-    Each run has a process of its own: what crashes is unstable. Finished runs are kept in DIR/trials.jsonl; started
-    again, the study goes on where it was stopped. It leaves limits.csv, limits.json and limits.png.
+    Each run has its own process, and a run that crashes counts as unstable. Finished runs are kept in
+    DIR/trials.jsonl, and the same command continues a stopped study. It writes limits.csv, limits.json and limits.png.
     """
     low, high = between
     if low >= high:

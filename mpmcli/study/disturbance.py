@@ -1,7 +1,7 @@
-"""A second run of a scene beside the first, with disturbed velocities: does the disturbance grow?
+"""A second run of a scene beside the first, with perturbed velocities: does the perturbation grow?
 
-Energy tells little of noise where it is lost on the way: plastic flow, friction and damping take up what an unstable
-step puts in. The difference of two runs that differ by a little at the start tells it, in a few steps.
+The total energy does not show an instability where plastic flow, friction or damping dissipates the spurious energy.
+The difference of two runs with nearly the same initial velocities shows it within a few steps.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ AMPLITUDE = 1e-6
 EVERY = 5
 """Steps between comparisons."""
 FIRST = 20
-"""So many first steps are all compared."""
+"""Number of first steps that are all compared."""
 
 
 class DisturbedTwin:
-    """The same scene with random disturbances of its velocities at the start, marched with the steps of the first run.
+    """The same scene with randomly perturbed initial velocities, run with the time steps of the first run.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class DisturbedTwin:
         self.growth = 0.0
 
     def step(self) -> None:
-        """The step that the first run has just made."""
+        """Repeat the step that the first run has just made."""
         if self.growth == math.inf:
             return
         self._twin.time_step.fixed = self._first.state.dt
@@ -60,7 +60,7 @@ class DisturbedTwin:
             self.look()
 
     def look(self) -> None:
-        """Take the difference of both runs into account."""
+        """Update the growth by the difference of both runs."""
         found = self._difference()
         share = found / self._start if self._start > 0.0 else 0.0
         self.growth = max(self.growth, share if math.isfinite(share) else math.inf)

@@ -23,6 +23,7 @@ HEADINGS = {
     "predicted": "predicted",
     "auto": "auto",
     "below": "auto is below by",
+    "auto_is_stable": "auto is stable",
     "loss": "loss at the limit",
     "remark": "",
 }

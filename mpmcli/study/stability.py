@@ -42,16 +42,16 @@ class Runner(Protocol):
 
 @dataclass(frozen=True)
 class Settings:
-    """How a limit is looked for.
+    """How a limit is searched for.
 
     Attributes
     ----------
     criterion : ``bounded``, ``accurate`` or ``quiet``
-    energy : kinetic and strain energy may exceed what was put in by this share of it
-    loss : of ``accurate``: the energy lost may exceed that lost at half the Courant number by this share
-    growth : of ``quiet``: a disturbance may grow so many times, or so many times more than at half the Courant number
+    energy : largest spurious energy of a bounded run, as a share of the energy put in
+    loss : of ``accurate``: largest additional loss of energy, compared with half the Courant number
+    growth : of ``quiet``: largest growth factor of a perturbation, or this factor times that at half the Courant number
     resolution : step of the Courant numbers
-    lowest, highest : Courant numbers between which limits are looked for
+    lowest, highest : Courant numbers between which limits are searched for
     until : end of the runs, or None for the scene's
     threads : of each run
     tries_auto : also run the Courant number that ``courant: auto`` selects
@@ -97,9 +97,9 @@ class Case:
     unstable_at : smallest Courant number above it that is unstable, None if there is none
     predicted : limit of bodies in motion (``stability``)
     auto : the Courant number that ``courant: auto`` selects, None where no limit is known
-    loss, excess : energy lost, and most energy too much, at the limit, as shares of what was put in
+    loss, excess : energy lost and largest spurious energy at the limit, as shares of the energy put in
     auto_is_stable : whether a run with this number was stable by the criterion; None if there was no such run
-    trials : all that were looked at, by Courant number
+    trials : results of all runs, by Courant number
     remark : how the run at ``unstable_at`` ended, or why there is no limit
     is_decided : the search came to its end
     """
@@ -171,10 +171,10 @@ def find_limits(
     tell: Callable[[str], None] = lambda words: None,
     predicts: bool = True,
 ) -> None:
-    """Search the limits of all cases, some side by side; results are put into the cases.
+    """Search the limits of all cases, ``jobs`` at a time, and store them in the cases.
 
-    Trials that the journal holds are not run again. An exception in one search is raised when all have ended; those
-    of the runner's being stopped are not.
+    Trials in the journal are not run again. An exception in one search is raised when all searches have ended, except
+    those that come from the runner being stopped.
     """
     with ThreadPoolExecutor(jobs) as pool:
         searches = [
@@ -313,7 +313,9 @@ class _Search:
                 return "unstable at half of it"
             if self.settings.criterion == "quiet":
                 growth = trial["growth"]
-                return "a disturbance grows " + ("without bound" if growth is None else f"{growth:.3g} times")
+                return "a perturbation grows " + (
+                    "without bound" if growth is None else f"{growth:.3g} times"
+                )
             return f"loses {trial['loss']:.3g}, at half of it {half['loss']:.3g}"
         return str(trial["message"])
 
@@ -326,7 +328,7 @@ def _words(trial: dict[str, Any]) -> str:
     seconds = f", {trial['seconds']:.3g} s" if "seconds" in trial else ""
     if trial["bounded"]:
         growth = trial.get("growth")
-        grown = "" if growth is None else f", disturbance times {growth:.3g}"
+        grown = "" if growth is None else f", perturbation times {growth:.3g}"
         return f"bounded, loss {trial['loss']:.3g}{grown}{seconds}"
     how = trial["ended"] if trial["ended"] != FINISHED else "energy"
     return f"unstable ({how}{seconds})"

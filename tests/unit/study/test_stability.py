@@ -156,7 +156,7 @@ def test_a_quiet_limit_is_where_a_disturbance_begins_to_grow(tmp_path):
         (folder := tmp_path / str(least)).mkdir()
         (case,) = search(folder, ["flip"], Noisy(least), Settings("quiet", resolution=0.05))
         assert (case.limit, case.unstable_at) == (0.6, 0.65)
-        assert case.remark == f"a disturbance grows {40 * least:.3g} times"
+        assert case.remark == f"a perturbation grows {40 * least:.3g} times"
 
 
 @pytest.mark.slow
