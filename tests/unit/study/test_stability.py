@@ -13,6 +13,7 @@ import pytest
 
 from mpmcli.cli.main import call
 from mpmcli.core.errors import SceneError
+from mpmcli.stability.scene_limit import stable_courant
 from mpmcli.study import limits_report, processes
 from mpmcli.study.journal import Journal
 from mpmcli.study.stability import Settings, Source, bisect_limit, find_limits, make_cases
@@ -172,6 +173,19 @@ def test_a_disturbance_grows_where_energy_does_not_show_it():
     assert unstable["bounded"]
     assert 0.1 < stable["growth"] < 2.0
     assert unstable["growth"] > 1000.0
+
+
+@pytest.mark.parametrize(("limit", "is_stable"), [(0.54, True), (0.3, False)])
+def test_the_number_of_auto_is_tried_on_demand(tmp_path, limit, is_stable):
+    (case,) = search(tmp_path, ["fmpm:4"], Pretend({4: limit}), Settings(tries_auto=True))
+    auto = stable_courant(load_job(case.source.job()).scene).courant
+    assert (case.auto, case.auto_is_stable) == (auto, is_stable)
+    assert case.below == pytest.approx(1.0 - auto / limit)
+    assert auto in case.trials
+    (row,) = limits_report.rows_of([case], Settings(tries_auto=True))
+    assert row["auto_is_stable"] is is_stable
+    (case,) = search(tmp_path, ["fmpm:4"], Pretend({4: limit}))
+    assert (case.auto, case.below, case.auto_is_stable) == (None, None, None)
 
 
 def test_a_crash_is_unstable(tmp_path):
