@@ -1,4 +1,4 @@
-"""Draw the stability limits of the vibrating bar, and write the tables of ``docs/studies/limits.md``.
+"""Draw the stability limits of the vibrating bar, and write the tables of them in ``docs/studies.md``.
 
     python docs/draw_limits.py
 

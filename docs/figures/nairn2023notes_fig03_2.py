@@ -23,7 +23,9 @@ PUBLISHED = {
 
 def measure(runs: Runs) -> Table:
     """Slopes of the ways, exact 0.02143 mm per percent."""
-    rows: Table = [["normal", "displacement per percent of strain, mm", "over the exact 0.02143", "published"]]
+    rows: Table = [
+        ["normal", "displacement per percent of strain, mm", "over the exact 0.02143", "published"]
+    ]
     exact = corner.EXACT / 100.0
     for name, case in CASES.items():
         here = corner.slope(runs, case)

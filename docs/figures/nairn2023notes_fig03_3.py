@@ -18,7 +18,9 @@ CASES = {**{f"logistic regression, ε = {t}": case for t, case in corner.LOGISTI
 
 def measure(runs: Runs) -> Table:
     """Slopes of the ways, exact 0.02143 mm per percent."""
-    rows: Table = [["normal", "displacement per percent of strain, mm", "over the exact 0.02143", "published"]]
+    rows: Table = [
+        ["normal", "displacement per percent of strain, mm", "over the exact 0.02143", "published"]
+    ]
     published = {
         "logistic regression, ε = 1e-05": "little gain below",
         "logistic regression, ε = 1e-07": "below the specified normal",
@@ -38,7 +40,10 @@ def draw(runs: Runs, path: Path) -> None:
         axes[0].axhline(corner.slope(runs, case), color=f"C{number + 1}", ls="--", label=name)
     axes[0].axhline(corner.EXACT / 100.0, color="black", lw=1, label="exact")
     axes[0].set(
-        xscale="log", xlabel="tolerance ε", ylabel="displacement per percent of strain [mm]", ylim=(0.0, 0.036)
+        xscale="log",
+        xlabel="tolerance ε",
+        ylabel="displacement per percent of strain [mm]",
+        ylim=(0.0, 0.036),
     )
     axes[0].invert_xaxis()
     axes[0].legend(ncols=2, loc="upper left", fontsize="small")
