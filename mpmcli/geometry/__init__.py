@@ -2,8 +2,9 @@
 
 from mpmcli.core.plugins import load_plugins
 from mpmcli.geometry.base import REGIONS, Region
+from mpmcli.geometry.bodies import BodyParticles
 from mpmcli.geometry.faces import surface_faces
-from mpmcli.geometry.fill import BodyParticles, fill_bodies
+from mpmcli.geometry.fill import fill_bodies
 from mpmcli.geometry.report import BodyReport, body_report, report_table
 
 load_plugins("regions", REGIONS, Region)

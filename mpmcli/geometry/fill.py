@@ -8,8 +8,6 @@ may instead be filled along its region's own sides, on a lattice that is turned 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
@@ -17,6 +15,7 @@ from mpmcli.core.analysis import Analysis, Axisymmetric
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.runtime import available_memory
 from mpmcli.geometry.base import Region
+from mpmcli.geometry.bodies import BodyParticles, BodyRequest
 from mpmcli.geometry.lattice import GridBox, GridLattice, OwnLattice
 from mpmcli.geometry.overlap import settle_overlaps
 
@@ -32,55 +31,6 @@ UNITS_OF_FILES = (1e3, 1e-3, 25.4, 1.0 / 25.4, 10.0, 0.1, 100.0, 0.01)
 """Factors between the lengths of files and scenes that are tried for a hint: m and mm, inch and mm, cm and mm or m."""
 MAX_OUTSIDE = 1 << 23
 """Above this many sub-cells a body's bounds may not reach much beyond the grid."""
-
-
-class BodyRequest(Protocol):
-    """What filling asks of a body of the scene."""
-
-    name: str
-    region: Region
-    particles_per_axis: int | Sequence[int]
-    particles_along: str
-    overlap: str
-
-
-@dataclass(frozen=True)
-class BodyParticles:
-    """The particles of one body at set-up.
-
-    Attributes
-    ----------
-    name : the body's
-    X : (d, n) positions [length]
-    size : (d, n) half-sizes of the particles' domains along their sides [length]; read only, may share memory
-    volume : (n,) length, area or volume of a particle (without thickness, area or radius); read only likewise
-    key : (n,) number of each particle's sub-cell of the grid, ascending, or None for others
-    parts : (d,) sub-cells per cell along each axis, or None likewise
-    turn : (d, d) from the sides of the domains to the grid's axes, or None where they lie along these
-    """
-
-    name: str
-    X: Array
-    size: Array
-    volume: Array
-    key: Array | None = None
-    parts: tuple[int, ...] | None = None
-    turn: Array | None = None
-
-    @property
-    def reach(self) -> Array:
-        """How far the domains reach along the grid's axes, (d, n) [length]."""
-        return self.size if self.turn is None else np.abs(self.turn) @ self.size
-
-    @property
-    def count(self) -> int:
-        """Number of particles."""
-        return self.X.shape[1]
-
-    def only(self, kept: Array) -> BodyParticles:
-        """The particles that the mask ``kept`` (n,) names."""
-        key = None if self.key is None else self.key[kept]
-        return replace(self, X=self.X[:, kept], size=self.size[:, kept], volume=self.volume[kept], key=key)
 
 
 def fill_bodies(bodies: Sequence[BodyRequest], grid: GridBox, analysis: Analysis) -> list[BodyParticles]:

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from mpmcli.geometry.fill import BodyParticles, BodyRequest
+from mpmcli.geometry.bodies import BodyParticles, BodyRequest
 
 Array = np.ndarray
 _POLICIES = ("error", "replace", "keep")

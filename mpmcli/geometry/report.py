@@ -10,7 +10,7 @@ import numpy as np
 
 from mpmcli.core.analysis import Analysis, Axisymmetric
 from mpmcli.geometry.base import Region
-from mpmcli.geometry.fill import BodyParticles, BodyRequest
+from mpmcli.geometry.bodies import BodyParticles, BodyRequest
 from mpmcli.geometry.lattice import GridBox
 
 Array = np.ndarray

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import xml.etree.ElementTree as xml
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -17,6 +17,7 @@ from mpmcli.core.errors import ArchiveError, RequestError
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.files import FAILED, GLOBALS, owned_files
 from mpmcli.output.manifest import read_manifest
+from mpmcli.output.notebook import html_of_error, html_of_facts, html_of_table
 from mpmcli.output.tables import read_numbers, read_table
 
 Array = np.ndarray
@@ -95,9 +96,7 @@ class Table:
         return self.numbers[:, self.columns.index(column)]
 
     def _repr_html_(self) -> str:
-        from mpmcli.output.notebook import html_of_table
-
-        return html_of_table(self)
+        return html_of_table(self.name, self.columns, self.numbers, self.units)
 
     def to_pandas(self) -> Any:
         """A DataFrame with the columns of the file; ``attrs["units"]`` has the unit of each.
@@ -147,9 +146,35 @@ class Results:
         return f"<Results of '{self.title}' in {self.directory}: {ended}>"
 
     def _repr_html_(self) -> str:
-        from mpmcli.output.notebook import html_of_results
+        text = [html_of_facts(self.title, self._facts())]
+        for name in self.table_names()[:1]:
+            try:
+                text.append(self.table(name)._repr_html_())
+            except ArchiveError as error:
+                text.append(html_of_error(str(error)))
+        return "\n".join(text)
 
-        return html_of_results(self)
+    def _facts(self) -> Iterable[tuple[str, str]]:
+        from mpmcli.output.info import size_in_words
+
+        run = self.manifest.get("run", {})
+        yield "folder", str(self.directory)
+        yield "ended", str(run.get("ended", "unknown"))
+        if "steps" in run:
+            time = f"{float(run.get('time', 0.0)):g} {self.time_unit}".removesuffix(" 1")
+            yield "steps", f"{run['steps']} to time {time}"
+        if "wall_seconds" in run:
+            memory = run.get("peak_memory_bytes")
+            also = f", {size_in_words(memory)} of memory" if memory else ""
+            yield "took", f"{run['wall_seconds']:.3g} s on {run.get('threads')} threads{also}"
+        if self.has_particles:
+            try:
+                times = self.times
+                yield "archives of particles", f"{len(times)}, time {times[0]:g} to {times[-1]:g}"
+            except ArchiveError as error:
+                yield "archives of particles", str(error)
+        if len(self.table_names()) > 1:
+            yield "tables", ", ".join(self.table_names())
 
     def to_pandas(self, name: str = GLOBALS) -> Any:
         """A table over time as a DataFrame: ``globals.csv``, or that of a probe by its name or file.

@@ -15,7 +15,8 @@ import numpy as np
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.runtime import available_memory
-from mpmcli.geometry.fill import BodyParticles, fill_bodies, places_to_test
+from mpmcli.geometry.bodies import BodyParticles
+from mpmcli.geometry.fill import fill_bodies, places_to_test
 from mpmcli.scene.fields import velocity_fields
 from mpmcli.shapes import SHAPES
 

@@ -12,7 +12,8 @@ from mpmcli.core.analysis import Axisymmetric
 from mpmcli.core.errors import SceneError
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
-from mpmcli.geometry.fill import BodyParticles, fill_bodies
+from mpmcli.geometry.bodies import BodyParticles
+from mpmcli.geometry.fill import fill_bodies
 from mpmcli.geometry.report import body_report, report_table
 from mpmcli.scene.fields import law_table
 from mpmcli.scene.filling import check_memory, find_masses, ghost_layers, section_of, start_velocity

@@ -1,0 +1,62 @@
+"""A body as the scene asks for it, and its particles at set-up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from mpmcli.geometry.base import Region
+
+Array = np.ndarray
+
+
+class BodyRequest(Protocol):
+    """What filling asks of a body of the scene."""
+
+    name: str
+    region: Region
+    particles_per_axis: int | Sequence[int]
+    particles_along: str
+    overlap: str
+
+
+@dataclass(frozen=True)
+class BodyParticles:
+    """The particles of one body at set-up.
+
+    Attributes
+    ----------
+    name : the body's
+    X : (d, n) positions [length]
+    size : (d, n) half-sizes of the particles' domains along their sides [length]; read only, may share memory
+    volume : (n,) length, area or volume of a particle (without thickness, area or radius); read only likewise
+    key : (n,) number of each particle's sub-cell of the grid, ascending, or None for others
+    parts : (d,) sub-cells per cell along each axis, or None likewise
+    turn : (d, d) from the sides of the domains to the grid's axes, or None where they lie along these
+    """
+
+    name: str
+    X: Array
+    size: Array
+    volume: Array
+    key: Array | None = None
+    parts: tuple[int, ...] | None = None
+    turn: Array | None = None
+
+    @property
+    def reach(self) -> Array:
+        """How far the domains reach along the grid's axes, (d, n) [length]."""
+        return self.size if self.turn is None else np.abs(self.turn) @ self.size
+
+    @property
+    def count(self) -> int:
+        """Number of particles."""
+        return self.X.shape[1]
+
+    def only(self, kept: Array) -> BodyParticles:
+        """The particles that the mask ``kept`` (n,) names."""
+        key = None if self.key is None else self.key[kept]
+        return replace(self, X=self.X[:, kept], size=self.size[:, kept], volume=self.volume[kept], key=key)
