@@ -11,13 +11,13 @@ From Python::
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from mpmcli.output.results import Results
+    from mpmcli.results.reading import Results
     from mpmcli.run.api import load, resume, run
 
 __version__ = "0.1.0"
 __all__ = ["Results", "load", "resume", "run"]
 
-_HOMES = {"Results": "mpmcli.output.results", "load": "mpmcli.run.api", "resume": "mpmcli.run.api"}
+_HOMES = {"Results": "mpmcli.results.reading", "load": "mpmcli.run.api", "resume": "mpmcli.run.api"}
 
 
 def __getattr__(name: str) -> Any:

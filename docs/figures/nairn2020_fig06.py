@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from figures.base import Case, Figure, Runs, Table, panels, save
-from mpmcli.output.results import Frame
+from mpmcli.results.reading import Frame
 from mpmcli.study.overlap import find_overlapping
 
 CELL = "1/18"

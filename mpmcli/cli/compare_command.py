@@ -27,7 +27,7 @@ from mpmcli.cli.completion import columns_to_compare, offering
 )
 def command(a: Path, b: Path, rtol: float, atol: float, columns: tuple[str, ...]) -> int:
     """Compare two tables, or all tables of two results folders; exit code 1 if they differ."""
-    from mpmcli.study.compare import compare
+    from mpmcli.results.compare import compare
 
     names = [name.strip() for text in columns for name in text.split(",") if name.strip()]
     differences = compare(a, b, rtol=rtol, atol=atol, columns=names or None)

@@ -59,8 +59,8 @@ def quantities(parameters: dict[str, Any]) -> Iterable[str]:
     """What the particles of the results folder ``directory`` can be coloured by."""
     import numpy as np
 
-    from mpmcli.output.results import Frame, Results
-    from mpmcli.study.pictures.quantities import colorings
+    from mpmcli.results.pictures.quantities import colorings
+    from mpmcli.results.reading import Frame, Results
 
     with open(Results(parameters["directory"]).path_of(-1), "rb") as stream:
         head = stream.read(HEAD)

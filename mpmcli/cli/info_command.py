@@ -11,6 +11,6 @@ import click
 @click.argument("path", type=click.Path(path_type=Path))
 def command(path: Path) -> None:
     """Report the contents of a results folder, a table, a VTU file or a checkpoint."""
-    from mpmcli.output.info import describe
+    from mpmcli.results.info import describe
 
     click.echo(describe(path))

@@ -25,7 +25,7 @@ WHAT = (
     "particles",
     "all",
 )
-"""``mpmcli.study.pictures.request.WHAT``, which help does not import."""
+"""``mpmcli.results.pictures.request.WHAT``, which help does not import."""
 AXES = ("x", "y", "z")
 
 
@@ -154,7 +154,7 @@ def command(
     By default, it draws the energies over time and the particles at the last time.
     """
     from mpmcli.output.manifest import read_manifest
-    from mpmcli.study.pictures import Request, plot
+    from mpmcli.results.pictures import Request, plot
 
     def progress(words: str) -> None:
         if sys.stderr.isatty():

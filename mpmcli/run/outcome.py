@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from mpmcli.output.results import Results
+from mpmcli.results.reading import Results
 
 
 @dataclass(frozen=True)

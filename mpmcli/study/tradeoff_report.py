@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import mpmcli
-from mpmcli.study.pictures.drawing import write_title
+from mpmcli.results.pictures.drawing import write_title
 from mpmcli.study.plotting import finish, new_figure
 from mpmcli.study.report import as_text, write_csv, write_json
 from mpmcli.study.tradeoff import Case, Cost, find_cheapest, short_key

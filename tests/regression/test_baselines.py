@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from mpmcli.results.compare import compare
 from mpmcli.run.api import run
 from mpmcli.scene.loader import load_scene
-from mpmcli.study.compare import compare
 
 HERE = Path(__file__).parent
 INPUTS = HERE.parents[1] / "inputs"

@@ -11,9 +11,9 @@ from click.shell_completion import BashComplete
 
 from mpmcli.cli.main import mpmcli
 from mpmcli.cli.plot_command import WHAT
-from mpmcli.output.results import Results
+from mpmcli.results.pictures.quantities import colorings
+from mpmcli.results.reading import Results
 from mpmcli.scene.shipped import shipped
-from mpmcli.study.pictures.quantities import colorings
 
 
 def offered(args: list[str], begun: str = "") -> list[str]:

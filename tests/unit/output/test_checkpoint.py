@@ -14,7 +14,7 @@ import pytest
 from mpmcli.core.errors import ArchiveError
 from mpmcli.output import checkpoint
 from mpmcli.output.checkpoint import DamagedCheckpoint, read_checkpoint, set_damaged_aside, write_checkpoint
-from mpmcli.output.info import describe
+from mpmcli.results.info import describe
 
 FACTS = {"scene_hash": "abc", "scene": {"title": "Flügel"}, "files": {}, "step": 7, "time": 0.1}
 ARRAYS = {

@@ -14,8 +14,8 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkUnstructuredGrid
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader, vtkXMLUnstructuredGridWriter
 
 from mpmcli.output.appended import Damaged
-from mpmcli.output.read_vtu import Vtu
 from mpmcli.output.vtu import NINE, SYMMETRIC, VtuWriter
+from mpmcli.results.read_vtu import Vtu
 from mpmcli.scene.shipped import scene_text
 
 COUNT = 7_000

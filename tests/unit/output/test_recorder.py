@@ -11,9 +11,9 @@ import pytest
 
 from mpmcli.core.errors import ArchiveError, SceneError
 from mpmcli.output.files import owned_files, remove_results
-from mpmcli.output.info import describe
 from mpmcli.output.of_scene import check_output
 from mpmcli.output.recorder import Recorder
+from mpmcli.results.info import describe
 
 PROBES = (
     SimpleNamespace(kind="particle", name="tip", body="left", near=(1, 1), columns=("velocity",), every=None),

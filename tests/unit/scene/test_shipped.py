@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from mpmcli.cli.main import call
-from mpmcli.output.results import Results
+from mpmcli.results.reading import Results
 from mpmcli.scene import shipped as scenes
 from mpmcli.scene.schema import schema_text
 from mpmcli.scene.tree import compose

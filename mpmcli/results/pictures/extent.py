@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpmcli.output.results import Frame, Results
-from mpmcli.study.pictures.quantities import Coloring, domains_of
+from mpmcli.results.pictures.quantities import Coloring, domains_of
+from mpmcli.results.reading import Frame, Results
 
 Array = np.ndarray
 

@@ -7,13 +7,13 @@ import itertools
 import numpy as np
 import pytest
 
-from mpmcli.output.results import Frame, Results
-from mpmcli.study.pictures.curves import column_panels, draw_panels
-from mpmcli.study.pictures.drawing import drawing, new_figure, space_ticks, write_title
-from mpmcli.study.pictures.extent import Extent
-from mpmcli.study.pictures.particles import LinePicture, Palette, PlanePicture
-from mpmcli.study.pictures.quantities import find_coloring
-from mpmcli.study.pictures.space import SpacePicture
+from mpmcli.results.pictures.curves import column_panels, draw_panels
+from mpmcli.results.pictures.drawing import drawing, new_figure, space_ticks, write_title
+from mpmcli.results.pictures.extent import Extent
+from mpmcli.results.pictures.particles import LinePicture, Palette, PlanePicture
+from mpmcli.results.pictures.quantities import find_coloring
+from mpmcli.results.pictures.space import SpacePicture
+from mpmcli.results.reading import Frame, Results
 
 LONG = "A title of many words that tells what the scene is about, where it comes from, and more than fits in a line"
 

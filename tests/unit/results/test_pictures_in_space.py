@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from mpmcli.study.pictures import Request, plot
-from mpmcli.study.pictures.errors import PictureError
-from mpmcli.study.pictures.space import directions, faces_towards, hidden, sections
+from mpmcli.results.pictures import Request, plot
+from mpmcli.results.pictures.errors import PictureError
+from mpmcli.results.pictures.space import directions, faces_towards, hidden, sections
 
 CUBE = np.tile(0.5 * np.eye(3), (1, 1, 1))
 

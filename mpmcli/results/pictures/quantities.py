@@ -12,8 +12,8 @@ from pydantic import ValidationError
 
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.geometry.rotation import Rotation
-from mpmcli.output.results import Frame, Results
-from mpmcli.study.pictures.errors import PictureError
+from mpmcli.results.pictures.errors import PictureError
+from mpmcli.results.reading import Frame, Results
 
 Array = np.ndarray
 

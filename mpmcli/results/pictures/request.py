@@ -12,9 +12,8 @@ import numpy as np
 from mpmcli.core.errors import ArchiveError
 from mpmcli.core.suggest import did_you_mean
 from mpmcli.output.files import GLOBALS, PLOTS
-from mpmcli.output.results import Frame, Results
-from mpmcli.study.pictures.animation import KINDS, MOST_FRAMES, check_writer, write_animation
-from mpmcli.study.pictures.curves import (
+from mpmcli.results.pictures.animation import KINDS, MOST_FRAMES, check_writer, write_animation
+from mpmcli.results.pictures.curves import (
     ENERGIES,
     SUBJECTS,
     Panel,
@@ -24,13 +23,14 @@ from mpmcli.study.pictures.curves import (
     probe_panels,
     subject_panels,
 )
-from mpmcli.study.pictures.drawing import FORMATS, drawing, pixels, save, write_bytes
-from mpmcli.study.pictures.errors import PictureError, matplotlib
-from mpmcli.study.pictures.extent import Extent
-from mpmcli.study.pictures.paraview import default_path, paraview_script
-from mpmcli.study.pictures.particles import LinePicture, Palette, ParticlePicture, PlanePicture
-from mpmcli.study.pictures.quantities import DEFAULTS, DEFAULTS_ON_A_LINE, Coloring, find_coloring
-from mpmcli.study.pictures.space import VIEWS, SectionPicture, SpacePicture, place_of_section
+from mpmcli.results.pictures.drawing import FORMATS, drawing, pixels, save, write_bytes
+from mpmcli.results.pictures.errors import PictureError, matplotlib
+from mpmcli.results.pictures.extent import Extent
+from mpmcli.results.pictures.paraview import default_path, paraview_script
+from mpmcli.results.pictures.particles import LinePicture, Palette, ParticlePicture, PlanePicture
+from mpmcli.results.pictures.quantities import DEFAULTS, DEFAULTS_ON_A_LINE, Coloring, find_coloring
+from mpmcli.results.pictures.space import VIEWS, SectionPicture, SpacePicture, place_of_section
+from mpmcli.results.reading import Frame, Results
 
 PARTICLES, PROBES, ALL = "particles", "probes", "all"
 WHAT = (*SUBJECTS, PROBES, PARTICLES, ALL)

@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.output.results import Frame, Results, with_unit
-from mpmcli.study.pictures.errors import PictureError
-from mpmcli.study.pictures.extent import Extent
-from mpmcli.study.pictures.particles import (
+from mpmcli.results.pictures.errors import PictureError
+from mpmcli.results.pictures.extent import Extent
+from mpmcli.results.pictures.particles import (
     Palette,
     ParticlePicture,
     PlanePicture,
@@ -19,6 +18,7 @@ from mpmcli.study.pictures.particles import (
     polygons_of,
     show_polygons,
 )
+from mpmcli.results.reading import Frame, Results, with_unit
 
 Array = np.ndarray
 

@@ -13,16 +13,16 @@ from PIL import Image
 from mpmcli.cli import plot_command
 from mpmcli.core.errors import ArchiveError, RequestError
 from mpmcli.output.files import PICTURE, PLOTS, drawn_files, remove_results
-from mpmcli.output.info import describe
-from mpmcli.output.results import Frame, Results
-from mpmcli.study.pictures import Request, animation, plot
-from mpmcli.study.pictures.curves import SUBJECTS, abscissa, draw_panels, parts_of, subject_panels
-from mpmcli.study.pictures.drawing import drawing, pixels
-from mpmcli.study.pictures.errors import PictureError
-from mpmcli.study.pictures.extent import Extent, color_range
-from mpmcli.study.pictures.particles import GREY, LinePicture, Palette, PlanePicture
-from mpmcli.study.pictures.quantities import colorings, domains_of, find_coloring
-from mpmcli.study.pictures.request import PARTICLES, WHAT
+from mpmcli.results.info import describe
+from mpmcli.results.pictures import Request, animation, plot
+from mpmcli.results.pictures.curves import SUBJECTS, abscissa, draw_panels, parts_of, subject_panels
+from mpmcli.results.pictures.drawing import drawing, pixels
+from mpmcli.results.pictures.errors import PictureError
+from mpmcli.results.pictures.extent import Extent, color_range
+from mpmcli.results.pictures.particles import GREY, LinePicture, Palette, PlanePicture
+from mpmcli.results.pictures.quantities import colorings, domains_of, find_coloring
+from mpmcli.results.pictures.request import PARTICLES, WHAT
+from mpmcli.results.reading import Frame, Results
 
 
 def colors_of(path):
@@ -428,7 +428,7 @@ def test_animation_shows_all_times(make_results, d):
 
 
 def test_long_series_are_thinned_out_and_said(make_results, monkeypatch):
-    monkeypatch.setattr("mpmcli.study.pictures.request.MOST_FRAMES", 2)
+    monkeypatch.setattr("mpmcli.results.pictures.request.MOST_FRAMES", 2)
     (path,), notes = plot(make_results(count=2), Request(animate="gif"))
     with Image.open(path) as image:
         assert image.n_frames == 2
@@ -493,7 +493,7 @@ def test_mp4_by_ffmpeg(make_results, monkeypatch, tmp_path, fails):
         (Request(over="time", what=("particles",)), "needs columns"),
         (Request(what=("energie",)), "there is no picture 'energie'; did you mean 'energies'?"),
         (Request(what=("strains",)), "has no columns of strains"),
-        (Request(output=Path("x.png")), "is one file, but 2 are asked for"),
+        (Request(output=Path("x.png")), "is one file, but 2 pictures are requested"),
         (Request(what=("particles",), output=Path("x.gif")), "must end with .png or"),
         (Request(animate="gif", output=Path("x.png")), "must end with .gif"),
     ],

@@ -1,5 +1,5 @@
 """Pictures of results: tables over time, particles at a time, animations, a script for ParaView."""
 
-from mpmcli.study.pictures.request import Request, plot
+from mpmcli.results.pictures.request import Request, plot
 
 __all__ = ["Request", "plot"]

@@ -17,8 +17,8 @@ from mpmcli.core.errors import ArchiveError, RequestError
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.files import FAILED, GLOBALS, owned_files
 from mpmcli.output.manifest import read_manifest
-from mpmcli.output.notebook import html_of_error, html_of_facts, html_of_table
 from mpmcli.output.tables import read_numbers, read_table
+from mpmcli.results.notebook import html_of_error, html_of_facts, html_of_table
 
 Array = np.ndarray
 
@@ -155,7 +155,7 @@ class Results:
         return "\n".join(text)
 
     def _facts(self) -> Iterable[tuple[str, str]]:
-        from mpmcli.output.info import size_in_words
+        from mpmcli.results.info import size_in_words
 
         run = self.manifest.get("run", {})
         yield "folder", str(self.directory)
@@ -351,7 +351,7 @@ class Results:
 
     def frame(self, path: Path) -> Frame:
         """Read one archive of particles; ArchiveError if it cannot be read."""
-        from mpmcli.output.read_vtu import Vtu
+        from mpmcli.results.read_vtu import Vtu
 
         try:
             held = Vtu(path)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.output.files import cannot_write, make_folder
-from mpmcli.study.pictures.errors import PictureError, matplotlib
+from mpmcli.results.pictures.errors import PictureError, matplotlib
 
 FORMATS = (".png", ".svg", ".pdf", ".jpg", ".jpeg")
 """Endings of still pictures."""

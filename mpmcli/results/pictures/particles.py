@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.output.results import Frame, Results, unit_in_brackets, with_unit
-from mpmcli.study.pictures.drawing import new_figure, shorten, space_ticks, write_title
-from mpmcli.study.pictures.extent import Extent, color_range, is_rigid
-from mpmcli.study.pictures.quantities import GROUPS, Coloring, domains_of, find_coloring, unit_of
+from mpmcli.results.pictures.drawing import new_figure, shorten, space_ticks, write_title
+from mpmcli.results.pictures.extent import Extent, color_range, is_rigid
+from mpmcli.results.pictures.quantities import GROUPS, Coloring, domains_of, find_coloring, unit_of
+from mpmcli.results.reading import Frame, Results, unit_in_brackets, with_unit
 
 Array = np.ndarray
 

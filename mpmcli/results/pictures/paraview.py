@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from mpmcli.output.files import PARAVIEW
-from mpmcli.output.results import Frame, Results, unit_in_brackets
-from mpmcli.study.pictures.drawing import shorten
-from mpmcli.study.pictures.extent import Extent, color_range
-from mpmcli.study.pictures.quantities import GROUPS, Coloring, domains_of, unit_of
-from mpmcli.study.pictures.space import directions
+from mpmcli.results.pictures.drawing import shorten
+from mpmcli.results.pictures.extent import Extent, color_range
+from mpmcli.results.pictures.quantities import GROUPS, Coloring, domains_of, unit_of
+from mpmcli.results.pictures.space import directions
+from mpmcli.results.reading import Frame, Results, unit_in_brackets
 
 SCRIPT = '''\
 """{title}

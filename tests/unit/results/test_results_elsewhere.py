@@ -10,7 +10,7 @@ import pandas
 import pytest
 
 from mpmcli.core.errors import RequestError
-from mpmcli.output.results import Results
+from mpmcli.results.reading import Results
 
 
 def test_tables_in_pandas_are_those_of_the_file(make_results):

@@ -13,9 +13,9 @@ import numpy as np
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.columns import QUANTITIES
 from mpmcli.output.files import GLOBALS
-from mpmcli.output.results import Results, Table, unit_in_brackets
-from mpmcli.study.pictures.drawing import new_figure, shorten, space_ticks, write_title
-from mpmcli.study.pictures.errors import PictureError
+from mpmcli.results.pictures.drawing import new_figure, shorten, space_ticks, write_title
+from mpmcli.results.pictures.errors import PictureError
+from mpmcli.results.reading import Results, Table, unit_in_brackets
 
 ENERGIES = "energies"
 SUBJECTS: dict[str, tuple[str, ...]] = {

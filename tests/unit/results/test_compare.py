@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mpmcli.core.errors import ArchiveError
-from mpmcli.study.compare import compare
+from mpmcli.results.compare import compare
 
 
 @pytest.fixture

@@ -10,11 +10,11 @@ from unittest.mock import MagicMock
 import numpy as np
 import pytest
 
-from mpmcli.output.results import Results
-from mpmcli.study.pictures import Request, plot
-from mpmcli.study.pictures.errors import PictureError
-from mpmcli.study.pictures.extent import Extent, color_range
-from mpmcli.study.pictures.quantities import colorings, find_coloring
+from mpmcli.results.pictures import Request, plot
+from mpmcli.results.pictures.errors import PictureError
+from mpmcli.results.pictures.extent import Extent, color_range
+from mpmcli.results.pictures.quantities import colorings, find_coloring
+from mpmcli.results.reading import Results
 
 NAMES = [
     "Calculator",

@@ -1,0 +1,1 @@
+"""What a run leaves behind, read: tables and particles, facts, comparisons, pictures."""
