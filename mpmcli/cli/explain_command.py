@@ -35,12 +35,12 @@ def command(
     check_time_step(loaded)
     show_warnings(loaded)
     from mpmcli.core.errors import SceneError
-    from mpmcli.solver.explain import explain
+    from mpmcli.explain.facts import explain
 
     try:
         measured = None
         if measures:
-            from mpmcli.solver.shares import measure
+            from mpmcli.explain.shares import measure
 
             measured = measure(loaded, threads)
         report = explain(loaded, threads, measured)

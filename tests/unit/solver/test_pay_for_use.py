@@ -11,8 +11,8 @@ import pytest
 import yaml
 
 from mpmcli.core.variants import STRAIN_UPDATES
+from mpmcli.explain.facts import explain
 from mpmcli.scene.loader import load_scene
-from mpmcli.solver.explain import explain
 
 SCRIPT = """
 import json, sys, yaml

@@ -14,10 +14,10 @@ from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.bisection import bisect_limit
 from mpmcli.core.errors import SceneError
 from mpmcli.core.variants import increment_factor
+from mpmcli.explain.facts import explain
 from mpmcli.run.api import run
 from mpmcli.scene.loader import load_scene
 from mpmcli.shapes import SHAPES
-from mpmcli.solver.explain import explain
 from mpmcli.solver.simulation import Simulation
 from mpmcli.stability import scene_limit
 from mpmcli.stability.growth import FAST, is_stable

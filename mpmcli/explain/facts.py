@@ -9,9 +9,9 @@ import numpy as np
 from mpmcli.contact.choice import ContactChoice
 from mpmcli.core.runtime import available_threads
 from mpmcli.core.stencil import kept_as
-from mpmcli.solver.explain_text import as_text
+from mpmcli.explain.redundant import find_questions, find_redundant
+from mpmcli.explain.text import as_text
 from mpmcli.solver.plan import Plan
-from mpmcli.solver.redundant import find_questions, find_redundant
 from mpmcli.solver.setup import choose_contact
 from mpmcli.solver.simulation import Simulation
 from mpmcli.solver.stand_in import StandIn
@@ -41,7 +41,7 @@ def explain(
     threads
         Threads that the estimate of the run time counts on; all that the process may use if None.
     measured
-        What ``shares.measure`` found, to be told too.
+        What ``shares.measure`` found, to be reported too.
 
     Returns
     -------

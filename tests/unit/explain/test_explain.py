@@ -9,8 +9,8 @@ import pytest
 import yaml
 
 from mpmcli.core.kernel import Call, Kernel
+from mpmcli.explain.facts import explain
 from mpmcli.scene.loader import load_scene
-from mpmcli.solver.explain import explain
 from mpmcli.solver.simulation import Simulation
 
 BLOCKS = {

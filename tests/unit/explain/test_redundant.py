@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import yaml
 
+from mpmcli.explain.facts import explain
+from mpmcli.explain.shares import measure
 from mpmcli.scene.loader import load_scene
-from mpmcli.solver.explain import explain
-from mpmcli.solver.shares import measure
 from mpmcli.solver.simulation import Simulation
 
 FMPM = {"kind": "fmpm", "order": 4}
