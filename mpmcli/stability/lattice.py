@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from mpmcli.core.functions import hat, hat_integral, quadratic_spline, quadratic_spline_integral
+from mpmcli.core.functions import GRID_FUNCTIONS
 
 Array = np.ndarray
 
@@ -142,13 +140,4 @@ def _repeated(A: Array, period: int) -> Array:
     return np.stack([A[..., node::period].sum(axis=-1) for node in range(period)], axis=-1)
 
 
-def _of_arrays(function: Any) -> Callable[[Array], Array]:
-    """A compiled function of numbers as a plain one of arrays, without its compiler."""
-    return np.vectorize(function.py_func, otypes=[np.float64])
-
-
-GRID_FUNCTIONS = {
-    "linear": (_of_arrays(hat), _of_arrays(hat_integral)),
-    "quadratic": (_of_arrays(quadratic_spline), _of_arrays(quadratic_spline_integral)),
-}
 DOMAINS = ("point", "box", "corners", "corners_and_middles")

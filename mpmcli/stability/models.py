@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.core.functions import GRID_FUNCTIONS
 from mpmcli.shapes import SHAPES
 from mpmcli.stability.growth import FAST
 from mpmcli.stability.held import Holders
-from mpmcli.stability.lattice import DOMAINS, GRID_FUNCTIONS, Lattice
+from mpmcli.stability.lattice import DOMAINS, Lattice
 from mpmcli.stability.linear_step import Scheme
 from mpmcli.stability.speeds import start_speeds
 
