@@ -346,7 +346,7 @@ def test_the_courant_number_of_auto_is_the_same_in_all_steps():
     simulation = Simulation(loaded, threads=1)
     for _ in range(5):
         simulation.step()
-        assert simulation.courant_of_step == pytest.approx(chosen_courant(loaded.scene), rel=0.02)
+        assert simulation.time_step.courant_of_step == pytest.approx(chosen_courant(loaded.scene))
 
 
 # ---------------------------------------------------------------------- the matrices
