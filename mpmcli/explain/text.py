@@ -77,9 +77,9 @@ def _measured_in_words(measured: dict[str, Any] | None) -> list[str]:
         parts = ", ".join(f"{name} {share:.1%}" for name, share in measured["parts"].items())
         lines.append(f"  of which {parts}")
     if measured["contact_steps"] is not None:
-        lines.append(f"  fields in contact in {measured['contact_steps']:.0%} of these steps")
+        lines.append(f"  fields in contact in {100 * measured['contact_steps']:.0f} % of these steps")
     if measured["mean_order"] < measured["order"]:
-        share = f"{measured['transfer_steps']:.0%} of the steps use the transfer, the others FLIP"
+        share = f"{100 * measured['transfer_steps']:.0f} % of the steps use the transfer, the others FLIP"
         lines.append(f"  mean order {measured['mean_order']:.3g} of {measured['order']}; {share}")
     if measured["F"] is None:
         return [*lines, f"  F of Eq. 3 of Nairn (2026) is unknown: {measured['without_F']}"]
@@ -98,7 +98,7 @@ def _courant_in_words(facts: dict[str, Any]) -> str:
     if facts["courant_is_chosen"]:
         return f"{chosen} (auto: the stable Courant number; {because})"
     margin = facts["stability_margin"]
-    verdict = f"{margin:.0%} below" if margin >= 0.0 else f"{-margin:.0%} above (the run may fail)"
+    verdict = f"{100 * margin:.0f} % below" if margin >= 0.0 else f"{-100 * margin:.0f} % above (the run may fail)"
     return f"{chosen}, {verdict} the stable Courant number {stable:.3g} ({because})"
 
 

@@ -57,7 +57,7 @@ class _Circle(ValueError):
     """Constants that need each other."""
 
     def __init__(self, chain: list[str]):
-        super().__init__(f"the constants depend on each other in a circle: {' → '.join(chain)}")
+        super().__init__(f"the constants have a circular definition: {' → '.join(chain)}")
         self.members = frozenset(chain)
 
 

@@ -107,7 +107,7 @@ def test_all_functions_of_the_reference_exist() -> None:
         ("f'{x}'", "is not allowed"),
         ("(y := 3)", "is not allowed"),
         ("1\n2", "nor an expression"),
-        ("\0", "no number and an expression"),
+        ("\0", "neither a number nor an expression"),
     ],
 )
 def test_refusal_in_words(text: str, words: str) -> None:
