@@ -61,9 +61,9 @@ class Failures:
         J = float(self._particles.determinant()[particle])
         low, high = self._limits
         if np.isfinite(J) and J <= 0.0:
-            what = f"J = {J:.3g}: the particle turned inside out"
+            what = f"J = det F = {J:.3g}: the particle is inverted"
         elif np.isfinite(J) and not low <= J <= high:
-            what = f"J = {J:.3g} is out of domain.volume_ratio, {low:g} to {high:g}"
+            what = f"J = {J:.3g} is outside domain.volume_ratio, {low:g} to {high:g}"
         else:
             what = "the stress is not finite"
         raise SimulationError(f"{what}; {self.describe(particle)}. {self._advice()}")
@@ -88,6 +88,6 @@ class Failures:
         step = self._time_step
         key, half = ("step", 0.5 * step.dt) if step.courant is None else ("courant", 0.5 * step.courant)
         return (
-            f"The last step was {step.dt:.3g} (Courant number {step.courant_of_step:.2g}): most likely it is too "
-            f"long; try time.{key}: {half:.2g}"
+            f"The last time step, {step.dt:.3g} (Courant number {step.courant_of_step:.2g}), is probably too long; "
+            f"try time.{key}: {half:.2g}"
         )

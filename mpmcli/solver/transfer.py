@@ -218,8 +218,8 @@ class Transfer:
         who = self._describe(particle)
         if problem == DOMAIN_TOO_WIDE:
             return (
-                f"{who} has stretched over more than {self.widest - 1} cells, which its domains of '{self.shape.name}' "
-                "follow. Choose a shape function whose domains keep their size, such as b2gimp: fluids need one"
+                f"{who}: its domain, which '{self.shape.name}' deforms, spans more than {self.widest - 1} cells. For "
+                "fluids, use a shape function with undeformed domains, such as b2gimp"
             )
         return f"{who} sees nodes outside the grid"
 

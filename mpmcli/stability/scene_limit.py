@@ -105,7 +105,7 @@ def chosen_courant(scene: Any) -> float | None:
     try:
         return stable_courant(scene).courant
     except NoKnownLimit as reason:
-        words = f"no stability limit is known: {reason}; give a number (and find it with mpmcli stability)"
+        words = f"the stability limit is unknown: {reason}. Give a number; mpmcli stability can find one"
         raise SceneError([Problem(path="time.courant", message=words, code="no_known_limit")]) from None
 
 
@@ -121,7 +121,7 @@ def warning_of(scene: Any) -> Problem | None:
         return None
     if asked <= stable.courant * (1.0 + 1e-9):
         return None
-    above = f"above the stable Courant number {stable.courant:.3g} ({stable.because}): the run may fail"
+    above = f"above the stable Courant number {stable.courant:.3g} ({stable.because}); the run may fail"
     if span.courant is None:
         path, words = "time.step", f"this is the Courant number {asked:.3g}, which is {above}"
     else:

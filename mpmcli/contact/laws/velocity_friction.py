@@ -37,7 +37,7 @@ class VelocityFriction(PressedModel):
     @model_validator(mode="after")
     def _speed_with_static_friction(self) -> Self:
         if (self.static_friction is None) != (self.characteristic_speed is None):
-            raise ValueError("static_friction and characteristic_speed need each other")
+            raise ValueError("give both static_friction and characteristic_speed, or neither")
         return self
 
     def parameters(self) -> SpeedFriction:

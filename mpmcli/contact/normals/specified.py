@@ -21,9 +21,8 @@ def _cos_sin(degrees: float) -> tuple[float, float]:
 def wrong_way(alpha: str, beta: str) -> str:
     """Words on a normal that points out of β into α, which lets them pass through each other."""
     return (
-        f"the specified normal points from '{beta}' to '{alpha}', which would pass through each other: it must "
-        "point from the field that comes first in the scene to the later one, and into a rigid body; turn it round, "
-        "or change the order of the bodies"
+        f"the specified normal points from '{beta}' to '{alpha}', so contact between them has no effect. It must point "
+        "from the first field in the scene to the later one, and into a rigid body; reverse it"
     )
 
 
@@ -61,12 +60,14 @@ class SpecifiedModel(NormalModel):
         if self.vector is not None:
             if len(self.vector) == dimensions:
                 return []
-            return [("vector", f"one number per axis is needed: {dimensions}, not {len(self.vector)}")]
+            return [
+                ("vector", f"this analysis needs {dimensions} numbers, one per axis, not {len(self.vector)}")
+            ]
         found = []
         if dimensions < 3 and self.polar is not None and self.polar != 90:
-            found.append(("polar", "must be 90: this analysis has no axis z"))
+            found.append(("polar", "must be 90, because this analysis has no axis z"))
         if dimensions == 1 and self.azimuth is not None and self.azimuth % 180 != 0:
-            found.append(("azimuth", "must be 0 or 180: this analysis has no axis y"))
+            found.append(("azimuth", "must be 0 or 180, because this analysis has no axis y"))
         return found
 
     def parameters(self, dimensions: int, cell: tuple[float, ...]) -> Specified:

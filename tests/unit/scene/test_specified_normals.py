@@ -41,16 +41,16 @@ def warnings_of(loaded):
         (
             "soft",
             1.0,
-            "points from 'left' to 'right', which would pass through",
+            "points from 'left' to 'right', so contact between them has no effect",
         ),  # 'right' comes first in the scene
-        ("tool", -1.0, "points from 'right' to 'left', which would pass through"),  # into the rigid body
+        ("tool", -1.0, "points from 'right' to 'left', so contact between them has no effect"),  # into the rigid body
     ],
 )
 def test_bodies_near_each_other_tell_the_way(right, wrong, words):
     (warning,) = warnings_of(scene(wrong, right=right))
     assert (warning.path, warning.severity) == ("contact.normal", "warning")
     assert words in warning.message
-    assert "turn it round" in warning.message
+    assert "reverse it" in warning.message
     assert warnings_of(scene(wrong, 0.1, right=right))
     assert not warnings_of(scene(-wrong, right=right))
 

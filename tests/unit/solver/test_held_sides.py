@@ -105,7 +105,7 @@ def test_advice_for_domains_that_stretch_names_shapes_that_do_not(bar):
     run.simulation.grid.width = run.simulation.transfer.widest
     run.simulation.transfer.sort()
     run.particles.F[0, 20] = 30.0
-    with pytest.raises(SimulationError, match="stretched over more than") as found:
+    with pytest.raises(SimulationError, match="spans more than") as found:
         run.steps(1)
     assert "'lcpdi'" in str(found.value)
     assert "b2gimp" in str(found.value)

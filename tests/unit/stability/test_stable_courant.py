@@ -255,7 +255,7 @@ def test_where_no_limit_is_known_auto_is_an_error_in_words():
     with pytest.raises(NoKnownLimit, match="'bar' has the wave speed 0"):
         stable_courant(scene)
     assert limit_in_motion(scene) is None
-    with pytest.raises(SceneError, match="give a number") as error:
+    with pytest.raises(SceneError, match="Give a number") as error:
         chosen_courant(scene)
     assert error.value.problems[0].path == "time.courant"
     assert warning_of(scene_of("vibrating_bar", *UNKNOWN, "time.courant=1")) is None
@@ -267,7 +267,7 @@ def test_where_no_limit_is_known_auto_is_an_error_in_words():
 def test_what_is_unstable_with_any_step_has_no_stable_courant_number(monkeypatch):
     monkeypatch.setattr(scene_limit, "is_stable", lambda *_: False)
     with pytest.raises(
-        SceneError, match=r"at its worst position, is unstable at 0\.02 already; give a number"
+        SceneError, match=r"at its worst position, is unstable at 0\.02 already\. Give a number"
     ):
         chosen_courant(bar(courant="auto"))
 
@@ -291,7 +291,7 @@ def test_a_step_above_the_stable_courant_number_is_a_warning():
 def test_validate_and_explain_tell_the_same_number(capsys):
     path = str(INPUTS / "vibrating_bar.yaml")
     because = "(body 'bar', at rest at its worst position)"
-    warning = f"warning: 0.9 is above the stable Courant number 0.372 {because}: the run may fail"
+    warning = f"warning: 0.9 is above the stable Courant number 0.372 {because}; the run may fail"
     assert call(["validate", path, "--set", "time.courant=0.9"]) == 0
     assert warning in capsys.readouterr().out
     assert call(["explain", path, "--set", "time.courant=0.9"]) == 0
@@ -308,7 +308,7 @@ def test_validate_and_explain_tell_the_same_number(capsys):
     no_limit = [word for change in UNKNOWN for word in ("--set", change)]
     assert call(["validate", path, *no_limit, "--set", "time.courant=auto"]) == 3
     assert "time.courant" in (out := capsys.readouterr().out)
-    assert "no stability limit is known: body 'bar' has the wave speed 0" in out
+    assert "the stability limit is unknown: body 'bar' has the wave speed 0" in out
 
 
 @pytest.mark.parametrize(
