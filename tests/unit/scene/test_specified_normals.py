@@ -43,7 +43,11 @@ def warnings_of(loaded):
             1.0,
             "points from 'left' to 'right', so contact between them has no effect",
         ),  # 'right' comes first in the scene
-        ("tool", -1.0, "points from 'right' to 'left', so contact between them has no effect"),  # into the rigid body
+        (
+            "tool",
+            -1.0,
+            "points from 'right' to 'left', so contact between them has no effect",
+        ),  # into the rigid body
     ],
 )
 def test_bodies_near_each_other_tell_the_way(right, wrong, words):

@@ -80,9 +80,7 @@ def test_a_collapsed_step_is_an_error_in_words():
     step = TimeStep(None, 0.5, smallest_cell=2.0)
     assert step.choose(10.0, 4.0) == 0.1
     assert step.choose(10.0, 40.0) == 0.025
-    with pytest.raises(
-        SimulationError, match=r"time step decreased from 0\.1 to 1e-0?8: .* unstable"
-    ):
+    with pytest.raises(SimulationError, match=r"time step decreased from 0\.1 to 1e-0?8: .* unstable"):
         step.choose(1e8, 0.0)
 
 
