@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.core.cut import is_cut
+from mpmcli.core.gather_scatter import TWO, ZERO, rows_of, value_at
 from mpmcli.core.grid import unfold
 from mpmcli.core.kernel import inline, kernel, prange
 from mpmcli.core.stencil import Table, weigh
 from mpmcli.core.transfer import gradients_for, scatter_particle
-from mpmcli.core.verbs import TWO, ZERO, rows_of, value_at
 
 Array = np.ndarray
 

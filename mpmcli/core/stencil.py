@@ -1,8 +1,8 @@
 """The stencil: which nodes a particle sees, with values S and gradients G of its shape function.
 
-A shape function weighs the nodes of one particle; the transfer verbs use the weights at once, from the first-level
+A shape function weighs the nodes of one particle; gathers and scatters use the weights at once, from the first-level
 cache. So every shape function runs through the same transfer kernels, and nothing is stored per particle. The weights
-are a ``Table`` of all nodes, or the ``Rows`` of a product of one-dimensional functions (``products``).
+are a ``Table`` of all nodes, or the ``Rows`` of a product of one-dimensional functions (``separable``).
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ def fill(shape: Any, grid: Any, across: Any, X: Any, F: Any, size: Any, p: Any, 
 
 @generic
 def weigh(shape: Any, grid: Any, across: Any, X: Any, F: Any, size: Any, p: Any, S: Any, G: Any, W: Any, status: Any) -> Any:  # noqa: E501
-    """What the verbs need of particle ``p``: the first node as ``fill`` returns it, and a ``Table`` or ``Rows``.
+    """What sums need of particle ``p``: the first node as ``fill`` returns it, and a ``Table`` or ``Rows``.
 
     The arguments are those of ``fill``.
     """
@@ -118,7 +118,7 @@ def weigh(shape: Any, grid: Any, across: Any, X: Any, F: Any, size: Any, p: Any,
 
 @generic
 def weigh_gathers(shape: Any, grid: Any, across: Any, X: Any, F: Any, size: Any, p: Any, S: Any, G: Any, W: Any, status: Any) -> Any:  # noqa: E501
-    """The same for verbs that gather."""
+    """The same for gathers alone."""
 
 
 @generic

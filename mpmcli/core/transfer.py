@@ -2,7 +2,7 @@
 
 Scatters run over bands of grid rows in two colours, so that no two threads add to one node and the order of every
 sum belongs to the bands, not to the threads. Gathers run over chunks of particles. Nodal arrays come flat (see
-``verbs``).
+``gather_scatter``).
 """
 
 from __future__ import annotations
@@ -11,14 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcli.core import verbs_of_corners, verbs_of_rows, verbs_of_tables  # noqa: F401 (registered there)
+from mpmcli.core import corner_sums, nodewise_sums, separable_sums  # noqa: F401 (registered there)
 from mpmcli.core.compiler import compiled_as, compiled_too
 from mpmcli.core.cut import is_cut
 from mpmcli.core.dispatch import generic
-from mpmcli.core.grid import unfold
-from mpmcli.core.kernel import kernel, prange
-from mpmcli.core.stencil import Table, keep, weigh, weigh_gathers
-from mpmcli.core.verbs import (
+from mpmcli.core.gather_scatter import (
     column,
     gather_gradient,
     gather_vector,
@@ -28,6 +25,9 @@ from mpmcli.core.verbs import (
     scatter_vector,
     zero_vector,
 )
+from mpmcli.core.grid import unfold
+from mpmcli.core.kernel import kernel, prange
+from mpmcli.core.stencil import Table, keep, weigh, weigh_gathers
 
 Array = np.ndarray
 

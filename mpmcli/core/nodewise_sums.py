@@ -1,4 +1,4 @@
-"""The verbs on a ``Table``: every node of the stencil has a value and a gradient of its own (CPDI)."""
+"""Gathers and scatters with a ``Table``: every node of the stencil has a value and a gradient of its own (CPDI)."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ from functools import partial
 import numpy as np
 
 from mpmcli.core.analysis import Axisymmetric, Solid
-from mpmcli.core.registers import each, load, pack, plus, read, store, zeros
-from mpmcli.core.stencil import Table
-from mpmcli.core.verbs import (
+from mpmcli.core.gather_scatter import (
     ALL,
     LINE,
     PLANE,
@@ -28,6 +26,8 @@ from mpmcli.core.verbs import (
     scatter_vector,
     value_at,
 )
+from mpmcli.core.registers import each, load, pack, plus, read, store, zeros
+from mpmcli.core.stencil import Table
 
 of_table = partial(for_each, weights=Table)
 

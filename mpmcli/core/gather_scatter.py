@@ -1,12 +1,12 @@
 """What one particle does with its stencil: the arithmetic inside the transfer kernels.
 
-Each verb has one implementation per kind of weights (``verbs_of_tables``, ``verbs_of_rows``) and, where they differ,
-per number of axes (and one for axisymmetric analyses, where the hoop direction has the "gradient" S/r). Nodal arrays
-come flat: component a of node i of c components is ``v[c·i + a]``, capacity and extensive value (mass and momentum) of
-node i are ``mp[(1 + c)·i …]``. The tuple ``zero`` has c members, so that c is known when compiled.
-``base`` is the first node of the stencil of particle ``p``, ``offsets`` (m,) lead from there to all its nodes;
-``across`` has a member per node along an axis, so that m is known when compiled. A row is the nodes along x. What
-belongs to one node is handled as one register (``registers``). All indices are unsigned.
+Each function has one implementation per kind of weights (``nodewise_sums``, ``separable_sums``, ``corner_sums``) and,
+where they differ, per number of axes (and one for axisymmetric analyses, where the hoop direction has the "gradient"
+S/r). Nodal arrays come flat: component a of node i of c components is ``v[c·i + a]``, capacity and extensive value of
+node i, such as mass and momentum, are ``mp[(1 + c)·i …]``. The tuple ``zero`` has c members, so that c is known when
+compiled. ``base`` is the first node of the stencil of particle ``p``, ``offsets`` (m,) lead from there to all its
+nodes; ``across`` has a member per node along an axis, so that m is known when compiled. A row is the nodes along x.
+What belongs to one node is handled as one register (``registers``). All indices are unsigned.
 """
 
 from __future__ import annotations
@@ -85,12 +85,12 @@ def nodes_of(analysis: Any, across: Any) -> Any:
 # fmt: on
 
 
-def for_each(verb: Any, *analyses: type, weights: type | None = None) -> Any:
+def for_each(declared: Any, *analyses: type, weights: type | None = None) -> Any:
     """Register an implementation for several kinds of analysis (and one kind of weights)."""
 
     def add(function: Any) -> Any:
         for analysis in analyses:
-            verb.register(*([analysis] if weights is None else [weights, analysis]))(function)
+            declared.register(*([analysis] if weights is None else [weights, analysis]))(function)
         return function
 
     return add

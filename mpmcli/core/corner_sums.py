@@ -12,9 +12,7 @@ import numpy as np
 
 from mpmcli.core.analysis import Axisymmetric, Solid
 from mpmcli.core.compiler import compiled_as, compiled_too
-from mpmcli.core.registers import each, pack, plus, read
-from mpmcli.core.stencil import Corners
-from mpmcli.core.verbs import (
+from mpmcli.core.gather_scatter import (
     LINE,
     ONE,
     PLANE,
@@ -24,6 +22,8 @@ from mpmcli.core.verbs import (
     gather_vector,
     put_rows,
 )
+from mpmcli.core.registers import each, pack, plus, read
+from mpmcli.core.stencil import Corners
 
 of_corners = partial(for_each, weights=Corners)
 

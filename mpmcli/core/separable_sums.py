@@ -1,4 +1,4 @@
-"""The verbs on ``Rows``: sums along x first, one factor per row after."""
+"""Gathers and scatters with ``Rows``: sums along x first, one factor per row after."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ from functools import partial
 import numpy as np
 
 from mpmcli.core.analysis import Axisymmetric, Solid
-from mpmcli.core.products import Rows
-from mpmcli.core.registers import each, load, pack, plus, read, store, zeros
-from mpmcli.core.verbs import (
+from mpmcli.core.gather_scatter import (
     ALL,
     LINE,
     PLANE,
@@ -28,6 +26,8 @@ from mpmcli.core.verbs import (
     scatter_vector,
     value_at,
 )
+from mpmcli.core.registers import each, load, pack, plus, read, store, zeros
+from mpmcli.core.separable import Rows
 
 of_rows = partial(for_each, weights=Rows)
 
