@@ -75,10 +75,10 @@ class ContactAccount:
         view.area[:] = 0.0
         view.nodes = view.contacts = view.touching = view.unconverged = 0
 
-    def close(self, impulse: Array, before: Array, after: Array, dt: float) -> None:
+    def close(self, after: Array, dt: float) -> None:
         """Sum up forces, areas and friction work of a step from its final impulses.
 
-        ``impulse``, and relative velocities ``before`` and ``after`` it acted, have a row (d,) per contact.
+        ``after`` (k, d) are the relative velocities after these impulses acted, those before are in the rows.
         """
         c, view, grid = self._contacts, self.view, self._grid
         view.nodes = c.clouds.count
@@ -87,16 +87,17 @@ class ContactAccount:
         if c.count == 0:
             return
         self._identity, self._dt = self._particles.id, dt
-        self._impulse = impulse[: c.count].copy()  # of the whole step, for those who look later
+        self._impulse = c.rows.net[: c.count].copy()  # of the whole step, for those who look later
         rigid_work = self._rigid_work.sum()
-        share = self._shares(c.members.alpha[: c.count])
-        self._work["contact_work"] += momenta.tally(
-            (0.0,) * grid.dimensions, c.count, c.members, grid.node_count, c.clouds.dof, self._rigid, self._pair,
-            share, c.geometry.normal, c.geometry.area, c.state, impulse, before, after, grid.mp, view.force,
-            view.area, view.momentum_error, self._rigid_work,
+        sums = momenta.Tallies(
+            self._pair, self._shares(c.members.alpha[: c.count]), view.force, view.area, view.momentum_error,
+            self._rigid_work,
         )  # fmt: skip
+        self._work["contact_work"] += momenta.tally(
+            (0.0,) * grid.dimensions, c.count, c.members, c.table, c.geometry, c.rows, after, grid.mp, sums
+        )
         view.force /= dt
-        view.touching = int(np.count_nonzero(c.state[: c.count]))
+        view.touching = int(np.count_nonzero(c.rows.state[: c.count]))
         if self._has_geometry:
             view.unconverged = int(np.count_nonzero(c.geometry.status[: c.count] == NOT_CONVERGED))
             view.all_unconverged += view.unconverged

@@ -41,15 +41,22 @@ class Cloud(NamedTuple):
 
 def allocate_cloud(dimensions: int, capacity: int, displacement: bool, radius: bool) -> Cloud:
     """A cloud that holds up to ``capacity`` particles."""
-    d = dimensions
+    clouds = allocate_clouds(1, dimensions, capacity, displacement, radius)
+    rows: Any = (None if array is None else array[0] for array in clouds)
+    return Cloud(*rows)
+
+
+def allocate_clouds(count: int, dimensions: int, capacity: int, displacement: bool, radius: bool) -> Cloud:
+    """Several clouds: ``Cloud`` with a first axis in front."""
+    n, d = capacity, dimensions
     return Cloud(
-        x=np.zeros((d, capacity)),
-        side=np.zeros(capacity),
-        S=np.zeros(capacity),
-        G=np.zeros((d, capacity)),
-        volume=np.zeros(capacity),
-        mass=np.zeros(capacity),
-        displacement=np.zeros((d, capacity)) if displacement else None,
-        radius_inverse=np.zeros((d * d, capacity)) if radius else None,
-        work=np.zeros(WORK),
+        x=np.zeros((count, d, n)),
+        side=np.zeros((count, n)),
+        S=np.zeros((count, n)),
+        G=np.zeros((count, d, n)),
+        volume=np.zeros((count, n)),
+        mass=np.zeros((count, n)),
+        displacement=np.zeros((count, d, n)) if displacement else None,
+        radius_inverse=np.zeros((count, d * d, n)) if radius else None,
+        work=np.zeros((count, WORK)),
     )

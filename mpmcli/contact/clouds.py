@@ -38,10 +38,14 @@ class Candidates(NamedTuple):
     """(b,) places in memory, ascending."""
     bands: Array
     """(n_bands + 1,) first of them in each band of the order, unsigned."""
+    rooms: Array
+    """(n_bands,) where the sights of each band begin."""
 
 
 NOTHING = np.zeros(0, dtype=np.int64)
-NONE = Candidates(NOTHING, np.zeros(1, dtype=np.int64), NOTHING, NOTHING, np.zeros(1, dtype=np.uint64))
+NONE = Candidates(
+    NOTHING, np.zeros(1, dtype=np.int64), NOTHING, NOTHING, np.zeros(1, dtype=np.uint64), NOTHING
+)
 """Before the first sort."""
 
 
@@ -72,8 +76,11 @@ class Sights(NamedTuple):
     G: Array
 
 
-def find_candidates(order: CellOrder, grid: Grid) -> Candidates:
-    """List candidates after a sort (``grid.active`` holds the degrees of freedom that particles may touch)."""
+def find_candidates(order: CellOrder, grid: Grid, images: int = 0) -> Candidates:
+    """List candidates after a sort (``grid.active`` holds the degrees of freedom that particles may touch).
+
+    ``images`` is the number of mirror images of a particle.
+    """
     n = grid.node_count
     by_node = np.argsort(grid.active % n, kind="stable")  # fields stay in their order
     dof = grid.active[by_node]
@@ -85,13 +92,20 @@ def find_candidates(order: CellOrder, grid: Grid) -> Candidates:
     first = np.concatenate([[0], np.cumsum(fields[shared])])
     nodes = node[shared]
     particle = _near(nodes, order, grid)
+    bands = np.searchsorted(particle, order.bands.astype(np.int64))
     return Candidates(
         node=nodes,
         first=first.astype(np.int64),
         dof=dof[keep],
         particle=particle,
-        bands=np.searchsorted(particle, order.bands.astype(np.int64)).astype(np.uint64),
+        bands=bands.astype(np.uint64),
+        rooms=bands[:-1].astype(np.int64) * most_sights(grid, images),
     )
+
+
+def most_sights(grid: Grid, images: int) -> int:
+    """Return how many nodes a particle and its mirror images see at most."""
+    return grid.width**grid.dimensions * (1 + images)
 
 
 def _near(nodes: Array, order: CellOrder, grid: Grid) -> Array:
@@ -185,58 +199,71 @@ def may_see(geometry, width, shape_of_grid, slot_of_node, X, p):
 
 @kernel
 def collect_sights(
-    shape, grid, across, bands, particle, rooms, images, slot_of_node, shape_of_grid, stencil, X, F, size, line, flag,
-    head, number, following, seer, turned, S_seen, G_seen,
-):  # fmt: skip
+    shape, grid, across, stencil, candidates, images, slot_of_node, shape_of_grid, X, F, size, sights
+):
     """Link every sight of the candidate particles into its node's list.
 
-    ``rooms`` (n_bands,) says where the sights of each band begin; ``line`` and ``flag`` are those of ``Images``. The
-    lists must be empty on entry. Bands of one colour never see the same node, nor do their mirror images unless
+    The lists must be empty on entry. Bands of one colour never see the same node, nor do their mirror images unless
     planes exist: with planes the caller runs the serial version.
     """
-    bands_count = bands.shape[0] - 1
+    bands_count = candidates.bands.shape[0] - 1
     for colour in range(2):
         for half in prange((bands_count + 1 - colour) // 2):
-            b = np.uint64(2 * half + colour)
-            geometry = unfold(grid)
-            S, G, W, offsets = stencil.S[b], stencil.G[b], stencil.W[b], stencil.offsets
-            sights = Sights(head, number, following, seer, turned, S_seen, G_seen)
-            at = rooms[b]
-            for j in range(bands[b], bands[b + np.uint64(1)]):
-                p = np.uint64(particle[j])
-                if images == 0 and not may_see(geometry, len(across), shape_of_grid, slot_of_node, X, p):
-                    continue
-                base = fill(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
-                begin, largest, nearest = at, 0.0, np.int64(-1)
-                for a in range(offsets.shape[0]):
-                    if S[a] > SEEN or (S[a] > 0.0 and is_seen(S, a, len(across), len(geometry.stride))):
-                        i = np.int64(base + offsets[a])
-                        slot = slot_of_node[i]
+            collect_band(
+                shape, grid, across, stencil, candidates, images, slot_of_node, shape_of_grid, X, F, size, sights,
+                np.uint64(2 * half + colour),
+            )  # fmt: skip
+
+
+@inline
+def collect_band(
+    shape, grid, across, stencil, candidates, images, slot_of_node, shape_of_grid, X, F, size, sights, b
+):
+    """``collect_sights`` for the particles of band ``b``."""
+    geometry = unfold(grid)
+    S, G, W, offsets = stencil.S[b], stencil.G[b], stencil.W[b], stencil.offsets
+    count = images.flag.shape[0]
+    at = candidates.rooms[b]
+    for j in range(candidates.bands[b], candidates.bands[b + np.uint64(1)]):
+        p = np.uint64(candidates.particle[j])
+        if count == 0 and not may_see(geometry, len(across), shape_of_grid, slot_of_node, X, p):
+            continue
+        base = fill(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
+        begin, largest, nearest = at, 0.0, np.int64(-1)
+        for a in range(offsets.shape[0]):
+            if S[a] > SEEN or (S[a] > 0.0 and is_seen(S, a, len(across), len(geometry.stride))):
+                i = np.int64(base + offsets[a])
+                slot = slot_of_node[i]
+                if slot >= 0:
+                    if S[a] > largest:
+                        largest, nearest = S[a], at
+                    link(sights, slot, at, np.int64(p), 0, S, G, a, offsets.shape[0])
+                    at += 1
+                for image in range(count):
+                    other = image_of_node(geometry, images.line[image], shape_of_grid, i)
+                    if other >= 0:
+                        slot = slot_of_node[other]
                         if slot >= 0:
-                            if S[a] > largest:
-                                largest, nearest = S[a], at
-                            link(sights, slot, at, np.int64(p), 0, S, G, a, offsets.shape[0])
+                            link(sights, slot, at, np.int64(p), images.flag[image], S, G, a, offsets.shape[0])
                             at += 1
-                        for image in range(images):
-                            other = i
-                            for axis in range(len(geometry.stride)):
-                                if line[image, axis] >= 0:
-                                    stride = np.int64(geometry.stride[axis])
-                                    index = i // stride % shape_of_grid[axis]
-                                    reflected = 2 * line[image, axis] - index
-                                    if reflected < 0 or reflected >= shape_of_grid[axis]:
-                                        other = np.int64(-1)
-                                    elif other >= 0:
-                                        other += (reflected - index) * stride
-                            if other >= 0:
-                                slot = slot_of_node[other]
-                                if slot >= 0:
-                                    link(
-                                        sights, slot, at, np.int64(p), flag[image], S, G, a, offsets.shape[0]
-                                    )
-                                    at += 1
-                if nearest >= begin:
-                    turned[nearest] |= NEAREST
+        if nearest >= begin:
+            sights.flag[nearest] |= NEAREST
+
+
+@inline
+def image_of_node(geometry, line, shape_of_grid, i):
+    """Image of node ``i`` across the planes ``line`` (d,), −1 where it is not on the grid."""
+    other = i
+    for axis in range(len(geometry.stride)):
+        if line[axis] >= 0:
+            stride = np.int64(geometry.stride[axis])
+            index = i // stride % shape_of_grid[axis]
+            reflected = 2 * line[axis] - index
+            if reflected < 0 or reflected >= shape_of_grid[axis]:
+                other = np.int64(-1)
+            elif other >= 0:
+                other += (reflected - index) * stride
+    return other
 
 
 class Clouds:
@@ -264,7 +291,6 @@ class Clouds:
         self._shape = np.array(grid.shape, dtype=np.int64)
         self.images = images_of(planes, grid.dimensions)
         self._count = 0
-        self._rooms = np.zeros(0, dtype=np.int64)
 
     @property
     def count(self) -> int:
@@ -289,15 +315,14 @@ class Clouds:
     def renew(self) -> None:
         """List the candidates after a sort, and make room for what they may see."""
         self._slot_of_node[self.candidates.node] = -1
-        self.candidates = c = find_candidates(self._order, self._grid)
+        images = len(self.images.flag)
+        self.candidates = c = find_candidates(self._order, self._grid, images)
         self._version = self._order.version
         self._node = np.zeros(len(c.node), dtype=np.int64)
         self._first = np.zeros(len(c.node) + 1, dtype=np.int64)
         self._dof = np.zeros(len(c.dof), dtype=np.int64)
         # untouched room costs nothing: sights are written one after another from the start of each band's room
-        reach = self._grid.width**self._grid.dimensions * (1 + len(self.images.flag))
-        room = len(c.particle) * reach
-        self._rooms = c.bands[:-1].astype(np.int64) * reach
+        room = len(c.particle) * most_sights(self._grid, images)
         d = self._grid.dimensions
         self.sights = Sights(
             head=np.zeros(len(c.node), dtype=np.int64),
@@ -326,9 +351,8 @@ class Clouds:
         s.head[: self._count] = -1
         s.number[: self._count] = 0
         collect_sights[parallel and len(images.flag) == 0](
-            shape, self._grid.geometry, across, self.candidates.bands, self.candidates.particle, self._rooms,
-            len(images.flag), self._slot_of_node, self._shape, stencil, X, F, size, images.line, images.flag,
-            s.head, s.number, s.next, s.particle, s.flag, s.S, s.G,
+            shape, self._grid.geometry, across, stencil, self.candidates, images, self._slot_of_node, self._shape,
+            X, F, size, s,
         )  # fmt: skip
 
 

@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.contact.cloud import WORK
+from mpmcli.contact.cloud import Cloud, allocate_clouds
 from mpmcli.contact.clouds import Clouds
-from mpmcli.contact.geometry import Geometry, find_geometry, sum_volumes
-from mpmcli.contact.members import Members, Rules, list_contacts, most_contacts
+from mpmcli.contact.geometry import Geometry, Matter, Surroundings, find_geometry, sum_volumes
+from mpmcli.contact.members import Members, NodeTable, Rules, list_contacts, most_contacts
+from mpmcli.contact.momenta import ImpulseRows
 
 Array = np.ndarray
 
@@ -44,8 +45,9 @@ class Contacts:
         self.begin = np.zeros(1, dtype=np.int64)
         self._room = -1
         self._make_room(0)
-        self._clouds_at_work: tuple[Any, ...] = ()
-        self._capacity = 0
+        self._clouds: Cloud | None = None
+        self.table: NodeTable
+        """The contact nodes of the step."""
 
     def _make_room(self, room: int) -> None:
         if room <= self._room:
@@ -64,75 +66,51 @@ class Contacts:
             bond=np.zeros(room),
             status=np.zeros(room, dtype=np.int64),
         )
-        self.dp0 = np.zeros((room, d))
-        self.dp = np.zeros((room, d))
-        self.total = np.zeros((room, d))
-        self.settled = np.zeros((room, d))
-        self.state = np.zeros(room, dtype=np.int64)
-        self.start = np.zeros((room, d))
-        self.prior = np.zeros((room, d))
-        self.net = np.zeros((room, d))
-        self.slip = np.zeros((room, d))
-        self.separation_now = np.zeros(room)
-        self.push = np.zeros(room)
-        self.drive = np.zeros(room)
+        vectors = {name: np.zeros((room, d)) for name in ImpulseRows._fields[:8]}
+        numbers = {name: np.zeros(room) for name in ("separation_now", "push", "drive")}
+        self.rows = ImpulseRows(**vectors, **numbers, state=np.zeros(room, dtype=np.int64))
 
-    def sum_volumes(self, p: Any, F: Array, parallel: bool) -> None:
-        """Find the volume of each field at each contact node."""
-        c, s = self.clouds, self.clouds.sights
-        self._size_volumes()
-        sum_volumes[parallel](
-            c.count, c.first, c.dof, self._node_count, s.head, s.next, s.particle, s.S, p.velocity_field, F, p.vol0,
-            self.volume,
-        )  # fmt: skip
+    def _tabulate(self) -> NodeTable:
+        c = self.clouds
+        return NodeTable(c.node, c.first, c.dof, self.volume, self.rules.rigid, self._node_count)
 
-    def _size_volumes(self) -> None:
+    def find_nodes(self) -> int:
+        """Choose the contact nodes of this step from the masses on the grid; returns how many."""
+        self.count = 0
+        found = self.clouds.find_nodes()
         if len(self.volume) < len(self.clouds.dof):
             self.volume = np.zeros(2 * len(self.clouds.dof))
+        self.table = self._tabulate()
+        return found
+
+    def sum_volumes(self, matter: Matter, parallel: bool) -> None:
+        """Find the volume of each field at each contact node."""
+        sum_volumes[parallel](self.table, self.clouds.sights, matter.field, matter.F, matter.vol0)
 
     def find_members(self, mp: Array) -> None:
         """List who meets whom at the contact nodes; masses from ``mp``."""
-        c = self.clouds
-        self._size_volumes()
-        self._make_room(most_contacts(self.rules, self._node_count, c.count, c.first, c.dof))
-        if len(self.begin) < c.count + 1:
-            self.begin = np.zeros(2 * c.count + 1, dtype=np.int64)
-        self.count = list_contacts(
-            self.rules, self._node_count, c.count, c.first, c.dof, self.volume, mp, self.members, self.begin
-        )
+        slots = self.clouds.count
+        self._make_room(most_contacts(self.rules, self.table))
+        if len(self.begin) < slots + 1:
+            self.begin = np.zeros(2 * slots + 1, dtype=np.int64)
+        self.count = list_contacts(self.rules, self.table, mp, self.members, self.begin)
         self.stages = 1 + int(self.members.stage[: self.count].max(initial=0))
 
     def find_geometry(
-        self, normal: Any, separation: Any, grid: Any, p: Any, F: Array, ring: bool, X0: Array | None,
-        needs_radius: bool, guesses: Array | None, parallel: bool,
+        self, normal: Any, separation: Any, around: Surroundings, matter: Matter, needs_radius: bool,
+        guesses: Array | None, parallel: bool,
     ) -> None:  # fmt: skip
         """Find normals, separations and areas of all contacts."""
         if self.count == 0:
             return
-        s, g, d = self.clouds.sights, self.geometry, self._dimensions
-        self._size_clouds(int(s.number[: self.clouds.count].max()), X0 is not None, needs_radius)
-        axes = (0.0,) * d
+        sights = self.clouds.sights
+        most = int(sights.number[: self.clouds.count].max())
+        if self._clouds is None or most > self._clouds.side.shape[1]:
+            kept = 0 if self._clouds is None else self._clouds.side.shape[1]
+            self._clouds = allocate_clouds(
+                WORKERS, self._dimensions, max(most, 2 * kept, 32), matter.X0 is not None, needs_radius
+            )
         find_geometry[parallel](
-            normal, separation, axes, self.count, self.members, self.clouds.node, self._node_count,
-            grid.shape, tuple(float(x) for x in grid.lower - grid.pad * grid.cell), tuple(float(c) for c in grid.cell),
-            True if ring else None, s.head, s.next, s.particle, s.flag, s.S, s.G, self.clouds.images.line,
-            p.velocity_field, self.rules.rigid, p.X, F, p.size, p.vol0, p.mass, X0, p.bond, guesses,
-            *self._clouds_at_work, g.normal, g.separation, g.distances, g.area, g.bond, g.status,
+            normal, separation, (0.0,) * self._dimensions, self.count, self.members, self.table, around, sights,
+            matter, guesses, self._clouds, self.geometry,
         )  # fmt: skip
-
-    def _size_clouds(self, most: int, displacement: bool, radius: bool) -> None:
-        if most <= self._capacity and self._clouds_at_work:
-            return
-        self._capacity = n = max(most, 2 * self._capacity, 32)
-        d, w = self._dimensions, WORKERS
-        self._clouds_at_work = (
-            np.zeros((w, d, n)),
-            np.zeros((w, n)),
-            np.zeros((w, n)),
-            np.zeros((w, d, n)),
-            np.zeros((w, n)),
-            np.zeros((w, n)),
-            np.zeros((w, d, n)) if displacement else None,
-            np.zeros((w, d * d, n)) if radius else None,
-            np.zeros((w, WORK)),
-        )

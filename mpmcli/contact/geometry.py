@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -43,24 +43,68 @@ class Geometry(NamedTuple):
     status: Array
 
 
+class Surroundings(NamedTuple):
+    """The grid around contact nodes.
+
+    shape : (d,) nodes along each axis
+    origin, cell : (d,) coordinate of the first node, cell size [length]
+    planes : (images, d) ``Images.line``
+    thickness : of a plane analysis [length], area of a 1D one [area], else 1
+    ring : the analysis is axisymmetric, so that volumes and areas are per radian
+    """
+
+    shape: Array
+    origin: Array
+    cell: Array
+    planes: Array
+    thickness: float
+    ring: bool
+
+
+class Matter(NamedTuple):
+    """What contact reads of the particles.
+
+    field : (N,) velocity field
+    X : (d, N) positions [length]
+    F : (nF, N) deformation gradients
+    size : (d, N) half sides at the start [length]
+    vol0, mass : (N,) initial volume and mass
+    X0 : (d, N) initial positions [length], or None
+    bond : (N,) 1 while adhesion is intact, or None
+    """
+
+    field: Array
+    X: Array
+    F: Array
+    size: Array
+    vol0: Array
+    mass: Array
+    X0: Any
+    bond: Any
+
+
 @kernel
-def sum_volumes(slots, first, dof, node_count, head, following, seer, S, field, F, vol0, volume):
-    """Volume Ω of each field at each contact node, Σ S J V₀, into ``volume`` (entries,)."""
-    for slot in prange(slots):
-        for e in range(first[slot], first[slot + 1]):
+def sum_volumes(nodes, sights, field, F, vol0):
+    """Volume Ω of each field at each contact node, Σ S J V₀, into ``nodes.volume``; of particles see ``Matter``."""
+    volume = nodes.volume  # unfolded: numba drops what a parallel loop writes through a tuple
+    for slot in prange(nodes.node.shape[0]):
+        first, last = nodes.first[slot], nodes.first[slot + 1]
+        for e in range(first, last):
             volume[e] = 0.0
-        at = head[slot]
+        at = sights.head[slot]
         while at >= 0:
-            p = seer[at]
-            for e in range(first[slot], first[slot + 1]):
-                if dof[e] // node_count == field[p]:
-                    volume[e] += S[at] * determinant_of_particle(F, p) * vol0[p]
-            at = following[at]
+            p = sights.particle[at]
+            for e in range(first, last):
+                if nodes.dof[e] // nodes.node_count == field[p]:
+                    volume[e] += sights.S[at] * determinant_of_particle(F, p) * vol0[p]
+            at = sights.next[at]
 
 
 @inline
 def put_radius(axes, F, size, p, turned, M, at):
-    """Column ``at`` of ``M`` (d·d, capacity): diag(1/R₀) F⁻¹, mirrored as the bits of ``turned`` say."""
+    """Column ``at`` of ``M`` (d·d, capacity), or None: diag(1/R₀) F⁻¹, mirrored as the bits of ``turned`` say."""
+    if M is None:
+        return
     d = len(axes)
     if d == 1:
         M[0, at] = 1.0 / (F[0, p] * size[0, p])
@@ -82,6 +126,22 @@ def put_radius(axes, F, size, p, turned, M, at):
         if turned >> j & 1:
             for i in range(d):
                 M[d * i + j, at] = -M[d * i + j, at]
+
+
+@inline
+def put_displacement(axes, X, X0, p, turned, u, at):
+    """Column ``at`` of ``u`` (d, capacity), if there is one: displacement, mirrored as the bits of ``turned`` say."""
+    if u is None or X0 is None:
+        return
+    for a in range(len(axes)):
+        moved = X[a, p] - X0[a, p]
+        u[a, at] = -moved if turned >> a & 1 else moved
+
+
+@inline
+def bond_of(bond, p):
+    """Whether adhesion near particle ``p`` is intact; 0 without adhesion."""
+    return 0.0 if bond is None else bond[p]
 
 
 @inline
@@ -108,61 +168,50 @@ def row_of(array, row):
 
 
 @inline
-def gather(
-    axes, k, cloud, members, node, node_count, shape_of_grid, origin, cell, ring, head, following, seer, turned, S, G,
-    planes, field, rigid_field, X, F, size, vol0, mass, X0, bond, radius_inverse,
-):  # fmt: skip
-    """Put the particles that contact ``k`` looks at into its cloud.
+def gather(axes, slot, alpha, beta, alone, cloud, nodes, around, sights, matter):
+    """Put the particles that a contact of field ``alpha`` with ``beta`` looks at into its cloud.
 
-    Returns their number, the volumes Σ S V of α and of β, and the share of the volume that is bonded. What may be None
-    is an argument of its own: numba leaves out branches for arguments only. This must not
-    stand in a parallel loop itself: numba would take the writes through the tuple for dead and drop them.
+    Unless ``alone``, β are all deformable fields but α. Returns their number, the volumes Σ S V of α and of β, and the
+    share of the volume that is bonded. What may be None is handed on: numba leaves out branches for arguments only.
     """
-    slot = members.slot[k]
-    alpha = members.alpha[k] // node_count
-    beta = members.partner[k] // node_count
-    i = node[slot]
+    i = nodes.node[slot]
     n = 0
     bonded, sum_alpha, sum_beta = 0.0, 0.0, 0.0
-    at = head[slot]
+    at = sights.head[slot]
     while at >= 0:
-        p = seer[at]
-        mine = field[p] == alpha
-        if mine or (field[p] == beta if members.alone[k] else not rigid_field[field[p]]):
-            image = (turned[at] >> IMAGE_BITS) - 1
-            J = determinant_of_particle(F, p)
+        p, turned = sights.particle[at], sights.flag[at]
+        field = matter.field[p]
+        mine = field == alpha
+        if mine or (field == beta if alone else not nodes.rigid[field]):
+            image = (turned >> IMAGE_BITS) - 1
+            J = determinant_of_particle(matter.F, p)
             for a in range(len(axes)):
-                x, g = X[a, p], G[at, a]
-                flip = turned[at] >> a & 1
-                if flip:
-                    x = 2.0 * (origin[a] + planes[image, a] * cell[a]) - x
+                x, g = matter.X[a, p], sights.G[at, a]
+                if turned >> a & 1:
+                    x = 2.0 * (around.origin[a] + around.planes[image, a] * around.cell[a]) - x
                     g = -g
                 cloud.x[a, n] = x
                 cloud.G[a, n] = g
-                if X0 is not None:
-                    u = X[a, p] - X0[a, p]
-                    cloud.displacement[a, n] = -u if flip else u
+            put_displacement(axes, matter.X, matter.X0, p, turned, cloud.displacement, n)
+            put_radius(axes, matter.F, matter.size, p, turned, cloud.radius_inverse, n)
             cloud.side[n] = -1.0 if mine else 1.0
-            cloud.S[n] = S[at]
-            v = J * vol0[p]
-            if bond is not None:
-                bonded += S[at] * v * bond[p]
+            cloud.S[n] = sights.S[at]
+            v = J * matter.vol0[p]
+            bonded += sights.S[at] * v * bond_of(matter.bond, p)
             if mine:
-                sum_alpha += S[at] * v
+                sum_alpha += sights.S[at] * v
             else:
-                sum_beta += S[at] * v
-            cloud.volume[n] = v if ring is None else v / X[0, p]
-            cloud.mass[n] = mass[p]
-            if radius_inverse is not None:
-                put_radius(axes, F, size, p, turned[at], radius_inverse, n)
+                sum_beta += sights.S[at] * v
+            cloud.volume[n] = v / matter.X[0, p] if around.ring else v
+            cloud.mass[n] = matter.mass[p]
             n += 1
-        at = following[at]
+        at = sights.next[at]
     stride = 1
     for a in range(len(axes)):
-        at_node = origin[a] + (i // stride % shape_of_grid[a]) * cell[a]
+        at_node = around.origin[a] + (i // stride % around.shape[a]) * around.cell[a]
         for j in range(n):
             cloud.x[a, j] -= at_node
-        stride *= shape_of_grid[a]
+        stride *= around.shape[a]
     whole = sum_alpha + sum_beta
     return n, sum_alpha, sum_beta, bonded / whole if whole > 0.0 else 0.0
 
@@ -178,38 +227,47 @@ def unsure(axes, h, shape_of_grid, origin, cell):
 
 @kernel
 def find_geometry(
-    normal_method, separation_method, axes, count, members, node, node_count, shape_of_grid, origin, cell, ring,
-    head, following, seer, turned, S, G, planes, field, rigid_field, X, F, size, vol0, mass, X0, bond, guesses,
-    b_x, b_side, b_S, b_G, b_volume, b_mass, b_displacement, b_radius, b_work,
-    normal, separation, distances, area, intact, status,
-):  # fmt: skip
+    normal_method,
+    separation_method,
+    axes,
+    count,
+    members,
+    nodes,
+    around,
+    sights,
+    matter,
+    guesses,
+    clouds,
+    geometry,
+):
     """Normal, separation and area of every contact, from the particles that its node sees.
 
-    ``ring`` is given (not None) in axisymmetric analyses, whose volumes, and so areas, are per radian. Initial
-    positions ``X0`` (d, N), ``bond`` (N,) and ``guesses`` (dofs, d) may be None. ``b_…`` are clouds, one per chunk of
-    contacts; ``planes`` (images, d) the lines of nodes of ``Images``.
+    ``guesses`` (dofs, d) may be None. ``clouds`` has a cloud in each row of its arrays, one per chunk of contacts.
     """
-    workers = b_side.shape[0]
+    # unfolded: numba drops what a parallel loop writes through a tuple
+    normal, separation, distances, area, intact, status = geometry
+    workers = clouds.side.shape[0]
     for c in prange(workers):
         cloud = Cloud(
-            b_x[c], b_side[c], b_S[c], b_G[c], b_volume[c], b_mass[c], row_of(b_displacement, c), row_of(b_radius, c),
-            b_work[c],
+            clouds.x[c], clouds.side[c], clouds.S[c], clouds.G[c], clouds.volume[c], clouds.mass[c],
+            row_of(clouds.displacement, c), row_of(clouds.radius_inverse, c), clouds.work[c],
         )  # fmt: skip
         for k in range(count * c // workers, count * (c + 1) // workers):
+            slot = members.slot[k]
+            alpha, beta = members.alpha[k] // nodes.node_count, members.partner[k] // nodes.node_count
             n, volume_alpha, volume_beta, intact[k] = gather(
-                axes, k, cloud, members, node, node_count, shape_of_grid, origin, cell, ring, head, following, seer,
-                turned, S, G, planes, field, rigid_field, X, F, size, vol0, mass, X0, bond, row_of(b_radius, c),
-            )  # fmt: skip
+                axes, slot, alpha, beta, members.alone[k], cloud, nodes, around, sights, matter
+            )
             side, order = 1.0 if members.rigid[k] else 0.0, members.order[k]
             if guesses is None:
-                status[k] = find_normal(normal_method, axes, cloud, n, side, order, b_work[c], normal[k])
+                status[k] = find_normal(normal_method, axes, cloud, n, side, order, clouds.work[c], normal[k])
             else:
                 guess = guesses[members.alpha[k]]
                 status[k] = find_normal(normal_method, axes, cloud, n, side, order, guess, normal[k])
                 for a in range(len(axes)):
                     guesses[members.alpha[k], a] = normal[k, a]
-            h = perpendicular_size(axes, cell, normal[k])
+            h = perpendicular_size(axes, around.cell, normal[k])
             gap = find_separation(separation_method, axes, cloud, n, normal[k], h, distances[k])
-            separation[k] = gap + unsure(axes, h, shape_of_grid, origin, cell)
-            part = share_on_planes(axes, node[members.slot[k]], shape_of_grid, planes)
+            separation[k] = gap + unsure(axes, h, around.shape, around.origin, around.cell)
+            part = share_on_planes(axes, nodes.node[slot], around.shape, around.planes)
             area[k] = part * contact_area(volume_alpha, volume_beta, h, distances[k])

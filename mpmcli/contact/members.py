@@ -67,6 +67,25 @@ class Members(NamedTuple):
     order: Array
 
 
+class NodeTable(NamedTuple):
+    """Contact nodes of a step, and the velocity fields that meet at each.
+
+    node : (slots,) node indices
+    first : (slots + 1,) where the entries of each node begin
+    dof : (entries,) degrees of freedom with mass
+    volume : (entries, at least) volume Ω of each field at its node [volume]
+    rigid : (fields,) whether a field belongs to a rigid body
+    node_count : nodes of the grid
+    """
+
+    node: Array
+    first: Array
+    dof: Array
+    volume: Array
+    rigid: Array
+    node_count: int
+
+
 @inline
 def put_contact(m, k, slot, alpha, partner, first, last, law):
     """Write row ``k`` of the members ``m``: a contact of α with others lumped, on α alone."""
@@ -81,12 +100,13 @@ def put_contact(m, k, slot, alpha, partner, first, last, law):
 
 
 @inline
-def list_contacts(rules, node_count, slots, first, dof, volume, mp, m, begin):
+def list_contacts(rules, nodes, mp, m, begin):
     """Write the contacts of all contact nodes into ``m``; returns their number.
 
-    ``first`` (slots + 1,), ``dof`` and ``volume`` (entries,) describe the nodes; ``begin`` (slots + 1,) receives
-    where the contacts of each node begin.
+    ``begin`` (slots + 1,) receives where the contacts of each node begin.
     """
+    first, dof, volume, node_count = nodes.first, nodes.dof, nodes.volume, nodes.node_count
+    slots = nodes.node.shape[0]
     k = 0
     for slot in range(slots):
         begin[slot] = k
@@ -161,13 +181,13 @@ def list_contacts(rules, node_count, slots, first, dof, volume, mp, m, begin):
 
 
 @inline
-def most_contacts(rules, node_count, slots, first, dof):
+def most_contacts(rules, nodes):
     """Upper bound of the number of contacts of these nodes."""
     most = 0
-    for slot in range(slots):
+    for slot in range(nodes.node.shape[0]):
         soft, hard = 0, 0
-        for e in range(first[slot], first[slot + 1]):
-            if rules.rigid[dof[e] // node_count]:
+        for e in range(nodes.first[slot], nodes.first[slot + 1]):
+            if rules.rigid[nodes.dof[e] // nodes.node_count]:
                 hard += 1
             else:
                 soft += 1

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from mpmcli.contact import increments
@@ -11,11 +13,84 @@ from mpmcli.core.kernel import inline, kernel, prange
 Array = np.ndarray
 
 
+class ImpulseRows(NamedTuple):
+    """What the corrections of a step find and keep, a row for each contact.
+
+    dp0 : (k, d) Δp_α(0) of the last calculation [momentum]
+    dp : (k, d) momentum that it adds to α
+    total, settled : (k, d) scratch of FMPM increments
+    start : (k, d) Δp⁽¹⁾, what the correction of the extrapolated momenta added
+    prior, net : (k, d) what ``increments`` follows through the FMPM loop
+    slip : (k, d) velocity of β relative to α before contact
+    separation_now : (k,) separation at the end of the step, if the sides moved on as they do [length]
+    push : (k,) normal part of the forces without contact, for laws with finite stiffness [force]
+    drive : (k,) impulse that takes overlap back [momentum]
+    state : (k,) APART, SLIDING, STICKING or BROKEN
+    """
+
+    dp0: Array
+    dp: Array
+    total: Array
+    settled: Array
+    start: Array
+    prior: Array
+    net: Array
+    slip: Array
+    separation_now: Array
+    push: Array
+    drive: Array
+    state: Array
+
+
+class Place(NamedTuple):
+    """Where in the step contact acts: flags say which arrays count, so that one compiled version serves all places.
+
+    stage : contacts of this stage act
+    after_forces : on updated momenta, where the forces of the step are known
+    of_velocity : on velocities ``v`` (dofs, d) rather than on momenta
+    of_increment : ``v`` is an FMPM increment Δv(ℓ)
+    evolving : as the "Evolving" method does, else by "Net" (``increments``)
+    displacement_only : contact wherever the separation is negative
+    drives : the impulses ``ImpulseRows.drive`` are to be left between the sides (``overlap``)
+    dt : time step [time]
+    advance : time over which the separation still closes (Nairn 2023, Eq. 3.56) [time]
+    """
+
+    stage: int
+    after_forces: bool
+    of_velocity: bool
+    of_increment: bool
+    evolving: bool
+    displacement_only: bool
+    drives: bool
+    dt: float
+    advance: float
+
+
+class Tallies(NamedTuple):
+    """Where the sums of a step go.
+
+    pair : (fields, fields) number of each pair of fields
+    weight : (k, at least) share of a contact that belongs to real particles
+    force : (pairs, d) impulse on the earlier field
+    area : (pairs,) area of contacts that touch
+    error : (d,) momentum that one-sided contacts create
+    rigid_work : (fields,) work that rigid fields do
+    """
+
+    pair: Array
+    weight: Array
+    force: Array
+    area: Array
+    error: Array
+    rigid_work: Array
+
+
 @inline
-def relative_momentum(axes, alpha, first, last, rigid, rigid_field, node_count, dof, mp, v, of_velocity, out):
+def relative_momentum(axes, alpha, first, last, rigid, nodes, mp, v, of_velocity, out):
     """Δp_α(0), the momentum that takes α to the common velocity, into ``out`` (d,); returns the reduced mass.
 
-    β are the other deformable fields among the entries ``first`` to ``last`` of ``dof``, or the rigid one alone,
+    β are the other deformable fields among the entries ``first`` to ``last`` of the nodes, or the ``rigid`` one alone,
     whose mass is infinite (Nairn et al. 2020, Eqs. 8 and 50). Velocities are p/m of ``mp`` (dofs, 1 + d), or with
     ``of_velocity`` those of ``v`` (dofs, d).
     """
@@ -24,8 +99,8 @@ def relative_momentum(axes, alpha, first, last, rigid, rigid_field, node_count, 
     for a in range(len(axes)):
         out[a] = 0.0
     for e in range(first, last):
-        i = dof[e]
-        if i != alpha and (rigid or not rigid_field[i // node_count]):
+        i = nodes.dof[e]
+        if i != alpha and (rigid or not nodes.rigid[i // nodes.node_count]):
             m_beta += mp[i, 0]
             for a in range(len(axes)):
                 if of_velocity:
@@ -40,8 +115,8 @@ def relative_momentum(axes, alpha, first, last, rigid, rigid_field, node_count, 
 
 
 @inline
-def normal_force(axes, alpha, first, last, rigid, rigid_field, node_count, dof, mp, f, n):
-    """Normal part of m_red (f_β/m_β − f_α/m_α); a rigid body feels no force."""
+def normal_force(axes, alpha, first, last, rigid, nodes, mp, f, n):
+    """Normal part of m_red (f_β/m_β − f_α/m_α) along ``n`` (d,); a rigid body feels no force."""
     m_alpha, m_beta = mp[alpha, 0], 0.0
     mine, theirs = 0.0, 0.0
     for a in range(len(axes)):
@@ -49,8 +124,8 @@ def normal_force(axes, alpha, first, last, rigid, rigid_field, node_count, dof, 
     if rigid:
         return -mine
     for e in range(first, last):
-        i = dof[e]
-        if i != alpha and not rigid_field[i // node_count]:
+        i = nodes.dof[e]
+        if i != alpha and not nodes.rigid[i // nodes.node_count]:
             m_beta += mp[i, 0]
             for a in range(len(axes)):
                 theirs += f[i, a] * n[a]
@@ -58,91 +133,95 @@ def normal_force(axes, alpha, first, last, rigid, rigid_field, node_count, dof, 
 
 
 @kernel
-def settle_stage(
-    law, which, stage, axes, count, members, node_count, dof, rigid_field, mp, f, of_force, v, of_velocity, prior, net,
-    of_increment, evolving, normal, separation, area, bond, dt, advance, displacement_only, separation_now, push, drive,
-    drives, dp0, total, settled, dp, state,
-):  # fmt: skip
-    """Find the momentum change Δp of α at every contact of one stage that law ``which`` governs, into ``dp`` (k, d).
+def settle_stage(law, axes, which, count, members, nodes, geometry, rows, here, mp, f, v):
+    """Find the momentum change Δp of α at every contact of one stage that law ``which`` governs, into ``rows.dp``.
 
-    Flags say which arrays count, so that one compiled version serves all places of the step. After the momentum update
-    (``of_force``) ``f`` (dofs, d) holds the forces without contact, whose normal parts are kept in ``push`` (k,) for
-    laws with finite stiffness. With ``of_velocity`` the velocities are ``v`` (dofs, d), else p/m. On an FMPM increment
-    (``of_increment``) ``v`` holds Δv(ℓ), and the rows of ``prior`` and ``net`` (k, d) follow it: by "Net" the law sees
-    the total of all velocities before any correction, by "Evolving" what earlier corrections left of them
-    (``increments``); ``total`` and ``settled`` (k, d) are scratch. ``advance`` is the time over which the separation
-    still closes (Nairn 2023, Eq. 3.56); what it has become is kept in ``separation_now`` (k,). With ``drives`` the
-    impulses ``drive`` (k,) are to be left between the sides (``overlap``).
+    ``here`` is a ``Place``. After the momentum update ``f`` (dofs, d) holds the forces without contact, whose
+    normal parts are kept in ``rows.push`` for laws with finite stiffness. With ``here.of_velocity`` the velocities are
+    ``v`` (dofs, d), else p/m. On an FMPM increment ``v`` holds Δv(ℓ), and ``rows.prior`` and ``rows.net`` follow it:
+    by "Net" the law sees the total of all velocities before any correction, by "Evolving" what earlier corrections
+    left of them (``increments``).
     """
+    # unfolded: numba drops what a parallel loop writes through a tuple
+    separation_now, push, state = rows.separation_now, rows.push, rows.state
+    dt, displacement_only = here.dt, here.displacement_only
     for k in prange(count):
-        if members.law[k] != which or members.stage[k] != stage or members.pair[k]:
+        if members.law[k] != which or members.stage[k] != here.stage or members.pair[k]:
             continue
-        reduced = relative_momentum(
-            axes, members.alpha[k], members.first[k], members.last[k], members.rigid[k], rigid_field, node_count, dof,
-            mp, v, of_velocity, dp0[k],
-        )  # fmt: skip
-        if of_increment:
-            increments.total_increment(axes, prior[k], dp0[k], total[k])
-            wanted, given = total[k], settled[k]
+        alpha, first, last, rigid = members.alpha[k], members.first[k], members.last[k], members.rigid[k]
+        normal, area, bond = geometry.normal[k], geometry.area[k], geometry.bond[k]
+        dp0 = rows.dp0[k]
+        reduced = relative_momentum(axes, alpha, first, last, rigid, nodes, mp, v, here.of_velocity, dp0)
+        if here.of_increment:
+            increments.total_increment(axes, rows.prior[k], dp0, rows.total[k])
+            wanted, given = rows.total[k], rows.settled[k]
         else:
-            wanted, given = dp0[k], dp[k]
-            gap = separation[k]
-            if advance > 0.0:
+            wanted, given = dp0, rows.dp[k]
+            gap = geometry.separation[k]
+            if here.advance > 0.0:
                 for a in range(len(axes)):
-                    gap += dp0[k, a] * normal[k, a] * advance / reduced
+                    gap += dp0[a] * normal[a] * here.advance / reduced
             separation_now[k] = gap
-            if drives:
+            if here.drives:
                 for a in range(len(axes)):
-                    dp0[k, a] -= drive[k] * normal[k, a]
-        if of_force and is_soft(law):
-            push[k] = normal_force(
-                axes, members.alpha[k], members.first[k], members.last[k], members.rigid[k], rigid_field, node_count,
-                dof, mp, f, normal[k],
-            )  # fmt: skip
+                    dp0[a] -= rows.drive[k] * normal[a]
+        if here.after_forces and is_soft(law):
+            push[k] = normal_force(axes, alpha, first, last, rigid, nodes, mp, f, normal)
         if not is_soft(law):
             state[k] = settle(
-                law, axes, wanted, normal[k], separation_now[k], area[k], reduced, dt, displacement_only, bond[k],
+                law,
+                axes,
+                wanted,
+                normal,
+                separation_now[k],
+                area,
+                reduced,
+                dt,
+                displacement_only,
+                bond,
                 given,
-            )  # fmt: skip
-        elif of_force or of_increment:
+            )
+        elif here.after_forces or here.of_increment:
             state[k] = settle_soft(
-                law, axes, wanted, normal[k], separation[k], push[k], area[k], reduced, dt, displacement_only, bond[k],
-                given,
+                law, axes, wanted, normal, geometry.separation[k], push[k], area, reduced, dt, displacement_only,
+                bond, given,
             )  # fmt: skip
         else:  # a spring acts once in a step: settled hard elsewhere, the sides would never press on it
             state[k] = leave(axes, given)
-        if of_increment:
-            increments.finish_increment(axes, evolving, dp0[k], wanted, given, prior[k], net[k], dp[k])
+        if here.of_increment:
+            increments.finish_increment(
+                axes, here.evolving, dp0, wanted, given, rows.prior[k], rows.net[k], rows.dp[k]
+            )
 
 
 @kernel
-def start_increments(axes, count, dp0, dp, evolving, prior, net):
+def start_increments(axes, count, evolving, dp0, dp, prior, net):
     """After the lumped correction of all contacts: see ``increments.start_increments``."""
     for k in prange(count):
         increments.start_increments(axes, evolving, dp0[k], dp[k], prior[k], net[k])
 
 
 @kernel
-def add_to_momenta(axes, count, stage, members, dp, dt, mp, f, of_force):
-    """p += Δp, and with ``of_force`` f += Δp/Δt, for the contacts of one stage."""
+def add_to_momenta(axes, count, members, dp, here, mp, f):
+    """p += Δp, and after the forces f += Δp/Δt, for the contacts of one stage."""
     for k in prange(count):
-        if members.stage[k] == stage:
+        if members.stage[k] == here.stage:
             i, j = members.alpha[k], members.partner[k]
             for a in range(len(axes)):
                 mp[i, 1 + a] += dp[k, a]
-                if of_force:
-                    f[i, a] += dp[k, a] / dt
+                if here.after_forces:
+                    f[i, a] += dp[k, a] / here.dt
                 if members.both[k]:
                     mp[j, 1 + a] -= dp[k, a]
-                    if of_force:
-                        f[j, a] -= dp[k, a] / dt
+                    if here.after_forces:
+                        f[j, a] -= dp[k, a] / here.dt
 
 
 @kernel
-def add_to_velocities(axes, count, stage, members, dp, mp, v):
+def add_to_velocities(axes, count, members, dp, here, mp, v):
     """v += Δp/m for the contacts of one stage; ``v`` (dofs, d)."""
     for k in prange(count):
-        if members.stage[k] == stage:
+        if members.stage[k] == here.stage:
             i, j = members.alpha[k], members.partner[k]
             for a in range(len(axes)):
                 v[i, a] += dp[k, a] / mp[i, 0]
@@ -161,57 +240,53 @@ def take_out(axes, count, members, dp, p):
 
 
 @kernel
-def find_slip(axes, count, members, node_count, dof, rigid_field, mp, v, of_velocity, slip):
+def find_slip(axes, count, members, nodes, mp, v, of_velocity, slip):
     """Velocity of β relative to α into ``slip`` (k, d), from ``v`` (dofs, d) with ``of_velocity``, else from p/m."""
     for k in prange(count):
         reduced = relative_momentum(
-            axes, members.alpha[k], members.first[k], members.last[k], members.rigid[k], rigid_field, node_count, dof,
-            mp, v, of_velocity, slip[k],
+            axes, members.alpha[k], members.first[k], members.last[k], members.rigid[k], nodes, mp, v, of_velocity,
+            slip[k],
         )  # fmt: skip
         for a in range(len(axes)):
             slip[k, a] /= reduced
 
 
 @inline
-def share_of_work(axes, members, k, rigid_field, node_count, dof, mp):
+def share_of_work(axes, members, k, nodes, mp):
     """What of the pair's work a contact counts: all if it serves both sides, else the part of α."""
     if members.both[k] or members.rigid[k]:
         return 1.0
     others = 0.0
     for e in range(members.first[k], members.last[k]):
-        if dof[e] != members.alpha[k] and not rigid_field[dof[e] // node_count]:
-            others += mp[dof[e], 0]
+        i = nodes.dof[e]
+        if i != members.alpha[k] and not nodes.rigid[i // nodes.node_count]:
+            others += mp[i, 0]
     return others / (others + mp[members.alpha[k], 0])
 
 
 @inline
-def tally(
-    axes, count, members, node_count, dof, rigid_field, pair, weight, normal, area, state, net, before, after, mp,
-    force, touching, error, rigid_work,
-):  # fmt: skip
-    """Sum up a step: returns the friction work, and adds up impulses and areas.
+def tally(axes, count, members, nodes, geometry, rows, after, mp, sums):
+    """Sum up a step: returns the friction work, and adds up impulses and areas in ``sums`` (``Tallies``).
 
-    Work is taken out by the tangential part of the final Δp (``net``), with the mean of the relative velocities
-    ``before`` and ``after`` (k, d). ``pair`` (fields, fields) numbers pairs; the impulse on the earlier field goes to
-    ``force`` (pairs, d), the area of contacts that touch to ``touching`` (pairs,), the momentum that one-sided
-    contacts create to ``error`` (d,), the work that rigid fields do to ``rigid_work`` (fields,). ``weight`` (k,) is the
-    share of a contact that belongs to real particles.
+    Work is taken out by the tangential part of the final Δp (``rows.net``), with the mean of the relative velocities
+    before (``rows.slip``) and ``after`` (k, d).
     """
     work = 0.0
     for k in range(count):
-        alpha, beta = members.alpha[k] // node_count, members.partner[k] // node_count
-        row = pair[alpha, beta]
-        part = weight[k] if members.both[k] or members.rigid[k] else 0.5 * weight[k]
+        alpha, beta = members.alpha[k] // nodes.node_count, members.partner[k] // nodes.node_count
+        net, weight = rows.net[k], sums.weight[k]
+        pair = sums.pair[alpha, beta]
+        part = weight if members.both[k] or members.rigid[k] else 0.5 * weight
         sign = part if alpha < beta else -part
-        taken = slip_work(axes, normal[k], net[k], before[k], after[k])
+        taken = slip_work(axes, geometry.normal[k], net, rows.slip[k], after[k])
         for a in range(len(axes)):
-            force[row, a] += sign * net[k, a]
+            sums.force[pair, a] += sign * net[a]
             if members.rigid[k]:
                 i = members.partner[k]
-                rigid_work[beta] += weight[k] * net[k, a] * mp[i, 1 + a] / mp[i, 0]
+                sums.rigid_work[beta] += weight * net[a] * mp[i, 1 + a] / mp[i, 0]
             elif not members.both[k]:
-                error[a] += weight[k] * net[k, a]
-        work += weight[k] * taken * share_of_work(axes, members, k, rigid_field, node_count, dof, mp)
-        if state[k] > 0:
-            touching[row] += part * area[k]
+                sums.error[a] += weight * net[a]
+        work += weight * taken * share_of_work(axes, members, k, nodes, mp)
+        if rows.state[k] > 0:
+            sums.area[pair] += part * geometry.area[k]
     return work

@@ -14,7 +14,9 @@ from mpmcli.contact.choice import ContactChoice
 from mpmcli.contact.clouds import NEAREST, Clouds
 from mpmcli.contact.contacts import Contacts
 from mpmcli.contact.direction import DirectionWatch
+from mpmcli.contact.geometry import Matter, Surroundings
 from mpmcli.contact.members import Rules
+from mpmcli.contact.momenta import Place
 from mpmcli.contact.settle import BROKEN
 from mpmcli.core.analysis import Axisymmetric
 from mpmcli.core.nodal_field import Correction
@@ -83,6 +85,14 @@ class NodalContact(Correction):
         self._guesses = self._nodal.get("guesses")
         self.clouds = Clouds(order, grid, self._planes(), self._nodal["slot_of_node"])
         self.contacts = Contacts(self.clouds, self._rules, grid.node_count, d)
+        self._around = Surroundings(
+            shape=np.array(grid.shape, dtype=np.int64),
+            origin=grid.lower - grid.pad * grid.cell,
+            cell=grid.cell,
+            planes=self.clouds.images.line,
+            thickness=choice.thickness,
+            ring=self._ring,
+        )
         for name, array in choice.particle_arrays(particles).items():
             setattr(particles, name, array)
         self._direction = None
@@ -109,41 +119,41 @@ class NodalContact(Correction):
     def after_extrapolation(self, step: Step) -> None:
         """Task 1.a: find the fields in contact, and let the extrapolated momenta satisfy contact: p += Δp⁽¹⁾."""
         c, p, mp = self.contacts, self._particles, self._grid.mp
-        c.count = 0
         self._account.clear()
         if self._rigid is not None:
             self._rigid.hold(step, mp)
             self._rigid_dof = self._rigid.dofs
             self._rigid_momentum = mp[self._rigid_dof, 1:]
-        if self.clouds.find_nodes() == 0:
+        if c.find_nodes() == 0:
             return
         if self._has_geometry:
             transfer, parallel = self._transfer, self._runs_parallel
-            F = transfer.domain_F
+            matter = Matter(p.velocity_field, p.X, transfer.domain_F, p.size, p.vol0, p.mass, p.X0, p.bond)
             self.clouds.collect(
-                transfer.shape.parameters, transfer.across, transfer.stencil, p.X, F, p.size, parallel
+                transfer.shape.parameters, transfer.across, transfer.stencil, p.X, matter.F, p.size, parallel
             )
-            c.sum_volumes(p, F, parallel)
+            c.sum_volumes(matter, parallel)
         c.find_members(mp)
         if c.count == 0:
             return
         if self._has_geometry:
             c.find_geometry(
-                self._normal, self._separation, self._grid, p, F, self._ring, p.X0,
-                self._model.separation.needs_radius, self._guesses, parallel,
+                self._normal, self._separation, self._around, matter, self._model.separation.needs_radius,
+                self._guesses, parallel,
             )  # fmt: skip
             if self._direction is not None:
                 self._direction.look(p)
-        c.start[: c.count] = 0.0
+        rows = c.rows
+        rows.start[: c.count] = 0.0
         keeps_start = _keeps_start(step.plan)
         if keeps_start:
-            self._find_slip(None, c.slip)
+            self._find_slip(None, rows.slip)
         if not self._model.once:
             self._settle_momenta(step.dt, after_forces=False, advance=0.0)
-            c.start[: c.count] = c.dp[: c.count]
+            rows.start[: c.count] = rows.dp[: c.count]
             self._start_increments()
         if not keeps_start:
-            self._find_slip(None, c.slip)
+            self._find_slip(None, rows.slip)
 
     def after_update(self, step: Step) -> None:
         """Task 3.a: p⁺ += Δp⁽²⁾, which is also a force."""
@@ -151,7 +161,7 @@ class NodalContact(Correction):
         self._restore_rigid()
         if c.count == 0:
             return
-        c.net[: c.count] = 0.0
+        c.rows.net[: c.count] = 0.0
         if step.plan.has_full_mass_loop and self._model.increments == "after":
             return
         if self._removes_overlap:
@@ -165,7 +175,7 @@ class NodalContact(Correction):
         """Take Δp⁽¹⁾ out of momenta ``p`` (dofs, d) of the start of the step, where the filter is to know it."""
         c = self.contacts
         if step.plan.corrects_filter:
-            momenta.take_out(self._axes, c.count, c.members, c.start, p)
+            momenta.take_out(self._axes, c.count, c.members, c.rows.start, p)
 
     def correct(self, step: Step, dv: Array, counts_reactions: bool) -> None:
         """Part (2) of an FMPM increment: contact on Δv(ℓ); conditions, whose impulses may count, have the last word."""
@@ -183,7 +193,7 @@ class NodalContact(Correction):
         if c.count == 0 or not self._later:
             return
         self._settle_velocities(step.dt, v, is_increment=False)
-        c.net[: c.count] += c.dp[: c.count]
+        c.rows.net[: c.count] += c.rows.dp[: c.count]
 
     def after_new_extrapolation(self, step: Step) -> None:
         """Task 4.b: momenta extrapolated again satisfy contact; no force, no work."""
@@ -202,12 +212,12 @@ class NodalContact(Correction):
         moves them, and XPIC(m > 1) filters it out again.
         """
         c = self.contacts
-        after = c.prior  # its rows are free now
+        after = c.rows.prior  # its rows are free now
         if c.count > 0:
             self._find_slip(v, after)
             if _keeps_start(step.plan):
-                c.net[: c.count] += c.start[: c.count]
-        self._account.close(c.net, c.slip, after, step.dt)
+                c.rows.net[: c.count] += c.rows.start[: c.count]
+        self._account.close(after, step.dt)
         if c.count > 0 and self.choice.breaks:
             self._break_bonds()
 
@@ -243,105 +253,95 @@ class NodalContact(Correction):
 
     def _settle_momenta(self, dt: float, after_forces: bool, advance: float) -> None:
         c, grid = self.contacts, self._grid
+        here = self._place(dt, advance)._replace(
+            after_forces=after_forces, drives=self._removes_overlap and advance > 0.0
+        )
         for stage in range(c.stages):
-            self._settle(stage, dt, advance, after_forces=after_forces)
+            here = here._replace(stage=stage)
+            self._settle(here, grid.f)
             momenta.add_to_momenta[self._parallel](
-                self._axes, c.count, stage, c.members, c.dp, dt, grid.mp, grid.f, after_forces
+                self._axes, c.count, c.members, c.rows.dp, here, grid.mp, grid.f
             )
 
     def _settle_velocities(self, dt: float, v: Array, is_increment: bool) -> None:
         c = self.contacts
+        here = self._place(dt, 0.0 if is_increment else dt)._replace(
+            of_velocity=True, of_increment=is_increment
+        )
         for stage in range(c.stages):
-            self._settle(stage, dt, 0.0 if is_increment else dt, v=v, is_increment=is_increment)
+            here = here._replace(stage=stage)
+            self._settle(here, v)
             momenta.add_to_velocities[self._parallel](
-                self._axes, c.count, stage, c.members, c.dp, self._grid.mp, v
+                self._axes, c.count, c.members, c.rows.dp, here, self._grid.mp, v
             )
 
-    def _settle(
-        self, stage: int, dt: float, advance: float, after_forces: bool = False, v: Array | None = None,
-        is_increment: bool = False,
-    ) -> None:  # fmt: skip
-        """Settle momenta, or the velocities ``v``, at the contacts of a stage; see ``momenta.settle_stage``."""
-        c, g, grid = self.contacts, self.contacts.geometry, self._grid
-        drives = self._removes_overlap and v is None and advance > 0.0
-        of_velocity, v = v is not None, grid.f if v is None else v
-        for which in self.choice.used:
-            if self._rules.skipped[which]:
-                continue
-            momenta.settle_stage[self._parallel](
-                self._laws[which], which, stage, self._axes, c.count, c.members, grid.node_count, self.clouds.dof,
-                self._rules.rigid, grid.mp, grid.f, after_forces, v, of_velocity, c.prior, c.net, is_increment,
-                self._evolving, g.normal, g.separation, g.area, g.bond, dt, advance, self._model.displacement_only,
-                c.separation_now, c.push, c.drive, drives, c.dp0, c.total, c.settled, c.dp, c.state,
-            )  # fmt: skip
-        if self._rules.explicit and stage == 0:
-            self._settle_pairs(v, of_velocity, is_increment, dt, advance, drives)
+    def _place(self, dt: float, advance: float) -> Place:
+        return Place(
+            stage=0,
+            after_forces=False,
+            of_velocity=False,
+            of_increment=False,
+            evolving=self._evolving,
+            displacement_only=self._model.displacement_only,
+            drives=False,
+            dt=dt,
+            advance=advance,
+        )
 
-    def _settle_pairs(
-        self, v: Array, of_velocity: bool, is_increment: bool, dt: float, advance: float, drives: bool
-    ) -> None:
+    def _settle(self, here: Place, v: Array) -> None:
+        """Settle momenta, or the velocities ``v``, at the contacts of a stage; see ``momenta.settle_stage``."""
+        c, grid = self.contacts, self._grid
+        for which in self.choice.used:
+            if not self._rules.skipped[which]:
+                momenta.settle_stage[self._parallel](
+                    self._laws[which], self._axes, which, c.count, c.members, c.table, c.geometry, c.rows, here,
+                    grid.mp, grid.f, v,
+                )  # fmt: skip
+        if self._rules.explicit and here.stage == 0:
+            self._settle_pairs(here, v)
+
+    def _settle_pairs(self, here: Place, v: Array) -> None:
         """The contacts that ``three_or_more: pairs`` or ``coupled`` asks for."""
-        c, g, mp = self.contacts, self.contacts.geometry, self._grid.mp
-        slots, n = self.clouds.count, self._grid.node_count
-        chosen, total, wanted = np.zeros(slots, dtype=bool), np.zeros_like(c.dp), np.zeros_like(c.dp)
-        pairs.find_pair_impulses(
-            self._axes, c.count, c.members, n, self.clouds.dof, self._rules.rigid, mp, v, of_velocity, c.prior,
-            is_increment, g.normal, g.separation, c.separation_now, advance, c.drive, drives, c.dp0, total,
-        )  # fmt: skip
+        c, mp = self.contacts, self._grid.mp
+        slots = self.clouds.count
+        chosen = np.zeros(slots, dtype=bool)
+        pairs.find_pair_impulses(self._axes, c.count, c.members, c.table, c.geometry, c.rows, here, mp, v)
         for sweep in range(pairs.SWEEPS + 1):
             change = size = 0.0
             for which in self.choice.used:
                 if not self._rules.skipped[which]:
                     moved, whole = pairs.settle_pairs(
-                        self._laws[which], which, self._axes, c.count, c.members, c.begin, chosen, sweep > 0, mp,
-                        g.normal, c.separation_now, g.area, g.bond, dt, self._model.displacement_only, c.dp0, wanted,
-                        c.settled, total, c.state,
+                        self._laws[which], self._axes, which, c.count, c.members, c.begin, chosen, sweep > 0,
+                        c.geometry, c.rows, here, mp,
                     )  # fmt: skip
                     change, size = change + moved, size + whole
             if sweep == 0:
                 most = len(c.members.pair) if self._rules.coupled else 2
-                pairs.choose_pairs(slots, c.members, c.begin, most, c.state, chosen)
+                pairs.choose_pairs(slots, c.members, c.begin, most, c.rows.state, chosen)
                 if not chosen.any():
                     break
             elif change <= pairs.SETTLED * size:
                 break
-        pairs.finish_pairs(
-            self._axes,
-            c.count,
-            c.members,
-            c.begin,
-            chosen,
-            c.prior,
-            c.net,
-            is_increment,
-            self._evolving,
-            c.dp0,
-            total,
-            c.dp,
-            c.state,
-        )
+        pairs.finish_pairs(self._axes, c.count, c.members, chosen, c.rows, here)
 
     def _find_drive(self, dt: float) -> None:
-        c, clouds, grid = self.contacts, self.clouds, self._grid
+        c = self.contacts
         overlap.find_drive[self._parallel](
-            self._axes, c.count, c.members, clouds.node, clouds.first, clouds.dof, grid.node_count, self._rules.rigid,
-            self._drives, grid.shape, tuple(float(x) for x in grid.lower - grid.pad * grid.cell),
-            tuple(float(x) for x in grid.cell), True if self._ring else None, self.choice.thickness,
-            float(self._model.overlap_removal), c.volume, c.geometry.normal, grid.mp, dt, c.drive,
+            self._axes, c.count, c.members, c.table, self._around, self._drives, float(self._model.overlap_removal),
+            c.geometry.normal, self._grid.mp, dt, c.rows.drive,
         )  # fmt: skip
 
     def _start_increments(self) -> None:
-        c = self.contacts
+        c, rows = self.contacts, self.contacts.rows
         momenta.start_increments[self._parallel](
-            self._axes, c.count, c.dp0, c.dp, self._evolving, c.prior, c.net
+            self._axes, c.count, self._evolving, rows.dp0, rows.dp, rows.prior, rows.net
         )
 
     def _find_slip(self, v: Array | None, out: Array) -> None:
-        c = self.contacts
+        c, grid = self.contacts, self._grid
         momenta.find_slip[self._parallel](
-            self._axes, c.count, c.members, self._grid.node_count, self.clouds.dof, self._rules.rigid,
-            self._grid.mp, self._grid.f if v is None else v, v is not None, out,
-        )  # fmt: skip
+            self._axes, c.count, c.members, c.table, grid.mp, grid.f if v is None else v, v is not None, out
+        )
 
     def _restore_rigid(self) -> None:
         if len(self._rigid_dof):
@@ -352,7 +352,7 @@ class NodalContact(Correction):
         """Particles lose their bond with the node that they are nearest to."""
         c, sights = self.contacts, self.clouds.sights
         bond: Any = self._particles.bond
-        for k in np.flatnonzero(c.state[: c.count] == BROKEN):
+        for k in np.flatnonzero(c.rows.state[: c.count] == BROKEN):
             at = sights.head[c.members.slot[k]]
             while at >= 0:
                 if sights.flag[at] & NEAREST:

@@ -23,51 +23,55 @@ MOST = 0.2
 
 
 @inline
-def volume_of_node(axes, i, shape_of_grid, origin, cell, ring):
-    """Volume of bodies that fill the surroundings of node ``i``; per radian with ``ring``.
+def volume_of_node(axes, i, around):
+    """Volume of bodies that fill the surroundings of node ``i``; per radian in axisymmetric analyses.
 
     On the axis, where the mirror image counts, it is that of one particle per cell and more than that of several.
     """
     whole = 1.0
     for a in range(len(axes)):
-        whole *= cell[a]
-    if ring is None:
-        return whole
-    radius = abs(origin[0] + (i % shape_of_grid[0]) * cell[0])
-    return whole * (max(radius, 0.5 * cell[0]))
+        whole *= around.cell[a]
+    if around.ring:
+        radius = abs(around.origin[0] + (i % around.shape[0]) * around.cell[0])
+        whole *= max(radius, 0.5 * around.cell[0])
+    return whole
 
 
 @kernel
-def find_drive(
-    axes, count, members, node, first, dof, node_count, rigid_field, drives, shape_of_grid, origin, cell, ring,
-    thickness, share, volume, normal, mp, dt, drive,
-):  # fmt: skip
+def find_drive(axes, count, members, nodes, around, drives, share, normal, mp, dt, drive):
     """Impulse that takes ``share`` of the overlap at every contact back within ``dt``, into ``drive`` (k,) [momentum].
 
-    The overlap is h⊥ (Σ Ω/V_i − 1), with the volumes Ω of all fields at the node (``volume``, (entries,)) and that
-    of the node itself, V_i; rigid bodies, which may overlap each other, count up to V_i. ``drives`` (laws,) says
-    whether a law lets itself be driven.
+    The overlap is h⊥ (Σ Ω/V_i − 1), with the volumes Ω of all fields at the node and that of the node itself, V_i;
+    rigid bodies, which may overlap each other, count up to V_i. ``drives`` (laws,) says whether a law lets itself be
+    driven.
     """
     for k in prange(count):
         drive[k] = 0.0
-        if not drives[members.law[k]]:
-            continue
-        slot = members.slot[k]
-        soft, hard = 0.0, 0.0
-        for e in range(first[slot], first[slot + 1]):
-            if rigid_field[dof[e] // node_count]:
-                hard += volume[e]
-            else:
-                soft += volume[e]
-        whole = thickness * volume_of_node(axes, node[slot], shape_of_grid, origin, cell, ring)
-        excess = min((soft + min(hard, whole)) / whole - 1.0, MOST)
-        if excess > 0.0:
-            m_alpha, m_beta = mp[members.alpha[k], 0], 0.0
-            reduced = m_alpha
-            if not members.rigid[k]:
-                for e in range(members.first[k], members.last[k]):
-                    if dof[e] != members.alpha[k] and not rigid_field[dof[e] // node_count]:
-                        m_beta += mp[dof[e], 0]
-                reduced = m_alpha * m_beta / (m_alpha + m_beta)
-            h = perpendicular_size(axes, cell, normal[k])
-            drive[k] = reduced * share * excess * h / dt
+        if drives[members.law[k]]:
+            drive[k] = drive_of_contact(axes, k, members, nodes, around, share, normal[k], mp, dt)
+
+
+@inline
+def drive_of_contact(axes, k, members, nodes, around, share, normal, mp, dt):
+    """``find_drive`` for one contact."""
+    slot = members.slot[k]
+    soft, hard = 0.0, 0.0
+    for e in range(nodes.first[slot], nodes.first[slot + 1]):
+        if nodes.rigid[nodes.dof[e] // nodes.node_count]:
+            hard += nodes.volume[e]
+        else:
+            soft += nodes.volume[e]
+    whole = around.thickness * volume_of_node(axes, nodes.node[slot], around)
+    excess = min((soft + min(hard, whole)) / whole - 1.0, MOST)
+    if not excess > 0.0:
+        return 0.0
+    reduced = mp[members.alpha[k], 0]
+    if not members.rigid[k]:
+        m_beta = 0.0
+        for e in range(members.first[k], members.last[k]):
+            i = nodes.dof[e]
+            if i != members.alpha[k] and not nodes.rigid[i // nodes.node_count]:
+                m_beta += mp[i, 0]
+        reduced = reduced * m_beta / (reduced + m_beta)
+    h = perpendicular_size(axes, around.cell, normal)
+    return reduced * share * excess * h / dt

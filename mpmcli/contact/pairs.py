@@ -24,53 +24,59 @@ SETTLED = 1e-14
 
 
 @inline
-def find_pair_impulses(
-    axes, count, members, node_count, dof, rigid_field, mp, v, of_velocity, prior, of_increment, normal, separation,
-    separation_now, advance, drive, drives, dp0, total,
-):  # fmt: skip
-    """Δp_α(0) of every pair by itself into ``dp0``, with the total of earlier FMPM increments; clears ``total``.
+def find_pair_impulses(axes, count, members, nodes, geometry, rows, here, mp, v):
+    """Δp_α(0) of every pair by itself into ``rows.dp0``, with the total of earlier FMPM increments; clears
+    ``rows.total``.
 
-    Flags say which arrays count, as in ``momenta.settle_stage``.
+    ``here`` is a ``momenta.Place``.
     """
     for k in range(count):
         if not members.pair[k]:
             continue
+        dp0, normal = rows.dp0[k], geometry.normal[k]
         reduced = relative_momentum(
-            axes, members.alpha[k], members.first[k], members.last[k], False, rigid_field, node_count, dof, mp, v,
-            of_velocity, dp0[k],
-        )  # fmt: skip
-        if not of_increment:
-            separation_now[k] = separation[k]
+            axes,
+            members.alpha[k],
+            members.first[k],
+            members.last[k],
+            False,
+            nodes,
+            mp,
+            v,
+            here.of_velocity,
+            dp0,
+        )
+        if not here.of_increment:
+            rows.separation_now[k] = geometry.separation[k]
         for a in range(len(axes)):
-            if of_increment:
-                dp0[k, a] += prior[k, a]
+            if here.of_increment:
+                dp0[a] += rows.prior[k, a]
             else:
-                separation_now[k] += dp0[k, a] * normal[k, a] * advance / reduced
-            total[k, a] = 0.0
-        if drives:
+                rows.separation_now[k] += dp0[a] * normal[a] * here.advance / reduced
+            rows.total[k, a] = 0.0
+        if here.drives:
             for a in range(len(axes)):
-                dp0[k, a] -= drive[k] * normal[k, a]
+                dp0[a] -= rows.drive[k] * normal[a]
 
 
 @inline
-def settle_pairs(
-    law, which, axes, count, members, begin, chosen, coupled, mp, normal, separation_now, area, bond, dt,
-    displacement_only, dp0, wanted, found, total, state,
-):  # fmt: skip
-    """Settle every pair that law ``which`` governs into ``total`` (k, d); ``wanted`` and ``found`` (k, d) are scratch.
+def settle_pairs(law, axes, which, count, members, begin, chosen, coupled, geometry, rows, here, mp):
+    """Settle every pair that law ``which`` governs into ``rows.total``; rows of ``dp`` and ``settled`` are scratch.
 
     With ``coupled`` only pairs of nodes that ``chosen`` (slots,) marks, each on what the others at its node do to it.
     Returns by how much totals changed and how large they are, sums of magnitudes.
     """
     change, size = 0.0, 0.0
+    total = rows.total
     for k in range(count):
         slot = members.slot[k]
         if not members.pair[k] or members.law[k] != which or (coupled and not chosen[slot]):
             continue
         i, j = members.alpha[k], members.partner[k]
         reduced = mp[i, 0] * mp[j, 0] / (mp[i, 0] + mp[j, 0])
+        wanted, found = rows.dp[k], rows.settled[k]
         for a in range(len(axes)):
-            wanted[k, a] = dp0[k, a]
+            wanted[a] = rows.dp0[k, a]
         if coupled:
             for other in range(begin[slot], begin[slot + 1]):
                 if other == k or not members.pair[other]:
@@ -80,17 +86,17 @@ def settle_pairs(
                     sign = 1.0 if end == 0 else -1.0
                     for a in range(len(axes)):
                         if at == j:
-                            wanted[k, a] += sign * reduced * total[other, a] / mp[j, 0]
+                            wanted[a] += sign * reduced * total[other, a] / mp[j, 0]
                         elif at == i:
-                            wanted[k, a] -= sign * reduced * total[other, a] / mp[i, 0]
-        state[k] = settle(
-            law, axes, wanted[k], normal[k], separation_now[k], area[k], reduced, dt, displacement_only, bond[k],
-            found[k],
+                            wanted[a] -= sign * reduced * total[other, a] / mp[i, 0]
+        rows.state[k] = settle(
+            law, axes, wanted, geometry.normal[k], rows.separation_now[k], geometry.area[k], reduced, here.dt,
+            here.displacement_only, geometry.bond[k], found,
         )  # fmt: skip
         for a in range(len(axes)):
-            change += abs(found[k, a] - total[k, a])
-            size += abs(found[k, a])
-            total[k, a] = found[k, a]
+            change += abs(found[a] - total[k, a])
+            size += abs(found[a])
+            total[k, a] = found[a]
     return change, size
 
 
@@ -106,34 +112,32 @@ def choose_pairs(slots, members, begin, most, state, chosen):
 
 
 @inline
-def finish_pairs(
-    axes, count, members, begin, chosen, prior, net, of_increment, evolving, dp0, total, dp, state
-):
+def finish_pairs(axes, count, members, chosen, rows, here):
     """Momentum changes of pairs from their totals; at each node either pairs or lumped contacts act.
 
-    Where pairs are not chosen their rows become zero; where they are, those of the lumped contacts. ``prior``, ``net``,
-    ``of_increment`` and ``evolving`` are those of ``momenta.settle_stage``.
+    Where pairs are not chosen their rows become zero; where they are, those of the lumped contacts.
     """
+    prior, net, dp = rows.prior, rows.net, rows.dp
     for k in range(count):
         slot = members.slot[k]
         lumped = not members.pair[k] and members.stage[k] == 0 and not members.alone[k]
         if members.pair[k]:
             for a in range(len(axes)):
-                full = total[k, a] if chosen[slot] else 0.0
+                full = rows.total[k, a] if chosen[slot] else 0.0
                 dp[k, a] = full
-                if of_increment:
-                    if evolving:
-                        prior[k, a] = dp0[k, a] - full
+                if here.of_increment:
+                    if here.evolving:
+                        prior[k, a] = rows.dp0[k, a] - full
                         net[k, a] += full
                     else:
-                        prior[k, a] = dp0[k, a]
+                        prior[k, a] = rows.dp0[k, a]
                         dp[k, a] = full - net[k, a]
                         net[k, a] = full
         elif lumped and chosen[slot]:
             for a in range(len(axes)):
-                if not of_increment:
+                if not here.of_increment:
                     dp[k, a] = 0.0
-                elif evolving:
+                elif here.evolving:
                     net[k, a] -= dp[k, a]
                     prior[k, a] += dp[k, a]
                     dp[k, a] = 0.0
@@ -141,4 +145,4 @@ def finish_pairs(
                     dp[k, a] -= net[k, a]
                     net[k, a] = 0.0
         if (members.pair[k] and not chosen[slot]) or (lumped and chosen[slot]):
-            state[k] = 0
+            rows.state[k] = 0

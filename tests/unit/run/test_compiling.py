@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import yaml
 
-from mpmcli.contact.members import Rules, most_contacts
+from mpmcli.contact.members import NodeTable, Rules, most_contacts
 from mpmcli.core.kernel import Compiled, find_compiled, recording
 from mpmcli.core.nodes import clear_nodes
 from mpmcli.run import compiling
@@ -48,13 +48,14 @@ def test_recorded_functions_without_versions_run_as_python():
         rigid=np.array([False, True]), mass_ratio=0.0, explicit=True, coupled=False, shares_normal=True,
     )  # fmt: skip
     # a node with a deformable field and a rigid one
-    arguments = rules, 5, 1, np.array([0, 2]), np.array([3, 8])
+    nodes = NodeTable(np.array([3]), np.array([0, 2]), np.array([3, 8]), np.zeros(2), rules.rigid, 5)
+    arguments = rules, nodes
     call, known = Compiled.__call__, most_contacts.signatures
     with recording() as calls:
         assert most_contacts(*arguments) == 2
     (listed,) = calls
     assert listed.compiled is most_contacts
-    assert listed.words == "most contacts (Rules)"
+    assert listed.words == "most contacts (Rules, NodeTable)"
     assert list(most_contacts.signatures) == list(known)
     assert Compiled.__call__ is call
 
