@@ -2,9 +2,9 @@
 
     python benchmarks/contact_normals.py [--nodes N] [--repeats N] [--json FILE]
 
-Clouds are jittered lattices, 16 particles in 2D and 64 in 3D, cut by planes of random directions. One thread, its own
-processor time; all kinds and the calibration loop are measured in turn, and again, and medians are printed. The aim is
-105 ns per pass of the logistic regression with 16 particles.
+Neighbours are jittered lattices, 16 particles in 2D and 64 in 3D, cut by planes of random directions. One thread, its
+own processor time; all kinds and the calibration loop are measured in turn, and again, and medians are printed. The
+aim is 105 ns per pass of the logistic regression with 16 particles.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from calibration import Calibration, numba
 
 import numpy as np  # isort: skip
 
-from mpmcli.contact.cloud import WORK, Cloud
+from mpmcli.contact.neighbours import WORK, Neighbours
 from mpmcli.contact.normals import NORMALS, find_normal
 from mpmcli.contact.normals.plane import fit_plane
 from mpmcli.core.kernel import kernel
@@ -33,19 +33,19 @@ ITERATED = ("logistic_regression", "irls")
 def find_normals(normal, axes, x, side, S, G, volume, work, guess, out):
     """One normal per node k: ``x`` (nodes, d, n), ``side`` (nodes, n), …, ``out`` (nodes, d)."""
     for k in numba.prange(out.shape[0]):
-        cloud = Cloud(x[k], side[k], S[k], G[k], volume[k], volume[k], None, None, work[k])
-        find_normal(normal, axes, cloud, side.shape[1], 0.0, 1.0, guess[k], out[k])
+        neighbours = Neighbours(x[k], side[k], S[k], G[k], volume[k], volume[k], None, None, work[k])
+        find_normal(normal, axes, neighbours, side.shape[1], 0.0, 1.0, guess[k], out[k])
 
 
 @kernel
 def count_passes(normal, axes, x, side, S, G, volume, work, guess, passes):
     """Passes of a regression at each node, (nodes,)."""
     for k in numba.prange(passes.shape[0]):
-        cloud = Cloud(x[k], side[k], S[k], G[k], volume[k], volume[k], None, None, work[k])
-        _, passes[k], _ = fit_plane(normal, axes, cloud, side.shape[1], guess[k])
+        neighbours = Neighbours(x[k], side[k], S[k], G[k], volume[k], volume[k], None, None, work[k])
+        _, passes[k], _ = fit_plane(normal, axes, neighbours, side.shape[1], guess[k])
 
 
-def make_clouds(d: int, nodes: int) -> tuple[np.ndarray, ...]:
+def make_neighbours(d: int, nodes: int) -> tuple[np.ndarray, ...]:
     """Positions, sides, S, G and volumes of the particles around ``nodes`` nodes at 0, in cells."""
     rng = np.random.default_rng(d)
     lattice = np.array(np.meshgrid(*[[-0.75, -0.25, 0.25, 0.75]] * d, indexing="ij")).reshape(d, -1)
@@ -66,9 +66,9 @@ class Case:
         keys = {"kind": kind} | ({"reuse": True} if reuse else {})
         normal = NORMALS[kind].model_validate(keys).parameters(d, (1.0,) * d)  # type: ignore[attr-defined]
         self.out = np.zeros((nodes, d))
-        clouds = make_clouds(d, nodes)
+        neighbourhoods = make_neighbours(d, nodes)
         self.arguments: tuple[Any, ...] = (
-            normal, (0.0,) * d, *clouds, np.zeros((nodes, WORK)), np.zeros((nodes, d)),
+            normal, (0.0,) * d, *neighbourhoods, np.zeros((nodes, WORK)), np.zeros((nodes, d)),
         )  # fmt: skip
         self.passes = 1.0
         find_normals[False](*self.arguments, self.out)

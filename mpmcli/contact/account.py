@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmcli.contact import momenta
 from mpmcli.contact.choice import ContactChoice
-from mpmcli.contact.clouds import NEAREST
+from mpmcli.contact.contact_nodes import NEAREST
 from mpmcli.contact.contacts import Contacts
 from mpmcli.contact.normals.base import NOT_CONVERGED
 from mpmcli.contact.separation.base import APART
@@ -81,7 +81,7 @@ class ContactAccount:
         ``after`` (k, d) are the relative velocities after these impulses acted, those before are in the rows.
         """
         c, view, grid = self._contacts, self.view, self._grid
-        view.nodes = c.clouds.count
+        view.nodes = c.nodes.count
         view.contacts = c.count
         view.all_contacts += c.count
         if c.count == 0:
@@ -140,22 +140,22 @@ class ContactAccount:
         out = np.zeros_like(p.X)
         if c.count == 0 or not self._has_geometry:
             return out
-        sights = c.clouds.sights
+        near = c.nodes.near
         place = None if p.id is self._identity else place_of_identity(p.id)  # some have been removed since
         for k in range(c.count):
-            at = sights.head[c.members.slot[k]]
+            at = near.head[c.members.slot[k]]
             alpha, beta = c.members.alpha[k] // n, c.members.partner[k] // n
             while at >= 0:
-                i = sights.particle[at]
+                i = near.particle[at]
                 if place is not None:
                     identity = self._identity[i]
                     i = place[identity] if identity < len(place) else -1
-                if i >= 0 and sights.flag[at] & NEAREST:
+                if i >= 0 and near.flag[at] & NEAREST:
                     if p.velocity_field[i] == alpha:
                         out[:, i] = c.geometry.normal[k]
                     elif (c.members.both[k] or c.members.rigid[k]) and p.velocity_field[i] == beta:
                         out[:, i] = -c.geometry.normal[k]
-                at = sights.next[at]
+                at = near.next[at]
         return out
 
     def nodal_fields(self) -> dict[str, Callable[[], Array]]:
@@ -188,7 +188,7 @@ class ContactAccount:
         c = self._contacts
         slot, first = np.unique(c.members.slot[: c.count], return_index=True)
         out = np.zeros((self._grid.node_count, *rows.shape[1:]))
-        out[c.clouds.node[slot]] = rows[first]
+        out[c.nodes.node[slot]] = rows[first]
         return out
 
     def _show_rigid_work(self) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.contact.clouds import find_candidates
+from mpmcli.contact.contact_nodes import find_candidates
 from mpmcli.core.grid import Grid
 from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles

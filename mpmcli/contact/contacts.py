@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.contact.cloud import Cloud, allocate_clouds
-from mpmcli.contact.clouds import Clouds
+from mpmcli.contact.contact_nodes import ContactNodes
 from mpmcli.contact.geometry import Geometry, Matter, Surroundings, find_geometry, sum_volumes
 from mpmcli.contact.members import Members, NodeTable, Rules, list_contacts, most_contacts
 from mpmcli.contact.momenta import ImpulseRows
+from mpmcli.contact.neighbours import Neighbours, allocate_several
 
 Array = np.ndarray
 
 WORKERS = 64
-"""Contacts are looked at in at most this many chunks, each with a cloud of its own."""
+"""Contacts are evaluated in at most this many chunks, each with neighbours of its own."""
 
 
 class Contacts:
@@ -23,7 +23,7 @@ class Contacts:
 
     Parameters
     ----------
-    clouds : contact nodes and what they see
+    nodes : the contact nodes and the particles near them
     rules : what fields do when they meet
     node_count : nodes of the grid
     dimensions : axes of the analysis
@@ -36,8 +36,8 @@ class Contacts:
     volume : (entries,) volume Ω of each field at each contact node; the first ones are valid
     """
 
-    def __init__(self, clouds: Clouds, rules: Rules, node_count: int, dimensions: int):
-        self.clouds, self.rules = clouds, rules
+    def __init__(self, nodes: ContactNodes, rules: Rules, node_count: int, dimensions: int):
+        self.nodes, self.rules = nodes, rules
         self._node_count, self._dimensions = node_count, dimensions
         self.count = 0
         self.stages = 0
@@ -45,7 +45,7 @@ class Contacts:
         self.begin = np.zeros(1, dtype=np.int64)
         self._room = -1
         self._make_room(0)
-        self._clouds: Cloud | None = None
+        self._buffers: Neighbours | None = None
         self.table: NodeTable
         """The contact nodes of the step."""
 
@@ -71,25 +71,25 @@ class Contacts:
         self.rows = ImpulseRows(**vectors, **numbers, state=np.zeros(room, dtype=np.int64))
 
     def _tabulate(self) -> NodeTable:
-        c = self.clouds
+        c = self.nodes
         return NodeTable(c.node, c.first, c.dof, self.volume, self.rules.rigid, self._node_count)
 
     def find_nodes(self) -> int:
         """Choose the contact nodes of this step from the masses on the grid; returns how many."""
         self.count = 0
-        found = self.clouds.find_nodes()
-        if len(self.volume) < len(self.clouds.dof):
-            self.volume = np.zeros(2 * len(self.clouds.dof))
+        found = self.nodes.find_nodes()
+        if len(self.volume) < len(self.nodes.dof):
+            self.volume = np.zeros(2 * len(self.nodes.dof))
         self.table = self._tabulate()
         return found
 
     def sum_volumes(self, matter: Matter, parallel: bool) -> None:
         """Find the volume of each field at each contact node."""
-        sum_volumes[parallel](self.table, self.clouds.sights, matter.field, matter.F, matter.vol0)
+        sum_volumes[parallel](self.table, self.nodes.near, matter.field, matter.F, matter.vol0)
 
     def find_members(self, mp: Array) -> None:
         """List who meets whom at the contact nodes; masses from ``mp``."""
-        slots = self.clouds.count
+        slots = self.nodes.count
         self._make_room(most_contacts(self.rules, self.table))
         if len(self.begin) < slots + 1:
             self.begin = np.zeros(2 * slots + 1, dtype=np.int64)
@@ -103,14 +103,14 @@ class Contacts:
         """Find normals, separations and areas of all contacts."""
         if self.count == 0:
             return
-        sights = self.clouds.sights
-        most = int(sights.number[: self.clouds.count].max())
-        if self._clouds is None or most > self._clouds.side.shape[1]:
-            kept = 0 if self._clouds is None else self._clouds.side.shape[1]
-            self._clouds = allocate_clouds(
+        near = self.nodes.near
+        most = int(near.number[: self.nodes.count].max())
+        if self._buffers is None or most > self._buffers.side.shape[1]:
+            kept = 0 if self._buffers is None else self._buffers.side.shape[1]
+            self._buffers = allocate_several(
                 WORKERS, self._dimensions, max(most, 2 * kept, 32), matter.X0 is not None, needs_radius
             )
         find_geometry[parallel](
-            normal, separation, (0.0,) * self._dimensions, self.count, self.members, self.table, around, sights,
-            matter, guesses, self._clouds, self.geometry,
+            normal, separation, (0.0,) * self._dimensions, self.count, self.members, self.table, around, near,
+            matter, guesses, self._buffers, self.geometry,
         )  # fmt: skip

@@ -54,15 +54,15 @@ class DirectionWatch:
 
     def _gradient(self, k: int, alpha: int, beta: int, particles: Any) -> Array:
         """g_α − g_β at contact ``k``, which points from α to β (d,)."""
-        sights = self._contacts.clouds.sights
-        total = np.zeros(sights.G.shape[1])
-        at = sights.head[self._contacts.members.slot[k]]
+        near = self._contacts.nodes.near
+        total = np.zeros(near.G.shape[1])
+        at = near.head[self._contacts.members.slot[k]]
         while at >= 0:
-            p = sights.particle[at]
+            p = near.particle[at]
             field = particles.velocity_field[p]
             if field in (alpha, beta):
-                turned = [-1.0 if sights.flag[at] >> a & 1 else 1.0 for a in range(len(total))]
+                turned = [-1.0 if near.flag[at] >> a & 1 else 1.0 for a in range(len(total))]
                 side = 1.0 if field == alpha else -1.0
-                total += side * particles.vol0[p] * np.array(turned) * sights.G[at]
-            at = sights.next[at]
+                total += side * particles.vol0[p] * np.array(turned) * near.G[at]
+            at = near.next[at]
         return total

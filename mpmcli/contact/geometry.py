@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.contact.area import contact_area, perpendicular_size
-from mpmcli.contact.cloud import Cloud
-from mpmcli.contact.clouds import IMAGE_BITS
+from mpmcli.contact.contact_nodes import IMAGE_BITS
+from mpmcli.contact.neighbours import Neighbours
 from mpmcli.contact.normals.base import find_normal
 from mpmcli.contact.separation.base import find_separation
 from mpmcli.core.kernel import inline, kernel, prange
@@ -84,20 +84,20 @@ class Matter(NamedTuple):
 
 
 @kernel
-def sum_volumes(nodes, sights, field, F, vol0):
+def sum_volumes(nodes, near, field, F, vol0):
     """Volume Ω of each field at each contact node, Σ S J V₀, into ``nodes.volume``; of particles see ``Matter``."""
     volume = nodes.volume  # unfolded: numba drops what a parallel loop writes through a tuple
     for slot in prange(nodes.node.shape[0]):
         first, last = nodes.first[slot], nodes.first[slot + 1]
         for e in range(first, last):
             volume[e] = 0.0
-        at = sights.head[slot]
+        at = near.head[slot]
         while at >= 0:
-            p = sights.particle[at]
+            p = near.particle[at]
             for e in range(first, last):
                 if nodes.dof[e] // nodes.node_count == field[p]:
-                    volume[e] += sights.S[at] * determinant_of_particle(F, p) * vol0[p]
-            at = sights.next[at]
+                    volume[e] += near.S[at] * determinant_of_particle(F, p) * vol0[p]
+            at = near.next[at]
 
 
 @inline
@@ -168,8 +168,8 @@ def row_of(array, row):
 
 
 @inline
-def gather(axes, slot, alpha, beta, alone, cloud, nodes, around, sights, matter):
-    """Put the particles that a contact of field ``alpha`` with ``beta`` looks at into its cloud.
+def gather(axes, slot, alpha, beta, alone, neighbours, nodes, around, near, matter):
+    """Put the particles that a contact of field ``alpha`` with ``beta`` looks at into its neighbours.
 
     Unless ``alone``, β are all deformable fields but α. Returns their number, the volumes Σ S V of α and of β, and the
     share of the volume that is bonded. What may be None is handed on: numba leaves out branches for arguments only.
@@ -177,40 +177,40 @@ def gather(axes, slot, alpha, beta, alone, cloud, nodes, around, sights, matter)
     i = nodes.node[slot]
     n = 0
     bonded, sum_alpha, sum_beta = 0.0, 0.0, 0.0
-    at = sights.head[slot]
+    at = near.head[slot]
     while at >= 0:
-        p, turned = sights.particle[at], sights.flag[at]
+        p, turned = near.particle[at], near.flag[at]
         field = matter.field[p]
         mine = field == alpha
         if mine or (field == beta if alone else not nodes.rigid[field]):
             image = (turned >> IMAGE_BITS) - 1
             J = determinant_of_particle(matter.F, p)
             for a in range(len(axes)):
-                x, g = matter.X[a, p], sights.G[at, a]
+                x, g = matter.X[a, p], near.G[at, a]
                 if turned >> a & 1:
                     x = 2.0 * (around.origin[a] + around.planes[image, a] * around.cell[a]) - x
                     g = -g
-                cloud.x[a, n] = x
-                cloud.G[a, n] = g
-            put_displacement(axes, matter.X, matter.X0, p, turned, cloud.displacement, n)
-            put_radius(axes, matter.F, matter.size, p, turned, cloud.radius_inverse, n)
-            cloud.side[n] = -1.0 if mine else 1.0
-            cloud.S[n] = sights.S[at]
+                neighbours.x[a, n] = x
+                neighbours.G[a, n] = g
+            put_displacement(axes, matter.X, matter.X0, p, turned, neighbours.displacement, n)
+            put_radius(axes, matter.F, matter.size, p, turned, neighbours.radius_inverse, n)
+            neighbours.side[n] = -1.0 if mine else 1.0
+            neighbours.S[n] = near.S[at]
             v = J * matter.vol0[p]
-            bonded += sights.S[at] * v * bond_of(matter.bond, p)
+            bonded += near.S[at] * v * bond_of(matter.bond, p)
             if mine:
-                sum_alpha += sights.S[at] * v
+                sum_alpha += near.S[at] * v
             else:
-                sum_beta += sights.S[at] * v
-            cloud.volume[n] = v / matter.X[0, p] if around.ring else v
-            cloud.mass[n] = matter.mass[p]
+                sum_beta += near.S[at] * v
+            neighbours.volume[n] = v / matter.X[0, p] if around.ring else v
+            neighbours.mass[n] = matter.mass[p]
             n += 1
-        at = sights.next[at]
+        at = near.next[at]
     stride = 1
     for a in range(len(axes)):
         at_node = around.origin[a] + (i // stride % around.shape[a]) * around.cell[a]
         for j in range(n):
-            cloud.x[a, j] -= at_node
+            neighbours.x[a, j] -= at_node
         stride *= around.shape[a]
     whole = sum_alpha + sum_beta
     return n, sum_alpha, sum_beta, bonded / whole if whole > 0.0 else 0.0
@@ -234,40 +234,42 @@ def find_geometry(
     members,
     nodes,
     around,
-    sights,
+    near,
     matter,
     guesses,
-    clouds,
+    buffers,
     geometry,
 ):
     """Normal, separation and area of every contact, from the particles that its node sees.
 
-    ``guesses`` (dofs, d) may be None. ``clouds`` has a cloud in each row of its arrays, one per chunk of contacts.
+    ``guesses`` (dofs, d) may be None. ``buffers`` has ``Neighbours`` in each row, for a chunk of contacts.
     """
     # unfolded: numba drops what a parallel loop writes through a tuple
     normal, separation, distances, area, intact, status = geometry
-    workers = clouds.side.shape[0]
+    workers = buffers.side.shape[0]
     for c in prange(workers):
-        cloud = Cloud(
-            clouds.x[c], clouds.side[c], clouds.S[c], clouds.G[c], clouds.volume[c], clouds.mass[c],
-            row_of(clouds.displacement, c), row_of(clouds.radius_inverse, c), clouds.work[c],
+        neighbours = Neighbours(
+            buffers.x[c], buffers.side[c], buffers.S[c], buffers.G[c], buffers.volume[c], buffers.mass[c],
+            row_of(buffers.displacement, c), row_of(buffers.radius_inverse, c), buffers.work[c],
         )  # fmt: skip
         for k in range(count * c // workers, count * (c + 1) // workers):
             slot = members.slot[k]
             alpha, beta = members.alpha[k] // nodes.node_count, members.partner[k] // nodes.node_count
             n, volume_alpha, volume_beta, intact[k] = gather(
-                axes, slot, alpha, beta, members.alone[k], cloud, nodes, around, sights, matter
+                axes, slot, alpha, beta, members.alone[k], neighbours, nodes, around, near, matter
             )
             side, order = 1.0 if members.rigid[k] else 0.0, members.order[k]
             if guesses is None:
-                status[k] = find_normal(normal_method, axes, cloud, n, side, order, clouds.work[c], normal[k])
+                status[k] = find_normal(
+                    normal_method, axes, neighbours, n, side, order, buffers.work[c], normal[k]
+                )
             else:
                 guess = guesses[members.alpha[k]]
-                status[k] = find_normal(normal_method, axes, cloud, n, side, order, guess, normal[k])
+                status[k] = find_normal(normal_method, axes, neighbours, n, side, order, guess, normal[k])
                 for a in range(len(axes)):
                     guesses[members.alpha[k], a] = normal[k, a]
             h = perpendicular_size(axes, around.cell, normal[k])
-            gap = find_separation(separation_method, axes, cloud, n, normal[k], h, distances[k])
+            gap = find_separation(separation_method, axes, neighbours, n, normal[k], h, distances[k])
             separation[k] = gap + unsure(axes, h, around.shape, around.origin, around.cell)
             part = share_on_planes(axes, nodes.node[slot], around.shape, around.planes)
             area[k] = part * contact_area(volume_alpha, volume_beta, h, distances[k])

@@ -41,7 +41,7 @@ class Rules(NamedTuple):
 class Members(NamedTuple):
     """Who meets whom: one row per contact, (k,) each.
 
-    slot : contact node, as counted by ``Clouds``
+    slot : contact node, as counted by ``ContactNodes``
     alpha, partner : degrees of freedom of α and of the field of β with most volume
     first, last : the entries of the node among which β is (all others but α, or the rigid one alone)
     law : index of the law

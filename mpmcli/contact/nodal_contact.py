@@ -11,7 +11,7 @@ import numpy as np
 from mpmcli.contact import momenta, overlap, pairs
 from mpmcli.contact.account import ContactAccount
 from mpmcli.contact.choice import ContactChoice
-from mpmcli.contact.clouds import NEAREST, Clouds
+from mpmcli.contact.contact_nodes import NEAREST, ContactNodes
 from mpmcli.contact.contacts import Contacts
 from mpmcli.contact.direction import DirectionWatch
 from mpmcli.contact.geometry import Matter, Surroundings
@@ -83,13 +83,13 @@ class NodalContact(Correction):
         self._ring = isinstance(transfer.analysis, Axisymmetric)
         self._nodal = choice.nodal_arrays(grid)
         self._guesses = self._nodal.get("guesses")
-        self.clouds = Clouds(order, grid, self._planes(), self._nodal["slot_of_node"])
-        self.contacts = Contacts(self.clouds, self._rules, grid.node_count, d)
+        self.nodes = ContactNodes(order, grid, self._planes(), self._nodal["slot_of_node"])
+        self.contacts = Contacts(self.nodes, self._rules, grid.node_count, d)
         self._around = Surroundings(
             shape=np.array(grid.shape, dtype=np.int64),
             origin=grid.lower - grid.pad * grid.cell,
             cell=grid.cell,
-            planes=self.clouds.images.line,
+            planes=self.nodes.images.line,
             thickness=choice.thickness,
             ring=self._ring,
         )
@@ -129,7 +129,7 @@ class NodalContact(Correction):
         if self._has_geometry:
             transfer, parallel = self._transfer, self._runs_parallel
             matter = Matter(p.velocity_field, p.X, transfer.domain_F, p.size, p.vol0, p.mass, p.X0, p.bond)
-            self.clouds.collect(
+            self.nodes.find_near(
                 transfer.shape.parameters, transfer.across, transfer.stencil, p.X, matter.F, p.size, parallel
             )
             c.sum_volumes(matter, parallel)
@@ -303,7 +303,7 @@ class NodalContact(Correction):
     def _settle_pairs(self, here: Place, v: Array) -> None:
         """The contacts that ``three_or_more: pairs`` or ``coupled`` asks for."""
         c, mp = self.contacts, self._grid.mp
-        slots = self.clouds.count
+        slots = self.nodes.count
         chosen = np.zeros(slots, dtype=bool)
         pairs.find_pair_impulses(self._axes, c.count, c.members, c.table, c.geometry, c.rows, here, mp, v)
         for sweep in range(pairs.SWEEPS + 1):
@@ -350,14 +350,14 @@ class NodalContact(Correction):
 
     def _break_bonds(self) -> None:
         """Particles lose their bond with the node that they are nearest to."""
-        c, sights = self.contacts, self.clouds.sights
+        c, near = self.contacts, self.nodes.near
         bond: Any = self._particles.bond
         for k in np.flatnonzero(c.rows.state[: c.count] == BROKEN):
-            at = sights.head[c.members.slot[k]]
+            at = near.head[c.members.slot[k]]
             while at >= 0:
-                if sights.flag[at] & NEAREST:
-                    bond[sights.particle[at]] = 0.0
-                at = sights.next[at]
+                if near.flag[at] & NEAREST:
+                    bond[near.particle[at]] = 0.0
+                at = near.next[at]
 
 
 def _keeps_start(plan: Any) -> bool:

@@ -33,7 +33,7 @@ FEWEST = 3
 LONGEST = (
     "find_geometry",
     "update_strain_and_stress",
-    "collect_sights",
+    "find_near_particles",
     "scatter",
     "settle_stage",
     "move_particles",

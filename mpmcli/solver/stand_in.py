@@ -57,7 +57,7 @@ class StandIn(Simulation):
         """Return the tasks of its steps, in order, with what each calls: each function and set of types once."""
         contact, bounds = self.contact, [math.inf]
         if contact is not None:
-            contact.clouds.renew()
+            contact.nodes.renew()
             original = self._original.contact
             if original is not None and math.isfinite(original.parallel_from):
                 bounds.append(0)

@@ -199,7 +199,7 @@ def test_many_fields_at_a_node(bodies, way, transfer):
     most = 0
     for _ in range(20):
         run.steps(10)
-        c = run.s.contact.contacts.clouds
+        c = run.s.contact.contacts.nodes
         most = max(most, int(np.diff(c.first).max(initial=0)))
     run.check(energy=5e-3)
     assert most == len(bodies)

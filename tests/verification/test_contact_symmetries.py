@@ -74,7 +74,7 @@ def run(
     for _ in range(STEPS):
         s.step()
         touched += s.contact.view.touching
-        most = max(most, int(np.diff(s.contact.contacts.clouds.first).max(initial=0)))
+        most = max(most, int(np.diff(s.contact.contacts.nodes.first).max(initial=0)))
     assert touched > 0
     assert most == len(bodies)
     p, by_id = s.particles, np.argsort(s.particles.id)

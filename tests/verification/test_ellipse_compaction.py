@@ -31,7 +31,7 @@ def test_ellipses_keep_out_of_each_other(start):
 
     def look(run):
         nonlocal most
-        most = max(most, int(np.diff(s.contact.contacts.clouds.first).max(initial=0)))
+        most = max(most, int(np.diff(s.contact.contacts.nodes.first).max(initial=0)))
 
     run.to(0.004, look)
     p = run.particles

@@ -56,9 +56,9 @@ def test_bodies_that_fill_space_are_not_driven(start):
     run = start(full_box({"overlap_removal": 0.05}), threads=1)
     run.simulation.step()
     grid, contacts = run.simulation.grid, run.simulation.contact.contacts
-    first = contacts.clouds.first[: contacts.clouds.count + 1]
+    first = contacts.nodes.first[: contacts.nodes.count + 1]
     there = np.add.reduceat(contacts.volume[: first[-1]], first[:-1])
-    x = grid.coordinates(contacts.clouds.node[: contacts.clouds.count])
+    x = grid.coordinates(contacts.nodes.node[: contacts.nodes.count])
     inside = ((x > -1e-9) & (x < 0.9)).all(axis=0)
     assert inside.sum() > 10
     np.testing.assert_allclose(there[inside], 0.125**2, rtol=1e-12)

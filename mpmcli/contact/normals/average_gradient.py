@@ -27,8 +27,10 @@ class AverageGradient(NamedTuple):
 
 
 @find_normal.register(AverageGradient)
-def _(normal: Any, axes: Any, cloud: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any) -> Any:
-    ga, gb, _, _, size = volume_gradients(axes, cloud, count)
+def _(
+    normal: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
+) -> Any:
+    ga, gb, _, _, size = volume_gradients(axes, neighbours, count)
     mean = (0.5 * (ga[0] - gb[0]), 0.5 * (ga[1] - gb[1]), 0.5 * (ga[2] - gb[2]))
     v = prefer_rigid(normal.bias, rigid, mean, ga, gb)
-    return settle_normal(axes, cloud, count, order, v, size, out)
+    return settle_normal(axes, neighbours, count, order, v, size, out)

@@ -38,7 +38,7 @@ class NormalModel(Model):
     shares_normal: ClassVar[bool] = True
     """Both sides use the normal ±n; otherwise each field finds its own, and momentum is not conserved."""
     needs_gradients: ClassVar[bool] = True
-    """Whether the method, or what it falls back to, reads the gradients ``Cloud.G``."""
+    """Whether the method, or what it falls back to, reads the gradients ``Neighbours.G``."""
     least_rigid_bias: ClassVar[float] = 1.0
     """Below it a bias towards rigid bodies changes nothing."""
     is_given: ClassVar[bool] = False
@@ -64,7 +64,7 @@ class BiasedNormalModel(NormalModel):
 
 @generic
 def find_normal(
-    normal: Any, axes: Any, cloud: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
+    normal: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
 ) -> Any:
     """Find the unit normal of a contact, pointing from the field α to all others together, β.
 
@@ -74,8 +74,8 @@ def find_normal(
         Parameters of the method; their class chooses the implementation.
     axes
         A tuple of d numbers; only its length counts.
-    cloud, count
-        ``contact.cloud.Cloud`` and the number of its valid columns.
+    neighbours, count
+        ``contact.neighbours.Neighbours`` and the number of its valid columns.
     rigid
         0: no rigid body, −1: α is rigid, +1: β is rigid.
     order
@@ -84,7 +84,7 @@ def find_normal(
     guess
         (d,) normal of the last step at this node, or zeros; read only by methods that reuse it.
     out
-        (d,) receives a finite unit vector, whatever the cloud.
+        (d,) receives a finite unit vector, whatever the neighbours.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Volume gradients of the two sides of a contact, and the rule for clouds that give a method no direction."""
+"""Volume gradients of the two sides of a contact, and the rule for neighbours that give a method no direction."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def set_normal(axes: Any, v: Any, out: Any) -> Any:
 
 
 @compiled_too
-def volume_gradients(axes: Any, cloud: Any, count: Any) -> Any:
+def volume_gradients(axes: Any, neighbours: Any, count: Any) -> Any:
     """Volume gradients and volumes of both sides at the node (Nairn et al. 2020, Eq. 11).
 
     g = Σ_p G_p V_p points out of the side whose particles are summed, and Ω = Σ_p S_p V_p.
@@ -54,18 +54,18 @@ def volume_gradients(axes: Any, cloud: Any, count: Any) -> Any:
     d = len(axes)
     ax = ay = az = bx = by = bz = volume_a = volume_b = size = 0.0
     for p in range(np.uint64(count)):
-        V = cloud.volume[p]
-        x = V * cloud.G[0, p]
-        y = V * cloud.G[1, p] if d > 1 else 0.0
-        z = V * cloud.G[2, p] if d > 2 else 0.0
+        V = neighbours.volume[p]
+        x = V * neighbours.G[0, p]
+        y = V * neighbours.G[1, p] if d > 1 else 0.0
+        z = V * neighbours.G[2, p] if d > 2 else 0.0
         size += abs(x) + abs(y) + abs(z)
-        if cloud.side[p] < 0.0:
-            volume_a += V * cloud.S[p]
+        if neighbours.side[p] < 0.0:
+            volume_a += V * neighbours.S[p]
             ax += x
             ay += y
             az += z
         else:
-            volume_b += V * cloud.S[p]
+            volume_b += V * neighbours.S[p]
             bx += x
             by += y
             bz += z
@@ -98,26 +98,26 @@ def prefer_rigid(bias: Any, rigid: Any, found: Any, ga: Any, gb: Any) -> Any:
 
 
 @compiled_too
-def settle_normal(axes: Any, cloud: Any, count: Any, order: Any, v: Any, size: Any, out: Any) -> Any:
+def settle_normal(axes: Any, neighbours: Any, count: Any, order: Any, v: Any, size: Any, out: Any) -> Any:
     """Take the direction of ``v``, or fall back where it is zero beside the terms ``size`` of its sum."""
     if length(v) <= VANISHES * size:
-        return fall_back(axes, cloud, count, order, out)
+        return fall_back(axes, neighbours, count, order, out)
     set_normal(axes, v, out)
     return 0
 
 
 @compiled_too
-def fall_back(axes: Any, cloud: Any, count: Any, order: Any, out: Any) -> Any:
-    """The normal of a cloud that gives a method no direction; returns ``DEGENERATE``.
+def fall_back(axes: Any, neighbours: Any, count: Any, order: Any, out: Any) -> Any:
+    """The normal of neighbours that give a method no direction; returns ``DEGENERATE``.
 
     It is the first of these that does not vanish: the difference g_α − g_β of the volume gradients; the
     way from the volume centroid of α to that of β (an empty side counts as sitting on the node); the first
     axis, with the sign ``order``.
     """
-    ga, gb, _, _, size = volume_gradients(axes, cloud, count)
+    ga, gb, _, _, size = volume_gradients(axes, neighbours, count)
     v = difference(ga, gb)
     if length(v) <= VANISHES * size:
-        v, size = between_centroids(axes, cloud, count)
+        v, size = between_centroids(axes, neighbours, count)
     if length(v) <= VANISHES * size:
         v = (math.copysign(1.0, order), 0.0, 0.0)
     set_normal(axes, v, out)
@@ -125,17 +125,17 @@ def fall_back(axes: Any, cloud: Any, count: Any, order: Any, out: Any) -> Any:
 
 
 @compiled_too
-def between_centroids(axes: Any, cloud: Any, count: Any) -> Any:
+def between_centroids(axes: Any, neighbours: Any, count: Any) -> Any:
     """The vector from the volume centroid of α to that of β, and a length against which it may be small."""
     d = len(axes)
     ax = ay = az = bx = by = bz = volume_a = volume_b = size = 0.0
     for p in range(np.uint64(count)):
-        V = cloud.volume[p]
-        x = cloud.x[0, p]
-        y = cloud.x[1, p] if d > 1 else 0.0
-        z = cloud.x[2, p] if d > 2 else 0.0
+        V = neighbours.volume[p]
+        x = neighbours.x[0, p]
+        y = neighbours.x[1, p] if d > 1 else 0.0
+        z = neighbours.x[2, p] if d > 2 else 0.0
         size = max(size, abs(x), abs(y), abs(z))
-        if cloud.side[p] < 0.0:
+        if neighbours.side[p] < 0.0:
             volume_a += V
             ax += V * x
             ay += V * y

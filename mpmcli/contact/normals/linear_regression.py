@@ -35,11 +35,13 @@ class LinearPlane(NamedTuple):
 
 
 @find_normal.register(LinearPlane)
-def _(normal: Any, axes: Any, cloud: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any) -> Any:
-    if take_rigid(normal, axes, cloud, count, rigid, out):
+def _(
+    normal: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
+) -> Any:
+    if take_rigid(normal, axes, neighbours, count, rigid, out):
         return FOUND
-    beta, has_direction = linear_plane(normal, axes, cloud, count, 1.0)
+    beta, has_direction = linear_plane(normal, axes, neighbours, count, 1.0)
     if not has_direction:
-        return fall_back(axes, cloud, count, order, out)
+        return fall_back(axes, neighbours, count, order, out)
     set_normal(axes, beta, out)
     return FOUND

@@ -35,8 +35,10 @@ class MaximumGradient(NamedTuple):
 
 
 @find_normal.register(MaximumGradient)
-def _(normal: Any, axes: Any, cloud: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any) -> Any:
-    ga, gb, _, _, size = volume_gradients(axes, cloud, count)
+def _(
+    normal: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
+) -> Any:
+    ga, gb, _, _, size = volume_gradients(axes, neighbours, count)
     a, b = length(ga), length(gb)
     if abs(a - b) <= EQUAL * (a + b):
         v = difference(ga, gb)
@@ -46,4 +48,4 @@ def _(normal: Any, axes: Any, cloud: Any, count: Any, rigid: Any, order: Any, gu
     else:
         largest = negative(gb)
     v = prefer_rigid(normal.bias, rigid, largest, ga, gb)
-    return settle_normal(axes, cloud, count, order, v, size, out)
+    return settle_normal(axes, neighbours, count, order, v, size, out)

@@ -26,12 +26,14 @@ class MaximumVolume(NamedTuple):
 
 
 @find_normal.register(MaximumVolume)
-def _(normal: Any, axes: Any, cloud: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any) -> Any:
-    ga, gb, a, b, size = volume_gradients(axes, cloud, count)
+def _(
+    normal: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
+) -> Any:
+    ga, gb, a, b, size = volume_gradients(axes, neighbours, count)
     if abs(a - b) <= EQUAL * (a + b):
         v = difference(ga, gb)
     elif a > b:
         v = ga
     else:
         v = negative(gb)
-    return settle_normal(axes, cloud, count, order, v, size, out)
+    return settle_normal(axes, neighbours, count, order, v, size, out)

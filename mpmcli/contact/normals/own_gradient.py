@@ -32,6 +32,8 @@ class OwnGradient(NamedTuple):
 
 
 @find_normal.register(OwnGradient)
-def _(normal: Any, axes: Any, cloud: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any) -> Any:
-    ga, _, _, _, size = volume_gradients(axes, cloud, count)
-    return settle_normal(axes, cloud, count, order, ga, size, out)
+def _(
+    normal: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
+) -> Any:
+    ga, _, _, _, size = volume_gradients(axes, neighbours, count)
+    return settle_normal(axes, neighbours, count, order, ga, size, out)

@@ -20,7 +20,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from mpmcli.contact.cloud import WORK
+from mpmcli.contact.neighbours import WORK
 from mpmcli.contact.normals.base import DEGENERATE, FOUND, NOT_CONVERGED, BiasedNormalModel
 from mpmcli.contact.normals.gradients import (
     VANISHES,
@@ -40,7 +40,7 @@ BIAS_FOR_RIGID = 10.0
 """From this rigid bias on, the regressions take the normal from the rigid body."""
 
 CHUNK = WORK // 3
-"""Particles whose weights, residuals and errors fit the scratch space of a cloud."""
+"""Particles whose weights, residuals and errors fit the scratch space of a neighbours."""
 
 NO_PLANE = (0.0, 0.0, 0.0, 0.0)
 
@@ -202,13 +202,13 @@ def solve_sums(plane: Any, axes: Any, sums: Any, factor: Any, beta: Any) -> Any:
 
 
 @compiled_too
-def scratch(cloud: Any) -> Any:
+def scratch(neighbours: Any) -> Any:
     """Weights, residuals and errors of ``CHUNK`` particles."""
-    return cloud.work[:CHUNK], cloud.work[CHUNK : 2 * CHUNK], cloud.work[2 * CHUNK : 3 * CHUNK]
+    return neighbours.work[:CHUNK], neighbours.work[CHUNK : 2 * CHUNK], neighbours.work[2 * CHUNK : 3 * CHUNK]
 
 
 @compiled_too
-def linear_plane(plane: Any, axes: Any, cloud: Any, count: Any, factor: Any) -> Any:
+def linear_plane(plane: Any, axes: Any, neighbours: Any, count: Any, factor: Any) -> Any:
     """Linear regression, with penalties times ``factor`` (Nairn 2023 notes, Eqs. 3.17 and 3.18).
 
     Returns β in cells as four numbers and whether it has a direction: not where a side is empty or the
@@ -216,13 +216,13 @@ def linear_plane(plane: Any, axes: Any, cloud: Any, count: Any, factor: Any) -> 
     """
     sums = NO_SUMS
     count, chunk = np.uint64(count), np.uint64(CHUNK)
-    weight, residual, _ = scratch(cloud)
+    weight, residual, _ = scratch(neighbours)
     weight[:] = 1.0
     for start in range(np.uint64(0), count, chunk):
         m = min(chunk, count - start)
         for i in range(m):
-            residual[i] = cloud.side[start + i]
-        sums = add_particles(axes, cloud, start, m, weight, residual, sums)
+            residual[i] = neighbours.side[start + i]
+        sums = add_particles(axes, neighbours, start, m, weight, residual, sums)
     xx, _, _, yy, _, zz, x1, y1, z1, one, rx, ry, rz, r1 = sums
     # towards β from the centroid of all, times the number of particles
     if not abs(r1) < one:
@@ -235,27 +235,27 @@ def linear_plane(plane: Any, axes: Any, cloud: Any, count: Any, factor: Any) -> 
 
 
 @compiled_too
-def next_plane(plane: Any, axes: Any, cloud: Any, count: Any, beta: Any) -> Any:
+def next_plane(plane: Any, axes: Any, neighbours: Any, count: Any, beta: Any) -> Any:
     """One more pass from β in cells, four numbers; returns the next β and the error of the given one."""
     d = len(axes)
     h = plane.inverse_cell
     bx, by, bz, b1 = h * beta[0], h * beta[1], h * beta[2], beta[3]
     sums, error = NO_SUMS, 0.0
     count, chunk = np.uint64(count), np.uint64(CHUNK)
-    weight, residual, errors = scratch(cloud)
+    weight, residual, errors = scratch(neighbours)
     for start in range(np.uint64(0), count, chunk):
         m = min(chunk, count - start)
         for i in range(m):
             p = start + i
-            c = cloud.side[p]
-            y = cloud.x[1, p] if d > 1 else 0.0
-            z = cloud.x[2, p] if d > 2 else 0.0
-            e = exponential_1d(-c * (bx * cloud.x[0, p] + by * y + bz * z + b1))
+            c = neighbours.side[p]
+            y = neighbours.x[1, p] if d > 1 else 0.0
+            z = neighbours.x[2, p] if d > 2 else 0.0
+            e = exponential_1d(-c * (bx * neighbours.x[0, p] + by * y + bz * z + b1))
             q = 1.0 / (1.0 + e)
             weight[i], residual[i], errors[i] = weigh(plane, q, c * (e * q))
         for i in range(m):
             error += errors[i]
-        sums = add_particles(axes, cloud, start, m, weight, residual, sums)
+        sums = add_particles(axes, neighbours, start, m, weight, residual, sums)
     x, y, z, c = solve_sums(plane, axes, sums, 1.0, beta)
     normal2 = beta[0] * beta[0] + beta[1] * beta[1] + beta[2] * beta[2]
     error += 0.5 * (plane.penalty * normal2 + plane.offset_penalty * b1 * b1)
@@ -263,7 +263,7 @@ def next_plane(plane: Any, axes: Any, cloud: Any, count: Any, beta: Any) -> Any:
 
 
 @compiled_too
-def guess_plane(plane: Any, axes: Any, cloud: Any, count: Any, guess: Any) -> Any:
+def guess_plane(plane: Any, axes: Any, neighbours: Any, count: Any, guess: Any) -> Any:
     """A plane normal to ``guess`` in the middle between the closest particles of both sides, β in cells.
 
     Also returns whether there is such a plane: not where the guess is zero, a side is empty, or the guess
@@ -277,10 +277,10 @@ def guess_plane(plane: Any, axes: Any, cloud: Any, count: Any, guess: Any) -> An
         return NO_PLANE, False
     upper, lower = -LARGE, LARGE
     for p in range(np.uint64(count)):
-        y = cloud.x[1, p] if d > 1 else 0.0
-        z = cloud.x[2, p] if d > 2 else 0.0
-        t = gx * cloud.x[0, p] + gy * y + gz * z
-        if cloud.side[p] < 0.0:
+        y = neighbours.x[1, p] if d > 1 else 0.0
+        z = neighbours.x[2, p] if d > 2 else 0.0
+        t = gx * neighbours.x[0, p] + gy * y + gz * z
+        if neighbours.side[p] < 0.0:
             upper = max(upper, t)
         else:
             lower = min(lower, t)
@@ -295,7 +295,7 @@ def guess_plane(plane: Any, axes: Any, cloud: Any, count: Any, guess: Any) -> An
 
 
 @compiled_too
-def fit_plane(plane: Any, axes: Any, cloud: Any, count: Any, guess: Any) -> Any:
+def fit_plane(plane: Any, axes: Any, neighbours: Any, count: Any, guess: Any) -> Any:
     """Iterate until the normal stands still or the passes are used up.
 
     The first pass is linear regression with 4 λ, times 2, which is what the iteration makes of β = 0 (Nairn
@@ -309,9 +309,9 @@ def fit_plane(plane: Any, axes: Any, cloud: Any, count: Any, guess: Any) -> Any:
     has_direction = False
     beta = NO_PLANE
     if plane.reuse > 0.0:
-        beta, has_direction = guess_plane(plane, axes, cloud, count, guess)
+        beta, has_direction = guess_plane(plane, axes, neighbours, count, guess)
     if not has_direction:
-        beta, has_direction = linear_plane(plane, axes, cloud, count, 4.0)
+        beta, has_direction = linear_plane(plane, axes, neighbours, count, 4.0)
         beta = (2.0 * beta[0], 2.0 * beta[1], 2.0 * beta[2], 2.0 * beta[3])
     if not has_direction:
         return beta, 1, DEGENERATE
@@ -320,7 +320,7 @@ def fit_plane(plane: Any, axes: Any, cloud: Any, count: Any, guess: Any) -> Any:
     passes = 1
     while passes < plane.iterations:
         passes += 1
-        following, error = next_plane(plane, axes, cloud, count, beta)
+        following, error = next_plane(plane, axes, neighbours, count, beta)
         if error > least * (1.0 + ROUND_OFF):
             beta = (
                 0.5 * (beta[0] + kept[0]),
@@ -346,11 +346,11 @@ def fit_plane(plane: Any, axes: Any, cloud: Any, count: Any, guess: Any) -> Any:
 
 
 @compiled_too
-def take_rigid(plane: Any, axes: Any, cloud: Any, count: Any, rigid: Any, out: Any) -> Any:
+def take_rigid(plane: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, out: Any) -> Any:
     """Take the rigid side's volume gradient for the normal if the bias asks for it; says whether it did."""
     if rigid == 0.0 or plane.bias < BIAS_FOR_RIGID:
         return False
-    ga, gb, _, _, size = volume_gradients(axes, cloud, count)
+    ga, gb, _, _, size = volume_gradients(axes, neighbours, count)
     v = ga if rigid < 0.0 else negative(gb)
     if length(v) <= VANISHES * size:
         return False
@@ -360,13 +360,13 @@ def take_rigid(plane: Any, axes: Any, cloud: Any, count: Any, rigid: Any, out: A
 
 @compiled_too
 def find_by_iteration(
-    plane: Any, axes: Any, cloud: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
+    plane: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
 ) -> Any:
     """``find_normal`` for the regressions that iterate."""
-    if take_rigid(plane, axes, cloud, count, rigid, out):
+    if take_rigid(plane, axes, neighbours, count, rigid, out):
         return FOUND
-    beta, _, status = fit_plane(plane, axes, cloud, count, guess)
+    beta, _, status = fit_plane(plane, axes, neighbours, count, guess)
     if status == DEGENERATE:
-        return fall_back(axes, cloud, count, order, out)
+        return fall_back(axes, neighbours, count, order, out)
     set_normal(axes, beta, out)
     return status

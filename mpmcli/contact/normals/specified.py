@@ -92,7 +92,9 @@ class Specified(NamedTuple):
 
 
 @find_normal.register(Specified)
-def _(normal: Any, axes: Any, cloud: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any) -> Any:
+def _(
+    normal: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
+) -> Any:
     out[0] = order * normal.x
     if len(axes) > 1:
         out[1] = order * normal.y

@@ -1,4 +1,4 @@
-"""Sums over the particles of a cloud, four side by side."""
+"""Sums over the neighbours of a node, four side by side."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ FOUR = (0.0,) * 4
 
 
 @compiled_too
-def add_particle(d: Any, cloud: Any, p: Any, w: Any, r: Any, sums: Any) -> Any:
+def add_particle(d: Any, neighbours: Any, p: Any, w: Any, r: Any, sums: Any) -> Any:
     """Add particle ``p`` of weight ``w`` and residual ``r`` to the sums of ``add_particles``."""
     xx, xy, xz, yy, yz, zz, x1, y1, z1, one, rx, ry, rz, r1 = sums
-    x = cloud.x[0, p]
-    y = cloud.x[1, p] if d > 1 else 0.0
-    z = cloud.x[2, p] if d > 2 else 0.0
+    x = neighbours.x[0, p]
+    y = neighbours.x[1, p] if d > 1 else 0.0
+    z = neighbours.x[2, p] if d > 2 else 0.0
     wx, wy, wz = w * x, w * y, w * z
     return (
         xx + wx * x, xy + wx * y, xz + wx * z, yy + wy * y, yz + wy * z, zz + wz * z, x1 + wx, y1 + wy, z1 + wz,
@@ -36,7 +36,7 @@ def across(register: Any) -> Any:
 
 @compiled_too
 def add_particles(
-    axes: Any, cloud: Any, start: Any, count: Any, weight: Any, residual: Any, sums: Any
+    axes: Any, neighbours: Any, start: Any, count: Any, weight: Any, residual: Any, sums: Any
 ) -> Any:
     """Add ``count`` particles, from ``start`` on, to fourteen sums.
 
@@ -50,20 +50,20 @@ def add_particles(
     fours = count - count % np.uint64(4)
     for i in range(np.uint64(0), fours, np.uint64(4)):
         w, r = load(weight, i, FOUR), load(residual, i, FOUR)
-        x = load(cloud.x[0], start + i, FOUR)
+        x = load(neighbours.x[0], start + i, FOUR)
         wx = w * x
         xx, x1, one, rx, r1 = xx + wx * x, x1 + wx, one + w, rx + r * x, r1 + r
         if d > 1:
-            y = load(cloud.x[1], start + i, FOUR)
+            y = load(neighbours.x[1], start + i, FOUR)
             wy = w * y
             xy, yy, y1, ry = xy + wx * y, yy + wy * y, y1 + wy, ry + r * y
         if d > 2:
-            z = load(cloud.x[2], start + i, FOUR)
+            z = load(neighbours.x[2], start + i, FOUR)
             wz = w * z
             xz, yz, zz = xz + wx * z, yz + wy * z, zz + wz * z
             z1, rz = z1 + wz, rz + r * z
     for i in range(fours, count):
-        sums = add_particle(d, cloud, start + i, weight[i], residual[i], sums)
+        sums = add_particle(d, neighbours, start + i, weight[i], residual[i], sums)
     a, b, c, e, f, g, h, j, k, m, n, o, q, s = sums
     return (
         a + across(xx), b + across(xy), c + across(xz), e + across(yy), f + across(yz), g + across(zz),

@@ -26,10 +26,12 @@ class VolumeWeightedGradient(NamedTuple):
 
 
 @find_normal.register(VolumeWeightedGradient)
-def _(normal: Any, axes: Any, cloud: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any) -> Any:
-    ga, gb, volume_a, volume_b, size = volume_gradients(axes, cloud, count)
+def _(
+    normal: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
+) -> Any:
+    ga, gb, volume_a, volume_b, size = volume_gradients(axes, neighbours, count)
     volume = volume_a + volume_b
     a = volume_a / volume if volume > 0.0 else 0.5
     b = 1.0 - a
     v = (a * ga[0] - b * gb[0], a * ga[1] - b * gb[1], a * ga[2] - b * gb[2])
-    return settle_normal(axes, cloud, count, order, v, size, out)
+    return settle_normal(axes, neighbours, count, order, v, size, out)

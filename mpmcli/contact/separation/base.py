@@ -38,9 +38,9 @@ class SeparationModel(Model):
     """Base of all methods that tell whether two sides touch."""
 
     needs_radius: ClassVar[bool] = False
-    """Whether ``Cloud.radius_inverse`` must be filled."""
+    """Whether ``Neighbours.radius_inverse`` must be filled."""
     needs_displacement: ClassVar[bool] = False
-    """Whether ``Cloud.displacement`` must be filled."""
+    """Whether ``Neighbours.displacement`` must be filled."""
 
     def parameters(self, dimensions: int, cell: tuple[float, ...], particles_per_axis: int) -> NamedTuple:
         """The numbers that the compiled function needs.
@@ -52,12 +52,12 @@ class SeparationModel(Model):
 
 @generic
 def find_separation(
-    separation: Any, axes: Any, cloud: Any, count: Any, n: Any, h: Any, distances: Any
+    separation: Any, axes: Any, neighbours: Any, count: Any, n: Any, h: Any, distances: Any
 ) -> Any:
-    """Signed gap δ_n between the sides of a node's cloud along ``n``; negative means touching [length].
+    """Signed gap δ_n between the two sides of a contact along ``n``; negative means touching [length].
 
-    ``axes`` is a tuple of d numbers, whose length compiled code knows; the first ``count`` columns of ``cloud`` are
-    valid; ``n`` (d,) is the unit normal from α to β; ``h`` the cell size along it [length] (``perpendicular_size``).
-    Overwrites ``distances`` (2,) with the signed distances along ``n`` from the node to the edges of α and β where
+    ``axes`` is a tuple of d numbers, whose length compiled code knows; the first ``count`` columns of ``neighbours``
+    are valid; ``n`` (d,) is the unit normal from α to β; ``h`` the cell size along it [length], see
+    ``perpendicular_size``. Overwrites ``distances`` (2,) with the signed distances along ``n`` from the node to the edges of α and β where
     the method finds the edges themselves, with ``UNKNOWN`` otherwise. A side without particles is ``APART``.
     """

@@ -32,7 +32,7 @@ class Displacements(NamedTuple):
 
 
 @find_separation.register(Displacements)
-def _(separation, axes, cloud, count, n, h, distances):
+def _(separation, axes, neighbours, count, n, h, distances):
     distances[0], distances[1] = UNKNOWN, UNKNOWN
-    alpha, beta, both = extrapolate_along(axes, cloud, cloud.displacement, count, n)
+    alpha, beta, both = extrapolate_along(axes, neighbours, neighbours.displacement, count, n)
     return separation.initial_gap + beta - alpha if both else APART

@@ -8,7 +8,7 @@ from mpmcli.core.kernel import inline
 
 
 @inline
-def extrapolate_along(axes: Any, cloud: Any, vectors: Any, count: Any, n: Any) -> Any:
+def extrapolate_along(axes: Any, neighbours: Any, vectors: Any, count: Any, n: Any) -> Any:
     """Component along ``n`` of S⁺ ``vectors`` (d, N) for α and β, weighted by S and mass, and whether both exist.
 
     S⁺ = m⁻¹ Sᵀ M, taken over the particles of each side alone (Nairn et al. 2020, Eqs. 6 and 11).
@@ -18,8 +18,8 @@ def extrapolate_along(axes: Any, cloud: Any, vectors: Any, count: Any, n: Any) -
         along = 0.0
         for a in range(len(axes)):
             along += vectors[a, p] * n[a]
-        weight = cloud.S[p] * cloud.mass[p]
-        alpha = weight if cloud.side[p] < 0.0 else 0.0
+        weight = neighbours.S[p] * neighbours.mass[p]
+        alpha = weight if neighbours.side[p] < 0.0 else 0.0
         beta = weight - alpha
         mass_alpha += alpha
         sum_alpha += alpha * along

@@ -25,6 +25,6 @@ class AlwaysTouching(NamedTuple):
 
 
 @find_separation.register(AlwaysTouching)
-def _(separation, axes, cloud, count, n, h, distances):
+def _(separation, axes, neighbours, count, n, h, distances):
     distances[0], distances[1] = UNKNOWN, UNKNOWN
     return separation.separation

@@ -70,9 +70,9 @@ def edge_distance(fit: Any, x: Any) -> Any:
 
 
 @find_separation.register(FittedPositions)
-def _(separation, axes, cloud, count, n, h, distances):
+def _(separation, axes, neighbours, count, n, h, distances):
     distances[0], distances[1] = UNKNOWN, UNKNOWN
-    alpha, beta, both = extrapolate_along(axes, cloud, cloud.x, count, n)
+    alpha, beta, both = extrapolate_along(axes, neighbours, neighbours.x, count, n)
     if not both:
         return APART
     return -h * (edge_distance(separation, -beta / h) + edge_distance(separation, alpha / h))

@@ -36,7 +36,7 @@ class OffsetPositions(NamedTuple):
 
 
 @find_separation.register(OffsetPositions)
-def _(separation, axes, cloud, count, n, h, distances):
+def _(separation, axes, neighbours, count, n, h, distances):
     distances[0], distances[1] = UNKNOWN, UNKNOWN
-    alpha, beta, both = extrapolate_along(axes, cloud, cloud.x, count, n)
+    alpha, beta, both = extrapolate_along(axes, neighbours, neighbours.x, count, n)
     return beta - alpha - separation.offset * h if both else APART

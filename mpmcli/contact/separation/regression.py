@@ -45,7 +45,7 @@ class Parallelepipeds(NamedTuple):
 def radius_along(edges: Any, axes: Any, M: Any, p: Any, n: Any) -> Any:
     """Distance from the centre of particle ``p`` to its edge along the unit vector ``n`` (d,) [length].
 
-    ``M`` (d·d, N) is ``Cloud.radius_inverse``, diag(1/R₀) F⁻¹ by rows [1/length].
+    ``M`` (d·d, N) is ``Neighbours.radius_inverse``, diag(1/R₀) F⁻¹ by rows [1/length].
     """
 
 
@@ -87,17 +87,17 @@ def _(edges, axes, M, p, n):
 
 @find_separation.register(Ellipsoids)
 @find_separation.register(Parallelepipeds)
-def _(separation, axes, cloud, count, n, h, distances):
+def _(separation, axes, neighbours, count, n, h, distances):
     # how far each side reaches into the other's direction: +n for α, −n for β
     alpha, beta = -APART, -APART
     for p in range(count):
         along = 0.0
         for a in range(len(axes)):
-            along += cloud.x[a, p] * n[a]
-        radius = radius_along(separation, axes, cloud.radius_inverse, p, n)
-        reach = radius - cloud.side[p] * along
-        alpha = max(alpha, reach if cloud.side[p] < 0.0 else -APART)
-        beta = max(beta, reach if cloud.side[p] > 0.0 else -APART)
+            along += neighbours.x[a, p] * n[a]
+        radius = radius_along(separation, axes, neighbours.radius_inverse, p, n)
+        reach = radius - neighbours.side[p] * along
+        alpha = max(alpha, reach if neighbours.side[p] < 0.0 else -APART)
+        beta = max(beta, reach if neighbours.side[p] > 0.0 else -APART)
     if min(alpha, beta) <= -APART:
         distances[0], distances[1] = UNKNOWN, UNKNOWN
         return APART

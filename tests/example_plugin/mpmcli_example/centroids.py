@@ -24,6 +24,8 @@ class Centroids(NamedTuple):
 
 
 @find_normal.register(Centroids)
-def _(normal: Any, axes: Any, cloud: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any) -> Any:
-    way, size = between_centroids(axes, cloud, count)
-    return settle_normal(axes, cloud, count, order, way, size, out)
+def _(
+    normal: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
+) -> Any:
+    way, size = between_centroids(axes, neighbours, count)
+    return settle_normal(axes, neighbours, count, order, way, size, out)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mpmcli.contact.cloud import allocate_cloud
+from mpmcli.contact.neighbours import allocate_neighbours
 from mpmcli.contact.normals import DEGENERATE, NORMALS, find_normal
 from mpmcli.contact.normals.plane import fit_plane
 
@@ -15,7 +15,7 @@ ITERATED = ("irls", "logistic_regression")
 
 
 @st.composite
-def clouds(draw):
+def neighbourhoods(draw):
     """Positions (d, n), sides, volumes, S and G of linear functions; nothing about them is regular."""
     d = draw(st.integers(1, 3))
     n = draw(st.integers(2, 24))
@@ -33,9 +33,15 @@ def clouds(draw):
 
 def fill(x, side, volume, S, G):
     d, n = x.shape
-    cloud = allocate_cloud(d, n, False, False)
-    cloud.x[:], cloud.side[:], cloud.volume[:], cloud.S[:], cloud.G[:] = x, side, volume, S, G
-    return cloud
+    neighbours = allocate_neighbours(d, n, False, False)
+    neighbours.x[:], neighbours.side[:], neighbours.volume[:], neighbours.S[:], neighbours.G[:] = (
+        x,
+        side,
+        volume,
+        S,
+        G,
+    )
+    return neighbours
 
 
 def normal_of(kind, particles, order=1.0):
@@ -53,16 +59,18 @@ def stays_still(kind, particles):
         return True
     d, n = particles[0].shape
     model = NORMALS[kind].model_validate({"kind": kind})
-    normal, cloud = model.parameters(d, (1.0,) * d), fill(*particles)
+    normal, neighbours = model.parameters(d, (1.0,) * d), fill(*particles)
     ends = [
-        fit_plane(normal._replace(tolerance=factor * normal.tolerance), (0.0,) * d, cloud, n, np.zeros(d))
+        fit_plane(
+            normal._replace(tolerance=factor * normal.tolerance), (0.0,) * d, neighbours, n, np.zeros(d)
+        )
         for factor in (0.999, 1.001)
     ]
     return ends[0][1] == ends[1][1] and np.linalg.norm(ends[0][0]) < 1e4
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@given(particles=clouds(), seed=st.integers(0, 1000))
+@given(particles=neighbourhoods(), seed=st.integers(0, 1000))
 def test_order_of_particles_does_not_matter(kind, particles, seed):
     assume(stays_still(kind, particles))
     shuffled = np.random.default_rng(seed).permutation(particles[0].shape[1])
@@ -73,7 +81,7 @@ def test_order_of_particles_does_not_matter(kind, particles, seed):
 
 
 @pytest.mark.parametrize("kind", SHARED)
-@given(particles=clouds())
+@given(particles=neighbourhoods())
 def test_swapped_sides_turn_the_normal(kind, particles):
     assume(stays_still(kind, particles))
     x, side, volume, S, G = particles
@@ -84,7 +92,7 @@ def test_swapped_sides_turn_the_normal(kind, particles):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@given(particles=clouds(), axis=st.integers(0, 2))
+@given(particles=neighbourhoods(), axis=st.integers(0, 2))
 def test_mirrors(kind, particles, axis):
     assume(stays_still(kind, particles))
     x, side, volume, S, G = particles
@@ -98,7 +106,7 @@ def test_mirrors(kind, particles, axis):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@given(particles=clouds(), axes=st.permutations(range(3)))
+@given(particles=neighbourhoods(), axes=st.permutations(range(3)))
 def test_right_angles(kind, particles, axes):
     """With the mirrors these are all turns by right angles."""
     assume(stays_still(kind, particles))
@@ -112,7 +120,7 @@ def test_right_angles(kind, particles, axes):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@given(particles=clouds(), factor=st.sampled_from([1e-30, 1e-9, 1e12]))
+@given(particles=neighbourhoods(), factor=st.sampled_from([1e-30, 1e-9, 1e12]))
 def test_size_of_volumes_does_not_matter(kind, particles, factor):
     x, side, volume, S, G = particles
     n, status = normal_of(kind, particles)
@@ -122,8 +130,8 @@ def test_size_of_volumes_does_not_matter(kind, particles, factor):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@given(particles=clouds(), digits=st.integers(0, 1), same=st.booleans())
-def test_awkward_clouds_give_unit_normals(kind, particles, digits, same):
+@given(particles=neighbourhoods(), digits=st.integers(0, 1), same=st.booleans())
+def test_awkward_neighbours_give_unit_normals(kind, particles, digits, same):
     """Rounded positions coincide, line up and lie symmetric about the node."""
     x, side, volume, S, G = particles
     volume = np.full_like(volume, 0.25) if same else volume

@@ -34,7 +34,7 @@ def test_parallel_geometry_equals_serial_geometry():
         nonlocal compared
         found = []
         for parallel in (True, False):
-            for array in contacts._clouds or ():
+            for array in contacts._buffers or ():
                 if array is not None:
                     array[:] = 7.0
             for array in contacts.geometry:

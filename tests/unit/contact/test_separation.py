@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from mpmcli.contact.cloud import WORK, Cloud
+from mpmcli.contact.neighbours import WORK, Neighbours
 from mpmcli.contact.separation import SEPARATIONS, find_separation
 from mpmcli.contact.separation.base import APART, TOUCHING, UNKNOWN
 from mpmcli.contact.separation.position_fit import edge_distance
@@ -41,11 +41,11 @@ def inverse_radii(F, R0):
     return np.ascontiguousarray(M.reshape(len(M), -1).T)
 
 
-def cloud_of(x, side, S=None, mass=None, F=None, R0=0.25, displacement=None):
+def neighbours_of(x, side, S=None, mass=None, F=None, R0=0.25, displacement=None):
     x = np.ascontiguousarray(x, dtype=float)
     d, count = x.shape
     F = np.broadcast_to(np.eye(d), (count, d, d)) if F is None else F
-    return Cloud(
+    return Neighbours(
         x=x,
         side=np.asarray(side, dtype=float),
         S=np.ones(count) if S is None else np.array(S),
@@ -58,12 +58,12 @@ def cloud_of(x, side, S=None, mass=None, F=None, R0=0.25, displacement=None):
     )
 
 
-def separate(words, cloud, n, h=1.0, particles_per_axis=2):
+def separate(words, neighbours, n, h=1.0, particles_per_axis=2):
     """Separation and the two distances."""
-    d, count = cloud.x.shape
+    d, count = neighbours.x.shape
     distances = np.zeros(2)
     parameters = parameters_of(words, d, particles_per_axis=particles_per_axis)
-    gap = find_separation(parameters, (0.0,) * d, cloud, count, np.asarray(n, dtype=float), h, distances)
+    gap = find_separation(parameters, (0.0,) * d, neighbours, count, np.asarray(n, dtype=float), h, distances)
     return gap, *distances
 
 
@@ -148,10 +148,10 @@ def rows_beside(edge, l, count, direction):
     return edge + direction * l * (1 + 2 * np.arange(count))
 
 
-def block_clouds(find_stencils, cell, axis, edge, gap, shape="ugimp", per_axis=2, stretch=1.0):
-    """Clouds of all nodes that two blocks see, which face each other across ``edge`` … ``edge + gap`` on ``axis``.
+def block_neighbours(find_stencils, cell, axis, edge, gap, shape="ugimp", per_axis=2, stretch=1.0):
+    """Neighbours of all nodes that two blocks see, which face each other across ``edge`` … ``edge + gap`` on ``axis``.
 
-    ``stretch`` lengthens the particles, and their spacing, along the axis. Yields (node, cloud).
+    ``stretch`` lengthens the particles, and their spacing, along the axis. Yields (node, neighbours).
     """
     d = len(cell)
     cell = np.array(cell)
@@ -176,7 +176,7 @@ def block_clouds(find_stencils, cell, axis, edge, gap, shape="ugimp", per_axis=2
         seen = S[:, i] > 1e-12
         if len(set(side[seen])) == 2:
             node = grid.coordinates(np.array([i]))
-            yield node[:, 0], cloud_of(X[:, seen] - node, side[seen], S[seen, i], F=F[seen], R0=l)
+            yield node[:, 0], neighbours_of(X[:, seen] - node, side[seen], S[seen, i], F=F[seen], R0=l)
 
 
 @pytest.mark.parametrize("words", KINDS[:2], ids=["ellipsoid", "parallelepiped"])
@@ -189,8 +189,8 @@ def test_regression_finds_any_gap_exactly(find_stencils, words, cell, axis):
     seen = 0
     for position, gap, stretch in [(2.0, 0.0, 1.0), (2.37, 0.21, 1.0), (2.5, -0.1, 1.0), (2.81, 0.05, 1.4)]:
         edge, gap = position * h, gap * h
-        for node, cloud in block_clouds(find_stencils, cell, axis, edge, gap, stretch=stretch):
-            found, alpha, beta = separate(words, cloud, n, h)
+        for node, neighbours in block_neighbours(find_stencils, cell, axis, edge, gap, stretch=stretch):
+            found, alpha, beta = separate(words, neighbours, n, h)
             seen += 1
             assert found == pytest.approx(gap, abs=1e-13)
             assert alpha == pytest.approx(edge - node[axis], abs=1e-13)
@@ -218,9 +218,9 @@ OFFSET = {"kind": "position_offset"}
 def test_error_of_grid_methods_at_touching_blocks(find_stencils, shape, per_axis, words, lowest, highest):
     """Separation in cells of undeformed blocks in contact, over all places in a cell and all nodes that see them."""
     found = [
-        separate(words, cloud, [1.0], 1.0, per_axis)[0]
+        separate(words, neighbours, [1.0], 1.0, per_axis)[0]
         for position in (2.001, *np.linspace(2.0, 3.0, 41))
-        for _, cloud in block_clouds(find_stencils, (1.0,), 0, position, 0.0, shape, per_axis)
+        for _, neighbours in block_neighbours(find_stencils, (1.0,), 0, position, 0.0, shape, per_axis)
     ]
     assert min(found) == pytest.approx(lowest, abs=0.005)
     assert max(found) == pytest.approx(highest, abs=0.005)
@@ -287,7 +287,7 @@ def test_published_values_of_the_fits():
 
 
 def test_extrapolated_positions_are_weighted_by_mass_and_shape():
-    cloud = cloud_of(
+    neighbours = neighbours_of(
         [[-0.75, -0.25, 0.5, 0.9]],
         [-1, -1, 1, 1],
         S=[0.25, 0.75, 0.5, 0.1],
@@ -295,37 +295,41 @@ def test_extrapolated_positions_are_weighted_by_mass_and_shape():
         R0=0.2,
     )
     alpha = (-0.75 * 0.5 - 0.25 * 0.75) / 1.25
-    assert separate({"kind": "position_offset", "offset": 0}, cloud, [1.0])[0] == pytest.approx(0.7 - alpha)
-    assert separate(OFFSET, cloud, [1.0], h=0.5)[0] == pytest.approx(0.7 - alpha - 0.4)
+    assert separate({"kind": "position_offset", "offset": 0}, neighbours, [1.0])[0] == pytest.approx(
+        0.7 - alpha
+    )
+    assert separate(OFFSET, neighbours, [1.0], h=0.5)[0] == pytest.approx(0.7 - alpha - 0.4)
     fit, h = parameters_of(POWER), 0.8
     expected = -h * (edge_distance(fit, -0.7 / h) + edge_distance(fit, alpha / h))
-    assert separate(POWER, cloud, [1.0], h)[0] == pytest.approx(expected)
+    assert separate(POWER, neighbours, [1.0], h)[0] == pytest.approx(expected)
 
 
 def test_displacements_make_their_difference():
-    cloud = cloud_of(
+    neighbours = neighbours_of(
         [[-0.2, -0.1, 0.3], [0.0, 0.1, 0.2]],
         [-1, -1, 1],
         S=[0.5, 0.25, 0.25],
         displacement=[[0.1, 0.4, -0.3], [0.0, 0.0, 0.8]],
     )
     n = np.array([0.6, 0.8])
-    assert separate({"kind": "displacement"}, cloud, n)[0] == pytest.approx(0.6 * (-0.3 - 0.2) + 0.8 * 0.8)
+    assert separate({"kind": "displacement"}, neighbours, n)[0] == pytest.approx(
+        0.6 * (-0.3 - 0.2) + 0.8 * 0.8
+    )
 
 
 # ------------------------------------------------------------------------------------------------- what holds for all
 
 
 @st.composite
-def random_clouds(draw):
-    """A cloud in two or three dimensions with both sides present, and a unit normal."""
+def random_neighbours(draw):
+    """Neighbours in two or three dimensions with both sides present, and a unit normal."""
     d = draw(st.integers(2, 3))
     random = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     count = draw(st.integers(2, 20))
     side = np.where(random.uniform(size=count) < 0.5, -1.0, 1.0)
     side[:2] = -1.0, 1.0
     F = np.eye(d) + 0.2 * random.uniform(-1, 1, (count, d, d))
-    cloud = cloud_of(
+    neighbours = neighbours_of(
         random.uniform(-1.5, 1.5, (d, count)),
         side,
         S=random.uniform(0.01, 1, count),
@@ -334,64 +338,64 @@ def random_clouds(draw):
         R0=random.uniform(0.1, 0.5, d),
         displacement=random.normal(size=(d, count)),
     )
-    return cloud, unit(random.normal(size=d))
+    return neighbours, unit(random.normal(size=d))
 
 
 def known(distances):
     return np.where(np.abs(distances) >= UNKNOWN, np.nan, distances)
 
 
-@given(random_clouds(), st.sampled_from(KINDS), st.floats(0.2, 3))
+@given(random_neighbours(), st.sampled_from(KINDS), st.floats(0.2, 3))
 def test_swapping_the_sides_changes_nothing(case, words, h):
-    cloud, n = case
-    gap, alpha, beta = separate(words, cloud, n, h)
-    swapped = separate(words, cloud._replace(side=-cloud.side), -n, h)
+    neighbours, n = case
+    gap, alpha, beta = separate(words, neighbours, n, h)
+    swapped = separate(words, neighbours._replace(side=-neighbours.side), -n, h)
     assert swapped[0] == pytest.approx(gap, abs=1e-12)
     np.testing.assert_allclose(known(swapped[1:]), known([-beta, -alpha]), atol=1e-12)
 
 
-@given(random_clouds(), st.sampled_from(KINDS), st.floats(0.2, 3))
+@given(random_neighbours(), st.sampled_from(KINDS), st.floats(0.2, 3))
 def test_mirroring_changes_nothing(case, words, h):
-    cloud, n = case
+    neighbours, n = case
     d = len(n)
     flip = np.ones(d)
     flip[0] = -1.0
-    mirrored = cloud._replace(
-        x=cloud.x * flip[:, None],
-        displacement=cloud.displacement * flip[:, None],
-        radius_inverse=cloud.radius_inverse * np.tile(flip, d)[:, None],
+    mirrored = neighbours._replace(
+        x=neighbours.x * flip[:, None],
+        displacement=neighbours.displacement * flip[:, None],
+        radius_inverse=neighbours.radius_inverse * np.tile(flip, d)[:, None],
     )
     np.testing.assert_allclose(
-        separate(words, mirrored, n * flip, h), separate(words, cloud, n, h), atol=1e-12
+        separate(words, mirrored, n * flip, h), separate(words, neighbours, n, h), atol=1e-12
     )
 
 
-@given(random_clouds(), st.sampled_from([*KINDS[:2], OFFSET]), st.floats(-1, 1), st.floats(-1, 1))
+@given(random_neighbours(), st.sampled_from([*KINDS[:2], OFFSET]), st.floats(-1, 1), st.floats(-1, 1))
 def test_moving_a_side_along_the_normal_moves_the_gap(case, words, gap, sideways):
-    cloud, n = case
+    neighbours, n = case
     tangent = unit(np.cross(np.append(n, 0)[:3], [0.3, 0.2, 1.0])) if len(n) == 3 else np.array([-n[1], n[0]])
-    shift = np.where(cloud.side > 0, 1.0, 0.0) * (gap * n + sideways * tangent)[:, None]
-    moved = separate(words, cloud._replace(x=cloud.x + shift), n)
-    assert moved[0] == pytest.approx(separate(words, cloud, n)[0] + gap, abs=1e-12)
+    shift = np.where(neighbours.side > 0, 1.0, 0.0) * (gap * n + sideways * tangent)[:, None]
+    moved = separate(words, neighbours._replace(x=neighbours.x + shift), n)
+    assert moved[0] == pytest.approx(separate(words, neighbours, n)[0] + gap, abs=1e-12)
 
 
 @pytest.mark.parametrize("words", KINDS[:-1], ids=str)
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_a_side_without_particles_is_far_away(words, side):
-    cloud = cloud_of([[0.1, 0.2], [0.0, 0.3]], [side, side])
-    gap, *distances = separate(words, cloud, [0.0, 1.0])
+    neighbours = neighbours_of([[0.1, 0.2], [0.0, 0.3]], [side, side])
+    gap, *distances = separate(words, neighbours, [0.0, 1.0])
     assert gap == APART
     assert distances == [UNKNOWN, UNKNOWN]
 
 
 def test_none_always_touches():
-    assert separate({"kind": "none"}, cloud_of([[0.1]], [-1.0]), [1.0]) == (TOUCHING, UNKNOWN, UNKNOWN)
+    assert separate({"kind": "none"}, neighbours_of([[0.1]], [-1.0]), [1.0]) == (TOUCHING, UNKNOWN, UNKNOWN)
 
 
 @pytest.mark.parametrize("words", KINDS[2:], ids=str)
 def test_only_particle_edges_give_distances(words):
-    cloud = cloud_of([[-0.2, 0.3]], [-1, 1])
-    assert separate(words, cloud, [1.0])[1:] == (UNKNOWN, UNKNOWN)
+    neighbours = neighbours_of([[-0.2, 0.3]], [-1, 1])
+    assert separate(words, neighbours, [1.0])[1:] == (UNKNOWN, UNKNOWN)
 
 
 def test_registered_kinds_and_what_they_need():
@@ -431,10 +435,10 @@ def test_senseless_keys_are_refused(words):
 
 
 def find_many(separation, axes, x, side, S, G, volume, mass, displacement, M, work, n, distances, gaps):
-    """The separation of one cloud along each of the normals."""
+    """The separation of one neighbourhood along each of the normals."""
     for j in prange(gaps.shape[0]):
-        cloud = Cloud(x, side, S, G, volume, mass, displacement, M, work)
-        gaps[j] = find_separation(separation, axes, cloud, side.shape[0], n[j], 1.3, distances[j])
+        neighbours = Neighbours(x, side, S, G, volume, mass, displacement, M, work)
+        gaps[j] = find_separation(separation, axes, neighbours, side.shape[0], n[j], 1.3, distances[j])
 
 
 @pytest.fixture(scope="module")
@@ -457,7 +461,7 @@ def compiled():
 def test_kernels_compute_what_python_does(compiled, words, d, parallel):
     random = np.random.default_rng(3)
     F = np.eye(d) + 0.2 * random.uniform(-1, 1, (12, d, d))
-    cloud = cloud_of(
+    neighbours = neighbours_of(
         random.uniform(-1, 1, (d, 12)),
         np.where(np.arange(12) % 3 == 0, 1.0, -1.0),
         S=random.uniform(0.1, 1, 12),
@@ -466,12 +470,12 @@ def test_kernels_compute_what_python_does(compiled, words, d, parallel):
         displacement=random.normal(size=(d, 12)),
     )
     if words["kind"] == "regression":
-        cloud = cloud._replace(displacement=None)
+        neighbours = neighbours._replace(displacement=None)
     elif words["kind"] != "displacement":
-        cloud = cloud._replace(displacement=None, radius_inverse=None)
+        neighbours = neighbours._replace(displacement=None, radius_inverse=None)
     n = np.array([unit(row) for row in random.normal(size=(5, d))])
     distances, gaps = np.zeros((5, 2)), np.zeros(5)
-    compiled[parallel](parameters_of(words, d), (0.0,) * d, *cloud, n, distances, gaps)
+    compiled[parallel](parameters_of(words, d), (0.0,) * d, *neighbours, n, distances, gaps)
     for j in range(5):
-        expected = separate(words, cloud, n[j], 1.3)
+        expected = separate(words, neighbours, n[j], 1.3)
         np.testing.assert_allclose((gaps[j], *distances[j]), expected, rtol=1e-13, atol=1e-13)

@@ -50,7 +50,7 @@ CHECKS = """
 import math
 import numpy as np
 from mpmcli_example import annulus, bspline3, capped_friction, centroids, log_fluid
-from mpmcli.contact.cloud import allocate_cloud
+from mpmcli.contact.neighbours import allocate_neighbours
 from mpmcli.contact.laws import LAWS
 from mpmcli.contact.normals import NORMALS, find_normal
 from mpmcli.contact.settle import sliding_traction
@@ -89,13 +89,13 @@ for x in np.linspace(2.0, 4.0, 41):
         assert np.abs((after - values) / 1e-7 - slopes).max() < 1e-6
 print("linear fields are exact")
 
-cloud = allocate_cloud(2, 4, displacement=False, radius=False)
-cloud.x[:, :3] = [[-1.0, -1.0, 1.0], [0.0, 0.0, 2.0]]
-cloud.side[:3] = -1.0, -1.0, 1.0
-cloud.volume[:3] = 1.0
+neighbours = allocate_neighbours(2, 4, displacement=False, radius=False)
+neighbours.x[:, :3] = [[-1.0, -1.0, 1.0], [0.0, 0.0, 2.0]]
+neighbours.side[:3] = -1.0, -1.0, 1.0
+neighbours.volume[:3] = 1.0
 normal = NORMALS["centroids"].model_validate({"kind": "centroids"}).parameters(2, (1.0, 1.0))
 out = np.zeros(2)
-assert find_normal(normal, (0.0, 0.0), cloud, 3, 0, 1, np.zeros(2), out) == 0
+assert find_normal(normal, (0.0, 0.0), neighbours, 3, 0, 1, np.zeros(2), out) == 0
 assert np.allclose(out, np.sqrt(0.5))
 print("the normal points from side to side")
 

@@ -68,7 +68,7 @@ def test_contact_says_what_it_chooses_and_what_it_looks_at():
     assert 0 < contact["candidate_particles"] < facts["particles"]
     assert 0 < contact["candidate_nodes"] < facts["grid_nodes"]
     assert contact_kernels(facts) == {
-        "collect_sights", "sum_volumes", "find_geometry", "find_slip", "settle_stage(Friction)", "add_to_momenta",
+        "find_near_particles", "sum_volumes", "find_geometry", "find_slip", "settle_stage(Friction)", "add_to_momenta",
     }  # fmt: skip
     assert "contact.slot_of_node" in facts["arrays"]
     assert "1.a contact on extrapolated momenta" in facts["tasks"]
@@ -95,7 +95,7 @@ def test_bodies_that_overlap_are_driven_apart_by_a_kernel_of_its_own():
     )
 
 
-def test_bodies_held_together_need_no_normals_and_no_clouds():
+def test_bodies_held_together_need_no_normals_and_no_neighbours():
     facts = facts_of({"law": {"kind": "perfect"}})
     assert facts["contact"]["normal"] is None
     assert facts["contact"]["candidate_particles"] == 0

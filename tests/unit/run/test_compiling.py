@@ -165,7 +165,7 @@ def test_kernels_of_contact_are_named_before_bodies_touch():
     before = {name: array.copy() for name, array in simulation.particles.arrays().items()}
     names = {call.compiled.address[1] for call in calls_of(simulation, loaded)}
     assert names >= {
-        "collect_sights", "find_geometry", "find_slip", "settle_stage", "add_to_momenta", "add_to_velocities",
+        "find_near_particles", "find_geometry", "find_slip", "settle_stage", "add_to_momenta", "add_to_velocities",
         "list_contacts", "tally", "stored_energy", "scatter", "move_particles",
     }  # fmt: skip
     assert {version for call in calls_of(simulation, loaded) for version in call.compiled.address[2:]} == {

@@ -74,7 +74,7 @@ def flip_scene():
     }  # fmt: skip
 
 
-CONTACT = {"collect_sights", "find_geometry", "settle_stage", "find_slip", "add_to_momenta"}
+CONTACT = {"find_near_particles", "find_geometry", "settle_stage", "find_slip", "add_to_momenta"}
 """Some kernels of contact."""
 USED = {
     "none": set(),

@@ -1,8 +1,9 @@
 """Which nodes see several velocity fields, and which particles each of them sees.
 
 Nodes that may meet two fields, and the particles near them, are listed once per sort of the particles; everything
-else happens at those alone. A particle and a node that see each other form a *sight*; the sights of a node hang
-together in a list, in an order that does not depend on the number of threads.
+else happens at those alone. The particles near a node, those
+at which its shape function is not zero, hang together in a list, in an order that does not depend on the number of
+threads.
 """
 
 from __future__ import annotations
@@ -19,10 +20,11 @@ from mpmcli.core.stencil import SEEN, fill, is_seen
 Array = np.ndarray
 
 IMAGE_BITS = 4
-"""Flags of a sight: bits 0 to 2 say which axes its mirror image turns; from this bit on follows the image."""
+"""Flags of a particle near a node: bits 0 to 2 say which axes its mirror image turns; from this bit on follows the
+image."""
 
 NEAREST = 8
-"""Flag of the sight of a particle with the contact node at which its shape function is largest."""
+"""Flag of a particle near the contact node at which its shape function is largest."""
 
 
 class Candidates(NamedTuple):
@@ -39,7 +41,7 @@ class Candidates(NamedTuple):
     bands: Array
     """(n_bands + 1,) first of them in each band of the order, unsigned."""
     rooms: Array
-    """(n_bands,) where the sights of each band begin."""
+    """(n_bands,) where the entries of each band begin in ``NearParticles``."""
 
 
 NOTHING = np.zeros(0, dtype=np.int64)
@@ -58,11 +60,11 @@ class Images(NamedTuple):
     """(images,) bit a is set if axis a is turned; from bit 4 on the number of the image, counted from 1."""
 
 
-class Sights(NamedTuple):
-    """Sights of particles and nodes, linked by node.
+class NearParticles(NamedTuple):
+    """NearParticles of particles and nodes, linked by node.
 
-    head, number : (slots,) last sight of each contact node (−1: none) and how many it has
-    next : (room,) the sight before it in its list
+    head, number : (slots,) last entry of each contact node (−1: none) and how many it has
+    next : (room,) the entry before it in its list
     particle, flag, S : (room,)
     G : (room, d)
     """
@@ -99,11 +101,11 @@ def find_candidates(order: CellOrder, grid: Grid, images: int = 0) -> Candidates
         dof=dof[keep],
         particle=particle,
         bands=bands.astype(np.uint64),
-        rooms=bands[:-1].astype(np.int64) * most_sights(grid, images),
+        rooms=bands[:-1].astype(np.int64) * most_near(grid, images),
     )
 
 
-def most_sights(grid: Grid, images: int) -> int:
+def most_near(grid: Grid, images: int) -> int:
     """Return how many nodes a particle and its mirror images see at most."""
     return grid.width**grid.dimensions * (1 + images)
 
@@ -160,16 +162,16 @@ def select_nodes(candidates, mp, slot_of_node, node, first, dof):
 
 
 @inline
-def link(sights, slot, at, p, flag, S, G, a, m):
-    """Append a sight to the list of a contact node."""
-    sights.particle[at] = p
-    sights.flag[at] = flag
-    sights.S[at] = S[a]
-    for axis in range(sights.G.shape[1]):
-        sights.G[at, axis] = G[axis * m + a]
-    sights.next[at] = sights.head[slot]
-    sights.head[slot] = at
-    sights.number[slot] += 1
+def link(near, slot, at, p, flag, S, G, a, m):
+    """Append an entry to the list of a contact node."""
+    near.particle[at] = p
+    near.flag[at] = flag
+    near.S[at] = S[a]
+    for axis in range(near.G.shape[1]):
+        near.G[at, axis] = G[axis * m + a]
+    near.next[at] = near.head[slot]
+    near.head[slot] = at
+    near.number[slot] += 1
 
 
 @inline
@@ -198,10 +200,10 @@ def may_see(geometry, width, shape_of_grid, slot_of_node, X, p):
 
 
 @kernel
-def collect_sights(
-    shape, grid, across, stencil, candidates, images, slot_of_node, shape_of_grid, X, F, size, sights
+def find_near_particles(
+    shape, grid, across, stencil, candidates, images, slot_of_node, shape_of_grid, X, F, size, near
 ):
-    """Link every sight of the candidate particles into its node's list.
+    """Link the candidate particles into the lists of the contact nodes that they are near.
 
     The lists must be empty on entry. Bands of one colour never see the same node, nor do their mirror images unless
     planes exist: with planes the caller runs the serial version.
@@ -209,17 +211,17 @@ def collect_sights(
     bands_count = candidates.bands.shape[0] - 1
     for colour in range(2):
         for half in prange((bands_count + 1 - colour) // 2):
-            collect_band(
-                shape, grid, across, stencil, candidates, images, slot_of_node, shape_of_grid, X, F, size, sights,
+            find_near_in_band(
+                shape, grid, across, stencil, candidates, images, slot_of_node, shape_of_grid, X, F, size, near,
                 np.uint64(2 * half + colour),
             )  # fmt: skip
 
 
 @inline
-def collect_band(
-    shape, grid, across, stencil, candidates, images, slot_of_node, shape_of_grid, X, F, size, sights, b
+def find_near_in_band(
+    shape, grid, across, stencil, candidates, images, slot_of_node, shape_of_grid, X, F, size, near, b
 ):
-    """``collect_sights`` for the particles of band ``b``."""
+    """``find_near_particles`` for the particles of band ``b``."""
     geometry = unfold(grid)
     S, G, W, offsets = stencil.S[b], stencil.G[b], stencil.W[b], stencil.offsets
     count = images.flag.shape[0]
@@ -237,17 +239,17 @@ def collect_band(
                 if slot >= 0:
                     if S[a] > largest:
                         largest, nearest = S[a], at
-                    link(sights, slot, at, np.int64(p), 0, S, G, a, offsets.shape[0])
+                    link(near, slot, at, np.int64(p), 0, S, G, a, offsets.shape[0])
                     at += 1
                 for image in range(count):
                     other = image_of_node(geometry, images.line[image], shape_of_grid, i)
                     if other >= 0:
                         slot = slot_of_node[other]
                         if slot >= 0:
-                            link(sights, slot, at, np.int64(p), images.flag[image], S, G, a, offsets.shape[0])
+                            link(near, slot, at, np.int64(p), images.flag[image], S, G, a, offsets.shape[0])
                             at += 1
         if nearest >= begin:
-            sights.flag[nearest] |= NEAREST
+            near.flag[nearest] |= NEAREST
 
 
 @inline
@@ -266,7 +268,7 @@ def image_of_node(geometry, line, shape_of_grid, i):
     return other
 
 
-class Clouds:
+class ContactNodes:
     """Contact nodes of the step and the particles that each of them sees.
 
     Parameters
@@ -280,7 +282,7 @@ class Clouds:
     node : (slots,) contact nodes
     first : (slots + 1,) where the entries of each begin in ``dof``
     dof : degrees of freedom with mass at the contact nodes, fields ascending
-    sights : which particles they see
+    near : the particles near them
     """
 
     def __init__(self, order: CellOrder, grid: Grid, planes: list[tuple[int, int]], slot_of_node: Array):
@@ -321,10 +323,10 @@ class Clouds:
         self._node = np.zeros(len(c.node), dtype=np.int64)
         self._first = np.zeros(len(c.node) + 1, dtype=np.int64)
         self._dof = np.zeros(len(c.dof), dtype=np.int64)
-        # untouched room costs nothing: sights are written one after another from the start of each band's room
-        room = len(c.particle) * most_sights(self._grid, images)
+        # untouched room costs nothing: entries are written one after another from the start of each band's room
+        room = len(c.particle) * most_near(self._grid, images)
         d = self._grid.dimensions
-        self.sights = Sights(
+        self.near = NearParticles(
             head=np.zeros(len(c.node), dtype=np.int64),
             number=np.zeros(len(c.node), dtype=np.int64),
             next=np.empty(room, dtype=np.int64),
@@ -343,14 +345,14 @@ class Clouds:
         )
         return self._count
 
-    def collect(
+    def find_near(
         self, shape: Any, across: Any, stencil: Any, X: Array, F: Array, size: Array, parallel: bool
     ) -> None:
         """Find the particles that the contact nodes see, with the stencils of this step."""
-        s, images = self.sights, self.images
+        s, images = self.near, self.images
         s.head[: self._count] = -1
         s.number[: self._count] = 0
-        collect_sights[parallel and len(images.flag) == 0](
+        find_near_particles[parallel and len(images.flag) == 0](
             shape, self._grid.geometry, across, stencil, self.candidates, images, self._slot_of_node, self._shape,
             X, F, size, s,
         )  # fmt: skip

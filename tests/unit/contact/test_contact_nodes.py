@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
-from mpmcli.contact.clouds import images_of
+from mpmcli.contact.contact_nodes import images_of
 from mpmcli.core.stencil import SEEN, fill_stencils, is_seen
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
@@ -39,14 +39,14 @@ TRIO = (*PAIR, box("c", [-2, 2.4], [2.2, 4], [0, "-0.4"]))
 
 def sights_by_node(s):
     """For each contact node the set of (particle, image, value) that it sees."""
-    clouds = s.contact.clouds
+    nodes = s.contact.nodes
     seen = {}
-    for slot, node in enumerate(clouds.node):
-        at, found = clouds.sights.head[slot], []
+    for slot, node in enumerate(nodes.node):
+        at, found = nodes.near.head[slot], []
         while at >= 0:
-            found.append((clouds.sights.particle[at], clouds.sights.flag[at] & 7, clouds.sights.S[at]))
-            at = clouds.sights.next[at]
-        assert len(found) == clouds.sights.number[slot]
+            found.append((nodes.near.particle[at], nodes.near.flag[at] & 7, nodes.near.S[at]))
+            at = nodes.near.next[at]
+        assert len(found) == nodes.near.number[slot]
         seen[int(node)] = found
     return seen
 
@@ -129,9 +129,9 @@ def test_particles_see_whole_sides_of_nodes_after_small_shifts():
 def test_particles_that_see_no_contact_node_cost_nothing():
     s = simulation([box("a", [-7, -1], [-5, 1]), box("b", [5, -1], [7, 1])])
     s.step()
-    assert len(s.contact.clouds.candidates.node) == 0
-    assert len(s.contact.clouds.candidates.particle) == 0
-    assert s.contact.clouds.count == 0
+    assert len(s.contact.nodes.candidates.node) == 0
+    assert len(s.contact.nodes.candidates.particle) == 0
+    assert s.contact.nodes.count == 0
 
 
 def test_images_of_planes_on_one_axis_do_not_combine():
@@ -159,7 +159,7 @@ def test_a_mirror_shows_nodes_near_it_the_images_of_their_particles():
 def test_two_fields_make_one_contact_per_node_and_three_one_per_field():
     s = simulation(list(TRIO))
     s.step()
-    members, first = s.contact.contacts.members, s.contact.clouds.first
+    members, first = s.contact.contacts.members, s.contact.nodes.first
     n = s.grid.node_count
     counts = np.diff(first)
     assert set(counts) == {2, 3}
@@ -196,10 +196,10 @@ def test_small_shares_of_mass_are_passed_over_unless_the_bond_is_perfect():
     for law, passed_over in (("stick", True), ("perfect", False)):
         s = simulation(list(PAIR), {"law": {"kind": law}, "mass_ratio": 0.3})
         s.step()
-        mp, clouds, c = s.grid.mp, s.contact.clouds, s.contact.contacts
+        mp, nodes, c = s.grid.mp, s.contact.nodes, s.contact.contacts
         shares = []
-        for slot in range(clouds.count):
-            m = mp[clouds.dof[clouds.first[slot] : clouds.first[slot + 1]], 0]
+        for slot in range(nodes.count):
+            m = mp[nodes.dof[nodes.first[slot] : nodes.first[slot + 1]], 0]
             shares.append(m.min() / m.sum())
         wanted = sum(share >= 0.3 for share in shares) if passed_over else len(shares)
         assert min(shares) < 0.3 < max(shares)

@@ -9,10 +9,10 @@ import numpy as np
 Array = np.ndarray
 
 WORK = 96
-"""Length of a cloud's scratch space."""
+"""Length of the scratch space."""
 
 
-class Cloud(NamedTuple):
+class Neighbours(NamedTuple):
     """Particles that see a node; only the first ``count`` columns, passed beside it, are valid.
 
     A contact is seen from one velocity field, α; all other fields at the node together are β.
@@ -39,17 +39,19 @@ class Cloud(NamedTuple):
     """(``WORK``,) scratch."""
 
 
-def allocate_cloud(dimensions: int, capacity: int, displacement: bool, radius: bool) -> Cloud:
-    """A cloud that holds up to ``capacity`` particles."""
-    clouds = allocate_clouds(1, dimensions, capacity, displacement, radius)
-    rows: Any = (None if array is None else array[0] for array in clouds)
-    return Cloud(*rows)
+def allocate_neighbours(dimensions: int, capacity: int, displacement: bool, radius: bool) -> Neighbours:
+    """Allocate neighbours of a node, up to ``capacity`` particles."""
+    neighbourhoods = allocate_several(1, dimensions, capacity, displacement, radius)
+    rows: Any = (None if array is None else array[0] for array in neighbourhoods)
+    return Neighbours(*rows)
 
 
-def allocate_clouds(count: int, dimensions: int, capacity: int, displacement: bool, radius: bool) -> Cloud:
-    """Several clouds: ``Cloud`` with a first axis in front."""
+def allocate_several(
+    count: int, dimensions: int, capacity: int, displacement: bool, radius: bool
+) -> Neighbours:
+    """Several neighbourhoods: ``Neighbours`` with a first axis in front."""
     n, d = capacity, dimensions
-    return Cloud(
+    return Neighbours(
         x=np.zeros((count, d, n)),
         side=np.zeros((count, n)),
         S=np.zeros((count, n)),
