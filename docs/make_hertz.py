@@ -55,7 +55,7 @@ def nodal_forces(simulation: Simulation) -> tuple[Array, Array]:
     snapshot = Snapshot(simulation.state)
     at = np.abs(nodal_values(snapshot, "contact_normal")).sum(axis=1) > 0.0
     traction = nodal_values(snapshot, "contact_traction")[at, 1]
-    nodes = contacts.nodes.node[contacts.members.slot[: contacts.count]]
+    nodes = contacts.nodes.node[contacts.fields.slot[: contacts.count]]
     x = simulation.grid.coordinates(nodes)[0]
     real = x > -0.5 * CELL
     x, area = x[real], contacts.geometry.area[: contacts.count][real]

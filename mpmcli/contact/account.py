@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.contact import momenta
+from mpmcli.contact import impulses
 from mpmcli.contact.choice import ContactChoice
 from mpmcli.contact.contact_nodes import NEAREST
 from mpmcli.contact.contacts import Contacts
@@ -89,12 +89,12 @@ class ContactAccount:
         self._identity, self._dt = self._particles.id, dt
         self._impulse = c.rows.net[: c.count].copy()  # of the whole step, for those who look later
         rigid_work = self._rigid_work.sum()
-        sums = momenta.Tallies(
-            self._pair, self._shares(c.members.alpha[: c.count]), view.force, view.area, view.momentum_error,
+        sums = impulses.Tallies(
+            self._pair, self._shares(c.fields.alpha[: c.count]), view.force, view.area, view.momentum_error,
             self._rigid_work,
         )  # fmt: skip
-        self._work["contact_work"] += momenta.tally(
-            (0.0,) * grid.dimensions, c.count, c.members, c.table, c.geometry, c.rows, after, grid.mp, sums
+        self._work["contact_work"] += impulses.tally(
+            (0.0,) * grid.dimensions, c.count, c.fields, c.table, c.geometry, c.rows, after, grid.mp, sums
         )
         view.force /= dt
         view.touching = int(np.count_nonzero(c.rows.state[: c.count]))
@@ -143,8 +143,8 @@ class ContactAccount:
         near = c.nodes.near
         place = None if p.id is self._identity else place_of_identity(p.id)  # some have been removed since
         for k in range(c.count):
-            at = near.head[c.members.slot[k]]
-            alpha, beta = c.members.alpha[k] // n, c.members.partner[k] // n
+            at = near.head[c.fields.slot[k]]
+            alpha, beta = c.fields.alpha[k] // n, c.fields.partner[k] // n
             while at >= 0:
                 i = near.particle[at]
                 if place is not None:
@@ -153,7 +153,7 @@ class ContactAccount:
                 if i >= 0 and near.flag[at] & NEAREST:
                     if p.velocity_field[i] == alpha:
                         out[:, i] = c.geometry.normal[k]
-                    elif (c.members.both[k] or c.members.rigid[k]) and p.velocity_field[i] == beta:
+                    elif (c.fields.both[k] or c.fields.rigid[k]) and p.velocity_field[i] == beta:
                         out[:, i] = -c.geometry.normal[k]
                 at = near.next[at]
         return out
@@ -186,7 +186,7 @@ class ContactAccount:
     def _on_nodes(self, rows: Array) -> Array:
         """Rows (k, …) of the contacts on all nodes (n, …): that of the first contact of each."""
         c = self._contacts
-        slot, first = np.unique(c.members.slot[: c.count], return_index=True)
+        slot, first = np.unique(c.fields.slot[: c.count], return_index=True)
         out = np.zeros((self._grid.node_count, *rows.shape[1:]))
         out[c.nodes.node[slot]] = rows[first]
         return out

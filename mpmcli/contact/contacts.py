@@ -1,4 +1,4 @@
-"""The contacts of a step: their rows, and the scratch space to find and settle them."""
+"""The contacts of a step: their rows, and the scratch space to find them and their impulses."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from mpmcli.contact.contact_nodes import ContactNodes
+from mpmcli.contact.fields_in_contact import FieldsInContact, NodeTable, Rules, list_contacts, most_contacts
 from mpmcli.contact.geometry import Geometry, Matter, Surroundings, find_geometry, sum_volumes
-from mpmcli.contact.members import Members, NodeTable, Rules, list_contacts, most_contacts
-from mpmcli.contact.momenta import ImpulseRows
+from mpmcli.contact.impulses import ImpulseRows
 from mpmcli.contact.neighbours import Neighbours, allocate_several
 
 Array = np.ndarray
@@ -30,7 +30,7 @@ class Contacts:
 
     Attributes
     ----------
-    members, geometry : rows of all contacts; the first ``count`` are valid
+    fields, geometry : rows of all contacts; the first ``count`` are valid
     count : number of contacts
     begin : (slots + 1,) where the contacts of each node begin
     volume : (entries,) volume Ω of each field at each contact node; the first ones are valid
@@ -55,9 +55,9 @@ class Contacts:
         room = max(room, 2 * self._room)
         d = self._dimensions
         self._room = room
-        integers = {name: np.zeros(room, dtype=np.int64) for name in Members._fields}
+        integers = {name: np.zeros(room, dtype=np.int64) for name in FieldsInContact._fields}
         flags = {name: np.zeros(room, dtype=bool) for name in ("rigid", "alone", "pair", "both")}
-        self.members = Members(**(integers | flags | {"order": np.zeros(room)}))
+        self.fields = FieldsInContact(**(integers | flags | {"order": np.zeros(room)}))
         self.geometry = Geometry(
             normal=np.zeros((room, d)),
             separation=np.zeros(room),
@@ -87,14 +87,14 @@ class Contacts:
         """Find the volume of each field at each contact node."""
         sum_volumes[parallel](self.table, self.nodes.near, matter.field, matter.F, matter.vol0)
 
-    def find_members(self, mp: Array) -> None:
+    def find_fields(self, mp: Array) -> None:
         """List who meets whom at the contact nodes; masses from ``mp``."""
         slots = self.nodes.count
         self._make_room(most_contacts(self.rules, self.table))
         if len(self.begin) < slots + 1:
             self.begin = np.zeros(2 * slots + 1, dtype=np.int64)
-        self.count = list_contacts(self.rules, self.table, mp, self.members, self.begin)
-        self.stages = 1 + int(self.members.stage[: self.count].max(initial=0))
+        self.count = list_contacts(self.rules, self.table, mp, self.fields, self.begin)
+        self.stages = 1 + int(self.fields.stage[: self.count].max(initial=0))
 
     def find_geometry(
         self, normal: Any, separation: Any, around: Surroundings, matter: Matter, needs_radius: bool,
@@ -111,6 +111,6 @@ class Contacts:
                 WORKERS, self._dimensions, max(most, 2 * kept, 32), matter.X0 is not None, needs_radius
             )
         find_geometry[parallel](
-            normal, separation, (0.0,) * self._dimensions, self.count, self.members, self.table, around, near,
+            normal, separation, (0.0,) * self._dimensions, self.count, self.fields, self.table, around, near,
             matter, guesses, self._buffers, self.geometry,
         )  # fmt: skip

@@ -36,7 +36,7 @@ class DirectionWatch:
 
     def look(self, particles: Any) -> None:
         """Judge the pairs that have contacts for the first time; warn of those that would pass through each other."""
-        c, m = self._contacts, self._contacts.members
+        c, m = self._contacts, self._contacts.fields
         alpha, beta = (dof[: c.count] // self._node_count for dof in (m.alpha, m.partner))
         pair = alpha * len(self._names) + beta
         for new in np.unique(pair).tolist():
@@ -56,7 +56,7 @@ class DirectionWatch:
         """g_α − g_β at contact ``k``, which points from α to β (d,)."""
         near = self._contacts.nodes.near
         total = np.zeros(near.G.shape[1])
-        at = near.head[self._contacts.members.slot[k]]
+        at = near.head[self._contacts.fields.slot[k]]
         while at >= 0:
             p = near.particle[at]
             field = particles.velocity_field[p]

@@ -231,7 +231,7 @@ def find_geometry(
     separation_method,
     axes,
     count,
-    members,
+    fields,
     nodes,
     around,
     near,
@@ -253,21 +253,21 @@ def find_geometry(
             row_of(buffers.displacement, c), row_of(buffers.radius_inverse, c), buffers.work[c],
         )  # fmt: skip
         for k in range(count * c // workers, count * (c + 1) // workers):
-            slot = members.slot[k]
-            alpha, beta = members.alpha[k] // nodes.node_count, members.partner[k] // nodes.node_count
+            slot = fields.slot[k]
+            alpha, beta = fields.alpha[k] // nodes.node_count, fields.partner[k] // nodes.node_count
             n, volume_alpha, volume_beta, intact[k] = gather(
-                axes, slot, alpha, beta, members.alone[k], neighbours, nodes, around, near, matter
+                axes, slot, alpha, beta, fields.alone[k], neighbours, nodes, around, near, matter
             )
-            side, order = 1.0 if members.rigid[k] else 0.0, members.order[k]
+            side, order = 1.0 if fields.rigid[k] else 0.0, fields.order[k]
             if guesses is None:
                 status[k] = find_normal(
                     normal_method, axes, neighbours, n, side, order, buffers.work[c], normal[k]
                 )
             else:
-                guess = guesses[members.alpha[k]]
+                guess = guesses[fields.alpha[k]]
                 status[k] = find_normal(normal_method, axes, neighbours, n, side, order, guess, normal[k])
                 for a in range(len(axes)):
-                    guesses[members.alpha[k], a] = normal[k, a]
+                    guesses[fields.alpha[k], a] = normal[k, a]
             h = perpendicular_size(axes, around.cell, normal[k])
             gap = find_separation(separation_method, axes, neighbours, n, normal[k], h, distances[k])
             separation[k] = gap + unsure(axes, h, around.shape, around.origin, around.cell)

@@ -8,16 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.contact import momenta, overlap, pairs
+from mpmcli.contact import coupled_pairs, impulses, overlap
 from mpmcli.contact.account import ContactAccount
 from mpmcli.contact.choice import ContactChoice
 from mpmcli.contact.contact_nodes import NEAREST, ContactNodes
 from mpmcli.contact.contacts import Contacts
 from mpmcli.contact.direction import DirectionWatch
+from mpmcli.contact.fields_in_contact import Rules
 from mpmcli.contact.geometry import Matter, Surroundings
-from mpmcli.contact.members import Rules
-from mpmcli.contact.momenta import Place
-from mpmcli.contact.settle import BROKEN
+from mpmcli.contact.impulses import Place
+from mpmcli.contact.laws.impulse import BROKEN
 from mpmcli.core.analysis import Axisymmetric
 from mpmcli.core.nodal_field import Correction
 from mpmcli.core.order import CellOrder
@@ -133,7 +133,7 @@ class NodalContact(Correction):
                 transfer.shape.parameters, transfer.across, transfer.stencil, p.X, matter.F, p.size, parallel
             )
             c.sum_volumes(matter, parallel)
-        c.find_members(mp)
+        c.find_fields(mp)
         if c.count == 0:
             return
         if self._has_geometry:
@@ -149,7 +149,7 @@ class NodalContact(Correction):
         if keeps_start:
             self._find_slip(None, rows.slip)
         if not self._model.once:
-            self._settle_momenta(step.dt, after_forces=False, advance=0.0)
+            self._correct_momenta(step.dt, after_forces=False, advance=0.0)
             rows.start[: c.count] = rows.dp[: c.count]
             self._start_increments()
         if not keeps_start:
@@ -166,7 +166,7 @@ class NodalContact(Correction):
             return
         if self._removes_overlap:
             self._find_drive(step.dt)
-        self._settle_momenta(step.dt, after_forces=True, advance=step.dt)
+        self._correct_momenta(step.dt, after_forces=True, advance=step.dt)
         self._start_increments()
         if step.plan.imposes_lumped:
             self._conditions.impose_on_momenta(step)
@@ -175,7 +175,7 @@ class NodalContact(Correction):
         """Take Δp⁽¹⁾ out of momenta ``p`` (dofs, d) of the start of the step, where the filter is to know it."""
         c = self.contacts
         if step.plan.corrects_filter:
-            momenta.take_out(self._axes, c.count, c.members, c.rows.start, p)
+            impulses.take_out(self._axes, c.count, c.fields, c.rows.start, p)
 
     def correct(self, step: Step, dv: Array, counts_reactions: bool) -> None:
         """Part (2) of an FMPM increment: contact on Δv(ℓ); conditions, whose impulses may count, have the last word."""
@@ -183,7 +183,7 @@ class NodalContact(Correction):
             dv[self._rigid.held] = 0.0
         if self.contacts.count == 0 or not self._incremental:
             return
-        self._settle_velocities(step.dt, dv, is_increment=True)
+        self._correct_velocities(step.dt, dv, is_increment=True)
         if step.plan.zeroes_increments:
             self._conditions.zero_increment(dv, counts_reactions)
 
@@ -192,7 +192,7 @@ class NodalContact(Correction):
         c = self.contacts
         if c.count == 0 or not self._later:
             return
-        self._settle_velocities(step.dt, v, is_increment=False)
+        self._correct_velocities(step.dt, v, is_increment=False)
         c.rows.net[: c.count] += c.rows.dp[: c.count]
 
     def after_new_extrapolation(self, step: Step) -> None:
@@ -200,7 +200,7 @@ class NodalContact(Correction):
         self._restore_rigid()
         if self.contacts.count == 0:
             return
-        self._settle_momenta(step.dt, after_forces=False, advance=0.0)
+        self._correct_momenta(step.dt, after_forces=False, advance=0.0)
         self._start_increments()
         if step.plan.imposes_lumped:
             self._conditions.impose_again(step)
@@ -251,28 +251,28 @@ class NodalContact(Correction):
     def _parallel(self) -> bool:
         return self.contacts.count >= self.parallel_from
 
-    def _settle_momenta(self, dt: float, after_forces: bool, advance: float) -> None:
+    def _correct_momenta(self, dt: float, after_forces: bool, advance: float) -> None:
         c, grid = self.contacts, self._grid
         here = self._place(dt, advance)._replace(
             after_forces=after_forces, drives=self._removes_overlap and advance > 0.0
         )
         for stage in range(c.stages):
             here = here._replace(stage=stage)
-            self._settle(here, grid.f)
-            momenta.add_to_momenta[self._parallel](
-                self._axes, c.count, c.members, c.rows.dp, here, grid.mp, grid.f
+            self._find_impulses(here, grid.f)
+            impulses.add_to_momenta[self._parallel](
+                self._axes, c.count, c.fields, c.rows.dp, here, grid.mp, grid.f
             )
 
-    def _settle_velocities(self, dt: float, v: Array, is_increment: bool) -> None:
+    def _correct_velocities(self, dt: float, v: Array, is_increment: bool) -> None:
         c = self.contacts
         here = self._place(dt, 0.0 if is_increment else dt)._replace(
             of_velocity=True, of_increment=is_increment
         )
         for stage in range(c.stages):
             here = here._replace(stage=stage)
-            self._settle(here, v)
-            momenta.add_to_velocities[self._parallel](
-                self._axes, c.count, c.members, c.rows.dp, here, self._grid.mp, v
+            self._find_impulses(here, v)
+            impulses.add_to_velocities[self._parallel](
+                self._axes, c.count, c.fields, c.rows.dp, here, self._grid.mp, v
             )
 
     def _place(self, dt: float, advance: float) -> Place:
@@ -288,59 +288,59 @@ class NodalContact(Correction):
             advance=advance,
         )
 
-    def _settle(self, here: Place, v: Array) -> None:
-        """Settle momenta, or the velocities ``v``, at the contacts of a stage; see ``momenta.settle_stage``."""
+    def _find_impulses(self, here: Place, v: Array) -> None:
+        """Find the impulses on momenta, or on velocities ``v``, at the contacts of a stage."""
         c, grid = self.contacts, self._grid
         for which in self.choice.used:
             if not self._rules.skipped[which]:
-                momenta.settle_stage[self._parallel](
-                    self._laws[which], self._axes, which, c.count, c.members, c.table, c.geometry, c.rows, here,
+                impulses.find_impulses[self._parallel](
+                    self._laws[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows, here,
                     grid.mp, grid.f, v,
                 )  # fmt: skip
         if self._rules.explicit and here.stage == 0:
-            self._settle_pairs(here, v)
+            self._find_pair_impulses(here, v)
 
-    def _settle_pairs(self, here: Place, v: Array) -> None:
+    def _find_pair_impulses(self, here: Place, v: Array) -> None:
         """The contacts that ``three_or_more: pairs`` or ``coupled`` asks for."""
         c, mp = self.contacts, self._grid.mp
         slots = self.nodes.count
         chosen = np.zeros(slots, dtype=bool)
-        pairs.find_pair_impulses(self._axes, c.count, c.members, c.table, c.geometry, c.rows, here, mp, v)
-        for sweep in range(pairs.SWEEPS + 1):
+        coupled_pairs.start_pairs(self._axes, c.count, c.fields, c.table, c.geometry, c.rows, here, mp, v)
+        for sweep in range(coupled_pairs.SWEEPS + 1):
             change = size = 0.0
             for which in self.choice.used:
                 if not self._rules.skipped[which]:
-                    moved, whole = pairs.settle_pairs(
-                        self._laws[which], self._axes, which, c.count, c.members, c.begin, chosen, sweep > 0,
+                    moved, whole = coupled_pairs.find_pair_impulses(
+                        self._laws[which], self._axes, which, c.count, c.fields, c.begin, chosen, sweep > 0,
                         c.geometry, c.rows, here, mp,
                     )  # fmt: skip
                     change, size = change + moved, size + whole
             if sweep == 0:
-                most = len(c.members.pair) if self._rules.coupled else 2
-                pairs.choose_pairs(slots, c.members, c.begin, most, c.rows.state, chosen)
+                most = len(c.fields.pair) if self._rules.coupled else 2
+                coupled_pairs.choose_pairs(slots, c.fields, c.begin, most, c.rows.state, chosen)
                 if not chosen.any():
                     break
-            elif change <= pairs.SETTLED * size:
+            elif change <= coupled_pairs.CONVERGED * size:
                 break
-        pairs.finish_pairs(self._axes, c.count, c.members, chosen, c.rows, here)
+        coupled_pairs.finish_pairs(self._axes, c.count, c.fields, chosen, c.rows, here)
 
     def _find_drive(self, dt: float) -> None:
         c = self.contacts
         overlap.find_drive[self._parallel](
-            self._axes, c.count, c.members, c.table, self._around, self._drives, float(self._model.overlap_removal),
+            self._axes, c.count, c.fields, c.table, self._around, self._drives, float(self._model.overlap_removal),
             c.geometry.normal, self._grid.mp, dt, c.rows.drive,
         )  # fmt: skip
 
     def _start_increments(self) -> None:
         c, rows = self.contacts, self.contacts.rows
-        momenta.start_increments[self._parallel](
+        impulses.start_increments[self._parallel](
             self._axes, c.count, self._evolving, rows.dp0, rows.dp, rows.prior, rows.net
         )
 
     def _find_slip(self, v: Array | None, out: Array) -> None:
         c, grid = self.contacts, self._grid
-        momenta.find_slip[self._parallel](
-            self._axes, c.count, c.members, c.table, grid.mp, grid.f if v is None else v, v is not None, out
+        impulses.find_slip[self._parallel](
+            self._axes, c.count, c.fields, c.table, grid.mp, grid.f if v is None else v, v is not None, out
         )
 
     def _restore_rigid(self) -> None:
@@ -353,7 +353,7 @@ class NodalContact(Correction):
         c, near = self.contacts, self.nodes.near
         bond: Any = self._particles.bond
         for k in np.flatnonzero(c.rows.state[: c.count] == BROKEN):
-            at = near.head[c.members.slot[k]]
+            at = near.head[c.fields.slot[k]]
             while at >= 0:
                 if near.flag[at] & NEAREST:
                     bond[near.particle[at]] = 0.0

@@ -38,7 +38,7 @@ def volume_of_node(axes, i, around):
 
 
 @kernel
-def find_drive(axes, count, members, nodes, around, drives, share, normal, mp, dt, drive):
+def find_drive(axes, count, fields, nodes, around, drives, share, normal, mp, dt, drive):
     """Impulse that takes ``share`` of the overlap at every contact back within ``dt``, into ``drive`` (k,) [momentum].
 
     The overlap is h⊥ (Σ Ω/V_i − 1), with the volumes Ω of all fields at the node and that of the node itself, V_i;
@@ -47,14 +47,14 @@ def find_drive(axes, count, members, nodes, around, drives, share, normal, mp, d
     """
     for k in prange(count):
         drive[k] = 0.0
-        if drives[members.law[k]]:
-            drive[k] = drive_of_contact(axes, k, members, nodes, around, share, normal[k], mp, dt)
+        if drives[fields.law[k]]:
+            drive[k] = drive_of_contact(axes, k, fields, nodes, around, share, normal[k], mp, dt)
 
 
 @inline
-def drive_of_contact(axes, k, members, nodes, around, share, normal, mp, dt):
+def drive_of_contact(axes, k, fields, nodes, around, share, normal, mp, dt):
     """``find_drive`` for one contact."""
-    slot = members.slot[k]
+    slot = fields.slot[k]
     soft, hard = 0.0, 0.0
     for e in range(nodes.first[slot], nodes.first[slot + 1]):
         if nodes.rigid[nodes.dof[e] // nodes.node_count]:
@@ -65,12 +65,12 @@ def drive_of_contact(axes, k, members, nodes, around, share, normal, mp, dt):
     excess = min((soft + min(hard, whole)) / whole - 1.0, MOST)
     if not excess > 0.0:
         return 0.0
-    reduced = mp[members.alpha[k], 0]
-    if not members.rigid[k]:
+    reduced = mp[fields.alpha[k], 0]
+    if not fields.rigid[k]:
         m_beta = 0.0
-        for e in range(members.first[k], members.last[k]):
+        for e in range(fields.first[k], fields.last[k]):
             i = nodes.dof[e]
-            if i != members.alpha[k] and not nodes.rigid[i // nodes.node_count]:
+            if i != fields.alpha[k] and not nodes.rigid[i // nodes.node_count]:
                 m_beta += mp[i, 0]
         reduced = reduced * m_beta / (reduced + m_beta)
     h = perpendicular_size(axes, around.cell, normal)

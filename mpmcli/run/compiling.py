@@ -35,7 +35,7 @@ LONGEST = (
     "update_strain_and_stress",
     "find_near_particles",
     "scatter",
-    "settle_stage",
+    "find_impulses",
     "move_particles",
 )
 """Functions that take longest to compile, which are begun first."""

@@ -8,9 +8,15 @@ from typing import Any
 from pydantic import BaseModel
 
 from mpmcli.contact.laws import LawModel
+from mpmcli.contact.laws.impulse import (
+    is_soft,
+    law_impulse,
+    law_impulse_at_end,
+    pressed_impulse,
+    sliding_traction,
+)
 from mpmcli.contact.normals import NormalModel, find_normal
 from mpmcli.contact.separation import SeparationModel, find_separation
-from mpmcli.contact.settle import is_soft, settle, settle_pressed, settle_soft, sliding_traction
 from mpmcli.core.errors import PluginError
 from mpmcli.core.plugins import Plugin, installed, plugin_of
 from mpmcli.core.stencil import fill, weigh, weigh_gathers
@@ -61,7 +67,7 @@ def _check_model(plugin: Plugin, model: BaseModel, scene: Any) -> None:
     if isinstance(model, MaterialModel):
         arguments, needed = (scene.analysis.kind, scene.method.heating == "adiabatic"), OF_MATERIALS
     elif isinstance(model, LawModel):
-        arguments, needed = (), (settle, settle_soft, is_soft)
+        arguments, needed = (), (law_impulse, law_impulse_at_end, is_soft)
     elif isinstance(model, NormalModel):
         needed = (find_normal,)
     elif isinstance(model, SeparationModel):
@@ -81,7 +87,10 @@ def _require(plugin: Plugin, name: str, numbers_of: Callable[[], Any], needed: I
     if not (isinstance(numbers, tuple) and hasattr(kind, "_fields")):
         raise PluginError(f"{fault}: its parameters must be a named tuple, not {kind.__name__}")
     missing = [each.__name__ for each in needed if kind not in each.implementations]
-    if settle.implementations.get(kind) is settle_pressed and kind not in sliding_traction.implementations:
+    if (
+        law_impulse.implementations.get(kind) is pressed_impulse
+        and kind not in sliding_traction.implementations
+    ):
         missing.append(sliding_traction.__name__)
     if missing:
         raise PluginError(f"{fault}: no function is registered for {kind.__name__} as {', '.join(missing)}")

@@ -8,7 +8,15 @@ from hypothesis import strategies as st
 from scipy.stats import ortho_group
 
 from mpmcli.contact.laws import LAWS
-from mpmcli.contact.settle import APART, BROKEN, SLIDING, STICKING, settle, settle_soft, sliding_traction
+from mpmcli.contact.laws.impulse import (
+    APART,
+    BROKEN,
+    SLIDING,
+    STICKING,
+    law_impulse,
+    law_impulse_at_end,
+    sliding_traction,
+)
 from mpmcli.core.kernel import kernel, prange
 
 MODELS = [
@@ -21,17 +29,17 @@ DT = 0.1
 
 
 @kernel
-def settle_all(law, axes, dp0, n, separation, area, mass, displacement_only, bond, out, state):
+def impulses_of_all(law, axes, dp0, n, separation, area, mass, displacement_only, bond, out, state):
     for k in prange(dp0.shape[0]):
-        state[k] = settle(
+        state[k] = law_impulse(
             law, axes, dp0[k], n[k], separation[k], area[k], mass[k], 0.1, displacement_only, bond[k], out[k]
         )
 
 
 @kernel
-def settle_all_soft(law, axes, dp0, n, separation, force, area, mass, bond, out, state):
+def impulses_of_all_soft(law, axes, dp0, n, separation, force, area, mass, bond, out, state):
     for k in prange(dp0.shape[0]):
-        state[k] = settle_soft(
+        state[k] = law_impulse_at_end(
             law, axes, dp0[k], n[k], separation[k], force[k], area[k], mass[k], 0.1, False, bond[k], out[k]
         )
 
@@ -58,7 +66,7 @@ def settled(model, c, parallel=False, displacement_only=False):
     out = np.full_like(c.dp0, np.nan)
     state = np.full(len(c.dp0), -1)
     axes = (0.0,) * c.dp0.shape[1]
-    settle_all[parallel](
+    impulses_of_all[parallel](
         model.parameters(),
         axes,
         c.dp0,
@@ -161,7 +169,7 @@ def test_python_agrees_with_compiled_code(model):
     law = model.parameters()
     for k in range(40):
         one = np.zeros(3)
-        found = settle(
+        found = law_impulse(
             law,
             (0.0, 0.0, 0.0),
             c.dp0[k],
@@ -206,7 +214,7 @@ def test_soft_contact_is_finite_at_extremes(model):
     separation = rng.choice([-1e300, -1.0, -1e-300, 0.0, 1e300], 600)
     out, state = np.full((600, d), np.nan), np.zeros(600, dtype=np.int64)
     axes = (0.0,) * d
-    settle_all_soft[False](
+    impulses_of_all_soft[False](
         model.parameters(), axes, c.dp0, c.n, separation, force, area, c.mass, c.bond, out, state
     )
     assert np.isfinite(out).all()

@@ -6,17 +6,17 @@ import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.contact.laws.base import LAWS, LawModel
-from mpmcli.contact.settle import (
+from mpmcli.contact.laws.impulse import (
     BROKEN,
     INTACT,
     contact_law,
     dot,
     hold,
+    law_impulse,
     length,
-    settle,
-    settle_by_traction,
     sliding_traction,
     take_tangent,
+    traction_impulse,
 )
 from mpmcli.core.kernel import inline
 from mpmcli.core.model import PositivePressure, Quantity
@@ -76,12 +76,12 @@ def holds(law, axes, dp0, n, area_time, out):
 
 
 # fmt: off
-@settle.register(Bond)
+@law_impulse.register(Bond)
 def _(law, axes, dp0, n, separation, area, reduced_mass, dt, displacement_only, bond, out):
     if bond > INTACT:
         if holds(law, axes, dp0, n, area * dt, out):
             return hold(axes, dp0, out)
-        settle_by_traction(law, axes, dp0, n, separation, area, reduced_mass, dt, displacement_only, out)
+        traction_impulse(law, axes, dp0, n, separation, area, reduced_mass, dt, displacement_only, out)
         return BROKEN
-    return settle_by_traction(law, axes, dp0, n, separation, area, reduced_mass, dt, displacement_only, out)
+    return traction_impulse(law, axes, dp0, n, separation, area, reduced_mass, dt, displacement_only, out)
 # fmt: on

@@ -2,7 +2,7 @@
 
 A new law is one new file here (and its row in ``KINDS``): a
 model registered in ``LAWS``, its parameter tuple, decorated with
-``settle.contact_law``, and an implementation of ``settle.sliding_traction`` registered for the tuple's class.
+``impulse.contact_law``, and an implementation of ``impulse.sliding_traction`` registered for the tuple's class.
 """
 
 from __future__ import annotations

@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 from pydantic import model_validator
 
 from mpmcli.contact.laws.base import LAWS
+from mpmcli.contact.laws.impulse import contact_law, sliding_traction
 from mpmcli.contact.laws.stiffness import PressedModel, with_stiffness
-from mpmcli.contact.settle import contact_law, sliding_traction
 from mpmcli.core.model import Quantity
 
 

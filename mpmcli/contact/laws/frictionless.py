@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any, Literal, NamedTuple
 
 from mpmcli.contact.laws.base import LAWS
+from mpmcli.contact.laws.impulse import contact_law, sliding_traction
 from mpmcli.contact.laws.stiffness import PressedModel, with_stiffness
-from mpmcli.contact.settle import contact_law, sliding_traction
 
 
 @LAWS.register

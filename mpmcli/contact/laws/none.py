@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Literal, NamedTuple
 
 from mpmcli.contact.laws.base import LAWS, LawModel
-from mpmcli.contact.settle import contact_law, leave, settle, settle_soft
+from mpmcli.contact.laws.impulse import contact_law, law_impulse, law_impulse_at_end, leave
 
 
 @LAWS.register
@@ -28,12 +28,12 @@ class Free(NamedTuple):
 
 
 # fmt: off
-@settle.register(Free)
+@law_impulse.register(Free)
 def _(law, axes, dp0, n, separation, area, reduced_mass, dt, displacement_only, bond, out):
     return leave(axes, out)
 
 
-@settle_soft.register(Free)
+@law_impulse_at_end.register(Free)
 def _(law, axes, dp0, n, separation, force, area, reduced_mass, dt, displacement_only, bond, out):
     return leave(axes, out)
 # fmt: on

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Literal, NamedTuple
 
 from mpmcli.contact.laws.base import LAWS, LawModel
-from mpmcli.contact.settle import contact_law, hold, settle, settle_soft
+from mpmcli.contact.laws.impulse import contact_law, hold, law_impulse, law_impulse_at_end
 
 
 @LAWS.register
@@ -32,12 +32,12 @@ class Joined(NamedTuple):
 
 
 # fmt: off
-@settle.register(Joined)
+@law_impulse.register(Joined)
 def _(law, axes, dp0, n, separation, area, reduced_mass, dt, displacement_only, bond, out):
     return hold(axes, dp0, out)
 
 
-@settle_soft.register(Joined)
+@law_impulse_at_end.register(Joined)
 def _(law, axes, dp0, n, separation, force, area, reduced_mass, dt, displacement_only, bond, out):
     return hold(axes, dp0, out)
 # fmt: on

@@ -11,7 +11,7 @@ import math
 from typing import Annotated
 
 from mpmcli.contact.laws.base import LawModel
-from mpmcli.contact.settle import (
+from mpmcli.contact.laws.impulse import (
     HARD,
     NARROWEST,
     TINIEST,
@@ -19,9 +19,9 @@ from mpmcli.contact.settle import (
     dot,
     end_separation,
     is_soft,
+    law_impulse,
+    law_impulse_at_end,
     leave,
-    settle,
-    settle_soft,
     slide,
 )
 from mpmcli.core.kernel import inline
@@ -62,13 +62,13 @@ def stumpff(u):
 
 
 # fmt: off
-def settle_spring(law, axes, dp0, n, separation, force, area, reduced_mass, dt, displacement_only, bond, out):
-    """``settle_soft`` for laws with a ``stiffness``; 0 and contacts too stiff for the step are rigid."""
+def spring_impulse(law, axes, dp0, n, separation, force, area, reduced_mass, dt, displacement_only, bond, out):
+    """``law_impulse_at_end`` for laws with a ``stiffness``; 0 and contacts too stiff for the step are rigid."""
     pressed = dot(axes, dp0, n)
     spring = law.stiffness * area * dt
     if law.stiffness == 0.0 or spring * dt > HARD * reduced_mass or abs(separation) > FAR:
         end = end_separation(separation, pressed, force, reduced_mass, dt)
-        return settle(law, axes, dp0, n, end, area, reduced_mass, dt, displacement_only, bond, out)
+        return law_impulse(law, axes, dp0, n, end, area, reduced_mass, dt, displacement_only, bond, out)
     # an oscillator with φ² = D_c A_c Δt²/m_red; Eqs. 5.149 and 5.150 without their differences of near equals
     u = spring * dt / max(reduced_mass, TINIEST)
     c2, c3, c4 = stumpff(u)
@@ -90,6 +90,6 @@ def has_stiffness(law):
 
 def with_stiffness(parameters: Parameters) -> Parameters:
     """Class decorator of a law's parameter tuple with a field ``stiffness`` [pressure/length], 0 for rigid sides."""
-    settle_soft.register(parameters)(settle_spring)
+    law_impulse_at_end.register(parameters)(spring_impulse)
     is_soft.register(parameters)(has_stiffness)
     return parameters

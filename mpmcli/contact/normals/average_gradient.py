@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal, NamedTuple
 
 from mpmcli.contact.normals.base import NORMALS, BiasedNormalModel, find_normal
-from mpmcli.contact.normals.gradients import prefer_rigid, settle_normal, volume_gradients
+from mpmcli.contact.normals.gradients import prefer_rigid, take_direction, volume_gradients
 
 
 @NORMALS.register
@@ -33,4 +33,4 @@ def _(
     ga, gb, _, _, size = volume_gradients(axes, neighbours, count)
     mean = (0.5 * (ga[0] - gb[0]), 0.5 * (ga[1] - gb[1]), 0.5 * (ga[2] - gb[2]))
     v = prefer_rigid(normal.bias, rigid, mean, ga, gb)
-    return settle_normal(axes, neighbours, count, order, v, size, out)
+    return take_direction(axes, neighbours, count, order, v, size, out)

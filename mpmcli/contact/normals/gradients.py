@@ -98,7 +98,7 @@ def prefer_rigid(bias: Any, rigid: Any, found: Any, ga: Any, gb: Any) -> Any:
 
 
 @compiled_too
-def settle_normal(axes: Any, neighbours: Any, count: Any, order: Any, v: Any, size: Any, out: Any) -> Any:
+def take_direction(axes: Any, neighbours: Any, count: Any, order: Any, v: Any, size: Any, out: Any) -> Any:
     """Take the direction of ``v``, or fall back where it is zero beside the terms ``size`` of its sum."""
     if length(v) <= VANISHES * size:
         return fall_back(axes, neighbours, count, order, out)

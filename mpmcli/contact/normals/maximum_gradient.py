@@ -11,7 +11,7 @@ from mpmcli.contact.normals.gradients import (
     length,
     negative,
     prefer_rigid,
-    settle_normal,
+    take_direction,
     volume_gradients,
 )
 
@@ -48,4 +48,4 @@ def _(
     else:
         largest = negative(gb)
     v = prefer_rigid(normal.bias, rigid, largest, ga, gb)
-    return settle_normal(axes, neighbours, count, order, v, size, out)
+    return take_direction(axes, neighbours, count, order, v, size, out)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal, NamedTuple
 
 from mpmcli.contact.normals.base import NORMALS, NormalModel, find_normal
-from mpmcli.contact.normals.gradients import EQUAL, difference, negative, settle_normal, volume_gradients
+from mpmcli.contact.normals.gradients import EQUAL, difference, negative, take_direction, volume_gradients
 
 
 @NORMALS.register
@@ -36,4 +36,4 @@ def _(
         v = ga
     else:
         v = negative(gb)
-    return settle_normal(axes, neighbours, count, order, v, size, out)
+    return take_direction(axes, neighbours, count, order, v, size, out)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.contact.normals.base import NORMALS, NormalModel, find_normal
-from mpmcli.contact.normals.gradients import settle_normal, volume_gradients
+from mpmcli.contact.normals.gradients import take_direction, volume_gradients
 
 
 @NORMALS.register
@@ -36,4 +36,4 @@ def _(
     normal: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
 ) -> Any:
     ga, _, _, _, size = volume_gradients(axes, neighbours, count)
-    return settle_normal(axes, neighbours, count, order, ga, size, out)
+    return take_direction(axes, neighbours, count, order, ga, size, out)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal, NamedTuple
 
 from mpmcli.contact.normals.base import NORMALS, NormalModel, find_normal
-from mpmcli.contact.normals.gradients import settle_normal, volume_gradients
+from mpmcli.contact.normals.gradients import take_direction, volume_gradients
 
 
 @NORMALS.register
@@ -34,4 +34,4 @@ def _(
     a = volume_a / volume if volume > 0.0 else 0.5
     b = 1.0 - a
     v = (a * ga[0] - b * gb[0], a * ga[1] - b * gb[1], a * ga[2] - b * gb[2])
-    return settle_normal(axes, neighbours, count, order, v, size, out)
+    return take_direction(axes, neighbours, count, order, v, size, out)

@@ -58,6 +58,7 @@ def find_separation(
 
     ``axes`` is a tuple of d numbers, whose length compiled code knows; the first ``count`` columns of ``neighbours``
     are valid; ``n`` (d,) is the unit normal from α to β; ``h`` the cell size along it [length], see
-    ``perpendicular_size``. Overwrites ``distances`` (2,) with the signed distances along ``n`` from the node to the edges of α and β where
-    the method finds the edges themselves, with ``UNKNOWN`` otherwise. A side without particles is ``APART``.
+    ``perpendicular_size``. Overwrites ``distances`` (2,) with the signed distances along ``n`` from the node to the
+    edges of α and β where the method finds the edges themselves, with ``UNKNOWN`` otherwise. A side without particles
+    is ``APART``.
     """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.contact.laws.base import LAWS, LawModel
-from mpmcli.contact.settle import contact_law, sliding_traction
+from mpmcli.contact.laws.impulse import contact_law, sliding_traction
 from mpmcli.core.model import PositivePressure, Quantity
 
 

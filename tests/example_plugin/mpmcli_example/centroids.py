@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal, NamedTuple
 
 from mpmcli.contact.normals.base import NORMALS, NormalModel, find_normal
-from mpmcli.contact.normals.gradients import between_centroids, settle_normal
+from mpmcli.contact.normals.gradients import between_centroids, take_direction
 
 
 @NORMALS.register
@@ -28,4 +28,4 @@ def _(
     normal: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
 ) -> Any:
     way, size = between_centroids(axes, neighbours, count)
-    return settle_normal(axes, neighbours, count, order, way, size, out)
+    return take_direction(axes, neighbours, count, order, way, size, out)

@@ -1,4 +1,4 @@
-"""Contact nodes and what they see, against brute force; contacts listed from them, and momenta settled."""
+"""Contact nodes and what they see, against brute force; contacts listed from them, and their impulses."""
 
 from __future__ import annotations
 
@@ -159,37 +159,37 @@ def test_a_mirror_shows_nodes_near_it_the_images_of_their_particles():
 def test_two_fields_make_one_contact_per_node_and_three_one_per_field():
     s = simulation(list(TRIO))
     s.step()
-    members, first = s.contact.contacts.members, s.contact.nodes.first
+    fields, first = s.contact.contacts.fields, s.contact.nodes.first
     n = s.grid.node_count
     counts = np.diff(first)
     assert set(counts) == {2, 3}
-    for slot, fields in enumerate(counts):
-        mine = [k for k in range(s.contact.contacts.count) if members.slot[k] == slot]
-        if fields == 2:
+    for slot, several in enumerate(counts):
+        mine = [k for k in range(s.contact.contacts.count) if fields.slot[k] == slot]
+        if several == 2:
             assert len(mine) == 1
-            assert members.both[mine[0]]
-            assert members.alpha[mine[0]] < members.partner[mine[0]]
+            assert fields.both[mine[0]]
+            assert fields.alpha[mine[0]] < fields.partner[mine[0]]
         else:
-            assert [members.alpha[k] // n for k in mine] == [0, 1, 2]
-            assert not any(members.both[k] for k in mine)
-        assert members.alpha[mine].tolist() == sorted(members.alpha[mine])
+            assert [fields.alpha[k] // n for k in mine] == [0, 1, 2]
+            assert not any(fields.both[k] for k in mine)
+        assert fields.alpha[mine].tolist() == sorted(fields.alpha[mine])
 
 
 def test_a_rigid_field_meets_each_other_field_by_itself_after_they_have_met():
     wall = {"name": "w", "material": "wall", "region": {"kind": "box", "lower": [-4, -4], "upper": [4, -2.1]}}
     s = simulation([*PAIR[:1], box("b", [0.1, -2], [3, 2]), wall])
     s.step()
-    members, n = s.contact.contacts.members, s.grid.node_count
+    fields, n = s.contact.contacts.fields, s.grid.node_count
     rows = range(s.contact.contacts.count)
-    assert any(members.rigid[k] for k in rows)
+    assert any(fields.rigid[k] for k in rows)
     for k in rows:
-        if members.rigid[k]:
-            assert members.partner[k] // n == 2
-            assert members.stage[k] == 1
-            assert not members.both[k]
+        if fields.rigid[k]:
+            assert fields.partner[k] // n == 2
+            assert fields.stage[k] == 1
+            assert not fields.both[k]
         else:
-            assert members.stage[k] == 0
-            assert 2 not in (members.alpha[k] // n, members.partner[k] // n)
+            assert fields.stage[k] == 0
+            assert 2 not in (fields.alpha[k] // n, fields.partner[k] // n)
 
 
 def test_small_shares_of_mass_are_passed_over_unless_the_bond_is_perfect():

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from scipy.optimize import brentq
 
 from mpmcli.contact.laws import LAWS
-from mpmcli.contact.settle import APART, BROKEN, SLIDING, STICKING, settle
+from mpmcli.contact.laws.impulse import APART, BROKEN, SLIDING, STICKING, law_impulse
 
 N_HAT = np.array([0.0, 1.0])
 T_HAT = np.array([-1.0, 0.0])
@@ -23,7 +23,7 @@ def settled(law, normal, shear, separation=-1.0, mass=1.0, bond=0.0, area=AREA, 
     """Normal and tangential part of the settled impulse, and the state."""
     out = np.zeros(2)
     dp0 = normal * N_HAT + shear * T_HAT
-    state = settle(law, (0.0, 0.0), dp0, N_HAT, separation, area, mass, DT, displacement_only, bond, out)
+    state = law_impulse(law, (0.0, 0.0), dp0, N_HAT, separation, area, mass, DT, displacement_only, bond, out)
     return out @ N_HAT, out @ T_HAT, state
 
 

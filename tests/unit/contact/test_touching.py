@@ -7,8 +7,8 @@ import pytest
 
 from mpmcli.contact.geometry import unsure
 from mpmcli.contact.laws import LAWS
+from mpmcli.contact.laws.impulse import APART, PARTING, SLIDING, STICKING, law_impulse
 from mpmcli.contact.separation.base import APART as APART_FROM_NOTHING
-from mpmcli.contact.settle import APART, PARTING, SLIDING, STICKING, settle
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 
@@ -75,7 +75,7 @@ def test_sides_that_slide_along_each_other_touch(kind, numbers, state, kept, sig
 
     def of(normal, separation=-1e-12, displacement_only=False):
         dp0 = 2.0 * (normal * n + np.array([-0.8, 0.6]))
-        return settle(law, AXES, dp0, n, separation, 1.0, 1.0, 1.0, displacement_only, 0.0, out)
+        return law_impulse(law, AXES, dp0, n, separation, 1.0, 1.0, 1.0, displacement_only, 0.0, out)
 
     assert of(sign * 0.1 * PARTING) == state
     assert out @ [-0.8, 0.6] == pytest.approx(2.0 * kept, abs=1e-8)

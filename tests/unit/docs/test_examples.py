@@ -53,7 +53,7 @@ from mpmcli_example import annulus, bspline3, capped_friction, centroids, log_fl
 from mpmcli.contact.neighbours import allocate_neighbours
 from mpmcli.contact.laws import LAWS
 from mpmcli.contact.normals import NORMALS, find_normal
-from mpmcli.contact.settle import sliding_traction
+from mpmcli.contact.laws.impulse import sliding_traction
 from mpmcli.core.separable import axis_weights
 from mpmcli.geometry import REGIONS
 from mpmcli.materials import MATERIALS

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import yaml
 
-from mpmcli.contact.members import NodeTable, Rules, most_contacts
+from mpmcli.contact.fields_in_contact import NodeTable, Rules, most_contacts
 from mpmcli.core.kernel import Compiled, find_compiled, recording
 from mpmcli.core.nodes import clear_nodes
 from mpmcli.run import compiling
@@ -165,7 +165,7 @@ def test_kernels_of_contact_are_named_before_bodies_touch():
     before = {name: array.copy() for name, array in simulation.particles.arrays().items()}
     names = {call.compiled.address[1] for call in calls_of(simulation, loaded)}
     assert names >= {
-        "find_near_particles", "find_geometry", "find_slip", "settle_stage", "add_to_momenta", "add_to_velocities",
+        "find_near_particles", "find_geometry", "find_slip", "find_impulses", "add_to_momenta", "add_to_velocities",
         "list_contacts", "tally", "stored_energy", "scatter", "move_particles",
     }  # fmt: skip
     assert {version for call in calls_of(simulation, loaded) for version in call.compiled.address[2:]} == {

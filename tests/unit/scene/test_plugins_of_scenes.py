@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import pytest
 
-from mpmcli.contact.settle import contact_law, is_soft, settle, settle_soft
+from mpmcli.contact.laws.impulse import contact_law, is_soft, law_impulse, law_impulse_at_end
 from mpmcli.core.errors import PluginError, SceneError
 from mpmcli.core.plugins import Plugin
 from mpmcli.run.resume import _changed_plugins
@@ -54,9 +54,9 @@ def test_a_scene_uses_what_its_models_are_of(monkeypatch):
 
 def test_numbers_without_functions_are_refused():
     with pytest.raises(
-        PluginError, match=r"soft 1\.0 cannot be used: Law: no function .* Numbers as settle, "
+        PluginError, match=r"soft 1\.0 cannot be used: Law: no function .* Numbers as law_impulse, "
     ):
-        plugins._require(PLUGIN, "Law", Numbers, (settle, settle_soft, is_soft))
+        plugins._require(PLUGIN, "Law", Numbers, (law_impulse, law_impulse_at_end, is_soft))
 
 
 def test_a_law_without_its_traction_is_refused():
@@ -65,7 +65,7 @@ def test_a_law_without_its_traction_is_refused():
 
     contact_law()(Sliding)
     with pytest.raises(PluginError, match="for Sliding as sliding_traction"):
-        plugins._require(PLUGIN, "Law", Sliding, (settle, settle_soft, is_soft))
+        plugins._require(PLUGIN, "Law", Sliding, (law_impulse, law_impulse_at_end, is_soft))
 
 
 @pytest.mark.parametrize(

@@ -74,11 +74,11 @@ def flip_scene():
     }  # fmt: skip
 
 
-CONTACT = {"find_near_particles", "find_geometry", "settle_stage", "find_slip", "add_to_momenta"}
+CONTACT = {"find_near_particles", "find_geometry", "find_impulses", "find_slip", "add_to_momenta"}
 """Some kernels of contact."""
 USED = {
     "none": set(),
-    "perfect": {"settle_stage", "find_slip", "add_to_momenta", "start_increments"},
+    "perfect": {"find_impulses", "find_slip", "add_to_momenta", "start_increments"},
     "coulomb": CONTACT | {"sum_volumes", "start_increments"},
 }
 """Kernels of contact that laws use; each has those of the one before, and more."""

@@ -9,19 +9,19 @@ from scipy.integrate import solve_ivp
 
 from mpmcli.contact.increments import finish_increment, start_increments, total_increment
 from mpmcli.contact.laws import LAWS
-from mpmcli.contact.laws.stiffness import stumpff
-from mpmcli.contact.settle import (
+from mpmcli.contact.laws.impulse import (
     APART,
     SLIDING,
     STICKING,
     contact_law,
     is_soft,
+    law_impulse,
+    law_impulse_at_end,
     length,
-    settle,
-    settle_soft,
     sliding_traction,
     slip_work,
 )
+from mpmcli.contact.laws.stiffness import stumpff
 
 AXES = (0.0, 0.0)
 N_HAT = np.array([0.6, 0.8])
@@ -38,7 +38,7 @@ def soft(
 ):
     out = np.zeros(2)
     dp0 = normal * N_HAT + shear * T_HAT
-    state = settle_soft(
+    state = law_impulse_at_end(
         law, AXES, dp0, N_HAT, separation, force, area, mass, dt, displacement_only, bond, out
     )
     return out @ N_HAT, out @ T_HAT, state
@@ -47,7 +47,7 @@ def soft(
 def hard(law, normal, shear, separation):
     out = np.zeros(2)
     dp0 = normal * N_HAT + shear * T_HAT
-    state = settle(law, AXES, dp0, N_HAT, separation, AREA, MASS, DT, False, 0.0, out)
+    state = law_impulse(law, AXES, dp0, N_HAT, separation, AREA, MASS, DT, False, 0.0, out)
     return out @ N_HAT, out @ T_HAT, state
 
 
@@ -175,7 +175,7 @@ def test_friction_work_is_the_energy_that_sliding_takes():
         if dp0 @ N_HAT >= 0:
             continue
         dp = np.zeros(2)
-        settle(law_of("coulomb", friction=0.3), AXES, dp0, N_HAT, -1.0, AREA, mass, DT, False, 0.0, dp)
+        law_impulse(law_of("coulomb", friction=0.3), AXES, dp0, N_HAT, -1.0, AREA, mass, DT, False, 0.0, dp)
         after = v + np.stack([dp / m[0], -dp / m[1]])
         work = slip_work(AXES, N_HAT, dp, v[1] - v[0], after[1] - after[0])
         before_t, after_t = v @ T_HAT, after @ T_HAT
@@ -222,12 +222,12 @@ def _(law, N, stick, speed):
 def increments(law, first, others, evolving, separation=-1.0):
     """Total impulse, list of effective impulses after the first, and the last prior and net."""
     dp, prior, net, total, effective = (np.zeros(2) for _ in range(5))
-    settle(law, AXES, first, N_HAT, separation, AREA, MASS, DT, False, 0.0, dp)
+    law_impulse(law, AXES, first, N_HAT, separation, AREA, MASS, DT, False, 0.0, dp)
     start_increments(AXES, evolving, first, dp, prior, net)
     applied, added = dp.copy(), []
     for own in others:
         total_increment(AXES, prior, own, total)
-        settle(law, AXES, total, N_HAT, separation, AREA, MASS, DT, False, 0.0, dp)
+        law_impulse(law, AXES, total, N_HAT, separation, AREA, MASS, DT, False, 0.0, dp)
         finish_increment(AXES, evolving, own, total, dp, prior, net, effective)
         applied += effective
         added.append(effective.copy())

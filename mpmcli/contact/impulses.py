@@ -1,4 +1,4 @@
-"""Settling contacts: momentum changes that laws ask for, applied to momenta or to velocity increments."""
+"""Impulses of all contacts: the momentum changes that laws ask for, applied to momenta or to velocity increments."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmcli.contact import increments
-from mpmcli.contact.settle import is_soft, leave, settle, settle_soft, slip_work
+from mpmcli.contact.laws.impulse import is_soft, law_impulse, law_impulse_at_end, leave, slip_work
 from mpmcli.core.kernel import inline, kernel, prange
 
 Array = np.ndarray
@@ -18,7 +18,7 @@ class ImpulseRows(NamedTuple):
 
     dp0 : (k, d) Δp_α(0) of the last calculation [momentum]
     dp : (k, d) momentum that it adds to α
-    total, settled : (k, d) scratch of FMPM increments
+    total, found : (k, d) scratch of FMPM increments
     start : (k, d) Δp⁽¹⁾, what the correction of the extrapolated momenta added
     prior, net : (k, d) what ``increments`` follows through the FMPM loop
     slip : (k, d) velocity of β relative to α before contact
@@ -31,7 +31,7 @@ class ImpulseRows(NamedTuple):
     dp0: Array
     dp: Array
     total: Array
-    settled: Array
+    found: Array
     start: Array
     prior: Array
     net: Array
@@ -133,7 +133,7 @@ def normal_force(axes, alpha, first, last, rigid, nodes, mp, f, n):
 
 
 @kernel
-def settle_stage(law, axes, which, count, members, nodes, geometry, rows, here, mp, f, v):
+def find_impulses(law, axes, which, count, fields, nodes, geometry, rows, here, mp, f, v):
     """Find the momentum change Δp of α at every contact of one stage that law ``which`` governs, into ``rows.dp``.
 
     ``here`` is a ``Place``. After the momentum update ``f`` (dofs, d) holds the forces without contact, whose
@@ -146,15 +146,15 @@ def settle_stage(law, axes, which, count, members, nodes, geometry, rows, here, 
     separation_now, push, state = rows.separation_now, rows.push, rows.state
     dt, displacement_only = here.dt, here.displacement_only
     for k in prange(count):
-        if members.law[k] != which or members.stage[k] != here.stage or members.pair[k]:
+        if fields.law[k] != which or fields.stage[k] != here.stage or fields.pair[k]:
             continue
-        alpha, first, last, rigid = members.alpha[k], members.first[k], members.last[k], members.rigid[k]
+        alpha, first, last, rigid = fields.alpha[k], fields.first[k], fields.last[k], fields.rigid[k]
         normal, area, bond = geometry.normal[k], geometry.area[k], geometry.bond[k]
         dp0 = rows.dp0[k]
         reduced = relative_momentum(axes, alpha, first, last, rigid, nodes, mp, v, here.of_velocity, dp0)
         if here.of_increment:
             increments.total_increment(axes, rows.prior[k], dp0, rows.total[k])
-            wanted, given = rows.total[k], rows.settled[k]
+            wanted, given = rows.total[k], rows.found[k]
         else:
             wanted, given = dp0, rows.dp[k]
             gap = geometry.separation[k]
@@ -168,7 +168,7 @@ def settle_stage(law, axes, which, count, members, nodes, geometry, rows, here, 
         if here.after_forces and is_soft(law):
             push[k] = normal_force(axes, alpha, first, last, rigid, nodes, mp, f, normal)
         if not is_soft(law):
-            state[k] = settle(
+            state[k] = law_impulse(
                 law,
                 axes,
                 wanted,
@@ -182,11 +182,11 @@ def settle_stage(law, axes, which, count, members, nodes, geometry, rows, here, 
                 given,
             )
         elif here.after_forces or here.of_increment:
-            state[k] = settle_soft(
+            state[k] = law_impulse_at_end(
                 law, axes, wanted, normal, geometry.separation[k], push[k], area, reduced, dt, displacement_only,
                 bond, given,
             )  # fmt: skip
-        else:  # a spring acts once in a step: settled hard elsewhere, the sides would never press on it
+        else:  # a spring acts once in a step: as a hard contact elsewhere, the sides would never press on it
             state[k] = leave(axes, given)
         if here.of_increment:
             increments.finish_increment(
@@ -202,49 +202,49 @@ def start_increments(axes, count, evolving, dp0, dp, prior, net):
 
 
 @kernel
-def add_to_momenta(axes, count, members, dp, here, mp, f):
+def add_to_momenta(axes, count, fields, dp, here, mp, f):
     """p += Δp, and after the forces f += Δp/Δt, for the contacts of one stage."""
     for k in prange(count):
-        if members.stage[k] == here.stage:
-            i, j = members.alpha[k], members.partner[k]
+        if fields.stage[k] == here.stage:
+            i, j = fields.alpha[k], fields.partner[k]
             for a in range(len(axes)):
                 mp[i, 1 + a] += dp[k, a]
                 if here.after_forces:
                     f[i, a] += dp[k, a] / here.dt
-                if members.both[k]:
+                if fields.both[k]:
                     mp[j, 1 + a] -= dp[k, a]
                     if here.after_forces:
                         f[j, a] -= dp[k, a] / here.dt
 
 
 @kernel
-def add_to_velocities(axes, count, members, dp, here, mp, v):
+def add_to_velocities(axes, count, fields, dp, here, mp, v):
     """v += Δp/m for the contacts of one stage; ``v`` (dofs, d)."""
     for k in prange(count):
-        if members.stage[k] == here.stage:
-            i, j = members.alpha[k], members.partner[k]
+        if fields.stage[k] == here.stage:
+            i, j = fields.alpha[k], fields.partner[k]
             for a in range(len(axes)):
                 v[i, a] += dp[k, a] / mp[i, 0]
-                if members.both[k]:
+                if fields.both[k]:
                     v[j, a] -= dp[k, a] / mp[j, 0]
 
 
 @inline
-def take_out(axes, count, members, dp, p):
+def take_out(axes, count, fields, dp, p):
     """p −= Δp for momenta ``p`` (dofs, d), all stages."""
     for k in range(count):
         for a in range(len(axes)):
-            p[members.alpha[k], a] -= dp[k, a]
-            if members.both[k]:
-                p[members.partner[k], a] += dp[k, a]
+            p[fields.alpha[k], a] -= dp[k, a]
+            if fields.both[k]:
+                p[fields.partner[k], a] += dp[k, a]
 
 
 @kernel
-def find_slip(axes, count, members, nodes, mp, v, of_velocity, slip):
+def find_slip(axes, count, fields, nodes, mp, v, of_velocity, slip):
     """Velocity of β relative to α into ``slip`` (k, d), from ``v`` (dofs, d) with ``of_velocity``, else from p/m."""
     for k in prange(count):
         reduced = relative_momentum(
-            axes, members.alpha[k], members.first[k], members.last[k], members.rigid[k], nodes, mp, v, of_velocity,
+            axes, fields.alpha[k], fields.first[k], fields.last[k], fields.rigid[k], nodes, mp, v, of_velocity,
             slip[k],
         )  # fmt: skip
         for a in range(len(axes)):
@@ -252,20 +252,20 @@ def find_slip(axes, count, members, nodes, mp, v, of_velocity, slip):
 
 
 @inline
-def share_of_work(axes, members, k, nodes, mp):
+def share_of_work(axes, fields, k, nodes, mp):
     """What of the pair's work a contact counts: all if it serves both sides, else the part of α."""
-    if members.both[k] or members.rigid[k]:
+    if fields.both[k] or fields.rigid[k]:
         return 1.0
     others = 0.0
-    for e in range(members.first[k], members.last[k]):
+    for e in range(fields.first[k], fields.last[k]):
         i = nodes.dof[e]
-        if i != members.alpha[k] and not nodes.rigid[i // nodes.node_count]:
+        if i != fields.alpha[k] and not nodes.rigid[i // nodes.node_count]:
             others += mp[i, 0]
-    return others / (others + mp[members.alpha[k], 0])
+    return others / (others + mp[fields.alpha[k], 0])
 
 
 @inline
-def tally(axes, count, members, nodes, geometry, rows, after, mp, sums):
+def tally(axes, count, fields, nodes, geometry, rows, after, mp, sums):
     """Sum up a step: returns the friction work, and adds up impulses and areas in ``sums`` (``Tallies``).
 
     Work is taken out by the tangential part of the final Δp (``rows.net``), with the mean of the relative velocities
@@ -273,20 +273,20 @@ def tally(axes, count, members, nodes, geometry, rows, after, mp, sums):
     """
     work = 0.0
     for k in range(count):
-        alpha, beta = members.alpha[k] // nodes.node_count, members.partner[k] // nodes.node_count
+        alpha, beta = fields.alpha[k] // nodes.node_count, fields.partner[k] // nodes.node_count
         net, weight = rows.net[k], sums.weight[k]
         pair = sums.pair[alpha, beta]
-        part = weight if members.both[k] or members.rigid[k] else 0.5 * weight
+        part = weight if fields.both[k] or fields.rigid[k] else 0.5 * weight
         sign = part if alpha < beta else -part
         taken = slip_work(axes, geometry.normal[k], net, rows.slip[k], after[k])
         for a in range(len(axes)):
             sums.force[pair, a] += sign * net[a]
-            if members.rigid[k]:
-                i = members.partner[k]
+            if fields.rigid[k]:
+                i = fields.partner[k]
                 sums.rigid_work[beta] += weight * net[a] * mp[i, 1 + a] / mp[i, 0]
-            elif not members.both[k]:
+            elif not fields.both[k]:
                 sums.error[a] += weight * net[a]
-        work += weight * taken * share_of_work(axes, members, k, nodes, mp)
+        work += weight * taken * share_of_work(axes, fields, k, nodes, mp)
         if rows.state[k] > 0:
             sums.area[pair] += part * geometry.area[k]
     return work

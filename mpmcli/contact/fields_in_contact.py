@@ -23,7 +23,7 @@ class Rules(NamedTuple):
     skipped, screened : (laws,) whether a law leaves fields alone; whether it passes over small mass ratios
     rigid : (fields,) whether a field belongs to a rigid body
     mass_ratio : smallest share of the mass at a node that counts
-    explicit : nodes of three or more fields are settled pair by pair where that can be done
+    explicit : nodes of three or more fields get their impulses pair by pair where that can be done
     coupled : they always are, so that lumped contacts are not needed
     shares_normal : one normal serves both sides
     """
@@ -38,7 +38,7 @@ class Rules(NamedTuple):
     shares_normal: bool
 
 
-class Members(NamedTuple):
+class FieldsInContact(NamedTuple):
     """Who meets whom: one row per contact, (k,) each.
 
     slot : contact node, as counted by ``ContactNodes``
@@ -48,7 +48,7 @@ class Members(NamedTuple):
     stage : contacts of one stage act at once, those of the next on what comes of it
     rigid : β is a rigid body
     alone : β is the partner alone, else all other deformable fields lumped
-    pair : one of the pairs at a node of three or more fields that is to be settled pair by pair
+    pair : one of the pairs at a node of three or more fields that gets an impulse of its own
     both : the contact acts on both sides, else on α alone
     order : +1 if α comes before its partner, or the partner is rigid; else −1
     """
@@ -88,7 +88,7 @@ class NodeTable(NamedTuple):
 
 @inline
 def put_contact(m, k, slot, alpha, partner, first, last, law):
-    """Write row ``k`` of the members ``m``: a contact of α with others lumped, on α alone."""
+    """Write row ``k`` of the fields ``m``: a contact of α with others lumped, on α alone."""
     m.slot[k] = slot
     m.alpha[k] = alpha
     m.partner[k] = partner

@@ -1,4 +1,4 @@
-"""Settling a contact: the momentum that its two sides exchange, once normal, separation and area are known.
+"""The impulse of a contact: what its two sides exchange, once normal, separation and area are known.
 
 A contact law is a tuple of numbers that says how large a traction its sliding sides feel (``sliding_traction``);
 everything else is here. In the names of the equations: dp0 is Δp_α(0), the momentum that would bring α to the centre
@@ -15,7 +15,7 @@ from mpmcli.core.dispatch import generic
 from mpmcli.core.kernel import inline
 
 APART, SLIDING, STICKING, BROKEN = 0, 1, 2, 3
-"""What ``settle`` found; ``BROKEN``: adhesion that broke in this call."""
+"""What ``law_impulse`` found; ``BROKEN``: adhesion that broke in this call."""
 
 INTACT = 0.5
 """A contact is bonded while more than this share of its volume is."""
@@ -49,11 +49,11 @@ def sliding_traction(law: Any, N: Any, stick: Any, speed: Any) -> Any:
 
 
 @generic
-def settle(
+def law_impulse(
     law: Any, axes: Any, dp0: Any, n: Any, separation: Any, area: Any, reduced_mass: Any, dt: Any,
     displacement_only: Any, bond: Any, out: Any,
 ) -> Any:  # fmt: skip
-    """Momentum Δp_α that settles a contact, into ``out`` (d,); returns APART, SLIDING, STICKING or BROKEN.
+    """Find the momentum Δp_α that a contact gives to α, into ``out`` (d,); returns APART, SLIDING, STICKING or BROKEN.
 
     ``axes`` is a tuple of d numbers, whose length compiled code knows; ``dp0`` (d,) is Δp_α(0) [momentum], ``n`` (d,)
     the unit normal from α to β; only the sign of ``separation`` matters. There is contact if the sides do not part,
@@ -63,22 +63,22 @@ def settle(
 
 
 @generic
-def settle_soft(
+def law_impulse_at_end(
     law: Any, axes: Any, dp0: Any, n: Any, separation: Any, force: Any, area: Any, reduced_mass: Any, dt: Any,
     displacement_only: Any, bond: Any, out: Any,
 ) -> Any:  # fmt: skip
-    """``settle`` for the calculation after the momentum update, where the forces of the step are known.
+    """``law_impulse`` for the calculation after the momentum update, where the forces of the step are known.
 
     ``separation`` is that at the start of the step [length] and ``force`` the normal part of
     m_red (f_β/m_β − f_α/m_α), contact apart [force]; ``dp0`` includes what it did (Nairn 2023, 5.7). A law with
     finite stiffness replaces the normal part of dp0 by the impulse of its spring; all others use dp0 as it is and the
-    separation at the end of the step. Arguments and result are otherwise those of ``settle``.
+    separation at the end of the step. Arguments and result are otherwise those of ``law_impulse``.
     """
 
 
 @generic
 def is_soft(law: Any) -> Any:
-    """Whether the law has a finite stiffness, so that ``settle_soft`` needs the force."""
+    """Whether the law has a finite stiffness, so that ``law_impulse_at_end`` needs the force."""
 
 
 @generic
@@ -113,8 +113,8 @@ def contact_law(*, speed: bool = False, area: bool = False) -> Any:
     """
 
     def add(parameters: Parameters) -> Parameters:
-        settle.register(parameters)(settle_pressed)
-        settle_soft.register(parameters)(settle_at_end)
+        law_impulse.register(parameters)(pressed_impulse)
+        law_impulse_at_end.register(parameters)(hard_impulse_at_end)
         is_soft.register(parameters)(no)
         uses_speed.register(parameters)(yes if speed else no)
         uses_area.register(parameters)(yes if area else no)
@@ -242,10 +242,10 @@ def slide(law, axes, dp0, n, found, normal, area_time, reduced_mass, out):
 
 
 @inline
-def settle_by_traction(
+def traction_impulse(
     law, axes, dp0, n, separation, area, reduced_mass, dt, displacement_only, out
 ):  # fmt: skip
-    """``settle`` for sides that are not bonded."""
+    """``law_impulse`` for sides that are not bonded."""
     normal = dot(axes, dp0, n)
     if separation >= 0.0:
         return leave(axes, out)
@@ -256,9 +256,9 @@ def settle_by_traction(
     return leave(axes, out)
 
 
-def settle_pressed(law, axes, dp0, n, separation, area, reduced_mass, dt, displacement_only, bond, out):
-    """``settle`` for laws without adhesion."""
-    return settle_by_traction(law, axes, dp0, n, separation, area, reduced_mass, dt, displacement_only, out)
+def pressed_impulse(law, axes, dp0, n, separation, area, reduced_mass, dt, displacement_only, bond, out):
+    """``law_impulse`` for laws without adhesion."""
+    return traction_impulse(law, axes, dp0, n, separation, area, reduced_mass, dt, displacement_only, out)
 
 
 @inline
@@ -269,10 +269,10 @@ def end_separation(separation, normal, force, reduced_mass, dt):
 
 
 # fmt: off
-def settle_at_end(law, axes, dp0, n, separation, force, area, reduced_mass, dt, displacement_only, bond, out):
-    """``settle_soft`` for laws without a finite stiffness."""
+def hard_impulse_at_end(law, axes, dp0, n, separation, force, area, reduced_mass, dt, displacement_only, bond, out):
+    """``law_impulse_at_end`` for laws without a finite stiffness."""
     end = end_separation(separation, dot(axes, dp0, n), force, reduced_mass, dt)
-    return settle(law, axes, dp0, n, end, area, reduced_mass, dt, displacement_only, bond, out)
+    return law_impulse(law, axes, dp0, n, end, area, reduced_mass, dt, displacement_only, bond, out)
 # fmt: on
 
 
