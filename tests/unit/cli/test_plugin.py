@@ -119,7 +119,7 @@ def test_a_load_of_a_plugin_that_does_nothing_is_refused(shell):
     source.write_text(text.replace("def acceleration_at(", "def acceleration_nowhere("), encoding="utf-8")
     told = shell("validate", SCENE, code=3).stderr
     assert "the plugin mpmcli-example 1.0 cannot be used" in told
-    assert "Centrifugal is no load: it defines none of uniform_acceleration, acceleration_at" in told
+    assert "Centrifugal is not a load: it defines none of uniform_acceleration, acceleration_at" in told
 
 
 @pytest.mark.slow
