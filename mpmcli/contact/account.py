@@ -13,6 +13,7 @@ from mpmcli.contact.contact_nodes import NEAREST
 from mpmcli.contact.contacts import Contacts
 from mpmcli.contact.normals.base import NOT_CONVERGED
 from mpmcli.contact.separation.base import APART
+from mpmcli.core.dofs import field_of
 from mpmcli.core.grid import Grid
 from mpmcli.core.identity import place_of_identity
 from mpmcli.core.particles import Particles
@@ -144,7 +145,9 @@ class ContactAccount:
         place = None if p.id is self._identity else place_of_identity(p.id)  # some have been removed since
         for k in range(c.count):
             at = near.head[c.fields.slot[k]]
-            alpha, beta = c.fields.alpha[k] // n, c.fields.partner[k] // n
+            alpha, beta = (
+                field_of(dof[k], n, len(self._names)) for dof in (c.fields.alpha, c.fields.partner)
+            )
             while at >= 0:
                 i = near.particle[at]
                 if place is not None:

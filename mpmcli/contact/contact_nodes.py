@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcli.core.dofs import node_of
 from mpmcli.core.grid import Grid, unfold
 from mpmcli.core.kernel import inline, kernel, prange
 from mpmcli.core.order import CellOrder, locate_cells, or_shifted
@@ -84,9 +85,9 @@ def find_candidates(order: CellOrder, grid: Grid, images: int = 0) -> Candidates
     ``images`` is the number of mirror images of a particle.
     """
     n = grid.node_count
-    by_node = np.argsort(grid.active % n, kind="stable")  # fields stay in their order
+    by_node = np.argsort(node_of(grid.active, n), kind="stable")  # fields stay in their order
     dof = grid.active[by_node]
-    at = dof % n
+    at = node_of(dof, n)
     start = np.flatnonzero(np.diff(at, prepend=-1))
     node, fields = at[start], np.diff(start, append=len(at))
     shared = fields > 1

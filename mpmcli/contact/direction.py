@@ -1,4 +1,4 @@
-"""Whether a specified normal points from one side to the other, looked at when two fields first meet."""
+"""Whether a specified normal points from one side to the other, checked when two fields first meet."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from mpmcli.contact.contacts import Contacts
 from mpmcli.contact.normals.specified import wrong_way
+from mpmcli.core.dofs import field_of
 
 LOGGER = logging.getLogger("mpmcli")
 
@@ -37,7 +38,9 @@ class DirectionWatch:
     def look(self, particles: Any) -> None:
         """Judge the pairs that have contacts for the first time; warn of those that would pass through each other."""
         c, m = self._contacts, self._contacts.fields
-        alpha, beta = (dof[: c.count] // self._node_count for dof in (m.alpha, m.partner))
+        alpha, beta = (
+            field_of(dof[: c.count], self._node_count, len(self._names)) for dof in (m.alpha, m.partner)
+        )
         pair = alpha * len(self._names) + beta
         for new in np.unique(pair).tolist():
             if new in self._judged:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mpmcli.core.dofs import field_of
 from mpmcli.core.kernel import inline
 
 Array = np.ndarray
@@ -106,32 +107,32 @@ def list_contacts(rules, nodes, mp, m, begin):
     ``begin`` (slots + 1,) receives where the contacts of each node begin.
     """
     first, dof, volume, node_count = nodes.first, nodes.dof, nodes.volume, nodes.node_count
-    slots = nodes.node.shape[0]
+    slots, count = nodes.node.shape[0], rules.rigid.shape[0]
     k = 0
     for slot in range(slots):
         begin[slot] = k
         low, high = first[slot], first[slot + 1]
         soft = 0
         for e in range(low, high):
-            if not rules.rigid[dof[e] // node_count]:
+            if not rules.rigid[field_of(dof[e], node_count, count)]:
                 soft += 1
         if soft == 2 or (soft > 2 and not rules.coupled):
             total = 0.0
             for e in range(low, high):
-                if not rules.rigid[dof[e] // node_count]:
+                if not rules.rigid[field_of(dof[e], node_count, count)]:
                     total += mp[dof[e], 0]
             both = soft == 2 and rules.shares_normal
             for e in range(low, high):
-                field = dof[e] // node_count
+                field = field_of(dof[e], node_count, count)
                 if rules.rigid[field]:
                     continue
                 partner = -1
                 for other in range(low, high):
-                    if other == e or rules.rigid[dof[other] // node_count]:
+                    if other == e or rules.rigid[field_of(dof[other], node_count, count)]:
                         continue
                     if partner < 0 or volume[other] > volume[partner]:
                         partner = other
-                law = rules.law[field, dof[partner] // node_count]
+                law = rules.law[field, field_of(dof[partner], node_count, count)]
                 share = mp[dof[e], 0] / total
                 small = share < rules.mass_ratio or share > 1.0 - rules.mass_ratio
                 if rules.skipped[law] or (small and rules.screened[law]):
@@ -148,7 +149,10 @@ def list_contacts(rules, nodes, mp, m, begin):
         if soft > 2 and rules.explicit:
             for e in range(low, high):
                 for other in range(e + 1, high):
-                    field, partner_field = dof[e] // node_count, dof[other] // node_count
+                    field, partner_field = (
+                        field_of(dof[e], node_count, count),
+                        field_of(dof[other], node_count, count),
+                    )
                     if rules.rigid[field] or rules.rigid[partner_field]:
                         continue
                     law = rules.law[field, partner_field]
@@ -163,12 +167,12 @@ def list_contacts(rules, nodes, mp, m, begin):
                     k += 1
         stage = 0
         for r in range(low, high):
-            if not rules.rigid[dof[r] // node_count]:
+            if not rules.rigid[field_of(dof[r], node_count, count)]:
                 continue
             stage += 1
             for e in range(low, high):
-                field = dof[e] // node_count
-                law = rules.law[field, dof[r] // node_count]
+                field = field_of(dof[e], node_count, count)
+                law = rules.law[field, field_of(dof[r], node_count, count)]
                 if rules.rigid[field] or rules.skipped[law]:
                     continue
                 put_contact(m, k, slot, dof[e], dof[r], r, r + 1, law)
@@ -187,7 +191,7 @@ def most_contacts(rules, nodes):
     for slot in range(nodes.node.shape[0]):
         soft, hard = 0, 0
         for e in range(nodes.first[slot], nodes.first[slot + 1]):
-            if rules.rigid[nodes.dof[e] // nodes.node_count]:
+            if rules.rigid[field_of(nodes.dof[e], nodes.node_count, nodes.rigid.shape[0])]:
                 hard += 1
             else:
                 soft += 1

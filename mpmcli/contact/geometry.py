@@ -11,6 +11,7 @@ from mpmcli.contact.contact_nodes import IMAGE_BITS
 from mpmcli.contact.neighbours import Neighbours
 from mpmcli.contact.normals.base import find_normal
 from mpmcli.contact.separation.base import find_separation
+from mpmcli.core.dofs import field_of
 from mpmcli.core.kernel import inline, kernel, prange
 from mpmcli.core.particles import determinant_of_particle
 
@@ -95,7 +96,7 @@ def sum_volumes(nodes, near, field, F, vol0):
         while at >= 0:
             p = near.particle[at]
             for e in range(first, last):
-                if nodes.dof[e] // nodes.node_count == field[p]:
+                if field_of(nodes.dof[e], nodes.node_count, nodes.rigid.shape[0]) == field[p]:
                     volume[e] += near.S[at] * determinant_of_particle(F, p) * vol0[p]
             at = near.next[at]
 
@@ -169,7 +170,7 @@ def row_of(array, row):
 
 @inline
 def gather(axes, slot, alpha, beta, alone, neighbours, nodes, around, near, matter):
-    """Put the particles that a contact of field ``alpha`` with ``beta`` looks at into its neighbours.
+    """Put the particles that a contact of field ``alpha`` with ``beta`` evaluates into its neighbours.
 
     Unless ``alone``, β are all deformable fields but α. Returns their number, the volumes Σ S V of α and of β, and the
     share of the volume that is bonded. What may be None is handed on: numba leaves out branches for arguments only.
@@ -254,7 +255,10 @@ def find_geometry(
         )  # fmt: skip
         for k in range(count * c // workers, count * (c + 1) // workers):
             slot = fields.slot[k]
-            alpha, beta = fields.alpha[k] // nodes.node_count, fields.partner[k] // nodes.node_count
+            alpha, beta = (
+                field_of(fields.alpha[k], nodes.node_count, nodes.rigid.shape[0]),
+                field_of(fields.partner[k], nodes.node_count, nodes.rigid.shape[0]),
+            )
             n, volume_alpha, volume_beta, intact[k] = gather(
                 axes, slot, alpha, beta, fields.alone[k], neighbours, nodes, around, near, matter
             )

@@ -1,7 +1,7 @@
 """Contact on the velocity increments of FMPM(k): the "Net" and "Evolving" methods (Nairn 2026, 3.2).
 
 For every contact two vectors are kept through the loop of a step: ``prior``, the Δp(0) that brings the velocity so far
-to that of the centre of mass, and ``net``, the sum of the contact's impulses so far. "Net" looks at the velocity before
+to that of the centre of mass, and ``net``, the sum of the contact's impulses so far. "Net" takes the velocity before
 contact ever acted on it, "Evolving" at the one that contact has corrected. The other ways of a scene, "lumped", "after"
 and "combined", correct whole velocities and need nothing of this.
 """

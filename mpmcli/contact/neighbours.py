@@ -1,4 +1,4 @@
-"""The particles around one contact node, gathered side by side for the methods that look at them."""
+"""The particles around one contact node, gathered side by side for the methods that read them."""
 
 from __future__ import annotations
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpmcli.contact.area import perpendicular_size
+from mpmcli.core.dofs import field_of
 from mpmcli.core.kernel import inline, kernel, prange
 
 Array = np.ndarray
@@ -57,7 +58,7 @@ def drive_of_contact(axes, k, fields, nodes, around, share, normal, mp, dt):
     slot = fields.slot[k]
     soft, hard = 0.0, 0.0
     for e in range(nodes.first[slot], nodes.first[slot + 1]):
-        if nodes.rigid[nodes.dof[e] // nodes.node_count]:
+        if nodes.rigid[field_of(nodes.dof[e], nodes.node_count, nodes.rigid.shape[0])]:
             hard += nodes.volume[e]
         else:
             soft += nodes.volume[e]
@@ -70,7 +71,7 @@ def drive_of_contact(axes, k, fields, nodes, around, share, normal, mp, dt):
         m_beta = 0.0
         for e in range(fields.first[k], fields.last[k]):
             i = nodes.dof[e]
-            if i != fields.alpha[k] and not nodes.rigid[i // nodes.node_count]:
+            if i != fields.alpha[k] and not nodes.rigid[field_of(i, nodes.node_count, nodes.rigid.shape[0])]:
                 m_beta += mp[i, 0]
         reduced = reduced * m_beta / (reduced + m_beta)
     h = perpendicular_size(axes, around.cell, normal)

@@ -33,7 +33,7 @@ class LawModel(Model):
     """
 
     skipped: ClassVar[bool] = False
-    """The law leaves the fields alone: its contacts need not be looked at."""
+    """The law leaves the fields alone: its contacts need not be evaluated."""
     screened: ClassVar[bool] = True
     """Nodes where one side has next to no mass are passed over."""
     needs_normal: ClassVar[bool] = True

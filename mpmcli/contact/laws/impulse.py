@@ -44,7 +44,7 @@ def sliding_traction(law: Any, N: Any, stick: Any, speed: Any) -> Any:
     ``N`` is the normal compression, ``stick`` the traction that makes the sides stick (both never negative),
     ``speed`` the sliding speed [velocity]. A result of ``stick`` or more means that they stick. Laws registered
     without ``area`` must be homogeneous, S(cN, c·stick) = c S(N, stick), and may be handed impulses; those without
-    ``speed`` must not look at it.
+    ``speed`` must not read it.
     """
 
 
