@@ -159,4 +159,4 @@ def test_measured_shares_add_up_and_leave_the_scene_alone():
 def test_a_run_too_short_to_measure_says_so():
     found = measure(loaded({"time.max_steps": 2}), threads=1, seconds=0.1)
     assert found["seconds_per_step"] is None
-    assert "over too soon" in explain(loaded({"time.max_steps": 2}), 1, found)["text"]
+    assert "the run is too short" in explain(loaded({"time.max_steps": 2}), 1, found)["text"]
