@@ -13,9 +13,9 @@ from mpmcli.boundary.particle_loads import ParticleLoads
 from mpmcli.boundary.place import Face
 from mpmcli.core import nodes
 from mpmcli.core.analysis import Analysis
+from mpmcli.core.chunks import CHUNKS
 from mpmcli.core.grid import Grid
 from mpmcli.core.identity import place_of_identity
-from mpmcli.core.nodes import CHUNKS
 from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
 from mpmcli.core.step import Step
@@ -129,5 +129,7 @@ class Loads:
         ``p_start`` (n, d) momenta at the start of the step, ``v`` (n, d) velocities v⁺.
         """
         grid = self._grid
-        nodes.external_power[self._parallel](grid.active, self.force, grid.mp, p_start, v, self._work)
+        nodes.external_power[self._parallel](
+            grid.active, grid.active_chunks, self.force, grid.mp, p_start, v, self._work
+        )
         return float(self._work.sum()) * dt

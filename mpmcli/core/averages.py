@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcli.core.chunks import chunk_of_round
 from mpmcli.core.cut import is_cut
 from mpmcli.core.gather_scatter import TWO, ZERO, rows_of, value_at
 from mpmcli.core.grid import unfold
@@ -102,7 +103,7 @@ def shift_rows(
     ``sums`` (n·2,) holds the means of the nodes.
     """
     for c in prange(chunks.shape[0] - 1):
-        slot = np.uint64(c)
+        slot = chunk_of_round(c)
         geometry = unfold(grid)
         S, W, offsets = stencil.S[slot], stencil.W[slot], stencil.offsets
         for p in range(chunks[slot], chunks[slot + np.uint64(1)]):

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from mpmcli.core import nodes
+from mpmcli.core.grid import Grid
 from mpmcli.core.nodal_field import NodalField
 from mpmcli.core.step import Step
 
@@ -52,20 +53,21 @@ def add_full_mass_increments(
         nodes.next_increment[parallel](active, field.mp, field.out, rule.scale(order), field.dv)
         field.correct(step, counts_reactions)  # (1), (2)
         nodes.add_increment[parallel](active, field.dv, field.v)
-        if rule.dynamic is not None and has_converged(field, active, parallel, *rule.dynamic):  # (3)
+        if rule.dynamic is not None and has_converged(field, transfer.grid, parallel, *rule.dynamic):  # (3)
             break
     return order
 
 
-def has_converged(field: NodalField, active: Array, parallel: bool, metric: str, tolerance: float) -> bool:
+def has_converged(field: NodalField, grid: Grid, parallel: bool, metric: str, tolerance: float) -> bool:
     """Whether the last increment is small by the metric (Nairn 2026, section 3.4), all degrees of freedom together."""
     sums = field.sums
-    nodes.sum_magnitudes[parallel](active, field.mp, field.dv, field.v, sums)
+    active, chunks = grid.active, grid.active_chunks
+    nodes.sum_magnitudes[parallel](active, chunks, field.mp, field.dv, field.v, sums)
     change, size, _, count = sums.sum(axis=0)
     if metric == "means":
         return bool(change <= tolerance * size)
     epsilon = 0.01 * float(sums[:, 2].max())
-    nodes.sum_changes[parallel](active, field.mp, field.dv, field.v, epsilon, sums)
+    nodes.sum_changes[parallel](active, chunks, field.mp, field.dv, field.v, epsilon, sums)
     return bool(epsilon == 0.0 or sums[:, 0].sum() <= tolerance * count)
 
 

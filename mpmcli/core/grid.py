@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcli.core.chunks import chunks_of_nodes
 from mpmcli.core.dispatch import generic
 from mpmcli.core.dofs import field_of, node_of, side_of
 
@@ -181,6 +182,16 @@ class Grid:
         """Take it back."""
         self.active, self.active_version = memory["active"], int(memory["active_version"])
         self.width = int(memory["width"])
+
+    @property
+    def active(self) -> np.ndarray:
+        """Degrees of freedom that particles may touch (n,), in ascending order."""
+        return self._active
+
+    @active.setter
+    def active(self, active: np.ndarray) -> None:
+        self._active = active
+        self.active_chunks = chunks_of_nodes(active, self.shape[0] if self.dimensions > 1 else 1)
 
     @property
     def geometry(self) -> Any:

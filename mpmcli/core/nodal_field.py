@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.nodes import CHUNKS
+from mpmcli.core.chunks import CHUNKS
 from mpmcli.core.step import Step
 
 Array = np.ndarray

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from mpmcli.core.chunks import chunk_of_round
 from mpmcli.core.kernel import kernel, prange
-
-CHUNKS = 64
-"""Reductions over nodes run in two stages over this many chunks, whatever the number of threads."""
 
 
 @kernel
@@ -20,17 +18,18 @@ def clear_nodes(active, array):
 
 
 @kernel
-def update_momenta(active, mp, f, damping, dt, p_start, work):
+def update_momenta(active, chunks, mp, f, damping, dt, p_start, work):
     """Task 3: p⁺ = p + f Δt, after adding grid damping to f.
 
     ``damping`` (1,) [1/time] (f −= damping · p) and ``p_start`` (n, d), which keeps p, may be
-    None. ``work`` (CHUNKS,) or None receives the energy taken by damping, with the mean of p and p⁺.
+    None. ``work`` (CHUNKS,) or None receives the energy taken by damping, with the mean of p and p⁺, of each of the
+    ``chunks`` (CHUNKS + 1,) of the active nodes.
     """
     d = f.shape[1]
-    count = active.shape[0]
-    for c in prange(CHUNKS):
+    for n in prange(chunks.shape[0] - 1):
+        c = chunk_of_round(n)
         taken = 0.0
-        for j in range(count * c // CHUNKS, count * (c + 1) // CHUNKS):
+        for j in range(chunks[c], chunks[c + np.uint64(1)]):
             i = np.uint64(active[j])
             m = mp[i, 0]
             if m > 0.0:
@@ -114,12 +113,12 @@ def add_increment(active, dv, v):
 
 
 @kernel
-def sum_magnitudes(active, mp, dv, v, sums):
+def sum_magnitudes(active, chunks, mp, dv, v, sums):
     """Per chunk of nodes with mass: Σ|Δv|, Σ|v|, the largest |v| and the number of nodes, into ``sums`` (CHUNKS, 4)."""
-    count = active.shape[0]
-    for c in prange(CHUNKS):
+    for n in prange(chunks.shape[0] - 1):
+        c = chunk_of_round(n)
         change, size, largest, nodes = 0.0, 0.0, 0.0, 0.0
-        for j in range(count * c // CHUNKS, count * (c + 1) // CHUNKS):
+        for j in range(chunks[c], chunks[c + np.uint64(1)]):
             i = np.uint64(active[j])
             if mp[i, 0] > 0.0:
                 change2, size2 = 0.0, 0.0
@@ -134,12 +133,12 @@ def sum_magnitudes(active, mp, dv, v, sums):
 
 
 @kernel
-def sum_changes(active, mp, dv, v, epsilon, sums):
+def sum_changes(active, chunks, mp, dv, v, epsilon, sums):
     """Per chunk of nodes with mass: Σ |Δv|/(|v| + ``epsilon``) into ``sums`` (CHUNKS, 4), first column."""
-    count = active.shape[0]
-    for c in prange(CHUNKS):
+    for n in prange(chunks.shape[0] - 1):
+        c = chunk_of_round(n)
         total = 0.0
-        for j in range(count * c // CHUNKS, count * (c + 1) // CHUNKS):
+        for j in range(chunks[c], chunks[c + np.uint64(1)]):
             i = np.uint64(active[j])
             if mp[i, 0] > 0.0:
                 change2, size2 = 0.0, 0.0
@@ -186,13 +185,13 @@ def add_projected(active, dt, u, v, w, start):
 
 
 @kernel
-def external_power(active, f_external, mp, p_start, v, work):
+def external_power(active, chunks, f_external, mp, p_start, v, work):
     """Power of external forces with the mean velocity of the step: Σ f·½(p/m + v⁺), a two-stage sum in ``work``."""
     d = f_external.shape[1]
-    count = active.shape[0]
-    for c in prange(CHUNKS):
+    for n in prange(chunks.shape[0] - 1):
+        c = chunk_of_round(n)
         total = 0.0
-        for j in range(count * c // CHUNKS, count * (c + 1) // CHUNKS):
+        for j in range(chunks[c], chunks[c + np.uint64(1)]):
             i = np.uint64(active[j])
             m = mp[i, 0]
             if m > 0.0:

@@ -12,15 +12,13 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.core.chunks import CHUNKS, chunks_of_lines
 from mpmcli.core.grid import Grid
 from mpmcli.core.kernel import inline, kernel, prange
 from mpmcli.core.particles import Particles
 
 MAX_DRIFT = 1.0 - 1e-6
 """Cells that a particle may travel between two sorts: one, less than round-off in the location of cells can bridge."""
-
-CHUNKS = 64
-"""Gathers run over at most this many chunks of particles."""
 
 Array = np.ndarray
 
@@ -31,7 +29,7 @@ class CellOrder:
     Attributes
     ----------
     bands : (n_bands + 1,) first particle of each band and the end, unsigned
-    chunks : (n_chunks + 1,) first particle of each chunk and the end, unsigned
+    chunks : (CHUNKS + 1,) first particle of each chunk of lines of cells and the end, unsigned
     drift : largest distance travelled since the last sort [cells]
     version : counts the sorts
     parallel : whether the last sort ran parallel kernels
@@ -45,7 +43,7 @@ class CellOrder:
         self.parallel = False
         self._mark = np.zeros(grid.node_count, dtype=np.uint8)
         self.bands = np.zeros(1, dtype=np.uint64)
-        self.chunks = np.zeros(1, dtype=np.uint64)
+        self.chunks = np.zeros(CHUNKS + 1, dtype=np.uint64)
 
     @property
     def is_stale(self) -> bool:
@@ -82,8 +80,7 @@ class CellOrder:
             for name, array in particles.arrays().items():
                 if array.size:
                     setattr(particles, name, np.ascontiguousarray(np.take(array, order, axis=-1)))
-        layer = int(np.prod(extent[:-1]))
-        self._divide(starts, layer, int(extent[-1]), count)
+        self._divide(starts, extent)
         if grid.fields == 1:
             grid.active = self._reach(np.diff(starts) > 0, low, extent)
         else:
@@ -92,11 +89,19 @@ class CellOrder:
         self.version += 1
         self.drift = 0.0
 
-    def _divide(self, starts: Array, layer: int, rows: int, count: int) -> None:
+    def _divide(self, starts: Array, extent: Array) -> None:
+        layer, rows = int(np.prod(extent[:-1])), int(extent[-1])
         height = band_height(rows, 2 * self.grid.width - 1)
         edges = np.minimum(np.arange(0, rows + height, height), rows)
         self.bands = starts[edges * layer].astype(np.uint64)
-        self.chunks = np.linspace(0, count, min(CHUNKS, count) + 1).astype(np.uint64)
+        lines = starts[:: int(extent[0]) if len(extent) > 1 else 1]
+        self.chunks = chunks_of_lines(lines[:-1][np.diff(lines) > 0], int(starts[-1]))
+
+    def drop(self, kept: Array) -> None:
+        """Fit bands and chunks to the particles of the mask ``kept`` (N,), which are sorted at the next step."""
+        left = np.concatenate([np.zeros(1, dtype=np.uint64), np.cumsum(kept, dtype=np.uint64)])
+        self.bands, self.chunks = left[self.bands], left[self.chunks]
+        self.drift = np.inf
 
     @property
     def slots(self) -> int:

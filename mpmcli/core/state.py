@@ -79,6 +79,8 @@ class State:
         written [length]
     rigid : indices of the rigid bodies, which count in no sum over the matter of the scene
     extra : further columns by name, e.g. ``deleted_mass``
+    chunks : function giving the chunks of the particles by which sums are made (see ``core.chunks``), or None: all
+        at once
     """
 
     analysis: Analysis
@@ -98,6 +100,7 @@ class State:
     X0: np.ndarray | None = None
     rigid: tuple[int, ...] = ()
     extra: dict[str, float] = field(default_factory=dict)
+    chunks: Callable[[], np.ndarray] | None = None
 
     def memory(self) -> dict[str, Any]:
         """Return what a checkpoint keeps of it: step, times, and all numbers that are summed up."""

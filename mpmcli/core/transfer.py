@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.core import corner_sums, nodewise_sums, separable_sums  # noqa: F401 (registered there)
+from mpmcli.core.chunks import chunk_of_round
 from mpmcli.core.compiler import compiled_as, compiled_too
 from mpmcli.core.cut import is_cut
 from mpmcli.core.dispatch import generic
@@ -309,7 +310,7 @@ def move_particles(
     of particle damping.
     """
     for c in prange(chunks.shape[0] - 1):
-        slot = np.uint64(c)
+        slot = chunk_of_round(c)
         geometry, zero = unfold(grid), zero_vector(analysis)
         S, G, W, offsets = stencil.S[slot], stencil.G[slot], stencil.W[slot], stencil.offsets
         found = (0.0, 0.0, 0.0, np.int64(-1))
@@ -347,7 +348,7 @@ def find_velocity_gradients(
     ``zero`` is a tuple of as many zeros as ``v`` has components.
     """
     for c in prange(chunks.shape[0] - 1):
-        slot = np.uint64(c)
+        slot = chunk_of_round(c)
         geometry = unfold(grid)
         S, G, W, offsets = stencil.S[slot], stencil.G[slot], stencil.W[slot], stencil.offsets
         for p in range(chunks[slot], chunks[slot + np.uint64(1)]):
@@ -369,7 +370,7 @@ def find_velocity_gradients(
 def store_weights(shape, grid, across, chunks, stencil, X, F, size, first, S):
     """Keep what the shape function weighs in the arrays of the tuple that ``kept_as`` names."""
     for c in prange(chunks.shape[0] - 1):
-        slot = np.uint64(c)
+        slot = chunk_of_round(c)
         geometry = unfold(grid)
         W = stencil.W[slot]
         for p in range(chunks[slot], chunks[slot + np.uint64(1)]):

@@ -43,7 +43,7 @@ def _work(snapshot: Snapshot, name: str) -> float:
 
 
 def _stress_work(snapshot: Snapshot) -> float:
-    return float(snapshot.of_matter(snapshot.particles.stress_work).sum()) * snapshot.full_ring
+    return snapshot.total(snapshot.particles.stress_work) * snapshot.full_ring
 
 
 def _accumulated(name: str) -> Callable[[Snapshot], float]:
@@ -52,22 +52,22 @@ def _accumulated(name: str) -> Callable[[Snapshot], float]:
 
 def _strain_energy(snapshot: Snapshot) -> float:
     return (
-        float(np.sum(snapshot.particles.vol0 * snapshot.state.strain_energy_density())) * snapshot.full_ring
+        snapshot.total(snapshot.particles.vol0 * snapshot.state.strain_energy_density()) * snapshot.full_ring
     )
 
 
 def _viscous_work(snapshot: Snapshot) -> float:
     work = snapshot.particles.viscous_work
-    return 0.0 if work is None else float(snapshot.of_matter(work).sum()) * snapshot.full_ring
+    return 0.0 if work is None else snapshot.total(work) * snapshot.full_ring
 
 
 def _history_energy(name: str) -> Callable[[Snapshot], float]:
     """Total of a history variable that is an energy per initial volume."""
-    return lambda s: float(np.sum(s.particles.vol0 * s.history(name))) * s.full_ring
+    return lambda s: s.total(s.particles.vol0 * s.history(name)) * s.full_ring
 
 
 def _momentum(snapshot: Snapshot) -> np.ndarray:
-    return (snapshot.particles.V * snapshot.mass).sum(axis=1)
+    return np.asarray(snapshot.total(snapshot.particles.V * snapshot.mass))
 
 
 def _angular_momentum(snapshot: Snapshot) -> np.ndarray:
@@ -75,7 +75,7 @@ def _angular_momentum(snapshot: Snapshot) -> np.ndarray:
     X, V, mass = snapshot.particles.X, snapshot.particles.V, snapshot.mass
 
     def about(a: int, b: int) -> float:
-        return float(np.sum(mass * (X[a] * V[b] - X[b] * V[a])))
+        return float(snapshot.total(mass * (X[a] * V[b] - X[b] * V[a])))
 
     return np.array([about(0, 1)] if len(X) == 2 else [about(1, 2), about(2, 0), about(0, 1)])
 
@@ -186,7 +186,7 @@ QUANTITIES.add(
         "kinetic_energy + stress_work + contact_work + damping_work − boundary_work − external_work − its "
         "initial value, over the largest kinetic_energy + |stress_work| so far",
     ),
-    Quantity("mass", "M", "mass", "scalar", "global", lambda s: float(s.mass.sum()), "total mass"),
+    Quantity("mass", "M", "mass", "scalar", "global", lambda s: s.total(s.mass), "total mass"),
     Quantity(
         "momentum",
         "P",

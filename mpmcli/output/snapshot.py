@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from mpmcli.core.analysis import STRESS_COMPONENTS, Axisymmetric
+from mpmcli.core.chunks import sums_of_chunks
 from mpmcli.core.state import State
 
 Array = np.ndarray
 
 EIGEN_CHUNK = 65536
-SUM_CHUNK = 8192
-"""Particles at a time, so that intermediate arrays stay in the processor's cache."""
+TOGETHER = 8192
+"""Particles at a time, at least, so that intermediate arrays stay in the processor's cache."""
 
 
 class Snapshot:
@@ -65,6 +67,20 @@ class Snapshot:
         return mass
 
     @cached_property
+    def chunks(self) -> Array:
+        """First particle of each chunk by which sums are made, and the end (see ``core.chunks``)."""
+        count = self.particles.count
+        chunks = np.array([0, count]) if self.state.chunks is None else self.state.chunks().astype(np.int64)
+        return chunks if chunks[-1] == count else np.array([0, count])
+
+    def total(self, values: Array) -> Any:
+        """Sum of the values (…, N) of the particles, those of rigid bodies left out: a number, or (…)."""
+        if self.state.rigid:
+            values = np.where(self.is_rigid, 0.0, values)
+        sums = sums_of_chunks(values, self.chunks).sum(axis=-1)
+        return sums if sums.ndim else float(sums)
+
+    @cached_property
     def is_rigid(self) -> Array:
         """Whether each particle belongs to a rigid body, shape (N,)."""
         return np.isin(self.particles.body, self.state.rigid)
@@ -103,14 +119,17 @@ class Snapshot:
 
     @cached_property
     def total_kinetic_energy(self) -> float:
-        """½ Σ M V² [energy]; chunk by chunk, for the watchdog asks often and memory is slow."""
-        V = self.particles.V
+        """½ Σ M V² [energy]; some chunks at a time, for the watchdog asks often and memory is slow."""
+        V, chunks = self.particles.V, self.chunks
         mass, rings = (self.mass, 1.0) if self.state.rigid else (self.particles.mass, self.full_ring)
-        total = 0.0
-        for start in range(0, V.shape[1], SUM_CHUNK):
-            part = slice(start, start + SUM_CHUNK)
-            total += float((mass[part] * (V[:, part] * V[:, part]).sum(axis=0)).sum())
-        return 0.5 * rings * total
+        sums, first = [], 0
+        for last in range(1, len(chunks)):
+            if chunks[last] - chunks[first] >= TOGETHER or last == len(chunks) - 1:
+                part = slice(chunks[first], chunks[last])
+                energies = mass[part] * (V[:, part] * V[:, part]).sum(axis=0)
+                sums.append(sums_of_chunks(energies, chunks[first : last + 1] - chunks[first]))
+                first = last
+        return 0.5 * rings * float(np.concatenate(sums).sum())
 
     @property
     def components(self) -> tuple[str, ...]:
@@ -140,8 +159,10 @@ class Snapshot:
     def sum_over(self, owner: str, values: Array) -> Array:
         """Sum of (N,) values over the particles of each ``"body"`` or ``"material"``, shape (groups,)."""
         index = getattr(self.particles, owner)
-        groups = self.state.bodies if owner == "body" else self.state.materials
-        return np.bincount(index, weights=values, minlength=len(groups)).astype(float, copy=False)
+        count = len(self.state.bodies if owner == "body" else self.state.materials)
+        chunk = np.repeat(np.arange(len(self.chunks) - 1), np.diff(self.chunks))
+        sums = np.bincount(chunk * count + index, weights=values, minlength=count * (len(self.chunks) - 1))
+        return sums.astype(float, copy=False).reshape(-1, count).sum(axis=0)
 
     def mean_over(self, owner: str, values: Array, weights: Array) -> Array:
         """Weighted mean of each row of (rows, N) values per group, (rows, groups); NaN without particles."""

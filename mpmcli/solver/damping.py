@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpmcli.boundary.images import Images
-from mpmcli.core.nodes import CHUNKS
+from mpmcli.core.chunks import CHUNKS
 from mpmcli.core.state import State
 
 Array = np.ndarray
@@ -42,9 +42,9 @@ class Damping:
         if images is not None and self.grid is not None and self.of_nodes is not None:
             self.of_nodes[0] -= images.damping_of(mp, f, self.grid[0], dt)
 
-    def account(self, chunks: int) -> None:
-        """Task 6: add the energy taken; particles ran in ``chunks``."""
+    def account(self) -> None:
+        """Task 6: add the energy taken."""
         if self.of_nodes is not None:
             self._state.work["damping_work"] += float(self.of_nodes.sum())
         if self.of_particles is not None:
-            self._state.work["damping_work"] += float(self.of_particles[:chunks].sum())
+            self._state.work["damping_work"] += float(self.of_particles.sum())

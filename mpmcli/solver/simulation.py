@@ -241,7 +241,7 @@ class Simulation(Parts):
         """Keep only the particles of the mask ``kept`` (N,) in memory."""
         self.particles.keep(kept)
         self._fit_to_particles()
-        self.order.drift = np.inf  # sort at the start of the next step; until then the grid shows this one
+        self.order.drop(kept)  # sorted at the start of the next step; until then the grid shows this one
 
     def _fit_to_particles(self) -> None:
         self.stress.fit()
@@ -280,6 +280,7 @@ class Simulation(Parts):
             rigid=setup.rigid_bodies_of(scene),
             work=work,
             extra=extra,
+            chunks=lambda: self.order.chunks,
         )
 
     def _choose_courant(self, scene: Any) -> float | None:

@@ -143,7 +143,14 @@ class _Tasks:
         s, damping = self._s, self._s.damping
         mp, f = s.grid.mp, s.grid.f
         nodes.update_momenta[s.parallel](
-            s.grid.active, mp, f, damping.grid, step.dt, s.arrays.p_start, damping.of_nodes
+            s.grid.active,
+            s.grid.active_chunks,
+            mp,
+            f,
+            damping.grid,
+            step.dt,
+            s.arrays.p_start,
+            damping.of_nodes,
         )
         damping.leave_out_images(mp, f, step.dt)
 
@@ -205,7 +212,7 @@ class _Tasks:
         s, state = self._s, self._s.state
         if step.plan.keeps_positions:
             s.particles.X, s.arrays.X_new = s.arrays.X_new, s.particles.X
-        s.damping.account(len(s.order.chunks) - 1)
+        s.damping.account()
         s.failures.refuse_speed(s.transfer.largest_speed)
         if s.conditions is not None:
             state.reactions = s.conditions.reactions(step.dt)

@@ -9,13 +9,14 @@ import numpy as np
 
 from mpmcli.core import transfer as kernels
 from mpmcli.core.analysis import Analysis
+from mpmcli.core.chunks import CHUNKS
 from mpmcli.core.cut import Cut, Sights, find_cut
 from mpmcli.core.domains import turn_domains
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
 from mpmcli.core.nodal_field import NodalField
 from mpmcli.core.nodes import clear_nodes
-from mpmcli.core.order import CHUNKS, CellOrder
+from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
 from mpmcli.core.stencil import (
     DOMAIN_TOO_WIDE,
@@ -284,8 +285,7 @@ class Transfer:
             p.L if with_gradients else None, p.mass,
             self.speed_squared, self.travel, self.outside, self.bounds, damped,
         )  # fmt: skip
-        chunks = len(self.order.chunks) - 1
-        self.farthest = float(self.travel[:chunks].max())
+        self.farthest = float(self.travel.max())
         self.order.drift += self.farthest
 
     def seen_nodes(self, particles: Array) -> Array:
@@ -307,8 +307,8 @@ class Transfer:
     @property
     def largest_speed(self) -> float:
         """Largest particle speed after the last motion."""
-        return float(np.sqrt(self.speed_squared[: len(self.order.chunks) - 1].max()))
+        return float(np.sqrt(self.speed_squared.max()))
 
     def particle_outside(self) -> int:
         """Memory place of a particle that left the domain in the last motion, or −1."""
-        return int(self.outside[: len(self.order.chunks) - 1].max())
+        return int(self.outside.max())

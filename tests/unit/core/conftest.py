@@ -7,8 +7,9 @@ import pytest
 
 from mpmcli.core import transfer
 from mpmcli.core.analysis import ANALYSES
+from mpmcli.core.chunks import CHUNKS
 from mpmcli.core.grid import Grid
-from mpmcli.core.order import CHUNKS, CellOrder
+from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
 from mpmcli.core.stencil import across_of, allocate_stencil, kept_as
 from mpmcli.shapes import SHAPES

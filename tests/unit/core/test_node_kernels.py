@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from mpmcli.core import nodes
+from mpmcli.core.chunks import CHUNKS, chunks_of_nodes
 
 ACTIVE = np.array([0, 2, 3, 6, 7], dtype=np.int64)
+IN_CHUNKS = chunks_of_nodes(ACTIVE, 3)
 IDLE = np.setdiff1d(np.arange(9), ACTIVE)
 
 
@@ -34,7 +36,7 @@ def test_clearing_leaves_other_nodes_alone(values):
 def test_momenta_grow_by_force_times_step(values):
     mp, f, _ = values
     before = mp.copy()
-    nodes.update_momenta[False](ACTIVE, mp, f, None, 0.1, None, None)
+    nodes.update_momenta[False](ACTIVE, IN_CHUNKS, mp, f, None, 0.1, None, None)
     expected = before.copy()
     rows = ACTIVE[mp[ACTIVE, 0] > 0]
     expected[rows, 1:] += 0.1 * f[rows]
@@ -44,8 +46,8 @@ def test_momenta_grow_by_force_times_step(values):
 def test_grid_damping_enters_the_force_and_the_books(values):
     mp, f, _ = values
     p, force = mp[:, 1:].copy(), f.copy()
-    start, work = np.zeros((9, 2)), np.zeros(nodes.CHUNKS)
-    nodes.update_momenta[False](ACTIVE, mp, f, np.array([0.5]), 0.1, start, work)
+    start, work = np.zeros((9, 2)), np.zeros(CHUNKS)
+    nodes.update_momenta[False](ACTIVE, IN_CHUNKS, mp, f, np.array([0.5]), 0.1, start, work)
     rows = ACTIVE[mp[ACTIVE, 0] > 0]
     np.testing.assert_allclose(f[rows], force[rows] - 0.5 * p[rows], rtol=1e-14)
     np.testing.assert_allclose(start[rows], p[rows])
@@ -95,8 +97,8 @@ def test_gravity_and_loads_add_to_forces(values):
 
 def test_power_of_external_forces_takes_the_mean_velocity(values):
     mp, f, v = values
-    start, work = mp[:, 1:].copy(), np.zeros(nodes.CHUNKS)
-    nodes.external_power[False](ACTIVE, f, mp, start, v, work)
+    start, work = mp[:, 1:].copy(), np.zeros(CHUNKS)
+    nodes.external_power[False](ACTIVE, IN_CHUNKS, f, mp, start, v, work)
     rows = ACTIVE[mp[ACTIVE, 0] > 0]
     expected = (f[rows] * 0.5 * (start[rows] / mp[rows, :1] + v[rows])).sum()
     assert work.sum() == pytest.approx(expected, rel=1e-13)

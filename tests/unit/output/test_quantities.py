@@ -74,11 +74,41 @@ def test_history_energies_belong_to_the_materials_that_have_them(make_state):
 
 
 def test_kinetic_energy_summed_in_chunks_is_that_of_all_particles(make_state, monkeypatch):
-    monkeypatch.setattr(snapshot, "SUM_CHUNK", 3)
     state = make_state("3d")
-    assert state.particles.count > 3
-    found = Snapshot(state)
-    assert found.total_kinetic_energy == pytest.approx(found.kinetic_energy.sum())
+    count = state.particles.count
+    assert count > 5
+    state.chunks = lambda: np.array([0, 0, 2, 3, 3, count, count])
+    expected = sum(
+        Snapshot(state).kinetic_energy[part].sum() for part in (slice(2), slice(2, 3), slice(3, None))
+    )
+    for together in (1, 3, 8192):
+        monkeypatch.setattr(snapshot, "TOGETHER", together)
+        assert Snapshot(state).total_kinetic_energy == pytest.approx(expected, rel=1e-15)
+
+
+def test_totals_are_sums_of_the_sums_of_chunks(make_state):
+    """A number that is lost beside a large one is not lost where it stands in another chunk."""
+    state = make_state("plane_strain")
+    count = state.particles.count
+    values = np.zeros((2, count))
+    values[:, 0], values[0, -2:] = 1.0, 1e-16
+    assert Snapshot(state).total(values)[0] == pytest.approx(1.0)
+    state.chunks = lambda: np.array([0, 1, count])
+    np.testing.assert_array_equal(Snapshot(state).total(values), [1.0 + 2e-16, 1.0])
+    state.chunks = lambda: np.array([0, 1, count + 1])  # of another number of particles
+    assert Snapshot(state).total(values[1]) == 1.0
+    state.chunks, state.rigid = lambda: np.array([0, 1, count]), (0,)
+    is_rigid = state.particles.body == 0
+    assert Snapshot(state).total(values[0]) == values[0, ~is_rigid].sum()
+
+
+def test_sums_over_bodies_are_made_by_chunks(make_state):
+    state = make_state("plane_strain")
+    count, values = state.particles.count, np.random.default_rng(3).random(state.particles.count)
+    expected = [values[state.particles.body == body].sum() for body in (0, 1)]
+    for edges in ([0, count], [0, 0, 3, count]):
+        state.chunks = lambda edges=edges: np.array(edges)
+        np.testing.assert_allclose(Snapshot(state).sum_over("body", values), expected, rtol=1e-14)
 
 
 def test_angular_momentum_in_3d_is_the_cross_product(make_state):
