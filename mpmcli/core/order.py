@@ -20,6 +20,9 @@ from mpmcli.core.particles import Particles
 MAX_DRIFT = 1.0 - 1e-6
 """Cells that a particle may travel between two sorts: one, less than round-off in the location of cells can bridge."""
 
+SLABS = 64
+"""Parts of the keys that are sorted side by side, at most."""
+
 Array = np.ndarray
 
 
@@ -72,9 +75,7 @@ class CellOrder:
         key = cell[d - 1] - low[d - 1]
         for a in range(d - 2, -1, -1):
             key = key * extent[a] + (cell[a] - low[a])
-        starts = np.zeros(int(np.prod(extent)) + 1, dtype=np.int64)
-        order = np.empty(count, dtype=np.int64)
-        _counting_sort(key, starts, order)
+        starts, order = sort_by_key(key, int(np.prod(extent)), parallel)
         field = particles.velocity_field
         if not np.array_equal(order, np.arange(count)):
             for name, array in particles.arrays().items():
@@ -183,17 +184,61 @@ def locate_cells(X, lower, inverse_cell, cells, cell):
             cell[a, p] = min(max(i, 0), cells[a] - 1)
 
 
-@inline
-def _counting_sort(key, starts, order):
-    """Stable counting sort: ``starts`` (n_keys + 1,) zero on entry, ``order`` (N,) old places in new order."""
-    for p in range(key.shape[0]):
-        starts[key[p] + 1] += 1
-    for c in range(1, starts.shape[0]):
-        starts[c] += starts[c - 1]
-    place = starts[:-1].copy()
-    for p in range(key.shape[0]):
-        order[place[key[p]]] = p
-        place[key[p]] += 1
+def sort_by_key(key: Array, keys: int, parallel: bool) -> tuple[Array, Array]:
+    """Stable counting sort of ``key`` (N,) in 0 … keys − 1.
+
+    Returns the first place of each key and the end, (keys + 1,), and the old places in new order, (N,).
+    """
+    shift = np.uint64(max(0, (keys - 1).bit_length() - SLABS.bit_length() + 1))
+    slabs = ((keys - 1) >> int(shift)) + 1
+    starts, order = np.zeros(keys + 1, dtype=np.int64), np.empty(len(key), dtype=np.int64)
+    count, first = np.empty((CHUNKS, slabs), dtype=np.uint64), np.empty(slabs + 1, dtype=np.uint64)
+    part, place = np.empty(len(key), dtype=np.uint64), np.empty(keys, dtype=np.uint64)
+    counting_sort[parallel](key.view(np.uint64), shift, count, first, part, place, starts, order)
+    return starts, order
+
+
+@kernel
+def counting_sort(key, shift, count, first, part, place, starts, order):
+    """Sort by slabs of 2^``shift`` keys, then each slab by its keys; both stably, so that the order is unique.
+
+    ``starts`` (keys + 1,) zero on entry, ``order`` (N,): the results of ``sort_by_key``. Work space: ``count`` (blocks,
+    slabs), ``first`` (slabs + 1,), ``part`` (N,), ``place`` (keys,).
+    """
+    blocks, slabs = count.shape
+    n, keys = key.shape[0], place.shape[0]
+    one = np.uint64(1)
+    for b in prange(blocks):
+        for s in range(slabs):
+            count[b, s] = 0
+        for p in range(np.uint64(n * b // blocks), np.uint64(n * (b + 1) // blocks)):
+            count[b, key[p] >> shift] += 1
+    total = np.uint64(0)
+    for s in range(slabs):
+        first[s] = total
+        for b in range(blocks):
+            here = count[b, s]
+            count[b, s] = total
+            total += here
+    first[slabs] = total
+    for b in prange(blocks):
+        for p in range(np.uint64(n * b // blocks), np.uint64(n * (b + 1) // blocks)):
+            s = key[p] >> shift
+            part[count[b, s]] = p
+            count[b, s] += one
+    for s in prange(slabs):
+        low, high = np.uint64(s) << shift, min((np.uint64(s) + one) << shift, np.uint64(keys))
+        for i in range(first[s], first[s + 1]):
+            starts[key[part[i]] + one] += 1
+        total = first[s]
+        for k in range(low, high):
+            place[k] = total
+            total += np.uint64(starts[k + one])
+            starts[k + one] = total
+        for i in range(first[s], first[s + 1]):
+            p = part[i]
+            order[place[key[p]]] = p
+            place[key[p]] += one
 
 
 @inline

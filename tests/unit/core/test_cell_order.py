@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mpmcli.core.analysis import PlaneStrain, Solid, UniaxialStress
 from mpmcli.core.grid import Grid
-from mpmcli.core.order import CHUNKS, MAX_DRIFT, CellOrder, band_height, locate_cells
+from mpmcli.core.order import CHUNKS, MAX_DRIFT, CellOrder, band_height, locate_cells, sort_by_key
 from mpmcli.core.particles import Particles
 from mpmcli.shapes import SHAPES
 
@@ -159,3 +159,18 @@ def test_nodes_in_use_are_sorted_and_few():
     order.sort(False)
     assert np.all(np.diff(grid.active) > 0)
     assert len(grid.active) < 100
+
+
+@pytest.mark.parametrize(
+    "parallel", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["serial", "parallel"]
+)
+@given(
+    count=st.integers(0, 300),
+    keys=st.sampled_from([1, 2, 63, 64, 65, 128, 129, 5000]),
+    seed=st.integers(0, 9),
+)
+def test_sorting_is_stable_and_finds_where_keys_start(parallel, count, keys, seed):
+    key = np.random.default_rng(seed).integers(0, keys, count)
+    starts, order = sort_by_key(key, keys, parallel)
+    np.testing.assert_array_equal(order, np.argsort(key, kind="stable"))
+    np.testing.assert_array_equal(starts, np.concatenate([[0], np.bincount(key, minlength=keys).cumsum()]))
