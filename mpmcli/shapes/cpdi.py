@@ -15,10 +15,10 @@ import numpy as np
 from mpmcli.core.compiler import compiled_too
 from mpmcli.core.corner_sums import gradients_of_plane, gradients_of_space
 from mpmcli.core.dispatch import generic
-from mpmcli.core.functions import hat
+from mpmcli.core.functions import hat, quadratic_spline
 from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry
 from mpmcli.core.kernel import inline
-from mpmcli.core.registers import load, offsets, plus, positive_part, store
+from mpmcli.core.registers import load, offsets, plus, store
 from mpmcli.core.stencil import DOMAIN_TOO_WIDE, Corners, fill, first_node, weigh_by_table, weigh_gathers
 from mpmcli.shapes.base import add_shape
 
@@ -91,9 +91,7 @@ def _(shape, r, across):
 
 @grid_functions.register(SplineCpdi)
 def _(shape, r, across):
-    away = abs(offsets(r, across))
-    wide, narrow = positive_part(1.5 - away), positive_part(0.5 - away)
-    return 0.5 * (wide * wide) - 1.5 * (narrow * narrow)
+    return quadratic_spline(offsets(r, across))
 
 
 @inline
