@@ -294,10 +294,19 @@ class State(SimpleNamespace):
 
     def __init__(self, speed, strain_energy, **work):
         particles = SimpleNamespace(
-            V=np.array([[speed]]), mass=np.array([2.0]), vol0=np.ones(1), determinant=lambda: np.ones(1)
+            V=np.array([[speed]]),
+            mass=np.array([2.0]),
+            vol0=np.ones(1),
+            determinant=lambda: np.ones(1),
+            count=1,
         )
         super().__init__(
-            particles=particles, full_ring=1.0, work=work, rigid=(), analysis=SimpleNamespace(dimensions=1)
+            particles=particles,
+            full_ring=1.0,
+            work=work,
+            rigid=(),
+            analysis=SimpleNamespace(dimensions=1),
+            chunks=None,
         )
         self.strain_energy_density = lambda: np.array([strain_energy])
 
