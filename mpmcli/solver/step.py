@@ -47,22 +47,27 @@ def tasks_of(plan: Plan, s: Parts) -> list[Task]:
         loads and Task("1", "loads on nodes", loads.collect),
         conditions and Task("1", "held nodes", conditions.select),
         contact and Task("1.a", do.first_contact, contact.after_extrapolation),
-        first and Task("1.b", f"velocities before the forces{do.loop_in_words(plan)}", do.find_first_velocities),
+        first and Task("1.b", f"velocities before the forces{do.loop_in_words(plan)}", do.find_strain_velocities),
         first and Task("1.d", "strain and stress before the forces", do.update_first_stress, True),
         Task("2", "forces" + " of stresses and loads" * (loads is not None), do.find_forces),
         Task("3", "update momenta", do.update_momenta),
-        plan.imposes_lumped and Task("2.a", "reactions of velocity conditions", do.impose_on_momenta),
+        conditions and plan.imposes_lumped and Task("2.a", "reactions of conditions", conditions.impose_on_momenta),
         contact and Task("3.a", do.second_contact, contact.after_update),
         Task("3.b", f"velocities{do.loop_in_words(plan)}", do.find_velocities),
         do.accounts and Task("3", f"work of {listing(do.accounts)}", do.account, True),
         Task("4", "move particles" + " and rigid bodies" * (s.rigid is not None), do.move_particles, True),
         again and Task("4.a", "extrapolate momenta again", do.extrapolate_again),
         again and contact and Task("4.b", "contact on momenta extrapolated again", contact.after_new_extrapolation),
-        again and Task("4.c", f"velocities again{do.loop_in_words(plan)}", do.find_new_velocities),
+        again and Task("4.c", f"velocities again{do.loop_in_words(plan)}", do.find_strain_velocities),
         last and Task("5", "strain and stress", do.update_last_stress),
         Task("6", "time, speeds and exits", do.finish),
     ]  # fmt: skip
     return [task for task in tasks if task]
+
+
+def in_words(passes: int) -> str:
+    """Return a number of passes over all particles."""
+    return f"{passes} pass" + "es" * (passes != 1)
 
 
 class _Tasks:
@@ -98,13 +103,13 @@ class _Tasks:
         """What makes grid velocities of momenta, besides division by mass."""
         contact = self._s.contact
         if plan.has_full_mass_loop:
-            words = f", FMPM loop with {plan.order - 1} further passes"
+            words = f", FMPM loop with {in_words(plan.order - 1)}"
             if contact and contact.choice.increments:
                 words += ", contact on every increment"
             return words + ", then contact" if contact and contact.choice.later else words
         if plan.method.projects:
             aware = ", with contact corrections" * plan.corrects_filter
-            return f", XPIC filter with {plan.order - 1} passes{aware}"
+            return f", XPIC filter with {in_words(plan.order - 1)}{aware}"
         return ""
 
     def extrapolate(self, step: Step) -> None:
@@ -117,9 +122,14 @@ class _Tasks:
             s.velocity, replaces_values=not plan.method.flip, with_forces=plan.has_final_stress
         )
 
-    def find_first_velocities(self, step: Step) -> None:
-        """Tasks 1.b and 1.c: the velocities that the momenta imply, conditions included."""
-        self._find_strain_velocities(step)
+    def find_strain_velocities(self, step: Step) -> None:
+        """Tasks 1.b and 1.c, or 4.c: velocities of the momenta, and their gradients; nothing of it is a reaction."""
+        s, v = self._s, self._s.arrays.v
+        nodes.find_velocities[s.parallel](s.grid.active, s.grid.mp, s.grid.f, v, None)
+        if step.plan.imposes_lumped and s.conditions is not None:
+            s.conditions.impose_on_velocity(v, counts_reactions=False)
+        self._refine(step, counts_reactions=False)
+        s.transfer.velocity_gradients(v)
 
     def update_first_stress(self, step: Step) -> None:
         """Task 1.d."""
@@ -153,11 +163,6 @@ class _Tasks:
             damping.of_nodes,
         )
         damping.leave_out_images(mp, f, step.dt)
-
-    def impose_on_momenta(self, step: Step) -> None:
-        """Task 2.a, on momenta that the forces have updated: the reactions are part of them."""
-        assert self._s.conditions is not None
-        self._s.conditions.impose_on_momenta(step)
 
     def find_velocities(self, step: Step) -> None:
         """Task 3.b: grid velocities v⁺(k), and accelerations or filtered velocities where the transfer asks."""
@@ -199,10 +204,6 @@ class _Tasks:
         s.transfer.add_values(s.velocity, p)
         s.grid.mp[s.grid.active, 1:] = p[s.grid.active]
 
-    def find_new_velocities(self, step: Step) -> None:
-        """Task 4.c."""
-        self._find_strain_velocities(step)
-
     def update_last_stress(self, step: Step) -> None:
         """Task 5."""
         self._update_stress(step.plan.update.last * step.dt)
@@ -223,15 +224,6 @@ class _Tasks:
             state.extra["mean_order"] += (s.reached_order - state.extra["mean_order"]) / state.step
         state.time += step.dt
         state.dt = step.dt
-
-    def _find_strain_velocities(self, step: Step) -> None:
-        """Velocity gradients of the velocities that the momenta imply; nothing of it is a reaction."""
-        s, v = self._s, self._s.arrays.v
-        nodes.find_velocities[s.parallel](s.grid.active, s.grid.mp, s.grid.f, v, None)
-        if step.plan.imposes_lumped and s.conditions is not None:
-            s.conditions.impose_on_velocity(v, counts_reactions=False)
-        self._refine(step, counts_reactions=False)
-        s.transfer.velocity_gradients(v)
 
     def _refine(self, step: Step, counts_reactions: bool) -> None:
         """Lumped velocities become v⁺(k)."""

@@ -124,7 +124,7 @@ FMPM = {"kind": "fmpm", "order": 4}
 def test_the_place_of_contact_in_the_fmpm_loop(increments, loop, updated, later):
     facts = facts_of({"increments": increments}, transfer=FMPM)
     tasks = facts["tasks"]
-    words = "3.b velocities, FMPM loop with 3 further passes"
+    words = "3.b velocities, FMPM loop with 3 passes"
     words += ", contact on every increment" * loop + ", then contact" * later
     assert words in tasks
     assert ("3.a contact on updated momenta" in tasks) == updated
