@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from mpmcli.core import runtime
+from mpmcli.core.compiled import runtime
 
 runtime.configure()  # what numba reads when it is imported
 

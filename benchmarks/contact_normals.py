@@ -24,7 +24,7 @@ import numpy as np  # isort: skip
 from mpmcli.contact.neighbours import WORK, Neighbours
 from mpmcli.contact.normals import NORMALS, find_normal
 from mpmcli.contact.normals.plane import fit_plane
-from mpmcli.core.kernel import kernel
+from mpmcli.core.compiled.kernel import kernel
 
 ITERATED = ("logistic_regression", "irls")
 

@@ -171,7 +171,7 @@ class Timed:
         twice, L, M, V0, work twice; CPDI reads F with every stencil; a pass of the FMPM loop X, size, M (and F),
         or, where there are several, the weights and M, once they have been found and written.
         """
-        from mpmcli.core.stencil import kept_as
+        from mpmcli.core.transfer.stencil import kept_as
 
         p, case, plan = self.simulation.particles, self.case, self.simulation.plan
         X, V, size, F, tau, L = (len(q) for q in (p.X, p.V, p.size, p.F, p.tau, p.L))

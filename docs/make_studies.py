@@ -194,8 +194,8 @@ def draw_metrics(_: Path) -> str:
 
 def metrics_of_step(scene: Path, metric: str, time: float) -> list[float]:
     """What the loop of the step at a time is judged by, for the orders 2 to the largest."""
-    from mpmcli.core import full_mass
-    from mpmcli.core.nodal_field import NodalField
+    from mpmcli.core.transfer import full_mass
+    from mpmcli.core.transfer.nodal_field import NodalField
     from mpmcli.scene.loader import load_scene
     from mpmcli.solver.simulation import Simulation
 

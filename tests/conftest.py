@@ -11,9 +11,9 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from mpmcli.core.analysis import F_COMPONENTS
+from mpmcli.core.compiled.kernel import Compiled, Kernel
 from mpmcli.core.grid import Grid
-from mpmcli.core.kernel import Compiled, Kernel
-from mpmcli.core.stencil import across_of, allocate_stencil, fill_stencils
+from mpmcli.core.transfer.stencil import across_of, allocate_stencil, fill_stencils
 from mpmcli.shapes import SHAPES
 
 # the first example of a property may compile kernels; the same examples every time

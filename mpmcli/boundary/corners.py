@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.boundary.base import Array, Nodes
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.functions import hat, hat_integral, quadratic_spline, quadratic_spline_integral
-from mpmcli.core.kernel import inline
 
 
 class Faces(NamedTuple):

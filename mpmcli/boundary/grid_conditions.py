@@ -9,8 +9,8 @@ import numpy as np
 from mpmcli.boundary.conditions import VelocityConditions
 from mpmcli.boundary.images import Images
 from mpmcli.core.grid import Grid
-from mpmcli.core.nodal_field import Correction
 from mpmcli.core.step import Step
+from mpmcli.core.transfer.nodal_field import Correction
 
 Array = np.ndarray
 

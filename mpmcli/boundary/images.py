@@ -6,7 +6,7 @@ import numpy as np
 
 from mpmcli.boundary.mirror import Mirror
 from mpmcli.core.grid import Grid
-from mpmcli.core.nodal_field import Correction
+from mpmcli.core.transfer.nodal_field import Correction
 
 Array = np.ndarray
 

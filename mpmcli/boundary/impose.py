@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mpmcli.core.kernel import inline
+from mpmcli.core.compiled.kernel import inline
 
 Array = np.ndarray
 

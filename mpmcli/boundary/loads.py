@@ -11,7 +11,6 @@ from mpmcli.boundary.base import Array, LoadModel
 from mpmcli.boundary.faces import TractionFaces
 from mpmcli.boundary.particle_loads import ParticleLoads
 from mpmcli.boundary.place import Face
-from mpmcli.core import nodes
 from mpmcli.core.analysis import Analysis
 from mpmcli.core.chunks import CHUNKS
 from mpmcli.core.grid import Grid
@@ -19,6 +18,7 @@ from mpmcli.core.identity import place_of_identity
 from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
 from mpmcli.core.step import Step
+from mpmcli.core.transfer import nodes
 
 
 class Scatter(Protocol):

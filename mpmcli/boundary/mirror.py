@@ -16,7 +16,7 @@ import numpy as np
 from mpmcli.boundary.base import Array, Nodes
 from mpmcli.boundary.place import axis_index
 from mpmcli.boundary.symmetry import SymmetryHolder
-from mpmcli.core.kernel import inline
+from mpmcli.core.compiled.kernel import inline
 
 
 class Pairs(NamedTuple):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmcli.core.kernel import inline
+from mpmcli.core.compiled.kernel import inline
 
 Array = np.ndarray
 

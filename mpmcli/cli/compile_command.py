@@ -28,7 +28,7 @@ def command(
     The compiled code is kept in the folder MPMCLI_CACHE_DIR, or in the cache folder of the user. Add it to a container
     image, or share it between nodes of a cluster that have the same processors.
     """
-    from mpmcli.core.runtime import cache_folder
+    from mpmcli.core.compiled.runtime import cache_folder
     from mpmcli.run.api import compile_scenes
 
     if not scenes:

@@ -124,7 +124,7 @@ def command(
         "sets": sets, "defines": defines, "allow_outside_files": allow_outside_files,
     }  # fmt: skip
     study = begin_study("stability", scene, changes, until, output, plot, quiet)
-    from mpmcli.core.runtime import available_threads
+    from mpmcli.core.compiled.runtime import available_threads
     from mpmcli.shapes import SHAPES
     from mpmcli.study import limits_report, stability
     from mpmcli.study.journal import Journal, study_folder

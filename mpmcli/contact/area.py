@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from mpmcli.contact.separation.base import UNKNOWN
-from mpmcli.core.kernel import inline
+from mpmcli.core.compiled.kernel import inline
 
 SMALLEST = 1e-9
 """Part of a full node's area that every contact node has at least, so that tractions stay finite."""

@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.core.dofs import node_of
 from mpmcli.core.grid import Grid, unfold
-from mpmcli.core.kernel import inline, kernel, prange
 from mpmcli.core.order import CellOrder, locate_cells, or_shifted
-from mpmcli.core.stencil import SEEN, fill, is_seen
+from mpmcli.core.transfer.stencil import SEEN, fill, is_seen
 
 Array = np.ndarray
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from mpmcli.contact.impulses import relative_momentum
 from mpmcli.contact.laws.impulse import law_impulse
-from mpmcli.core.kernel import inline
+from mpmcli.core.compiled.kernel import inline
 
 Array = np.ndarray
 

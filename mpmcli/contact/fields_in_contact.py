@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.dofs import field_of
-from mpmcli.core.kernel import inline
 
 Array = np.ndarray
 

@@ -11,8 +11,8 @@ from mpmcli.contact.contact_nodes import IMAGE_BITS
 from mpmcli.contact.neighbours import Neighbours
 from mpmcli.contact.normals.base import find_normal
 from mpmcli.contact.separation.base import find_separation
+from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.core.dofs import field_of
-from mpmcli.core.kernel import inline, kernel, prange
 from mpmcli.core.particles import determinant_of_particle
 
 Array = np.ndarray

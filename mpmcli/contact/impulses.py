@@ -8,8 +8,8 @@ import numpy as np
 
 from mpmcli.contact import increments
 from mpmcli.contact.laws.impulse import is_soft, law_impulse, law_impulse_at_end, leave, slip_work
+from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.core.dofs import field_of
-from mpmcli.core.kernel import inline, kernel, prange
 
 Array = np.ndarray
 

@@ -8,7 +8,7 @@ and "combined", correct whole velocities and need nothing of this.
 
 from __future__ import annotations
 
-from mpmcli.core.kernel import inline
+from mpmcli.core.compiled.kernel import inline
 
 
 @inline

@@ -19,10 +19,10 @@ from mpmcli.contact.geometry import Matter, Surroundings
 from mpmcli.contact.impulses import Place
 from mpmcli.contact.laws.impulse import BROKEN
 from mpmcli.core.analysis import Axisymmetric
-from mpmcli.core.nodal_field import Correction
 from mpmcli.core.order import CellOrder
 from mpmcli.core.state import ContactView
 from mpmcli.core.step import Step
+from mpmcli.core.transfer.nodal_field import Correction
 
 Array = np.ndarray
 

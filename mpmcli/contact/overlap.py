@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 
 from mpmcli.contact.area import perpendicular_size
+from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.core.dofs import field_of
-from mpmcli.core.kernel import inline, kernel, prange
 
 Array = np.ndarray
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmcli.core.kernel import inline
+from mpmcli.core.compiled.kernel import inline
 
 Array = np.ndarray
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from mpmcli.core.compiler import compiled_too
+from mpmcli.core.compiled.compiler import compiled_too
 
 
 @compiled_too

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmcli.core.kernel import kernel, prange
+from mpmcli.core.compiled.kernel import kernel, prange
 
 
 @kernel

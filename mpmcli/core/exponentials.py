@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from mpmcli.core.kernel import inline
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.tensors import Symmetric, Tensor, determinant, eigen_symmetric, multiply, multiply_commuting
 
 LN2 = math.log(2.0)

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.compiler import compiled_too
-from mpmcli.core.registers import positive_part
+from mpmcli.core.compiled.compiler import compiled_too
+from mpmcli.core.compiled.registers import positive_part
 
 
 @compiled_too

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.core.chunks import chunks_of_nodes
-from mpmcli.core.dispatch import generic
+from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.dofs import field_of, node_of, side_of
 
 

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.chunks import CHUNKS, chunks_of_lines
+from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.core.grid import Grid
-from mpmcli.core.kernel import inline, kernel, prange
 from mpmcli.core.particles import Particles
 
 MAX_DRIFT = 1.0 - 1e-6

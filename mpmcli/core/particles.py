@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.analysis import F_COMPONENTS, STRESS_COMPONENTS, Analysis, gradient_rows
-from mpmcli.core.compiler import INLINED, compiled_too
+from mpmcli.core.compiled.compiler import INLINED, compiled_too
 
 Array = np.ndarray
 

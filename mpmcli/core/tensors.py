@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import TypeAlias
 
-from mpmcli.core.kernel import inline
+from mpmcli.core.compiled.kernel import inline
 
 Tensor: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
 Symmetric: TypeAlias = tuple[float, float, float, float, float, float]

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from mpmcli.contact.choice import ContactChoice
-from mpmcli.core.runtime import available_threads
-from mpmcli.core.stencil import kept_as
+from mpmcli.core.compiled.runtime import available_threads
+from mpmcli.core.transfer.stencil import kept_as
 from mpmcli.explain.redundant import find_questions, find_redundant
 from mpmcli.explain.text import as_text
 from mpmcli.solver.plan import Plan

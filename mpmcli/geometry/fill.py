@@ -12,8 +12,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from mpmcli.core.analysis import Analysis, Axisymmetric
+from mpmcli.core.compiled.runtime import available_memory
 from mpmcli.core.errors import Problem, SceneError
-from mpmcli.core.runtime import available_memory
 from mpmcli.geometry.base import Region
 from mpmcli.geometry.bodies import BodyParticles, BodyRequest
 from mpmcli.geometry.lattice import GridBox, GridLattice, OwnLattice

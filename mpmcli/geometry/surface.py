@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from mpmcli.core.kernel import Kernel
+from mpmcli.core.compiled.kernel import Kernel
 
 Array = np.ndarray
 

@@ -13,7 +13,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 from pydantic import Field
 
-from mpmcli.core.dispatch import generic
+from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.model import Density, Model
 from mpmcli.core.registry import Registry
 

@@ -20,7 +20,8 @@ from mpmcli.core.analysis import (
     UniaxialStrain,
     UniaxialStress,
 )
-from mpmcli.core.dispatch import generic
+from mpmcli.core.compiled.dispatch import generic
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import (
     TERMS_OF_SMALL,
     TERMS_OF_TINY,
@@ -29,7 +30,6 @@ from mpmcli.core.exponentials import (
     exponential_2d,
     exponential_3d,
 )
-from mpmcli.core.kernel import inline
 from mpmcli.materials.lateral import lateral_stretch, thickness_stretch
 
 ONE_AXIS: tuple[type[Analysis], ...] = (UniaxialStrain, UniaxialStress)

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
 
-from mpmcli.core.dispatch import generic
+from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.model import Model, PositivePressure, Quantity
 
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_1d, logarithm
-from mpmcli.core.kernel import inline
 from mpmcli.core.tensors import left_cauchy_green, smallest_eigenvalue_bound
 
 

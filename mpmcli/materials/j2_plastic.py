@@ -6,8 +6,8 @@ import math
 from collections import namedtuple
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_symmetric, log_symmetric, logarithm
-from mpmcli.core.kernel import inline
 from mpmcli.core.model import Quantity
 from mpmcli.core.tensors import determinant, push_forward
 from mpmcli.materials.base import (

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from mpmcli.core.compiler import called_too
-from mpmcli.core.dispatch import generic
+from mpmcli.core.compiled.compiler import called_too
+from mpmcli.core.compiled.dispatch import generic
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_1d
-from mpmcli.core.kernel import inline
 from mpmcli.materials.base import kirchhoff_stress
 
 

@@ -7,8 +7,8 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import model_validator
 
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_1d
-from mpmcli.core.kernel import inline
 from mpmcli.core.model import Quantity
 from mpmcli.core.tensors import determinant
 from mpmcli.materials.base import (

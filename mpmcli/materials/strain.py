@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcli.core.compiled.kernel import Compiled, inline, kernel, prange
 from mpmcli.core.exponentials import SMALL_INCREMENT, exponential_1d
-from mpmcli.core.kernel import Compiled, inline, kernel, prange
 from mpmcli.core.particles import determinant_of_particle
 from mpmcli.core.tensors import IDENTITY, determinant, multiply
 from mpmcli.materials.base import (

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import logarithm
-from mpmcli.core.kernel import inline
 
 FORMS = {"j_minus_inverse": 0, "log": 1}
 """Number of each form, as the functions take it."""

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core import runtime
+from mpmcli.core.compiled import runtime
+from mpmcli.core.compiled.kernel import Call
 from mpmcli.core.errors import SceneError
-from mpmcli.core.kernel import Call
 from mpmcli.output.of_scene import check_output
 from mpmcli.run.compiling import Compilers
 from mpmcli.run.folder import default_folder, locked_folder, owned_folder, refuse_occupied

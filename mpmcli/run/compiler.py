@@ -12,8 +12,8 @@ import os
 import pickle
 import sys
 
-from mpmcli.core.compiler import get_compiler_ready
-from mpmcli.core.kernel import Call, find_compiled
+from mpmcli.core.compiled.compiler import get_compiler_ready
+from mpmcli.core.compiled.kernel import Call, find_compiled
 
 
 def main() -> None:

@@ -1,7 +1,7 @@
 """Compiling all that a run needs before its first step, in several processes at once.
 
 Each process takes the next function that nobody has begun; what it compiled the others load from the cache
-(``core.cache``).
+(``core.compiled.cache``).
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self
 
-from mpmcli.core.kernel import Call
-from mpmcli.core.runtime import available_memory, available_threads, environment_of_workers
+from mpmcli.core.compiled.kernel import Call
+from mpmcli.core.compiled.runtime import available_memory, available_threads, environment_of_workers
 
 LOGGER = logging.getLogger("mpmcli")
 

@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from mpmcli.core.compiler import timing_compiler
+from mpmcli.core.compiled.compiler import timing_compiler
 from mpmcli.core.errors import ArchiveError, SimulationError
 from mpmcli.core.state import State
 from mpmcli.output import manifest

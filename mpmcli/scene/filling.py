@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.analysis import ANALYSES
+from mpmcli.core.compiled.runtime import available_memory
 from mpmcli.core.errors import Problem, SceneError
-from mpmcli.core.runtime import available_memory
 from mpmcli.geometry.bodies import BodyParticles
 from mpmcli.geometry.fill import fill_bodies, places_to_test
 from mpmcli.scene.fields import velocity_fields

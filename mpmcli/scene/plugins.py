@@ -19,7 +19,7 @@ from mpmcli.contact.normals import NormalModel, find_normal
 from mpmcli.contact.separation import SeparationModel, find_separation
 from mpmcli.core.errors import PluginError
 from mpmcli.core.plugins import Plugin, installed, plugin_of
-from mpmcli.core.stencil import fill, weigh, weigh_gathers
+from mpmcli.core.transfer.stencil import fill, weigh, weigh_gathers
 from mpmcli.materials import MaterialModel
 from mpmcli.materials.base import (
     absorb_work,

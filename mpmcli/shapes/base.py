@@ -1,7 +1,7 @@
 """The list of shape functions.
 
 A new shape function is one new file: a NamedTuple class (its type chooses the compiled code), an implementation of
-``core.stencil.fill`` registered for it, and an entry here by ``add_shape``.
+``core.transfer.stencil.fill`` registered for it, and an entry here by ``add_shape``.
 """
 
 from __future__ import annotations

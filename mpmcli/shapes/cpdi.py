@@ -12,14 +12,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mpmcli.core.compiler import compiled_too
-from mpmcli.core.corner_sums import gradients_of_plane, gradients_of_space
-from mpmcli.core.dispatch import generic
+from mpmcli.core.compiled.compiler import compiled_too
+from mpmcli.core.compiled.dispatch import generic
+from mpmcli.core.compiled.kernel import inline
+from mpmcli.core.compiled.registers import load, offsets, plus, store
 from mpmcli.core.functions import hat, quadratic_spline
 from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry
-from mpmcli.core.kernel import inline
-from mpmcli.core.registers import load, offsets, plus, store
-from mpmcli.core.stencil import DOMAIN_TOO_WIDE, Corners, fill, first_node, weigh_by_table, weigh_gathers
+from mpmcli.core.transfer.corner_sums import gradients_of_plane, gradients_of_space
+from mpmcli.core.transfer.stencil import (
+    DOMAIN_TOO_WIDE,
+    Corners,
+    fill,
+    first_node,
+    weigh_by_table,
+    weigh_gathers,
+)
 from mpmcli.shapes.base import add_shape
 
 REFERENCE = "Sadeghirad, Brannon and Burghardt, Int. J. Numer. Meth. Eng. 86 (2011) 1435"

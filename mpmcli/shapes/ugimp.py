@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mpmcli.core.separable import product_of_axes
+from mpmcli.core.transfer.separable import product_of_axes
 from mpmcli.shapes.base import add_shape
 
 

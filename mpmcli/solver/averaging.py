@@ -2,9 +2,9 @@
 
 Against volumetric locking and the checkerboard of pressures that comes with it: with several particles per cell the
 velocities cannot keep the volume of each, but they can keep an average (Mast et al. 2012, Coombs et al. 2018, Zhao et
-al. 2023). With the average A of ``core.averages``, d = tr D of every particle becomes A d before the strain update, and
-the mean stress that forces come from becomes A of that of the particles. A is symmetric in volume, so that the power of
-these forces is the stress power of the averaged strain rate: the pair neither takes nor gives energy.
+al. 2023). With the average A of ``core.transfer.averages``, d = tr D of every particle becomes A d before the strain
+update, and the mean stress that forces come from becomes A of that of the particles. A is symmetric in volume, so that
+the power of these forces is the stress power of the averaged strain rate: the pair neither takes nor gives energy.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ import numpy as np
 
 from mpmcli.boundary.images import Images
 from mpmcli.core.analysis import Analysis, Axisymmetric
-from mpmcli.core.averages import WeightedSums, divide_sums, mean_of_rows, shift_rows
 from mpmcli.core.grid import Grid
-from mpmcli.core.nodes import clear_nodes
 from mpmcli.core.particles import Particles
+from mpmcli.core.transfer.averages import WeightedSums, divide_sums, mean_of_rows, shift_rows
+from mpmcli.core.transfer.nodes import clear_nodes
 from mpmcli.solver.transfer import Transfer
 
 Array = np.ndarray

@@ -10,10 +10,10 @@ from mpmcli.boundary.loads import Loads
 from mpmcli.boundary.rigid import RigidBodies
 from mpmcli.contact.nodal_contact import NodalContact
 from mpmcli.core.grid import Grid
-from mpmcli.core.nodal_field import NodalField
 from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
 from mpmcli.core.state import State
+from mpmcli.core.transfer.nodal_field import NodalField
 from mpmcli.solver.averaging import VolumeAveraging
 from mpmcli.solver.damping import Damping
 from mpmcli.solver.failures import Failures

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.analysis import ANALYSES, Analysis
-from mpmcli.core.full_mass import OrderRule
 from mpmcli.core.grid import Grid
-from mpmcli.core.nodal_field import NodalField
 from mpmcli.core.particles import Particles
+from mpmcli.core.transfer.full_mass import OrderRule
+from mpmcli.core.transfer.nodal_field import NodalField
 from mpmcli.core.variants import (
     STRAIN_UPDATES,
     TRANSFER_METHODS,

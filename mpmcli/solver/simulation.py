@@ -15,11 +15,11 @@ from mpmcli.boundary.grid_conditions import GridConditions
 from mpmcli.boundary.loads import Loads
 from mpmcli.boundary.rigid import RigidBodies
 from mpmcli.contact.nodal_contact import NodalContact
-from mpmcli.core.compiler import use_threads
+from mpmcli.core.compiled.compiler import use_threads
+from mpmcli.core.compiled.runtime import available_threads
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.identity import by_identity, place_of_identity
 from mpmcli.core.order import CellOrder
-from mpmcli.core.runtime import available_threads
 from mpmcli.core.state import State
 from mpmcli.core.step import Step
 from mpmcli.geometry.faces import surface_faces

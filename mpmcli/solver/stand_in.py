@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.core.compiled.kernel import Call, recording
 from mpmcli.core.errors import MpmcliError
-from mpmcli.core.kernel import Call, recording
 from mpmcli.core.step import Step
 from mpmcli.solver.simulation import Simulation
 from mpmcli.solver.step import Task

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from mpmcli.core import nodes
-from mpmcli.core.full_mass import add_filtered_values, add_full_mass_increments
 from mpmcli.core.step import Step
 from mpmcli.core.suggest import listing
+from mpmcli.core.transfer import nodes
+from mpmcli.core.transfer.full_mass import add_filtered_values, add_full_mass_increments
 from mpmcli.solver.parts import Parts
 from mpmcli.solver.plan import Plan
 

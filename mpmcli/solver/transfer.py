@@ -7,28 +7,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcli.core import transfer as kernels
 from mpmcli.core.analysis import Analysis
 from mpmcli.core.chunks import CHUNKS
-from mpmcli.core.cut import Cut, Sights, find_cut
 from mpmcli.core.domains import turn_domains
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
-from mpmcli.core.nodal_field import NodalField
-from mpmcli.core.nodes import clear_nodes
 from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
-from mpmcli.core.stencil import (
-    DOMAIN_TOO_WIDE,
-    OUTSIDE_GRID,
-    SEEN,
-    across_of,
-    allocate_stencil,
-    fill_stencils,
-    is_seen,
-    kept_as,
-)
-from mpmcli.core.transfer import (
+from mpmcli.core.transfer import kernels
+from mpmcli.core.transfer.cut import Cut, Sights, find_cut
+from mpmcli.core.transfer.kernels import (
     AffineMassAndMomentum,
     AffineProjection,
     AffineStateAndForces,
@@ -38,6 +26,18 @@ from mpmcli.core.transfer import (
     Projection,
     StateAndForces,
     VectorSum,
+)
+from mpmcli.core.transfer.nodal_field import NodalField
+from mpmcli.core.transfer.nodes import clear_nodes
+from mpmcli.core.transfer.stencil import (
+    DOMAIN_TOO_WIDE,
+    OUTSIDE_GRID,
+    SEEN,
+    across_of,
+    allocate_stencil,
+    fill_stencils,
+    is_seen,
+    kept_as,
 )
 from mpmcli.shapes import ShapeEntry
 
@@ -160,7 +160,7 @@ class Transfer:
         return self.analysis, self.shape.parameters, self.geometry, self.across, ranges, self.stencil, *where
 
     def scatter(self, task: NamedTuple, zero: Any = None, shape: NamedTuple | None = None) -> None:
-        """Particles to grid: run a task of ``core.transfer`` over all particles.
+        """Particles to grid: run a task of ``core.transfer.kernels`` over all particles.
 
         ``zero`` has as many zeros as the carried quantity has components, unless it is a vector. ``shape`` takes the
         place of the scene's shape function.

@@ -11,7 +11,7 @@ import threading
 from contextlib import suppress
 from typing import IO, Any
 
-from mpmcli.core.runtime import environment_of_workers
+from mpmcli.core.compiled.runtime import environment_of_workers
 
 MARK = "mpmcli-result "
 """Begins the line in which a worker prints its result."""

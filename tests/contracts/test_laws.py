@@ -17,7 +17,7 @@ from mpmcli.contact.laws.impulse import (
     law_impulse_at_end,
     sliding_traction,
 )
-from mpmcli.core.kernel import kernel, prange
+from mpmcli.core.compiled.kernel import kernel, prange
 
 MODELS = [
     LAWS[kind].model_validate({"kind": kind, **numbers}) for kind in LAWS for numbers in examples.LAWS[kind]

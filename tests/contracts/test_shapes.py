@@ -13,7 +13,7 @@ from mpmcli.boundary.faces import TractionFaces
 from mpmcli.boundary.traction import Traction
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.particles import Particles
-from mpmcli.core.stencil import DOMAIN_TOO_WIDE, OUTSIDE_GRID
+from mpmcli.core.transfer.stencil import DOMAIN_TOO_WIDE, OUTSIDE_GRID
 from mpmcli.shapes import SHAPES
 
 DIMENSIONS = (pytest.param(1, marks=pytest.mark.slow), 2, 3)

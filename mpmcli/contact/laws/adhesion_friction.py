@@ -18,7 +18,7 @@ from mpmcli.contact.laws.impulse import (
     take_tangent,
     traction_impulse,
 )
-from mpmcli.core.kernel import inline
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.model import PositivePressure, Quantity
 
 

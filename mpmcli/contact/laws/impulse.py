@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 from typing import Any, TypeVar
 
-from mpmcli.core.dispatch import generic
-from mpmcli.core.kernel import inline
+from mpmcli.core.compiled.dispatch import generic
+from mpmcli.core.compiled.kernel import inline
 
 APART, SLIDING, STICKING, BROKEN = 0, 1, 2, 3
 """What ``law_impulse`` found; ``BROKEN``: adhesion that broke in this call."""

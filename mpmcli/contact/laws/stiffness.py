@@ -24,7 +24,7 @@ from mpmcli.contact.laws.impulse import (
     leave,
     slide,
 )
-from mpmcli.core.kernel import inline
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.model import Quantity
 
 FAR = 1e150

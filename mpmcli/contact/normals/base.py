@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar, NamedTuple
 
-from mpmcli.core.dispatch import generic
+from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.model import Model, Quantity
 from mpmcli.core.registry import Registry
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.contact.normals.base import DEGENERATE
-from mpmcli.core.compiler import compiled_too
+from mpmcli.core.compiled.compiler import compiled_too
 
 VANISHES = 1e-12
 """A sum is zero if it is smaller than this fraction of the sum of its terms' sizes."""

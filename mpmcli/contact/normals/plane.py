@@ -31,8 +31,8 @@ from mpmcli.contact.normals.gradients import (
     volume_gradients,
 )
 from mpmcli.contact.normals.sums import NO_SUMS, add_particles
-from mpmcli.core.compiler import compiled_too
-from mpmcli.core.dispatch import generic
+from mpmcli.core.compiled.compiler import compiled_too
+from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.exponentials import exponential_1d
 from mpmcli.core.model import Model, Quantity
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.compiler import compiled_too
-from mpmcli.core.registers import each, load, zeros
+from mpmcli.core.compiled.compiler import compiled_too
+from mpmcli.core.compiled.registers import each, load, zeros
 
 NO_SUMS = (0.0,) * 14
 FOUR = (0.0,) * 4

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from mpmcli.core.kernel import inline
+from mpmcli.core.compiled.kernel import inline
 
 
 @inline

@@ -8,7 +8,7 @@ from pydantic import model_validator
 
 from mpmcli.contact.separation.base import APART, SEPARATIONS, UNKNOWN, SeparationModel, find_separation
 from mpmcli.contact.separation.extrapolated import extrapolate_along
-from mpmcli.core.kernel import inline
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.model import Quantity
 
 NOWHERE = 1e300

@@ -6,7 +6,7 @@ import math
 from typing import Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.contact.separation.base import APART, SEPARATIONS, UNKNOWN, SeparationModel, find_separation
-from mpmcli.core.dispatch import generic
+from mpmcli.core.compiled.dispatch import generic
 
 
 @SEPARATIONS.register

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from mpmcli.contact.area import SMALLEST, contact_area, perpendicular_size
 from mpmcli.contact.separation.base import UNKNOWN
+from mpmcli.core.compiled.kernel import Kernel, kernel, prange
 from mpmcli.core.grid import Grid
-from mpmcli.core.kernel import Kernel, kernel, prange
 from mpmcli.shapes import SHAPES
 
 UNSEEN = np.array([UNKNOWN, UNKNOWN])

@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from mpmcli.contact.contact_nodes import images_of
-from mpmcli.core.stencil import SEEN, fill_stencils, is_seen
+from mpmcli.core.transfer.stencil import SEEN, fill_stencils, is_seen
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 

@@ -13,7 +13,7 @@ from mpmcli.contact.neighbours import WORK, Neighbours, allocate_neighbours
 from mpmcli.contact.normals import DEGENERATE, FOUND, NORMALS, NOT_CONVERGED, find_normal
 from mpmcli.contact.normals.gradients import volume_gradients
 from mpmcli.contact.normals.plane import fit_plane, linear_plane, solve
-from mpmcli.core.kernel import kernel, prange
+from mpmcli.core.compiled.kernel import kernel, prange
 
 QUARTERS = np.array([-0.75, -0.25, 0.25, 0.75])
 REGRESSIONS = ("linear_regression", "logistic_regression", "irls")

@@ -15,8 +15,8 @@ from mpmcli.contact.separation import SEPARATIONS, find_separation
 from mpmcli.contact.separation.base import APART, TOUCHING, UNKNOWN
 from mpmcli.contact.separation.position_fit import edge_distance
 from mpmcli.contact.separation.regression import radius_along
+from mpmcli.core.compiled.kernel import Kernel, kernel, prange
 from mpmcli.core.grid import Grid
-from mpmcli.core.kernel import Kernel, kernel, prange
 from mpmcli.shapes import SHAPES
 
 KINDS = [

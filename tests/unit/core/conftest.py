@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcli.core import transfer
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.chunks import CHUNKS
 from mpmcli.core.grid import Grid
 from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
-from mpmcli.core.stencil import across_of, allocate_stencil, kept_as
+from mpmcli.core.transfer import kernels as transfer
+from mpmcli.core.transfer.stencil import across_of, allocate_stencil, kept_as
 from mpmcli.shapes import SHAPES
 
 
 class Cloud:
-    """Random particles, sorted by cell, and the operators of ``core.transfer`` on them."""
+    """Random particles, sorted by cell, and the operators of ``core.transfer.kernels`` on them."""
 
     def __init__(
         self, analysis: str, shape: str, count: int = 60, seed: int = 1, cells=(6, 9, 5), parallel=False
@@ -87,7 +87,7 @@ class Cloud:
         self.parameters = stored
 
     def scatter(self, task, components: int | None = None):
-        """Run a scatter task of ``core.transfer``, of a quantity with as many components."""
+        """Run a scatter task of ``core.transfer.kernels``, of a quantity with as many components."""
         zero = (0.0,) * (components or self.dimensions)
         transfer.scatter[self.parallel](task, zero, *self.operator(self.order.bands))
 

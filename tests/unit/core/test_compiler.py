@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mpmcli.core import compiler
+from mpmcli.core.compiled import compiler
 
 
 def test_what_is_told_waits_until_something_is_compiled(monkeypatch):

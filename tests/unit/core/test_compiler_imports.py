@@ -10,7 +10,7 @@ import pytest
 SCRIPT = """
 import sys
 import numpy as np
-from mpmcli.core.compiler import get_compiler_ready
+from mpmcli.core.compiled.compiler import get_compiler_ready
 get_compiler_ready()
 from numba.core.registry import cpu_target
 cpu_target.target_context.refresh()

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import pytest
 
-from mpmcli.core.dispatch import generic
-from mpmcli.core.kernel import inline
+from mpmcli.core.compiled.dispatch import generic
+from mpmcli.core.compiled.kernel import inline
 
 
 class Square(NamedTuple):

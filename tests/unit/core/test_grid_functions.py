@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mpmcli.core.compiled.kernel import inline
+from mpmcli.core.compiled.registers import each, offsets
 from mpmcli.core.functions import GRID_FUNCTIONS, hat, quadratic_spline
-from mpmcli.core.kernel import inline
-from mpmcli.core.registers import each, offsets
 
 PLACES = np.linspace(-2.5, 2.5, 1001)
 

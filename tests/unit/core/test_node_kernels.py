@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcli.core import nodes
 from mpmcli.core.chunks import CHUNKS, chunks_of_nodes
+from mpmcli.core.transfer import nodes
 
 ACTIVE = np.array([0, 2, 3, 6, 7], dtype=np.int64)
 IN_CHUNKS = chunks_of_nodes(ACTIVE, 3)

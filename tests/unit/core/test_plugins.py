@@ -8,7 +8,8 @@ from typing import Literal
 
 import pytest
 
-from mpmcli.core import plugins, runtime
+from mpmcli.core import plugins
+from mpmcli.core.compiled import runtime
 from mpmcli.core.errors import PluginError
 from mpmcli.core.model import Model
 from mpmcli.core.registry import Registry

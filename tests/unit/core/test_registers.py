@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from mpmcli.core.kernel import inline
-from mpmcli.core.registers import each, load, offsets, pack, plus, positive_part, read, store, zeros
+from mpmcli.core.compiled.kernel import inline
+from mpmcli.core.compiled.registers import each, load, offsets, pack, plus, positive_part, read, store, zeros
 
 
 @inline

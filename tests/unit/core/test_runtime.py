@@ -8,8 +8,8 @@ import sys
 
 import numba
 
-from mpmcli.core import runtime
-from mpmcli.core.compiler import get_compiler_ready
+from mpmcli.core.compiled import runtime
+from mpmcli.core.compiled.compiler import get_compiler_ready
 
 
 def test_threads_respect_the_affinity():
@@ -83,7 +83,7 @@ def test_numba_is_imported_by_the_first_call_of_what_is_compiled():
 
 def test_settings_of_the_user_stay():
     code = (
-        "from mpmcli.core.compiler import get_compiler_ready as ready; ready(); import numba\n"
+        "from mpmcli.core.compiled.compiler import get_compiler_ready as ready; ready(); import numba\n"
         "print(numba.config.NUMBA_NUM_THREADS, numba.config.THREADING_LAYER)"
     )
     assert run_python(code, NUMBA_NUM_THREADS="1", NUMBA_THREADING_LAYER="workqueue") == "1 workqueue"
@@ -91,7 +91,7 @@ def test_settings_of_the_user_stay():
 
 def test_a_program_that_imports_numba_first_uses_the_same_compile_cache(tmp_path):
     code = (
-        "import numba, mpmcli.core.transfer as transfer\n"
+        "import numba, mpmcli.core.transfer.kernels as transfer\n"
         "print(transfer.scatter[False].stats.cache_path, numba.config.SLP_VECTORIZE)"
     )
     path, vectorised = run_python(code, MPMCLI_CACHE_DIR=str(tmp_path)).split()

@@ -8,7 +8,7 @@ import pytest
 from filelock import FileLock, Timeout
 from numba.core.caching import FunctionCache
 
-from mpmcli.core.cache import SharedCache
+from mpmcli.core.compiled.cache import SharedCache
 
 
 def source(x):
@@ -69,7 +69,7 @@ def test_a_function_that_calls_itself_for_other_types_does_not_wait_for_itself(c
 
 
 def test_who_waits_too_long_compiles_by_himself(cache, tmp_path, monkeypatch):
-    monkeypatch.setattr("mpmcli.core.cache.LONGEST_WAIT", 0.0)
+    monkeypatch.setattr("mpmcli.core.compiled.cache.LONGEST_WAIT", 0.0)
     answer(monkeypatch, None, None)
     with FileLock(tmp_path / f"{cache._impl.filename_base}.lock"):
         assert cache.load_overload("types", None) is None

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcli.core import transfer
-from mpmcli.core.kernel import Compiled
+from mpmcli.core.compiled.kernel import Compiled
+from mpmcli.core.transfer import kernels as transfer
 
 
 @pytest.fixture

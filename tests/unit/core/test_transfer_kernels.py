@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcli.core import transfer
-from mpmcli.core.stencil import OUTSIDE_GRID
+from mpmcli.core.transfer import kernels as transfer
+from mpmcli.core.transfer.stencil import OUTSIDE_GRID
 
 CASES = [("uniaxial_stress", "lcpdi"), ("plane_strain", "lcpdi"), ("axisymmetric", "ugimp"), ("3d", "ugimp")]
 EVERY_ANALYSIS = pytest.mark.parametrize(

@@ -54,7 +54,7 @@ from mpmcli.contact.neighbours import allocate_neighbours
 from mpmcli.contact.laws import LAWS
 from mpmcli.contact.normals import NORMALS, find_normal
 from mpmcli.contact.laws.impulse import sliding_traction
-from mpmcli.core.separable import axis_weights
+from mpmcli.core.transfer.separable import axis_weights
 from mpmcli.geometry import REGIONS
 from mpmcli.materials import MATERIALS
 from mpmcli.materials.base import kirchhoff_stress, strain_energy, wave_speed_squared

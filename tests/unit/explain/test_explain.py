@@ -8,7 +8,7 @@ from copy import deepcopy
 import pytest
 import yaml
 
-from mpmcli.core.kernel import Call, Kernel
+from mpmcli.core.compiled.kernel import Call, Kernel
 from mpmcli.explain.facts import explain
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation

@@ -15,8 +15,8 @@ import pytest
 import yaml
 
 from mpmcli.contact.fields_in_contact import NodeTable, Rules, most_contacts
-from mpmcli.core.kernel import Compiled, find_compiled, recording
-from mpmcli.core.nodes import clear_nodes
+from mpmcli.core.compiled.kernel import Compiled, find_compiled, recording
+from mpmcli.core.transfer.nodes import clear_nodes
 from mpmcli.run import compiling
 from mpmcli.run.compiling import Compilers
 from mpmcli.scene.loader import load_scene
@@ -32,8 +32,8 @@ def test_recorded_kernels_do_nothing_and_are_listed_once():
         clear_nodes[False](nodes, 2.0 * values)
         clear_nodes[True](nodes, values)
     serial, parallel = calls
-    assert serial.compiled.address == ("mpmcli.core.nodes", "clear_nodes", False)
-    assert parallel.compiled.address == ("mpmcli.core.nodes", "clear_nodes", True)
+    assert serial.compiled.address == ("mpmcli.core.transfer.nodes", "clear_nodes", False)
+    assert parallel.compiled.address == ("mpmcli.core.transfer.nodes", "clear_nodes", True)
     assert [str(each) for each in serial.types] == ["array(int64, 1d, C)", "array(float64, 2d, C)"]
     assert serial.words == "clear nodes"
     assert np.all(values == 1.0)
@@ -178,7 +178,7 @@ def test_kernels_of_contact_are_named_before_bodies_touch():
 
 SCRIPT = """
 import json, sys
-from mpmcli.core.kernel import Compiled
+from mpmcli.core.compiled.kernel import Compiled
 from mpmcli.run.compiling import Compilers
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpmcli.core.separable import axis_weights
+from mpmcli.core.transfer.separable import axis_weights
 from mpmcli.shapes import SHAPES
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)

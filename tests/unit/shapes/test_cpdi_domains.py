@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from mpmcli.core.stencil import OUTSIDE_GRID
+from mpmcli.core.transfer.stencil import OUTSIDE_GRID
 from mpmcli.shapes import SHAPES
 
 CPDI = ("lcpdi", "qcpdi", "b2cpdi")

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmcli.core import nodes
-from mpmcli.core.full_mass import OrderRule, add_filtered_values, add_full_mass_increments
-from mpmcli.core.nodal_field import Correction, NodalField
 from mpmcli.core.step import Step
+from mpmcli.core.transfer import nodes
+from mpmcli.core.transfer.full_mass import OrderRule, add_filtered_values, add_full_mass_increments
+from mpmcli.core.transfer.nodal_field import Correction, NodalField
 
 CASES = [
     ("bar", "lcpdi"),

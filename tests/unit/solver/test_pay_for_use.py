@@ -16,7 +16,7 @@ from mpmcli.scene.loader import load_scene
 
 SCRIPT = """
 import json, sys, yaml
-from mpmcli.core.kernel import Kernel
+from mpmcli.core.compiled.kernel import Kernel
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 reports = []

@@ -1,4 +1,4 @@
-"""A straight line splits a block: particles see the nodes beyond it on a further side (``core.cut``)."""
+"""A straight line splits a block: particles see the nodes beyond it on a further side (``core.transfer.cut``)."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from mpmcli.core import nodes
-from mpmcli.core.cut import first_rows, weigh_particles
-from mpmcli.core.full_mass import OrderRule, add_full_mass_increments
 from mpmcli.core.grid import Grid
 from mpmcli.core.step import Step
-from mpmcli.core.transfer import move_particles, scatter
+from mpmcli.core.transfer import nodes
+from mpmcli.core.transfer.cut import first_rows, weigh_particles
+from mpmcli.core.transfer.full_mass import OrderRule, add_full_mass_increments
+from mpmcli.core.transfer.kernels import move_particles, scatter
 from mpmcli.solver import setup
 
 WEIGHTS_OF_CUT = "Table(array"

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, cast
 
-from mpmcli.core.runtime import configure
+from mpmcli.core.compiled.runtime import configure
 
 COMPILE_OPTIONS: dict[str, Any] = {
     "error_model": "numpy",
@@ -45,7 +45,7 @@ def tell_compiler(action: Callable[[], object]) -> None:
 
 
 def get_compiler_ready() -> None:
-    """Import numba with the settings of ``core.runtime``, and tell it what waits.
+    """Import numba with the settings of ``core.compiled.runtime``, and tell it what waits.
 
     Programs call it that compile functions of their own which call mpmcli's generic ones; mpmcli's do so themselves.
     """
@@ -54,7 +54,7 @@ def get_compiler_ready() -> None:
         if not _is_ready:
             configure()
             _import_without_blas()
-            importlib.import_module("mpmcli.core.registers_in_llvm")
+            importlib.import_module("mpmcli.core.compiled.registers_in_llvm")
             _is_ready = True
             try:
                 while _told:

@@ -11,8 +11,9 @@ from functools import partial
 import numpy as np
 
 from mpmcli.core.analysis import Axisymmetric, Solid
-from mpmcli.core.compiler import compiled_as, compiled_too
-from mpmcli.core.gather_scatter import (
+from mpmcli.core.compiled.compiler import compiled_as, compiled_too
+from mpmcli.core.compiled.registers import each, pack, plus, read
+from mpmcli.core.transfer.gather_scatter import (
     LINE,
     ONE,
     PLANE,
@@ -22,8 +23,7 @@ from mpmcli.core.gather_scatter import (
     gather_vector,
     put_rows,
 )
-from mpmcli.core.registers import each, pack, plus, read
-from mpmcli.core.stencil import Corners
+from mpmcli.core.transfer.stencil import Corners
 
 of_corners = partial(for_each, weights=Corners)
 

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from mpmcli.core import nodes
 from mpmcli.core.grid import Grid
-from mpmcli.core.nodal_field import NodalField
 from mpmcli.core.step import Step
+from mpmcli.core.transfer import nodes
+from mpmcli.core.transfer.nodal_field import NodalField
 
 Array = np.ndarray
 

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcli.core.dispatch import generic
+from mpmcli.core.compiled.dispatch import generic
+from mpmcli.core.compiled.kernel import inline, kernel
 from mpmcli.core.grid import unfold
-from mpmcli.core.kernel import inline, kernel
 
 Array = np.ndarray
 

@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcli.core.dispatch import generic
+from mpmcli.core.compiled.dispatch import generic
+from mpmcli.core.compiled.kernel import inline
+from mpmcli.core.compiled.registers import each, load, pack, store
 from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry
-from mpmcli.core.kernel import inline
-from mpmcli.core.registers import each, load, pack, store
-from mpmcli.core.stencil import fill, first_node, keep, kept_as, weigh, weigh_gathers
+from mpmcli.core.transfer.stencil import fill, first_node, keep, kept_as, weigh, weigh_gathers
 
 
 class Rows(NamedTuple):

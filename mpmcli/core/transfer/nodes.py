@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpmcli.core.chunks import chunk_of_round
-from mpmcli.core.kernel import kernel, prange
+from mpmcli.core.compiled.kernel import kernel, prange
 
 
 @kernel

@@ -23,8 +23,8 @@ from mpmcli.core.analysis import (
     UniaxialStrain,
     UniaxialStress,
 )
-from mpmcli.core.compiler import compiled_as
-from mpmcli.core.dispatch import generic
+from mpmcli.core.compiled.compiler import compiled_as
+from mpmcli.core.compiled.dispatch import generic
 
 
 # fmt: off

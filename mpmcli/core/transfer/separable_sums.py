@@ -7,7 +7,8 @@ from functools import partial
 import numpy as np
 
 from mpmcli.core.analysis import Axisymmetric, Solid
-from mpmcli.core.gather_scatter import (
+from mpmcli.core.compiled.registers import each, load, pack, plus, read, store, zeros
+from mpmcli.core.transfer.gather_scatter import (
     ALL,
     LINE,
     PLANE,
@@ -26,8 +27,7 @@ from mpmcli.core.gather_scatter import (
     scatter_vector,
     value_at,
 )
-from mpmcli.core.registers import each, load, pack, plus, read, store, zeros
-from mpmcli.core.separable import Rows
+from mpmcli.core.transfer.separable import Rows
 
 of_rows = partial(for_each, weights=Rows)
 

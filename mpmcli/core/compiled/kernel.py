@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
-from mpmcli.core.compiler import COMPILE_OPTIONS, get_compiler_ready
+from mpmcli.core.compiled.compiler import COMPILE_OPTIONS, get_compiler_ready
 
 SUFFIXES = {None: "", False: "_serial", True: "_parallel"}
 """What is added to the name of each version."""
@@ -179,7 +179,7 @@ def _dispatcher(function: Callable[..., Any], options: dict[str, Any]) -> Any:
     get_compiler_ready()
     import numba
 
-    from mpmcli.core.cache import SharedCache
+    from mpmcli.core.compiled.cache import SharedCache
 
     scope = function.__globals__
     if scope.get("prange") is prange:

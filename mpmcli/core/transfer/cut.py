@@ -11,11 +11,11 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from mpmcli.core.compiler import compiled_as
+from mpmcli.core.compiled.compiler import compiled_as
+from mpmcli.core.compiled.kernel import kernel, prange
 from mpmcli.core.dofs import dof_of
 from mpmcli.core.grid import unfold
-from mpmcli.core.kernel import kernel, prange
-from mpmcli.core.stencil import fill
+from mpmcli.core.transfer.stencil import fill
 
 Array = np.ndarray
 

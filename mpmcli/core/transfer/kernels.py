@@ -11,12 +11,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcli.core import corner_sums, nodewise_sums, separable_sums  # noqa: F401 (registered there)
 from mpmcli.core.chunks import chunk_of_round
-from mpmcli.core.compiler import compiled_as, compiled_too
-from mpmcli.core.cut import is_cut
-from mpmcli.core.dispatch import generic
-from mpmcli.core.gather_scatter import (
+from mpmcli.core.compiled.compiler import compiled_as, compiled_too
+from mpmcli.core.compiled.dispatch import generic
+from mpmcli.core.compiled.kernel import kernel, prange
+from mpmcli.core.grid import unfold
+from mpmcli.core.transfer import (
+    separable_sums,  # noqa: F401 (registered there)
+)
+from mpmcli.core.transfer.cut import is_cut
+from mpmcli.core.transfer.gather_scatter import (
     column,
     gather_gradient,
     gather_vector,
@@ -26,9 +30,7 @@ from mpmcli.core.gather_scatter import (
     scatter_vector,
     zero_vector,
 )
-from mpmcli.core.grid import unfold
-from mpmcli.core.kernel import kernel, prange
-from mpmcli.core.stencil import Table, keep, weigh, weigh_gathers
+from mpmcli.core.transfer.stencil import Table, keep, weigh, weigh_gathers
 
 Array = np.ndarray
 

@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.core.chunks import chunk_of_round
-from mpmcli.core.cut import is_cut
-from mpmcli.core.gather_scatter import TWO, ZERO, rows_of, value_at
+from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.core.grid import unfold
-from mpmcli.core.kernel import inline, kernel, prange
-from mpmcli.core.stencil import Table, weigh
-from mpmcli.core.transfer import gradients_for, scatter_particle
+from mpmcli.core.transfer.cut import is_cut
+from mpmcli.core.transfer.gather_scatter import TWO, ZERO, rows_of, value_at
+from mpmcli.core.transfer.kernels import gradients_for, scatter_particle
+from mpmcli.core.transfer.stencil import Table, weigh
 
 Array = np.ndarray
 

@@ -1,6 +1,6 @@
 """How compiled code runs: thread layer, number of threads and the folder of the compile cache.
 
-Numba reads these settings from the environment when it is first imported; ``core.compiler`` sets them before.
+Numba reads these settings from the environment when it is first imported; ``core.compiled.compiler`` sets them before.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What ``core.registers`` is in compiled code: a type, and the code of each function."""
+"""What ``core.compiled.registers`` is in compiled code: a type, and the code of each function."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, make_intrinsic_template, signature
 from numba.extending import models, register_model
 
-from mpmcli.core import registers
+from mpmcli.core.compiled import registers
 
 DOUBLE = ir.DoubleType()
 INDEX = ir.IntType(32)

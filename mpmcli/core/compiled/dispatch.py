@@ -13,7 +13,7 @@ import inspect
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from mpmcli.core.compiler import compiled_as
+from mpmcli.core.compiled.compiler import compiled_as
 
 
 def generic(declaration: Callable[..., Any] | None = None, *, over: int = 1) -> Any:

@@ -1,0 +1,1 @@
+"""Compiling and running kernels: decorators, dispatch by type, the disk cache, threads."""
