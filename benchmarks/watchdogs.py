@@ -70,7 +70,7 @@ def measure(case: Case, folder: Path) -> tuple[float, dict[str, float]]:
     stress = simulation.stress
     update = {"with": strain.update_strain_and_stress[False], "without": blind_update(folder)}
 
-    def march() -> None:
+    def some_steps() -> None:
         for _ in range(STEPS):
             simulation.state.step += (
                 simulation.state.step % GOOD_EVERY == 0
@@ -89,7 +89,7 @@ def measure(case: Case, folder: Path) -> tuple[float, dict[str, float]]:
         )  # fmt: skip
 
     jobs: dict[str, tuple[Callable[[], object], float]] = {
-        "step": (march, STEPS),
+        "step": (some_steps, STEPS),
         "energy balance": (balance, EVERY),
         "last good state": (simulation.keep_good_state, GOOD_EVERY),
     }

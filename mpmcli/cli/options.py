@@ -26,8 +26,8 @@ class SceneChanges(TypedDict):
     allow_outside_files: bool
 
 
-class MarchOptions(TypedDict):
-    """What ``march_options`` gives a command."""
+class RunOptions(TypedDict):
+    """What ``run_options`` gives a command."""
 
     threads: int | None
     until: str | None
@@ -92,7 +92,7 @@ scene_options = _together(
 )
 """The options that change a scene while it is read."""
 
-march_options = _together(
+run_options = _together(
     click.option(
         "-j",
         "--threads",
@@ -202,8 +202,10 @@ def until_in_scene_units(text: str | None, loaded: LoadedScene) -> float | None:
     return until
 
 
-def march(load: Callable[[], LoadedScene], directory: Path | None, options: MarchOptions, **more: Any) -> int:
-    """Read a scene, run it with the options of ``march_options``, and return the exit code."""
+def run_scene(
+    load: Callable[[], LoadedScene], directory: Path | None, options: RunOptions, **more: Any
+) -> int:
+    """Read a scene, run it with the options of ``run_options``, and return the exit code."""
     if options["quiet"] and options["verbose"]:
         raise click.UsageError("Use either -q or -v.")
     loaded = load()

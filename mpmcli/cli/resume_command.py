@@ -7,13 +7,13 @@ from typing import Unpack
 
 import click
 
-from mpmcli.cli.options import MarchOptions, march, march_options
+from mpmcli.cli.options import RunOptions, run_options, run_scene
 
 
 @click.command("resume")
 @click.argument("directory", type=click.Path(path_type=Path))
-@march_options
-def command(directory: Path, **options: Unpack[MarchOptions]) -> int:
+@run_options
+def command(directory: Path, **options: Unpack[RunOptions]) -> int:
     """Continue the run in DIRECTORY from its last checkpoint.
 
     The same as "mpmcli run SCENE --resume" with the scene and the options --set and -D of that run.
@@ -24,4 +24,4 @@ def command(directory: Path, **options: Unpack[MarchOptions]) -> int:
 
         return scene_of_run(directory)
 
-    return march(load, directory, options, resume=True)
+    return run_scene(load, directory, options, resume=True)

@@ -21,10 +21,10 @@ from mpmcli.run.folder import default_folder, locked_folder, owned_folder, refus
 from mpmcli.run.interrupts import Interrupted, Interrupts, exit_code_of, name_of
 from mpmcli.run.load import load
 from mpmcli.run.log import log_file, messages
-from mpmcli.run.march import SETTING_UP, March, is_over
 from mpmcli.run.outcome import Outcome
 from mpmcli.run.progress import Progress
 from mpmcli.run.resume import last_checkpoint, refuse_changes, scene_of
+from mpmcli.run.run_loop import SETTING_UP, RunLoop, is_over
 from mpmcli.scene.loader import LoadedScene
 
 __all__ = ["Outcome", "compile_scenes", "load", "resume", "run", "scene_of_run"]
@@ -178,8 +178,8 @@ def _run(
         if not resume:
             held.enter_context(owned_folder(directory, overwrite))
         held.enter_context(log_file(directory, "a" if resume else "w"))
-        march = March(loaded, directory, simulation, interrupts, shown, end, begin, checkpoint)
-        return march.dry_run() if dry_run else march.run(max_walltime)
+        loop = RunLoop(loaded, directory, simulation, interrupts, shown, end, begin, checkpoint)
+        return loop.dry_run() if dry_run else loop.run(max_walltime)
 
 
 def compile_scenes(

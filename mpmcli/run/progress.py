@@ -177,7 +177,7 @@ class Progress:
         yield tell
 
     def start(self, state: State) -> None:
-        """Begin to show the march from this state."""
+        """Begin to show the run from this state."""
         now = time.perf_counter()
         self._first = (now, state.step, state.time)
         self._next_line = now + LINE_SECONDS

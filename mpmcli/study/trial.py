@@ -28,7 +28,7 @@ MANY, SELDOM = 4000, 5
 """With this many particles the energy is looked at every fifth step, else every step."""
 
 
-def march_trial(job: dict[str, Any]) -> dict[str, Any]:
+def run_trial(job: dict[str, Any]) -> dict[str, Any]:
     """Run the scene of a job at its Courant number.
 
     Parameters
@@ -58,7 +58,7 @@ def march_trial(job: dict[str, Any]) -> dict[str, Any]:
         from mpmcli.study.disturbance import DisturbedTwin
 
         twin = DisturbedTwin(loaded, simulation, job.get("threads"))
-    ended, message, watch = _march(simulation, end, float(job["bound"]), twin)
+    ended, message, watch = _advance(simulation, end, float(job["bound"]), twin)
     excess = watch.excess
     bounded = ended == FINISHED and excess <= job["bound"]
     if ended == FINISHED and not bounded:
@@ -93,7 +93,7 @@ def set_courant(loaded: LoadedScene, courant: float | str) -> None:
     loaded.scene = scene.model_copy(update={"time": span})
 
 
-def _march(
+def _advance(
     simulation: Any, end: float, bound: float, twin: DisturbedTwin | None = None
 ) -> tuple[str, str, EnergyWatch]:
     watch = EnergyWatch(simulation.state)

@@ -34,9 +34,9 @@ def work(job: dict[str, Any]) -> dict[str, Any]:
 
 def _task(name: str) -> Callable[[dict[str, Any]], dict[str, Any]]:
     if name == "trial":
-        from mpmcli.study.trial import march_trial
+        from mpmcli.study.trial import run_trial
 
-        return march_trial
+        return run_trial
     from mpmcli.study.measure import measure_case
 
     return measure_case

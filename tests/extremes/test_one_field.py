@@ -13,7 +13,7 @@ from mpmcli.core.errors import SimulationError
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 from mpmcli.study.transfers import transfer_value
-from mpmcli.study.trial import march_trial
+from mpmcli.study.trial import run_trial
 
 FLIP, FMPM = {"kind": "flip"}, {"kind": "fmpm", "order": 4}
 every_transfer = pytest.mark.parametrize("transfer", [FLIP, FMPM], ids=["FLIP", "FMPM(4)"])
@@ -272,4 +272,4 @@ def test_steps_near_the_limit(transfer, limit):
     sets = [f"method.transfer={transfer_value(transfer)}"]
     for share, is_stable in ((0.5, True), (0.9, True), (0.99, True), (1.01 + 0.005 / limit, False)):
         job = {"scene": scene, "sets": sets, "courant": share * limit, "threads": 1, "bound": 0.05}
-        assert march_trial(job)["bounded"] == is_stable, share
+        assert run_trial(job)["bounded"] == is_stable, share

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from mpmcli.stability.growth import FAST_GROWTH
-from mpmcli.study.trial import march_trial
+from mpmcli.study.trial import run_trial
 
 pytestmark = pytest.mark.slow
 
@@ -38,7 +38,7 @@ def grown(tmp_path, courant, speed=0.4, shape="lcpdi", transfer="{kind: fmpm, or
     end = math.ceil(300 * speed + 80)
     path.write_text(SCENE.format(end=end, shape=shape, transfer=transfer, speed=speed))
     job = {"scene": str(path), "courant": courant, "bound": 0.05, "threads": 1, "is_disturbed": True}
-    found = march_trial(job)
+    found = run_trial(job)
     assert found["ended"] == "finished"
     return math.log(found["growth"]), found["steps"]
 
@@ -60,7 +60,7 @@ INPUTS = Path(__file__).parents[2] / "inputs"
 
 def trial(scene, courant, *sets):
     job = {"scene": str(INPUTS / f"{scene}.yaml"), "sets": sets, "courant": courant}
-    return march_trial(job | {"bound": 0.05, "threads": 1, "is_disturbed": True})
+    return run_trial(job | {"bound": 0.05, "threads": 1, "is_disturbed": True})
 
 
 @pytest.mark.parametrize("v0", [0.05, 0.2, 0.22, 0.3, 0.5])

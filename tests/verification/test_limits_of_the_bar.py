@@ -13,7 +13,7 @@ import pytest
 from mpmcli.scene.loader import load_scene
 from mpmcli.stability.scene_limit import chosen_courant, limit_in_motion
 from mpmcli.study.transfers import transfer_value
-from mpmcli.study.trial import march_trial
+from mpmcli.study.trial import run_trial
 
 ROOT = Path(__file__).parents[2]
 INPUTS = ROOT / "inputs"
@@ -41,7 +41,7 @@ def is_stable(row: dict[str, str], courant: float) -> bool:
     def trial(courant: float) -> dict:
         scene = str(INPUTS / f"{row['scene']}.yaml")
         job = {"scene": scene, "sets": sets_of(row), "courant": courant, "threads": 1, "bound": 0.05}
-        return march_trial(job)
+        return run_trial(job)
 
     found = trial(courant)
     if not found["bounded"] or row["criterion"] == "bounded":
@@ -86,7 +86,7 @@ def test_measured_limits_are_those_published(transfer, published, within):
 def test_a_blend_with_order_two_loses_next_to_nothing():
     sets = [f"method.transfer={blended(2, 0.8)}"]
     job = {"scene": str(INPUTS / "vibrating_bar.yaml"), "sets": sets, "threads": 1, "bound": 0.05}
-    assert 0.0 < march_trial(job | {"courant": limit_of(blended(2, 0.8))})["loss"] < 0.01
+    assert 0.0 < run_trial(job | {"courant": limit_of(blended(2, 0.8))})["loss"] < 0.01
 
 
 def test_periodic_fmpm_as_published():
@@ -149,7 +149,7 @@ def test_usavg_keeps_the_energy_that_usl_trebles():
     def excess(update: str) -> tuple[float, float]:
         transfer = "method.transfer={kind: fmpm, order: 4, velocity_gradient: true}"
         job = {"scene": str(INPUTS / "vibrating_bar.yaml"), "sets": [transfer, f"method.update={update}"]}
-        found = march_trial(job | {"courant": 0.4, "until": 16 * 80.0, "threads": 1, "bound": 0.05})
+        found = run_trial(job | {"courant": 0.4, "until": 16 * 80.0, "threads": 1, "bound": 0.05})
         return found["excess"], found["loss"] or 0.0
 
     assert excess("usl")[0] > 0.5

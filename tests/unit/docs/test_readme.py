@@ -14,7 +14,7 @@ from mpmcli import __version__
 from mpmcli.cli.main import COMMANDS, INTERRUPTED, OUR_BUG
 from mpmcli.core.errors import ArchiveError, SceneError, SimulationError
 from mpmcli.materials import MATERIALS
-from mpmcli.run.march import STOPPED_EARLY
+from mpmcli.run.run_loop import STOPPED_EARLY
 from mpmcli.shapes import SHAPES
 
 ROOT = Path(__file__).parents[3]

@@ -24,7 +24,7 @@ from mpmcli.output import checkpoint as checkpoint_files
 from mpmcli.output.checkpoint import DamagedCheckpoint, read_checkpoint, write_checkpoint
 from mpmcli.output.files import LOCK
 from mpmcli.output.tables import Table
-from mpmcli.run import march
+from mpmcli.run import run_loop
 from mpmcli.run.api import run
 from mpmcli.run.resume import differences, last_checkpoint, refuse_changes
 from mpmcli.scene.archive import Archive
@@ -58,13 +58,13 @@ def save_every(loaded):
 def saved_steps(monkeypatch):
     """The steps of all checkpoints that are written."""
     steps = []
-    write = march.write_checkpoint
+    write = run_loop.write_checkpoint
 
     def watched(directory, arrays, facts):
         steps.append(facts["step"])
         return write(directory, arrays, facts)
 
-    monkeypatch.setattr(march, "write_checkpoint", watched)
+    monkeypatch.setattr(run_loop, "write_checkpoint", watched)
     return steps
 
 
@@ -85,7 +85,7 @@ def test_checkpoints_by_the_clock(go, save_every, saved_steps, loaded, monkeypat
     save_every(wall="15 min")
     offset = [0.0]
     clock = time.perf_counter
-    monkeypatch.setattr(march.time, "perf_counter", lambda: clock() + offset[0])
+    monkeypatch.setattr(run_loop.time, "perf_counter", lambda: clock() + offset[0])
     for step in (10, 40, 70):
         loaded.at[step] = lambda: offset.__setitem__(0, offset[0] + 450.5)
     go()

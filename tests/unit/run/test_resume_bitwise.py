@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from mpmcli.output.checkpoint import read_checkpoint
-from mpmcli.run import march
+from mpmcli.run import run_loop
 from mpmcli.run.api import run
 from mpmcli.scene.loader import load_scene
 
@@ -145,14 +145,14 @@ class Straight:
     def __init__(self, scene: dict[str, Any], directory: Path, monkeypatch: pytest.MonkeyPatch):
         self.directory, self.loaded = directory, load(scene)
         self.saved: dict[int, bytes] = {}
-        write = march.write_checkpoint
+        write = run_loop.write_checkpoint
 
         def keep(folder, arrays, facts):
             path = write(folder, arrays, facts)
             self.saved[facts["step"]] = path.read_bytes()
 
         with monkeypatch.context() as patch:
-            patch.setattr(march, "write_checkpoint", keep)
+            patch.setattr(run_loop, "write_checkpoint", keep)
             self.outcome = run(self.loaded, directory, progress=False, verbosity=-1, threads=2)
         assert self.outcome.exit_code == 0
 

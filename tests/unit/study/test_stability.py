@@ -18,7 +18,7 @@ from mpmcli.study import limits_report, processes
 from mpmcli.study.journal import Journal
 from mpmcli.study.stability import Settings, Source, bisect_limit, find_limits, make_cases
 from mpmcli.study.transfers import label_of, split_list, transfer_value
-from mpmcli.study.trial import EnergyWatch, load_job, march_trial, set_courant
+from mpmcli.study.trial import EnergyWatch, load_job, run_trial, set_courant
 
 BAR = Path(__file__).parents[3] / "inputs" / "vibrating_bar.yaml"
 
@@ -164,7 +164,7 @@ def test_a_quiet_limit_is_where_a_disturbance_begins_to_grow(tmp_path):
 def test_a_disturbance_grows_where_energy_does_not_show_it():
     def trial(courant):
         scene = str(BAR.parent / "stretched_bar.yaml")
-        return march_trial(
+        return run_trial(
             {"scene": scene, "courant": courant, "threads": 1, "bound": 0.05, "is_disturbed": True}
         )
 
@@ -342,7 +342,7 @@ def test_a_run_that_begins_at_rest_is_not_judged_by_its_first_steps():
     """After two steps it has twice the energy put in, which is next to nothing; in the end it is off by 0.7 %."""
     sets = ("bodies.bar.velocity=[0]", PULL)
     job = Source(str(BAR), sets).job() | {"courant": 0.5, "until": 50.0, "threads": 1, "bound": 0.05}
-    found = march_trial(job)
+    found = run_trial(job)
     assert found["bounded"], found["message"]
     assert found["excess"] < 0.02
 

@@ -1,4 +1,4 @@
-"""The march of a run: the simulation steps, the recorder writes, and every end is an orderly one."""
+"""The loop of a run: the simulation steps, the recorder writes, and every end is an orderly one."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def is_over(step: int, now: float, end: float, max_steps: int | None) -> bool:
     return is_reached(now, end) or (max_steps is not None and step >= max_steps)
 
 
-class March:
+class RunLoop:
     """One run, from the first record to the closed files."""
 
     def __init__(
@@ -95,9 +95,9 @@ class March:
         return self._outcome(0, DRY_RUN)
 
     def run(self, max_walltime: float | None) -> Outcome:
-        """March to the end, or to whatever stops it."""
+        """RunLoop to the end, or to whatever stops it."""
         try:
-            code, ended = self._march(max_walltime)
+            code, ended = self._advance(max_walltime)
             self._end_files()
         except SimulationError as error:
             code, ended = error.exit_code, f"failed: {error}"
@@ -126,7 +126,7 @@ class March:
         self._summarise(outcome)
         return outcome
 
-    def _march(self, max_walltime: float | None) -> tuple[int, str]:
+    def _advance(self, max_walltime: float | None) -> tuple[int, str]:
         simulation, recorder, interrupts = self.simulation, self.recorder, self.interrupts
         clock = time.perf_counter
         with self.progress.waiting(SETTING_UP):
