@@ -69,7 +69,7 @@ def test_a_run_warns_of_the_loss(tmp_path, capfd, update, warned):
     scene = load(ROOT / "inputs" / "drawn_bar.yaml", sets=[f"method.update={update}", "time.end=95"])
     assert run(scene, tmp_path / "out", progress=False).exit_code == 0
     printed = capfd.readouterr().err
-    assert printed.count("the scene loses energy") == warned
+    assert printed.count("more energy is lost than") == warned
     assert ("try method.update: usl" in printed) == warned
 
 

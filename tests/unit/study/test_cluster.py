@@ -90,7 +90,7 @@ def test_a_machine_that_is_lost_is_a_row(local, tmp_path, monkeypatch):
     with (tmp_path / "s" / "tradeoff.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [row["status"] for row in rows] == [CRASHED] * 2
-    assert "the cluster lost it: KilledWorker" in rows[0]["remark"]
+    assert "the cluster lost the run: KilledWorker" in rows[0]["remark"]
 
 
 def test_nobody_at_the_address():
