@@ -16,9 +16,7 @@ from mpmcli.core.compiled.compiler import compiled_as, compiled_too
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import kernel, prange
 from mpmcli.core.grid import unfold
-from mpmcli.core.transfer import (
-    separable_sums,  # noqa: F401 (registered there)
-)
+from mpmcli.core.transfer import corner_sums, nodewise_sums, separable_sums  # noqa: F401 (registered there)
 from mpmcli.core.transfer.cut import is_cut
 from mpmcli.core.transfer.gather_scatter import (
     column,
