@@ -10,11 +10,13 @@ From Python::
 
 from typing import TYPE_CHECKING, Any
 
+from mpmcli.core.version import VERSION
+
 if TYPE_CHECKING:
     from mpmcli.results.reading import Results
     from mpmcli.run.api import load, resume, run
 
-__version__ = "0.1.0"
+__version__ = VERSION
 __all__ = ["Results", "load", "resume", "run"]
 
 _HOMES = {"Results": "mpmcli.results.reading", "load": "mpmcli.run.api", "resume": "mpmcli.run.api"}

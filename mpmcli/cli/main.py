@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import click
 
-from mpmcli import __version__
+from mpmcli.core.version import VERSION
 
 # the command "run" lives in mpmcli.cli.run_command, imported when it is called
 COMMANDS = {
@@ -67,7 +67,7 @@ class Commands(click.Group):
 
 def _print_version(context: click.Context, _option: click.Parameter, asked: bool) -> None:
     if asked and not context.resilient_parsing:
-        click.echo(f"mpmcli {__version__}")
+        click.echo(f"mpmcli {VERSION}")
         context.exit()
 
 

@@ -1,1 +1,1 @@
-"""Contact between velocity fields: who meets whom, the geometry of meeting, and the momentum that changes hands."""
+"""Contact between velocity fields: contact nodes, fields in contact, normals and separations, laws and impulses."""

@@ -88,7 +88,7 @@ class Contacts:
         sum_volumes[parallel](self.table, self.nodes.near, matter.field, matter.F, matter.vol0)
 
     def find_fields(self, mp: Array) -> None:
-        """List who meets whom at the contact nodes; masses from ``mp``."""
+        """List the pairs of fields in contact at the contact nodes; masses from ``mp`` (dofs, 1 + d)."""
         slots = self.nodes.count
         self._make_room(most_contacts(self.rules, self.table))
         if len(self.begin) < slots + 1:

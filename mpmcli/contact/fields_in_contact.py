@@ -40,7 +40,7 @@ class Rules(NamedTuple):
 
 
 class FieldsInContact(NamedTuple):
-    """Who meets whom: one row per contact, (k,) each.
+    """The pairs of fields in contact: one row per contact, (k,) each.
 
     slot : contact node, as counted by ``ContactNodes``
     alpha, partner : degrees of freedom of α and of the field of β with most volume

@@ -15,7 +15,7 @@ def bisect_limit(
     """Neighbours (stable, unstable = stable + 1) between ``lowest`` and ``highest``, searched from ``start``.
 
     The first is None if even ``lowest`` is unstable (the second is then ``lowest``), the second if even ``highest`` is
-    stable. Once they are found, up to ``checks`` numbers amid those found stable are looked at too, the widest gap
+    stable. Once they are found, up to ``checks`` numbers amid those found stable are checked too, the widest gap
     first, and from an unstable one the search goes on downward: there may be stable numbers above unstable ones. No
     number is asked for twice.
     """

@@ -1,4 +1,4 @@
-"""What a simulation shows to those who look at it (output, probes, watchdogs); looking never changes it."""
+"""What a simulation shows to output, probes and watchdogs, which never change it."""
 
 from __future__ import annotations
 

@@ -20,8 +20,8 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-import mpmcli
 from mpmcli.core.errors import ArchiveError
+from mpmcli.core.version import VERSION
 from mpmcli.output.files import CHECKPOINT, CHECKPOINT_DAMAGED, CHECKPOINT_PREVIOUS, cannot_write
 
 FORMAT = 1
@@ -115,7 +115,7 @@ def _write_file(path: Path, arrays: Mapping[str, Any], facts: dict[str, Any]) ->
                 array = np.asarray(values)
                 checksum = _write_array(archive, f"{name}.npy", array)
                 known[name] = {"crc32": checksum, "shape": list(array.shape), "dtype": array.dtype.str}
-            header = {"format": FORMAT, "mpmcli": mpmcli.__version__, **facts, "arrays": known}
+            header = {"format": FORMAT, "mpmcli": VERSION, **facts, "arrays": known}
             text = json.dumps(header, sort_keys=True, ensure_ascii=False).encode()
             _write_array(archive, HEADER, np.frombuffer(text, dtype=np.uint8))
             archive.comment = MARK + b"0" * DIGITS
@@ -256,7 +256,7 @@ def _read(path: Path, stream: BinaryIO, header_only: bool) -> Checkpoint:
             form = int(_read_array(archive, FIRST))
             if form > FORMAT:
                 raise ArchiveError(
-                    f"{path} was written by a newer mpmcli (format {form}); mpmcli {mpmcli.__version__} "
+                    f"{path} was written by a newer mpmcli (format {form}); mpmcli {VERSION} "
                     f"reads format {FORMAT}"
                 )
             header = json.loads(_read_array(archive, HEADER).tobytes())

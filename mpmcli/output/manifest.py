@@ -26,8 +26,8 @@ from pydantic import (
     model_validator,
 )
 
-import mpmcli
 from mpmcli.core.errors import ArchiveError
+from mpmcli.core.version import VERSION
 from mpmcli.output.files import MANIFEST, write_text
 
 LIBRARIES = ("numpy", "numba", "llvmlite", "vtk", "pydantic", "pyyaml", "pint", "meshio", "tbb")
@@ -41,7 +41,7 @@ class Manifest:
 
     def __init__(self, directory: Path, contents: dict[str, Any]):
         self.path = directory / MANIFEST
-        self.contents = {"mpmcli": mpmcli.__version__, **contents, "run": {}}
+        self.contents = {"mpmcli": VERSION, **contents, "run": {}}
 
     def write(self, **run: Any) -> None:
         """Add facts about the run and write the file."""
@@ -52,7 +52,7 @@ class Manifest:
 
 def facts_of_machine(threads: int | None = None) -> dict[str, Any]:
     """Versions, platform, threads and their layer."""
-    checkout = commit_of(Path(mpmcli.__file__).parents[1])
+    checkout = commit_of(Path(__file__).parents[2])
     return {
         **({} if checkout is None else {"commit": checkout}),
         "python": platform.python_version(),

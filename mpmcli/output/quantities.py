@@ -1,4 +1,4 @@
-"""The quantity registry: everything that can be looked at, with name, symbol, dimension, rank and place.
+"""The quantity registry: everything that can be shown, with name, symbol, dimension, rank and place.
 
 It feeds the arrays of particle archives, the columns of tables, and their units. A quantity of rank vector or
 tensor gives one column per component (``momentum_x``, ``stress_xy``); one that lives on materials, bodies or

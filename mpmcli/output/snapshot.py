@@ -1,4 +1,4 @@
-"""A look at one state: what several quantities need is computed once, when it is first asked for."""
+"""One state as quantities read it: what several of them need is computed once, when it is first asked for."""
 
 from __future__ import annotations
 

@@ -203,7 +203,7 @@ class Progress:
             self.say(f"{100.0 * share:4.0f} %  {self._facts(state, energy_error, now)}")
 
     def stop(self, state: State | None = None, energy_error: float | None = None) -> None:
-        """Take the bar down, with a last look at a state."""
+        """Take the bar down, after showing a last state."""
         if self._bar is not None:
             if state is not None:
                 self._draw(self._bar, state, energy_error)

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import mpmcli
 from mpmcli.core.errors import ArchiveError, Problem, SceneError
+from mpmcli.core.version import VERSION
 from mpmcli.output.checkpoint import Checkpoint, DamagedCheckpoint, read_checkpoint, set_damaged_aside
 from mpmcli.output.files import CHECKPOINT, CHECKPOINT_PREVIOUS
 from mpmcli.output.manifest import read_manifest
@@ -84,11 +84,11 @@ def refuse_changes(loaded: Any, checkpoint: Checkpoint) -> None:
     End time, archive intervals, checkpoint periods and the title may; so may constants that only these depend on.
     """
     header = checkpoint.header
-    if header["mpmcli"] != mpmcli.__version__:
+    if header["mpmcli"] != VERSION:
         LOGGER.warning(
             "the checkpoint is of mpmcli %s, and this is %s; the results may differ in the last digits",
             header["mpmcli"],
-            mpmcli.__version__,
+            VERSION,
         )
     problems = list(_changed_plugins(header.get("plugins", {}), loaded.plugins))
     if header["scene_hash"] == loaded.hash and not problems:

@@ -16,15 +16,15 @@ from mpmcli.shapes import SHAPES
 LOGGER = logging.getLogger("mpmcli")
 
 EVERY = 50
-"""Steps between two looks."""
+"""Steps between two checks."""
 WARN_AT = 0.01
-"""Energy error above which a run is warned of once, if it grows from one look to the next."""
+"""Energy error above which a run is warned of once, if it grows from one check to the next."""
 EARLY = 0.1
-"""What the first look compares with: bodies that begin at rest have next to no energy then, and an error that falls."""
+"""What the first check compares with: bodies that start at rest have little energy then, and an error that falls."""
 STOP_AT = 0.9
-"""Energy error that ends a run where two looks in a row find it: nine tenths of all energy came from nowhere."""
+"""Energy error that ends a run where two checks in a row find it: nine tenths of all energy are spurious."""
 LOST_AT = 0.25
-"""Share of the energy whose loss a run is warned of once, if two looks in a row find it."""
+"""Share of the energy whose loss a run is warned of once, if two checks in a row find it."""
 
 
 class EnergyWatch:

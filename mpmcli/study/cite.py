@@ -15,9 +15,9 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import mpmcli
 from mpmcli.core.descriptions import field_descriptions
 from mpmcli.core.model import Model
+from mpmcli.core.version import VERSION
 
 BIBLIOGRAPHY, CITATION = "references.bib", "CITATION.cff"
 HERE = files("mpmcli.study")
@@ -67,7 +67,7 @@ def bibtex(scene: Any) -> str:
         else:
             without.append(f"{words}: {key}" if key else words)
     title = f" '{scene.title}'" if scene.title else ""
-    lines = [_comment(f"References of the scene{title}, by mpmcli {mpmcli.__version__}."), ""]
+    lines = [_comment(f"References of the scene{title}, by mpmcli {VERSION}."), ""]
     lines += [_comment("Cited for the program."), program_entry(), ""]
     for key, said in reasons.items():
         lines += [_comment(f"Cited for {'; '.join(said)}."), entries[key], ""]
@@ -197,7 +197,7 @@ def program_entry() -> str:
     rows = {
         "author": authors,
         "title": f"{{{citation['title']}}}: {citation['abstract'].strip().rstrip('.')}",
-        "howpublished": f"Computer program, version {mpmcli.__version__}",
+        "howpublished": f"Computer program, version {VERSION}",
         "year": year,
         "url": citation.get("url") or citation.get("repository-code") or "",
     }
@@ -216,7 +216,7 @@ def _text(name: str) -> str:
     inside = HERE / name
     if inside.is_file():
         return inside.read_text(encoding="utf-8")
-    return (Path(mpmcli.__file__).parents[1] / SOURCES[name] / name).read_text(encoding="utf-8")
+    return (Path(__file__).parents[2] / SOURCES[name] / name).read_text(encoding="utf-8")
 
 
 def _comment(text: str) -> str:

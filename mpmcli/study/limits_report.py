@@ -8,7 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import mpmcli
+from mpmcli.core.version import VERSION
 from mpmcli.results.pictures.drawing import write_title
 from mpmcli.study.plotting import finish, new_figure
 from mpmcli.study.report import as_text, write_csv, write_json
@@ -70,7 +70,7 @@ def write_limits(directory: Path, title: str, cases: Sequence[Case], settings: S
     rows = rows_of(cases, settings)
     write_csv(directory / f"{NAME}.csv", rows)
     contents = {
-        "mpmcli": mpmcli.__version__,
+        "mpmcli": VERSION,
         "title": title,
         "settings": asdict(settings),
         "cases": [

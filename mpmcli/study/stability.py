@@ -15,9 +15,9 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-import mpmcli
 from mpmcli.core.bisection import bisect_limit
 from mpmcli.core.errors import SceneError
+from mpmcli.core.version import VERSION
 from mpmcli.scene.loader import LoadedScene
 from mpmcli.stability.models import NoKnownLimit
 from mpmcli.stability.scene_limit import limit_in_motion, stable_courant
@@ -268,7 +268,7 @@ class _Search:
     def _trial(self, courant: float) -> dict[str, Any]:
         case, settings, name = self.case, self.settings, f"{courant:.9g}"
         is_disturbed = settings.criterion == "quiet"
-        key = f"{mpmcli.__version__} {case.scene_hash} {name} {case.end:.17g} {settings.energy:.9g}"
+        key = f"{VERSION} {case.scene_hash} {name} {case.end:.17g} {settings.energy:.9g}"
         key += " disturbed" * is_disturbed
         trial = self.journal.get(key)
         if trial is None:

@@ -12,10 +12,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-import mpmcli
 from mpmcli.core.errors import ArchiveError, SceneError
 from mpmcli.core.expressions import parse
 from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.core.version import VERSION
 from mpmcli.output.files import make_folder, write_text
 from mpmcli.output.tables import read_numbers, read_table
 from mpmcli.study.interruption import wait_for
@@ -173,7 +173,7 @@ def run_cases(
     make_folder(directory / TABLES)
 
     def run_one(case: Case, repeat: int) -> None:
-        key = f"{mpmcli.__version__} {case.scene_hash} {case.end:.17g} {threads} {repeat}"
+        key = f"{VERSION} {case.scene_hash} {case.end:.17g} {threads} {repeat}"
         result = journal.get(key)
         is_known = result is not None and (
             repeat > 0 or result["ended"] != FINISHED or _table_path(directory, case).exists()

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import mpmcli
+from mpmcli.core.version import VERSION
 from mpmcli.results.pictures.drawing import write_title
 from mpmcli.study.plotting import finish, new_figure
 from mpmcli.study.report import as_text, write_csv, write_json
@@ -91,7 +91,7 @@ def write_tradeoff(
     rows = rows_of(cases)
     write_csv(directory / f"{NAME}.csv", rows)
     contents = {
-        "mpmcli": mpmcli.__version__,
+        "mpmcli": VERSION,
         "title": title,
         "settings": dict(settings),
         "sentence": words,

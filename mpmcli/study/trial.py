@@ -25,7 +25,7 @@ EARLY = 100
 MOST_STEPS = 30
 """A trial is stopped after this many times the steps that its first one promised."""
 MANY, SELDOM = 4000, 5
-"""With this many particles the energy is looked at every fifth step, else every step."""
+"""With this many particles the energy is checked every fifth step, else every step."""
 
 
 def run_trial(job: dict[str, Any]) -> dict[str, Any]:
@@ -157,7 +157,7 @@ class EnergyWatch:
 
     @property
     def loss(self) -> float:
-        """Share that was missing when it was looked at last."""
+        """Share that was missing at the last check."""
         return _share(self.put_in - self.energy, self.largest_put_in)
 
     def words(self) -> str:

@@ -16,10 +16,10 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-import mpmcli
 from mpmcli.core.plugins import installed
+from mpmcli.core.version import VERSION
 
-PACKAGE = Path(mpmcli.__file__).parent
+PACKAGE = Path(__file__).parents[2]
 
 
 def available_threads() -> int:
@@ -48,7 +48,7 @@ def available_memory() -> float:
 def source_digest() -> str:
     """Digest of the sources of mpmcli and all plugins, and of compile flags: compiled code is only valid for these."""
     flags = [os.environ.get(name, "") for name in ("MPMCLI_BOUNDSCHECK", "NUMBA_SLP_VECTORIZE", "NUMBA_OPT")]
-    digest = hashlib.sha256(" ".join([mpmcli.__version__, *flags]).encode())
+    digest = hashlib.sha256(" ".join([VERSION, *flags]).encode())
     for path in sorted(PACKAGE.rglob("*.py")):
         digest.update(path.read_bytes())
     for plugin in installed():

@@ -1,0 +1,3 @@
+"""The version of mpmcli."""
+
+VERSION = "0.1.0"
