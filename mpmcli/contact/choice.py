@@ -83,13 +83,11 @@ class ContactChoice:
             arrays["bond"] = np.ones(particles.count)
         return arrays
 
-    def facts(self, particles: Particles, grid: Grid) -> dict[str, Any]:
+    def facts(self, order: CellOrder) -> dict[str, Any]:
         """Return the choices in words, and how many nodes and particles the first step checks for contact."""
         if not self.exists:
             return {}
-        order = CellOrder(particles, grid)
-        order.sort(False)
-        near = find_candidates(order, grid)
+        near = find_candidates(order, order.grid)
         rigid = [name for name, is_rigid in zip(self.fields, self.rigid_fields, strict=True) if is_rigid]
         is_screened = len(rigid) + 1 < len(self.fields) and any(law.screened for law in self.acting)
         return {

@@ -88,6 +88,18 @@ class NodeTable(NamedTuple):
 
 
 @inline
+def field_at(nodes, dof):
+    """Return the velocity field of a degree of freedom; ``nodes`` is a ``NodeTable``."""
+    return field_of(dof, nodes.node_count, nodes.rigid.shape[0])
+
+
+@inline
+def is_rigid(nodes, dof):
+    """Return whether a degree of freedom belongs to a rigid body; ``nodes`` is a ``NodeTable``."""
+    return nodes.rigid[field_at(nodes, dof)]
+
+
+@inline
 def put_contact(m, k, slot, alpha, partner, first, last, law):
     """Write row ``k`` of the fields ``m``: a contact of α with others lumped, on α alone."""
     m.slot[k] = slot
@@ -106,33 +118,32 @@ def list_contacts(rules, nodes, mp, m, begin):
 
     ``begin`` (slots + 1,) receives where the contacts of each node begin.
     """
-    first, dof, volume, node_count = nodes.first, nodes.dof, nodes.volume, nodes.node_count
-    slots, count = nodes.node.shape[0], rules.rigid.shape[0]
+    first, dof, volume, slots = nodes.first, nodes.dof, nodes.volume, nodes.node.shape[0]
     k = 0
     for slot in range(slots):
         begin[slot] = k
         low, high = first[slot], first[slot + 1]
         soft = 0
         for e in range(low, high):
-            if not rules.rigid[field_of(dof[e], node_count, count)]:
+            if not is_rigid(nodes, dof[e]):
                 soft += 1
         if soft == 2 or (soft > 2 and not rules.coupled):
             total = 0.0
             for e in range(low, high):
-                if not rules.rigid[field_of(dof[e], node_count, count)]:
+                if not is_rigid(nodes, dof[e]):
                     total += mp[dof[e], 0]
             both = soft == 2 and rules.shares_normal
             for e in range(low, high):
-                field = field_of(dof[e], node_count, count)
+                field = field_at(nodes, dof[e])
                 if rules.rigid[field]:
                     continue
                 partner = -1
                 for other in range(low, high):
-                    if other == e or rules.rigid[field_of(dof[other], node_count, count)]:
+                    if other == e or is_rigid(nodes, dof[other]):
                         continue
                     if partner < 0 or volume[other] > volume[partner]:
                         partner = other
-                law = rules.law[field, field_of(dof[partner], node_count, count)]
+                law = rules.law[field, field_at(nodes, dof[partner])]
                 share = mp[dof[e], 0] / total
                 small = share < rules.mass_ratio or share > 1.0 - rules.mass_ratio
                 if rules.skipped[law] or (small and rules.screened[law]):
@@ -150,8 +161,8 @@ def list_contacts(rules, nodes, mp, m, begin):
             for e in range(low, high):
                 for other in range(e + 1, high):
                     field, partner_field = (
-                        field_of(dof[e], node_count, count),
-                        field_of(dof[other], node_count, count),
+                        field_at(nodes, dof[e]),
+                        field_at(nodes, dof[other]),
                     )
                     if rules.rigid[field] or rules.rigid[partner_field]:
                         continue
@@ -167,12 +178,12 @@ def list_contacts(rules, nodes, mp, m, begin):
                     k += 1
         stage = 0
         for r in range(low, high):
-            if not rules.rigid[field_of(dof[r], node_count, count)]:
+            if not is_rigid(nodes, dof[r]):
                 continue
             stage += 1
             for e in range(low, high):
-                field = field_of(dof[e], node_count, count)
-                law = rules.law[field, field_of(dof[r], node_count, count)]
+                field = field_at(nodes, dof[e])
+                law = rules.law[field, field_at(nodes, dof[r])]
                 if rules.rigid[field] or rules.skipped[law]:
                     continue
                 put_contact(m, k, slot, dof[e], dof[r], r, r + 1, law)
@@ -191,7 +202,7 @@ def most_contacts(rules, nodes):
     for slot in range(nodes.node.shape[0]):
         soft, hard = 0, 0
         for e in range(nodes.first[slot], nodes.first[slot + 1]):
-            if rules.rigid[field_of(nodes.dof[e], nodes.node_count, nodes.rigid.shape[0])]:
+            if is_rigid(nodes, nodes.dof[e]):
                 hard += 1
             else:
                 soft += 1

@@ -8,11 +8,11 @@ import numpy as np
 
 from mpmcli.contact.area import contact_area, perpendicular_size
 from mpmcli.contact.contact_nodes import IMAGE_BITS
+from mpmcli.contact.fields_in_contact import field_at
 from mpmcli.contact.neighbours import Neighbours
 from mpmcli.contact.normals.base import find_normal
 from mpmcli.contact.separation.base import find_separation
 from mpmcli.core.compiled.kernel import inline, kernel, prange
-from mpmcli.core.dofs import field_of
 from mpmcli.core.particles import determinant_of_particle
 
 Array = np.ndarray
@@ -96,7 +96,7 @@ def sum_volumes(nodes, near, field, F, vol0):
         while at >= 0:
             p = near.particle[at]
             for e in range(first, last):
-                if field_of(nodes.dof[e], nodes.node_count, nodes.rigid.shape[0]) == field[p]:
+                if field_at(nodes, nodes.dof[e]) == field[p]:
                     volume[e] += near.S[at] * determinant_of_particle(F, p) * vol0[p]
             at = near.next[at]
 
@@ -256,8 +256,8 @@ def find_geometry(
         for k in range(count * c // workers, count * (c + 1) // workers):
             slot = fields.slot[k]
             alpha, beta = (
-                field_of(fields.alpha[k], nodes.node_count, nodes.rigid.shape[0]),
-                field_of(fields.partner[k], nodes.node_count, nodes.rigid.shape[0]),
+                field_at(nodes, fields.alpha[k]),
+                field_at(nodes, fields.partner[k]),
             )
             n, volume_alpha, volume_beta, intact[k] = gather(
                 axes, slot, alpha, beta, fields.alone[k], neighbours, nodes, around, near, matter

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmcli.contact import increments
+from mpmcli.contact.fields_in_contact import field_at, is_rigid
 from mpmcli.contact.laws.impulse import is_soft, law_impulse, law_impulse_at_end, leave, slip_work
 from mpmcli.core.compiled.kernel import inline, kernel, prange
-from mpmcli.core.dofs import field_of
 
 Array = np.ndarray
 
@@ -101,7 +101,7 @@ def relative_momentum(axes, alpha, first, last, rigid, nodes, mp, v, of_velocity
         out[a] = 0.0
     for e in range(first, last):
         i = nodes.dof[e]
-        if i != alpha and (rigid or not nodes.rigid[field_of(i, nodes.node_count, nodes.rigid.shape[0])]):
+        if i != alpha and (rigid or not is_rigid(nodes, i)):
             m_beta += mp[i, 0]
             for a in range(len(axes)):
                 if of_velocity:
@@ -126,7 +126,7 @@ def normal_force(axes, alpha, first, last, rigid, nodes, mp, f, n):
         return -mine
     for e in range(first, last):
         i = nodes.dof[e]
-        if i != alpha and not nodes.rigid[field_of(i, nodes.node_count, nodes.rigid.shape[0])]:
+        if i != alpha and not is_rigid(nodes, i):
             m_beta += mp[i, 0]
             for a in range(len(axes)):
                 theirs += f[i, a] * n[a]
@@ -260,7 +260,7 @@ def share_of_work(axes, fields, k, nodes, mp):
     others = 0.0
     for e in range(fields.first[k], fields.last[k]):
         i = nodes.dof[e]
-        if i != fields.alpha[k] and not nodes.rigid[field_of(i, nodes.node_count, nodes.rigid.shape[0])]:
+        if i != fields.alpha[k] and not is_rigid(nodes, i):
             others += mp[i, 0]
     return others / (others + mp[fields.alpha[k], 0])
 
@@ -275,8 +275,8 @@ def tally(axes, count, fields, nodes, geometry, rows, after, mp, sums):
     work = 0.0
     for k in range(count):
         alpha, beta = (
-            field_of(fields.alpha[k], nodes.node_count, nodes.rigid.shape[0]),
-            field_of(fields.partner[k], nodes.node_count, nodes.rigid.shape[0]),
+            field_at(nodes, fields.alpha[k]),
+            field_at(nodes, fields.partner[k]),
         )
         net, weight = rows.net[k], sums.weight[k]
         pair = sums.pair[alpha, beta]

@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 
 from mpmcli.contact.area import perpendicular_size
+from mpmcli.contact.fields_in_contact import is_rigid
 from mpmcli.core.compiled.kernel import inline, kernel, prange
-from mpmcli.core.dofs import field_of
 
 Array = np.ndarray
 
@@ -58,7 +58,7 @@ def drive_of_contact(axes, k, fields, nodes, around, share, normal, mp, dt):
     slot = fields.slot[k]
     soft, hard = 0.0, 0.0
     for e in range(nodes.first[slot], nodes.first[slot + 1]):
-        if nodes.rigid[field_of(nodes.dof[e], nodes.node_count, nodes.rigid.shape[0])]:
+        if is_rigid(nodes, nodes.dof[e]):
             hard += nodes.volume[e]
         else:
             soft += nodes.volume[e]
@@ -71,7 +71,7 @@ def drive_of_contact(axes, k, fields, nodes, around, share, normal, mp, dt):
         m_beta = 0.0
         for e in range(fields.first[k], fields.last[k]):
             i = nodes.dof[e]
-            if i != fields.alpha[k] and not nodes.rigid[field_of(i, nodes.node_count, nodes.rigid.shape[0])]:
+            if i != fields.alpha[k] and not is_rigid(nodes, i):
                 m_beta += mp[i, 0]
         reduced = reduced * m_beta / (reduced + m_beta)
     h = perpendicular_size(axes, around.cell, normal)

@@ -86,7 +86,7 @@ def explain(
         "particles": particles.count,
         "grid_nodes": grid.node_count,
         "shape": scene.method.shape,
-        "contact": contact.facts(particles, grid),
+        "contact": contact.facts(simulation.order),
         "tasks": list(kernels),
         "not_modelled": left_out(plan, contact),
         "kernels_of_tasks": kernels,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -112,11 +113,7 @@ class Plan:
     @property
     def order_rule(self) -> OrderRule:
         """How many increments the full-mass loop adds."""
-        return OrderRule(self.order, self.blend_scale, self.dynamic)
-
-    def blend_scale(self, order: int) -> float:
-        """Factor of the increment of an order ℓ, see ``core.variants.increment_factor``."""
-        return increment_factor(self.blend, order)
+        return OrderRule(self.order, partial(increment_factor, self.blend), self.dynamic)
 
     @property
     def imposes_lumped(self) -> bool:
