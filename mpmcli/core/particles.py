@@ -32,6 +32,12 @@ class Particles:
     stress_work : (N,) accumulated work of the stress per particle [energy]
     viscous_pressure, viscous_work : (N,) or None; only with artificial viscosity [pressure], [energy]
     X0 : (d, N) or None; initial position, only where a method of contact needs displacements [length]
+    T : (N,) or None; temperature that materials, conditions and archives see; only with conduction, or with materials
+        that expand or warm by themselves [temperature]
+    T_carried : (N,) or None; temperature that FLIP carries to the grid, which has noise that T does not
+        [temperature]
+    heat_inflow, entropy : (N,) or None; heat that a particle has received by conduction, from loads, conditions and
+        friction, and what its entropy has grown by; only with conduction [energy], [energy/temperature]
     bond : (N,) or None; 1 while contact nearby still adheres, else 0; only with adhesive contact [-]
     """
 
@@ -52,6 +58,10 @@ class Particles:
     viscous_pressure: Array | None = None
     viscous_work: Array | None = None
     X0: Array | None = None
+    T: Array | None = None
+    T_carried: Array | None = None
+    heat_inflow: Array | None = None
+    entropy: Array | None = None
     bond: Array | None = None
 
     @property

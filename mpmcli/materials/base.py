@@ -11,10 +11,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar, NamedTuple
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from mpmcli.core.compiled.dispatch import generic
-from mpmcli.core.model import Density, Model
+from mpmcli.core.model import Density, Model, Quantity
 from mpmcli.core.registry import Registry
 
 KINDS = {
@@ -60,11 +60,42 @@ class Matter(Model):
         raise TypeError(f"{type(self).__name__} gives no wave speed")
 
 
+def _three(value: Any) -> Any:
+    """One number stands for all axes."""
+    return value if isinstance(value, list | tuple) else [value] * 3
+
+
+_CONDUCTIVITY: dict[str, Any] = {"anyOf": [{"type": "number", "minimum": 0}, {"type": "string"}]}
+HeatCapacity = Annotated[float, Quantity("specific_heat", gt=0, lt=1e30)]
+Conductivity = Annotated[
+    tuple[Annotated[float, Quantity("conductivity", ge=0, lt=1e30)], ...],
+    BeforeValidator(_three),
+    Field(min_length=3, max_length=3),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                *_CONDUCTIVITY["anyOf"],
+                {"type": "array", "items": _CONDUCTIVITY, "minItems": 3, "maxItems": 3},
+            ]
+        }
+    ),
+]
+"""Three principal values; in a scene one number may stand for all."""
+
+
 class MaterialModel(Matter):
     """Base of materials with mass."""
 
     density: Density
     """Initial mass density."""
+    heat_capacity: HeatCapacity | None = None
+    """Heat capacity per mass at constant volume, c_v."""
+    conductivity: Conductivity | None = None
+    """Thermal conductivity: one number, or three along the grid's axes at the start, which turn with the body."""
+    expansion: Annotated[float, Quantity("1/temperature", ge=0)] = 0.0
+    """Linear coefficient α of thermal expansion; the thermal stretch is exp(α(T − T0))."""
+    T0: Annotated[float, Quantity("temperature", gt=0, lt=1e30)] = 300.0
+    """Temperature without stress; also the initial one unless the body gives it."""
 
 
 @generic

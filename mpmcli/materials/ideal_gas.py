@@ -42,8 +42,6 @@ class IdealGas(MaterialModel):
     """Initial pressure p0 at the initial density."""
     gamma: Annotated[float, Quantity("1", gt=1)] = 1.4
     """Ratio of the heat capacities at constant pressure and constant volume."""
-    T0: Annotated[float, Quantity("temperature", gt=0)] = 300.0
-    """Initial temperature."""
 
     def parameters(self, analysis: str, adiabatic: bool) -> Gas:
         """Pressure, temperature and density at the start; the exponent of the adiabat, or 1 if isothermal."""

@@ -49,8 +49,6 @@ class J2Plastic(ElasticModel):
     kind: Literal["j2_plastic"]
     hardening: Hardening
     """Flow stress against plastic strain, rate and temperature."""
-    heat_capacity: Annotated[float, Quantity("specific_heat", gt=0)] | None = None
-    """Heat capacity per mass; without it the temperature stays."""
     taylor_quinney: Annotated[float, Quantity("1", ge=0, le=1)] = 0.9
     """Part χ of the plastic work that turns into heat."""
     temperature: Annotated[float, Quantity("temperature", ge=0)] = 300.0

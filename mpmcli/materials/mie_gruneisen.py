@@ -13,6 +13,7 @@ from mpmcli.core.model import Quantity
 from mpmcli.core.tensors import determinant
 from mpmcli.materials.base import (
     MATERIALS,
+    HeatCapacity,
     MaterialModel,
     absorb_work,
     bulk_speed_squared,
@@ -60,10 +61,8 @@ class MieGruneisen(MaterialModel):
     """Third coefficient of the Hugoniot curve."""
     gamma0: Annotated[float, Quantity("1", ge=0)] = 0.0
     """Grüneisen parameter at rest; γρ stays constant."""
-    heat_capacity: Annotated[float, Quantity("specific_heat", gt=0)]
+    heat_capacity: HeatCapacity
     """Heat capacity per mass at constant volume, c_v."""
-    T0: Annotated[float, Quantity("temperature", gt=0)] = 300.0
-    """Initial temperature, without stress."""
 
     @model_validator(mode="after")
     def _one_modulus(self) -> Self:

@@ -165,8 +165,8 @@ class Method(Model):
     """Damping of velocities."""
     artificial_viscosity: ArtificialViscosity | None = None
     """Artificial viscosity; off unless given."""
-    heating: Literal["isothermal", "adiabatic"] = "isothermal"
-    """Whether work of the stress heats the materials that track their temperature."""
+    heating: Literal["isothermal", "adiabatic"] | None = None
+    """Whether work of the stress heats the materials; by default only with heat conduction."""
     precision: Literal["double"] = "double"
     """Precision of particle and grid arrays."""
 

@@ -18,6 +18,7 @@ from mpmcli.core.registry import OneOf
 from mpmcli.geometry import REGIONS
 from mpmcli.materials import MATERIALS
 from mpmcli.scene.archive import Archive, Probe
+from mpmcli.scene.heat import Heat
 from mpmcli.scene.method import Method, TimeSpan
 from mpmcli.scene.values import CellSize, Name, ParticlesPerAxis, Point, TemperatureField, VelocityField
 
@@ -193,6 +194,8 @@ class Scene(Model):
     """The background grid."""
     method: Method = Field(default_factory=Method)
     """The numerical method."""
+    heat: Heat | None = None
+    """Heat conduction; without it none is conducted."""
     materials: dict[str, Annotated[Any, OneOf(MATERIALS)]] = Field(min_length=1)
     """Materials by name."""
     bodies: tuple[Body, ...] = Field(min_length=1)
@@ -216,3 +219,9 @@ class Scene(Model):
     def dimensions(self) -> int:
         """Number of axes of the analysis."""
         return ANALYSES[self.analysis.kind]().dimensions
+
+    @property
+    def is_adiabatic(self) -> bool:
+        """Whether work of the stress heats the materials."""
+        chosen = self.method.heating or ("isothermal" if self.heat is None else "adiabatic")
+        return chosen == "adiabatic"

@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 from mpmcli.scene.context import Context
 from mpmcli.scene.models import Scene
 
-SINGLE = ("analysis", "grid", "method", "time", "archive", "contact")
+SINGLE = ("analysis", "grid", "method", "time", "archive", "contact", "heat")
 LISTS = ("bodies", "boundary", "loads", "probes")
 
 
@@ -28,6 +28,7 @@ class Parts:
     time: Any = None
     archive: Any = None
     contact: Any = None
+    heat: Any = None
     materials: dict[str, Any] = field(default_factory=dict)
     bodies: list[tuple[int, Any]] = field(default_factory=list)
     boundary: list[tuple[int, Any]] = field(default_factory=list)

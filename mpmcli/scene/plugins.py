@@ -65,7 +65,7 @@ def _check_model(plugin: Plugin, model: BaseModel, scene: Any) -> None:
     d, cell = scene.dimensions, scene.grid.cell
     arguments: tuple[Any, ...] = (d, cell)
     if isinstance(model, MaterialModel):
-        arguments, needed = (scene.analysis.kind, scene.method.heating == "adiabatic"), OF_MATERIALS
+        arguments, needed = (scene.analysis.kind, scene.is_adiabatic), OF_MATERIALS
     elif isinstance(model, LawModel):
         arguments, needed = (), (law_impulse, law_impulse_at_end, is_soft)
     elif isinstance(model, NormalModel):

@@ -46,6 +46,10 @@ DIMENSIONS: dict[str, tuple[int, int, int, int]] = {
     "specific_heat": (2, 0, -2, -1),
     "specific_energy": (2, 0, -2, 0),
     "gas_constant": (2, 0, -2, -1),
+    "conductivity": (1, 1, -3, -1),
+    "film_coefficient": (0, 1, -3, -1),
+    "heat_flux": (0, 1, -3, 0),
+    "entropy": (2, 1, -2, -1),
 }
 
 # words whose label is a unit of its own where the scale is a power of ten that has a prefix

@@ -168,7 +168,7 @@ def make_plan(scene: Any) -> Plan:
         particle_damping=float(method.damping.particle),
         grid_damping=float(method.damping.grid),
         viscosity=None if viscosity is None else (float(viscosity.linear), float(viscosity.quadratic)),
-        adiabatic=method.heating == "adiabatic",
+        adiabatic=scene.is_adiabatic,
         has_conditions=bool(scene.boundary) or axis_condition,
         has_loads=bool(scene.loads),
         fields=fields,

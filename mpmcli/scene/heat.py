@@ -1,0 +1,88 @@
+"""Heat conduction: how temperatures go to the grid and back, how often, and between which bodies."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, TypeAdapter, ValidationInfo, WithJsonSchema
+
+from mpmcli.core.model import Model, Quantity
+from mpmcli.scene.method import MAX_ORDER
+
+MAX_INTERVAL = 1_000_000
+"""Largest number of steps between two heat steps."""
+MAX_FOURIER = 2.5
+"""Largest Fourier number of a scene."""
+
+
+class FlipOfHeat(Model):
+    """FLIP: particles take the change of the nodal temperature."""
+
+    kind: Literal["flip"]
+    order: int = Field(default=1, ge=1, le=MAX_ORDER)
+    """Order k of the approximate full capacity matrix by which changes are found; 1 is the lumped one."""
+
+
+class FmpmOfHeat(Model):
+    """FMPM(k): temperatures by an approximate full capacity matrix of order k [nairn2026]."""
+
+    kind: Literal["fmpm"]
+    order: int = Field(default=4, ge=1, le=MAX_ORDER)
+    """Order k; 1 is PIC."""
+    every_steps: int | None = Field(default=None, ge=1, le=1_000_000_000)
+    """Act on every so many heat steps, FLIP between."""
+
+
+TransferOfHeat = Annotated[FlipOfHeat | FmpmOfHeat, Field(discriminator="kind")]
+
+
+class Conductance(Model):
+    """Heat flows where bodies touch, in proportion to the difference of their temperatures."""
+
+    conductance: Annotated[
+        Any,
+        BeforeValidator(lambda value, info: _read_conductance(value, info)),
+        WithJsonSchema(
+            {
+                "anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}],
+                "x-dimension": "film_coefficient",
+            }
+        ),
+    ]
+    """Power per area and temperature difference; ``perfect``: one temperature where bodies touch."""
+
+
+_coefficient: TypeAdapter[Any] = TypeAdapter(Annotated[float, Quantity("film_coefficient", gt=0)])
+
+
+def _read_conductance(value: Any, info: ValidationInfo) -> Any:
+    return "perfect" if value == "perfect" else _coefficient.validate_python(value, context=info.context)
+
+
+ContactOfHeat = Literal["shared", "insulated"] | Conductance
+_count: TypeAdapter[int] = TypeAdapter(Annotated[int, Field(ge=1, le=MAX_INTERVAL)])
+
+
+def _read_interval(value: Any, info: ValidationInfo) -> Any:
+    return "auto" if value == "auto" else _count.validate_python(value, context=info.context)
+
+
+class Heat(Model):
+    """Heat conduction; its presence switches it on."""
+
+    transfer: TransferOfHeat = Field(default_factory=lambda: FlipOfHeat(kind="flip"))
+    """How temperatures go from the grid to the particles."""
+    interval: Annotated[
+        Any,
+        BeforeValidator(_read_interval),
+        WithJsonSchema(
+            {"anyOf": [{"type": "integer", "minimum": 1, "maximum": MAX_INTERVAL}, {"const": "auto"}]}
+        ),
+    ] = 1
+    """Heat is conducted on every so many steps; ``auto``: as seldom as ``fourier`` and the motion allow."""
+    fourier: Annotated[float, Quantity("1", gt=0, le=MAX_FOURIER)] = 0.25
+    """Largest Fourier number D Δt/Δx² of a step, where the step follows from a Courant number."""
+    contact: ContactOfHeat = "shared"
+    """Heat between velocity fields: one temperature per node, none, or by a conductance where bodies touch."""
+    friction: bool = True
+    """Whether the work of friction heats the bodies."""
