@@ -8,7 +8,7 @@ that registry.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from pydantic import Field
@@ -38,6 +38,7 @@ CONDITIONS = Registry(
     "mpmcli.boundary",
     {
         "symmetry": "symmetry",
+        "temperature": "temperature",
         "velocity": "velocity",
         "wall": "wall",
     },
@@ -105,6 +106,9 @@ class Holder(Protocol):
 class ConditionModel(Model):
     """Base of all boundary conditions."""
 
+    acts_on: ClassVar[str] = "velocity"
+    """The quantity that it holds: ``velocity`` or ``temperature``."""
+
     name: str = Field(min_length=1)
     """Name of the condition, used in tables and messages."""
 
@@ -138,6 +142,9 @@ class LoadModel(Model):
 
     Values have one member per axis. They are numbers, or (n,) arrays with a member per point.
     """
+
+    acts_on: ClassVar[str] = "velocity"
+    """The quantity that it changes: ``velocity`` or ``temperature``."""
 
     name: str = Field(min_length=1)
     """Name of the load, used in messages."""

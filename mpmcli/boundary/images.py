@@ -6,7 +6,7 @@ import numpy as np
 
 from mpmcli.boundary.mirror import Mirror
 from mpmcli.core.grid import Grid
-from mpmcli.core.transfer.nodal_field import Correction
+from mpmcli.core.transfer.nodal_field import ActiveNodes, Correction
 
 Array = np.ndarray
 
@@ -56,3 +56,29 @@ class Images(Correction):
         p = mp[nodes, 1:] - force * dt
         taken = damping * dt * (p * (p + 0.5 * force * dt)).sum(axis=1)
         return float(((1.0 - share) * np.divide(taken, m, out=np.zeros_like(m), where=m > 0.0)).sum())
+
+
+class ImagesOfScalars(Correction):
+    """Completes the sums of a scalar field, which has the same value beyond a symmetry plane.
+
+    Parameters
+    ----------
+    mirror : the symmetry planes, for this field alone
+    nodes : the nodes of the field
+    """
+
+    def __init__(self, mirror: Mirror, nodes: ActiveNodes):
+        self.mirror = mirror
+        self._nodes = nodes
+        self._version = -1
+
+    def complete_extrapolated(self, mp: Array, replaces_values: bool) -> None:
+        """Complete capacity and content ``mp`` (n, 2), the first sums of a step."""
+        if self._nodes.active_version != self._version:
+            self._version = self._nodes.active_version
+            self.mirror.renew(self._nodes.active)
+        self.mirror.fold_capacity(mp)
+
+    def complete(self, sums: Array, weight: float) -> None:
+        """Complete ``sums`` (n, 1)."""
+        self.mirror.fold_scalars(sums)

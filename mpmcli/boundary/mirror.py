@@ -92,6 +92,25 @@ class Mirror:
         share[where[len(image) :]] = real
         return nodes, share
 
+    def fold_capacity(self, mp: Array) -> None:
+        """Fold capacity and content of a scalar ``mp`` (n, 2), and find the shares of real particles in them."""
+        pairs = self.pairs
+        pairs.ghost_mass[:] = mp[pairs.ghost, 0]
+        fold_scalars(pairs, mp)
+        np.divide(pairs.ghost_mass, mp[pairs.image, 0], out=pairs.share, where=pairs.ghost_mass > 0.0)
+
+    def share_of(self, nodes: Array) -> Array:
+        """Return the share (n,) of what is at nodes that real particles have there; 1 but at ghosts and images."""
+        found, share = self.shared()
+        if not len(found):
+            return np.ones(len(nodes))
+        place = np.minimum(np.searchsorted(found, nodes), len(found) - 1)
+        return np.where(found[place] == nodes, share[place], 1.0)
+
+    def for_scalars(self) -> Mirror:
+        """Return a mirror at the same planes, which keeps shares of its own."""
+        return Mirror(self._planes, self._grid)
+
     def reflect_entries(self, node: Array, normal: Array) -> tuple[Array, Array, Array, Array]:
         """Add the twins of held nodes beyond the planes, so that ghosts follow their images.
 

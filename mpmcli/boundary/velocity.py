@@ -42,23 +42,31 @@ class Velocity(ConditionModel):
             return None
         return plane.index, int(plane.side_on(grid) == "upper")
 
-    def holder(self, grid: Nodes, surface_nodes: SurfaceNodes | None) -> VelocityHolder:
+    def holder(self, grid: Nodes, surface_nodes: SurfaceNodes | None) -> PlaceHolder:
         """The condition on a grid."""
-        return VelocityHolder(self, grid, surface_nodes)
+        direction = unit_vector(self.direction, len(grid.shape))
+        return PlaceHolder(self.on, self.value, direction, grid, surface_nodes)
 
 
-class VelocityHolder:
-    """A velocity condition on a grid."""
+class PlaceHolder:
+    """A condition that holds the nodes of a place at a value, on a grid."""
 
-    def __init__(self, condition: Velocity, grid: Nodes, surface_nodes: SurfaceNodes | None):
-        self._place = condition.on
+    def __init__(
+        self,
+        place: Place,
+        value: Expression,
+        direction: Array,
+        grid: Nodes,
+        surface_nodes: SurfaceNodes | None,
+    ):
+        self._place = place
         self._grid = grid
         self._surface_nodes = surface_nodes
-        self._value: Any = condition.value
+        self._value: Any = value
         self._seen = np.empty(0, dtype=np.int64)
         self._changes = 0
-        self.direction = unit_vector(condition.direction, len(grid.shape))
-        self.varies = "t" in condition.value.variables
+        self.direction = direction
+        self.varies = "t" in value.variables
 
     def renew(self, active: Array) -> None:
         """Take over the active nodes."""
@@ -82,7 +90,7 @@ class VelocityHolder:
         return self._active[self._place.holds(self._grid, self._active)]
 
     def values(self, time: float, coordinates: Array) -> Array | float:
-        """Velocity along ``direction`` at the nodes."""
+        """Values at the nodes."""
         return evaluate(self._value, coordinates, time)
 
 

@@ -166,6 +166,7 @@ class Grid:
         self.stride = tuple(int(np.prod(self.shape[:a])) for a in range(self.dimensions))
         d = self.dimensions
         self.fields = fields
+        self.by_field = True
         self.sides = sides
         self.dof_count = sides * fields * self.node_count
         self.mp = np.zeros((self.dof_count, 1 + d))
@@ -267,3 +268,52 @@ class Grid:
             steps = (np.arange(cells + 1) + self.pad) * stride
             index = (steps[:, None] + index[None, :]).ravel()
         return index
+
+
+class SharedNodes:
+    """The nodes of a grid in use, for quantities of which a node has one value for all velocity fields.
+
+    Parameters
+    ----------
+    grid : the grid, whose degrees of freedom are the nodes of each field
+
+    Attributes
+    ----------
+    count : number of nodes
+    by_field : False
+    """
+
+    by_field = False
+
+    def __init__(self, grid: Grid):
+        self._grid = grid
+        self._version = -1
+        self.count = grid.node_count
+        self._active = self._chunks = np.zeros(0, dtype=np.int64)
+
+    @property
+    def active(self) -> np.ndarray:
+        """Nodes that particles may touch (n,), in ascending order."""
+        self._renew()
+        return self._active
+
+    @property
+    def active_chunks(self) -> np.ndarray:
+        """First member of each chunk of them, and the end (see ``core.chunks``)."""
+        self._renew()
+        return self._chunks
+
+    @property
+    def active_version(self) -> int:
+        """Changes whenever ``active`` does."""
+        return self._grid.active_version
+
+    def _renew(self) -> None:
+        grid = self._grid
+        if grid.active_version == self._version:
+            return
+        self._version = grid.active_version
+        self._active, self._chunks = grid.active, grid.active_chunks
+        if grid.fields > 1:
+            self._active = np.unique(grid.node_of(grid.active))
+            self._chunks = chunks_of_nodes(self._active, grid.shape[0] if grid.dimensions > 1 else 1)

@@ -38,6 +38,7 @@ class Particles:
         [temperature]
     heat_inflow, entropy : (N,) or None; heat that a particle has received by conduction, from loads, conditions and
         friction, and what its entropy has grown by; only with conduction [energy], [energy/temperature]
+    heat_flux : (d, N) or None; flux of heat −κ∇T [power/area]
     bond : (N,) or None; 1 while contact nearby still adheres, else 0; only with adhesive contact [-]
     """
 
@@ -62,6 +63,7 @@ class Particles:
     T_carried: Array | None = None
     heat_inflow: Array | None = None
     entropy: Array | None = None
+    heat_flux: Array | None = None
     bond: Array | None = None
 
     @property

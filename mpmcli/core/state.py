@@ -72,6 +72,7 @@ class State:
     material_models : the scene's material models in the same order (``density``, ``history``, …)
     work : accumulated energies by name (``external_work``, ``boundary_work``, ``damping_work``; per radian inside)
     reactions : force of each boundary condition on the bodies in the last step, by name, (d,)
+    powers : power of each condition and load of heat into the bodies in the last heat step, by name [power]
     strain_energy_density : function giving the stored energy per initial volume, (N,)
     grid : the grid, or None before the first step
     contact : contact, or None if the scene has none
@@ -95,6 +96,7 @@ class State:
     full_ring: float = 1.0
     work: dict[str, float] = field(default_factory=dict)
     reactions: dict[str, np.ndarray] = field(default_factory=dict)
+    powers: dict[str, float] = field(default_factory=dict)
     grid: GridView | None = None
     contact: ContactView | None = None
     X0: np.ndarray | None = None
@@ -117,5 +119,5 @@ class State:
             getattr(self, group).update({name: v if v.ndim else float(v) for name, v in kept.items()})
 
 
-SUMS = ("work", "extra", "reactions")
+SUMS = ("work", "extra", "reactions", "powers")
 """Numbers and vectors by name that the state adds up or shows."""

@@ -11,6 +11,7 @@ from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output import (  # noqa: F401  (they fill the registry)
     contact_quantities,
     global_quantities,
+    heat_quantities,
     particle_quantities,
 )
 from mpmcli.output.quantities import QUANTITIES, Context, Quantity
@@ -19,7 +20,7 @@ from mpmcli.output.snapshot import Snapshot
 DEFAULT = "default"
 """The word for "the columns that this scene has by itself" in a list of columns."""
 
-NAMED = ("reaction", "pair", "field")
+NAMED = ("reaction", "heat", "pair", "field")
 """Places whose quantities are computed by name."""
 PLACES = ("global", "material", "body", *NAMED)
 """Places whose quantities are columns."""
@@ -98,6 +99,7 @@ def _columns_of(quantity: Quantity, context: Context) -> list[Column]:
 EXTRA = {
     "deleted_particles": "number of particles that have left the grid (domain.on_exit: delete)",
     "deleted_mass": "their mass",
+    "deleted_heat": "the heat_inflow that they took with them",
     "mean_order": "mean over all steps of the order that the transfer reached, 1 in steps of FLIP (transfers with "
     "dynamic, every_courant or every_steps)",
 }
@@ -111,6 +113,8 @@ def extra_quantities() -> list[Quantity]:
 
 def _extra(name: str) -> Quantity:
     dimension = next((d for d in ("mass", "energy", "time") if name.endswith(d)), "1")
+    if name.endswith("heat"):
+        dimension = "energy"
     return Quantity(
         name,
         name,

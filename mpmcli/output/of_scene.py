@@ -21,7 +21,13 @@ DELETED = ("deleted_particles", "deleted_mass")
 def _extra_columns(scene: Any) -> tuple[str, ...]:
     transfer = scene.method.transfer
     chooses = any(getattr(transfer, key, None) for key in ("dynamic", "every_courant", "every_steps"))
-    return DELETED * (scene.domain.on_exit == "delete") + ("mean_order",) * chooses
+    deleted = (*DELETED, "deleted_heat") if scene.heat is not None else DELETED
+    return deleted * (scene.domain.on_exit == "delete") + ("mean_order",) * chooses
+
+
+def _sources_of_heat(scene: Any) -> list[str]:
+    """Names of what may heat bodies from outside."""
+    return [each.name for each in (*scene.conditions_on("temperature"), *scene.loads_on("temperature"))]
 
 
 def context_of(scene: Any, state: State | None = None) -> Context:
@@ -32,10 +38,10 @@ def context_of(scene: Any, state: State | None = None) -> Context:
     contact = _contact_of(scene, rigid_materials)
     work = {
         "damping_work": damping.particle > 0.0 or damping.grid > 0.0,
-        "boundary_work": bool(scene.boundary)
+        "boundary_work": bool(scene.conditions_on("velocity"))
         or scene.domain.on_exit != "error"
         or bool(contact.get("rigid_fields")),
-        "external_work": bool(scene.loads),
+        "external_work": bool(scene.loads_on("velocity")),
         "contact_work": bool(contact),
     }
     names = [name for name, used in work.items() if used]
@@ -44,7 +50,9 @@ def context_of(scene: Any, state: State | None = None) -> Context:
         bodies=tuple(state.bodies if state else (body.name for body in scene.bodies)),
         materials=tuple(state.materials if state else scene.materials),
         history=tuple(dict.fromkeys(name for model in models for name in model.history)),
-        reactions=tuple(dict.fromkeys(condition.name for condition in scene.boundary)),
+        reactions=tuple(dict.fromkeys(condition.name for condition in scene.conditions_on("velocity"))),
+        heated_by=tuple(dict.fromkeys(_sources_of_heat(scene))),
+        has_heat=scene.heat is not None,
         work=tuple(names),
         has_viscosity=scene.method.artificial_viscosity is not None,
         extra=tuple(state.extra) if state else _extra_columns(scene),

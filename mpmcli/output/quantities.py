@@ -24,6 +24,7 @@ class Context:
     """What a scene has, as far as it decides which quantities exist.
 
     ``reactions`` are names of boundary conditions; ``work`` names the energies that the solver accumulates;
+    ``heated_by`` are names of conditions and loads of heat;
     ``history`` the history variables of all materials; ``extra`` further columns by name. ``velocity_fields`` are
     several only where there is contact, ``pairs`` (``"left|right"``) those of them that can meet;
     ``has_normals``: contact knows directions and areas; ``creates_momentum``: it may violate the balance of momentum.
@@ -34,6 +35,8 @@ class Context:
     materials: tuple[str, ...]
     history: tuple[str, ...] = ()
     reactions: tuple[str, ...] = ()
+    heated_by: tuple[str, ...] = ()
+    has_heat: bool = False
     work: tuple[str, ...] = ()
     has_viscosity: bool = False
     extra: tuple[str, ...] = ()
@@ -66,6 +69,7 @@ class Context:
             "body": self.bodies,
             "material": self.materials,
             "reaction": self.reactions,
+            "heat": self.heated_by,
             "pair": self.pairs,
             "field": self.velocity_fields,
         }.get(where, ())
@@ -80,7 +84,7 @@ class Quantity:
     name, symbol, description : word of the tables, mathematical symbol, one line for the documentation
     dimension : physical dimension (``"energy"``, ``"pressure"``, ``"1"``, …), which the scene's units label
     rank : ``scalar``, ``vector``, ``tensor`` (symmetric) or ``gradient`` (nine components)
-    where : ``particle``, ``global``, ``body``, ``material``, ``reaction``, ``pair`` or ``field`` (of velocity)
+    where : ``particle``, ``global``, ``body``, ``material``, ``reaction``, ``heat`` (its sources), ``pair`` or ``field`` (of velocity)
     compute : function of a ``Snapshot``. Particles give (N,) or (rows, N); globals a number or (rows,);
         bodies and materials (groups,) or (rows, groups); the others a dict from name to a number or (rows,)
     exists, is_default : functions of a ``Context``: whether the scene has it, and has it without being asked

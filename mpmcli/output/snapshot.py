@@ -49,6 +49,18 @@ class Snapshot:
         return self.particles.X - self.state.X0[:, self.particles.id]
 
     @cached_property
+    def temperature(self) -> Array:
+        """Temperature per particle, shape (N,) [temperature]."""
+        T = self.particles.T
+        return self.history("temperature") if T is None else T
+
+    @cached_property
+    def heat_capacity(self) -> Array:
+        """Heat capacity per particle, of the full ring, 0 in rigid bodies, shape (N,) [energy/temperature]."""
+        c = [getattr(model, "heat_capacity", None) or 0.0 for model in self.state.material_models]
+        return self.mass * np.array(c)[self.particles.material]
+
+    @cached_property
     def J(self) -> Array:
         """Relative volume det F, shape (N,) [-]."""
         return self.particles.determinant()

@@ -220,6 +220,14 @@ class Scene(Model):
         """Number of axes of the analysis."""
         return ANALYSES[self.analysis.kind]().dimensions
 
+    def conditions_on(self, quantity: str) -> list[Any]:
+        """Return the boundary conditions that act on ``velocity`` or ``temperature``."""
+        return [condition for condition in self.boundary if condition.acts_on == quantity]
+
+    def loads_on(self, quantity: str) -> list[Any]:
+        """Return the loads that act on ``velocity`` or ``temperature``."""
+        return [load for load in self.loads if load.acts_on == quantity]
+
     @property
     def is_adiabatic(self) -> bool:
         """Whether work of the stress heats the materials."""

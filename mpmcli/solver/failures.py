@@ -68,6 +68,11 @@ class Failures:
             what = "the stress is not finite"
         raise SimulationError(f"{what}; {self.describe(particle)}. {self._advice()}")
 
+    def refuse_temperature(self, particle: int) -> None:
+        """Raise SimulationError for a particle whose temperature is impossible."""
+        T = float(np.asarray(self._particles.T)[particle])
+        raise SimulationError(f"the temperature became {T:.4g}; {self.describe(particle)}")
+
     def refuse_leap(self, cells: float) -> None:
         """Raise SimulationError if a particle has just moved by more than a cell along an axis."""
         if 1.0 < cells < np.inf:

@@ -20,6 +20,7 @@ from mpmcli.solver.failures import Failures
 from mpmcli.solver.plan import StepArrays
 from mpmcli.solver.stress import StressUpdate
 from mpmcli.solver.transfer import Transfer
+from mpmcli.transport.conduction import Conduction
 
 Array = np.ndarray
 
@@ -50,6 +51,7 @@ class Parts:
     averaging: VolumeAveraging | None
     rigid: RigidBodies | None
     contact: NodalContact | None
+    heat: Conduction | None
     parallel: bool
     reached_order: int
 
@@ -60,7 +62,12 @@ class Parts:
             | self.arrays.nodal()
             | self.velocity.nodal_arrays()
         )
-        parts = {"contact": self.contact, "loads": self.loads, "averaging": self.averaging}
+        parts = {
+            "contact": self.contact,
+            "heat": self.heat,
+            "loads": self.loads,
+            "averaging": self.averaging,
+        }
         for name, part in parts.items():
             if part is not None:
                 found |= {f"{name}.{key}": array for key, array in part.nodal_arrays().items()}

@@ -22,6 +22,7 @@ from mpmcli.core.variants import (
 )
 from mpmcli.scene.archive import shows
 from mpmcli.scene.fields import velocity_fields
+from mpmcli.scene.heat import Heat
 from mpmcli.shapes import SHAPES, ShapeEntry
 
 Array = np.ndarray
@@ -46,6 +47,7 @@ class Plan:
     viscosity : (linear, quadratic) coefficients of artificial viscosity, or None
     adiabatic : work heats the materials
     has_conditions, has_loads : the scene has some
+    heat : what the scene chooses about conduction, or None
     fields : names of the velocity fields
     field_of_body : field of each body
     rigid_fields : for each field, whether it belongs to a rigid body
@@ -73,6 +75,7 @@ class Plan:
     adiabatic: bool
     has_conditions: bool
     has_loads: bool
+    heat: Heat | None
     fields: list[str]
     field_of_body: list[int]
     rigid_fields: tuple[bool, ...]
@@ -169,8 +172,9 @@ def make_plan(scene: Any) -> Plan:
         grid_damping=float(method.damping.grid),
         viscosity=None if viscosity is None else (float(viscosity.linear), float(viscosity.quadratic)),
         adiabatic=scene.is_adiabatic,
-        has_conditions=bool(scene.boundary) or axis_condition,
-        has_loads=bool(scene.loads),
+        has_conditions=bool(scene.conditions_on("velocity")) or axis_condition,
+        has_loads=bool(scene.loads_on("velocity")),
+        heat=scene.heat,
         fields=fields,
         field_of_body=field_of_body,
         rigid_fields=tuple(rigid_fields),
@@ -217,7 +221,7 @@ def make_velocity(plan: Plan, grid: Grid, particles: Particles) -> NodalField:
     p = particles
     v, gradient = np.zeros(grid.f.shape), (lambda: p.L) if plan.velocity_gradient else None
     velocity = NodalField(
-        "velocity", (0.0,) * grid.dimensions, lambda: p.mass, lambda: p.V, grid.mp, grid.f, v, gradient
+        "velocity", (0.0,) * grid.dimensions, grid, lambda: p.mass, lambda: p.V, grid.mp, grid.f, v, gradient
     )
     if plan.has_full_mass_loop or plan.method.projects:
         velocity.allocate_loop(is_dynamic=plan.dynamic is not None)

@@ -17,6 +17,7 @@ from mpmcli.geometry.fill import fill_bodies
 from mpmcli.geometry.report import body_report, report_table
 from mpmcli.scene.fields import law_table
 from mpmcli.scene.filling import check_memory, find_masses, ghost_layers, section_of, start_velocity
+from mpmcli.solver.heat import allocate_particles
 from mpmcli.solver.plan import Plan
 
 Array = np.ndarray
@@ -68,7 +69,21 @@ def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[
     _set_initial_fields(scene, particles, models)
     if plan.velocity_gradient:
         _set_initial_gradients(scene, particles)
+    if plan.heat is not None:
+        particles.T = initial_temperatures(scene, particles)
+        allocate_particles(scene, particles)
     return particles, filled
+
+
+def initial_temperatures(scene: Any, particles: Particles) -> Array:
+    """Return the temperatures at the start (N,), of the bodies or, where they give none, of their materials."""
+    T = np.zeros(particles.count)
+    for i, body in enumerate(scene.bodies):
+        mine = np.flatnonzero(particles.body == i)
+        T[mine] = getattr(scene.materials[body.material], "T0", 300.0)
+        if body.temperature is not None:
+            T[mine] = body.temperature(**dict(zip("xyz", particles.X[:, mine], strict=False)))
+    return T
 
 
 def report_of_bodies(scene: Any, plan: Plan, filled: list[BodyParticles]) -> str:

@@ -29,6 +29,7 @@ from mpmcli.solver.clock import TaskClock
 from mpmcli.solver.courant import TimeStep
 from mpmcli.solver.damping import Damping
 from mpmcli.solver.failures import Failures
+from mpmcli.solver.heat import make_conduction
 from mpmcli.solver.grid_view import show_on_grid, view_of_grid
 from mpmcli.solver.parts import Parts
 from mpmcli.solver.period import Period
@@ -102,7 +103,7 @@ class Simulation(Parts):
         )
         state.strain_energy_density = self.stress.energy_density
         self.exits = Exits(
-            scene.domain.on_exit, held_sides(scene.boundary, grid), grid, particles, state, self.failures.describe,
+            scene.domain.on_exit, held_sides(scene.conditions_on("velocity"), grid), grid, particles, state, self.failures.describe,
             self.remove_particles,
         )  # fmt: skip
         self.transfer = Transfer(
@@ -126,7 +127,7 @@ class Simulation(Parts):
         self.averaging = None
         if plan.averages_volume:
             self.averaging = VolumeAveraging(plan.analysis, grid, particles, self.transfer, images)
-        self.rigid = self.loads = self.contact = None
+        self.rigid = self.loads = self.contact = self.heat = None
         if state.rigid:
             self.rigid = RigidBodies(
                 scene.bodies, state.rigid, plan.fields, plan.field_of_body, self.order, mirror
@@ -143,6 +144,8 @@ class Simulation(Parts):
                 show_on_grid(state.grid, grid, self.contact.nodal_fields())
         corrections = (images, self.conditions, self.contact)
         self.velocity.corrections = [part for part in corrections if part is not None]
+        if plan.heat is not None:
+            self.heat = make_conduction(scene, self, mirror)
 
     def make_tasks(self) -> None:
         """List the tasks of a step, for every plan that steps may have."""
@@ -226,7 +229,7 @@ class Simulation(Parts):
 
     def _memories(self) -> dict[str, Any]:
         """What remembers something from step to step, by the names of the checkpoint."""
-        parts = ("time_step", "period", "contact")
+        parts = ("time_step", "period", "contact", "heat")
         return {
             "state": self.state,
             "speed": continuation.Speeds(self, self.stress),
@@ -262,8 +265,10 @@ class Simulation(Parts):
 
     def _make_state(self, scene: Any) -> State:
         plan, work, extra = self.plan, {}, {}
-        if scene.boundary:
+        if scene.conditions_on("velocity"):
             work["boundary_work"] = 0.0
+        if plan.heat is not None:
+            work |= {"boundary_heat": 0.0, "source_heat": 0.0, "largest_heat": 0.0}
         if plan.has_loads:
             work["external_work"] = 0.0
         if plan.is_periodic or plan.dynamic is not None:
@@ -292,14 +297,18 @@ class Simulation(Parts):
     def _make_conditions(self, scene: Any) -> GridConditions | None:
         if not self.plan.has_conditions:
             return None
-        conditions = VelocityConditions(scene.boundary, self.grid, self.plan.analysis, self._surface_nodes)
-        self._may_wait = {condition.name for condition in scene.boundary if condition.may_wait(self.grid)}
+        conditions = VelocityConditions(
+            scene.conditions_on("velocity"), self.grid, self.plan.analysis, self._surface_nodes
+        )
+        self._may_wait = {
+            condition.name for condition in scene.conditions_on("velocity") if condition.may_wait(self.grid)
+        }
         return GridConditions(conditions, self.grid, self.plan.rigid_fields)
 
     def _make_loads(self, scene: Any, has_mirror: bool) -> Loads:
         rigid = self.rigid
         return Loads(
-            scene.loads,
+            scene.loads_on("velocity"),
             particles=self.particles,
             grid=self.grid,
             order=self.order,

@@ -12,6 +12,7 @@ from mpmcli.core.transfer import nodes
 from mpmcli.core.transfer.full_mass import add_filtered_values, add_full_mass_increments
 from mpmcli.solver.parts import Parts
 from mpmcli.solver.plan import Plan
+from mpmcli.transport.conduction import Conduction
 
 
 @dataclass
@@ -40,21 +41,25 @@ class Task:
 def tasks_of(plan: Plan, s: Parts) -> list[Task]:
     """Return the tasks of a step with this plan, in order; nothing else says what a step does."""
     do = _Tasks(s)
-    conditions, loads, contact = s.conditions, s.loads, s.contact
+    conditions, loads, contact, heat = s.conditions, s.loads, s.contact, s.heat
     first, last, again = plan.update.first > 0.0, plan.update.last > 0.0, plan.update.again
     tasks = [
         Task("1", "extrapolate mass and momentum", do.extrapolate),
+        heat and Task("1.h", "extrapolate temperatures", heat.extrapolate),
         loads and Task("1", "loads on nodes", loads.collect),
         conditions and Task("1", "held nodes", conditions.select),
         contact and Task("1.a", do.first_contact, contact.after_extrapolation),
         first and Task("1.b", f"velocities before the forces{do.loop_in_words(plan)}", do.find_strain_velocities),
         first and Task("1.d", "strain and stress before the forces", do.update_first_stress, True),
         Task("2", "forces" + " of stresses and loads" * (loads is not None), do.find_forces),
+        heat and Task("2.h", "heat conduction" + " and its loads" * (heat.sources is not None), heat.conduct),
         Task("3", "update momenta", do.update_momenta),
         conditions and plan.imposes_lumped and Task("2.a", "reactions of conditions", conditions.impose_on_momenta),
         contact and Task("3.a", do.second_contact, contact.after_update),
         Task("3.b", f"velocities{do.loop_in_words(plan)}", do.find_velocities),
+        heat and Task("3.h", f"temperatures{do.loop_of_heat(heat)}", heat.update),
         do.accounts and Task("3", f"work of {listing(do.accounts)}", do.account, True),
+        heat and Task("4.h", "temperatures of particles", heat.give_to_particles, True),
         Task("4", "move particles" + " and rigid bodies" * (s.rigid is not None), do.move_particles, True),
         again and Task("4.a", "extrapolate momenta again", do.extrapolate_again),
         again and contact and Task("4.b", "contact on momenta extrapolated again", contact.after_new_extrapolation),
@@ -111,6 +116,13 @@ class _Tasks:
             aware = ", with contact corrections" * plan.corrects_filter
             return f", XPIC filter with {in_words(plan.order - 1)}{aware}"
         return ""
+
+    def loop_of_heat(self, heat: Conduction) -> str:
+        """What makes nodal temperatures of heat, besides division by capacity."""
+        passes = heat.choices.order - 1
+        if not passes:
+            return ""
+        return f", {'FMPM' if heat.choices.replaces else 'full-capacity'} loop with {in_words(passes)}"
 
     def extrapolate(self, step: Step) -> None:
         """Task 1, and task 2's internal forces if the stress is final already."""

@@ -112,7 +112,7 @@ class Transfer:
         for field in self.fields:  # nodes that fall out of use stay empty
             for array in (field.mp, field.f):
                 if array is not None:
-                    clear_nodes[self.parallel](self.grid.active, array)
+                    clear_nodes[self.parallel](field.nodes.active, array)
         self.order.sort(self.parallel)
         if self.sights is not None:
             self.grid.add_sides(self.sights.nodes())
@@ -152,20 +152,25 @@ class Transfer:
             self._domain_F = np.empty_like(F)
         turn_domains[self.parallel](F, self.particles.body, self.turns, self._domain_F)
 
-    def operator(self, ranges: Array) -> tuple[Any, ...]:
-        """What makes S and G: the arguments that all transfer kernels share, for bands or chunks of particles."""
+    def operator(self, ranges: Array, by_field: bool = True) -> tuple[Any, ...]:
+        """What makes S and G: the arguments that all transfer kernels share, for bands or chunks of particles.
+
+        ``by_field``: nodes have values for each velocity field.
+        """
         p = self.particles
-        field = p.velocity_field if self.grid.fields > 1 else None
+        field = p.velocity_field if by_field and self.grid.fields > 1 else None
         where = (p.X, self._domain_F, p.size, field, self.cut)
         return self.analysis, self.shape.parameters, self.geometry, self.across, ranges, self.stencil, *where
 
-    def scatter(self, task: NamedTuple, zero: Any = None, shape: NamedTuple | None = None) -> None:
+    def scatter(
+        self, task: NamedTuple, zero: Any = None, shape: NamedTuple | None = None, by_field: bool = True
+    ) -> None:
         """Particles to grid: run a task of ``core.transfer.kernels`` over all particles.
 
         ``zero`` has as many zeros as the carried quantity has components, unless it is a vector. ``shape`` takes the
-        place of the scene's shape function.
+        place of the scene's shape function. ``by_field``: nodes have values for each velocity field.
         """
-        analysis, own_shape, *rest = self.operator(self.order.bands)
+        analysis, own_shape, *rest = self.operator(self.order.bands, by_field)
         zero = self.zero if zero is None else zero
         kernels.scatter[self.parallel](task, zero, analysis, own_shape if shape is None else shape, *rest)
 
@@ -190,16 +195,16 @@ class Transfer:
         ``replaces_values``: particles take on nodal values in this step. Widens the stencil where a particle has
         stretched over more nodes than it spans.
         """
-        p, f = self.particles, field.f
+        p, f, by_field = self.particles, field.f, field.nodes.by_field
         while True:
-            clear_nodes[self.parallel](self.grid.active, field.mp)
+            clear_nodes[self.parallel](field.nodes.active, field.mp)
             M, V, flat = field.capacity(), field.carried(), field.mp.reshape(-1)
             if with_forces:
                 clear_nodes[self.parallel](self.grid.active, f)
             if not with_forces and field.gradient is not None:
                 self.scatter(AffineMassAndMomentum(M, V, field.gradient(), flat), field.zero)
             elif not with_forces:
-                self.scatter(MassAndMomentum(M, V, flat), field.zero)
+                self.scatter(MassAndMomentum(M, V, flat), field.zero, by_field=by_field)
             elif field.gradient is not None:
                 self.scatter(AffineStateAndForces(M, V, field.gradient(), p.vol0, p.tau, flat, f.reshape(-1)))
             else:
@@ -255,7 +260,8 @@ class Transfer:
             self.scatter(AffineProjection(M, v.reshape(-1), self._passing, out.reshape(-1)), field.zero)
         else:
             task = Projection(M, v.reshape(-1), out.reshape(-1))
-            self.scatter(task, field.zero, self._stored_weights(first) if self._stores else None)
+            weights = self._stored_weights(first) if self._stores else None
+            self.scatter(task, field.zero, weights, field.nodes.by_field)
         field.complete(out, weight)
 
     def velocity_gradients(self, v: Array) -> None:

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from mpmcli.core.grid import Grid
 from mpmcli.core.step import Step
 from mpmcli.core.transfer import nodes
 from mpmcli.core.transfer.nodal_field import NodalField
@@ -29,7 +28,6 @@ class OrderRule(NamedTuple):
 class Passes(Protocol):
     """What the loop needs to know of the transfer between particles and grid."""
 
-    grid: Any
     parallel: bool
 
     def project(self, field: NodalField, v: Array, out: Array, weight: float, first: bool) -> None:
@@ -44,7 +42,7 @@ def add_full_mass_increments(
     ``counts_reactions`` adds the impulse of the conditions on each increment to their reactions. Returns the order
     that it reached.
     """
-    active, parallel = transfer.grid.active, transfer.parallel
+    active, parallel = field.nodes.active, transfer.parallel
     nodes.start_increments[parallel](active, field.v, field.dv, field.out)
     order = 1
     while order < rule.largest:
@@ -53,15 +51,15 @@ def add_full_mass_increments(
         nodes.next_increment[parallel](active, field.mp, field.out, rule.scale(order), field.dv)
         field.correct(step, counts_reactions)  # (1), (2)
         nodes.add_increment[parallel](active, field.dv, field.v)
-        if rule.dynamic is not None and has_converged(field, transfer.grid, parallel, *rule.dynamic):  # (3)
+        if rule.dynamic is not None and has_converged(field, parallel, *rule.dynamic):  # (3)
             break
     return order
 
 
-def has_converged(field: NodalField, grid: Grid, parallel: bool, metric: str, tolerance: float) -> bool:
+def has_converged(field: NodalField, parallel: bool, metric: str, tolerance: float) -> bool:
     """Whether the last increment is small by the metric (Nairn 2026, section 3.4), all degrees of freedom together."""
     sums = field.sums
-    active, chunks = grid.active, grid.active_chunks
+    active, chunks = field.nodes.active, field.nodes.active_chunks
     nodes.sum_magnitudes[parallel](active, chunks, field.mp, field.dv, field.v, sums)
     change, size, _, count = sums.sum(axis=0)
     if metric == "means":
@@ -80,7 +78,7 @@ def add_filtered_values(
     corrected then (Nairn et al. 2020, Eq. 37), by u ← v⁰ + (I − S⁺S) u, which begins with u = v. ``p_start`` (dofs, c)
     are the extensive values of the start of the step; ``start`` (dofs, c), unless None, becomes v⁺ − a Δt.
     """
-    active, parallel = transfer.grid.active, transfer.parallel
+    active, parallel = field.nodes.active, transfer.parallel
     u, out = field.dv, field.out
     nodes.start_projection[parallel](active, field.mp, p_start, u, out)
     for correction in field.corrections:

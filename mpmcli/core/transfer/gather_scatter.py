@@ -56,6 +56,16 @@ def gather_gradient(weights: Any, analysis: Any, zero: Any, base: Any, offsets: 
     """
 
 
+@generic(over=2)
+def gather_slope(weights: Any, analysis: Any, base: Any, offsets: Any, across: Any, v: Any) -> Any:
+    """Gradient Σ_i v_i ∇S_i of a scalar ``v`` (n,), a tuple of d numbers."""
+
+
+@generic(over=2)
+def scatter_flux(weights: Any, analysis: Any, base: Any, offsets: Any, across: Any, h: Any, f: Any) -> Any:
+    """Add what a vector ``h`` (a tuple of d numbers) gives to a scalar: f_i += h·∇S_i."""
+
+
 @generic
 def scatter_gradient(analysis: Any, weights: Any, grid: Any, corner: Any, base: Any, offsets: Any, across: Any, M: Any, L: Any, X: Any, p: Any, lead: Any, f: Any) -> Any:  # noqa: E501
     """Add what a velocity gradient, column p of L, gives to the nodes: f_i += S_i M L·(x_i − X).

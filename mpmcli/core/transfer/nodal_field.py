@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -39,6 +39,16 @@ class Correction:
         """Take what was added at the start of the step out of the extensive values ``p`` (dofs, c)."""
 
 
+class ActiveNodes(Protocol):
+    """The nodes, or degrees of freedom, that a field has values at."""
+
+    active: Array
+    active_chunks: Array
+    active_version: int
+    by_field: bool
+    """Whether each velocity field has values of its own."""
+
+
 @dataclass
 class NodalField:
     """A quantity that particles carry to the grid and back, with c components.
@@ -47,6 +57,7 @@ class NodalField:
     ----------
     name : of the quantity, for people
     zero : c zeros, a tuple from whose type compiled code knows c
+    nodes : what knows the nodes in use (``active``, ``active_chunks``): the grid, or ``SharedNodes``
     capacity : gives the capacity of each particle, (N,): for velocities the mass
     carried : gives the values that particles carry, (c, N)
     gradient : gives the gradients of these values, (c·d …, N), where extrapolated values carry them; else None
@@ -60,6 +71,7 @@ class NodalField:
 
     name: str
     zero: tuple[float, ...]
+    nodes: ActiveNodes
     capacity: Callable[[], Array]
     carried: Callable[[], Array]
     mp: Array

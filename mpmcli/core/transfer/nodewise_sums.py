@@ -18,9 +18,11 @@ from mpmcli.core.transfer.gather_scatter import (
     for_each,
     gather_gradient,
     gather_gradient_around_axis,
+    gather_slope,
     gather_vector,
     nodes_of,
     put_rows,
+    scatter_flux,
     scatter_momentum,
     scatter_stress,
     scatter_stress_around_axis,
@@ -157,3 +159,54 @@ def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
     put_rows(each(by_y), L, 1, 3, p)
     put_rows(each(by_z), L, 2, 3, p)
     return each(Sv), each(Sv if w is None else Sw)
+
+
+@of_table(gather_slope, *LINE)
+def _(weights, analysis, base, offsets, across, v):
+    x = 0.0
+    for j in range(nodes_of(analysis, across)):
+        x += weights.G[j] * v[base + offsets[j]]
+    return (x,)
+
+
+@of_table(gather_slope, *PLANE, Axisymmetric)
+def _(weights, analysis, base, offsets, across, v):
+    G, m = weights.G, nodes_of(analysis, across)
+    x, y = 0.0, 0.0
+    for j in range(m):
+        u = v[base + offsets[j]]
+        x += G[j] * u
+        y += G[m + j] * u
+    return x, y
+
+
+@of_table(gather_slope, Solid)
+def _(weights, analysis, base, offsets, across, v):
+    G, m = weights.G, nodes_of(analysis, across)
+    x, y, z = 0.0, 0.0, 0.0
+    for j in range(m):
+        u = v[base + offsets[j]]
+        x += G[j] * u
+        y += G[m + j] * u
+        z += G[m + m + j] * u
+    return x, y, z
+
+
+@of_table(scatter_flux, *LINE)
+def _(weights, analysis, base, offsets, across, h, f):
+    for j in range(nodes_of(analysis, across)):
+        f[base + offsets[j]] += h[0] * weights.G[j]
+
+
+@of_table(scatter_flux, *PLANE, Axisymmetric)
+def _(weights, analysis, base, offsets, across, h, f):
+    G, m = weights.G, nodes_of(analysis, across)
+    for j in range(m):
+        f[base + offsets[j]] += h[0] * G[j] + h[1] * G[m + j]
+
+
+@of_table(scatter_flux, Solid)
+def _(weights, analysis, base, offsets, across, h, f):
+    G, m = weights.G, nodes_of(analysis, across)
+    for j in range(m):
+        f[base + offsets[j]] += h[0] * G[j] + h[1] * G[m + j] + h[2] * G[m + m + j]

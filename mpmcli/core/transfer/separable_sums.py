@@ -18,9 +18,11 @@ from mpmcli.core.transfer.gather_scatter import (
     for_each,
     gather_gradient,
     gather_gradient_around_axis,
+    gather_slope,
     gather_vector,
     put_rows,
     rows_of,
+    scatter_flux,
     scatter_momentum,
     scatter_stress,
     scatter_stress_around_axis,
@@ -182,3 +184,71 @@ def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
     put_rows(each(by_y), L, 1, 3, p)
     put_rows(each(by_z), L, 2, 3, p)
     return each(Sv), each(Sv if w is None else Sw)
+
+
+@of_rows(gather_slope, *LINE)
+def _(weights, analysis, base, offsets, across, v):
+    x = 0.0
+    for a in range(np.uint64(len(across))):
+        x += weights.slopes[a] * v[base + a]
+    return (x,)
+
+
+@of_rows(gather_slope, *PLANE, Axisymmetric)
+def _(weights, analysis, base, offsets, across, v):
+    w = np.uint64(len(across))
+    x, y = 0.0, 0.0
+    for r in range(w):
+        first = base + offsets[r * w]
+        along, slope = 0.0, 0.0
+        for a in range(w):
+            along += weights.x[a] * v[first + a]
+            slope += weights.slopes[a] * v[first + a]
+        x += weights.values[r] * slope
+        y += weights.gradients[r] * along
+    return x, y
+
+
+@of_rows(gather_slope, Solid)
+def _(weights, analysis, base, offsets, across, v):
+    w = np.uint64(len(across))
+    R = w * w
+    x, y, z = 0.0, 0.0, 0.0
+    for r in range(R):
+        first = base + offsets[r * w]
+        along, slope = 0.0, 0.0
+        for a in range(w):
+            along += weights.x[a] * v[first + a]
+            slope += weights.slopes[a] * v[first + a]
+        x += weights.values[r] * slope
+        y += weights.gradients[r] * along
+        z += weights.gradients[R + r] * along
+    return x, y, z
+
+
+@of_rows(scatter_flux, *LINE)
+def _(weights, analysis, base, offsets, across, h, f):
+    for a in range(np.uint64(len(across))):
+        f[base + a] += h[0] * weights.slopes[a]
+
+
+@of_rows(scatter_flux, *PLANE, Axisymmetric)
+def _(weights, analysis, base, offsets, across, h, f):
+    w = np.uint64(len(across))
+    for r in range(w):
+        first = base + offsets[r * w]
+        by_slope, by_value = weights.values[r] * h[0], weights.gradients[r] * h[1]
+        for a in range(w):
+            f[first + a] += weights.slopes[a] * by_slope + weights.x[a] * by_value
+
+
+@of_rows(scatter_flux, Solid)
+def _(weights, analysis, base, offsets, across, h, f):
+    w = np.uint64(len(across))
+    R = w * w
+    for r in range(R):
+        first = base + offsets[r * w]
+        by_slope = weights.values[r] * h[0]
+        by_value = weights.gradients[r] * h[1] + weights.gradients[R + r] * h[2]
+        for a in range(w):
+            f[first + a] += weights.slopes[a] * by_slope + weights.x[a] * by_value

@@ -31,6 +31,7 @@ class Scalar:
         self.field = NodalField(
             "scalar",
             (0.0,),
+            s.grid,
             self.capacity,
             self.carried,
             np.zeros((n, 2)),

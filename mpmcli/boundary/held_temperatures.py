@@ -1,0 +1,131 @@
+"""Temperatures held at grid nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from mpmcli.boundary.base import Array, ConditionModel, Holder
+from mpmcli.boundary.mirror import Mirror
+from mpmcli.core.errors import SimulationError
+from mpmcli.core.step import Step
+from mpmcli.core.transfer.nodal_field import Correction, NodalField
+
+CONTRADICTION = 1e-9
+"""Relative difference between two values at a node that is no round-off."""
+
+
+class HeldTemperatures(Correction):
+    """The conditions of a scene that hold temperatures of nodes.
+
+    Parameters
+    ----------
+    conditions : models of the scene that act on temperature, those on faces of bodies left out
+    grid : the grid
+    field : the nodal field that they act on
+    mirror : the symmetry planes as the field knows them, or None
+
+    Attributes
+    ----------
+    names : names of the conditions
+    largest : largest temperature that is held
+    heat : (conditions,) heat that each has given to the bodies in the step [energy]
+    """
+
+    def __init__(
+        self, conditions: Sequence[ConditionModel], grid: Any, field: NodalField, mirror: Mirror | None
+    ):
+        self.names = [condition.name for condition in conditions]
+        self._grid, self._field, self._mirror = grid, field, mirror
+        self._holders: list[Holder] = [condition.holder(grid, None) for condition in conditions]
+        self._version = -1
+        self._node = self._owner = self._origin = np.zeros(0, dtype=np.int64)
+        self._value = np.zeros(0)
+        self.heat = np.zeros(len(conditions))
+        self.largest = 0.0
+
+    def select(self, time: float) -> None:
+        """Choose held nodes, their values at ``time``, and begin the step's account; call after capacities are known."""
+        self.heat[:] = 0.0
+        version = self._field.nodes.active_version
+        if version != self._version:
+            self._version = version
+            self._find_nodes(time)
+        found = [
+            np.broadcast_to(holder.values(time, points), points.shape[1:])
+            for holder, points in zip(self._holders, self._points, strict=True)
+        ]
+        for name, values in zip(self.names, found, strict=True):
+            if not np.isfinite(values).all():
+                raise SimulationError(
+                    f"boundary condition '{name}': its temperature is not finite at time {time:g}"
+                )
+        self._value = np.concatenate(found)[self._origin]
+        self.largest = float(self._value.max(initial=0.0))
+        capacity = self._field.mp[self._node, 0]
+        self._check(time, capacity)
+        self._share = capacity if self._mirror is None else capacity * self._mirror.share_of(self._node)
+
+    def _find_nodes(self, time: float) -> None:
+        active = self._field.nodes.active
+        found = []
+        for holder in self._holders:
+            holder.renew(active)
+            nodes = holder.nodes(time)
+            found.append(nodes if self._mirror is None else nodes[~self._mirror.beyond(nodes)])
+        self._points = [self._grid.coordinates(nodes) for nodes in found]
+        node = np.concatenate(found)
+        owner = np.repeat(np.arange(len(found)), [len(nodes) for nodes in found])
+        origin = np.arange(len(node))
+        if self._mirror is not None:
+            node, _, origin, _ = self._mirror.reflect_entries(
+                node, np.zeros((len(node), len(self._grid.shape)))
+            )
+        # where several conditions hold a node, the first one accounts for it
+        self._all_nodes, self._all_owners, self._all_origins = node, owner[origin], origin
+        _, first = np.unique(node, return_index=True)
+        self._node, self._owner, self._origin = node[first], owner[origin][first], origin[first]
+        self._meet = len(first) < len(node)
+
+    def _check(self, time: float, capacity: Array) -> None:
+        """Raise SimulationError where two conditions want different temperatures of a node with capacity."""
+        if not self._meet:
+            return
+        place = np.searchsorted(self._node, self._all_nodes)
+        values = [
+            np.broadcast_to(holder.values(time, points), points.shape[1:])
+            for holder, points in zip(self._holders, self._points, strict=True)
+        ]
+        wanted = np.concatenate(values)[self._all_origins]
+        held = self._value[place]
+        clash = (np.abs(wanted - held) > CONTRADICTION * np.abs(held)) & (capacity[place] > 0.0)
+        if clash.any():
+            k = int(np.flatnonzero(clash)[0])
+            names = [self.names[self._owner[place[k]]], self.names[self._all_owners[k]]]
+            at = ", ".join(f"{x:g}" for x in self._grid.coordinates(self._all_nodes[k : k + 1])[:, 0])
+            raise SimulationError(
+                f"boundary conditions '{names[0]}' and '{names[1]}' contradict each other at time {time:g}: the grid "
+                f"node at ({at}) would have the temperatures {held[k]:g} and {wanted[k]:g}"
+            )
+
+    def impose(self, theta: Array, counts: bool) -> None:
+        """Give held nodes their value; the heat that this takes counts unless it is only for gradients."""
+        if counts:
+            self._count(self._value - theta[self._node, 0])
+        theta[self._node, 0] = self._value
+
+    def correct(self, step: Step, dv: Array, counts_reactions: bool) -> None:
+        """Take held nodes out of an increment of the full-mass loop."""
+        if counts_reactions:
+            self._count(-dv[self._node, 0])
+        dv[self._node, 0] = 0.0
+
+    def _count(self, change: Array) -> None:
+        self.heat += np.bincount(self._owner, self._share * change, minlength=len(self.heat))
+
+    def idle(self) -> list[str]:
+        """Names of conditions that hold no node with capacity in this step."""
+        held = np.bincount(self._owner, self._share > 0.0, minlength=len(self.names))
+        return [name for name, count in zip(self.names, held, strict=True) if count == 0]

@@ -1,0 +1,39 @@
+"""Temperature given at nodes, or on a face of a body."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+
+from mpmcli.boundary.base import CONDITIONS, ConditionModel, Nodes, SurfaceNodes
+from mpmcli.boundary.place import Place
+from mpmcli.boundary.velocity import PlaceHolder, check_variables
+from mpmcli.core.expressions import Expression
+from mpmcli.core.model import Varying
+
+
+@CONDITIONS.register
+class Temperature(ConditionModel):
+    """Holds the temperature of grid nodes, or of a face of a body."""
+
+    acts_on: ClassVar[str] = "temperature"
+
+    kind: Literal["temperature"]
+    """Kind of condition."""
+    on: Place
+    """Where: nodes on a plane and beyond it, in a box or region, or a face of a body, wherever that is."""
+    value: Annotated[Expression, Varying("temperature")]
+    """Temperature, a number or an expression of x, y, z (of the node or face) and t."""
+
+    def problems(self, dimensions: int) -> list[tuple[str, str]]:
+        """What does not fit an analysis with so many axes."""
+        return self.on.problems(dimensions) + check_variables("value", self.value, dimensions)
+
+    def bodies(self) -> list[tuple[str, str]]:
+        """The body whose face is held, if any."""
+        return [] if self.on.body is None else [("on.body", self.on.body)]
+
+    def holder(self, grid: Nodes, surface_nodes: SurfaceNodes | None) -> PlaceHolder:
+        """The condition on a grid."""
+        return PlaceHolder(self.on, self.value, np.ones(1), grid, surface_nodes)

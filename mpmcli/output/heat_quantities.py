@@ -1,0 +1,188 @@
+"""Quantities of heat, in scenes that conduct it; of the full ring where axisymmetric."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from mpmcli.output.quantities import QUANTITIES, Context, Quantity
+from mpmcli.output.snapshot import Snapshot
+
+
+def _with_heat(context: Context) -> bool:
+    return context.has_heat
+
+
+def _inflow(s: Snapshot) -> float:
+    return s.total(np.asarray(s.particles.heat_inflow)) * s.full_ring  # type: ignore[no-any-return]
+
+
+def _entropy(s: Snapshot) -> float:
+    return s.total(np.asarray(s.particles.entropy)) * s.full_ring  # type: ignore[no-any-return]
+
+
+def _part(name: str) -> Callable[[Snapshot], float]:
+    return lambda s: s.state.work.get(name, 0.0) * s.full_ring
+
+
+def _heat_error(s: Snapshot) -> float:
+    parts = sum(_part(name)(s) for name in ("boundary_heat", "friction_heat", "source_heat"))
+    left = s.state.extra.get("deleted_heat", 0.0)
+    largest = s.state.work.get("largest_heat", 0.0) * s.full_ring
+    return (_inflow(s) + left - parts) / largest if largest > 0.0 else 0.0
+
+
+def _thermal_energy(s: Snapshot) -> float:
+    T0 = np.array([getattr(model, "T0", 0.0) for model in s.state.material_models])
+    return s.total(s.heat_capacity * (s.temperature - T0[s.particles.material]))  # type: ignore[no-any-return]
+
+
+def _internal_energy(s: Snapshot) -> float:
+    return s.total(s.particles.stress_work + np.asarray(s.particles.heat_inflow)) * s.full_ring  # type: ignore[no-any-return]
+
+
+def _helmholtz_energy(s: Snapshot) -> float:
+    p = s.particles
+    free = p.stress_work + np.asarray(p.heat_inflow) - s.temperature * np.asarray(p.entropy)
+    return s.total(free) * s.full_ring  # type: ignore[no-any-return]
+
+
+def _extreme(choose: Callable[[Any], Any]) -> Callable[[Snapshot], float]:
+    def extreme(s: Snapshot) -> float:
+        T = s.of_matter(s.temperature)
+        return float(choose(T)) if T.size else float("nan")
+
+    return extreme
+
+
+def _mean_over(owner: str) -> Callable[[Snapshot], np.ndarray]:
+    return lambda s: s.mean_over(owner, s.temperature[None], s.heat_capacity)[0]
+
+
+def _powers(s: Snapshot) -> dict[str, float]:
+    return {name: power * s.full_ring for name, power in s.state.powers.items()}
+
+
+def _global(
+    name: str, symbol: str, dimension: str, compute: Callable[[Snapshot], Any], text: str
+) -> Quantity:
+    return Quantity(
+        name,
+        symbol,
+        dimension,
+        "scalar",
+        "global",
+        compute,
+        text,
+        exists=_with_heat,
+        is_default=_with_heat,
+    )
+
+
+def _deformable(kind: str) -> Callable[[Context], tuple[str, ...]]:
+    def owners(context: Context) -> tuple[str, ...]:
+        every, rigid = (
+            (context.bodies, context.rigid_bodies)
+            if kind == "body"
+            else (context.materials, context.rigid_materials)
+        )
+        return tuple(name for name in every if name not in rigid)
+
+    return owners
+
+
+def _of_particle(
+    name: str,
+    symbol: str,
+    dimension: str,
+    compute: Callable[[Snapshot], Any],
+    text: str,
+    rank: str = "scalar",
+) -> Quantity:
+    return Quantity(name, symbol, dimension, rank, "particle", compute, text, exists=_with_heat)
+
+
+QUANTITIES.add(
+    _global(
+        "heat_inflow",
+        "Q",
+        "energy",
+        _inflow,
+        "heat that the bodies have received: boundary_heat + friction_heat + source_heat − deleted_heat",
+    ),
+    _global(
+        "boundary_heat", "Q_b", "energy", _part("boundary_heat"), "heat from conditions, films and fluxes"
+    ),
+    _global("source_heat", "Q_s", "energy", _part("source_heat"), "heat from sources inside bodies"),
+    _global("thermal_energy", "ΣC(T−T0)", "energy", _thermal_energy, "heat capacity times (T − T0)"),
+    _global("internal_energy", "U", "energy", _internal_energy, "stress_work + heat_inflow"),
+    _global(
+        "entropy",
+        "S",
+        "entropy",
+        _entropy,
+        "entropy that conduction and dissipation have given, 0 at the start",
+    ),
+    _global(
+        "helmholtz_energy",
+        "A",
+        "energy",
+        _helmholtz_energy,
+        "free energy Σ (u − T s) of the particles, 0 at the start; a process that heats does not return to 0",
+    ),
+    _global(
+        "heat_error",
+        "e_Q",
+        "1",
+        _heat_error,
+        "heat_inflow − its parts, over the largest Σ |heat| of the particles so far",
+    ),
+    _global(
+        "temperature_min", "T_min", "temperature", _extreme(np.min), "smallest temperature of a particle"
+    ),
+    _global("temperature_max", "T_max", "temperature", _extreme(np.max), "largest temperature of a particle"),
+    *(
+        Quantity(
+            "temperature",
+            "T",
+            "temperature",
+            "scalar",
+            owner,
+            _mean_over(owner),
+            f"temperature of a {owner}, mean by heat capacity",
+            exists=_with_heat,
+            owners=_deformable(owner),
+        )
+        for owner in ("material", "body")
+    ),
+    Quantity(
+        "heat",
+        "P",
+        "power",
+        "scalar",
+        "heat",
+        _powers,
+        "power of a condition or load of heat into the bodies in the last step that conducted heat",
+        exists=_with_heat,
+    ),
+    _of_particle("temperature", "T", "temperature", lambda s: s.temperature, "temperature"),
+    _of_particle(
+        "heat_inflow",
+        "Q",
+        "energy",
+        lambda s: np.asarray(s.particles.heat_inflow) * s.full_ring,
+        "heat that a particle has received",
+    ),
+    _of_particle(
+        "entropy",
+        "S",
+        "entropy",
+        lambda s: np.asarray(s.particles.entropy) * s.full_ring,
+        "entropy that a particle has received, 0 at the start",
+    ),
+    _of_particle(
+        "heat_flux", "h", "heat_flux", lambda s: s.particles.heat_flux, "flux of heat −κ∇T", rank="vector"
+    ),
+)

@@ -1,0 +1,1 @@
+"""Quantities that are conducted through bodies; temperature is the first."""

@@ -1,0 +1,281 @@
+"""Conduction of a quantity that particles carry, as a part of the time step; of heat, the temperature."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from mpmcli.core.chunks import CHUNKS
+from mpmcli.core.order import CellOrder
+from mpmcli.core.particles import Particles
+from mpmcli.core.state import State
+from mpmcli.core.step import Step
+from mpmcli.core.transfer.full_mass import OrderRule, add_full_mass_increments
+from mpmcli.core.transfer.nodal_field import NodalField
+from mpmcli.core.transfer.nodes import clear_nodes
+from mpmcli.transport import kernels
+from mpmcli.transport.kernels import AnisotropicConduction, IsotropicConduction
+
+Array = np.ndarray
+
+
+MOST_GROWTH = 2.0
+"""By what factor the largest value of all particles may grow in a step."""
+
+
+class Held(Protocol):
+    """What holds nodal values."""
+
+    names: Sequence[str]
+    heat: Array
+    largest: float
+    """Largest value that it holds."""
+
+    def select(self, time: float) -> None:
+        """Choose held nodes and values."""
+
+    def impose(self, theta: Array, counts: bool) -> None:
+        """Give held nodes their value."""
+
+
+class Sources(Protocol):
+    """What puts power into nodes: loads, films, faces."""
+
+    def add_to(self, step: Step, theta: Array, q: Array) -> None:
+        """Add powers to ``q`` (n, 1); ``theta`` (n, 1) nodal values of the start of the step, without conditions."""
+
+    powers: Mapping[str, float]
+    """Power into the bodies in the last step, by name [power]."""
+    source_power: float
+    """The part of it that arises inside bodies [power]."""
+    largest: float
+    """Largest value that it leads to by itself, such as that of surroundings."""
+
+
+@dataclass
+class Choices:
+    """What the scene chooses about conduction.
+
+    Attributes
+    ----------
+    replaces : particles take on nodal values (FMPM), and not their change (FLIP)
+    order : k of FMPM(k), or of the full capacity matrix of FLIP
+    every : FMPM acts on every so many conduction steps, FLIP between; None: on all
+    interval : conduction acts on every so many steps
+    capacity : (materials,) capacity per mass [energy/mass/temperature]
+    conductivity : (materials,) or, where bodies are anisotropic, (materials, 3)
+    """
+
+    replaces: bool
+    order: int
+    every: int | None
+    interval: int
+    capacity: Array
+    conductivity: Array
+
+    @property
+    def carries(self) -> bool:
+        """Particles carry a value of their own beside the one that is seen."""
+        return not self.replaces or self.every is not None
+
+
+class Conduction:
+    """One conducted quantity.
+
+    Parameters
+    ----------
+    choices : of the scene
+    nodal : the field that carries it: capacity and content, powers, values
+    particles, order : whose values they are, and the order in which they are in memory
+    transfer : moves values between particles and grid
+    state : receives accounts: ``work`` of ``boundary_heat`` and ``source_heat``, and ``powers`` by name
+    parallel : run the parallel version of every kernel
+    refuse : raises SimulationError for a particle (its place in memory) whose value is impossible
+
+    Attributes
+    ----------
+    held, sources : holds nodal values, gives power; None where the scene has none
+    elapsed, waited : time since conduction acted last, and number of steps
+    acts : conduction acts in this step
+    """
+
+    def __init__(
+        self,
+        choices: Choices,
+        nodal: NodalField,
+        particles: Particles,
+        order: CellOrder,
+        transfer: Any,
+        state: State,
+        parallel: bool,
+        refuse: Callable[[int], None],
+    ):
+        self.choices, self.nodal = choices, nodal
+        self.particles, self._order, self._transfer = particles, order, transfer
+        self._state, self._parallel, self._refuse = state, parallel, refuse
+        self.held: Held | None = None
+        self.sources: Sources | None = None
+        self.elapsed, self.waited, self.acted = 0.0, 0, 0
+        self.acts = False
+        self._turnover, self._largest = np.zeros(CHUNKS), np.zeros(CHUNKS)
+        self._bad = np.full(CHUNKS, -1, dtype=np.int64)
+        self._capacity_version = (-1, -1)
+        self._C = np.zeros(0)
+        self._change = nodal.f if choices.carries else None
+        if choices.order > 1:
+            nodal.allocate_loop(is_dynamic=False)
+
+    # ------------------------------------------------------------------ tasks
+
+    def extrapolate(self, step: Step) -> None:
+        """Task 1.h: capacity and content of the nodes; whether conduction acts in this step."""
+        self.elapsed += step.dt
+        self.waited += 1
+        self.acts = self.waited >= self.choices.interval
+        if self.acts:
+            self._find_values(step.time)
+
+    def conduct(self, step: Step) -> None:
+        """Task 2.h: powers q of conduction and of loads, from values that conditions hold."""
+        if not self.acts:
+            return
+        nodal, theta = self.nodal, self.nodal.v
+        clear_nodes[self._parallel](nodal.nodes.active, nodal.f)
+        if self.sources is not None:
+            self.sources.add_to(step, theta, nodal.f)
+        if self.held is not None:
+            self.held.impose(theta, counts=False)
+        self._scatter_conduction()
+        nodal.complete(nodal.f)
+
+    def update(self, step: Step) -> None:
+        """Task 3.h: nodal values θ⁺(k) and, for FLIP, their change."""
+        if not self.acts:
+            return
+        nodal, active = self.nodal, self.nodal.nodes.active
+        theta, change = nodal.v, nodal.f
+        kernels.update_values[self._parallel](active, nodal.mp, nodal.f, self.elapsed, theta)
+        if self.held is not None:
+            self.held.impose(theta, counts=True)
+        is_flip = self._is_flip
+        if not is_flip:
+            self._add_increments(step)
+        elif self.choices.order > 1 and not self.choices.replaces:
+            kernels.find_changes[self._parallel](active, nodal.mp, theta, theta)
+            self._add_increments(step)
+            kernels.apply_changes[self._parallel](active, nodal.mp, theta, change)
+        else:
+            kernels.find_changes[self._parallel](active, nodal.mp, theta, change)
+
+    def give_to_particles(self, step: Step) -> None:
+        """Task 4.h: values of the particles, and what they received."""
+        if not self.acts:
+            return
+        p = self.particles
+        change = self.nodal.f.reshape(-1) if self._is_flip else None
+        kernels.give_particles[self._parallel](
+            *self._operator(), self.nodal.v.reshape(-1), change, self._C, p.T, p.T_carried, p.heat_inflow, p.entropy,
+            self._limit(), self._turnover, self._largest, self._bad,
+        )  # fmt: skip
+        bad = int(self._bad.max())
+        if bad >= 0:
+            self._refuse(bad)
+        self._account()
+        self.elapsed, self.waited = 0.0, 0
+        self.acted += 1
+
+    def begin(self) -> None:
+        """Before the first step: the seen values are those that the nodes give back."""
+        p = self.particles
+        if p.T_carried is None:
+            return
+        self._find_values(0.0)
+        nodal = self.nodal
+        kernels.give_particles[self._parallel](
+            *self._operator(), nodal.v.reshape(-1), np.zeros(nodal.v.shape[0]), self._C, p.T, p.T_carried,
+            np.zeros(p.count), np.zeros(p.count), np.inf,
+            self._turnover, self._largest, self._bad,
+        )  # fmt: skip
+
+    def nodal_arrays(self) -> dict[str, Array]:
+        """Return every array over the nodes by name."""
+        nodal = self.nodal
+        return {"mp": nodal.mp, "f": nodal.f, "v": nodal.v} | nodal.nodal_arrays()
+
+    # ------------------------------------------------------------------ what is remembered
+
+    def memory(self) -> dict[str, Any]:
+        """Return what a checkpoint keeps of it."""
+        return {"elapsed": self.elapsed, "waited": np.int64(self.waited), "acted": np.int64(self.acted)}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Take it back."""
+        self.elapsed, self.waited = float(memory["elapsed"]), int(memory["waited"])
+        self.acted = int(memory["acted"])
+
+    def capacity(self) -> Array:
+        """Return the capacity of each particle (N,) [energy/temperature]."""
+        version = (self._order.version, self.particles.count)
+        if version != self._capacity_version:
+            self._capacity_version = version
+            self._C = self.particles.mass * self.choices.capacity[self.particles.material]
+        return self._C
+
+    # ------------------------------------------------------------------ details
+
+    @property
+    def _is_flip(self) -> bool:
+        choices = self.choices
+        if not choices.replaces:
+            return True
+        return choices.every is not None and (self.acted + 1) % choices.every != 0
+
+    def _limit(self) -> float:
+        """A value that no particle can have after a step: twice the largest before it, conditions included."""
+        largest = float(self._largest.max())
+        if largest == 0.0:
+            largest = float(np.asarray(self.particles.T).max())
+        for each in (self.held, self.sources):
+            if each is not None:
+                largest = max(largest, each.largest)
+        return MOST_GROWTH * largest
+
+    def _operator(self) -> tuple[Any, ...]:
+        return self._transfer.operator(self._order.chunks, self.nodal.nodes.by_field)  # type: ignore[no-any-return]
+
+    def _find_values(self, time: float) -> None:
+        nodal = self.nodal
+        self._transfer.extrapolate(nodal)
+        kernels.find_values[self._parallel](nodal.nodes.active, nodal.mp, nodal.v)
+        if self.held is not None:
+            self.held.select(time)
+
+    def _scatter_conduction(self) -> None:
+        p, k = self.particles, self.choices.conductivity
+        task = IsotropicConduction if k.ndim == 1 else AnisotropicConduction
+        self._transfer.scatter(
+            task(k, p.material, p.vol0, p.F, self.nodal.v.reshape(-1), self.nodal.f.reshape(-1), p.heat_flux),
+            self.nodal.zero,
+            by_field=self.nodal.nodes.by_field,
+        )
+
+    def _add_increments(self, step: Step) -> None:
+        rule = OrderRule(self.choices.order, lambda order: 1.0, None)
+        if self.choices.order > 1:
+            add_full_mass_increments(self.nodal, self._transfer, step, rule, counts_reactions=True)
+
+    def _account(self) -> None:
+        dt, work, powers = self.elapsed, self._state.work, self._state.powers
+        work["largest_heat"] = max(work.get("largest_heat", 0.0), float(self._turnover.sum()))
+        if self.held is not None:
+            powers |= {
+                name: float(heat) / dt for name, heat in zip(self.held.names, self.held.heat, strict=True)
+            }
+            work["boundary_heat"] += float(self.held.heat.sum())
+        if self.sources is not None:
+            powers |= self.sources.powers
+            work["source_heat"] += self.sources.source_power * dt
+            work["boundary_heat"] += (sum(self.sources.powers.values()) - self.sources.source_power) * dt

@@ -1,0 +1,231 @@
+"""Kernels of a conducted quantity; ``C`` is its capacity, ``T`` its value (of heat the temperature)."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mpmcli.core.analysis import Axisymmetric, PlaneStrain, PlaneStress, Solid, UniaxialStrain, UniaxialStress
+from mpmcli.core.chunks import chunk_of_round
+from mpmcli.core.compiled.compiler import compiled_too
+from mpmcli.core.compiled.dispatch import generic
+from mpmcli.core.compiled.kernel import kernel, prange
+from mpmcli.core.compiled.registers import each, pack
+from mpmcli.core.grid import unfold
+from mpmcli.core.particles import determinant_of_particle
+from mpmcli.core.tensors import eigen_symmetric, left_cauchy_green
+from mpmcli.core.transfer.cut import is_cut
+from mpmcli.core.transfer.gather_scatter import gather_slope, gather_vector, put_rows, scatter_flux
+from mpmcli.core.transfer.kernels import gradients_for, scatter_particle
+from mpmcli.core.transfer.stencil import Table, weigh_gathers
+
+Array = np.ndarray
+
+ZERO, ONE = np.uint64(0), np.uint64(1)
+
+
+class IsotropicConduction(NamedTuple):
+    """Powers q = −Gᵀ κ Ω G θ of conduction, with Ω = J V⁰ the current volume.
+
+    conductivity : (materials,) κ
+    material, vol0 : (N,); F : (nF, N)
+    theta : (n,) nodal values
+    q : (n,) power into the nodes
+    flux : (d, N) flux −κ∇θ of each particle, or None
+    """
+
+    conductivity: Array
+    material: Array
+    vol0: Array
+    F: Array
+    theta: Array
+    q: Array
+    flux: Any
+
+
+class AnisotropicConduction(NamedTuple):
+    """The same with principal values ``conductivity`` (materials, 3) along axes that turn with the particle."""
+
+    conductivity: Array
+    material: Array
+    vol0: Array
+    F: Array
+    theta: Array
+    q: Array
+    flux: Any
+
+
+@gradients_for.register(IsotropicConduction)
+@gradients_for.register(AnisotropicConduction)
+def _(task, G):
+    return G
+
+
+@compiled_too
+def conduct(analysis, weights, base, offsets, across, h, F, vol0, q, flux, p):
+    """Scatter the flux ``h`` (a tuple of d numbers) through particle ``p``, and keep it in ``flux`` unless None."""
+    if flux is not None:
+        put_rows(h, flux, 0, 1, p)
+    volume = determinant_of_particle(F, p) * vol0[p]
+    scatter_flux(weights, analysis, base, offsets, across, each(volume * pack(h)), q)
+
+
+@scatter_particle.register(IsotropicConduction)
+def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
+    slope = gather_slope(weights, analysis, base, offsets, across, task.theta)
+    k = task.conductivity[task.material[p]]
+    h = each(-k * pack(slope))
+    conduct(analysis, weights, base, offsets, across, h, task.F, task.vol0, task.q, task.flux, p)
+
+
+@scatter_particle.register(AnisotropicConduction)
+def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
+    slope = gather_slope(weights, analysis, base, offsets, across, task.theta)
+    m = task.material[p]
+    k = (task.conductivity[m, 0], task.conductivity[m, 1], task.conductivity[m, 2])
+    h = turned_flux(analysis, k, task.F, slope, p)
+    conduct(analysis, weights, base, offsets, across, h, task.F, task.vol0, task.q, task.flux, p)
+
+
+@generic
+def turned_flux(analysis: Any, k: Any, F: Any, slope: Any, p: Any) -> Any:
+    """−R diag(k) Rᵀ·slope with the rotation R of the deformation gradient of particle ``p``."""
+
+
+@turned_flux.register(UniaxialStrain)
+@turned_flux.register(UniaxialStress)
+def _(analysis, k, F, slope, p):
+    return (-k[0] * slope[0],)
+
+
+@turned_flux.register(PlaneStrain)
+@turned_flux.register(PlaneStress)
+@turned_flux.register(Axisymmetric)
+def _(analysis, k, F, slope, p):
+    cosine, sine = F[0, p] + F[3, p], F[2, p] - F[1, p]
+    size = math.sqrt(cosine * cosine + sine * sine)
+    cosine, sine = cosine / size, sine / size
+    x = -k[0] * (cosine * slope[0] + sine * slope[1])
+    y = -k[1] * (cosine * slope[1] - sine * slope[0])
+    return cosine * x - sine * y, sine * x + cosine * y
+
+
+@turned_flux.register(Solid)
+def _(analysis, k, F, slope, p):
+    # Rᵀ = Fᵀ b^(−1/2), with b = F Fᵀ = Σ λ² n n
+    A = (F[0, p], F[1, p], F[2, p], F[3, p], F[4, p], F[5, p], F[6, p], F[7, p], F[8, p])
+    squares, n = eigen_symmetric(left_cauchy_green(A))
+    x, y, z = 0.0, 0.0, 0.0
+    for a in range(3):
+        along = (n[a] * slope[0] + n[3 + a] * slope[1] + n[6 + a] * slope[2]) / math.sqrt(squares[a])
+        x, y, z = x + along * n[a], y + along * n[3 + a], z + along * n[6 + a]
+    first = -k[0] * (A[0] * x + A[3] * y + A[6] * z)
+    second = -k[1] * (A[1] * x + A[4] * y + A[7] * z)
+    third = -k[2] * (A[2] * x + A[5] * y + A[8] * z)
+    x = A[0] * first + A[1] * second + A[2] * third
+    y = A[3] * first + A[4] * second + A[5] * third
+    z = A[6] * first + A[7] * second + A[8] * third
+    u, v, w = 0.0, 0.0, 0.0
+    for a in range(3):
+        along = (n[a] * x + n[3 + a] * y + n[6 + a] * z) / math.sqrt(squares[a])
+        u, v, w = u + along * n[a], v + along * n[3 + a], w + along * n[6 + a]
+    return u, v, w
+
+
+@kernel
+def find_values(active, mp, theta):
+    """Nodal values θ = (C T)/C from capacity and content ``mp`` (n, 2); 0 where there is no capacity."""
+    for j in prange(active.shape[0]):
+        i = np.uint64(active[j])
+        c = mp[i, 0]
+        theta[i, 0] = mp[i, 1] / c if c > 0.0 else 0.0
+
+
+@kernel
+def update_values(active, mp, q, dt, theta):
+    """θ⁺(1) = θ + q Δt/C, from powers ``q`` (n, 1), at all active nodes with capacity."""
+    for j in prange(active.shape[0]):
+        i = np.uint64(active[j])
+        c = mp[i, 0]
+        theta[i, 0] = (mp[i, 1] + q[i, 0] * dt) / c if c > 0.0 else 0.0
+
+
+@kernel
+def find_changes(active, mp, theta, change):
+    """Δθ = θ⁺ − θ, with θ the value of the start of the step; ``change`` (n, 1) may be ``theta``."""
+    for j in prange(active.shape[0]):
+        i = np.uint64(active[j])
+        c = mp[i, 0]
+        change[i, 0] = theta[i, 0] - mp[i, 1] / c if c > 0.0 else 0.0
+
+
+@kernel
+def apply_changes(active, mp, theta, change):
+    """Turn Δθ in ``theta`` (n, 1) into θ + Δθ, and keep Δθ in ``change`` (n, 1)."""
+    for j in prange(active.shape[0]):
+        i = np.uint64(active[j])
+        c = mp[i, 0]
+        change[i, 0] = theta[i, 0]
+        theta[i, 0] += mp[i, 1] / c if c > 0.0 else 0.0
+
+
+@compiled_too
+def give_particle(
+    analysis, weights, base, offsets, across, theta, change, C, T, carried, inflow, entropy, limit, p, found
+):  # fmt: skip
+    """Values of particle ``p``; ``found`` is what ``give_particles`` reports of the particles before: see there."""
+    if C[p] <= 0.0:
+        return found
+    turnover, largest, bad = found
+    old = T[p]
+    (new,) = gather_vector(weights, analysis, (0.0,), base, offsets, across, theta)
+    if change is not None:
+        (step,) = gather_vector(weights, analysis, (0.0,), base, offsets, across, change)
+        carried[p] += step
+    elif carried is not None:
+        carried[p] = new
+    T[p] = new
+    inflow[p] += C[p] * (new - old)
+    if (new > 0.0) & (new <= limit):
+        entropy[p] += C[p] * math.log(new / old)
+    else:
+        bad = np.int64(p)
+    return turnover + abs(inflow[p]), max(largest, new), bad
+
+
+@kernel
+def give_particles(
+    analysis, shape, grid, across, chunks, stencil, X, F, size, field, cut, theta, change, C, T, carried, inflow,
+    entropy, limit, turnover, largest, bad,
+):  # fmt: skip
+    """Values go back to the particles.
+
+    The seen value becomes T = Σ S θ⁺(k). The carried one grows by Σ S Δθ (FLIP, ``change`` (n,)), or is the seen one
+    (``change`` is None). ``inflow`` (N,) grows by C ΔT, ``entropy`` (N,) by C ln(T⁺/T). Particles without capacity
+    ``C`` (N,) are left alone. Per chunk: ``turnover`` Σ |inflow|, ``largest`` the largest T, ``bad`` a particle whose
+    value is negative, not finite or above ``limit``, else −1.
+    """
+    for c in prange(chunks.shape[0] - 1):
+        slot = chunk_of_round(c)
+        geometry = unfold(grid)
+        S, G, W, offsets = stencil.S[slot], stencil.G[slot], stencil.W[slot], stencil.offsets
+        found = (0.0, 0.0, np.int64(-1))
+        for p in range(chunks[slot], chunks[slot + np.uint64(1)]):
+            if is_cut(cut, p):
+                continue
+            base, weights = weigh_gathers(shape, geometry, across, X, F, size, p, S, None, W, stencil.status)
+            if field is not None:
+                base += np.uint64(field[p]) * geometry.field_stride
+            found = give_particle(
+                analysis, weights, base, offsets, across, theta, change, C, T, carried, inflow, entropy, limit, p,
+                found,
+            )  # fmt: skip
+        if cut is not None:
+            for r in range(cut.chunks[slot], cut.chunks[slot + np.uint64(1)]):
+                found = give_particle(
+                    analysis, Table(cut.S[r], None), ZERO, cut.dof[r], across, theta, change, C, T, carried, inflow,
+                    entropy, limit, cut.particle[r], found,
+                )  # fmt: skip
+        turnover[slot], largest[slot], bad[slot] = found
