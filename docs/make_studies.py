@@ -206,8 +206,8 @@ def metrics_of_step(scene: Path, metric: str, time: float) -> list[float]:
     values: list[float] = []
     original = full_mass.has_converged
 
-    def watch(field: NodalField, grid: Any, parallel: bool, metric: str, tolerance: float) -> bool:
-        is_converged = original(field, grid, parallel, metric, tolerance)
+    def watch(field: NodalField, parallel: bool, metric: str, tolerance: float) -> bool:
+        is_converged = original(field, parallel, metric, tolerance)
         sums = field.sums
         total = sums[:, 1].sum() if metric == "means" else sums[:, 3].sum()
         values.append(float(sums[:, 0].sum() / total))

@@ -47,7 +47,7 @@ class HeldTemperatures(Correction):
         self.largest = 0.0
 
     def select(self, time: float) -> None:
-        """Choose held nodes, their values at ``time``, and begin the step's account; call after capacities are known."""
+        """Choose held nodes and their values at ``time``; call after capacities are known."""
         self.heat[:] = 0.0
         version = self._field.nodes.active_version
         if version != self._version:

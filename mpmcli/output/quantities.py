@@ -84,7 +84,8 @@ class Quantity:
     name, symbol, description : word of the tables, mathematical symbol, one line for the documentation
     dimension : physical dimension (``"energy"``, ``"pressure"``, ``"1"``, …), which the scene's units label
     rank : ``scalar``, ``vector``, ``tensor`` (symmetric) or ``gradient`` (nine components)
-    where : ``particle``, ``global``, ``body``, ``material``, ``reaction``, ``heat`` (its sources), ``pair`` or ``field`` (of velocity)
+    where : ``particle``, ``global``, ``body``, ``material``, ``reaction``, ``heat`` (its sources),
+        ``pair`` or ``field`` (of velocity)
     compute : function of a ``Snapshot``. Particles give (N,) or (rows, N); globals a number or (rows,);
         bodies and materials (groups,) or (rows, groups); the others a dict from name to a number or (rows,)
     exists, is_default : functions of a ``Context``: whether the scene has it, and has it without being asked

@@ -80,8 +80,8 @@ def make_conduction(scene: Any, s: Parts, mirror: Mirror | None) -> Conduction:
         nodal.corrections.append(ImagesOfScalars(own, nodal.nodes))
     on_nodes = [condition for condition in scene.conditions_on("temperature") if condition.on.face is None]
     if on_nodes:
-        conduction.held = HeldTemperatures(on_nodes, s.grid, nodal, own)
-        nodal.corrections.append(conduction.held)
+        conduction.held = held = HeldTemperatures(on_nodes, s.grid, nodal, own)
+        nodal.corrections.append(held)
     s.transfer.fields.append(nodal)
     conduction.begin()
     return conduction

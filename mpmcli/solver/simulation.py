@@ -29,8 +29,8 @@ from mpmcli.solver.clock import TaskClock
 from mpmcli.solver.courant import TimeStep
 from mpmcli.solver.damping import Damping
 from mpmcli.solver.failures import Failures
-from mpmcli.solver.heat import make_conduction
 from mpmcli.solver.grid_view import show_on_grid, view_of_grid
+from mpmcli.solver.heat import make_conduction
 from mpmcli.solver.parts import Parts
 from mpmcli.solver.period import Period
 from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan, make_velocity
@@ -103,8 +103,8 @@ class Simulation(Parts):
         )
         state.strain_energy_density = self.stress.energy_density
         self.exits = Exits(
-            scene.domain.on_exit, held_sides(scene.conditions_on("velocity"), grid), grid, particles, state, self.failures.describe,
-            self.remove_particles,
+            scene.domain.on_exit, held_sides(scene.conditions_on("velocity"), grid), grid, particles, state,
+            self.failures.describe, self.remove_particles,
         )  # fmt: skip
         self.transfer = Transfer(
             plan.analysis,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -29,7 +29,7 @@ MOST_GROWTH = 2.0
 class Held(Protocol):
     """What holds nodal values."""
 
-    names: Sequence[str]
+    names: list[str]
     heat: Array
     largest: float
     """Largest value that it holds."""

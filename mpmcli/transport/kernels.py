@@ -210,7 +210,7 @@ def give_particles(
     for c in prange(chunks.shape[0] - 1):
         slot = chunk_of_round(c)
         geometry = unfold(grid)
-        S, G, W, offsets = stencil.S[slot], stencil.G[slot], stencil.W[slot], stencil.offsets
+        S, W, offsets = stencil.S[slot], stencil.W[slot], stencil.offsets
         found = (0.0, 0.0, np.int64(-1))
         for p in range(chunks[slot], chunks[slot + np.uint64(1)]):
             if is_cut(cut, p):

@@ -42,11 +42,21 @@ class Correction:
 class ActiveNodes(Protocol):
     """The nodes, or degrees of freedom, that a field has values at."""
 
-    active: Array
-    active_chunks: Array
-    active_version: int
-    by_field: bool
-    """Whether each velocity field has values of its own."""
+    @property
+    def active(self) -> Array:
+        """Return those that particles may touch (n,), in ascending order."""
+
+    @property
+    def active_chunks(self) -> Array:
+        """Return the first member of each chunk of them, and the end."""
+
+    @property
+    def active_version(self) -> int:
+        """Return what changes whenever ``active`` does."""
+
+    @property
+    def by_field(self) -> bool:
+        """Return whether each velocity field has values of its own."""
 
 
 @dataclass
