@@ -1,5 +1,5 @@
 """What a boundary condition is: a model in words, and a holder that knows the nodes it holds and their
-values.
+values; and what a load is: a model with the methods by which it acts.
 
 A new condition or load is one new file here, registered in ``CONDITIONS`` or ``LOADS``, and a row in the table of
 that registry.
@@ -27,9 +27,10 @@ def _lack_of_condition(model: type[Any]) -> str:
 def _lack_of_load(model: type[Any]) -> str:
     """What a kind of load lacks."""
     if not model.effects():
-        return f"it defines none of {', '.join(EFFECTS)}"
-    if "traction_at" in model.effects() and model.loaded_face is LoadModel.loaded_face:
-        return "it defines 'traction_at' without 'loaded_face'"
+        return f"it defines none of {', '.join(EFFECTS[model.acts_on])}"
+    for effect in model.effects() & FACE_EFFECTS:
+        if model.loaded_face is LoadModel.loaded_face:
+            return f"it defines '{effect}' without 'loaded_face'"
     return ""
 
 
@@ -49,8 +50,12 @@ LOADS = Registry(
     "mpmcli.boundary",
     {
         "body_force": "body_force",
+        "film": "film",
         "gravity": "gravity",
+        "heat_flux": "heat_flux",
+        "heat_source": "heat_source",
         "particle_force": "particle_force",
+        "radiation": "radiation",
         "traction": "traction",
     },
     _lack_of_load,
@@ -133,8 +138,13 @@ class ConditionModel(Model):
         raise TypeError(f"{type(self).__name__} holds nothing")
 
 
-EFFECTS = ("uniform_acceleration", "acceleration_at", "force_at", "traction_at")
-"""Methods by which a load acts; each kind of load defines at least one of them."""
+EFFECTS = {
+    "velocity": ("uniform_acceleration", "acceleration_at", "force_at", "traction_at"),
+    "temperature": ("heat_flux_at", "heat_power_at"),
+}
+"""Methods by which a load acts on a quantity; each kind of load defines at least one of those of its quantity."""
+FACE_EFFECTS = frozenset({"traction_at", "heat_flux_at"})
+"""Those that act on a face of a body."""
 
 
 class LoadModel(Model):
@@ -151,8 +161,14 @@ class LoadModel(Model):
 
     @classmethod
     def effects(cls) -> frozenset[str]:
-        """Return which of ``EFFECTS`` this kind of load has."""
-        return frozenset(name for name in EFFECTS if getattr(cls, name) is not getattr(LoadModel, name))
+        """Return which of the ``EFFECTS`` on its quantity this kind of load has."""
+        possible = EFFECTS[cls.acts_on]
+        return frozenset(name for name in possible if getattr(cls, name) is not getattr(LoadModel, name))
+
+    @property
+    def acts_on_face(self) -> bool:
+        """Whether it acts on a face of a body."""
+        return bool(self.effects() & FACE_EFFECTS)
 
     @property
     def varies(self) -> bool:
@@ -193,6 +209,26 @@ class LoadModel(Model):
         """Return the force per area on ``loaded_face``, at its points (d, n) at the start [pressure]."""
         raise TypeError(f"{type(self).__name__} has no traction")
 
+    def heat_flux_at(self, points: Array, time: float, temperature: Array) -> tuple[Any, Any]:
+        """Return the power per area into ``loaded_face``, and its derivative by the temperature of the surface.
+
+        ``points`` (d, n) are those of the face at the start, ``temperature`` (n,) is that of the surface, half a
+        particle beyond the centres of the particles; both values may be numbers or (n,).
+        """
+        raise TypeError(f"{type(self).__name__} has no heat flux")
+
+    def heat_power_at(self, points: Array, time: float) -> Any:
+        """Return the power in the chosen particles, at their positions (d, n), per what ``power_per`` says."""
+        raise TypeError(f"{type(self).__name__} heats no particles")
+
+    @property
+    def power_per(self) -> str:
+        """What ``heat_power_at`` is per: current ``volume``, ``mass``, or ``total``, shared in proportion to mass.
+
+        In axisymmetric analyses the total is that of the full ring.
+        """
+        return "volume"
+
     def chosen(self, points: Array, is_of: Callable[[str], Array]) -> Array | None:
         """Return which particles it acts on, (N,) bool; None: on all.
 
@@ -201,7 +237,7 @@ class LoadModel(Model):
         return None
 
     def loaded_face(self) -> tuple[str, Any]:
-        """Return the name of the body, and the face (``place.Face``), that ``traction_at`` acts on."""
+        """Return the name of the body, and the face (``place.Face``), that it acts on."""
         raise TypeError(f"{type(self).__name__} loads no face")
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:

@@ -1,4 +1,4 @@
-"""Kernels of tractions: the force on each deformed face, given to the nodes around it."""
+"""Deformed faces of particles: their size and points, and how a force or power goes to the nodes around them."""
 
 from __future__ import annotations
 
@@ -27,17 +27,6 @@ class Faces(NamedTuple):
     """(nf,) initial r of the particle, in axisymmetric analyses [length]."""
     traction: Array
     """(nf, d) traction along the undeformed axes [pressure]."""
-
-
-class Corners(NamedTuple):
-    """What the last ``add_tractions`` put on the grid, point by point of the faces (``Cells.points``^(d−1) each)."""
-
-    base: Array
-    """(nc,) lowest node of the point's stencil, velocity field included."""
-    weight: Array
-    """(nc, w^d) weights of the stencil's nodes, x fastest; their sum is 1."""
-    force: Array
-    """(nc, d) force [force]."""
 
 
 class Cells(NamedTuple):
@@ -156,9 +145,9 @@ def axis_weight(cells: Cells, r: float, reach: float) -> float:
 
 @inline
 def point_weights(
-    cells: Cells, x: Array, reach: Array, first: int, mp: Array, line: Array, weight: Array, q: int
+    cells: Cells, x: Array, reach: Array, first: int, mp: Array, line: Array, weight: Array
 ) -> tuple[int, float]:
-    """Weights of the nodes around ``x`` (d,) into row q of ``weight``, zero at nodes without mass.
+    """Weights of the nodes around ``x`` (d,) into ``weight`` (w^d,), zero at nodes without mass.
 
     ``reach`` (d,) half-sizes over which grid functions are averaged [length]; ``first`` is node 0 of the velocity
     field, ``line`` (w,) work space. Returns the stencil's lowest node (-1 outside the grid) and the sum of the weights.
@@ -167,7 +156,7 @@ def point_weights(
     below = 1.0 if cells.quadratic else 0.0
     count = cells.width ** len(cells.stride)
     for w in range(count):
-        weight[q, w] = 1.0
+        weight[w] = 1.0
     across = 1
     for a in range(len(cells.stride)):
         xi = (x[a] - cells.origin[a]) * cells.inverse_cell[a]
@@ -179,116 +168,74 @@ def point_weights(
         for i in range(cells.width):
             line[i] = axis_weight(cells, xi - low - i, extent)
         for w in range(count):
-            weight[q, w] *= line[(w // across) % cells.width]
+            weight[w] *= line[(w // across) % cells.width]
         across *= cells.width
     total = 0.0
     for w in range(count):
         if mp[stencil_node(cells, base, w), 0] <= 0.0:
-            weight[q, w] = 0.0
-        total += weight[q, w]
+            weight[w] = 0.0
+        total += weight[w]
     return base, total
 
 
 @inline
-def add_tractions(
+def radius_of_face(
+    faces: Faces, cells: Cells, k: int, X: Array, F: Array, p: int, size: Array, x: Array, reach: Array
+) -> float:
+    """Radius of the middle of face k in axisymmetric analyses: now for followers, else at the start."""
+    if faces.follower[k]:
+        place_middle(faces, cells, k, X, F, p, size, x, reach)
+        return max(x[0], 0.0)
+    if faces.axis[k] == 0:
+        return faces.radius[k] + faces.sign[k] * size[0, p]
+    return faces.radius[k]
+
+
+@inline
+def give_to_nodes(
     faces: Faces,
-    corners: Corners,
     cells: Cells,
+    k: int,
     X: Array,
     F: Array,
+    p: int,
     size: Array,
-    field: Array | None,
-    position_of_id: Array,
-    section: float,
-    axisymmetric: bool,
+    first: int,
     mp: Array,
+    area: float,
+    load: Array,
     f: Array,
-) -> int:
-    """Add the forces on all faces to nodal forces, consistently with the particles' shape function.
+    x: Array,
+    reach: Array,
+    line: Array,
+    weight: Array,
+) -> bool:
+    """Give ``area`` times ``load`` (c,) of face k of particle p to the nodes ``f`` (fields·n, c) around its points.
 
-    A face gives its force to the nodes as internal forces take stress from them: at its deformed corners (CPDI),
-    by grid functions averaged along the face (boxes), or at its middle (points), so that uniform stress balances
-    a uniform traction. Nodes without mass are left out and the others take their part, so that the total is
-    exact. Where no node around a point has mass, the nodes around the particle's centre are taken.
-
-    Parameters
-    ----------
-    faces
-        Loaded faces.
-    corners
-        Overwritten with what each point gave.
-    cells
-        The grid.
-    X, F, size
-        (d, N), (nF, N), (d, N): current position, deformation gradient, initial half-sizes.
-    field
-        (N,) velocity fields, or None if there is only one.
-    position_of_id
-        (N,) place in memory of each identity, -1 if the particle is gone.
-    section
-        Thickness, or area in 1D.
-    axisymmetric
-        Whether areas are weighted with r, as volumes are by that of the particle: r of the middle of the deformed
-        face for followers, of the initial one for dead loads.
-    mp
-        (fields·n, 1+d) mass and momentum.
-    f
-        (fields·n, d) nodal forces; added to.
-
-    Returns
-    -------
-    int
-        -1, or the first face that is off the grid (its forces are left out).
+    ``first`` is node 0 of the particle's field; ``x``, ``reach`` (d,), ``line`` (w,) and ``weight`` (w^d,) are work
+    space. Returns False where a point is off the grid.
     """
     d = len(cells.stride)
     shares = cells.points ** (d - 1)
-    force = np.empty(d)
-    x = np.empty(d)
-    reach = np.zeros(d)
-    line = np.empty(cells.width)
-    lost = -1
-    corners.force[:] = 0.0
-    corners.weight[:] = 0.0
-    for k in range(faces.id.shape[0]):
-        p = position_of_id[faces.id[k]]
-        if p < 0:
-            continue
-        first = 0
-        if field is not None:
-            first = field[p] * cells.node_count
-        face_force(faces, cells, k, F, p, size, axisymmetric, force)
-        area = section
-        if axisymmetric:
-            place_middle(faces, cells, k, X, F, p, size, x, reach)
-            initial = faces.radius[k]
-            if faces.axis[k] == 0:
-                initial += faces.sign[k] * size[0, p]
-            area *= max(x[0], 0.0) if faces.follower[k] else initial
-        for point in range(shares):
-            q = k * shares + point
-            place_middle(faces, cells, k, X, F, p, size, x, reach)
-            share = area * move_along_face(faces, cells, k, point, F, p, size, x)
-            base, total = point_weights(cells, x, reach, first, mp, line, corners.weight, q)
-            if base >= 0 and total <= 0.0:
-                for a in range(d):
-                    x[a] = X[a, p]
-                base, total = point_weights(cells, x, reach, first, mp, line, corners.weight, q)
-            if base < 0 or total <= 0.0:
-                corners.weight[q] = 0.0
-                if lost < 0:
-                    lost = k
-                continue
-            corners.base[q] = base
+    is_on_grid = True
+    for point in range(shares):
+        place_middle(faces, cells, k, X, F, p, size, x, reach)
+        share = area * move_along_face(faces, cells, k, point, F, p, size, x)
+        base, total = point_weights(cells, x, reach, first, mp, line, weight)
+        if base >= 0 and total <= 0.0:
             for a in range(d):
-                corners.force[q, a] = share * force[a]
-            for w in range(corners.weight.shape[1]):
-                weight = corners.weight[q, w] / total
-                corners.weight[q, w] = weight
-                if weight != 0.0:
-                    i = stencil_node(cells, base, w)
-                    for a in range(d):
-                        f[i, a] += weight * share * force[a]
-    return lost
+                x[a] = X[a, p]
+            base, total = point_weights(cells, x, reach, first, mp, line, weight)
+        if base < 0 or total <= 0.0:
+            is_on_grid = False
+            continue
+        for w in range(weight.shape[0]):
+            part = weight[w] / total
+            if part != 0.0:
+                i = stencil_node(cells, base, w)
+                for a in range(load.shape[0]):
+                    f[i, a] += part * share * load[a]
+    return is_on_grid
 
 
 @inline

@@ -7,8 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from mpmcli.boundary.base import Array, LoadModel, Nodes
-from mpmcli.boundary.corners import Cells, Corners, Faces, add_tractions
+from mpmcli.boundary.corners import Cells, Faces
+from mpmcli.boundary.face_kernels import add_tractions
 from mpmcli.boundary.particle_loads import finite
+from mpmcli.boundary.place import Face
 from mpmcli.core.analysis import Analysis, Axisymmetric
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.identity import place_of_identity
@@ -37,7 +39,7 @@ class TractionFaces:
 
     Attributes
     ----------
-    faces, corners : the arrays of the kernels
+    faces : the arrays of the kernels
     """
 
     def __init__(
@@ -52,34 +54,16 @@ class TractionFaces:
         domain: str = "corners",
         several_fields: bool = False,
     ):
-        d = analysis.dimensions
         self._loads = [(load, np.asarray(ids, dtype=np.int64)) for load, ids in loads]
         faces = [load.loaded_face()[1] for load, _ in loads]
         self._cells = Cells.of(grid, grid_functions, domain)
         self._several_fields = several_fields
         self._axisymmetric = isinstance(analysis, Axisymmetric)
         self._section = section
-        counts = [ids.shape[0] for _, ids in self._loads]
-        ends = np.cumsum([0, *counts])
-        self._rows = [slice(int(ends[j]), int(ends[j + 1])) for j in range(len(counts))]
-        ids = np.concatenate([np.empty(0, dtype=np.int64), *(ids for _, ids in self._loads)])
-        memory = place_of_identity(particles.id, least=int(ids.max(initial=-1)) + 1)
-        initial = particles.X[:, memory[ids]]
-        self.faces = Faces(
-            id=ids,
-            axis=np.repeat([face.index for face in faces], counts).astype(np.int64),
-            sign=np.repeat([face.sign for face in faces], counts).astype(np.float64),
-            follower=np.repeat([load.follows for load, _ in loads], counts).astype(bool),
-            radius=initial[0].copy(),
-            traction=np.zeros((ids.shape[0], d)),
+        follows = [load.follows for load, _ in loads]
+        self.faces, self._centres, self._rows = list_faces(
+            faces, [ids for _, ids in self._loads], follows, particles
         )
-        self._centres = initial.copy()
-        half = particles.size[:, memory[ids]]
-        for k, (a, sign) in enumerate(zip(self.faces.axis, self.faces.sign, strict=True)):
-            self._centres[a, k] += sign * half[a, k]
-        nc = ids.shape[0] * self._cells.points ** (d - 1)
-        weights = np.zeros((nc, self._cells.width**d))
-        self.corners = Corners(np.zeros(nc, dtype=np.int64), weights, np.zeros((nc, d)))
         self._evaluated = False
         self._varies = any(load.varies for load, _ in loads)
 
@@ -106,7 +90,7 @@ class TractionFaces:
         if not self._evaluated or self._varies:
             self._evaluate(time)
         lost = add_tractions(
-            self.faces, self.corners, self._cells, particles.X, particles.F, particles.size,
+            self.faces, self._cells, particles.X, particles.F, particles.size,
             particles.velocity_field if self._several_fields else None, position_of_id, self._section,
             self._axisymmetric, mp, f,
         )  # fmt: skip
@@ -120,3 +104,44 @@ class TractionFaces:
             for a, value in enumerate(load.traction_at(self._centres[:, rows], time)):
                 self.faces.traction[rows, a] = finite(value, load, time)
         self._evaluated = True
+
+
+def list_faces(
+    places: Sequence[Face], identities: Sequence[Array], follows: Sequence[bool], particles: Particles
+) -> tuple[Faces, Array, list[slice]]:
+    """List the faces of particles that loads act on.
+
+    Parameters
+    ----------
+    places, identities, follows
+        Face of a body, identities (n,) of the particles that have it, and whether loads follow its deformation.
+    particles
+        All particles, at the start of the simulation.
+
+    Returns
+    -------
+    faces
+        One after the other, without traction.
+    centres
+        (d, nf) their centres at the start [length].
+    rows
+        Those of each member of ``places``.
+    """
+    counts = [ids.shape[0] for ids in identities]
+    ends = np.cumsum([0, *counts])
+    rows = [slice(int(ends[j]), int(ends[j + 1])) for j in range(len(counts))]
+    ids = np.concatenate([np.empty(0, dtype=np.int64), *identities])
+    memory = place_of_identity(particles.id, least=int(ids.max(initial=-1)) + 1)
+    initial = particles.X[:, memory[ids]]
+    faces = Faces(
+        id=ids,
+        axis=np.repeat([face.index for face in places], counts).astype(np.int64),
+        sign=np.repeat([face.sign for face in places], counts).astype(np.float64),
+        follower=np.repeat(follows, counts).astype(bool),
+        radius=initial[0].copy(),
+        traction=np.zeros(initial.T.shape),
+    )
+    half = particles.size[:, memory[ids]]
+    each = np.arange(ids.shape[0])
+    initial[faces.axis, each] += faces.sign * half[faces.axis, each]
+    return faces, initial, rows

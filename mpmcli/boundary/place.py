@@ -84,6 +84,15 @@ class Face(Model):
         return 1 if self.side == "upper" else -1
 
 
+class Surface(Model):
+    """A face of a body."""
+
+    body: str
+    """Name of the body."""
+    face: Face
+    """Which of its faces."""
+
+
 def _resolve_region(value: Any, info: ValidationInfo) -> Any:
     """Let the scene's context build the region; without one the value stays as it is (a region object)."""
     region = getattr(info.context, "region", None)

@@ -7,21 +7,12 @@ from typing import Annotated, Any, Literal, cast
 from pydantic import model_validator
 
 from mpmcli.boundary.base import LOADS, Array, LoadModel, Values, check_length
-from mpmcli.boundary.place import Face, check_axis
+from mpmcli.boundary.place import Face, Surface, check_axis
 from mpmcli.boundary.velocity import check_variables, evaluate
 from mpmcli.core.expressions import Expression
-from mpmcli.core.model import Model, Varying
+from mpmcli.core.model import Varying
 
 TractionField = Annotated[Expression, Varying("pressure")]
-
-
-class Surface(Model):
-    """A face of a body."""
-
-    body: str
-    """Name of the body."""
-    face: Face
-    """Which of its faces."""
 
 
 @LOADS.register

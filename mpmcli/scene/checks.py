@@ -54,7 +54,7 @@ def check(parts: Parts, root: Node) -> list[Problem]:
     _check_start(parts, root, report)
     check_times(parts, root, report)
     _check_effects(parts, report)
-    _check_tractions(parts, root, report)
+    _check_faces(parts, root, report)
     return problems
 
 
@@ -291,14 +291,17 @@ def expressions_in(value: Any, path: str) -> Iterator[tuple[str, Expression]]:
             yield from expressions_in(member, f"{path}.{index}")
 
 
-def _check_tractions(parts: Parts, root: Node, report: Report) -> None:
-    """Faces give their force to the nodes as the grid functions ask, which must be known."""
+def _check_faces(parts: Parts, root: Node, report: Report) -> None:
+    """Faces give force and heat to the nodes as the grid functions ask, which must be known."""
     if parts.method is None or SHAPES[parts.method.shape].grid_functions != "other":
         return
+    words = f"need linear or quadratic grid functions; '{parts.method.shape}' has others"
     for index, model in parts.loads:
-        if "traction_at" in model.effects():
-            words = f"tractions need linear or quadratic grid functions; '{parts.method.shape}' has others"
-            report(f"{label(root, 'loads', index)}.kind", words, "shape")
+        if model.acts_on_face:
+            report(f"{label(root, 'loads', index)}.kind", f"loads on faces {words}", "shape")
+    for index, model in parts.boundary:
+        if model.acts_on == "temperature" and getattr(getattr(model, "on", None), "face", None) is not None:
+            report(f"{label(root, 'boundary', index)}.on", f"temperatures of faces {words}", "shape")
 
 
 def _check_effects(parts: Parts, report: Report) -> None:

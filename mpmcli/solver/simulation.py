@@ -102,10 +102,10 @@ class Simulation(Parts):
             plan, particles, materials, J, float(grid.cell.min()), self.parallel, self.failures.refuse_state
         )
         state.strain_energy_density = self.stress.energy_density
+        held = held_sides(scene.conditions_on("velocity"), grid)
         self.exits = Exits(
-            scene.domain.on_exit, held_sides(scene.conditions_on("velocity"), grid), grid, particles, state,
-            self.failures.describe, self.remove_particles,
-        )  # fmt: skip
+            scene.domain.on_exit, held, grid, particles, state, self.failures.describe, self.remove_particles
+        )
         self.transfer = Transfer(
             plan.analysis,
             plan.shape,
@@ -297,12 +297,9 @@ class Simulation(Parts):
     def _make_conditions(self, scene: Any) -> GridConditions | None:
         if not self.plan.has_conditions:
             return None
-        conditions = VelocityConditions(
-            scene.conditions_on("velocity"), self.grid, self.plan.analysis, self._surface_nodes
-        )
-        self._may_wait = {
-            condition.name for condition in scene.conditions_on("velocity") if condition.may_wait(self.grid)
-        }
+        models = scene.conditions_on("velocity")
+        conditions = VelocityConditions(models, self.grid, self.plan.analysis, self._surface_nodes)
+        self._may_wait = {condition.name for condition in models if condition.may_wait(self.grid)}
         return GridConditions(conditions, self.grid, self.plan.rigid_fields)
 
     def _make_loads(self, scene: Any, has_mirror: bool) -> Loads:

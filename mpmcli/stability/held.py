@@ -22,12 +22,13 @@ class Holders:
     def __init__(self, scene: Any):
         self._grid = scene.grid
         self._near = NEAR * np.asarray(scene.grid.cell, dtype=float)
-        planes = [plane for condition in scene.boundary for plane in _planes(condition)]
+        conditions = scene.conditions_on("velocity")
+        planes = [plane for condition in conditions for plane in _planes(condition)]
         if scene.analysis.kind == "axisymmetric":
             planes.append((0, 0.0))
         self._axes = np.array([axis for axis, _ in planes], dtype=np.int64)
         self._positions = np.array([position for _, position in planes], dtype=np.float64)
-        self._boxes = [box for box in map(_box, scene.boundary) if box is not None]
+        self._boxes = [box for box in map(_box, conditions) if box is not None]
         rigid = [
             self._bounds(body) for body in scene.bodies if scene.materials[body.material].kind == "rigid"
         ]

@@ -200,7 +200,9 @@ def test_what_does_not_fit_the_axes_is_listed(model, keys):
 
 
 def test_all_kinds_are_registered():
-    assert list(LOADS) == ["body_force", "gravity", "particle_force", "traction"]
+    heat = {"film", "heat_flux", "heat_source", "radiation"}
+    assert set(LOADS) == heat | {"body_force", "gravity", "particle_force", "traction"}
+    assert {kind for kind in LOADS if LOADS[kind].acts_on == "temperature"} == heat
 
 
 def test_a_target_must_be_said():

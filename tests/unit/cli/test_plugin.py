@@ -109,7 +109,7 @@ def test_what_a_plugin_brings_is_told_like_our_own(shell):
     assert "there is no axis z" in told
     load = "loads=[{kind: traction, name: pull, on: {body: ring, face: {axis: x, side: upper}}, pressure: 1}]"
     told = shell("validate", SCENE, "--set", load, code=3).stdout
-    assert "tractions need linear or quadratic grid functions; 'bspline3' has others" in told
+    assert "loads on faces need linear or quadratic grid functions; 'bspline3' has others" in told
 
 
 @pytest.mark.slow

@@ -102,8 +102,8 @@ def make_loaded(tmp_path):
                 SimpleNamespace(name="right", material="steel"),
             ],
             contact=None,
-            boundary=[SimpleNamespace(name="base")],
-            loads=[],
+            conditions_on=lambda quantity: [SimpleNamespace(name="base")] * (quantity == "velocity"),
+            loads_on=lambda quantity: [],
             method=SimpleNamespace(
                 damping=SimpleNamespace(particle=0.0, grid=0.0),
                 artificial_viscosity=None,

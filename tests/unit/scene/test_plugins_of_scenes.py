@@ -80,7 +80,7 @@ def test_parameters_that_are_none_are_refused(numbers, words):
 def test_tractions_need_grid_functions_that_are_known(monkeypatch):
     monkeypatch.setitem(SHAPES, "linear", replace(SHAPES["linear"], grid_functions="other"))
     with pytest.raises(
-        SceneError, match=r"loads\.pull\.kind +tractions need linear or quadratic grid functions"
+        SceneError, match=r"loads\.pull\.kind +loads on faces need linear or quadratic grid functions"
     ):
         load_scene(SCENE, sets=["method.shape=linear"])
     load_scene(SCENE, sets=["method.shape=linear", "loads=[]"])

@@ -1,0 +1,36 @@
+"""Heat radiation between the surface of a body and what is around it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal, cast
+
+from pydantic import Field
+
+from mpmcli.boundary.base import LOADS, Array
+from mpmcli.boundary.face_heat import FaceHeat
+from mpmcli.core.expressions import Expression
+from mpmcli.core.model import Quantity, Varying
+
+
+@LOADS.register
+class Radiation(FaceHeat):
+    """Heats a face of a body by radiation with εσ(T_a⁴ − T⁴) per area, or cools it."""
+
+    positive: ClassVar[tuple[str, ...]] = ("around",)
+
+    kind: Literal["radiation"] = "radiation"
+    """Kind of load."""
+    emissivity: Annotated[float, Quantity("1", gt=0, le=1)]
+    """Emissivity ε of the surface."""
+    around: Annotated[Expression, Varying("temperature")]
+    """Temperature T_a around the body, a number or an expression of x, y, z (of the face at the start) and t."""
+    stefan_boltzmann: Annotated[
+        float, Quantity("power/area/temperature^4", gt=0, lt=1e30), Field(validate_default=True)
+    ] = cast(float, "5.670374419e-8 W/m^2/K^4")
+    """Stefan–Boltzmann constant σ; scenes without units must give it."""
+
+    def heat_flux_at(self, points: Array, time: float, temperature: Array) -> tuple[Any, Any]:
+        """Return εσ(T_a⁴ − T_s⁴) and −4εσT_s³."""
+        factor = self.emissivity * self.stefan_boltzmann
+        around = self.value("around", points, time)
+        return factor * (around**4 - temperature**4), -4.0 * factor * temperature**3
