@@ -106,7 +106,7 @@ def measure_faces(
     area
         (nf,) overwritten: area, per radian in axisymmetric analyses; 0 where the particle is gone.
     half
-        (nf,) overwritten: half the size of the particle along the normal [length].
+        (nf,) overwritten: half the size of the particle along the normal; 1 where it is gone [length].
     normal
         (nf, d) overwritten: unit normal.
     """
@@ -114,7 +114,7 @@ def measure_faces(
     x = np.empty(d)
     reach = np.zeros(d)
     for k in range(faces.id.shape[0]):
-        area[k] = 0.0
+        area[k], half[k] = 0.0, 1.0
         p = position_of_id[faces.id[k]]
         if p < 0:
             continue
