@@ -21,7 +21,8 @@ Array = np.ndarray
 
 def _lack_of_condition(model: type[Any]) -> str:
     """What a kind of condition lacks."""
-    return "" if model.holder is not ConditionModel.holder else "it does not define 'holder'"
+    holds = model.holder is not ConditionModel.holder or model.held_face is not ConditionModel.held_face
+    return "" if holds else "it does not define 'holder'"
 
 
 def _lack_of_load(model: type[Any]) -> str:
@@ -132,6 +133,14 @@ class ConditionModel(Model):
     def bodies(self) -> list[tuple[str, str]]:
         """Names of bodies that it refers to: pairs of key and name."""
         return []
+
+    def held_face(self) -> tuple[str, Any] | None:
+        """The body and the face (``place.Face``) of it whose temperature it holds, or None: it holds nodes."""
+        return None
+
+    def face_temperature_at(self, points: Array, time: float) -> Any:
+        """Return the temperature of ``held_face``, at its points (d, n) at the start."""
+        raise TypeError(f"{type(self).__name__} holds no face")
 
     def holder(self, grid: Nodes, surface_nodes: SurfaceNodes | None) -> Holder:
         """The condition on a grid."""

@@ -15,11 +15,11 @@ from mpmcli.boundary.faces import list_faces
 from mpmcli.boundary.loads import GridFunctions
 from mpmcli.boundary.particle_loads import finite
 from mpmcli.boundary.place import Face
-from mpmcli.boundary.velocity import evaluate
 from mpmcli.core.analysis import Analysis, Axisymmetric
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
 from mpmcli.core.identity import place_of_identity
+from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
 from mpmcli.core.step import Step
 from mpmcli.core.transfer.nodal_field import NodalField
@@ -55,7 +55,7 @@ class HeatLoads:
         Conditions of the scene that hold the temperature of faces.
     loads
         Loads of the scene that act on temperatures.
-    particles, grid, transfer, field
+    particles, grid, order, transfer, field
         The parts of the step that it works on, at the start of the simulation; the nodal field of heat.
     analysis, shape, section
         Kind of analysis, shape function, and thickness or area of the section.
@@ -70,6 +70,7 @@ class HeatLoads:
     ----------
     powers : power of each condition and load into the bodies in the last step, by name [power]
     source_power : the part of it that comes from sources [power]
+    largest : largest temperature that faces are held at or tend to; fluxes and sources tend to none [temperature]
     """
 
     def __init__(
@@ -79,6 +80,7 @@ class HeatLoads:
         *,
         particles: Particles,
         grid: Grid,
+        order: CellOrder,
         transfer: Stencils,
         field: NodalField,
         analysis: Analysis,
@@ -88,20 +90,23 @@ class HeatLoads:
         shown: Callable[[str, Face], Array],
         conductivity: Callable[[Array, Array], Array],
     ):
-        self._particles, self._grid, self._transfer, self._field = particles, grid, transfer, field
+        self._particles, self._order, self._transfer, self._field = particles, order, transfer, field
+        self._node_count = grid.node_count
         self._is_axisymmetric = isinstance(analysis, Axisymmetric)
         self._section, self._conductivity = section, conductivity
         self._cells = Cells.of(grid, shape.grid_functions, shape.domain)
-        self.powers = {each.name: 0.0 for each in (*conditions, *loads)}
-        self.source_power = 0.0
+        self.powers = dict.fromkeys(
+            [*(each.name for each in conditions), *(each.name for each in loads)], 0.0
+        )
+        self.source_power = self.largest = 0.0
         self._held = list(conditions)
         self._on_faces = [load for load in loads if "heat_flux_at" in load.effects()]
         self._sources = [load for load in loads if "heat_power_at" in load.effects()]
-        self._list_faces(
-            [*(_held_face(c) for c in conditions), *(load.loaded_face() for load in self._on_faces)], shown
-        )
+        held = [face for condition in conditions if (face := condition.held_face()) is not None]
+        self._list_faces([*held, *(load.loaded_face() for load in self._on_faces)], shown)
         self._chosen = [self._choose(load, list(bodies)) for load in self._sources]
-        self._power = np.zeros(particles.count if self._sources else 0)
+        self._power = np.zeros(0)
+        self._version: Any = None
 
     def _list_faces(self, places: list[tuple[str, Face]], shown: Callable[[str, Face], Array]) -> None:
         """List every face of a particle once, with the rows of each condition and load."""
@@ -135,24 +140,35 @@ class HeatLoads:
         ``theta`` (n, 1) are nodal temperatures without conditions.
         """
         self.powers = dict.fromkeys(self.powers, 0.0)
+        if self._version != self._order.version:
+            self._version = self._order.version
+            self._find_particles()
         if self._faces.id.shape[0]:
             self._heat_faces(step.time, theta, q)
         if self._sources:
             self._heat_particles(step.time, q)
 
+    def _find_particles(self) -> None:
+        """Find where particles are in memory now."""
+        p = self._particles
+        self._place = place_of_identity(p.id, least=int(self._faces.id.max(initial=-1)) + 1)
+        self._heated = [np.flatnonzero(chosen[p.id]) for chosen in self._chosen]
+        if self._sources:
+            self._power = np.zeros(p.count)
+
     # ------------------------------------------------------------------ faces
 
     def _heat_faces(self, time: float, theta: Array, q: Array) -> None:
         p, faces = self._particles, self._faces
-        place = place_of_identity(p.id, least=int(faces.id.max()) + 1)
         measure_faces(
-            faces, self._cells, p.X, p.F, p.size, place, self._section, self._is_axisymmetric, self._area, self._half,
-            self._normal,
+            faces, self._cells, p.X, p.F, p.size, self._place, self._section, self._is_axisymmetric, self._area,
+            self._half, self._normal,
         )  # fmt: skip
-        at = np.maximum(place[faces.id], 0)  # the faces of particles that are gone have no area
+        at = np.maximum(self._place[faces.id], 0)  # the faces of particles that are gone have no area
         inner = self._gather(at, theta)
         conductance = self._conductivity(at, self._normal) / self._half
         held, T = self._held_temperatures(time, inner)
+        self.largest = float(T[held].max(initial=0.0))
         fluxes, T = self._surface_temperatures(time, inner, conductance, held, T)
         total = np.zeros(len(T))
         for load, rows, flux in zip(self._on_faces, self._rows[len(self._held) :], fluxes, strict=True):
@@ -166,13 +182,13 @@ class HeatLoads:
             taken[mine] = True
             self.powers[condition.name] += float((inwards[mine] - total[mine]).sum())
         total[held] = inwards[held]
-        self._add_to_nodes(time, total, place, q)
+        self._add_to_nodes(time, total, q)
 
     def _gather(self, places: Array, theta: Array) -> Array:
         """Nodal temperatures at particles, θ̂ (n,)."""
         nodes, weights = self._transfer.weights_of(places)
         if self._field.nodes.by_field:
-            nodes = nodes + self._particles.velocity_field[places][:, None] * self._grid.node_count
+            nodes = nodes + self._particles.velocity_field[places, None].astype(np.int64) * self._node_count
         return np.asarray((weights * theta[nodes, 0]).sum(axis=1))
 
     def _held_temperatures(self, time: float, inner: Array) -> tuple[Array, Array]:
@@ -181,7 +197,7 @@ class HeatLoads:
         for c, condition in enumerate(self._held):
             rows, who = self._rows[c], f"boundary condition '{condition.name}'"
             values = np.broadcast_to(
-                np.asarray(evaluate(condition.value, self._centres[:, rows], time)), rows.shape
+                np.asarray(condition.face_temperature_at(self._centres[:, rows], time)), rows.shape
             )
             if not np.all(np.isfinite(values) & (values > 0.0)):
                 raise SimulationError(
@@ -216,6 +232,7 @@ class HeatLoads:
             step = np.divide(-excess, slope, out=np.zeros(len(T)), where=(slope < 0.0) & ~held)
             T = T + step
             if np.all(np.abs(step) <= CONVERGED * np.abs(T)):
+                self.largest = float(T[slope < -conductance].max(initial=self.largest))
                 break
         else:
             raise SimulationError(f"no temperature of a heated face was found at time {time:g}")
@@ -224,11 +241,11 @@ class HeatLoads:
             flux + change * step[rows] for (flux, change), rows in zip(found, rows_of_load, strict=True)
         ], T
 
-    def _add_to_nodes(self, time: float, power: Array, place: Array, q: Array) -> None:
+    def _add_to_nodes(self, time: float, power: Array, q: Array) -> None:
         p, faces = self._particles, self._faces
         lost = add_powers(
-            faces, self._cells, p.X, p.F, p.size, p.velocity_field if self._field.nodes.by_field else None, place,
-            power[:, None], self._field.mp, q,
+            faces, self._cells, p.X, p.F, p.size, p.velocity_field if self._field.nodes.by_field else None,
+            self._place, power[:, None], self._field.mp, q,
         )  # fmt: skip
         if lost >= 0:
             raise SimulationError(
@@ -238,14 +255,11 @@ class HeatLoads:
     # ------------------------------------------------------------------ sources
 
     def _heat_particles(self, time: float, q: Array) -> None:
-        p = self._particles
-        if self._power.shape[0] != p.count:
-            self._power = np.zeros(p.count)
+        X = self._particles.X
         self._power[:] = 0.0
         self.source_power = 0.0
-        for load, chosen in zip(self._sources, self._chosen, strict=True):
-            rows = np.flatnonzero(chosen[p.id])
-            power = finite(load.heat_power_at(p.X[:, rows], time), load, time) * self._share(load, rows)
+        for load, rows in zip(self._sources, self._heated, strict=True):
+            power = finite(load.heat_power_at(X[:, rows], time), load, time) * self._share(load, rows)
             self._power[rows] += power
             self.powers[load.name] += float(power.sum())
             self.source_power += float(power.sum())
@@ -260,7 +274,3 @@ class HeatLoads:
         if load.power_per == "mass":
             return mass
         return mass / mass.sum() / (2 * math.pi if self._is_axisymmetric else 1.0)
-
-
-def _held_face(condition: Any) -> tuple[str, Face]:
-    return str(condition.on.body), condition.on.face

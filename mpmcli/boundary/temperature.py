@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from mpmcli.boundary.base import CONDITIONS, ConditionModel, Nodes, SurfaceNodes
-from mpmcli.boundary.place import Place
-from mpmcli.boundary.velocity import PlaceHolder, check_variables
+from mpmcli.boundary.base import CONDITIONS, Array, ConditionModel, Nodes, SurfaceNodes
+from mpmcli.boundary.place import Face, Place
+from mpmcli.boundary.velocity import PlaceHolder, check_variables, evaluate
 from mpmcli.core.expressions import Expression
 from mpmcli.core.model import Varying
 
@@ -33,6 +33,14 @@ class Temperature(ConditionModel):
     def bodies(self) -> list[tuple[str, str]]:
         """The body whose face is held, if any."""
         return [] if self.on.body is None else [("on.body", self.on.body)]
+
+    def held_face(self) -> tuple[str, Face] | None:
+        """The body and face, if it is one."""
+        return None if self.on.body is None or self.on.face is None else (self.on.body, self.on.face)
+
+    def face_temperature_at(self, points: Array, time: float) -> Any:
+        """Return the temperature at points (d, n) of the face."""
+        return evaluate(self.value, points, time)
 
     def holder(self, grid: Nodes, surface_nodes: SurfaceNodes | None) -> PlaceHolder:
         """The condition on a grid."""

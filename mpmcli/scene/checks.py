@@ -300,7 +300,7 @@ def _check_faces(parts: Parts, root: Node, report: Report) -> None:
         if model.acts_on_face:
             report(f"{label(root, 'loads', index)}.kind", f"loads on faces {words}", "shape")
     for index, model in parts.boundary:
-        if model.acts_on == "temperature" and getattr(getattr(model, "on", None), "face", None) is not None:
+        if model.held_face() is not None:
             report(f"{label(root, 'boundary', index)}.on", f"temperatures of faces {words}", "shape")
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.boundary.heat_loads import HeatLoads
 from mpmcli.boundary.held_temperatures import HeldTemperatures
 from mpmcli.boundary.images import ImagesOfScalars
 from mpmcli.boundary.mirror import Mirror
@@ -14,6 +15,7 @@ from mpmcli.core.grid import Grid, SharedNodes
 from mpmcli.core.particles import Particles
 from mpmcli.core.transfer.nodal_field import NodalField
 from mpmcli.scene.archive import shows
+from mpmcli.scene.filling import section_of
 from mpmcli.solver.parts import Parts
 from mpmcli.transport.conduction import Choices, Conduction
 
@@ -68,8 +70,13 @@ def _carried(particles: Particles) -> Array:
     return np.asarray(carried)[None]
 
 
-def make_conduction(scene: Any, s: Parts, mirror: Mirror | None) -> Conduction:
-    """Make the part that conducts heat, with what holds temperatures."""
+def make_conduction(
+    scene: Any, s: Parts, mirror: Mirror | None, shown: Callable[[str, Any], Array]
+) -> Conduction:
+    """Make the part that conducts heat, with what holds temperatures and what heats.
+
+    ``shown`` gives the identities (n,) of the particles that show a face of a body.
+    """
     nodal = make_heat_field(s.grid, s.particles, lambda: conduction.capacity())
     conduction = Conduction(
         choose_conduction(scene), nodal, s.particles, s.order, s.transfer, s.state, s.parallel,
@@ -78,10 +85,18 @@ def make_conduction(scene: Any, s: Parts, mirror: Mirror | None) -> Conduction:
     own = None if mirror is None else mirror.for_scalars()
     if own is not None:
         nodal.corrections.append(ImagesOfScalars(own, nodal.nodes))
-    on_nodes = [condition for condition in scene.conditions_on("temperature") if condition.on.face is None]
+    conditions, loads = scene.conditions_on("temperature"), scene.loads_on("temperature")
+    on_nodes = [condition for condition in conditions if condition.held_face() is None]
+    on_faces = [condition for condition in conditions if condition.held_face() is not None]
     if on_nodes:
         conduction.held = held = HeldTemperatures(on_nodes, s.grid, nodal, own)
         nodal.corrections.append(held)
+    if on_faces or loads:
+        conduction.sources = HeatLoads(
+            on_faces, loads, particles=s.particles, grid=s.grid, order=s.order, transfer=s.transfer, field=nodal,
+            analysis=s.transfer.analysis, shape=s.transfer.shape, section=section_of(scene), bodies=s.state.bodies,
+            shown=shown, conductivity=conduction.conductivity_along,
+        )  # fmt: skip
     s.transfer.fields.append(nodal)
     conduction.begin()
     return conduction

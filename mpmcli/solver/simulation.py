@@ -145,7 +145,7 @@ class Simulation(Parts):
         corrections = (images, self.conditions, self.contact)
         self.velocity.corrections = [part for part in corrections if part is not None]
         if plan.heat is not None:
-            self.heat = make_conduction(scene, self, mirror)
+            self.heat = make_conduction(scene, self, mirror, self._shown)
 
     def make_tasks(self) -> None:
         """List the tasks of a step, for every plan that steps may have."""

@@ -294,8 +294,13 @@ class Transfer:
         self.farthest = float(self.travel.max())
         self.order.drift += self.farthest
 
-    def seen_nodes(self, particles: Array) -> Array:
-        """Degrees of freedom (sorted, unique) that particles at these places in memory see."""
+    def add_powers(self, field: NodalField, power: Array, out: Array) -> None:
+        """out += Sᵀ P, of a scalar field, with P (N,) of each particle."""
+        task = VectorSum(power, np.ones((1, len(power))), out.reshape(-1))
+        self.scatter(task, field.zero, by_field=field.nodes.by_field)
+
+    def weights_of(self, particles: Array) -> tuple[Array, Array]:
+        """Nodes (n, m) that particles at these places in memory see, and shape function values (n, m) there."""
         p, stencil, d = self.particles, self.stencil, self.grid.dimensions
         X, size, F = (np.ascontiguousarray(q[:, particles]) for q in (p.X, p.size, self._domain_F))
         base = np.zeros(len(particles), dtype=np.uint64)
@@ -304,11 +309,16 @@ class Transfer:
         fill_stencils[False](
             self.shape.parameters, self.geometry, self.across, X, F, size, stencil, base, S, G
         )
-        base += p.velocity_field[particles].astype(np.uint64) * np.uint64(self.grid.node_count)
+        return (base[:, None] + stencil.offsets).astype(np.int64), S
+
+    def seen_nodes(self, particles: Array) -> Array:
+        """Degrees of freedom (sorted, unique) that particles at these places in memory see."""
+        nodes, S = self.weights_of(particles)
+        nodes += self.particles.velocity_field[particles, None].astype(np.int64) * self.grid.node_count
         seen = S > SEEN
         for row, node in np.argwhere((S > 0.0) & ~seen):
-            seen[row, node] = is_seen.py_func(S[row], node, len(self.across), d)
-        return np.unique((base[:, None] + stencil.offsets)[seen]).astype(np.int64)
+            seen[row, node] = is_seen.py_func(S[row], node, len(self.across), self.grid.dimensions)
+        return np.unique(nodes[seen])
 
     @property
     def largest_speed(self) -> float:

@@ -47,7 +47,7 @@ class Sources(Protocol):
     def add_to(self, step: Step, theta: Array, q: Array) -> None:
         """Add powers to ``q`` (n, 1); ``theta`` (n, 1) nodal values of the start of the step, without conditions."""
 
-    powers: Mapping[str, float]
+    powers: dict[str, float]
     """Power into the bodies in the last step, by name [power]."""
     source_power: float
     """The part of it that arises inside bodies [power]."""
@@ -204,6 +204,16 @@ class Conduction:
         """Return every array over the nodes by name."""
         nodal = self.nodal
         return {"mp": nodal.mp, "f": nodal.f, "v": nodal.v} | nodal.nodal_arrays()
+
+    def conductivity_along(self, particles: Array, n: Array) -> Array:
+        """Return the conductivity (m,) of particles at these places in memory along unit vectors ``n`` (m, d)."""
+        p, k = self.particles, self.choices.conductivity
+        if k.ndim == 1:
+            return np.asarray(k[p.material[particles]])
+        along = np.zeros(len(particles))
+        n = np.ascontiguousarray(n.T)
+        kernels.find_conductivities[False](self._transfer.analysis, k, p.material, p.F, particles, n, along)
+        return along
 
     # ------------------------------------------------------------------ what is remembered
 

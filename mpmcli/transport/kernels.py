@@ -17,7 +17,14 @@ from mpmcli.core.grid import unfold
 from mpmcli.core.particles import determinant_of_particle
 from mpmcli.core.tensors import eigen_symmetric, left_cauchy_green
 from mpmcli.core.transfer.cut import is_cut
-from mpmcli.core.transfer.gather_scatter import gather_slope, gather_vector, put_rows, scatter_flux
+from mpmcli.core.transfer.gather_scatter import (
+    column,
+    gather_slope,
+    gather_vector,
+    put_rows,
+    scatter_flux,
+    zero_vector,
+)
 from mpmcli.core.transfer.kernels import gradients_for, scatter_particle
 from mpmcli.core.transfer.stencil import Table, weigh_gathers
 
@@ -132,6 +139,22 @@ def _(analysis, k, F, slope, p):
         along = (n[a] * x + n[3 + a] * y + n[6 + a] * z) / math.sqrt(squares[a])
         u, v, w = u + along * n[a], v + along * n[3 + a], w + along * n[6 + a]
     return u, v, w
+
+
+@kernel
+def find_conductivities(analysis, k, material, F, particles, n, along):
+    """Conductivity n·κ·n of ``particles`` (m,) along unit vectors ``n`` (d, m) into ``along`` (m,).
+
+    ``k`` (materials, 3) are principal values.
+    """
+    for j in prange(particles.shape[0]):
+        m = material[particles[j]]
+        unit = column(zero_vector(analysis), n, j)
+        h = turned_flux(analysis, (k[m, 0], k[m, 1], k[m, 2]), F, unit, particles[j])
+        total = 0.0
+        for a in range(len(unit)):
+            total -= h[a] * unit[a]
+        along[j] = total
 
 
 @kernel

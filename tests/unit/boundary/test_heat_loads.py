@@ -17,11 +17,10 @@ from mpmcli.boundary.film import Film
 from mpmcli.boundary.heat_flux import HeatFlux
 from mpmcli.boundary.heat_loads import HeatLoads
 from mpmcli.boundary.heat_source import HeatSource
-from mpmcli.boundary.place import Face
 from mpmcli.boundary.radiation import Radiation
+from mpmcli.boundary.temperature import Temperature
 from mpmcli.core.analysis import ANALYSES, F_COMPONENTS
 from mpmcli.core.errors import SimulationError
-from mpmcli.core.expressions import parse
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
 from mpmcli.core.step import Step
@@ -53,10 +52,11 @@ class Bodies:
         nodes = grid.node_count * (fields if by_field else 1)
         self.theta, self.q = np.full((nodes, 1), INNER), np.zeros((nodes, 1))
         self.field = SimpleNamespace(mp=np.ones((nodes, 2)), nodes=SimpleNamespace(by_field=by_field))
-        self.kappa = kappa
+        self.kappa, self.version = kappa, 0
         shape = {"grid_functions": "linear", "domain": "corners"} | shape
         self.loads = HeatLoads(
-            held, loads, particles=p, grid=grid, transfer=self, field=self.field, analysis=ANALYSES[kind or KIND[d]](),
+            held, loads, particles=p, grid=grid, order=self, transfer=self, field=self.field,
+            analysis=ANALYSES[kind or KIND[d]](),
             shape=SimpleNamespace(**shape), section=section, bodies=["b"], shown=self.shown,
             conductivity=lambda places, normals: np.full(len(places), self.kappa),
         )  # fmt: skip
@@ -86,6 +86,7 @@ class Bodies:
 
     def act(self, time=0.0):
         """Total power, and power by name."""
+        self.version += 1
         self.q[:] = 0.0
         self.loads.add_to(Step(None, 1.0, time), self.theta, self.q)
         total = float(self.q.sum())
@@ -98,10 +99,7 @@ def place(axis="x", side="upper"):
 
 
 def held(value, name="hot", axis="x", side="upper"):
-    on = SimpleNamespace(body="b", face=Face(axis=axis, side=side))
-    return SimpleNamespace(
-        name=name, on=on, value=parse(str(value), constants={}, variables=("x", "y", "z", "t"))
-    )
+    return Temperature(kind="temperature", name=name, on=place(axis, side), value=value)
 
 
 def film(h, around, name="air", **on):
@@ -208,6 +206,17 @@ def test_loads_on_one_face_share_its_temperature():
     assert powers["torch"] == pytest.approx(2 * 2000.0, rel=1e-14)
     assert powers["air"] == pytest.approx(2 * 30.0 * (350.0 - T), rel=1e-9)
     assert powers["sky"] == pytest.approx(2 * 0.5 * 5.67e-8 * (900.0**4 - T**4), rel=1e-9)
+
+
+def test_the_largest_temperature_that_faces_tend_to():
+    for bodies, largest in (
+        (Bodies(2, [film(1e9, 350.0)]), 350.0),
+        (Bodies(2, held=[held(300), held(500, "y", axis="y")]), 500.0),
+        (Bodies(2, [flux(1e9)]), 0.0),
+        (Bodies(2, [source(1e9, "total")]), 0.0),
+    ):
+        bodies.act()
+        assert bodies.loads.largest == pytest.approx(largest, rel=1e-5)
 
 
 def test_a_held_face_takes_what_its_loads_bring():
