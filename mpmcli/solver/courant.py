@@ -1,4 +1,4 @@
-"""The size of the next time step (Nairn 2026, section 3.3)."""
+"""The size of the next time step (Nairn 2026, section 3.3), with the Fourier limit of heat conduction."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from mpmcli.core.errors import SimulationError
+from mpmcli.solver.heat_interval import HeatLimit
 
 COLLAPSED = 1e-6
 """A step smaller than this share of the first one ends the simulation."""
@@ -15,19 +16,32 @@ COLLAPSED = 1e-6
 class TimeStep:
     """Δt = C Δx_min / max(c, |V|) with the current wave and particle speeds, or a fixed step.
 
+    With conduction on every n-th step, n Δt is Fo Δx_min²/D_max at most, unless the step is fixed.
+
     Parameters
     ----------
     step : fixed time step, or None
     courant : Courant number, or None with a fixed step
     smallest_cell : Δx_min [length]
+    heat_limit : of the time over which heat may act at once, which bounds steps of a Courant number; None without
+        conduction
+    heat_interval : steps between two heat steps, 1 where this is chosen while running
 
     Attributes
     ----------
     dt, courant_of_step : size and Courant number of the last step that was chosen
     """
 
-    def __init__(self, step: float | None, courant: float | None, smallest_cell: float):
+    def __init__(
+        self,
+        step: float | None,
+        courant: float | None,
+        smallest_cell: float,
+        heat_limit: HeatLimit | None = None,
+        heat_interval: int = 1,
+    ):
         self.fixed = float(step or 0.0)
+        self._heat_limit, self._heat_interval = heat_limit, heat_interval
         self.courant = courant
         self.smallest_cell = smallest_cell
         self.dt = self.courant_of_step = 0.0
@@ -63,6 +77,8 @@ class TimeStep:
         dt = self.courant * self.smallest_cell / fastest if fastest > 0.0 else math.inf
         if self.courant > 1.0 and particle_speed > 0.0:
             dt = min(dt, self.smallest_cell / particle_speed)  # no particle may pass a whole cell in a step
+        if self._heat_limit is not None:
+            dt = self._heat_limit.shorten(self._heat_interval * dt) / self._heat_interval
         if not (0.0 < dt < math.inf):
             raise SimulationError(
                 f"the time step is not finite for wave speed {wave_speed:.3g}, particle speed {particle_speed:.3g} "

@@ -1,0 +1,164 @@
+"""How often heat is conducted, and the Fourier limit of the time step."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mpmcli.core.errors import SimulationError
+from mpmcli.solver.courant import TimeStep
+from mpmcli.solver.heat_interval import CELLS, MOST_STEPS, HeatInterval, HeatLimit, largest_interval
+
+
+class Particles:
+    """Materials and J of some particles; counts how often J is asked for."""
+
+    def __init__(self, material, J):
+        self.material, self.J, self.asked = np.array(material), np.array(J, dtype=float), 0
+
+    def determinant(self):
+        self.asked += 1
+        return self.J
+
+
+def limit_of(fourier=0.25, cell=2.0, diffusivities=(1.0,), ratio=1.0, material=(0,), J=(1.0,)):
+    particles = Particles(material, J)
+    return HeatLimit(fourier, cell, np.array(diffusivities), ratio, particles), particles
+
+
+def times_of(interval, steps, dt, speed=0.0, **states):
+    return [interval.advance(dt, speed, **states) for _ in range(steps)]
+
+
+# ---------------------------------------------------------------- how often
+
+
+def test_as_seldom_as_the_limit_allows():
+    assert largest_interval(0.1, 1.0, 0.0, 1.0) == 10
+    assert largest_interval(0.1, 0.99, 0.0, 1.0) == 9
+    assert largest_interval(1.0, 0.3, 0.0, 1.0) == 1
+
+
+def test_nobody_moves_more_than_half_a_cell_between_heat_steps():
+    assert largest_interval(0.01, 1e9, 2.0, 1.0) == 25
+    assert largest_interval(0.01, 1e9, 1e4, 1.0) == 1
+
+
+def test_at_most_a_hundred_steps():
+    assert largest_interval(1e-12, 1e9, 0.0, 1.0) == MOST_STEPS == 100
+    assert largest_interval(5e-324, 1e300, 0.0, 1.0) == MOST_STEPS
+
+
+def test_friction_needs_heat_in_every_step():
+    assert largest_interval(1e-12, 1e9, 0.0, 1.0, has_friction=True) == 1
+
+
+@pytest.mark.parametrize("dt", [0.1, 0.25, 0.0137, 1e-3])
+@pytest.mark.parametrize("speed", [0.0, 0.3, 7.0])
+def test_steps_of_one_size_have_the_largest_interval(dt, speed):
+    limit, _ = limit_of(fourier=0.25, cell=2.0)
+    n = largest_interval(dt, 1.0, speed, 2.0)
+    times = times_of(HeatInterval(None, limit, 2.0), 3 * n, dt, speed)
+    assert [i for i, time in enumerate(times) if time] == [n - 1, 2 * n - 1, 3 * n - 1]
+    assert times[n - 1] == pytest.approx(n * dt, rel=1e-12)
+    assert times[n - 1] <= 1.0 * (1 + 1e-9)
+    assert n == 1 or n * dt * speed <= CELLS * 2.0 * (1 + 1e-9)
+
+
+def test_a_fixed_interval_takes_all_the_time_since_the_last_heat_step():
+    limit, particles = limit_of()
+    interval = HeatInterval(3, limit, 1.0)
+    assert [interval.advance(dt, 100.0) for dt in (1.0, 2.0, 4.0, 8.0, 16.0, 32.0)] == [0, 0, 7, 0, 0, 56]
+    assert particles.asked == 0
+
+
+def test_an_interval_of_one_is_the_step_itself():
+    limit, _ = limit_of()
+    assert times_of(HeatInterval(1, limit, 1.0), 3, 0.1) == [0.1, 0.1, 0.1]
+
+
+def test_a_body_that_starts_to_move_shortens_the_interval():
+    limit, _ = limit_of(fourier=1e9)
+    interval = HeatInterval(None, limit, 1.0)
+    speeds = [0.0] * 150 + [5.0] * 12
+    acted = [i for i, speed in enumerate(speeds) if interval.advance(0.01, speed)]
+    assert acted[0] == 99  # the hundredth step
+    assert acted[1] <= 160  # 10 steps of 0.05 cells
+    paths = np.split(0.01 * np.array(speeds), [i + 1 for i in acted])
+    assert len(acted) > 1
+    assert max(path.sum() for path in paths) <= CELLS * (1 + 1e-9)
+
+
+def test_friction_ends_the_wait_at_once():
+    limit, _ = limit_of(fourier=1e9)
+    interval = HeatInterval(None, limit, 1.0)
+    times_of(interval, 5, 0.1)
+    assert interval.advance(0.1, 0.0, has_friction=True) == pytest.approx(0.6)
+    assert interval.advance(0.1, 0.0) == 0.0
+
+
+@pytest.mark.parametrize("asked", [None, 7])
+def test_a_resumed_run_acts_in_the_same_steps(asked):
+    limit, _ = limit_of()
+    whole, first, second = (HeatInterval(asked, limit, 2.0) for _ in range(3))
+    dts = 0.05 + 0.02 * np.sin(np.arange(60))
+    expected = [whole.advance(dt, 0.4) for dt in dts]
+    found = [first.advance(dt, 0.4) for dt in dts[:33]]
+    second.recall({name: np.array(value) for name, value in first.memory().items()})
+    assert found + [second.advance(dt, 0.4) for dt in dts[33:]] == expected
+    assert any(expected)
+
+
+# ---------------------------------------------------------------- how long
+
+
+def test_the_fourier_limit_has_the_smallest_cell_and_the_largest_diffusivity():
+    limit, _ = limit_of(0.25, 2.0, [0.5, 8.0, 100.0], 1.0, [0, 1, 1], [1.0, 1.0, 1.0])
+    assert limit.shorten(1.0) == pytest.approx(0.25 * 4.0 / 8.0)  # no particle has the third material
+    assert limit.shorten(0.1) == 0.1
+
+
+def test_expanded_particles_conduct_faster():
+    limit, _ = limit_of(0.25, 2.0, [0.5, 8.0], 10.0, [0, 1, 1], [9.0, 0.5, 2.0])
+    assert limit.shorten(1.0) == pytest.approx(0.25 * 4.0 / 16.0)
+
+
+def test_volumes_are_evaluated_only_where_they_can_matter():
+    limit, particles = limit_of(0.25, 2.0, [1.0], 1000.0, [0], [1.0])
+    assert limit.shorten(0.9e-3) == 0.9e-3
+    assert particles.asked == 0
+    assert limit.shorten(1.1e-3) == 1.1e-3
+    assert particles.asked == 1
+
+
+def test_without_conductivity_there_is_no_limit():
+    limit, particles = limit_of(diffusivities=[0.0], ratio=1e3)
+    assert limit.shorten(1e300) == 1e300
+    assert particles.asked == 0
+
+
+def test_a_step_of_a_courant_number_is_shortened():
+    limit, _ = limit_of()  # 1.0
+    assert TimeStep(None, 0.5, 2.0, limit).choose(0.1, 0.0) == pytest.approx(1.0)
+    assert TimeStep(None, 0.5, 2.0, limit, 4).choose(0.1, 0.0) == pytest.approx(0.25)
+    assert TimeStep(None, 0.5, 2.0, limit).choose(10.0, 0.0) == 0.1
+    assert TimeStep(None, 0.5, 2.0, limit, 4).choose(10.0, 0.0) == 0.1
+
+
+def test_the_courant_number_of_a_shortened_step_is_its_own():
+    step = TimeStep(None, 0.5, 2.0, limit_of()[0])
+    step.choose(0.1, 0.0)
+    assert step.courant_of_step == pytest.approx(0.05)
+
+
+def test_a_fixed_step_is_not_shortened():
+    limit, particles = limit_of()
+    assert TimeStep(7.0, None, 2.0, limit).choose(0.1, 0.0) == 7.0
+    assert particles.asked == 0
+
+
+def test_a_body_without_waves_has_the_fourier_limit():
+    limit, _ = limit_of()
+    assert TimeStep(None, 0.5, 2.0, limit).choose(0.0, 0.0) == pytest.approx(1.0)
+    with pytest.raises(SimulationError, match="not finite"):
+        TimeStep(None, 0.5, 2.0).choose(0.0, 0.0)
