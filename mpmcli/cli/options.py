@@ -164,7 +164,7 @@ def _add_warning(loaded: LoadedScene, warning: Problem | None) -> None:
 
 
 def check_time_step(loaded: LoadedScene) -> None:
-    """Add a warning to the scene if its step is above the stable Courant number.
+    """Add warnings to the scene if its step is above the stable Courant number, or conducts heat badly.
 
     Raises
     ------
@@ -179,6 +179,11 @@ def check_time_step(loaded: LoadedScene) -> None:
     except SceneError as error:
         raise loaded.locate(error) from None
     _add_warning(loaded, warning_of(loaded.scene))
+    if loaded.scene.heat is not None:
+        from mpmcli.stability.heat import warnings_of_heat
+
+        for warning in warnings_of_heat(loaded.scene):
+            _add_warning(loaded, warning)
 
 
 def show_warnings(loaded: LoadedScene) -> None:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mpmcli.core.errors import SimulationError
-from mpmcli.solver.heat_interval import HeatLimit
+
+if TYPE_CHECKING:
+    from mpmcli.solver.heat_interval import HeatLimit
 
 COLLAPSED = 1e-6
 """A step smaller than this share of the first one ends the simulation."""

@@ -1,42 +1,16 @@
-"""When heat is conducted and over how much time: the Fourier limit, and the interval of heat steps."""
+"""When heat is conducted and over how much time: the Fourier limit of the current state, and the heat steps."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from mpmcli.core.particles import Particles
+from mpmcli.stability.interval import CELLS, MOST_STEPS, ROUNDING
 
 Array = np.ndarray
-
-MOST_STEPS = 100
-"""Largest interval that ``auto`` selects."""
-CELLS = 0.5
-"""No particle moves by more than so many cells between two heat steps that ``auto`` selects."""
-ROUNDING = 1e-9
-"""Relative slack of comparisons of times."""
-
-
-def largest_interval(
-    dt: float, limit: float, speed: float, smallest_cell: float, has_friction: bool = False
-) -> int:
-    """Return the number of steps between heat steps that ``interval: auto`` selects.
-
-    Parameters
-    ----------
-    dt : time step
-    limit : largest time over which heat may act at once
-    speed : of the fastest particle [velocity]
-    smallest_cell : Δx_min [length]
-    has_friction : friction heats bodies, which needs heat in every step
-    """
-    if has_friction:
-        return 1
-    within = min(limit, CELLS * smallest_cell / speed if speed > 0.0 else math.inf) * (1.0 + ROUNDING)
-    return max(1, MOST_STEPS if within >= MOST_STEPS * dt else math.floor(within / dt))
 
 
 class HeatLimit:

@@ -7,7 +7,8 @@ import pytest
 
 from mpmcli.core.errors import SimulationError
 from mpmcli.solver.courant import TimeStep
-from mpmcli.solver.heat_interval import CELLS, MOST_STEPS, HeatInterval, HeatLimit, largest_interval
+from mpmcli.solver.heat_interval import HeatInterval, HeatLimit
+from mpmcli.stability.interval import CELLS, MOST_STEPS, largest_interval
 
 
 class Particles:

@@ -1,0 +1,254 @@
+"""What conduction will do in a run, foreseen from its scene: limit of the step, interval, reach, and filtered waves."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.errors import Problem
+from mpmcli.core.functions import GRID_FUNCTIONS
+from mpmcli.shapes import SHAPES
+from mpmcli.stability.conduction import LARGEST, Conduction, finest_wave, fourier_limit
+from mpmcli.stability.interval import largest_interval
+from mpmcli.stability.lattice import DOMAINS
+from mpmcli.stability.models import deformable, largest_wave_speed
+from mpmcli.stability.scene_limit import SAFETY, chosen_courant, courant_of_step
+from mpmcli.stability.speeds import largest_speed
+
+SHORTEST_REACH = 0.3
+"""Conduction that reaches fewer cells in a run has no effect on its grid."""
+LARGEST_WAVE = 0.25
+"""FMPM should keep waves of this share of the smallest body."""
+UNKNOWN_LIMIT = 0.25
+"""Stable Fourier number of shape functions that were not analysed, where faces are held."""
+COUPLED = ("temperature", "film", "radiation")
+"""Kinds of conditions and loads whose flux through a face depends on the temperature there."""
+
+
+@dataclass(frozen=True)
+class Filter:
+    """What FMPM does to the temperatures of a body.
+
+    Attributes
+    ----------
+    order, steps : k, and the number of heat steps that take FMPM
+    wave : finest wavelength in cells that keeps 1/e in them
+    body, length : the body that is smallest against it, and its length in cells
+    """
+
+    order: int
+    steps: float
+    wave: float
+    body: str
+    length: float
+
+
+@dataclass(frozen=True)
+class HeatForecast:
+    """What conduction will do, by the values of the start.
+
+    Attributes
+    ----------
+    diffusivities : κ_max/(ρ₀c_v) of each material that conducts or stores heat [length²/time]
+    dt, interval : time step, and steps between two heat steps
+    fourier : Fourier number D_max n Δt/Δx_min² of a heat step
+    limit, because : largest stable one, and whose it is, in words
+    heat_steps : number of heat steps
+    reach : √(D_max t)/Δx_min at the end, in cells
+    filter : what FMPM filters; None with FLIP
+    """
+
+    diffusivities: dict[str, float]
+    dt: float
+    interval: int
+    fourier: float
+    limit: float
+    because: str
+    heat_steps: int
+    reach: float
+    filter: Filter | None
+
+
+def diffusivities(scene: Any) -> dict[str, float]:
+    """Return D = κ_max/(ρ₀c_v) of the materials of deformable bodies, by name [length²/time].
+
+    κ_max is the largest conductivity along the axes of the analysis.
+    """
+    found = {}
+    for body, material in deformable(scene):
+        if material.heat_capacity is not None and material.conductivity is not None:
+            largest = np.float64(max(material.conductivity[: scene.dimensions]))
+            with np.errstate(all="ignore"):
+                found[body.material] = largest / material.density / material.heat_capacity
+    return found
+
+
+def stable_fourier(scene: Any) -> tuple[float, str]:
+    """Return the largest stable Fourier number of the largest diffusivity, and whose it is, in words."""
+    of_material = diffusivities(scene)
+    largest = max(of_material.values(), default=0.0)
+    least, because = LARGEST, "no body conducts heat"
+    for body, _ in deformable(scene):
+        diffusivity = of_material.get(body.material, 0.0)
+        if diffusivity <= 0.0:
+            continue
+        axes = _axes_with_faces(scene, body.name)
+        limit = _limit_of_body(scene, body, axes) * (largest / diffusivity)
+        if limit < least or because.startswith("no body"):
+            faces = f", with temperatures or films at faces along {axes} ax{'es' if axes > 1 else 'is'}"
+            least, because = limit, f"body '{body.name}'{faces * (axes > 0)}"
+    return least, because
+
+
+def _limit_of_body(scene: Any, body: Any, axes: int) -> float:
+    conduction = _conduction(scene, body, axes)
+    if conduction is None:
+        return UNKNOWN_LIMIT / axes if axes else LARGEST
+    return fourier_limit(conduction)
+
+
+def _conduction(scene: Any, body: Any, axes: int) -> Conduction | None:
+    """Return what is analysed for a body; None where its shape function was not."""
+    shape, transfer = SHAPES[scene.method.shape], scene.heat.transfer
+    if shape.grid_functions not in GRID_FUNCTIONS or shape.domain not in DOMAINS:
+        return None
+    particles = int(np.max(body.particles_per_axis))
+    return Conduction(
+        shape.grid_functions, shape.domain, particles, transfer.kind == "fmpm", transfer.order, axes
+    )
+
+
+def _axes_with_faces(scene: Any, body: str) -> int:
+    """Return the number of axes along which fluxes through faces of a body depend on its temperature."""
+    places: list[Any] = [getattr(m, "on", None) for m in (*scene.boundary, *scene.loads) if m.kind in COUPLED]
+    faces = [on.face for on in places if getattr(on, "body", None) == body and on.face is not None]
+    return len({face.axis for face in faces})
+
+
+def chosen_fourier(scene: Any) -> float:
+    """Return the Fourier number that bounds heat steps; where one of them is chosen by ``auto``, a stable one."""
+    asked = float(scene.heat.fourier)
+    if scene.time.courant == "auto" or scene.heat.interval == "auto":
+        return min(asked, SAFETY * stable_fourier(scene)[0])
+    return asked
+
+
+@np.errstate(all="ignore")
+def forecast(
+    scene: Any, wave_speed: float | None = None, particle_speed: float | None = None
+) -> HeatForecast | None:
+    """Return what conduction will do in a checked scene; None without it.
+
+    Speeds are those of the start, found from the scene where they are not given. There is no forecast either of numbers
+    that are too large or too small to calculate with.
+    """
+    if scene.heat is None:
+        return None
+    of_material = diffusivities(scene)
+    largest, cell = max(of_material.values(), default=np.float64(0.0)), np.float64(min(scene.grid.cell))
+    speed = largest_speed(scene) if particle_speed is None else particle_speed
+    dt = _courant_step(scene, largest_wave_speed(scene) if wave_speed is None else wave_speed, speed)
+    longest = chosen_fourier(scene) * cell**2 / largest if largest > 0.0 else math.inf
+    interval = scene.heat.interval
+    if scene.time.step is None:
+        dt = min(dt, longest / (1 if interval == "auto" else interval))
+    if interval == "auto":
+        interval = largest_interval(dt, longest, speed, cell)
+    end = scene.time.end if scene.time.max_steps is None else min(scene.time.end, scene.time.max_steps * dt)
+    fourier, reach = largest * interval * dt / cell**2, np.sqrt(largest * end) / cell
+    if not (np.isfinite([dt, end / dt, fourier, reach]).all() and dt > 0.0):
+        return None
+    heat_steps = math.ceil(end / dt) // interval
+    limit, because = stable_fourier(scene)
+    return HeatForecast(
+        {name: float(value) for name, value in of_material.items()},
+        float(dt),
+        interval,
+        float(fourier),
+        limit,
+        because,
+        heat_steps,
+        float(reach),
+        _filter(scene, heat_steps),
+    )
+
+
+def _courant_step(scene: Any, wave_speed: float, particle_speed: float) -> float:
+    """Return the first time step without conduction, as ``solver.courant`` chooses it."""
+    if scene.time.step is not None:
+        return float(scene.time.step)
+    courant, cell = float(chosen_courant(scene) or 0.0), np.float64(min(scene.grid.cell))
+    fastest = max(wave_speed, particle_speed)
+    dt = courant * cell / fastest if fastest > 0.0 else math.inf
+    return min(dt, cell / particle_speed) if courant > 1.0 and particle_speed > 0.0 else dt
+
+
+def _filter(scene: Any, heat_steps: int) -> Filter | None:
+    """Return what FMPM filters in the body that is smallest against it."""
+    transfer = scene.heat.transfer
+    if transfer.kind != "fmpm":
+        return None
+    steps = heat_steps / (transfer.every_steps or 1)
+    found = []
+    for body, material in deformable(scene):
+        conduction = _conduction(scene, body, 0)
+        if conduction is None or material.conductivity is None:
+            continue
+        low, high = body.region.bounds(scene.dimensions)
+        lower, upper = np.maximum(low, scene.grid.lower), np.minimum(high, scene.grid.upper)
+        length = float(((upper - lower) / scene.grid.cell).max())
+        found.append(Filter(transfer.order, steps, finest_wave(conduction, steps), body.name, length))
+    return max(found, key=lambda each: each.wave / each.length, default=None)
+
+
+def warnings_of_heat(scene: Any) -> list[Problem]:
+    """Return warnings of what conduction will do in a checked scene."""
+    found = forecast(scene)
+    if found is None:
+        return []
+    return [
+        Problem(path=path, message=words, code=code, severity="warning")
+        for path, words, code in (_of_limit(scene, found), _of_filter(found), _of_reach(found))
+        if words
+    ]
+
+
+def _of_limit(scene: Any, found: HeatForecast) -> tuple[str, str, str]:
+    """A heat step above the stable Fourier number."""
+    if found.fourier <= found.limit * (1.0 + 1e-9):
+        return "", "", ""
+    span, several = scene.time, f"{found.interval} steps are" if found.interval > 1 else "this is"
+    above = f"above the stable Fourier number {found.limit:.3g} of heat conduction ({found.because}); the run may fail"
+    if span.step is None:
+        least = f"use {SAFETY * found.limit:.2g} or less"
+        return "heat.fourier", f"{found.fourier:.4g} is {above}; {least}", "unstable"
+    courant = f"{courant_of_step(scene, span.step):.3g}"
+    words = f"{several} the Fourier number {found.fourier:.3g} (Courant number {courant}), which is {above}"
+    return "time.step", words, "unstable"
+
+
+def _of_filter(found: HeatForecast) -> tuple[str, str, str]:
+    """FMPM that filters what the bodies could hold."""
+    of = found.filter
+    if of is None or (of.order > 1 and of.wave <= LARGEST_WAVE * of.length):
+        return "", "", ""
+    name = f"FMPM({of.order})" + " (PIC)" * (of.order == 1)
+    words = (
+        f"in {of.steps:.3g} heat steps {name} removes most of all waves shorter than {of.wave:.3g} cells, and body "
+        f"'{of.body}' is {of.length:.3g} cells long; use 'flip', a higher order, every_steps or heat.interval"
+    )
+    return "heat.transfer", words, "inaccurate"
+
+
+def _of_reach(found: HeatForecast) -> tuple[str, str, str]:
+    """Conduction that does not leave the cell where it begins."""
+    if not 0.0 < found.reach < SHORTEST_REACH:
+        return "", "", ""
+    return (
+        "heat",
+        f"conduction reaches {found.reach:.2g} cells in this run: it has no effect on this grid",
+        "no_effect",
+    )
