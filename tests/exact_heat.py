@@ -123,20 +123,13 @@ def equalised(T: Any, C: Any) -> tuple[float, float]:
     return end, float(C @ np.log(end / T))
 
 
-def thermoelastic_root(
-    k: float, conductivity: float, coupling: float, M: float = 1.0, rho: float = 1.0, capacity: float = 1.0, T0: float = 1.0
-) -> complex:  # fmt: skip
+def thermoelastic_root(k: float, conductivity: float, coupling: float) -> complex:
     """Root s = rate + i frequency of a plane wave exp(s t) sin(k x) with heat.
 
-    ρ s² + M k² + β² T0 s k²/(ρc s + κ k²) = 0 with the coupling β = 3 K α and the modulus M.
+    ρ s² + M k² + β² T0 s k²/(ρc s + κ k²) = 0 with the coupling β = 3 K α, and M = ρ = ρc = T0 = 1.
     """
     kk = k * k
-    cubic = [
-        rho * capacity,
-        rho * conductivity * kk,
-        M * kk * capacity + coupling**2 * T0 * kk,
-        M * kk * conductivity * kk,
-    ]
+    cubic = [1.0, conductivity * kk, kk + coupling**2 * kk, kk * conductivity * kk]
     return complex(max(np.roots(cubic), key=lambda s: s.imag))
 
 
