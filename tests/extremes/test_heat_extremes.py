@@ -1,0 +1,270 @@
+"""Conduction at the edges of what numbers and particles allow."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import exact_heat as exact
+import numpy as np
+import pytest
+import yaml
+
+from mpmcli.scene.loader import load_scene
+from mpmcli.solver.simulation import Simulation
+
+FLIP, FMPM = {"kind": "flip"}, {"kind": "fmpm", "order": 4}
+TRANSFERS = [FLIP, FMPM]
+every_transfer = pytest.mark.parametrize("transfer", TRANSFERS, ids=["flip", "fmpm4"])
+SOLID = {
+    "kind": "linear_elastic",
+    "density": 1.0,
+    "E": 1.0,
+    "nu": 0.0,
+    "heat_capacity": 1.0,
+    "conductivity": 1.0,
+}
+
+
+def named(transfer: dict) -> str:
+    order = f"({transfer['order']})" if "order" in transfer else ""
+    return f"{transfer['kind'].upper()}{order}"
+
+
+class Bar:
+    """Bodies side by side along x, one after another from ``at`` on."""
+
+    def __init__(
+        self, *bodies: tuple[float, Any, dict[str, Any]], transfer: dict | None = None, at: float = 0.0,
+        step: float = 0.1, per: int = 2, velocity: float = 0.0, cells: int = 30, unit: float = 1.0, time: float = 1.0,
+        **keys: Any,
+    ):  # fmt: skip
+        members, materials = [], {}
+        for i, (length, T, changes) in enumerate(bodies):
+            materials[f"m{i}"] = SOLID | changes
+            region = {"kind": "box", "lower": [at * unit], "upper": [(at + length) * unit]}
+            member = {"name": f"b{i}", "material": f"m{i}", "region": region, "temperature": T}
+            members.append(member | {"particles_per_axis": per, "velocity": [velocity * unit / time]})
+            at += length
+        scene = {
+            "version": 1,
+            "analysis": {"kind": "uniaxial_strain"},
+            "grid": {"lower": [-5 * unit], "upper": [(cells - 5) * unit], "cell": unit},
+            "method": {"shape": "ugimp", "transfer": {"kind": "flip"}},
+            "heat": {"transfer": transfer or FLIP},
+            "materials": materials,
+            "bodies": members,
+            "time": {"end": 1e9 * time, "step": step * time},
+        } | keys
+        self.simulation = Simulation(load_scene(yaml.safe_dump(scene, sort_keys=False)), threads=1)
+        self.X0 = self.ordered("X")[0]
+        self.heat = self._heat()
+
+    @property
+    def particles(self) -> Any:
+        return self.simulation.particles
+
+    def ordered(self, name: str) -> np.ndarray:
+        array = getattr(self.particles, name)
+        out = np.empty_like(array)
+        out[..., self.particles.id] = array
+        return out
+
+    @property
+    def mass(self) -> np.ndarray:
+        return self.ordered("mass")
+
+    @property
+    def T(self) -> np.ndarray:
+        return self.ordered("T")
+
+    def _heat(self) -> float:
+        p = self.particles
+        T = p.T if p.T_carried is None else p.T_carried
+        capacity = [m.heat_capacity for m in self.simulation.scene.materials.values()]
+        return float((p.mass * np.array(capacity)[p.material]) @ T)
+
+    @property
+    def drift(self) -> float:
+        """Change of the heat over its start."""
+        return abs(self._heat() / self.heat - 1)
+
+    def steps(self, count: int) -> Bar:
+        for _ in range(count):
+            self.simulation.step()
+        return self
+
+
+@every_transfer
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"conductivity": 1e-6}, {"conductivity": 0.0},
+        {"heat_capacity": 1e6}, {"heat_capacity": 1e6, "conductivity": 1e-6}, {"heat_capacity": 1e6, "conductivity": 1e6},
+    ],
+    ids=str,
+)  # fmt: skip
+def test_ratios_of_a_million_across_a_body(transfer, changes, hold):
+    for at in (0.0, 0.3):
+        bar = Bar((6, 400, {}), (6, 300, changes), transfer=transfer, at=at, step=0.2).steps(300)
+        what = ", ".join(f"{name} {value:g} beside 1" for name, value in changes.items())
+        hold(what, named(transfer), "change of heat", bar.drift, 1e-12)
+        margin = 0.0 if transfer is FLIP else 0.11
+        beyond = max(300 - bar.T.min(), bar.T.max() - 400, 0.0) / 100
+        hold(what, named(transfer), "beyond the start, of the jump", beyond, margin + 1e-10)
+        # heat does go, or stays where nothing conducts
+        far = bar.T[bar.X0 > at + 8]
+        if changes == {"conductivity": 0.0}:
+            hold(
+                what, named(transfer), "warming where nothing conducts, of the jump", np.ptp(far) / 100, 1e-12
+            )
+
+
+@every_transfer
+def test_one_particle_and_one_alone_in_its_cell(transfer, hold):
+    for bodies in [((0.5, 321.0, {}),), ((4, 400, {}), (0.5, 321.0, {}))]:
+        bar = Bar(*bodies, transfer=transfer, at=0.3)
+        if len(bodies) == 1:
+            assert bar.particles.count == 1
+        alone = bar.particles.body == len(bodies) - 1
+        bar.particles.X[0, alone] = 15.3
+        bar.steps(100)
+        hold(
+            "one particle in its cells",
+            named(transfer),
+            "change of its temperature, of it",
+            abs(bar.T[-1] / 321 - 1),
+            1e-13,
+        )
+
+
+@every_transfer
+@pytest.mark.parametrize("per", [1, pytest.param(64, marks=pytest.mark.slow)])
+def test_one_and_many_particles_per_cell(transfer, per, hold):
+    bar = Bar((10, "300 + 100*cos(pi*x/10)", {}), transfer=transfer, per=per)
+    mode = np.cos(np.pi * bar.X0 / 10)
+    bar.steps(100)
+    found = exact.amplitude((bar.T - 300) / 100, mode) / exact.mode_amplitude(np.pi, 0.1) - 1
+    hold(
+        f"{per} particles per cell", named(transfer), "amplitude of a cosine over 10 cells", abs(found), 0.02
+    )
+    hold(f"{per} particles per cell", named(transfer), "change of heat", bar.drift, 1e-13)
+
+
+def test_order_one_hundred(hold):
+    bar = Bar((10, "300 + 100*cos(pi*x/10)", {}), transfer={"kind": "fmpm", "order": 100})
+    mode = np.cos(np.pi * bar.X0 / 10)
+    bar.steps(100)
+    found = exact.amplitude((bar.T - 300) / 100, mode) / exact.mode_amplitude(np.pi, 0.1) - 1
+    hold("FMPM(100) for heat", "FMPM(100)", "amplitude of a cosine over 10 cells", abs(found), 0.02)
+    hold("FMPM(100) for heat", "FMPM(100)", "change of heat", bar.drift, 1e-12)
+
+
+@every_transfer
+@pytest.mark.parametrize("factor", [1e-3 / 300, 1e8 / 300])
+def test_temperatures_from_a_millikelvin_to_a_hundred_megakelvin(transfer, factor, hold):
+    def run(scale: float) -> np.ndarray:
+        T0 = {"T0": 300 * scale}
+        bodies = (5, 400 * scale, T0), (5, 300 * scale, T0)
+        return Bar(*bodies, transfer=transfer, at=0.3).steps(100).T / scale
+
+    off = np.abs(run(factor) / run(1.0) - 1).max()
+    hold(f"temperatures of {300 * factor:.0e} K", named(transfer), "largest difference", off, 1e-12)
+
+
+@every_transfer
+@pytest.mark.parametrize(("unit", "time"), [(1e-9, 1e-9), (1e3, 86400.0)], ids=["nm-ns", "km-days"])
+def test_units_of_heat(transfer, unit, time, hold):
+    """Lengths and times in other units; mass stays: κ goes like L/t³, c_v like L²/t²."""
+
+    def run(L: float, t: float) -> np.ndarray:
+        units = {
+            "density": L**-3,
+            "E": 1 / (L * t * t),
+            "heat_capacity": L * L / (t * t),
+            "conductivity": L / t**3,
+        }
+        bar = Bar((5, 400, units), (5, 300, units), transfer=transfer, at=0.3, unit=L, time=t, velocity=0.1)
+        return bar.steps(100).T
+
+    off = np.abs(run(unit, time) / run(1.0, 1.0) - 1).max()
+    hold(f"length and time in units {unit:g} and {time:g}", named(transfer), "largest difference", off, 1e-10)
+
+
+@pytest.mark.parametrize("velocity", [0.0, 0.173])
+@pytest.mark.parametrize("at", [0.0, 0.3])
+@pytest.mark.parametrize("s", [0.01, 0.1, 0.5])
+def test_flip_keeps_the_bounds_at_a_jump(velocity, at, s, hold):
+    """10,000 K in one cell, both in the temperature that is seen and in the one that is carried."""
+    bar = Bar((5, 10_300, {}), (5, 300, {}), at=at, velocity=velocity * 0.1 / s, step=s, cells=60)
+    beyond = 0.0
+    for _ in range(100):
+        bar.steps(1)
+        for T in (bar.particles.T, bar.particles.T_carried):
+            beyond = max(beyond, T.max() - 10_300, 300 - T.min())
+    how = "at rest" if velocity == 0 else "translating"
+    hold(f"a jump of 10,000 K, {how}", "FLIP", "beyond the start, of the jump", beyond / 1e4, 1e-12)
+
+
+@pytest.mark.parametrize(("order", "most"), [(2, 0.07), (4, 0.10), (8, 0.108)])
+def test_overshoot_of_fmpm_at_a_jump(order, most, hold, breaks):
+    bar = Bar((5, 10_300, {}), (5, 300, {}), transfer={"kind": "fmpm", "order": order}, step=0.01)
+    beyond = 0.0
+    for _ in range(200):
+        bar.steps(1)
+        beyond = max(beyond, bar.T.max() - 10_300, 300 - bar.T.min())
+    hold("a jump of 10,000 K, at rest", f"FMPM({order})", "overshoot, of the jump", beyond / 1e4, most)
+    breaks(
+        "a jump of 10,000 K, at rest", f"FMPM({order})", "beyond the start, of the jump", beyond / 1e4, 0.03
+    )
+
+
+@pytest.mark.slow
+@every_transfer
+def test_cells_stretched_ten_to_one(transfer, hold):
+    """A cosine along the long or the short side of the cells, against that in cells of equal sides along it."""
+    for long in (True, False):
+        scene = {
+            "version": 1,
+            "analysis": {"kind": "plane_strain"},
+            "grid": {"lower": [0, 0], "upper": [10, 1] if long else [1, 10], "cell": [1, 0.1] if long else [0.1, 1]},
+            "method": {"shape": "ugimp", "transfer": {"kind": "flip"}},
+            "heat": {"transfer": transfer},
+            "materials": {"m": SOLID},
+            "bodies": [
+                {
+                    "name": "b", "material": "m", "temperature": "300 + 100*cos(pi*x/10)" if long else "300 + 100*cos(pi*y/10)",
+                    "region": {"kind": "box", "lower": [0, 0], "upper": [10, 1] if long else [1, 10]},
+                }
+            ],
+            "time": {"end": 10, "step": 0.0025},
+        }  # fmt: skip
+        s = Simulation(load_scene(yaml.safe_dump(scene, sort_keys=False)), threads=1)
+        mode = np.cos(np.pi * s.particles.X[0 if long else 1] / 10)
+        s.particles.T[...]
+        order = s.particles.id.copy()
+        of_id = np.empty_like(mode)
+        of_id[order] = mode
+        for _ in range(1000):
+            s.step()
+        left = exact.amplitude((s.particles.T - 300) / 100, of_id[s.particles.id])
+        wanted = exact.mode_amplitude(np.pi, 2.5 / 100)
+        hold(
+            "cells stretched 10 to 1",
+            named(transfer),
+            "amplitude of a cosine over 10 cells",
+            abs(left / wanted - 1),
+            0.02,
+        )
+
+
+@pytest.mark.slow
+@every_transfer
+def test_equilibrium_for_a_hundred_thousand_steps(transfer, hold):
+    bar = Bar((5, 321, {}), transfer=transfer, at=0.3, velocity=1e-5).steps(100_000)
+    hold(
+        "1e5 steps of equilibrium",
+        named(transfer),
+        "change of temperatures, of them",
+        np.abs(bar.T / 321 - 1).max(),
+        1e-10,
+    )
