@@ -98,11 +98,14 @@ class Bar:
 @pytest.mark.parametrize(
     "changes",
     [
-        {"conductivity": 1e-6}, {"conductivity": 0.0},
-        {"heat_capacity": 1e6}, {"heat_capacity": 1e6, "conductivity": 1e-6}, {"heat_capacity": 1e6, "conductivity": 1e6},
+        {"conductivity": 1e-6},
+        {"conductivity": 0.0},
+        {"heat_capacity": 1e6},
+        {"heat_capacity": 1e6, "conductivity": 1e-6},
+        {"heat_capacity": 1e6, "conductivity": 1e6},
     ],
     ids=str,
-)  # fmt: skip
+)
 def test_ratios_of_a_million_across_a_body(transfer, changes, hold):
     for at in (0.0, 0.3):
         bar = Bar((6, 400, {}), (6, 300, changes), transfer=transfer, at=at, step=0.2).steps(300)
@@ -232,7 +235,9 @@ def test_cells_stretched_ten_to_one(transfer, hold):
             "materials": {"m": SOLID},
             "bodies": [
                 {
-                    "name": "b", "material": "m", "temperature": "300 + 100*cos(pi*x/10)" if long else "300 + 100*cos(pi*y/10)",
+                    "name": "b",
+                    "material": "m",
+                    "temperature": f"300 + 100*cos(pi*{'x' if long else 'y'}/10)",
                     "region": {"kind": "box", "lower": [0, 0], "upper": [10, 1] if long else [1, 10]},
                 }
             ],
@@ -240,7 +245,6 @@ def test_cells_stretched_ten_to_one(transfer, hold):
         }  # fmt: skip
         s = Simulation(load_scene(yaml.safe_dump(scene, sort_keys=False)), threads=1)
         mode = np.cos(np.pi * s.particles.X[0 if long else 1] / 10)
-        s.particles.T[...]
         order = s.particles.id.copy()
         of_id = np.empty_like(mode)
         of_id[order] = mode

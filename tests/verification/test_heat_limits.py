@@ -23,16 +23,17 @@ heat: {{}}
 materials:
   m: {{kind: linear_elastic, density: 1, E: 1e-6, nu: 0, heat_capacity: 1, conductivity: 1, T0: 300}}
 bodies:
-  - {{name: block, material: m, region: {{kind: box, lower: {low}, upper: {high}}}, temperature: 300, particles_per_axis: {per}}}
+  - {{name: block, material: m, region: {{kind: box, lower: {low}, upper: {high}}}, temperature: 300}}
 time: {{end: 1e6, step: {step!r}}}
 """  # fmt: skip
 
 
-def growth(start, shape, d, method, s, offset, per=2, size=4, steps=300):
+def growth(start, shape, d, method, s, offset, size=4, steps=300):
     """By how much the random part of a block's temperatures has grown."""
     text = BLOCK.format(
         kind=KINDS[d], lower=[-3.0] * d, upper=[size + 4.0] * d, shape=shape, step=s,
-        low=[offset] * d, high=[offset + size] * d, per=per,
+        low=[offset] * d,
+        high=[offset + size] * d,
     )  # fmt: skip
     run = start(text, transfer(method))
     noise = np.random.default_rng(5).normal(0, 1e-3, run.particles.count)

@@ -79,7 +79,8 @@ def test_errors_of_the_cylinder_are_those_of_an_independent_code(start, method, 
 
 
 INSULATED = (
-    "boundary=[{name: a, kind: symmetry, plane: {axis: y, at: 0}}, {name: b, kind: symmetry, plane: {axis: y, at: 0.2}}]",
+    "boundary=[{name: low, kind: symmetry, plane: {axis: y, at: 0}}, "
+    "{name: high, kind: symmetry, plane: {axis: y, at: 0.2}}]",
     f"bodies.cylinder.temperature='300 + 100*{j0_of(f'{exact.CYLINDER_MODE**2!r}*x*x')}'",
 )
 
@@ -133,8 +134,9 @@ def two_materials(start, method, cells, shift=0.0):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("method", "shift", "wanted"), [("FLIP", 0, 0.0053), ("FLIP", 0.5, 0.016), ("FMPM(4)", 0, 0.0087), ("FMPM(4)", 0.5, 0.016)]
-)  # fmt: skip
+    ("method", "shift", "wanted"),
+    [("FLIP", 0, 0.0053), ("FLIP", 0.5, 0.016), ("FMPM(4)", 0, 0.0087), ("FMPM(4)", 0.5, 0.016)],
+)
 def test_two_materials_in_one_field(start, method, shift, wanted):
     coarse, fine = (two_materials(start, method, cells, shift) for cells in (20, 40))
     print(method, shift, coarse, fine)
