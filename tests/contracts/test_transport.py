@@ -66,9 +66,9 @@ def simulation(scene: dict) -> Simulation:
 
 def put(s: Simulation, T: np.ndarray | float) -> None:
     """Give temperatures to the particles."""
-    for array in (s.particles.T, s.particles.T_carried):
-        if array is not None:
-            array[...] = T
+    carried(s)[...] = T
+    s.particles.T[...] = T
+    s.heat.begin()
 
 
 def carried(s: Simulation) -> np.ndarray:
@@ -141,6 +141,7 @@ def test_the_order_of_particles_changes_only_round_off(plain_python, analysis, t
             if reverse:
                 for name, array in p.arrays().items():
                     setattr(p, name, np.ascontiguousarray(array[..., ::-1]))
+                s.order.version += 1
             steps(s)
             out = np.empty(p.count)
             out[s.particles.id] = s.particles.T
@@ -185,7 +186,7 @@ def test_mirror_images_and_quarter_turns_change_only_round_off(plain_python, ana
 
     with plain_python():
         first = state(np.eye(d))
-        assert np.ptp(first[0]) > 10
+        assert np.ptp(first[0]) > 3
         for R in TURNS[d]:
             for one, other in zip(first, state(R.astype(float)), strict=True):
                 assert np.abs(one / other - 1).max() < 1e-12
