@@ -13,6 +13,7 @@ from mpmcli.contact.contact_nodes import NEAREST
 from mpmcli.contact.contacts import Contacts
 from mpmcli.contact.normals.base import NOT_CONVERGED
 from mpmcli.contact.separation.base import APART
+from mpmcli.core.contacts import ContactRows
 from mpmcli.core.dofs import field_of
 from mpmcli.core.grid import Grid
 from mpmcli.core.identity import place_of_identity
@@ -118,6 +119,17 @@ class ContactAccount:
         found: Array = self._share[dof]
         self._share[shared] = 1.0
         return found
+
+    def rows(self) -> ContactRows:
+        """Return the contacts of the step, after it was accounted for."""
+        c, grid = self._contacts, self._grid
+        k, fields = c.count, len(self._names)
+        alpha, beta = c.fields.alpha[:k], c.fields.partner[:k]
+        a, b = (field_of(dofs, grid.node_count, fields) for dofs in (alpha, beta))
+        return ContactRows(
+            alpha, beta, c.rows.state[:k] > 0, c.geometry.area[:k], c.rows.friction[:k], self._shares(alpha),
+            self._pair[a, b], np.where(a < b, 1.0, -1.0),
+        )  # fmt: skip
 
     # ------------------------------------------------------------------ from one step to the next
 

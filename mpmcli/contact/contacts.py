@@ -67,7 +67,7 @@ class Contacts:
             status=np.zeros(room, dtype=np.int64),
         )
         vectors = {name: np.zeros((room, d)) for name in ImpulseRows._fields[:8]}
-        numbers = {name: np.zeros(room) for name in ("separation_now", "push", "drive")}
+        numbers = {name: np.zeros(room) for name in ("separation_now", "push", "drive", "friction")}
         self.rows = ImpulseRows(**vectors, **numbers, state=np.zeros(room, dtype=np.int64))
 
     def _tabulate(self) -> NodeTable:

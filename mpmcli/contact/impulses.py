@@ -26,6 +26,7 @@ class ImpulseRows(NamedTuple):
     separation_now : (k,) separation at the end of the step, if the sides moved on as they do [length]
     push : (k,) normal part of the forces without contact, for laws with finite stiffness [force]
     drive : (k,) impulse that takes overlap back [momentum]
+    friction : (k,) energy that friction takes out in the step [energy]
     state : (k,) APART, SLIDING, STICKING or BROKEN
     """
 
@@ -40,6 +41,7 @@ class ImpulseRows(NamedTuple):
     separation_now: Array
     push: Array
     drive: Array
+    friction: Array
     state: Array
 
 
@@ -290,7 +292,8 @@ def tally(axes, count, fields, nodes, geometry, rows, after, mp, sums):
                 sums.rigid_work[beta] += weight * net[a] * mp[i, 1 + a] / mp[i, 0]
             elif not fields.both[k]:
                 sums.error[a] += weight * net[a]
-        work += weight * taken * share_of_work(axes, fields, k, nodes, mp)
+        rows.friction[k] = taken * share_of_work(axes, fields, k, nodes, mp)
+        work += weight * rows.friction[k]
         if rows.state[k] > 0:
             sums.area[pair] += part * geometry.area[k]
     return work

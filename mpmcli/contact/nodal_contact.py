@@ -19,6 +19,7 @@ from mpmcli.contact.geometry import Matter, Surroundings
 from mpmcli.contact.impulses import Place
 from mpmcli.contact.laws.impulse import BROKEN
 from mpmcli.core.analysis import Axisymmetric
+from mpmcli.core.contacts import ContactRows
 from mpmcli.core.order import CellOrder
 from mpmcli.core.state import ContactView
 from mpmcli.core.step import Step
@@ -220,6 +221,10 @@ class NodalContact(Correction):
         self._account.close(after, step.dt)
         if c.count > 0 and self.choice.breaks:
             self._break_bonds()
+
+    def contact_rows(self) -> ContactRows:
+        """Return the contacts of this step, after it was accounted for."""
+        return self._account.rows()
 
     # ------------------------------------------------------------------ from one step to the next
 

@@ -102,6 +102,7 @@ def make_loaded(tmp_path):
                 SimpleNamespace(name="right", material="steel"),
             ],
             contact=None,
+            heat=None,
             conditions_on=lambda quantity: [SimpleNamespace(name="base")] * (quantity == "velocity"),
             loads_on=lambda quantity: [],
             method=SimpleNamespace(

@@ -70,8 +70,9 @@ def loaded(tmp_path):
         materials={"rubber": SimpleNamespace(kind="neo_hookean", history=(), properties=frozenset())},
         bodies=[SimpleNamespace(name="block", material="rubber")],
         contact=None,
-        boundary=[],
-        loads=[],
+        heat=None,
+        conditions_on=lambda quantity: [],
+        loads_on=lambda quantity: [],
         method=SimpleNamespace(
             damping=SimpleNamespace(particle=0.0, grid=0.0),
             artificial_viscosity=None,
