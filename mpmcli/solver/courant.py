@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from mpmcli.core.errors import SimulationError
 
 if TYPE_CHECKING:
-    from mpmcli.solver.heat_interval import HeatLimit
+    from mpmcli.solver.heat_interval import HeatInterval
 
 COLLAPSED = 1e-6
 """A step smaller than this share of the first one ends the simulation."""
@@ -25,9 +25,7 @@ class TimeStep:
     step : fixed time step, or None
     courant : Courant number, or None with a fixed step
     smallest_cell : Δx_min [length]
-    heat_limit : of the time over which heat may act at once, which bounds steps of a Courant number; None without
-        conduction
-    heat_interval : steps between two heat steps, 1 where this is chosen while running
+    heat : the interval of heat steps, whose limit bounds steps of a Courant number; None without conduction
 
     Attributes
     ----------
@@ -39,11 +37,10 @@ class TimeStep:
         step: float | None,
         courant: float | None,
         smallest_cell: float,
-        heat_limit: HeatLimit | None = None,
-        heat_interval: int = 1,
+        heat: HeatInterval | None = None,
     ):
         self.fixed = float(step or 0.0)
-        self._heat_limit, self._heat_interval = heat_limit, heat_interval
+        self._heat = heat
         self.courant = courant
         self.smallest_cell = smallest_cell
         self.dt = self.courant_of_step = 0.0
@@ -79,8 +76,8 @@ class TimeStep:
         dt = self.courant * self.smallest_cell / fastest if fastest > 0.0 else math.inf
         if self.courant > 1.0 and particle_speed > 0.0:
             dt = min(dt, self.smallest_cell / particle_speed)  # no particle may pass a whole cell in a step
-        if self._heat_limit is not None:
-            dt = self._heat_limit.shorten(self._heat_interval * dt) / self._heat_interval
+        if self._heat is not None:
+            dt = self._heat.shorten(dt)
         if not (0.0 < dt < math.inf):
             raise SimulationError(
                 f"the time step is not finite for wave speed {wave_speed:.3g}, particle speed {particle_speed:.3g} "

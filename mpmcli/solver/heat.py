@@ -33,7 +33,6 @@ def choose_conduction(scene: Any) -> Choices:
         replaces=heat.transfer.kind == "fmpm",
         order=heat.transfer.order,
         every=getattr(heat.transfer, "every_steps", None),
-        interval=heat.interval,
         capacity=np.array([getattr(model, "heat_capacity", None) or 0.0 for model in models]),
         conductivity=conductivity,
     )
@@ -77,9 +76,10 @@ def make_conduction(
 
     ``shown`` gives the identities (n,) of the particles that show a face of a body.
     """
+    assert s.heat_interval is not None
     nodal = make_heat_field(s.grid, s.particles, lambda: conduction.capacity())
     conduction = Conduction(
-        choose_conduction(scene), nodal, s.particles, s.order, s.transfer, s.state, s.parallel,
+        choose_conduction(scene), s.heat_interval, nodal, s.particles, s.order, s.transfer, s.state, s.parallel,
         s.failures.refuse_temperature,
     )  # fmt: skip
     own = None if mirror is None else mirror.for_scalars()

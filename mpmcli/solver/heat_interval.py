@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from mpmcli.core.particles import Particles
+from mpmcli.stability.heat import chosen_fourier, diffusivities
 from mpmcli.stability.interval import CELLS, MOST_STEPS, ROUNDING
 
 Array = np.ndarray
+
+
+def make_interval(scene: Any, particles: Particles, speed: Callable[[], float]) -> HeatInterval:
+    """Return which steps of a scene conduct heat; ``speed`` gives that of the fastest particle [velocity]."""
+    of_material, cell = diffusivities(scene), float(min(scene.grid.cell))
+    at_rest = np.array([of_material.get(name, 0.0) for name in scene.materials])
+    limit = HeatLimit(chosen_fourier(scene), cell, at_rest, float(scene.domain.volume_ratio[1]), particles)
+    asked = scene.heat.interval
+    return HeatInterval(None if asked == "auto" else asked, limit, cell, speed)
 
 
 class HeatLimit:
@@ -58,39 +68,50 @@ class HeatInterval:
     interval : heat acts on every so many steps; None: as seldom as the limit and the motion allow (``auto``)
     limit : of the time over which heat may act at once
     smallest_cell : Δx_min [length]
+    speed : gives the speed of the fastest particle now [velocity]
+    has_friction : tells whether friction heats bodies now, so that ``auto`` does not wait
     """
 
-    def __init__(self, interval: int | None, limit: HeatLimit, smallest_cell: float):
+    def __init__(
+        self,
+        interval: int | None,
+        limit: HeatLimit,
+        smallest_cell: float,
+        speed: Callable[[], float],
+        has_friction: Callable[[], bool] = lambda: False,
+    ):
         self.interval = interval
         self._limit, self._smallest_cell = limit, smallest_cell
+        self._speed, self.has_friction = speed, has_friction
         self._steps, self._time, self._path = 0, 0.0, 0.0
 
-    def advance(self, dt: float, speed: float, has_friction: bool = False) -> float:
-        """Return the time over which heat acts in the step that begins, 0 if it waits.
+    def shorten(self, dt: float) -> float:
+        """Return a time step that is ``dt`` at most, so that heat keeps its limit."""
+        steps = self.interval or 1
+        return self._limit.shorten(steps * dt) / steps
+
+    def advance(self, dt: float) -> float:
+        """Return the time over which heat acts in the step ``dt`` that begins, 0 if it waits.
 
         The time is that of all steps since the last heat step.
-
-        Parameters
-        ----------
-        dt : time step
-        speed : of the fastest particle [velocity]
-        has_friction : friction heats bodies now, so that ``auto`` does not wait
         """
+        path = self._speed() * dt
         self._steps += 1
         self._time += dt
-        self._path += speed * dt
-        if not self._is_due(dt, speed, has_friction):
+        self._path += path
+        if not self._is_due(dt, path):
             return 0.0
         time = self._time
         self._steps, self._time, self._path = 0, 0.0, 0.0
         return time
 
-    def _is_due(self, dt: float, speed: float, has_friction: bool) -> bool:
+    def _is_due(self, dt: float, path: float) -> bool:
+        """Return whether heat acts; one more step like this one might be too long."""
         if self.interval is not None:
             return self._steps >= self.interval
-        if has_friction or self._steps >= MOST_STEPS:
+        if self._steps >= MOST_STEPS or self.has_friction():
             return True
-        if self._path + speed * dt > CELLS * self._smallest_cell * (1.0 + ROUNDING):
+        if self._path + path > CELLS * self._smallest_cell * (1.0 + ROUNDING):
             return True
         next_time = self._time + dt
         return next_time > self._limit.shorten(next_time) * (1.0 + ROUNDING)

@@ -17,6 +17,7 @@ from mpmcli.core.transfer.nodal_field import NodalField
 from mpmcli.solver.averaging import VolumeAveraging
 from mpmcli.solver.damping import Damping
 from mpmcli.solver.failures import Failures
+from mpmcli.solver.heat_interval import HeatInterval
 from mpmcli.solver.plan import StepArrays
 from mpmcli.solver.stress import StressUpdate
 from mpmcli.solver.transfer import Transfer
@@ -52,6 +53,7 @@ class Parts:
     rigid: RigidBodies | None
     contact: NodalContact | None
     heat: Conduction | None
+    heat_interval: HeatInterval | None
     parallel: bool
     reached_order: int
 

@@ -31,6 +31,7 @@ from mpmcli.solver.damping import Damping
 from mpmcli.solver.failures import Failures
 from mpmcli.solver.grid_view import show_on_grid, view_of_grid
 from mpmcli.solver.heat import make_conduction
+from mpmcli.solver.heat_interval import make_interval
 from mpmcli.solver.parts import Parts
 from mpmcli.solver.period import Period
 from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan, make_velocity
@@ -82,7 +83,12 @@ class Simulation(Parts):
         self.arrays = allocate_step_arrays(self.plan, self.velocity, self.particles.count)
         self.state = self._make_state(scene)
         self.max_steps = scene.time.max_steps
-        self.time_step = TimeStep(scene.time.step, self._choose_courant(scene), float(self.grid.cell.min()))
+        self.heat_interval = None
+        if self.plan.heat is not None:
+            self.heat_interval = make_interval(scene, self.particles, lambda: self.particle_speed)
+        self.time_step = TimeStep(
+            scene.time.step, self._choose_courant(scene), float(self.grid.cell.min()), self.heat_interval
+        )
         self.reached_order = self.plan.order
         self.last_step = Step(self.plan, 0.0, 0.0)
         self._last_good: State | None = None

@@ -55,6 +55,19 @@ class Sources(Protocol):
     """Largest value that it leads to by itself, such as that of surroundings."""
 
 
+class Interval(Protocol):
+    """Which steps conduct."""
+
+    def advance(self, dt: float) -> float:
+        """Return the time over which conduction acts in the step ``dt`` that begins, 0 if it waits."""
+
+    def memory(self) -> dict[str, float]:
+        """Return what it remembers from step to step."""
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Take it back."""
+
+
 @dataclass
 class Choices:
     """What the scene chooses about conduction.
@@ -64,7 +77,6 @@ class Choices:
     replaces : particles take on nodal values (FMPM), and not their change (FLIP)
     order : k of FMPM(k), or of the full capacity matrix of FLIP
     every : FMPM acts on every so many conduction steps, FLIP between; None: on all
-    interval : conduction acts on every so many steps
     capacity : (materials,) capacity per mass [energy/mass/temperature]
     conductivity : (materials,) or, where bodies are anisotropic, (materials, 3)
     """
@@ -72,7 +84,6 @@ class Choices:
     replaces: bool
     order: int
     every: int | None
-    interval: int
     capacity: Array
     conductivity: Array
 
@@ -88,6 +99,7 @@ class Conduction:
     Parameters
     ----------
     choices : of the scene
+    interval : which steps conduct
     nodal : the field that carries it: capacity and content, powers, values
     particles, order : whose values they are, and the order in which they are in memory
     transfer : moves values between particles and grid
@@ -98,13 +110,14 @@ class Conduction:
     Attributes
     ----------
     held, sources : holds nodal values, gives power; None where the scene has none
-    elapsed, waited : time since conduction acted last, and number of steps
-    acts : conduction acts in this step
+    elapsed : time over which conduction acts in this step, 0 where it waits
+    acted : number of steps in which it acted
     """
 
     def __init__(
         self,
         choices: Choices,
+        interval: Interval,
         nodal: NodalField,
         particles: Particles,
         order: CellOrder,
@@ -113,13 +126,12 @@ class Conduction:
         parallel: bool,
         refuse: Callable[[int], None],
     ):
-        self.choices, self.nodal = choices, nodal
+        self.choices, self.interval, self.nodal = choices, interval, nodal
         self.particles, self._order, self._transfer = particles, order, transfer
         self._state, self._parallel, self._refuse = state, parallel, refuse
         self.held: Held | None = None
         self.sources: Sources | None = None
-        self.elapsed, self.waited, self.acted = 0.0, 0, 0
-        self.acts = False
+        self.elapsed, self.acted = 0.0, 0
         self._turnover, self._largest = np.zeros(CHUNKS), np.zeros(CHUNKS)
         self._bad = np.full(CHUNKS, -1, dtype=np.int64)
         self._capacity_version = (-1, -1)
@@ -132,9 +144,7 @@ class Conduction:
 
     def extrapolate(self, step: Step) -> None:
         """Task 1.h: capacity and content of the nodes; whether conduction acts in this step."""
-        self.elapsed += step.dt
-        self.waited += 1
-        self.acts = self.waited >= self.choices.interval
+        self.elapsed = self.interval.advance(step.dt)
         if self.acts:
             self._find_values(step.time)
 
@@ -184,7 +194,6 @@ class Conduction:
         if bad >= 0:
             self._refuse(bad)
         self._account()
-        self.elapsed, self.waited = 0.0, 0
         self.acted += 1
 
     def begin(self) -> None:
@@ -219,12 +228,12 @@ class Conduction:
 
     def memory(self) -> dict[str, Any]:
         """Return what a checkpoint keeps of it."""
-        return {"elapsed": self.elapsed, "waited": np.int64(self.waited), "acted": np.int64(self.acted)}
+        return {"acted": self.acted} | self.interval.memory()
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Take it back."""
-        self.elapsed, self.waited = float(memory["elapsed"]), int(memory["waited"])
         self.acted = int(memory["acted"])
+        self.interval.recall(memory)
 
     def capacity(self) -> Array:
         """Return the capacity of each particle (N,) [energy/temperature]."""
@@ -235,6 +244,11 @@ class Conduction:
         return self._C
 
     # ------------------------------------------------------------------ details
+
+    @property
+    def acts(self) -> bool:
+        """Whether conduction acts in this step."""
+        return self.elapsed > 0.0
 
     @property
     def _is_flip(self) -> bool:
