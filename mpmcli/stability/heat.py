@@ -24,8 +24,8 @@ LARGEST_WAVE = 0.25
 """FMPM should keep waves of this share of the smallest body."""
 UNKNOWN_LIMIT = 0.25
 """Stable Fourier number of shape functions that were not analysed, where faces are held."""
-COUPLED = ("temperature", "film", "radiation")
-"""Kinds of conditions and loads whose flux through a face depends on the temperature there."""
+INDEPENDENT = "heat_flux"
+"""The kind of load whose flux through a face does not depend on the temperature there."""
 
 
 @dataclass(frozen=True)
@@ -123,9 +123,11 @@ def _conduction(scene: Any, body: Any, axes: int) -> Conduction | None:
 
 def _axes_with_faces(scene: Any, body: str) -> int:
     """Return the number of axes along which fluxes through faces of a body depend on its temperature."""
-    places: list[Any] = [getattr(m, "on", None) for m in (*scene.boundary, *scene.loads) if m.kind in COUPLED]
-    faces = [on.face for on in places if getattr(on, "body", None) == body and on.face is not None]
-    return len({face.axis for face in faces})
+    faces = [condition.held_face() for condition in scene.conditions_on("temperature")]
+    for load in scene.loads_on("temperature"):
+        if "heat_flux_at" in load.effects() and load.kind != INDEPENDENT:
+            faces.append(load.loaded_face())
+    return len({face[1].axis for face in faces if face is not None and face[0] == body})
 
 
 def chosen_fourier(scene: Any) -> float:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -42,13 +40,21 @@ def scene_of(*sets):
     return load_scene(SCENE, sets=sets).scene
 
 
-def with_faces(scene, *axes, kind="temperature", body="bar"):
-    """The scene with temperatures held at faces of a body."""
-    conditions = [
-        SimpleNamespace(kind=kind, name=axis, on=SimpleNamespace(body=body, face=SimpleNamespace(axis=axis)))
-        for axis in axes
+KEYS = {
+    "film": "coefficient: 1, around: 300",
+    "heat_flux": "flux: 1",
+    "radiation": "emissivity: 1, around: 300, stefan_boltzmann: 1",
+}
+
+
+def with_faces(*axes, kind="temperature", body="bar", sets=()):
+    """The scene with temperatures held at faces of a body, or loads of another kind there."""
+    key, numbers = ("boundary", "value: 300") if kind == "temperature" else ("loads", KEYS[kind])
+    members = [
+        f"{{name: {a}, kind: {kind}, on: {{body: {body}, face: {{axis: {a}, side: lower}}}}, {numbers}}}"
+        for a in axes
     ]
-    return scene.model_copy(update={"boundary": tuple(conditions)})
+    return scene_of(*sets, f"{key}=[{', '.join(members)}]")
 
 
 def conduction(shape, method, faces=0, particles=2):
@@ -218,20 +224,21 @@ def test_numbers_of_any_size_end_in_a_forecast_or_none(sets):
 def test_the_limit_names_the_body_and_its_faces():
     limit, because = stable_fourier(scene_of())
     assert (limit, because) == (LARGEST, "body 'bar'")
-    limit, because = stable_fourier(with_faces(scene_of(), "x"))
+    limit, because = stable_fourier(with_faces("x"))
     assert limit == pytest.approx(0.41)
     assert because == "body 'bar', with temperatures or films at faces along 1 axis"
-    limit, because = stable_fourier(with_faces(scene_of("heat.transfer={kind: fmpm}"), "x", "y", kind="film"))
+    limit, because = stable_fourier(with_faces("x", "y", kind="film", sets=["heat.transfer={kind: fmpm}"]))
     assert limit == pytest.approx(0.185, abs=0.006)
     assert because.endswith("along 2 axes")
-    assert stable_fourier(with_faces(scene_of(), "x", kind="heat_flux"))[0] == LARGEST
+    assert stable_fourier(with_faces("x", kind="heat_flux"))[0] == LARGEST
+    assert stable_fourier(with_faces("x", kind="radiation"))[0] == pytest.approx(0.41)
 
 
 def test_bodies_that_conduct_less_have_a_higher_limit():
-    limit, because = stable_fourier(with_faces(scene_of(), "x", body="lid"))
+    limit, because = stable_fourier(with_faces("x", body="lid"))
     assert (limit, because) == (LARGEST, "body 'bar'")
-    scene = scene_of("materials.cork.conductivity=0.5")  # D = 0.25
-    limit, because = stable_fourier(with_faces(scene, "x", "y", body="lid"))
+    cork = "materials.cork.conductivity=0.5"  # D = 0.25
+    limit, because = stable_fourier(with_faces("x", "y", body="lid", sets=[cork]))
     assert limit == pytest.approx(0.27 * 0.3 / 0.25)
     assert because.startswith("body 'lid'")
 
@@ -244,10 +251,10 @@ def test_nothing_that_conducts_has_no_limit():
 
 
 def test_what_auto_selects_is_stable():
-    faces = with_faces(scene_of("heat={interval: auto, transfer: {kind: fmpm}}"), "x", "y")
+    faces = with_faces("x", "y", sets=["heat={interval: auto, transfer: {kind: fmpm}}"])
     assert chosen_fourier(faces) == pytest.approx(SAFETY * stable_fourier(faces)[0])
     assert chosen_fourier(faces) < 0.18
-    assert chosen_fourier(with_faces(scene_of("time.courant=auto", "heat.fourier=2"), "x")) < 0.4
+    assert chosen_fourier(with_faces("x", sets=["time.courant=auto", "heat.fourier=2"])) < 0.4
     assert chosen_fourier(scene_of("heat.interval=auto")) == 0.25
     assert chosen_fourier(scene_of("heat.fourier=2")) == 2.0
 
@@ -278,7 +285,7 @@ def test_a_fourier_number_above_the_limit_is_a_warning_where_it_sets_the_step():
         "0.8 is above the stable Fourier number 0.5 of heat conduction (body 'bar')"
     )
     assert above.message.endswith("use 0.47 or less")
-    scene = with_faces(scene_of(fast, "heat.transfer={kind: fmpm, order: 8}"), "x", "y")
+    scene = with_faces("x", "y", sets=[fast, "heat.transfer={kind: fmpm, order: 8}"])
     above, _ = warnings_of_heat(scene)
     assert above.message.startswith("0.25 is above the stable Fourier number 0.18")
 
