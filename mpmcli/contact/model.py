@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field, TypeAdapter, ValidationInfo, WithJsonSchema
 
 from mpmcli.contact.laws import LAWS
 from mpmcli.contact.normals import NORMALS
@@ -16,6 +16,29 @@ Name = Annotated[str, Field(min_length=1, max_length=80)]
 Names = Annotated[tuple[Name, ...], Field(min_length=2, max_length=2)]
 
 
+class Conductance(Model):
+    """Heat flows where bodies touch, in proportion to the difference of their temperatures."""
+
+    conductance: Annotated[
+        Any,
+        BeforeValidator(lambda value, info: _read_conductance(value, info)),
+        WithJsonSchema(
+            {
+                "anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}],
+                "x-dimension": "film_coefficient",
+            }
+        ),
+    ]
+    """Power per area and temperature difference; ``perfect``: one temperature where bodies touch."""
+
+
+_coefficient: TypeAdapter[Any] = TypeAdapter(Annotated[float, Quantity("film_coefficient", gt=0)])
+
+
+def _read_conductance(value: Any, info: ValidationInfo) -> Any:
+    return "perfect" if value == "perfect" else _coefficient.validate_python(value, context=info.context)
+
+
 class Pair(Model):
     """Two velocity fields with a law of their own."""
 
@@ -23,6 +46,8 @@ class Pair(Model):
     """Names of two bodies (with ``fields: material`` of two materials), or of the fields that they share."""
     law: Annotated[Any, OneOf(LAWS)]
     """The contact law of this pair."""
+    heat: Literal["insulated"] | Conductance | None = None
+    """Heat between the two, where ``heat.contact`` is not ``shared``; without it as ``heat.contact`` says."""
 
 
 class Contact(Model):
@@ -45,7 +70,7 @@ class Contact(Model):
     law: Annotated[Any, OneOf(LAWS)]
     """What fields in contact do to each other."""
     pairs: tuple[Pair, ...] = ()
-    """Exceptions: pairs of fields with another law."""
+    """Exceptions: pairs of fields with another law, or another exchange of heat."""
     increments: Literal["net", "evolving", "lumped", "after", "combined"] = "net"
     """How contact acts in the FMPM loop [nairn2026, section 3.2]."""
     once: bool = False

@@ -49,7 +49,7 @@ def _of_models(scene: Any, plan: Plan) -> Iterator[Redundant]:
     if viscosity is not None and viscosity.linear == viscosity.quadratic == 0.0:
         yield Redundant("method.artificial_viscosity", "both coefficients are 0")
     for index, pair in enumerate(scene.contact.pairs if plan.has_contact else ()):
-        if pair.law == scene.contact.law:
+        if pair.law == scene.contact.law and pair.heat is None:
             yield Redundant(f"contact.pairs.{index}", "the pair has the law of 'contact.law'")
 
 

@@ -158,10 +158,6 @@ def _check_bodies(parts: Parts, dimensions: int, root: Node, report: Report) -> 
             report(".".join([path, "region", *map(str, place)]), words, "region")
         if parts.grid is not None and parts.grid.dimensions == dimensions and fits and not misfits:
             _check_bounds(body, f"{path}.region", parts, report)
-        tracks = getattr(parts.materials.get(body.material), "history", ("temperature",))
-        if body.temperature is not None and "temperature" not in tracks:
-            words = f"has no effect, because material '{body.material}' has no temperature"
-            report(f"{path}.temperature", words, "no_effect", "warning")
 
 
 def _check_bounds(body: Any, path: str, parts: Parts, report: Report) -> None:
@@ -312,8 +308,3 @@ def _check_effects(parts: Parts, report: Report) -> None:
     if "velocity_conditions" in given and parts.method.transfer.kind != "fmpm":
         words = f"has no effect with {parts.method.transfer.kind}; only the transfer fmpm uses it"
         report("method.velocity_conditions", words, "no_effect", "warning")
-    tracking = [m for m in parts.materials.values() if {"temperature", "internal_energy"} & set(m.history)]
-    if parts.method.heating == "adiabatic" and parts.materials and not tracking:
-        report(
-            "method.heating", "has no effect, because no material has a temperature", "no_effect", "warning"
-        )

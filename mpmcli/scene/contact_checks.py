@@ -212,7 +212,7 @@ def _check_motion(parts: Parts, root: Node, fields: Fields, report: Report) -> N
                 report(f"{path}.{axis}", words, "time")
     for key in ("boundary", "loads"):
         for index, model in getattr(parts, key):
-            for place, name in model.bodies():
+            for place, name in model.bodies() if model.acts_on == "velocity" else ():
                 if not kinds.get(name, False):
                     continue
                 path = f"{label(root, key, index)}.{place}"

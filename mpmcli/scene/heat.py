@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, TypeAdapter, ValidationInfo, WithJsonSchema
 
+from mpmcli.contact.model import Conductance
 from mpmcli.core.model import Model, Quantity
 from mpmcli.scene.method import MAX_ORDER
 
@@ -34,29 +35,6 @@ class FmpmOfHeat(Model):
 
 
 TransferOfHeat = Annotated[FlipOfHeat | FmpmOfHeat, Field(discriminator="kind")]
-
-
-class Conductance(Model):
-    """Heat flows where bodies touch, in proportion to the difference of their temperatures."""
-
-    conductance: Annotated[
-        Any,
-        BeforeValidator(lambda value, info: _read_conductance(value, info)),
-        WithJsonSchema(
-            {
-                "anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}],
-                "x-dimension": "film_coefficient",
-            }
-        ),
-    ]
-    """Power per area and temperature difference; ``perfect``: one temperature where bodies touch."""
-
-
-_coefficient: TypeAdapter[Any] = TypeAdapter(Annotated[float, Quantity("film_coefficient", gt=0)])
-
-
-def _read_conductance(value: Any, info: ValidationInfo) -> Any:
-    return "perfect" if value == "perfect" else _coefficient.validate_python(value, context=info.context)
 
 
 ContactOfHeat = Literal["shared", "insulated"] | Conductance

@@ -211,7 +211,7 @@ def test_keys_with_nothing_behind_them_are_absent(scene: str) -> None:
             "probes:",
             "method: {heating: adiabatic}\nprobes:",
             "method.heating",
-            "no material has a temperature",
+            "no material has a heat_capacity",
         ),
         (
             "probes:",

@@ -1,0 +1,282 @@
+"""What a scene says about heat, held against the rest of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.errors import Problem
+from mpmcli.core.expressions import Expression
+from mpmcli.core.suggest import listing
+from mpmcli.scene.checks import Report, label
+from mpmcli.scene.contact_checks import Fields, read_fields
+from mpmcli.scene.parts import Parts
+from mpmcli.scene.report import locate
+from mpmcli.scene.tree import Node
+
+ABSOLUTE = "temperatures are absolute and must be above 0"
+ALIKE = 1e-9
+"""Relative difference between two temperatures of a face that is no round-off."""
+
+
+def check_heat(parts: Parts, root: Node) -> list[Problem]:
+    """Everything that heat and temperatures have against the rest of a scene."""
+    problems: list[Problem] = []
+
+    def report(path: str, message: str, code: str = "invalid", severity: str = "error") -> None:
+        problems.append(locate(root, path, message, code, severity))
+
+    contact = root.value.get("contact")
+    has_contact = contact is not None and contact.value is not None
+    fields = read_fields(root, contact if has_contact else None)
+    if fields.complete and all(member.is_rigid for member in fields.members):
+        return []  # reported already
+    scene = _Scene(parts, root, fields)
+    _check_materials(scene, report)
+    _check_body_temperatures(scene, report)
+    _check_conditions(scene, report)
+    _check_faces(scene, report)
+    _check_pairs(scene, report)
+    if scene.has_heat and parts.heat is not None:
+        _check_heat_section(scene, report)
+    if parts.method is not None and parts.method.heating == "adiabatic":
+        _check_heating(scene, report)
+    return problems
+
+
+class _Scene:
+    """The parts of a scene, and what follows from them for temperatures."""
+
+    def __init__(self, parts: Parts, root: Node, fields: Fields):
+        self.parts, self.root, self.fields = parts, root, fields
+        heat = root.value.get("heat")
+        self.has_heat = heat is not None and heat.value is not None
+        heating = None if parts.method is None else parts.method.heating
+        self.is_adiabatic = heating != "isothermal" if self.has_heat else heating == "adiabatic"
+        self.rigid = {member.name for member in fields.members if member.is_rigid}
+        self.used = {body.material for _, body in parts.bodies}
+        self.has_fields = len(fields.names) > 1
+
+    def warms(self, material: Any) -> bool:
+        """Whether the temperature of a material may change during the run."""
+        return self.has_heat or (self.is_adiabatic and getattr(material, "heat_capacity", None) is not None)
+
+    def needs_temperature(self, material: Any) -> bool:
+        """Whether anything depends on the temperature of a deformable material."""
+        return (
+            self.warms(material)
+            or getattr(material, "expansion", 0.0) > 0.0
+            or "temperature" in getattr(material, "history", ())
+        )
+
+    def deformable(self) -> Iterator[tuple[str, Any]]:
+        """Name and model of each material with mass that a body uses, as far as it can be read."""
+        for name, model in self.parts.materials.items():
+            if name in self.used and model.kind != "rigid":
+                yield name, model
+
+
+# ---------------------------------------------------------------- materials and bodies
+
+
+def _check_materials(scene: _Scene, report: Report) -> None:
+    for name, model in scene.deformable():
+        if scene.has_heat:
+            _check_conducting(scene, name, model, report)
+        else:
+            _check_idle(scene, name, model, report)
+    conducting = [m for _, m in scene.deformable() if m.conductivity is None or any(m.conductivity)]
+    if scene.has_heat and not conducting and scene.fields.complete and len(scene.parts.materials):
+        words = "no material conducts heat: each conductivity is 0"
+        report("heat", words, "no_effect", "warning")
+
+
+def _check_conducting(scene: _Scene, name: str, model: Any, report: Report) -> None:
+    """What conduction needs of a material."""
+    bodies = [f"'{body.name}'" for _, body in scene.parts.bodies if body.material == name]
+    for key, hint in (("heat_capacity", ""), ("conductivity", "; give 0 for an insulator")):
+        if getattr(model, key) is None:
+            words = f"is missing; conduction of heat ('heat') in {listing(bodies, 4)} needs it{hint}"
+            report(f"materials.{name}.{key}", words, "missing")
+
+
+def _check_idle(scene: _Scene, name: str, model: Any, report: Report) -> None:
+    """Keys of a material that change nothing without conduction."""
+
+    def no_effect(key: str, reason: str) -> None:
+        if key in model.model_fields_set:
+            report(f"materials.{name}.{key}", f"has no effect {reason}", "no_effect", "warning")
+
+    no_effect("conductivity", "without 'heat', which switches conduction on")
+    is_optional = not type(model).model_fields["heat_capacity"].is_required()
+    if is_optional and not scene.is_adiabatic:
+        no_effect("heat_capacity", "without 'heat' or 'method.heating: adiabatic'")
+    if not scene.needs_temperature(model):
+        no_effect("T0", "because nothing depends on the temperature of this material")
+    if model.expansion > 0.0 and not scene.warms(model) and _all_at_start(scene, name, model):
+        no_effect("expansion", f"because the temperature stays {model.T0:g} (T0) without 'heat'")
+
+
+def _all_at_start(scene: _Scene, name: str, model: Any) -> bool:
+    """Whether all bodies of a material have its temperature without stress."""
+    given = [body.temperature for _, body in scene.parts.bodies if body.material == name]
+    return all(value is None or (value.is_constant and float(value()) == model.T0) for value in given)
+
+
+def _check_heating(scene: _Scene, report: Report) -> None:
+    tracking = {"temperature", "internal_energy"}
+    models = scene.parts.materials.values()
+    if models and not any(scene.warms(model) or tracking & set(model.history) for model in models):
+        words = "has no effect, because no material has a heat_capacity"
+        report("method.heating", words, "no_effect", "warning")
+
+
+def _check_body_temperatures(scene: _Scene, report: Report) -> None:
+    for index, body in scene.parts.bodies:
+        if body.temperature is None or body.material not in scene.parts.materials:
+            continue
+        path = f"{label(scene.root, 'bodies', index)}.temperature"
+        material = scene.parts.materials[body.material]
+        if material.kind == "rigid":
+            if not _exchanges(scene):
+                words = (
+                    "has no effect; a rigid body exchanges heat only by 'heat.contact: {conductance: ...}'"
+                )
+                report(path, words, "no_effect", "warning")
+        elif not scene.needs_temperature(material):
+            words = f"has no effect, because material '{body.material}' has no temperature"
+            report(path, words, "no_effect", "warning")
+
+
+def _exchanges(scene: _Scene) -> bool:
+    """Whether velocity fields exchange heat by a conductance."""
+    heat, contact = scene.parts.heat, scene.parts.contact
+    if heat is None:
+        return scene.has_heat
+    pairs = () if contact is None else contact.pairs
+    return any(hasattr(each, "conductance") for each in (heat.contact, *(pair.heat for pair in pairs)))
+
+
+# ---------------------------------------------------------------- conditions and loads
+
+
+def _acting(scene: _Scene) -> Iterator[tuple[str, Any]]:
+    """Path and model of each condition and load that acts on temperatures."""
+    for key in ("boundary", "loads"):
+        for index, model in getattr(scene.parts, key):
+            if model.acts_on == "temperature":
+                yield label(scene.root, key, index), model
+
+
+def _check_conditions(scene: _Scene, report: Report) -> None:
+    for path, model in _acting(scene):
+        if not scene.has_heat:
+            words = f"'{model.kind}' needs conduction of heat; add 'heat: {{}}' to the scene"
+            report(f"{path}.kind", words, "needs_heat")
+        for place, name in model.bodies():
+            if name in scene.rigid:
+                words = (
+                    f"the body '{name}' is rigid, and heat does not enter it; its 'temperature' is its own"
+                )
+                report(f"{path}.{place}", words, "rigid")
+        value = getattr(model, "value", None)
+        if isinstance(value, Expression) and value.variables <= {"t"}:
+            start = float(value(t=0.0))
+            if start <= 0.0:
+                report(f"{path}.value", f"is {start:g} at the start; {ABSOLUTE}", "range")
+
+
+def _check_faces(scene: _Scene, report: Report) -> None:
+    """Faces that two conditions hold at different temperatures, and loads on faces that are held."""
+    held: dict[tuple[str, str, str], tuple[str, Any]] = {}
+    for index, model in scene.parts.boundary:
+        place = model.held_face() if model.acts_on == "temperature" else None
+        if place is None:
+            continue
+        path, key = label(scene.root, "boundary", index), _key(place)
+        if key not in held:
+            held[key] = path, model
+        elif not _agree(scene, place, held[key][1], model):
+            first, line = held[key][1].name, locate(scene.root, held[key][0], "").line
+            words = f"the face is held at another temperature by '{first}' in line {line}"
+            report(f"{path}.value", words, "contradiction")
+    for path, model in _acting(scene):
+        is_on_face = getattr(model, "acts_on_face", False)
+        found = held.get(_key(model.loaded_face())) if is_on_face else None
+        if found is not None:
+            words = f"has no effect on the body, because '{found[1].name}' holds the temperature of this face"
+            report(f"{path}.on", words, "no_effect", "warning")
+
+
+def _key(place: tuple[str, Any]) -> tuple[str, str, str]:
+    body, face = place
+    return body, face.axis, face.side
+
+
+def _agree(scene: _Scene, place: tuple[str, Any], first: Any, second: Any) -> bool:
+    """Whether two conditions hold a face at the same temperature at the start, at points spread over it."""
+    grid = scene.parts.grid
+    region = next((body.region for _, body in scene.parts.bodies if body.name == place[0]), None)
+    if grid is None or region is None or place[1].index >= grid.dimensions:
+        return True
+    low, high = (np.asarray(corner, dtype=float) for corner in region.bounds(grid.dimensions))
+    low, high = np.maximum(low, grid.lower), np.minimum(high, grid.upper)
+    points = low[:, None] + (high - low)[:, None] * np.array([[0.1, 0.35, 0.6, 0.85]])
+    points[place[1].index] = (high if place[1].side == "upper" else low)[place[1].index]
+    with np.errstate(all="ignore"):
+        one, other = (
+            np.broadcast_to(model.face_temperature_at(points, 0.0), points.shape[1:])
+            for model in (first, second)
+        )
+    return not bool((np.abs(one - other) > ALIKE * np.abs(one)).any())
+
+
+# ---------------------------------------------------------------- contact
+
+
+def _check_pairs(scene: _Scene, report: Report) -> None:
+    heat, contact = scene.parts.heat, scene.parts.contact
+    for index, pair in enumerate(() if contact is None else contact.pairs):
+        path = f"contact.pairs.{index}.heat"
+        if pair.heat is None:
+            continue
+        if not scene.has_heat:
+            report(path, "has no effect without 'heat'", "no_effect", "warning")
+        elif heat is not None and heat.contact == "shared":
+            words = "needs temperatures of its own for each side; set heat.contact to insulated or {conductance: ...}"
+            report(path, words, "combination")
+        elif hasattr(pair.heat, "conductance"):
+            _check_bath(scene, pair, path, report)
+
+
+def _check_bath(scene: _Scene, pair: Any, path: str, report: Report) -> None:
+    """A rigid side conducts heat only where it has a temperature."""
+    for name in pair.between:
+        owners = [m.name for m in scene.fields.members if name in (m.owner, m.field) and m.is_rigid]
+        given = {body.name for _, body in scene.parts.bodies if body.temperature is not None}
+        if owners and not given & set(owners):
+            words = f"has no effect, because the rigid body '{owners[0]}' has no 'temperature'"
+            report(path, words, "no_effect", "warning")
+
+
+def _check_heat_section(scene: _Scene, report: Report) -> None:
+    """Choices of conduction that change nothing, or do not go together."""
+    heat, time = scene.parts.heat, scene.parts.time
+    given = heat.model_fields_set
+
+    def no_effect(key: str, reason: str) -> None:
+        report(f"heat.{key}", f"has no effect, because {reason}", "no_effect", "warning")
+
+    if scene.fields.complete and not scene.has_fields:
+        for key in ("contact", "friction"):
+            if key in given:
+                no_effect(key, "the scene has a single velocity field")
+    elif scene.has_fields and heat.friction and heat.interval != "auto" and heat.interval > 1:
+        words = (
+            "must be 1 or auto, because friction heats bodies in every step; or set heat.friction to false"
+        )
+        report("heat.interval", words, "combination")
+    if "fourier" in given and time is not None and time.step is not None and heat.interval != "auto":
+        no_effect("fourier", "the time step and the interval are given")

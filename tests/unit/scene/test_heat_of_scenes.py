@@ -1,0 +1,400 @@
+"""What a scene says about heat: needs, contradictions, and what changes nothing."""
+
+from __future__ import annotations
+
+import pytest
+
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.scene.loader import load_scene
+
+SCENE = """\
+version: 1
+units: {length: mm, mass: g, time: ms}
+analysis: {kind: plane_strain}
+grid: {lower: [-20, -20], upper: [20, 20], cell: 1}
+method: {shape: ugimp}
+heat: {}
+materials:
+  steel: {kind: linear_elastic, density: 8e-3, E: 200e3, nu: 0.3, heat_capacity: 460 J/(kg K), conductivity: 45 W/(m K)}
+  cork: {kind: neo_hookean, density: 1e-4, E: 10, nu: 0, heat_capacity: 2 kJ/(kg K), conductivity: [1e-3, 1e-3, 1e-3]}
+  tool: {kind: rigid}
+bodies:
+  - {name: left, material: steel, region: {kind: box, lower: [-9, -5], upper: [0, 5]}}
+  - {name: right, material: cork, region: {kind: box, lower: [0, -5], upper: [9, 5]}}
+  - {name: plate, material: tool, region: {kind: box, lower: [-12, -7], upper: [12, -5]}}
+contact:
+  law: {kind: coulomb, friction: 0.3}
+boundary:
+  - {name: cold, kind: temperature, on: {body: left, face: {axis: x, side: lower}}, value: 280}
+  - {name: line, kind: temperature, on: {plane: {axis: x, at: 12}}, value: "300 + t"}
+loads:
+  - {name: torch, kind: heat_flux, on: {body: right, face: {axis: x, side: upper}}, flux: 1 MW/m^2}
+  - {name: air, kind: film, on: {body: right, face: {axis: y, side: upper}}, coefficient: 25 W/(m^2 K), around: 293}
+  - {name: sky, kind: radiation, on: {body: right, face: {axis: y, side: upper}}, emissivity: 0.8, around: 4}
+  - {name: current, kind: heat_source, on: {body: left}, power: 5, per: volume}
+time: {end: 0.1}
+"""
+HOT = "value: 280}\n"
+
+
+def problems_of(*changes: tuple[str, str], sets: tuple[str, ...] = ()) -> list[Problem]:
+    """Errors and warnings of the scene after replacing pieces of its text."""
+    text = SCENE
+    for old, new in changes:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    try:
+        return load_scene(text, sets=sets).warnings
+    except SceneError as error:
+        return error.problems
+
+
+def only(problems: list[Problem], path: str, words: str, severity: str = "error") -> Problem:
+    """The one problem, which is at this place and says this."""
+    assert [(p.path, p.severity) for p in problems] == [(path, severity)], problems
+    assert words in problems[0].message
+    assert problems[0].line is not None or str(problems[0].file).startswith("--set")
+    return problems[0]
+
+
+def test_the_scene_is_valid() -> None:
+    assert problems_of() == []
+
+
+# ---------------------------------------------------------------- materials
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [(", heat_capacity: 460 J/(kg K)", "heat_capacity"), (", conductivity: 45 W/(m K)", "conductivity")],
+)
+def test_conduction_needs_capacity_and_conductivity(text: str, key: str) -> None:
+    found = only(
+        problems_of((text, "")), f"materials.steel.{key}", "is missing; conduction of heat ('heat') in 'left'"
+    )
+    assert found.line == 8
+    assert ("give 0 for an insulator" in found.message) == (key == "conductivity")
+
+
+def test_both_may_be_missing_at_once() -> None:
+    found = problems_of((", heat_capacity: 460 J/(kg K), conductivity: 45 W/(m K)", ""))
+    assert [p.path for p in found] == ["materials.steel.heat_capacity", "materials.steel.conductivity"]
+
+
+def test_a_misspelt_key_names_the_nearest() -> None:
+    only(
+        problems_of(("heat_capacity: 460", "heat_capcity: 460")),
+        "materials.steel.heat_capcity",
+        "did you mean 'heat_capacity'?",
+    )
+
+
+def test_materials_that_no_body_uses_need_nothing() -> None:
+    spare = "  spare: {kind: linear_elastic, density: 1, E: 1, nu: 0}\n  tool:"
+    only(problems_of(("  tool:", spare)), "materials.spare", "no body uses this material", "warning")
+
+
+def test_conduction_without_a_conductor_has_no_effect() -> None:
+    insulators = ("materials.steel.conductivity=0", "materials.cork.conductivity=[0, 0, 0]")
+    only(problems_of(sets=insulators), "heat", "no material conducts heat: each conductivity is 0", "warning")
+    assert problems_of(sets=insulators[:1]) == []
+
+
+@pytest.mark.parametrize("key", ["heat_capacity", "conductivity", "expansion", "T0"])
+@pytest.mark.parametrize("value", ["-1", ".inf", ".nan", "'1e999 W'", "yes", "[]", "{a: 1}"])
+def test_values_out_of_range_are_refused(key: str, value: str) -> None:
+    found = problems_of(sets=(f"materials.cork.{key}={value}",))
+    assert {p.severity for p in found} == {"error"}
+    assert all(p.path.startswith(f"materials.cork.{key}") for p in found)
+
+
+# ---------------------------------------------------------------- without heat
+
+BARE = """\
+version: 1
+analysis: {kind: plane_strain}
+grid: {lower: [-20, -20], upper: [20, 20], cell: 1}
+materials:
+  steel: {kind: linear_elastic, density: 1, E: 200, nu: 0.3}
+bodies:
+  - {name: left, material: steel, region: {kind: box, lower: [-9, -5], upper: [0, 5]}}
+time: {end: 0.1}
+"""
+
+
+def bare(*sets: str) -> list[Problem]:
+    """Errors and warnings of a scene without heat."""
+    try:
+        return load_scene(BARE, sets=list(sets)).warnings
+    except SceneError as error:
+        return error.problems
+
+
+CAPACITY, ADIABATIC = "materials.steel.heat_capacity=1", "method.heating=adiabatic"
+
+
+def test_a_conductivity_has_no_effect_without_heat() -> None:
+    for more in ((), (ADIABATIC, CAPACITY)):
+        found = bare("materials.steel.conductivity=1", *more)
+        only(found, "materials.steel.conductivity", "has no effect without 'heat'", "warning")
+
+
+def test_a_capacity_has_an_effect_with_adiabatic_heating() -> None:
+    found = bare(CAPACITY)
+    only(found, "materials.steel.heat_capacity", "without 'heat' or 'method.heating: adiabatic'", "warning")
+    assert bare(CAPACITY, ADIABATIC) == []
+
+
+def test_adiabatic_heating_needs_a_capacity() -> None:
+    only(
+        bare(ADIABATIC), "method.heating", "has no effect, because no material has a heat_capacity", "warning"
+    )
+
+
+def test_temperatures_have_an_effect_where_something_depends_on_them() -> None:
+    T0, body = "materials.steel.T0=200", "bodies.left.temperature=400"
+    only(
+        bare(T0), "materials.steel.T0", "has no effect because nothing depends on the temperature", "warning"
+    )
+    only(bare(body), "bodies.left.temperature", "material 'steel' has no temperature", "warning")
+    assert bare(T0, body, "materials.steel.expansion=1e-5") == []
+    assert bare(T0, body, CAPACITY, ADIABATIC) == []
+
+
+def test_expansion_needs_a_change_of_temperature() -> None:
+    expansion = "materials.steel.expansion=1e-5"
+    words = "has no effect because the temperature stays 300 (T0) without 'heat'"
+    for more in ((), ("bodies.left.temperature=300",), (ADIABATIC,)):
+        found = [p for p in bare(expansion, *more) if p.path != "method.heating"]
+        only(found, "materials.steel.expansion", words, "warning")
+    for temperature in ("301", "300+x"):
+        assert bare(expansion, f"bodies.left.temperature={temperature}") == []
+    assert bare(expansion, CAPACITY, ADIABATIC) == []
+
+
+LOADS = {
+    "boundary": "[{name: a, kind: temperature, on: {plane: {axis: x, at: -9}}, value: 300}]",
+    "loads": "[{name: a, kind: heat_source, on: {body: left}, power: 5}]",
+}
+
+
+@pytest.mark.parametrize("key", LOADS)
+def test_conditions_and_loads_of_heat_need_conduction(key: str) -> None:
+    kind = "temperature" if key == "boundary" else "heat_source"
+    words = f"'{kind}' needs conduction of heat; add 'heat: {{}}' to the scene"
+    found = only(bare(f"{key}={LOADS[key]}"), f"{key}.a.kind", words)
+    assert found.code == "needs_heat"
+
+
+def test_an_empty_section_is_as_good_as_none() -> None:
+    only(
+        bare("heat=null", "materials.steel.conductivity=1"),
+        "materials.steel.conductivity",
+        "no effect",
+        "warning",
+    )
+
+
+def test_a_broken_section_of_heat_is_not_taken_for_none() -> None:
+    found = problems_of(("heat: {}", "heat: {interval: 0, transfer: {kind: xpic}}"))
+    assert [p.path for p in found] == ["heat.interval", "heat.transfer.kind"]
+    assert "0 is out of range: must be at least 1" in found[0].message
+    assert "'xpic' is not a known transfer (allowed: flip, fmpm)" in found[1].message
+
+
+# ---------------------------------------------------------------- conditions and loads
+
+
+@pytest.mark.parametrize(
+    ("old", "path"),
+    [
+        ("{body: left, face: {axis: x, side: lower}}", "boundary.cold.on.body"),
+        ("{body: right, face: {axis: x, side: upper}}", "loads.torch.on.body"),
+        ("on: {body: left}", "loads.current.on.body"),
+    ],
+)
+def test_heat_does_not_enter_rigid_bodies(old: str, path: str) -> None:
+    plate = old.replace("left", "plate").replace("right", "plate")
+    only(problems_of((old, plate)), path, "the body 'plate' is rigid, and heat does not enter it")
+
+
+def test_mechanical_conditions_on_rigid_bodies_are_refused_as_before() -> None:
+    push = "  - {name: push, kind: velocity, on: {body: plate, face: {axis: y, side: lower}}, direction: y, value: 1}\n"
+    only(problems_of((HOT, HOT + push)), "boundary.push.on.body", "its 'velocity' prescribes its motion")
+
+
+def test_loads_on_faces_know_no_planes() -> None:
+    found = problems_of(
+        ("{body: right, face: {axis: y, side: upper}}, coefficient", "{plane: {axis: y, at: 5}}, coefficient")
+    )
+    by_path = {p.path: p.message for p in found}
+    assert "unknown key 'plane' (allowed: body, face)" in by_path["loads.air.on.plane"]
+
+
+@pytest.mark.parametrize("value", ["0", "-3", "'0*t'", "'-20 + t'"])
+def test_held_temperatures_are_absolute(value: str) -> None:
+    found = problems_of(sets=(f"boundary.cold.value={value}",))
+    only(found, "boundary.cold.value", "temperatures are absolute and must be above 0")
+
+
+def test_temperatures_around_are_absolute() -> None:
+    only(problems_of(("around: 293", "around: -10")), "loads.air.around", "temperatures are absolute")
+
+
+def test_two_temperatures_at_a_face_contradict_each_other() -> None:
+    second = (
+        "  - {{name: hot, kind: temperature, on: {{body: left, face: {{axis: x, side: {}}}}}, value: {}}}\n"
+    )
+
+    def found(side: str, value: str) -> list[Problem]:
+        return problems_of((HOT, HOT + second.format(side, value)))
+
+    problem = only(
+        found("lower", "281"), "boundary.hot.value", "held at another temperature by 'cold' in line 18"
+    )
+    assert problem.code == "contradiction"
+    assert found("lower", "280") == []
+    assert found("upper", "281") == []
+    assert [p.path for p in found("lower", '"280 + y"')] == ["boundary.hot.value"]
+    assert found("lower", '"280 + 0*y"') == []
+
+
+def test_loads_on_a_held_face_have_no_effect() -> None:
+    found = problems_of(
+        ("{body: right, face: {axis: x, side: upper}}", "{body: left, face: {axis: x, side: lower}}")
+    )
+    only(
+        found,
+        "loads.torch.on",
+        "has no effect on the body, because 'cold' holds the temperature of this face",
+        "warning",
+    )
+
+
+# ---------------------------------------------------------------- contact
+
+
+def test_choices_between_fields_need_fields() -> None:
+    heat = ("heat: {}", "heat: {contact: insulated, friction: true}")
+    assert problems_of(heat) == []
+    alone = ("contact:\n  law: {kind: coulomb, friction: 0.3}\n", "")
+    plate = (
+        "  - {name: plate, material: tool, region: {kind: box, lower: [-12, -7], upper: [12, -5]}}\n",
+        "",
+    )
+    found = problems_of(heat, alone, plate, ("  tool: {kind: rigid}\n", ""))
+    assert [(p.path, p.severity) for p in found] == [
+        ("heat.contact", "warning"),
+        ("heat.friction", "warning"),
+    ]
+    assert "the scene has a single velocity field" in found[0].message
+
+
+def test_friction_heats_in_every_step() -> None:
+    words = "must be 1 or auto, because friction heats bodies in every step; or set heat.friction to false"
+    only(problems_of(("heat: {}", "heat: {interval: 10}")), "heat.interval", words)
+    for fine in ("{interval: auto}", "{interval: 1}", "{interval: 10, friction: false}"):
+        assert problems_of(("heat: {}", f"heat: {fine}")) == []
+
+
+LAW = "  law: {kind: coulomb, friction: 0.3}\n"
+PAIRS = "  pairs: [{{between: [{}], law: {{kind: stick}}, heat: {}}}]\n"
+
+
+def pair(heat: str, between: str = "left, right", section: str = "{contact: insulated}") -> list[Problem]:
+    """Problems of a pair with an exchange of heat of its own."""
+    return problems_of((LAW, LAW + PAIRS.format(between, heat)), ("heat: {}", f"heat: {section}"))
+
+
+@pytest.mark.parametrize(
+    "heat", ["insulated", "{conductance: 10}", "{conductance: perfect}", "{conductance: 1 kW/(m^2 K)}"]
+)
+def test_pairs_exchange_heat_in_their_own_way(heat: str) -> None:
+    assert pair(heat) == []
+
+
+@pytest.mark.parametrize(
+    ("heat", "path", "words"),
+    [
+        ("shared", "contact.pairs.0.heat", "'shared' is not allowed"),
+        ("{conductance: 0}", "contact.pairs.0.heat.conductance", "must be above 0"),
+        ("{conductance: perfct}", "contact.pairs.0.heat.conductance", "perfct"),
+        ("{conductivity: 1}", "contact.pairs.0.heat.conductivity", "did you mean 'conductance'?"),
+    ],
+)
+def test_other_words_for_pairs_are_refused(heat: str, path: str, words: str) -> None:
+    found = pair(heat)
+    assert path in {p.path for p in found}
+    assert any(words in p.message for p in found)
+
+
+def test_pairs_need_temperatures_of_their_own() -> None:
+    found = pair("insulated", section="{}")
+    words = "needs temperatures of its own for each side; set heat.contact to insulated or {conductance: ...}"
+    only(found, "contact.pairs.0.heat", words)
+
+
+def test_pairs_have_no_heat_without_conduction() -> None:
+    text = (
+        BARE
+        + "contact: {law: {kind: stick}, pairs: [{between: [left, b], law: {kind: stick}, heat: insulated}]}\n"
+    )
+    text = text.replace(
+        "time:", "  - {name: b, material: steel, region: {kind: box, lower: [0, -5], upper: [9, 5]}}\ntime:"
+    )
+    only(load_scene(text).warnings, "contact.pairs.0.heat", "has no effect without 'heat'", "warning")
+
+
+BATH = "bodies.plate.temperature=500"
+
+
+def test_a_rigid_body_is_a_bath_by_a_conductance() -> None:
+    words = "has no effect, because the rigid body 'plate' has no 'temperature'"
+    only(pair("{conductance: 10}", "left, plate"), "contact.pairs.0.heat", words, "warning")
+    assert problems_of(("heat: {}", "heat: {contact: {conductance: 10}}"), sets=(BATH,)) == []
+    words = "a rigid body exchanges heat only by"
+    only(problems_of(sets=(BATH,)), "bodies.plate.temperature", words, "warning")
+    found = problems_of(
+        (LAW, LAW + PAIRS.format("left, plate", "{conductance: 10}")),
+        ("heat: {}", "heat: {contact: insulated}"),
+        sets=(BATH,),
+    )
+    assert found == []
+
+
+# ---------------------------------------------------------------- the rest of the section
+
+
+def test_a_fourier_number_has_no_effect_with_given_steps() -> None:
+    step = ("time: {end: 0.1}", "time: {end: 0.1, step: 1e-5}")
+    found = problems_of(("heat: {}", "heat: {fourier: 0.1}"), step)
+    only(found, "heat.fourier", "has no effect, because the time step and the interval are given", "warning")
+    assert problems_of(("heat: {}", "heat: {fourier: 0.1, interval: auto}"), step) == []
+    assert problems_of(("heat: {}", "heat: {fourier: 0.1}")) == []
+
+
+def test_a_scene_of_rigid_bodies_says_only_that() -> None:
+    only(
+        bare("materials={steel: {kind: rigid}}", "heat={}", f"loads={LOADS['loads']}"),
+        "bodies",
+        "every body is rigid; at least one body must be deformable",
+    )
+
+
+def test_everything_at_once() -> None:
+    found = problems_of(
+        (", heat_capacity: 460 J/(kg K)", ""),
+        ("heat: {}", "heat: {interval: 3, fourier: 9}"),
+        ("around: 293", "around: 0"),
+        ("value: 280", "value: -1"),
+        ("on: {body: left}", "on: {body: lift}"),
+    )
+    paths = [
+        "heat.fourier",
+        "materials.steel.heat_capacity",
+        "boundary.cold.value",
+        "loads.air.around",
+        "loads.current.on.body",
+    ]
+    assert [p.path for p in found] == paths
+    assert "did you mean 'left'?" in found[-1].message
