@@ -134,7 +134,7 @@ class Exits:
         p, state = self._particles, self._state
         heat = np.asarray(p.heat_inflow)[chosen].copy()
         if p.T_carried is not None:
-            c = np.array([getattr(m, "heat_capacity", None) or 0.0 for m in state.material_models])
+            c = np.array([m.specific_heat or 0.0 for m in state.material_models])
             heat += p.mass[chosen] * c[p.material[chosen]] * (p.T_carried - np.asarray(p.T))[chosen]
         return float(heat.sum())
 

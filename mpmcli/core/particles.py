@@ -39,6 +39,8 @@ class Particles:
     heat_inflow, entropy : (N,) or None; heat that a particle has received by conduction, from loads, conditions and
         friction, and what its entropy has grown by; only with conduction [energy], [energy/temperature]
     heat_flux : (d, N) or None; flux of heat −κ∇T [power/area]
+    T_stress : (N,) or None; temperature of the last stress, only with materials that expand and whose law needs
+        increments [temperature]
     bond : (N,) or None; 1 while contact nearby still adheres, else 0; only with adhesive contact [-]
     """
 
@@ -64,6 +66,7 @@ class Particles:
     heat_inflow: Array | None = None
     entropy: Array | None = None
     heat_flux: Array | None = None
+    T_stress: Array | None = None
     bond: Array | None = None
 
     @property

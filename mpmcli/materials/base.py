@@ -5,6 +5,7 @@ A new material is one new file here (and its row in ``KINDS``): a
 model registered in ``MATERIALS``, its parameter tuple, and
 implementations of ``kirchhoff_stress``, ``strain_energy``, ``wave_speed_squared`` (and
 ``bulk_speed_squared``, ``absorb_work`` where the defaults do not serve), registered for the tuple's class.
+No material knows thermal expansion or heating by compression: ``materials.thermal`` adds both to any law.
 """
 
 from __future__ import annotations
@@ -42,10 +43,16 @@ class Matter(Model):
     history: ClassVar[tuple[str, ...]] = ()
     """Names of its history variables, in the order of their rows in ``Particles.H``."""
     properties: ClassVar[frozenset[str]] = frozenset()
-    """Any of ``hyperelastic``, ``isotropic``, ``stress_free_at_rest``, ``fluid``, ``rigid``."""
+    """Any of ``hyperelastic``, ``isotropic``, ``stress_free_at_rest``, ``fluid``, ``rigid``, and ``equation_of_state``:
+    compression heats it, and heat changes its pressure, by its own law."""
 
     field: Annotated[str, Field(min_length=1, max_length=80)] | None = None
     """Name of its velocity field in contact of materials; materials that name the same one share it."""
+
+    @property
+    def specific_heat(self) -> float | None:
+        """Heat capacity per mass at constant volume, given or known otherwise, if it has one [specific_heat]."""
+        return None
 
     def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
         """The numbers that the compiled functions need, for one kind of analysis."""
@@ -92,10 +99,19 @@ class MaterialModel(Matter):
     """Heat capacity per mass at constant volume, c_v."""
     conductivity: Conductivity | None = None
     """Thermal conductivity: one number, or three along the grid's axes at the start, which turn with the body."""
-    expansion: Annotated[float, Quantity("1/temperature", ge=0)] = 0.0
+    expansion: Annotated[float, Quantity("1/temperature", ge=0, lt=1e30)] = 0.0
     """Linear coefficient α of thermal expansion; the thermal stretch is exp(α(T − T0))."""
     T0: Annotated[float, Quantity("temperature", gt=0, lt=1e30)] = 300.0
     """Temperature without stress; also the initial one unless the body gives it."""
+
+    @property
+    def specific_heat(self) -> float | None:
+        return self.heat_capacity
+
+    @property
+    def tracks_temperature(self) -> bool:
+        """Whether its history has the temperature."""
+        return "temperature" in self.history
 
 
 @generic
@@ -136,3 +152,23 @@ def absorb_work(m: Any, F: Any, dF: Any, H: Any, p: Any, work: Any, viscous: Any
     the part of the latter. Called only for materials with a history variable ``internal_energy`` or
     ``temperature``.
     """
+
+
+@generic
+def absorb_heat(m: Any, H: Any, p: Any, dT: Any) -> Any:
+    """Update the history, but for its temperature, after heat from elsewhere changed the temperature by ``dT``."""
+
+
+@generic
+def bulk_slope(m: Any, F: Any, H: Any, p: Any) -> Any:
+    """Current bulk slope k = J²∂²W/∂J² over the initial density [velocity²]; heating by compression follows from it."""
+
+
+@generic
+def isentropic_growth(m: Any, F: Any, dF: Any) -> Any:
+    """Logarithm of T/Tⁿ by the change of volume in a step at constant entropy, in an equation of state."""
+
+
+@generic
+def dissipated_heat(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+    """Heat per initial volume that the material dissipates in a step, if its history has no temperature [pressure]."""

@@ -29,6 +29,7 @@ from mpmcli.core.exponentials import (
     exponential_1d,
     exponential_2d,
     exponential_3d,
+    logarithm,
 )
 from mpmcli.materials.lateral import lateral_stretch, thickness_stretch
 
@@ -84,6 +85,16 @@ def close_gradient(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: A
 @generic
 def store_lateral(analysis: Any, F: Any, p: Any, F1: Any) -> Any:
     """Write the lateral stretches that ``close_gradient`` found."""
+
+
+@generic
+def frees_width(analysis: Any) -> Any:
+    """Whether the stress decides a lateral stretch."""
+
+
+@generic
+def lateral_growth(analysis: Any, F: Any, p: Any, F1: Any) -> Any:
+    """Logarithm of the ratio of the lateral area (or thickness) of ``F1`` to that stored."""
 
 
 @generic
@@ -319,14 +330,15 @@ for _analysis in FIXED_WIDTH:
 def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
     z = thickness_stretch(m, F, dF, H, p, dt)
     F1 = (F[0], F[1], 0.0, F[3], F[4], 0.0, 0.0, 0.0, z)
-    return F1, (dF[0], dF[1], 0.0, dF[3], dF[4], 0.0, 0.0, 0.0, z / F[8])
+    return F1, (dF[0], dF[1], 0.0, dF[3], dF[4], 0.0, 0.0, 0.0, dF[8] * (z / F[8]))
 
 
 @close_gradient.register(UniaxialStress)
 def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
     z = lateral_stretch(m, F, dF, H, p, dt)
     F1 = (F[0], 0.0, 0.0, 0.0, z, 0.0, 0.0, 0.0, z)
-    return F1, (dF[0], 0.0, 0.0, 0.0, z / F[8], 0.0, 0.0, 0.0, z / F[8])
+    growth = dF[8] * (z / F[8])
+    return F1, (dF[0], 0.0, 0.0, 0.0, growth, 0.0, 0.0, 0.0, growth)
 
 
 for _analysis in FIXED_WIDTH:
@@ -334,6 +346,31 @@ for _analysis in FIXED_WIDTH:
     @store_lateral.register(_analysis)
     def _(analysis: Any, F: Any, p: Any, F1: Any) -> Any:
         return None
+
+    @frees_width.register(_analysis)
+    def _(analysis: Any) -> Any:
+        return False
+
+    @lateral_growth.register(_analysis)
+    def _(analysis: Any, F: Any, p: Any, F1: Any) -> Any:
+        return 0.0
+
+
+for _analysis in (PlaneStress, UniaxialStress):
+
+    @frees_width.register(_analysis)
+    def _(analysis: Any) -> Any:
+        return True
+
+
+@lateral_growth.register(PlaneStress)
+def _(analysis: Any, F: Any, p: Any, F1: Any) -> Any:
+    return logarithm(F1[8] / F[4, p])
+
+
+@lateral_growth.register(UniaxialStress)
+def _(analysis: Any, F: Any, p: Any, F1: Any) -> Any:
+    return 2.0 * logarithm(F1[8] / F[2, p])
 
 
 @store_lateral.register(PlaneStress)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
+
+from pydantic import model_validator
 
 from mpmcli.core.exponentials import exponential_1d, logarithm
 from mpmcli.core.model import PositivePressure, Quantity
@@ -13,6 +15,7 @@ from mpmcli.materials.base import (
     MaterialModel,
     absorb_work,
     bulk_speed_squared,
+    isentropic_growth,
     kirchhoff_stress,
     needs_increment,
     strain_energy,
@@ -35,13 +38,30 @@ class IdealGas(MaterialModel):
 
     analyses: ClassVar[frozenset[str]] = frozenset({"uniaxial_strain", "plane_strain", "axisymmetric", "3d"})
     history: ClassVar[tuple[str, ...]] = ("temperature", "heat_energy")
-    properties: ClassVar[frozenset[str]] = frozenset({"hyperelastic", "isotropic", "fluid"})
+    properties: ClassVar[frozenset[str]] = frozenset(
+        {"hyperelastic", "isotropic", "fluid", "equation_of_state"}
+    )
 
     kind: Literal["ideal_gas"]
     pressure: PositivePressure
     """Initial pressure p0 at the initial density."""
     gamma: Annotated[float, Quantity("1", gt=1)] = 1.4
     """Ratio of the heat capacities at constant pressure and constant volume."""
+
+    @model_validator(mode="after")
+    def _one_capacity(self) -> Self:
+        known, given = self.specific_heat, self.heat_capacity
+        if given is not None and not math.isclose(known, given, rel_tol=1e-3):
+            raise ValueError(
+                "heat_capacity follows from pressure, gamma, T0 and density: pressure/((gamma - 1)*T0*density) = "
+                f"{known:.7g}, not {given:g}; leave it out"
+            )
+        return self
+
+    @property
+    def specific_heat(self) -> float:
+        """Heat capacity per mass at constant volume, p0/((γ − 1)ρ₀T0) [specific_heat]."""
+        return self.pressure / ((self.gamma - 1) * self.T0 * self.density)
 
     def parameters(self, analysis: str, adiabatic: bool) -> Gas:
         """Pressure, temperature and density at the start; the exponent of the adiabat, or 1 if isothermal."""
@@ -92,6 +112,11 @@ def _(m: Any, F: Any, dF: Any, H: Any, p: Any, work: Any, viscous: Any) -> Any:
     H[HEAT, p] += viscous
     if m.exponent > 1.0:
         H[TEMPERATURE, p] += viscous / m.capacity
+
+
+@isentropic_growth.register(Gas)
+def _(m: Any, F: Any, dF: Any) -> Any:
+    return -m.pressure / (m.capacity * m.T0) * logarithm(determinant(dF))
 
 
 @strain_energy.register(Gas)

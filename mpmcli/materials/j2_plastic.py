@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import namedtuple
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
+
+from pydantic import model_validator
 
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_symmetric, log_symmetric, logarithm
@@ -51,8 +53,18 @@ class J2Plastic(ElasticModel):
     """Flow stress against plastic strain, rate and temperature."""
     taylor_quinney: Annotated[float, Quantity("1", ge=0, le=1)] = 0.9
     """Part χ of the plastic work that turns into heat."""
-    temperature: Annotated[float, Quantity("temperature", ge=0)] = 300.0
-    """Initial temperature."""
+    temperature: Annotated[float, Quantity("temperature", ge=0)] | None = None
+    """Older word for T0."""
+
+    @model_validator(mode="after")
+    def _one_temperature(self) -> Self:
+        if self.temperature is not None:
+            if "T0" in self.model_fields_set:
+                raise ValueError("give T0 or temperature, its older word, not both")
+            # the value has one name from here on
+            self.__dict__ |= {"T0": self.temperature, "temperature": None}
+            self.__pydantic_fields_set__.symmetric_difference_update({"T0", "temperature"})
+        return self
 
     def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
         """Moduli, what heating needs, and the hardening law's numbers."""
@@ -71,8 +83,8 @@ class J2Plastic(ElasticModel):
         return J2_WITH[type(law)](*elastic, *law)
 
     def initial_history(self) -> dict[str, float]:
-        """The temperature starts at its initial value."""
-        return {"temperature": self.temperature}
+        """The temperature starts at T0."""
+        return {"temperature": self.T0}
 
 
 class ElasticPart(NamedTuple):

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.core.exponentials import exponential_1d, log_symmetric, logarithm
-from mpmcli.core.tensors import left_cauchy_green
+from mpmcli.core.tensors import determinant, left_cauchy_green
 from mpmcli.materials.base import (
     MATERIALS,
+    bulk_slope,
     bulk_speed_squared,
     kirchhoff_stress,
     strain_energy,
@@ -73,6 +74,11 @@ def _(m: Any, F: Any, H: Any, p: Any) -> Any:
 @bulk_speed_squared.register(Hencky)
 def _(m: Any, F: Any, H: Any, p: Any) -> Any:
     return m.bulk2
+
+
+@bulk_slope.register(Hencky)
+def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+    return m.bulk2 * (1.0 - logarithm(determinant(F)))
 
 
 @thickness_stretch.register(Hencky)

@@ -15,8 +15,10 @@ from mpmcli.materials.base import (
     MATERIALS,
     HeatCapacity,
     MaterialModel,
+    absorb_heat,
     absorb_work,
     bulk_speed_squared,
+    isentropic_growth,
     kirchhoff_stress,
     needs_increment,
     strain_energy,
@@ -44,7 +46,9 @@ class MieGruneisen(MaterialModel):
 
     analyses: ClassVar[frozenset[str]] = frozenset({"uniaxial_strain", "plane_strain", "axisymmetric", "3d"})
     history: ClassVar[tuple[str, ...]] = ("internal_energy", "temperature", "heat_energy")
-    properties: ClassVar[frozenset[str]] = frozenset({"isotropic", "stress_free_at_rest"})
+    properties: ClassVar[frozenset[str]] = frozenset(
+        {"isotropic", "stress_free_at_rest", "equation_of_state"}
+    )
 
     kind: Literal["mie_gruneisen"]
     K: Annotated[float, Quantity("pressure", gt=0)] | None = None
@@ -150,7 +154,7 @@ def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
     E = H[ENERGY, p]
     cold = cold_pressure(m, eta)
     old = cold_pressure(m, 1.0 - start) + m.gamma0 * E
-    heat = (m.adiabatic - 1.0) * m.capacity * m.gamma0 * m.T0 * step
+    heat = (m.adiabatic - 1.0) * m.capacity * m.gamma0 * H[TEMPERATURE, p] * step
     E = (E + 0.5 * (old + cold) * step + heat) / (1.0 - 0.5 * m.gamma0 * step)
     mean = -J * (cold + m.gamma0 * E)
     s = isochoric_stress(m.shear, F, J)
@@ -165,11 +169,22 @@ def _(m: Any, F: Any, dF: Any, H: Any, p: Any, work: Any, viscous: Any) -> Any:
         E = H[ENERGY, p] + work
         T = H[TEMPERATURE, p] * exponential_1d(m.gamma0 * step) + viscous / m.capacity
     else:
-        E = H[ENERGY, p] + work - viscous - m.capacity * m.gamma0 * m.T0 * step
-        T = m.T0
+        T = H[TEMPERATURE, p]
+        E = H[ENERGY, p] + work - viscous - m.capacity * m.gamma0 * T * step
     H[ENERGY, p] = E
     H[TEMPERATURE, p] = T
     H[HEAT, p] = m.capacity * (T - m.T0 * exponential_1d(m.gamma0 * (1.0 - J)))
+
+
+@absorb_heat.register(EquationOfState)
+def _(m: Any, H: Any, p: Any, dT: Any) -> Any:
+    H[ENERGY, p] += m.capacity * dT
+
+
+@isentropic_growth.register(EquationOfState)
+def _(m: Any, F: Any, dF: Any) -> Any:
+    J = determinant(F)
+    return m.gamma0 * (J / determinant(dF) - J)
 
 
 @strain_energy.register(EquationOfState)

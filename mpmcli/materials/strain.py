@@ -37,6 +37,16 @@ from mpmcli.materials.components import (
     store_stress,
     stress_power,
 )
+from mpmcli.materials.thermal import (
+    expand,
+    scale,
+    scale_symmetric,
+    set_at,
+    settle,
+    take_temperature,
+    thermal_stretch,
+    value_at,
+)
 
 BLOCK = 1024
 """Particles per block: the unit of threads and of reductions."""
@@ -138,6 +148,7 @@ def stress_particles(
     vol0: Any,
     stress_work: Any,
     viscous: Any,
+    thermal: Any,
     dt: Any,
     start: Any,
     end: Any,
@@ -150,13 +161,24 @@ def stress_particles(
         dF = load_increment(analysis, L, p, dt) if needs_increment(m) else IDENTITY
         F1 = load_gradient(analysis, F, p)
         J0 = determinant(F1)
-        F1, dF = close_gradient(analysis, F1, dF, m, H, p, dt)
+        if thermal is None:
+            F1, dF = close_gradient(analysis, F1, dF, m, H, p, dt)
+            Fe = F1
+        else:
+            before = take_temperature(thermal, m, H, p)
+            heat = value_at(thermal.heat, p, 0.0)
+            Fe, dF, stretch, warm, gamma, growth = expand(
+                thermal, analysis, m, F, F1, dF, L, H, p, dt, before
+            )
+            F1, cube = scale(Fe, stretch), stretch * stretch * stretch
         store_lateral(analysis, F, p, F1)
         J = determinant(F1)
         smallest_J = min(smallest_J, J)
         largest_J = max(largest_J, J)
         T0 = load_stress(analysis, tau, p)
-        T = kirchhoff_stress(m, F1, dF, H, p, dt, True)
+        T = kirchhoff_stress(m, Fe, dF, H, p, dt, True)
+        if thermal is not None:
+            T = scale_symmetric(T, cube)
         viscous_work = 0.0
         if viscous is not None:
             # q0, q: Kirchhoff pressures Jq at the start and the end of the step
@@ -164,7 +186,10 @@ def stress_particles(
             q0 = viscous.pressure[p] * J0 * exponential_1d(-rate * dt)
             q = 0.0
             if rate < 0.0:
-                speed = math.sqrt(bulk_speed_squared(m, F1, H, p))
+                c2 = bulk_speed_squared(m, Fe, H, p)
+                if thermal is not None:
+                    c2 *= cube
+                speed = math.sqrt(c2)
                 width = -rate * viscous.cell
                 q = mass[p] / vol0[p] * width * (viscous.linear * speed + viscous.quadratic * width)
             T = add_pressure(analysis, T, q)
@@ -175,8 +200,30 @@ def stress_particles(
         work = 0.5 * dt * stress_power(analysis, twice, L, p)
         stress_work[p] += vol0[p] * work
         store_stress(analysis, tau, p, T)
-        absorb_work(m, F1, dF, H, p, work, viscous_work)
-        fastest = max(fastest, wave_speed_squared(m, F1, H, p))
+        absorb_work(m, Fe, dF, H, p, work, viscous_work)
+        speed2 = wave_speed_squared(m, Fe, H, p)
+        if thermal is not None:
+            set_at(thermal.heat, p, heat + viscous_work)
+            settle(
+                thermal,
+                m,
+                Fe,
+                dF,
+                H,
+                p,
+                dt,
+                vol0[p],
+                cube,
+                before,
+                warm,
+                growth,
+                viscous_work,
+                np.int64(p) // BLOCK,
+            )
+            speed2 *= cube
+            if thermal.warms:  # adiabatic stiffness
+                speed2 += gamma * gamma * thermal.capacity * thermal.T[p] * vol0[p] / mass[p]
+        fastest = max(fastest, speed2)
     return fastest, smallest_J, largest_J
 
 
@@ -194,6 +241,7 @@ def update_strain_and_stress(
     material: Any,
     stress_work: Any,
     viscous: Any,
+    thermal: Any,
     dt: Any,
     limits: Any,
     speed2: Any,
@@ -217,6 +265,8 @@ def update_strain_and_stress(
         (N,), grows by V⁰ ½(τⁿ + τⁿ⁺¹):D dt [energy].
     viscous
         None or ``ArtificialViscosity``, which acts in compression only and is part of ``tau``.
+    thermal
+        None or ``Thermal``, by whose temperature the material expands, and which work changes.
     dt
         Time step.
     limits
@@ -245,7 +295,7 @@ def update_strain_and_stress(
             else:
                 deform(analysis, F, L, start, end, dt)
             speed, low_J, high_J = stress_particles(
-                analysis, m, F, L, tau, H, mass, vol0, stress_work, viscous, dt, start, end
+                analysis, m, F, L, tau, H, mass, vol0, stress_work, viscous, thermal, dt, start, end
             )
             fastest = max(fastest, speed)
             smallest_J = min(smallest_J, low_J)
@@ -261,9 +311,14 @@ def update_strain_and_stress(
 
 @kernel
 def stored_energy(
-    analysis: Any, m: Any, material_index: Any, F: Any, H: Any, material: Any, out: Any
+    analysis: Any, m: Any, material_index: Any, F: Any, H: Any, material: Any, thermal: Any, out: Any
 ) -> None:
     """Write the stored energy per initial volume [pressure] of one material's particles to ``out`` (N,)."""
     for p in prange(out.shape[0]):
         if material_index < 0 or material[p] == material_index:
-            out[p] = strain_energy(m, load_gradient(analysis, F, p), H, p)
+            F1 = load_gradient(analysis, F, p)
+            if thermal is None:
+                out[p] = strain_energy(m, F1, H, p)
+            else:
+                stretch = thermal_stretch(thermal, thermal.T[p])
+                out[p] = stretch * stretch * stretch * strain_energy(m, scale(F1, 1.0 / stretch), H, p)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_1d, logarithm
 from mpmcli.core.model import PositivePressure, Quantity
 from mpmcli.core.tensors import determinant, multiply
@@ -12,6 +13,7 @@ from mpmcli.materials.base import (
     MATERIALS,
     MaterialModel,
     bulk_speed_squared,
+    dissipated_heat,
     kirchhoff_stress,
     needs_increment,
     strain_energy,
@@ -73,6 +75,20 @@ class Tait(NamedTuple):
 needs_increment.register(Tait)(yes)
 
 
+@inline
+def deviator_of_rate(dF: Any) -> Any:
+    """dev D Δt, with engineering shear strains: xx, yy, zz, 2xy, 2yz, 2xz."""
+    # D Δt is the symmetric part of ln dF = E - E²/2 + …, E = dF - I
+    E = (dF[0] - 1.0, dF[1], dF[2], dF[3], dF[4] - 1.0, dF[5], dF[6], dF[7], dF[8] - 1.0)
+    S = multiply(E, E)
+    xx, yy, zz = E[0] - 0.5 * S[0], E[4] - 0.5 * S[4], E[8] - 0.5 * S[8]
+    third = (xx + yy + zz) / 3.0
+    xy = E[1] + E[3] - 0.5 * (S[1] + S[3])
+    yz = E[5] + E[7] - 0.5 * (S[5] + S[7])
+    xz = E[2] + E[6] - 0.5 * (S[2] + S[6])
+    return xx - third, yy - third, zz - third, xy, yz, xz
+
+
 @kirchhoff_stress.register(Tait)
 def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
     J = determinant(F)
@@ -80,16 +96,9 @@ def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
     mean = min(mean, m.tension * J)
     if m.viscosity == 0.0 or dt == 0.0:
         return mean, mean, mean, 0.0, 0.0, 0.0
-    # D Δt is the symmetric part of ln dF = E - E²/2 + …, E = dF - I
-    E = (dF[0] - 1.0, dF[1], dF[2], dF[3], dF[4] - 1.0, dF[5], dF[6], dF[7], dF[8] - 1.0)
-    S = multiply(E, E)
+    xx, yy, zz, xy, yz, xz = deviator_of_rate(dF)
     g = 2.0 * m.viscosity * J / dt
-    xx, yy, zz = E[0] - 0.5 * S[0], E[4] - 0.5 * S[4], E[8] - 0.5 * S[8]
-    third = (xx + yy + zz) / 3.0
-    xy = 0.5 * g * (E[1] + E[3] - 0.5 * (S[1] + S[3]))
-    yz = 0.5 * g * (E[5] + E[7] - 0.5 * (S[5] + S[7]))
-    xz = 0.5 * g * (E[2] + E[6] - 0.5 * (S[2] + S[6]))
-    return mean + g * (xx - third), mean + g * (yy - third), mean + g * (zz - third), xy, yz, xz
+    return mean + g * xx, mean + g * yy, mean + g * zz, 0.5 * g * xy, 0.5 * g * yz, 0.5 * g * xz
 
 
 @strain_energy.register(Tait)
@@ -98,6 +107,15 @@ def _(m: Any, F: Any, H: Any, p: Any) -> Any:
     n, bounded = m.exponent, min(J, m.tension_J)
     elastic = exponential_1d((1.0 - n) * logarithm(bounded)) / (n - 1.0) + bounded - n / (n - 1.0)
     return m.bulk / n * elastic + m.tension * (J - bounded)
+
+
+@dissipated_heat.register(Tait)
+def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+    if m.viscosity == 0.0 or dt == 0.0:
+        return 0.0
+    xx, yy, zz, xy, yz, xz = deviator_of_rate(dF)
+    squares = xx * xx + yy * yy + zz * zz + 0.5 * (xy * xy + yz * yz + xz * xz)
+    return 2.0 * m.viscosity * determinant(F) * squares / abs(dt)
 
 
 @bulk_speed_squared.register(Tait)

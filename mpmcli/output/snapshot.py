@@ -57,7 +57,7 @@ class Snapshot:
     @cached_property
     def heat_capacity(self) -> Array:
         """Heat capacity per particle, of the full ring, 0 in rigid bodies, shape (N,) [energy/temperature]."""
-        c = [getattr(model, "heat_capacity", None) or 0.0 for model in self.state.material_models]
+        c = [model.specific_heat or 0.0 for model in self.state.material_models]
         return self.mass * np.array(c)[self.particles.material]
 
     @cached_property

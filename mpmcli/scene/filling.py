@@ -101,6 +101,22 @@ def start_velocity(body: Any, X: Array) -> tuple[list[Any], list[Problem]]:
     return values, problems
 
 
+def start_temperature(body: Any, X: Array, is_absolute: bool) -> tuple[Array, list[Problem]]:
+    """Return a body's temperature at points X (d, n) at the start (n,), and what is wrong with it.
+
+    ``is_absolute``: more than a flow stress depends on it, so that it has to be above zero.
+    """
+    values = np.broadcast_to(body.temperature(**dict(zip("xyz", X, strict=False))), X.shape[1:])
+    path, source = f"bodies.{body.name}.temperature", body.temperature.source
+    if not np.all(np.isfinite(values)):
+        words = f"the temperature '{source}' is not finite at some particles"
+        return values, [Problem(path, words, code="not_finite")]
+    if is_absolute and not np.all((values > 0.0) & (values < 1e30)):
+        words = f"the temperature '{source}' is {values.min():g} at a particle; temperatures are absolute, above 0 K"
+        return values, [Problem(path, words, code="range")]
+    return values, []
+
+
 @np.errstate(all="ignore")
 def check_filling(scene: Any) -> Problem | None:
     """Refuse what a run would refuse when it sets up the scene; a warning if filling it is left to the run.
@@ -128,6 +144,12 @@ def check_filling(scene: Any) -> Problem | None:
         problem
         for body, particles in zip(scene.bodies, filled, strict=True)
         for problem in start_velocity(body, particles.X)[1]
+    ]
+    problems += [
+        problem
+        for body, particles in zip(scene.bodies, filled, strict=True)
+        if body.temperature is not None
+        for problem in start_temperature(body, particles.X, scene.has_temperature)[1]
     ]
     if problems:
         raise SceneError(problems)

@@ -17,6 +17,7 @@ from mpmcli.core.model import Model, PositiveLength, Quantity
 from mpmcli.core.registry import OneOf
 from mpmcli.geometry import REGIONS
 from mpmcli.materials import MATERIALS
+from mpmcli.materials.thermal import has_temperature
 from mpmcli.scene.archive import Archive, Probe
 from mpmcli.scene.heat import Heat
 from mpmcli.scene.method import Method, TimeSpan
@@ -233,3 +234,9 @@ class Scene(Model):
         """Whether work of the stress heats the materials."""
         chosen = self.method.heating or ("isothermal" if self.heat is None else "adiabatic")
         return chosen == "adiabatic"
+
+    @property
+    def has_temperature(self) -> bool:
+        """Whether particles have a temperature beside the one that the history of a material may have."""
+        used = [self.materials[body.material] for body in self.bodies]
+        return has_temperature(self.heat is not None, self.is_adiabatic, used)

@@ -33,7 +33,7 @@ def choose_conduction(scene: Any) -> Choices:
         replaces=heat.transfer.kind == "fmpm",
         order=heat.transfer.order,
         every=getattr(heat.transfer, "every_steps", None),
-        capacity=np.array([getattr(model, "heat_capacity", None) or 0.0 for model in models]),
+        capacity=np.array([model.specific_heat or 0.0 for model in models]),
         conductivity=conductivity,
     )
 

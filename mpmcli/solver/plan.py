@@ -46,6 +46,7 @@ class Plan:
     particle_damping, grid_damping : rates
     viscosity : (linear, quadratic) coefficients of artificial viscosity, or None
     adiabatic : work heats the materials
+    has_temperature : particles have a temperature beside the one that histories have
     has_conditions, has_loads : the scene has some
     heat : what the scene chooses about conduction, or None
     fields : names of the velocity fields
@@ -73,6 +74,7 @@ class Plan:
     grid_damping: float
     viscosity: tuple[float, float] | None
     adiabatic: bool
+    has_temperature: bool
     has_conditions: bool
     has_loads: bool
     heat: Heat | None
@@ -172,6 +174,7 @@ def make_plan(scene: Any) -> Plan:
         grid_damping=float(method.damping.grid),
         viscosity=None if viscosity is None else (float(viscosity.linear), float(viscosity.quadratic)),
         adiabatic=scene.is_adiabatic,
+        has_temperature=scene.has_temperature,
         has_conditions=bool(scene.conditions_on("velocity")) or axis_condition,
         has_loads=bool(scene.loads_on("velocity")),
         heat=scene.heat,

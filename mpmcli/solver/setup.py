@@ -15,12 +15,23 @@ from mpmcli.core.particles import Particles
 from mpmcli.geometry.bodies import BodyParticles
 from mpmcli.geometry.fill import fill_bodies
 from mpmcli.geometry.report import body_report, report_table
+from mpmcli.materials.base import needs_increment
 from mpmcli.scene.fields import law_table
-from mpmcli.scene.filling import check_memory, find_masses, ghost_layers, section_of, start_velocity
+from mpmcli.scene.filling import (
+    check_memory,
+    find_masses,
+    ghost_layers,
+    section_of,
+    start_temperature,
+    start_velocity,
+)
 from mpmcli.solver.heat import allocate_particles
 from mpmcli.solver.plan import Plan
 
 Array = np.ndarray
+
+AMBIENT = 300.0
+"""Temperature of rigid bodies that are given none."""
 
 
 def make_grid(scene: Any, plan: Plan) -> Grid:
@@ -66,24 +77,14 @@ def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[
     for m, model in enumerate(models):
         for row, name in enumerate(model.history):
             particles.H[row, material == m] = model.initial_history().get(name, 0.0)
-    _set_initial_fields(scene, particles, models)
+    if plan.has_temperature:
+        _allocate_temperatures(particles, models, plan)
+    _set_initial_fields(scene, plan, particles, models)
     if plan.velocity_gradient:
         _set_initial_gradients(scene, particles)
     if plan.heat is not None:
-        particles.T = initial_temperatures(scene, particles)
         allocate_particles(scene, particles)
     return particles, filled
-
-
-def initial_temperatures(scene: Any, particles: Particles) -> Array:
-    """Return the temperatures at the start (N,), of the bodies or, where they give none, of their materials."""
-    T = np.zeros(particles.count)
-    for i, body in enumerate(scene.bodies):
-        mine = np.flatnonzero(particles.body == i)
-        T[mine] = getattr(scene.materials[body.material], "T0", 300.0)
-        if body.temperature is not None:
-            T[mine] = body.temperature(**dict(zip("xyz", particles.X[:, mine], strict=False)))
-    return T
 
 
 def report_of_bodies(scene: Any, plan: Plan, filled: list[BodyParticles]) -> str:
@@ -122,6 +123,19 @@ def rigid_bodies_of(scene: Any) -> tuple[int, ...]:
     return tuple(i for i, b in enumerate(scene.bodies) if scene.materials[b.material].kind == "rigid")
 
 
+def _allocate_temperatures(particles: Particles, models: list[Any], plan: Plan) -> None:
+    """Temperatures of the start, without those that bodies give."""
+    T0 = np.array([getattr(model, "T0", AMBIENT) for model in models])
+    particles.T = T0[particles.material]
+    used = [models[m] for m in np.unique(particles.material)]
+    if any(
+        getattr(model, "expansion", 0.0) > 0.0
+        and needs_increment(model.parameters(plan.analysis_name, plan.adiabatic))
+        for model in used
+    ):
+        particles.T_stress = particles.T.copy()
+
+
 def _set_initial_gradients(scene: Any, particles: Particles) -> None:
     """Velocity gradients of the initial velocity fields, by differences over each particle's own width."""
     d = particles.X.shape[0]
@@ -141,7 +155,7 @@ def _point(X: Array) -> tuple[Any, ...]:
     return (*X, 0.0, 0.0)[:3]
 
 
-def _set_initial_fields(scene: Any, particles: Particles, models: list[Any]) -> None:
+def _set_initial_fields(scene: Any, plan: Plan, particles: Particles, models: list[Any]) -> None:
     problems = []
     for i, body in enumerate(scene.bodies):
         mine = np.flatnonzero(particles.body == i)
@@ -150,8 +164,13 @@ def _set_initial_fields(scene: Any, particles: Particles, models: list[Any]) -> 
         for axis, value in enumerate(values):
             particles.V[axis, mine] = value
         history = models[particles.material[mine[0]]].history
-        if body.temperature is not None and "temperature" in history:
-            points = dict(zip("xyz", particles.X[:, mine], strict=False))
-            particles.H[history.index("temperature"), mine] = body.temperature(**points)
+        if body.temperature is None or (particles.T is None and "temperature" not in history):
+            continue
+        temperature, wrong = start_temperature(body, particles.X[:, mine], plan.has_temperature)
+        problems += wrong
+        if particles.T is not None:  # histories learn of it with the first stress
+            particles.T[mine] = temperature
+        else:
+            particles.H[history.index("temperature"), mine] = temperature
     if problems:
         raise SceneError(problems)

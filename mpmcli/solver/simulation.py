@@ -105,8 +105,9 @@ class Simulation(Parts):
         materials, J = list(scene.materials.values()), scene.domain.volume_ratio
         self.failures = Failures(particles, state, grid, self.time_step, J)
         self.stress = StressUpdate(
-            plan, particles, materials, J, float(grid.cell.min()), self.parallel, self.failures.refuse_state
-        )
+            plan, particles, materials, J, float(grid.cell.min()), self.parallel, self.failures.refuse_state,
+            state.work,
+        )  # fmt: skip
         state.strain_energy_density = self.stress.energy_density
         held = held_sides(scene.conditions_on("velocity"), grid)
         self.exits = Exits(

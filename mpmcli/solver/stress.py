@@ -8,12 +8,15 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.particles import Particles
+from mpmcli.materials.base import dissipated_heat
+from mpmcli.materials.defaults import dissipate_nothing
 from mpmcli.materials.strain import (
     ArtificialViscosity,
     block_count,
     stored_energy,
     update_strain_and_stress,
 )
+from mpmcli.materials.thermal import Thermal, thermal_of
 from mpmcli.solver.plan import Plan
 
 Array = np.ndarray
@@ -30,6 +33,7 @@ class StressUpdate:
     cell : smallest cell size, the length of artificial viscosity [length]
     parallel : run the parallel version of every kernel
     refuse : raises SimulationError for a particle (its place in memory) whose state is impossible
+    work : accumulated energies by name; with conduction between isothermal materials ``bath_heat`` is one of them
 
     Attributes
     ----------
@@ -45,15 +49,22 @@ class StressUpdate:
         cell: float,
         parallel: bool,
         refuse: Callable[[int], None],
+        work: dict[str, float],
     ):
         name = plan.analysis_name
         self._analysis, self._viscosity, self._cell = plan.analysis, plan.viscosity, cell
         self._particles, self._parallel, self._refuse = particles, parallel, refuse
-        self._parameters = [m.parameters(name, plan.adiabatic) for m in materials]
+        self._materials, self._work = materials, work
+        self._has_bath = plan.heat is not None and not plan.adiabatic
+        if self._has_bath:
+            work["bath_heat"] = 0.0
+        self._parameters = [m.parameters(name, plan.adiabatic or self._heats_bath(m)) for m in materials]
+        self._thermals = [self._thermal_of(plan, i) for i in range(len(materials))]
         self._limits = (float(volume_ratio[0]), float(volume_ratio[1]))
         self._used = [i for i in range(len(materials)) if np.any(particles.material == i)]
         self.starts_with_stress = any(
-            "stress_free_at_rest" not in materials[i].properties for i in self._used
+            "stress_free_at_rest" not in materials[i].properties or self._thermals[i] is not None
+            for i in self._used
         )
         self.wave_speed = max(materials[i].initial_wave_speed(name) for i in self._used)
         self.fit()
@@ -63,6 +74,7 @@ class StressUpdate:
         blocks = block_count(self._particles.count)
         self._speed2 = np.zeros(blocks)
         self._bad = np.full(blocks, -1, dtype=np.int64)
+        self._bath = np.zeros(blocks) if self._has_bath else None
 
     def update(self, L: Array, dt: float) -> None:
         """Advance all particles by ``dt`` with velocity gradients ``L`` (nL, N).
@@ -75,23 +87,32 @@ class StressUpdate:
         p = self._particles
         several = len(self._used) > 1
         fastest = 0.0
+        if self._bath is not None:
+            self._bath[:] = 0.0
         for i in self._used:
             update_strain_and_stress[self._parallel](
                 self._analysis, self._parameters[i], i if several else -1, p.F, L, p.tau, p.H, p.mass, p.vol0,
-                p.material, p.stress_work, self._viscous(), dt, self._limits, self._speed2, self._bad,
+                p.material, p.stress_work, self._viscous(), self._thermal(i), dt, self._limits, self._speed2,
+                self._bad,
             )  # fmt: skip
             bad = int(self._bad.max())
             if bad >= 0:
                 self._refuse(bad)
             fastest = max(fastest, float(self._speed2.max()))
         self.wave_speed = float(np.sqrt(fastest))
+        if self._bath is not None:
+            heat = float(self._bath.sum())
+            self._work["bath_heat"] += heat
+            self._work["boundary_heat"] += heat
 
     def energy_density(self) -> Array:
         """Return the stored energy per initial volume of every particle (N,) [pressure]."""
         p = self._particles
         out = np.zeros(p.count)
         for i in self._used:
-            stored_energy[self._parallel](self._analysis, self._parameters[i], i, p.F, p.H, p.material, out)
+            stored_energy[self._parallel](
+                self._analysis, self._parameters[i], i, p.F, p.H, p.material, self._thermal(i), out
+            )
         return out
 
     def _viscous(self) -> ArtificialViscosity | None:
@@ -99,3 +120,34 @@ class StressUpdate:
             return None
         p, (linear, quadratic) = self._particles, self._viscosity
         return ArtificialViscosity(linear, quadratic, self._cell, p.viscous_pressure, p.viscous_work)
+
+    def _heats_bath(self, model: Any) -> bool:
+        """Whether the material is to find how work would heat it; equations of state know it without."""
+        return self._has_bath and "equation_of_state" not in model.properties
+
+    def _thermal_of(self, plan: Plan, index: int) -> Thermal | None:
+        if not plan.has_temperature:
+            return None
+        parameters = type(self._parameters[index])
+        own = dissipated_heat.implementations.get(parameters) is not dissipate_nothing
+        return thermal_of(
+            self._materials[index], plan.adiabatic, self._has_bath, own or plan.viscosity is not None
+        )
+
+    def _thermal(self, index: int) -> Thermal | None:
+        """The numbers with the arrays as they are now."""
+        numbers, p = self._thermals[index], self._particles
+        if numbers is None:
+            return None
+        history = self._materials[index].history
+        rows = {name: p.H[history.index(name)] for name in ("temperature", "heat_energy") if name in history}
+        return numbers._replace(
+            T=p.T,
+            T_carried=p.T_carried,
+            T_stress=p.T_stress,
+            tracked=rows.get("temperature"),
+            heat=rows.get("heat_energy") if numbers.is_equation_of_state else None,
+            entropy=p.entropy,
+            heat_inflow=p.heat_inflow,
+            bath=self._bath,
+        )

@@ -79,10 +79,10 @@ def diffusivities(scene: Any) -> dict[str, float]:
     """
     found = {}
     for body, material in deformable(scene):
-        if material.heat_capacity is not None and material.conductivity is not None:
+        if material.specific_heat is not None and material.conductivity is not None:
             largest = np.float64(max(material.conductivity[: scene.dimensions]))
             with np.errstate(all="ignore"):
-                found[body.material] = largest / material.density / material.heat_capacity
+                found[body.material] = largest / material.density / material.specific_heat
     return found
 
 

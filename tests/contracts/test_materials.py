@@ -73,7 +73,9 @@ def test_every_material_has_an_example_here():
 def test_declares_known_analyses_and_properties(model):
     assert model.analyses
     assert model.analyses <= set(ANALYSES)
-    assert model.properties <= {"hyperelastic", "isotropic", "stress_free_at_rest", "fluid", "rigid"}
+    assert model.properties <= {
+        "hyperelastic", "isotropic", "stress_free_at_rest", "fluid", "rigid", "equation_of_state",
+    }  # fmt: skip
     assert set(model.initial_history()) <= set(model.history)
     assert type(model).__doc__
 
@@ -233,10 +235,10 @@ def test_compiled_and_plain_python_agree_and_every_row_is_written(kind, plain_py
         with way():
             for dt in (0.04, 0.3, -0.2):
                 update_strain_and_stress[False](
-                    analysis, m, 0, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material, p.stress_work, None, dt,
+                    analysis, m, 0, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material, p.stress_work, None, None, dt,
                     (0.0, math.inf), speed2, bad,
                 )  # fmt: skip
-            stored_energy[False](analysis, m, 0, p.F, p.H, p.material, out)
+            stored_energy[False](analysis, m, 0, p.F, p.H, p.material, None, out)
         assert bad.tolist() == [-1]
         results.append([p.F, p.tau, p.H, p.stress_work, speed2, out])
     for compiled, plain in zip(*results, strict=True):

@@ -60,6 +60,7 @@ class Run:
         self.viscous = None
         if viscosity is not None:
             self.viscous = ArtificialViscosity(*viscosity, p.viscous_pressure, p.viscous_work)
+        self.thermal = None
         self.limits = (0.0, math.inf)
         self.speed2 = np.zeros(block_count(count))
         self.bad = np.zeros(block_count(count), dtype=np.int64)
@@ -70,13 +71,13 @@ class Run:
             p.L[row] = value
         update_strain_and_stress[parallel](
             self.analysis, self.m, index, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material, p.stress_work,
-            self.viscous, dt, self.limits, self.speed2, self.bad,
+            self.viscous, self.thermal, dt, self.limits, self.speed2, self.bad,
         )  # fmt: skip
         return p
 
     def energy(self):
         out = np.zeros(self.p.count)
-        stored_energy[False](self.analysis, self.m, 0, self.p.F, self.p.H, self.p.material, out)
+        stored_energy[False](self.analysis, self.m, 0, self.p.F, self.p.H, self.p.material, self.thermal, out)
         return out
 
     def history(self, name):
