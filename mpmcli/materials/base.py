@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar, NamedTuple
 
-from pydantic import BeforeValidator, Field, WithJsonSchema
+from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator
 
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.model import Density, Model, Quantity
@@ -93,6 +93,9 @@ Conductivity = Annotated[
 class MaterialModel(Matter):
     """Base of materials with mass."""
 
+    thermal_pressure: ClassVar[str] = "its pressure follows its temperature"
+    """For messages: what an equation of state has in place of ``expansion``."""
+
     density: Density
     """Initial mass density."""
     heat_capacity: HeatCapacity | None = None
@@ -103,6 +106,15 @@ class MaterialModel(Matter):
     """Linear coefficient α of thermal expansion; the thermal stretch is exp(α(T − T0))."""
     T0: Annotated[float, Quantity("temperature", gt=0, lt=1e30)] = 300.0
     """Temperature without stress; also the initial one unless the body gives it."""
+
+    @field_validator("expansion")
+    @classmethod
+    def _expands_once(cls, value: float) -> float:
+        if value > 0.0 and "equation_of_state" in cls.properties:
+            raise ValueError(
+                f"must be left out, because the equation of state expands: {cls.thermal_pressure}"
+            )
+        return value
 
     @property
     def specific_heat(self) -> float | None:

@@ -41,6 +41,7 @@ class IdealGas(MaterialModel):
     properties: ClassVar[frozenset[str]] = frozenset(
         {"hyperelastic", "isotropic", "fluid", "equation_of_state"}
     )
+    thermal_pressure: ClassVar[str] = "the pressure is proportional to the temperature T"
 
     kind: Literal["ideal_gas"]
     pressure: PositivePressure

@@ -49,6 +49,9 @@ class MieGruneisen(MaterialModel):
     properties: ClassVar[frozenset[str]] = frozenset(
         {"isotropic", "stress_free_at_rest", "equation_of_state"}
     )
+    thermal_pressure: ClassVar[str] = (
+        "gamma0 gives the pressure of heat (gamma0 = 3*expansion*K/(density*heat_capacity))"
+    )
 
     kind: Literal["mie_gruneisen"]
     K: Annotated[float, Quantity("pressure", gt=0)] | None = None

@@ -15,6 +15,10 @@ def _with_heat(context: Context) -> bool:
     return context.has_heat
 
 
+def _with_bath(context: Context) -> bool:
+    return "bath_heat" in context.work
+
+
 def _inflow(s: Snapshot) -> float:
     return s.total(np.asarray(s.particles.heat_inflow)) * s.full_ring  # type: ignore[no-any-return]
 
@@ -115,6 +119,17 @@ QUANTITIES.add(
     _global(
         "boundary_heat", "Q_b", "energy", _part("boundary_heat"), "heat from conditions, films and fluxes"
     ),
+    Quantity(
+        "bath_heat",
+        "Q_T",
+        "energy",
+        "scalar",
+        "global",
+        _part("bath_heat"),
+        "the part of boundary_heat that keeps work from changing temperatures (heating: isothermal)",
+        exists=_with_bath,
+        is_default=_with_bath,
+    ),
     _global("source_heat", "Q_s", "energy", _part("source_heat"), "heat from sources inside bodies"),
     _global("thermal_energy", "ΣC(T−T0)", "energy", _thermal_energy, "heat capacity times (T − T0)"),
     _global("internal_energy", "U", "energy", _internal_energy, "stress_work + heat_inflow"),
@@ -167,7 +182,16 @@ QUANTITIES.add(
         "power of a condition or load of heat into the bodies in the last step that conducted heat",
         exists=_with_heat,
     ),
-    _of_particle("temperature", "T", "temperature", lambda s: s.temperature, "temperature"),
+    Quantity(
+        "temperature",
+        "T",
+        "temperature",
+        "scalar",
+        "particle",
+        lambda s: s.temperature,
+        "temperature",
+        exists=lambda context: context.has_temperature,
+    ),
     _of_particle(
         "heat_inflow",
         "Q",

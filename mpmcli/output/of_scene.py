@@ -43,6 +43,7 @@ def context_of(scene: Any, state: State | None = None) -> Context:
         or bool(contact.get("rigid_fields")),
         "external_work": bool(scene.loads_on("velocity")),
         "contact_work": bool(contact),
+        "bath_heat": scene.heat is not None and not scene.is_adiabatic,
     }
     names = [name for name, used in work.items() if used]
     return Context(
@@ -53,6 +54,7 @@ def context_of(scene: Any, state: State | None = None) -> Context:
         reactions=tuple(dict.fromkeys(condition.name for condition in scene.conditions_on("velocity"))),
         heated_by=tuple(dict.fromkeys(_sources_of_heat(scene))),
         has_heat=scene.heat is not None,
+        has_temperature=scene.has_temperature,
         work=tuple(names),
         has_viscosity=scene.method.artificial_viscosity is not None,
         extra=tuple(state.extra) if state else _extra_columns(scene),

@@ -24,7 +24,7 @@ class Context:
     """What a scene has, as far as it decides which quantities exist.
 
     ``reactions`` are names of boundary conditions; ``work`` names the energies that the solver accumulates;
-    ``heated_by`` are names of conditions and loads of heat;
+    ``heated_by`` are names of conditions and loads of heat; ``has_temperature``: all particles have a temperature;
     ``history`` the history variables of all materials; ``extra`` further columns by name. ``velocity_fields`` are
     several only where there is contact, ``pairs`` (``"left|right"``) those of them that can meet;
     ``has_normals``: contact knows directions and areas; ``creates_momentum``: it may violate the balance of momentum.
@@ -37,6 +37,7 @@ class Context:
     reactions: tuple[str, ...] = ()
     heated_by: tuple[str, ...] = ()
     has_heat: bool = False
+    has_temperature: bool = False
     work: tuple[str, ...] = ()
     has_viscosity: bool = False
     extra: tuple[str, ...] = ()

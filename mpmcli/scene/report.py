@@ -189,7 +189,8 @@ def _words(kind: str, context: dict[str, Any], details: dict[str, Any]) -> str:
         return re.sub(r"^Input should be ", "must be ", str(context.get("error", details["msg"])))
     if kind in _LIMITS:
         name, words = _LIMITS[kind]
-        return f"{describe(value)} is out of range: must be {words} {context[name]:g}"
+        hint = "; temperatures are absolute" if details["loc"][-1] in ("T0", "temperature", "around") else ""
+        return f"{describe(value)} is out of range: must be {words} {context[name]:g}{hint}"
     if kind == "int_parsing_size":
         return f"{describe(value)} is too large"
     if kind == "finite_number":

@@ -1,6 +1,7 @@
 """Thermal expansion of every law, heat that work makes of it, and what of it is accounted for."""
 
 import math
+from contextlib import nullcontext
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,7 +32,16 @@ from mpmcli.materials.strain import (
 )
 from mpmcli.materials.thermal import thermal_of
 
-pytestmark = pytest.mark.usefixtures("python_and_compiled")
+
+@pytest.fixture(autouse=True)
+def in_python(request, plain_python):
+    """All but slow tests run the kernels as Python."""
+    if request.node.get_closest_marker("slow"):
+        yield
+        return
+    with plain_python():
+        yield
+
 
 E, NU, RHO, ALPHA, T0 = 200.0, 0.3, 2.0, 1e-3, 300.0
 G, K = E / (2 * (1 + NU)), E / (3 * (1 - 2 * NU))
@@ -513,6 +523,43 @@ def test_heat_of_a_shocked_solid_is_what_viscosity_dissipates():
     assert 0.5 * run.history("heat_energy") == pytest.approx(run.p.viscous_work[0], rel=1e-12)
 
 
+# ---------------------------------------------------------------------- compiled
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "analysis"),
+    [
+        ("hencky", "plane_strain"),
+        ("coupled", "uniaxial_strain"),
+        ("isochoric", "plane_stress"),
+        ("metal", "uniaxial_stress"),
+        ("metal", "3d"),
+        ("nickel", "plane_strain"),
+        ("gas", "uniaxial_strain"),
+        ("water", "axisymmetric"),
+    ],
+)
+@pytest.mark.parametrize("heating", ["adiabatic", "isothermal"])
+def test_compiled_and_plain_python_agree(name, analysis, heating, plain_python):
+    material = (SOLIDS | {"nickel": NICKEL, "gas": GAS, "water": WATER})[name]
+    if name in SOLIDS or name == "water":
+        material = material | {"heat_capacity": 0.5}
+    found = []
+    for way in (nullcontext, plain_python):
+        with way():
+            run = Run(analysis, material, heating, conducts=True, viscosity=(0.4, 4.0, 0.25), T=320.0)
+            L = np.random.default_rng(4).uniform(-0.2, 0.2, len(run.p.L))
+            for T, dt in ((330.0, 0.5), (350.0, 0.5), (340.0, -0.2)):
+                run.p.T[0] = T
+                run.step(dt, *L)
+            arrays = run.p.arrays()
+            found.append([*arrays.values(), run.speed2, run.energy()])
+    assert arrays["entropy"][0] != 0.0
+    for compiled, plain in zip(*found, strict=True):
+        assert np.allclose(compiled, plain, rtol=1e-11, atol=1e-12)
+
+
 # ---------------------------------------------------------------------- who needs it
 
 
@@ -546,3 +593,14 @@ def test_temperature_of_a_metal_is_an_older_word():
     assert old.initial_history() == {"temperature": 350.0}
     with pytest.raises(ValueError, match="give T0 or temperature"):
         MATERIALS["j2_plastic"].model_validate(METAL | {"temperature": 300})
+
+
+@pytest.mark.parametrize(
+    ("material", "words"), [(NICKEL, "gamma0 gives the pressure"), (GAS, "proportional to the")]
+)
+def test_equations_of_state_refuse_another_expansion(material, words):
+    with pytest.raises(
+        ValueError, match=f"must be left out, because the equation of state expands: .*{words}"
+    ):
+        MATERIALS[material["kind"]].model_validate(material | {"expansion": 1e-5})
+    MATERIALS[material["kind"]].model_validate(material | {"expansion": 0})
