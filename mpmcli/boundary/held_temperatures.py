@@ -116,6 +116,15 @@ class HeldTemperatures(Correction):
             self._count(self._value - theta[self._node, 0])
         theta[self._node, 0] = self._value
 
+    def take(self, nodes: Array, rise: Array) -> Array:
+        """Take in what values of the real particles at held ones of ``nodes`` (m,) would rise by; return which (m,)."""
+        place = np.minimum(np.searchsorted(self._node, nodes), max(len(self._node) - 1, 0))
+        is_held = self._node[place] == nodes if len(self._node) else np.zeros(len(nodes), dtype=bool)
+        place = place[is_held]
+        heat = self._field.mp[nodes[is_held], 0] * rise[is_held]
+        self.heat -= np.bincount(self._owner[place], heat, minlength=len(self.heat))
+        return np.asarray(is_held)
+
     def correct(self, step: Step, dv: Array, counts_reactions: bool) -> None:
         """Take held nodes out of an increment of the full-mass loop."""
         if counts_reactions:

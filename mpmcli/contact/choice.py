@@ -26,6 +26,7 @@ class ContactChoice:
     has_loop : steps (some at least) have an FMPM loop
     particles_per_axis : least number of a body's particles per cell and axis
     thickness : of a plane analysis, area of a 1D one, else 1
+    needs_area : areas of contact are needed whatever the laws
 
     Attributes
     ----------
@@ -41,7 +42,7 @@ class ContactChoice:
 
     def __init__(
         self, model: Any, fields: list[str], rigid_fields: Sequence[bool], laws: list[Any], table: Array,
-        has_loop: bool, particles_per_axis: int = 1, thickness: float = 1.0,
+        has_loop: bool, particles_per_axis: int = 1, thickness: float = 1.0, needs_area: bool = False,
     ):  # fmt: skip
         self.model = model
         self.fields, self.rigid_fields = fields, list(rigid_fields)
@@ -50,7 +51,9 @@ class ContactChoice:
         self.exists = len(fields) > 1
         self.used = sorted({int(i) for i in table.ravel() if i >= 0})
         self.acting = [laws[i] for i in self.used if not laws[i].skipped]
-        self.knows_normals = any(law.needs_normal for law in self.acting)
+        self.knows_normals = any(law.needs_normal for law in self.acting) or (
+            needs_area and bool(self.acting)
+        )
         self.breaks = any(law.adhesive for law in self.acting)
         way = model.increments if self.acting and has_loop else "lumped"
         self.lumped = bool(self.acting) and way != "after"

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.output.contact_quantities import MOST_PAIRS
 from mpmcli.output.quantities import QUANTITIES, Context, Quantity
 from mpmcli.output.snapshot import Snapshot
 
@@ -130,6 +131,17 @@ QUANTITIES.add(
         exists=_with_bath,
         is_default=_with_bath,
     ),
+    Quantity(
+        "friction_heat",
+        "Q_f",
+        "energy",
+        "scalar",
+        "global",
+        _part("friction_heat"),
+        "heat of friction",
+        exists=lambda context: context.has_friction_heat,
+        is_default=lambda context: context.has_friction_heat,
+    ),
     _global("source_heat", "Q_s", "energy", _part("source_heat"), "heat from sources inside bodies"),
     _global("thermal_energy", "ΣC(T−T0)", "energy", _thermal_energy, "heat capacity times (T − T0)"),
     _global("internal_energy", "U", "energy", _internal_energy, "stress_work + heat_inflow"),
@@ -171,6 +183,17 @@ QUANTITIES.add(
             owners=_deformable(owner),
         )
         for owner in ("material", "body")
+    ),
+    Quantity(
+        "contact_heat",
+        "P_c",
+        "power",
+        "scalar",
+        "pair",
+        _powers,
+        "power from the second into the first of two velocity fields in contact in the last step that conducted heat",
+        exists=lambda context: context.exchanges_heat,
+        is_default=lambda context: context.exchanges_heat and len(context.pairs) <= MOST_PAIRS,
     ),
     Quantity(
         "heat",

@@ -54,6 +54,8 @@ def context_of(scene: Any, state: State | None = None) -> Context:
         reactions=tuple(dict.fromkeys(condition.name for condition in scene.conditions_on("velocity"))),
         heated_by=tuple(dict.fromkeys(_sources_of_heat(scene))),
         has_heat=scene.heat is not None,
+        exchanges_heat=bool(contact) and scene.heat is not None and scene.heat.contact != "shared",
+        has_friction_heat=bool(contact) and scene.heat is not None and scene.heat.friction,
         has_temperature=scene.has_temperature,
         work=tuple(names),
         has_viscosity=scene.method.artificial_viscosity is not None,

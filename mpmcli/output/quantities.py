@@ -37,6 +37,8 @@ class Context:
     reactions: tuple[str, ...] = ()
     heated_by: tuple[str, ...] = ()
     has_heat: bool = False
+    exchanges_heat: bool = False
+    has_friction_heat: bool = False
     has_temperature: bool = False
     work: tuple[str, ...] = ()
     has_viscosity: bool = False

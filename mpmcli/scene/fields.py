@@ -46,6 +46,25 @@ def owners_of_fields(scene: Scene) -> dict[str, str]:
     return owners | {name: name for name in velocity_fields(scene)[0]}
 
 
+def conductance_table(scene: Scene, fields: list[str]) -> np.ndarray:
+    """Return the conductance (fields, fields) between velocity fields in contact; 0: insulated, infinite: perfect.
+
+    ``fields`` are names from ``velocity_fields``. Meant for scenes in which ``heat.contact`` is not ``shared``.
+    """
+    n = len(fields)
+    table = np.zeros((n, n))
+    if scene.contact is None or scene.heat is None:
+        return table
+    owners = owners_of_fields(scene)
+    chosen = {frozenset(owners[name] for name in pair.between): pair.heat for pair in scene.contact.pairs}
+    for a in range(n):
+        for b in range(a):
+            way = chosen.get(frozenset((fields[a], fields[b]))) or scene.heat.contact
+            h = getattr(way, "conductance", 0.0)
+            table[a, b] = table[b, a] = np.inf if h == "perfect" else h
+    return table
+
+
 def law_table(scene: Scene, fields: list[str]) -> tuple[list[Any], np.ndarray]:
     """The contact laws of a scene, and which of them holds between two velocity fields.
 

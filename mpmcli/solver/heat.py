@@ -15,9 +15,11 @@ from mpmcli.core.grid import Grid, SharedNodes
 from mpmcli.core.particles import Particles
 from mpmcli.core.transfer.nodal_field import NodalField
 from mpmcli.scene.archive import shows
+from mpmcli.scene.fields import conductance_table, velocity_fields
 from mpmcli.scene.filling import section_of
 from mpmcli.solver.parts import Parts
 from mpmcli.transport.conduction import Choices, Conduction
+from mpmcli.transport.contact import FrictionHeat, HeatContact
 
 Array = np.ndarray
 
@@ -48,10 +50,12 @@ def allocate_particles(scene: Any, particles: Particles) -> None:
         particles.heat_flux = np.zeros_like(particles.X)
 
 
-def make_heat_field(grid: Grid, particles: Particles, capacity: Callable[[], Array]) -> NodalField:
-    """Make the nodal field of heat, of which a node has one temperature for all velocity fields."""
-    nodes = SharedNodes(grid)
-    n = nodes.count
+def make_heat_field(
+    grid: Grid, particles: Particles, capacity: Callable[[], Array], is_shared: bool
+) -> NodalField:
+    """Make the nodal field of heat; ``is_shared``: a node has one temperature for all velocity fields."""
+    nodes: Any = SharedNodes(grid) if is_shared else grid
+    n = nodes.count if is_shared else grid.dof_count
     return NodalField(
         "temperature",
         (0.0,),
@@ -69,6 +73,61 @@ def _carried(particles: Particles) -> Array:
     return np.asarray(carried)[None]
 
 
+def exchanges_by_area(scene: Any, fields: list[str]) -> bool:
+    """Whether bodies exchange heat in proportion to their area of contact."""
+    if scene.heat is None or scene.heat.contact == "shared":
+        return False
+    table = conductance_table(scene, fields)
+    return bool((np.isfinite(table) & (table > 0.0)).any())
+
+
+def _has_own_temperatures(scene: Any, s: Parts) -> bool:
+    return s.contact is not None and scene.heat.contact != "shared"
+
+
+def _baths(scene: Any) -> Array | None:
+    """Which velocity fields are those of rigid bodies with a temperature, (fields,); None without any."""
+    names, field_of_body = velocity_fields(scene)
+    found = np.zeros(len(names), dtype=bool)
+    for body, field in zip(scene.bodies, field_of_body, strict=True):
+        found[field] |= scene.materials[body.material].kind == "rigid" and body.temperature is not None
+    return found if found.any() else None
+
+
+def _effusivities(scene: Any, s: Parts) -> Array:
+    """√(κ ρ c) of each velocity field (fields,), mean by mass of its materials; 0 of rigid ones."""
+    e = np.zeros(len(scene.materials))
+    for m, model in enumerate(scene.materials.values()):
+        if model.kind != "rigid":
+            e[m] = np.sqrt(
+                np.mean(model.conductivity or (0.0,)) * model.density * (model.specific_heat or 0.0)
+            )
+    p, fields = s.particles, len(s.contact.choice.fields) if s.contact is not None else 1
+    mass = np.bincount(p.velocity_field, p.mass, minlength=fields)
+    sums = np.bincount(p.velocity_field, p.mass * e[p.material], minlength=fields)
+    return np.divide(sums, mass, out=np.zeros(fields), where=mass > 0.0)
+
+
+def _add_contact(scene: Any, s: Parts, conduction: Conduction, is_shared: bool) -> None:
+    """Let bodies exchange heat by contact, and friction heat them."""
+    contact, nodal, n = s.contact, conduction.nodal, s.grid.node_count
+    assert contact is not None
+    names = contact.choice.fields
+    rigid = np.array(contact.choice.rigid_fields)
+    if not is_shared:
+        table = conductance_table(scene, names)
+        pairs = [(names.index(a), names.index(b)) for a, b in contact.view.pairs]
+        is_bath = rigid if conduction.choices.is_bath is None else conduction.choices.is_bath
+        conductance = np.array([table[pair] for pair in pairs])
+        conduction.contact = HeatContact(
+            contact, nodal, [f"{a}|{b}" for a, b in contact.view.pairs], conductance, is_bath, n
+        )
+        nodal.corrections.append(conduction.contact)
+    if scene.heat.friction:
+        s.state.work["friction_heat"] = 0.0
+        conduction.friction = FrictionHeat(contact, nodal, _effusivities(scene, s), rigid, n)
+
+
 def make_conduction(
     scene: Any, s: Parts, mirror: Mirror | None, shown: Callable[[str, Any], Array]
 ) -> Conduction:
@@ -77,14 +136,20 @@ def make_conduction(
     ``shown`` gives the identities (n,) of the particles that show a face of a body.
     """
     assert s.heat_interval is not None
-    nodal = make_heat_field(s.grid, s.particles, lambda: conduction.capacity())
+    is_shared = not _has_own_temperatures(scene, s)
+    nodal = make_heat_field(s.grid, s.particles, lambda: conduction.capacity(), is_shared)
+    choices = choose_conduction(scene)
+    if not is_shared:
+        choices.is_bath = _baths(scene)
     conduction = Conduction(
-        choose_conduction(scene), s.heat_interval, nodal, s.particles, s.order, s.transfer, s.state, s.parallel,
+        choices, s.heat_interval, nodal, s.particles, s.order, s.transfer, s.state, s.parallel,
         s.failures.refuse_temperature,
     )  # fmt: skip
     own = None if mirror is None else mirror.for_scalars()
     if own is not None:
         nodal.corrections.append(ImagesOfScalars(own, nodal.nodes))
+    if s.contact is not None:
+        _add_contact(scene, s, conduction, is_shared)
     conditions, loads = scene.conditions_on("temperature"), scene.loads_on("temperature")
     on_nodes = [condition for condition in conditions if condition.held_face() is None]
     on_faces = [condition for condition in conditions if condition.held_face() is not None]

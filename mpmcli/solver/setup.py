@@ -25,7 +25,7 @@ from mpmcli.scene.filling import (
     start_temperature,
     start_velocity,
 )
-from mpmcli.solver.heat import allocate_particles
+from mpmcli.solver.heat import allocate_particles, exchanges_by_area
 from mpmcli.solver.plan import Plan
 
 Array = np.ndarray
@@ -115,6 +115,7 @@ def choose_contact(scene: Any, plan: Plan) -> ContactChoice:
         has_loop=plan.has_full_mass_loop,
         particles_per_axis=min(min(np.ravel(body.particles_per_axis)) for body in scene.bodies),
         thickness=section_of(scene),
+        needs_area=exchanges_by_area(scene, plan.fields),
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, cast
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from mpmcli.core.transfer.full_mass import OrderRule, add_full_mass_increments
 from mpmcli.core.transfer.nodal_field import NodalField
 from mpmcli.core.transfer.nodes import clear_nodes
 from mpmcli.transport import kernels
+from mpmcli.transport.contact import FrictionHeat, HeatContact
 from mpmcli.transport.kernels import AnisotropicConduction, IsotropicConduction
 
 Array = np.ndarray
@@ -39,6 +40,9 @@ class Held(Protocol):
 
     def impose(self, theta: Array, counts: bool) -> None:
         """Give held nodes their value."""
+
+    def take(self, nodes: Array, rise: Array) -> Array:
+        """Take in what values of the real particles at held ones of ``nodes`` (m,) would rise by; return which (m,)."""
 
 
 class Sources(Protocol):
@@ -79,6 +83,7 @@ class Choices:
     every : FMPM acts on every so many conduction steps, FLIP between; None: on all
     capacity : (materials,) capacity per mass [energy/mass/temperature]
     conductivity : (materials,) or, where bodies are anisotropic, (materials, 3)
+    is_bath : (fields,) whether a velocity field keeps its temperature and gives heat by contact, or None without any
     """
 
     replaces: bool
@@ -86,6 +91,7 @@ class Choices:
     every: int | None
     capacity: Array
     conductivity: Array
+    is_bath: Array | None = None
 
     @property
     def carries(self) -> bool:
@@ -109,7 +115,8 @@ class Conduction:
 
     Attributes
     ----------
-    held, sources : holds nodal values, gives power; None where the scene has none
+    held, sources, contact, friction : hold nodal values, give power, exchange heat between bodies, give heat of
+        friction; None where the scene has none
     elapsed : time over which conduction acts in this step, 0 where it waits
     acted : number of steps in which it acted
     """
@@ -131,11 +138,13 @@ class Conduction:
         self._state, self._parallel, self._refuse = state, parallel, refuse
         self.held: Held | None = None
         self.sources: Sources | None = None
+        self.contact: HeatContact | None = None
+        self.friction: FrictionHeat | None = None
         self.elapsed, self.acted = 0.0, 0
-        self._turnover, self._largest = np.zeros(CHUNKS), np.zeros(CHUNKS)
+        self._turnover = np.zeros(CHUNKS)
         self._bad = np.full(CHUNKS, -1, dtype=np.int64)
         self._capacity_version = (-1, -1)
-        self._C = np.zeros(0)
+        self._C = self._C_of_nodes = np.zeros(0)
         self._change = nodal.f if choices.carries else None
         if choices.order > 1:
             nodal.allocate_loop(is_dynamic=False)
@@ -154,6 +163,8 @@ class Conduction:
             return
         nodal, theta = self.nodal, self.nodal.v
         clear_nodes[self._parallel](nodal.nodes.active, nodal.f)
+        if self.contact is not None:
+            self.contact.join(theta, counts=not self._is_flip)
         if self.sources is not None:
             self.sources.add_to(step, theta, nodal.f)
         if self.held is not None:
@@ -168,6 +179,9 @@ class Conduction:
         nodal, active = self.nodal, self.nodal.nodes.active
         theta, change = nodal.v, nodal.f
         kernels.update_values[self._parallel](active, nodal.mp, nodal.f, self.elapsed, theta)
+        if self.contact is not None:
+            self.contact.begin(self.elapsed)
+            self.contact.exchange(theta)
         if self.held is not None:
             self.held.impose(theta, counts=True)
         is_flip = self._is_flip
@@ -179,6 +193,8 @@ class Conduction:
             kernels.apply_changes[self._parallel](active, nodal.mp, theta, change)
         else:
             kernels.find_changes[self._parallel](active, nodal.mp, theta, change)
+        if self.friction is not None:
+            self._add_friction(is_flip)
 
     def give_to_particles(self, step: Step) -> None:
         """Task 4.h: values of the particles, and what they received."""
@@ -188,7 +204,7 @@ class Conduction:
         change = self.nodal.f.reshape(-1) if self._is_flip else None
         kernels.give_particles[self._parallel](
             *self._operator(), self.nodal.v.reshape(-1), change, self._C, p.T, p.T_carried, p.heat_inflow, p.entropy,
-            self._limit(), self._turnover, self._largest, self._bad,
+            self._limit(), self._turnover, self._bad,
         )  # fmt: skip
         bad = int(self._bad.max())
         if bad >= 0:
@@ -206,7 +222,7 @@ class Conduction:
         kernels.give_particles[self._parallel](
             *self._operator(), nodal.v.reshape(-1), np.zeros(nodal.v.shape[0]), self._C, p.T, p.T_carried,
             np.zeros(p.count), np.zeros(p.count), np.inf,
-            self._turnover, self._largest, self._bad,
+            self._turnover, self._bad,
         )  # fmt: skip
 
     def nodal_arrays(self) -> dict[str, Array]:
@@ -236,12 +252,15 @@ class Conduction:
         self.interval.recall(memory)
 
     def capacity(self) -> Array:
-        """Return the capacity of each particle (N,) [energy/temperature]."""
+        """Return what each particle (N,) gives to the capacity of nodes; baths the more, the more they are there."""
         version = (self._order.version, self.particles.count)
         if version != self._capacity_version:
             self._capacity_version = version
-            self._C = self.particles.mass * self.choices.capacity[self.particles.material]
-        return self._C
+            p, is_bath = self.particles, self.choices.is_bath
+            self._C = self._C_of_nodes = p.mass * self.choices.capacity[p.material]
+            if is_bath is not None:
+                self._C_of_nodes = np.where(is_bath[p.velocity_field], p.mass, self._C)
+        return self._C_of_nodes
 
     # ------------------------------------------------------------------ details
 
@@ -259,9 +278,7 @@ class Conduction:
 
     def _limit(self) -> float:
         """A value that no particle can have after a step: twice the largest before it, conditions included."""
-        largest = float(self._largest.max())
-        if largest == 0.0:
-            largest = float(np.asarray(self.particles.T).max())
+        largest = float(np.asarray(self.particles.T).max())
         for each in (self.held, self.sources):
             if each is not None:
                 largest = max(largest, each.largest)
@@ -291,8 +308,24 @@ class Conduction:
         if self.choices.order > 1:
             add_full_mass_increments(self.nodal, self._transfer, step, rule, counts_reactions=True)
 
+    def _add_friction(self, is_flip: bool) -> None:
+        """Heat of friction, which no increment filters; at nodes that conditions hold it leaves through these."""
+        friction, nodal = cast(FrictionHeat, self.friction), self.nodal
+        nodes, rise, share = friction.find()
+        if self.held is not None:
+            is_held = self.held.take(nodes, rise * share)
+            nodes, rise = nodes[~is_held], rise[~is_held]
+        np.add.at(nodal.v[:, 0], nodes, rise)
+        if is_flip:
+            np.add.at(nodal.f[:, 0], nodes, rise)
+
     def _account(self) -> None:
         dt, work, powers = self.elapsed, self._state.work, self._state.powers
+        if self.friction is not None:
+            work["friction_heat"] += self.friction.heat
+        if self.contact is not None:
+            powers |= self.contact.powers(dt)
+            work["boundary_heat"] += self.contact.bath_heat
         work["largest_heat"] = max(work.get("largest_heat", 0.0), float(self._turnover.sum()))
         if self.held is not None:
             powers |= {

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -63,9 +64,7 @@ def exchange(contacts, theta, heat):
             elif contacts.inverse_alpha[k] == 0.0:
                 from_baths -= abs(contacts.weight[k]) * given
             if contacts.is_perfect[k]:
-                change = max(
-                    change, abs(given) * max(contacts.inverse_alpha[k], contacts.inverse_beta[k])
-                )
+                change = max(change, abs(given) * max(contacts.inverse_alpha[k], contacts.inverse_beta[k]))
                 size = max(size, abs(theta[i, 0]))
         if change <= CONVERGED * size:
             break
@@ -83,6 +82,7 @@ class HeatContact(Correction):
     ----------
     contact : tells who touches
     nodal : the nodal field, with values for each velocity field
+    names : of the pairs of fields
     conductance : (pairs,) by pair of fields; 0: none, infinite: perfect [power/area/temperature]
     is_bath : (fields,) whether a velocity field keeps its temperature
     node_count : nodes of the grid
@@ -94,18 +94,36 @@ class HeatContact(Correction):
     """
 
     def __init__(
-        self, contact: TellsContacts, nodal: NodalField, conductance: Array, is_bath: Array, node_count: int
-    ):
-        self._contact, self._nodal = contact, nodal
+        self, contact: TellsContacts, nodal: NodalField, names: Sequence[str], conductance: Array, is_bath: Array,
+        node_count: int,
+    ):  # fmt: skip
+        self._contact, self._nodal, self._names = contact, nodal, list(names)
         self._conductance, self._is_bath, self._node_count = conductance, is_bath, node_count
         self.heat = np.zeros(len(conductance))
         self.bath_heat = 0.0
         self._exchange: Exchange | None = None
 
-    def begin(self, dt: float) -> None:
-        """Find who touches in a step of ``dt``."""
+    def join(self, theta: Array, counts: bool) -> None:
+        """Give sides in perfect contact one value at the start of the step, before gradients are found of them.
+
+        What baths would give acts on these gradients alone. ``counts``: particles take on nodal values in this step,
+        so that what the sides exchange here is heat.
+        """
         self.heat[:] = 0.0
         self.bath_heat = 0.0
+        if not np.isinf(self._conductance).any():
+            return
+        self.begin(0.0)
+        joined, mp = cast(Exchange, self._exchange), self._nodal.mp
+        is_free = (joined.inverse_alpha > 0.0) & (joined.inverse_beta > 0.0)
+        free, to_bath = (Exchange(*(row[chosen] for row in joined)) for chosen in (is_free, ~is_free))
+        exchange(free, theta, self.heat if counts else self.heat.copy())
+        for dofs in (free.alpha, free.beta):
+            mp[dofs, 1] = mp[dofs, 0] * theta[dofs, 0]
+        exchange(to_bath, theta, self.heat.copy())
+
+    def begin(self, dt: float) -> None:
+        """Find who touches now, for exchanges over ``dt``."""
         rows = self._contact.contact_rows()
         h = self._conductance[rows.pair]
         chosen = _one_row_each(rows, (h > 0.0) & rows.touches)
@@ -114,12 +132,22 @@ class HeatContact(Correction):
         both = inverse[0] + inverse[1]
         reduced = np.divide(1.0, both, out=np.zeros_like(both), where=both > 0.0)
         h = h[chosen]
-        with np.errstate(over="ignore", invalid="ignore"):
-            share = np.where(np.isinf(h), 1.0, -np.expm1(-h * rows.area[chosen] * dt * both))
+        is_perfect = np.isinf(h)
+        flow = np.where(is_perfect, 0.0, h) * rows.area[chosen] * dt
         self._exchange = Exchange(
-            alpha, beta, reduced * share, *inverse, np.isinf(h), rows.pair[chosen],
-            rows.weight[chosen] * rows.sign[chosen],
-        )  # fmt: skip
+            alpha,
+            beta,
+            capacity=reduced * np.where(is_perfect, 1.0, -np.expm1(-flow * both)),
+            inverse_alpha=inverse[0],
+            inverse_beta=inverse[1],
+            is_perfect=is_perfect,
+            pair=rows.pair[chosen],
+            weight=rows.weight[chosen] * rows.sign[chosen],
+        )
+
+    def powers(self, dt: float) -> dict[str, float]:
+        """Return the power into the first field of each pair in the step, of ``dt``, by name of the pair."""
+        return {name: float(heat) / dt for name, heat in zip(self._names, self.heat, strict=True)}
 
     def _inverse_capacity(self, dofs: Array) -> Array:
         c = self._nodal.mp[dofs, 0]

@@ -201,7 +201,7 @@ def give_particle(
     """Values of particle ``p``; ``found`` is what ``give_particles`` reports of the particles before: see there."""
     if C[p] <= 0.0:
         return found
-    turnover, largest, bad = found
+    turnover, bad = found
     old = T[p]
     (new,) = gather_vector(weights, analysis, (0.0,), base, offsets, across, theta)
     if change is not None:
@@ -215,26 +215,26 @@ def give_particle(
         entropy[p] += C[p] * math.log(new / old)
     else:
         bad = np.int64(p)
-    return turnover + abs(inflow[p]), max(largest, new), bad
+    return turnover + abs(inflow[p]), bad
 
 
 @kernel
 def give_particles(
     analysis, shape, grid, across, chunks, stencil, X, F, size, field, cut, theta, change, C, T, carried, inflow,
-    entropy, limit, turnover, largest, bad,
+    entropy, limit, turnover, bad,
 ):  # fmt: skip
     """Values go back to the particles.
 
     The seen value becomes T = Σ S θ⁺(k). The carried one grows by Σ S Δθ (FLIP, ``change`` (n,)), or is the seen one
     (``change`` is None). ``inflow`` (N,) grows by C ΔT, ``entropy`` (N,) by C ln(T⁺/T). Particles without capacity
-    ``C`` (N,) are left alone. Per chunk: ``turnover`` Σ |inflow|, ``largest`` the largest T, ``bad`` a particle whose
-    value is negative, not finite or above ``limit``, else −1.
+    ``C`` (N,) are left alone. Per chunk: ``turnover`` Σ |inflow|, ``bad`` a particle whose value is negative, not
+    finite or above ``limit``, else −1.
     """
     for c in prange(chunks.shape[0] - 1):
         slot = chunk_of_round(c)
         geometry = unfold(grid)
         S, W, offsets = stencil.S[slot], stencil.W[slot], stencil.offsets
-        found = (0.0, 0.0, np.int64(-1))
+        found = (0.0, np.int64(-1))
         for p in range(chunks[slot], chunks[slot + np.uint64(1)]):
             if is_cut(cut, p):
                 continue
@@ -251,4 +251,4 @@ def give_particles(
                     analysis, Table(cut.S[r], None), ZERO, cut.dof[r], across, theta, change, C, T, carried, inflow,
                     entropy, limit, cut.particle[r], found,
                 )  # fmt: skip
-        turnover[slot], largest[slot], bad[slot] = found
+        turnover[slot], bad[slot] = found
