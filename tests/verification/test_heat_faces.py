@@ -134,3 +134,42 @@ def test_a_radiating_plate(start, method):
     mean = float(run.ordered("T").mean()) / 1000.0
     assert mean == pytest.approx(exact.radiating(beta), rel=0.0013)
     heat_in_is_heat_stored(run)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("method", "most"), [("FLIP", (5.5e-3, 1.35e-3)), ("FMPM(4)", (1.3e-2, 5e-3))])
+def test_a_cylinder_held_at_its_face(start, method, most):
+    on = "boundary.surface.on={body: cylinder, face: {axis: x, side: upper}}"
+    for cells, bound in zip((10, 20), most, strict=True):
+        run = start("heat_cylinder.yaml", transfer(method), f"constants.cells={cells}", on)
+        r = run.X0[0]
+        assert errors(run, r, 0.1, exact.cylinder_step(r, 0.1))[0] < bound
+        heat_in_is_heat_stored(run)
+
+
+SPHERE = (
+    "boundary=["
+    + ", ".join(
+        f"{{name: {axis}0, kind: symmetry, plane: {{axis: {axis}, at: 0}}}}, {{name: {axis}1, kind: temperature, "
+        f"on: {{body: sphere, face: {{axis: {axis}, side: upper}}}}, value: 300}}"
+        for axis in "xyz"
+    )
+    + "]",
+    "bodies.sphere.temperature=400",
+    "time.end=0.1",
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("method", "most"), [("FLIP", 0.006), ("FMPM(4)", 0.016)])
+def test_a_sphere_held_at_the_steps_of_its_surface(start, method, most):
+    run = start("heat_sphere_3d.yaml", transfer(method), *SPHERE)
+    r = np.linalg.norm(run.X0, axis=0)
+    assert errors(run, r, 0.1, exact.sphere_step(r, 0.1))[0] < most
+    T = scaled(run)
+    for radius, wanted in ((0.0, 0.707100), (0.5, 0.474487)):
+        assert T[np.abs(r - radius) < 0.06].mean() == pytest.approx(wanted, rel=0.03)
+    powers = run.simulation.state.powers
+    assert powers["x1"] == pytest.approx(powers["y1"], rel=1e-12)
+    assert powers["x1"] == pytest.approx(powers["z1"], rel=1e-12)
+    heat_in_is_heat_stored(run)
