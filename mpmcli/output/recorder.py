@@ -230,7 +230,8 @@ class Recorder:
 
         path = self.directory / FAILED
         displacement = () if state.X0 is None else ("displacement",)
-        fields = resolve_fields([*ALWAYS, *displacement, *FAILED_FIELDS], self.context)
+        heat = ("temperature",) if self.context.has_heat else ()
+        fields = resolve_fields([*ALWAYS, *displacement, *FAILED_FIELDS, *heat], self.context)
         with np.errstate(all="ignore"):
             write_particles(VtuWriter("float64"), path, Snapshot(state), fields)
         return path

@@ -30,6 +30,7 @@ class TimeStep:
     Attributes
     ----------
     dt, courant_of_step : size and Courant number of the last step that was chosen
+    heat : the interval of heat steps, or None
     """
 
     def __init__(
@@ -40,7 +41,7 @@ class TimeStep:
         heat: HeatInterval | None = None,
     ):
         self.fixed = float(step or 0.0)
-        self._heat = heat
+        self.heat = heat
         self.courant = courant
         self.smallest_cell = smallest_cell
         self.dt = self.courant_of_step = 0.0
@@ -76,8 +77,8 @@ class TimeStep:
         dt = self.courant * self.smallest_cell / fastest if fastest > 0.0 else math.inf
         if self.courant > 1.0 and particle_speed > 0.0:
             dt = min(dt, self.smallest_cell / particle_speed)  # no particle may pass a whole cell in a step
-        if self._heat is not None:
-            dt = self._heat.shorten(dt)
+        if self.heat is not None:
+            dt = self.heat.shorten(dt)
         if not (0.0 < dt < math.inf):
             raise SimulationError(
                 f"the time step is not finite for wave speed {wave_speed:.3g}, particle speed {particle_speed:.3g} "

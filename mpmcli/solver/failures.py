@@ -12,6 +12,9 @@ from mpmcli.solver.courant import TimeStep
 
 Array = np.ndarray
 
+LIMITED = 0.99
+"""Share of the Fourier number of a scene from which on it has set the step."""
+
 
 class Failures:
     """Raises the errors of a running simulation, in words for people.
@@ -69,9 +72,12 @@ class Failures:
         raise SimulationError(f"{what}; {self.describe(particle)}. {self._advice()}")
 
     def refuse_temperature(self, particle: int) -> None:
-        """Raise SimulationError for a particle whose temperature is impossible."""
+        """Raise SimulationError for a particle whose temperature is negative, not finite, or rose by too much."""
         T = float(np.asarray(self._particles.T)[particle])
-        raise SimulationError(f"the temperature became {T:.4g}; {self.describe(particle)}")
+        what = f"the temperature became {T:.4g}" if np.isfinite(T) else "the temperature is not finite"
+        if T > 0.0 and np.isfinite(T):
+            what += ", more than twice the highest one before the step"
+        raise SimulationError(f"{what}; {self.describe(particle)}. {self._advice_on_heat()}")
 
     def refuse_leap(self, cells: float) -> None:
         """Raise SimulationError if a particle has just moved by more than a cell along an axis."""
@@ -95,4 +101,23 @@ class Failures:
         return (
             f"The last time step, {step.dt:.3g} (Courant number {step.courant_of_step:.2g}), is probably too long; "
             f"try time.{key}: {half:.2g}"
+        )
+
+    def _advice_on_heat(self) -> str:
+        """What to try where heat is conducted over too long a time, or too much of it enters in a step."""
+        step, heat = self._time_step, self._time_step.heat
+        assert heat is not None
+        fourier = heat.last_fourier
+        if heat.interval is not None and heat.interval > 1:
+            cure = f"heat.interval: {heat.interval // 2}"
+        elif step.courant is None:
+            cure = f"time.step: {0.5 * step.dt:.2g}"
+        elif fourier > LIMITED * heat.limit.fourier:
+            cure = f"heat.fourier: {0.5 * fourier:.2g}"
+        else:
+            cure = f"time.courant: {0.5 * step.courant_of_step:.2g}"
+        return (
+            f"The last heat step, {heat.last:.3g} (Fourier number {fourier:.2g}), is probably too long for conduction, "
+            f"or for the power of a load; try {cure}, or check the values and units of heat_capacity, conductivity "
+            "and loads"
         )

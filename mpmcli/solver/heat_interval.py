@@ -46,6 +46,7 @@ class HeatLimit:
         largest_ratio: float,
         particles: Particles,
     ):
+        self.fourier, self._smallest_cell = fourier, smallest_cell
         self._numerator = fourier * smallest_cell**2
         self._diffusivities, self._largest_ratio = np.asarray(diffusivities, dtype=float), largest_ratio
         self._particles = particles
@@ -55,9 +56,16 @@ class HeatLimit:
         fastest = float(self._diffusivities.max(initial=0.0)) * self._largest_ratio
         if fastest == 0.0 or time * fastest <= self._numerator:
             return time
-        p = self._particles
-        diffusivity = float(np.max(self._diffusivities[p.material] * p.determinant(), initial=0.0))
+        diffusivity = self._largest_diffusivity()
         return min(time, self._numerator / diffusivity) if diffusivity > 0.0 else time
+
+    def fourier_of(self, time: float) -> float:
+        """Return the Fourier number of a heat step of this length."""
+        return self._largest_diffusivity() * time / self._smallest_cell**2
+
+    def _largest_diffusivity(self) -> float:
+        p = self._particles
+        return float(np.max(self._diffusivities[p.material] * p.determinant(), initial=0.0))
 
 
 class HeatInterval:
@@ -70,6 +78,10 @@ class HeatInterval:
     smallest_cell : Δx_min [length]
     speed : gives the speed of the fastest particle now [velocity]
     has_friction : tells whether friction heats bodies now, so that ``auto`` does not wait
+
+    Attributes
+    ----------
+    last : time over which heat acted last
     """
 
     def __init__(
@@ -81,14 +93,20 @@ class HeatInterval:
         has_friction: Callable[[], bool] = lambda: False,
     ):
         self.interval = interval
-        self._limit, self._smallest_cell = limit, smallest_cell
+        self.limit, self._smallest_cell = limit, smallest_cell
         self._speed, self.has_friction = speed, has_friction
         self._steps, self._time, self._path = 0, 0.0, 0.0
+        self.last = 0.0
+
+    @property
+    def last_fourier(self) -> float:
+        """Fourier number of the last heat step."""
+        return self.limit.fourier_of(self.last)
 
     def shorten(self, dt: float) -> float:
         """Return a time step that is ``dt`` at most, so that heat keeps its limit."""
         steps = self.interval or 1
-        return self._limit.shorten(steps * dt) / steps
+        return self.limit.shorten(steps * dt) / steps
 
     def advance(self, dt: float) -> float:
         """Return the time over which heat acts in the step ``dt`` that begins, 0 if it waits.
@@ -101,9 +119,9 @@ class HeatInterval:
         self._path += path
         if not self._is_due(dt, path):
             return 0.0
-        time = self._time
+        self.last = self._time
         self._steps, self._time, self._path = 0, 0.0, 0.0
-        return time
+        return self.last
 
     def _is_due(self, dt: float, path: float) -> bool:
         """Return whether heat acts; one more step like this one might be too long."""
@@ -114,7 +132,7 @@ class HeatInterval:
         if self._path + path > CELLS * self._smallest_cell * (1.0 + ROUNDING):
             return True
         next_time = self._time + dt
-        return next_time > self._limit.shorten(next_time) * (1.0 + ROUNDING)
+        return next_time > self.limit.shorten(next_time) * (1.0 + ROUNDING)
 
     def memory(self) -> dict[str, float]:
         """Return what it remembers from step to step."""

@@ -48,7 +48,7 @@ GOOD_EVERY = 200
 
 A step that fails before it has changed anything shows the state that it began with.
 """
-SHOWN = ("X", "V", "F", "tau", "mass", "id", "body", "material")
+SHOWN = ("X", "V", "F", "tau", "T", "mass", "id", "body", "material")
 """Arrays of particles that are shown after a failure."""
 
 

@@ -242,3 +242,76 @@ def test_grids_and_bodies_larger_than_the_memory_are_refused_before_they_are_mad
     monkeypatch.setattr(fill, "available_memory", lambda: 1e4)
     with pytest.raises(SceneError, match=r"body 'block' has up to 80 particles, which need 3\.6e-05 GB"):
         block()
+
+
+# ---------------------------------------------------------------- heat
+
+CONDUCTING = {"kind": "linear_elastic", "density": 1, "E": 1, "nu": 0, "heat_capacity": 1, "conductivity": 1}
+SOFT = CONDUCTING | {"E": 1e-3}
+WAVY = {
+    "bodies__0__temperature": "300 + 100*sin(9*x)",
+    "bodies__0__velocity": ["0"],
+    "materials__elastic": CONDUCTING,
+    "heat": {},
+}
+"""A bar whose temperature jumps from cell to cell, with D = 1 and cells of length 1."""
+
+
+def heated(flux):
+    face = {"body": "bar", "face": {"axis": "x", "side": "lower"}}
+    return {"loads": [{"name": "torch", "kind": "heat_flux", "on": face, "flux": flux}]}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("changes", "what", "cure"),
+    [
+        (
+            {"time": {"end": 1e3, "step": 2}, "materials__elastic": SOFT},
+            "became -",
+            "The last heat step, 2 (Fourier number 2), is probably too long for conduction, or for the power of a "
+            "load; try time.step: 1,",
+        ),
+        (
+            {"time": {"end": 1e3, "step": 0.1}, "heat": {"interval": 20}},
+            "became -",
+            "The last heat step, 2 (Fourier number 2), is probably too long for conduction, or for the power of a "
+            "load; try heat.interval: 10,",
+        ),
+        (
+            {"time": {"end": 1e3, "courant": 1}, "heat": {"fourier": 2}, "materials__elastic": SOFT},
+            "became -",
+            "try heat.fourier: 1,",
+        ),
+        (
+            {"time": {"end": 1e3, "courant": 0.1}, **heated(1e9)},
+            "more than twice the highest one before the step",
+            "try time.courant: 0.05,",
+        ),
+        ({"time": {"end": 1e3, "courant": 0.1}, **heated(-1e5)}, "became -", "try time.courant: 0.05,"),
+    ],
+)
+def test_a_heat_step_too_long_ends_with_words(bar, changes, what, cure):
+    words = str(failure_of(bar(**{**WAVY, **changes}), 400))
+    assert re.search(
+        r"the temperature .*; particle \d+ of body 'bar' at \(\S+\), cell \(-?\d+\), in step \d+", words
+    )
+    assert what in words
+    assert cure in words
+
+
+@pytest.mark.slow
+def test_the_failed_temperatures_are_shown(bar):
+    run = bar(**{**WAVY, "materials__elastic": SOFT}, time={"end": 1e3, "step": 2}).steps(1)
+    good = failure_of(run, 60).state
+    assert good.particles.T.shape == (good.particles.count,)
+    assert (good.particles.T > 0).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_a_temperature_that_is_not_finite_is_named(bar, bad):
+    run = bar(**WAVY).steps(1)
+    run.particles.T_carried[5] = bad
+    words = str(failure_of(run, 1))
+    assert re.search(r"the temperature is not finite; particle \d+ of body 'bar' at \(\S+\), cell", words)
