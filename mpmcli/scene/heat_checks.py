@@ -61,7 +61,7 @@ class _Scene:
 
     def warms(self, material: Any) -> bool:
         """Whether the temperature of a material may change during the run."""
-        return self.has_heat or (self.is_adiabatic and getattr(material, "heat_capacity", None) is not None)
+        return self.has_heat or (self.is_adiabatic and getattr(material, "specific_heat", None) is not None)
 
     def needs_temperature(self, material: Any) -> bool:
         """Whether anything depends on the temperature of a deformable material."""
@@ -96,8 +96,12 @@ def _check_materials(scene: _Scene, report: Report) -> None:
 def _check_conducting(scene: _Scene, name: str, model: Any, report: Report) -> None:
     """What conduction needs of a material."""
     bodies = [f"'{body.name}'" for _, body in scene.parts.bodies if body.material == name]
-    for key, hint in (("heat_capacity", ""), ("conductivity", "; give 0 for an insulator")):
-        if getattr(model, key) is None:
+    needs = [
+        ("heat_capacity", model.specific_heat, ""),
+        ("conductivity", model.conductivity, "; 0 for an insulator"),
+    ]
+    for key, value, hint in needs:
+        if value is None:
             words = f"is missing; conduction of heat ('heat') in {listing(bodies, 4)} needs it{hint}"
             report(f"materials.{name}.{key}", words, "missing")
 

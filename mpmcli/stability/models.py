@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.functions import GRID_FUNCTIONS
+from mpmcli.materials.thermal import coupled_wave_speed
 from mpmcli.shapes import SHAPES
 from mpmcli.stability.growth import FAST
 from mpmcli.stability.held import Holders
@@ -66,7 +67,12 @@ def deformable(scene: Any) -> list[tuple[Any, Any]]:
 
 def largest_wave_speed(scene: Any) -> float:
     """Return the largest wave speed of the deformable bodies at the start [velocity], 0 without any."""
-    return max((m.initial_wave_speed(scene.analysis.kind) for _, m in deformable(scene)), default=0.0)
+    return max((_wave_speed(scene, material) for _, material in deformable(scene)), default=0.0)
+
+
+def _wave_speed(scene: Any, material: Any) -> float:
+    """Wave speed of a material at the start, adiabatic where heat and strain are coupled [velocity]."""
+    return coupled_wave_speed(material, scene.analysis.kind, scene.is_adiabatic)
 
 
 def scheme_of(scene: Any) -> Scheme:
@@ -117,7 +123,7 @@ def _models_of_body(
     A block has the axes along which the body is not held, in space the two of them with the smallest edges of a cell,
     and one axis if the body is held along all. An endless row stands for each axis along which it is held or fast.
     """
-    wave = material.initial_wave_speed(scene.analysis.kind)
+    wave = _wave_speed(scene, material)
     if not 0.0 < wave < math.inf or not 0.0 < (modulus := material.density * wave * wave) < math.inf:
         raise NoKnownLimit(f"body '{body.name}' has the wave speed {wave:.3g}")
     cell = np.asarray(scene.grid.cell, dtype=float)

@@ -73,7 +73,7 @@ def test_conduction_needs_capacity_and_conductivity(text: str, key: str) -> None
         problems_of((text, "")), f"materials.steel.{key}", "is missing; conduction of heat ('heat') in 'left'"
     )
     assert found.line == 8
-    assert ("give 0 for an insulator" in found.message) == (key == "conductivity")
+    assert ("0 for an insulator" in found.message) == (key == "conductivity")
 
 
 def test_both_may_be_missing_at_once() -> None:

@@ -17,7 +17,8 @@ from mpmcli.stability.heat import (
     stable_fourier,
     warnings_of_heat,
 )
-from mpmcli.stability.scene_limit import SAFETY
+from mpmcli.stability.models import largest_wave_speed
+from mpmcli.stability.scene_limit import SAFETY, warning_of
 
 SCENE = """\
 version: 1
@@ -323,3 +324,24 @@ def test_validate_tells_the_place_of_the_warning(tmp_path, capsys):
     path.write_text(SCENE.replace("heat: {}", "heat: {transfer: {kind: fmpm, order: 1}}"))
     assert call(["validate", str(path)]) == 0
     assert f"{path}:5:18  heat.transfer" in capsys.readouterr().out
+
+
+# ---------------------------------------------------------------------- waves where heat and strain are coupled
+
+
+def test_waves_are_adiabatic_where_work_heats():
+    """c² grows by γ²c_vT, γ = 3αK/(ρc_v): here 100 by (3·0.02·66.7/(2·5))²·5·300 = 240."""
+    expands = "materials.steel.expansion=0.02"
+    assert largest_wave_speed(scene_of()) == pytest.approx(10.0)
+    assert largest_wave_speed(scene_of(expands, "method.heating=isothermal")) == pytest.approx(10.0)
+    gamma = 3 * 0.02 * (200 / 3) / (2 * 5)
+    speed = np.sqrt(100 + gamma**2 * 5 * 300)
+    assert largest_wave_speed(scene_of(expands)) == pytest.approx(speed)
+    assert forecast(scene_of(expands)).dt == pytest.approx(0.2 * CELL / speed)
+
+
+def test_courant_numbers_are_those_of_adiabatic_waves():
+    expands, step = "materials.steel.expansion=0.02", "time={end: 100, step: 0.05}"
+    assert "Courant number 1," in warning_of(scene_of(step)).message
+    courant = 0.05 * largest_wave_speed(scene_of(expands)) / CELL
+    assert f"Courant number {courant:.3g}," in warning_of(scene_of(expands, step)).message
