@@ -9,12 +9,14 @@ import numpy as np
 from mpmcli.contact.choice import ContactChoice
 from mpmcli.core.compiled.runtime import available_threads
 from mpmcli.core.transfer.stencil import kept_as
+from mpmcli.explain.heat import cost_of_heat, heat_facts
 from mpmcli.explain.redundant import find_questions, find_redundant
 from mpmcli.explain.text import as_text
 from mpmcli.solver.plan import Plan
 from mpmcli.solver.setup import choose_contact
 from mpmcli.solver.simulation import Simulation
 from mpmcli.solver.stand_in import StandIn
+from mpmcli.stability.heat import forecast as foresee_heat
 from mpmcli.stability.models import NoKnownLimit
 from mpmcli.stability.scene_limit import stable_courant
 
@@ -57,6 +59,9 @@ def explain(
     fastest, cell = max(wave_speed, particle_speed), float(grid.cell.min())
     courant = simulation.time_step.courant
     dt = scene.time.step if courant is None else courant * cell / fastest
+    foreseen = None if scene.heat is None else foresee_heat(scene, wave_speed, particle_speed)
+    if foreseen is not None:
+        dt = foreseen.dt
     courant = dt * fastest / cell
     stable, because = None, ""
     try:
@@ -74,6 +79,8 @@ def explain(
         particle_bytes += particles.count * 8 * (1 + kept)
     grid_bytes = sum(array.nbytes for array in dense.values())
     share = 1.0 + PASS_SHARE * (plan.order - 1)
+    if foreseen is not None:
+        share += cost_of_heat(scene, foreseen, PASS_SHARE)
     parallel = simulation.parallel
     seconds = STEP_NANOSECONDS[grid.dimensions] * share * particles.count * steps * 1e-9
     seconds = seconds / (threads if parallel else 1) + CALL_SECONDS * steps
@@ -87,6 +94,7 @@ def explain(
         "grid_nodes": grid.node_count,
         "shape": scene.method.shape,
         "contact": contact.facts(simulation.order),
+        "heat": {} if foreseen is None else heat_facts(scene, simulation, foreseen, kernels),
         "tasks": list(kernels),
         "not_modelled": left_out(plan, contact),
         "kernels_of_tasks": kernels,
@@ -127,5 +135,6 @@ def left_out(plan: Plan, contact: ContactChoice) -> list[str]:
         "loads": not plan.has_loads,
         "damping": not (plan.particle_damping or plan.grid_damping),
         "artificial viscosity": plan.viscosity is None,
+        "heat conduction": plan.heat is None,
     }
     return [name for name, is_absent in absent.items() if is_absent]

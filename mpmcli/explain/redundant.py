@@ -39,6 +39,10 @@ def _of_transfer(scene: Any, plan: Plan) -> Iterator[Redundant]:
         yield Redundant(f"{path}.dynamic", f"order {plan.order} has no increment that can be left out")
     if plan.every_steps == 1:
         yield Redundant(f"{path}.every_steps", "every step uses the transfer without this key, too")
+    if plan.heat is not None and getattr(plan.heat.transfer, "every_steps", None) == 1:
+        yield Redundant(
+            "heat.transfer.every_steps", "every heat step uses the transfer without this key, too"
+        )
     if plan.every_courant is not None and isinstance(courant, float) and plan.every_courant <= courant:
         words = f"each step has Courant number {courant:g}, so every step uses the transfer"
         yield Redundant(f"{path}.every_courant", words)
@@ -75,6 +79,9 @@ def find_questions(scene: Any, plan: Plan) -> list[str]:
     if plan.update.again:
         ways = f"{method.update.removesuffix('+')},{method.update}"
         questions.append(f"whether the second extrapolation of momenta matters: --vary method.update={ways}")
+    if plan.heat is not None and plan.heat.interval != "auto" and plan.heat.interval > 1:
+        ways = f"--vary heat.interval=1,{plan.heat.interval}"
+        questions.append(f"whether the interval of heat steps matters: {ways}")
     if plan.velocity_gradient:
         ways = "--vary method.transfer.velocity_gradient=false,true"
         questions.append(f"whether velocity gradients matter: {ways}")

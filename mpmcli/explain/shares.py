@@ -21,7 +21,13 @@ ROUND_SECONDS = 0.05
 """Time of one way before it is the turn of the next."""
 FEWEST, MOST = 5, 400
 """Rounds."""
-PARTS = {"contact": "contact", "conditions": "boundary conditions", "loads": "loads", "rigid": "rigid bodies"}
+PARTS = {
+    "contact": "contact",
+    "conditions": "boundary conditions",
+    "loads": "loads",
+    "heat": "heat conduction",
+    "rigid": "rigid bodies",
+}
 """Parts of a simulation whose share is found, within the tasks."""
 
 

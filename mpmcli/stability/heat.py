@@ -104,13 +104,13 @@ def stable_fourier(scene: Any) -> tuple[float, str]:
 
 
 def _limit_of_body(scene: Any, body: Any, axes: int) -> float:
-    conduction = _conduction(scene, body, axes)
+    conduction = conduction_of(scene, body, axes)
     if conduction is None:
         return UNKNOWN_LIMIT / axes if axes else LARGEST
     return fourier_limit(conduction)
 
 
-def _conduction(scene: Any, body: Any, axes: int) -> Conduction | None:
+def conduction_of(scene: Any, body: Any, axes: int) -> Conduction | None:
     """Return what is analysed for a body; None where its shape function was not."""
     shape, transfer = SHAPES[scene.method.shape], scene.heat.transfer
     if shape.grid_functions not in GRID_FUNCTIONS or shape.domain not in DOMAINS:
@@ -196,7 +196,7 @@ def _filter(scene: Any, heat_steps: int) -> Filter | None:
     steps = heat_steps / (transfer.every_steps or 1)
     found = []
     for body, material in deformable(scene):
-        conduction = _conduction(scene, body, 0)
+        conduction = conduction_of(scene, body, 0)
         if conduction is None or material.conductivity is None:
             continue
         low, high = body.region.bounds(scene.dimensions)
