@@ -35,9 +35,8 @@ class Bar:
 
     def __init__(
         self, *bodies: tuple[float, Any, dict[str, Any]], transfer: dict | None = None, at: float = 0.0,
-        gap: float = 0.0,
-        step: float = 0.1, per: int = 2, velocity: float = 0.0, cells: int = 30, unit: float = 1.0, time: float = 1.0,
-        **keys: Any,
+        gap: float = 0.0, step: float = 0.1, per: int = 2, velocity: float = 0.0, cells: int = 30,
+        unit: float = 1.0, time: float = 1.0, **keys: Any,
     ):  # fmt: skip
         members, materials = [], {}
         for i, (length, T, changes) in enumerate(bodies):

@@ -99,7 +99,6 @@ def test_the_slowest_mode_of_an_insulated_cylinder(start, method):
         found = exact.amplitude(scaled(run), mode)
         off.append(found / exact.mode_amplitude(exact.CYLINDER_MODE, 0.05) - 1)
         assert abs(heat(run) / before - 1) < 1e-13
-    print(method, off)
     assert abs(off[0]) < 0.03
     assert abs(off[1]) < 0.3 * abs(off[0])
 
@@ -117,7 +116,6 @@ def sphere(start, method, cells):
 @pytest.mark.parametrize("method", ["FLIP", "FMPM(4)"])
 def test_the_slowest_mode_of_an_insulated_sphere(start, method):
     coarse, middle, fine = (abs(sphere(start, method, cells)) for cells in (5, 10, 15))
-    print(method, coarse, middle, fine)
     assert middle < 0.04
     assert np.log(coarse / fine) / np.log(3) > 0.8
 
@@ -139,7 +137,6 @@ def two_materials(start, method, cells, shift=0.0):
 )
 def test_two_materials_in_one_field(start, method, shift, wanted):
     coarse, fine = (two_materials(start, method, cells, shift) for cells in (20, 40))
-    print(method, shift, coarse, fine)
     assert coarse < 1.1 * wanted
     if shift == 0:
         assert np.log2(coarse / fine) > 1.1
