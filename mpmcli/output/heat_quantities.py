@@ -150,14 +150,14 @@ QUANTITIES.add(
         "S",
         "entropy",
         _entropy,
-        "entropy that conduction and dissipation have given, 0 at the start",
+        "entropy that conduction and dissipation have given, 0 at the temperatures of the scene",
     ),
     _global(
         "helmholtz_energy",
         "A",
         "energy",
         _helmholtz_energy,
-        "free energy Σ (u − T s) of the particles, 0 at the start; a process that heats does not return to 0",
+        "free energy Σ (u − T s) of the particles; a process that heats does not return to 0",
     ),
     _global(
         "heat_error",
@@ -227,7 +227,7 @@ QUANTITIES.add(
         "S",
         "entropy",
         lambda s: np.asarray(s.particles.entropy) * s.full_ring,
-        "entropy that a particle has received, 0 at the start",
+        "entropy that a particle has received, 0 at its temperature in the scene",
     ),
     _of_particle(
         "heat_flux", "h", "heat_flux", lambda s: s.particles.heat_flux, "flux of heat −κ∇T", rank="vector"

@@ -213,7 +213,7 @@ class Conduction:
         self.acted += 1
 
     def begin(self) -> None:
-        """Before the first step: the seen values are those that the nodes give back."""
+        """Before the first step: seen values are those that the nodes give back; accounts refer to the given ones."""
         p = self.particles
         if p.T_carried is None:
             return
@@ -221,8 +221,7 @@ class Conduction:
         nodal = self.nodal
         kernels.give_particles[self._parallel](
             *self._operator(), nodal.v.reshape(-1), np.zeros(nodal.v.shape[0]), self._C, p.T, p.T_carried,
-            np.zeros(p.count), np.zeros(p.count), np.inf,
-            self._turnover, self._bad,
+            p.heat_inflow, p.entropy, np.inf, self._turnover, self._bad,
         )  # fmt: skip
 
     def nodal_arrays(self) -> dict[str, Array]:
