@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mpmcli.core.analysis import ANALYSES
@@ -26,8 +26,16 @@ TRANSFERS = {
     "pic": {"kind": "fmpm", "order": 1},
     "fmpm4": {"kind": "fmpm", "order": 4},
 }
+HEAVY = ("lcpdi", "qcpdi", "b2gimp", "b2cpdi")
+"""Shape functions with many nodes in 3D."""
+
+
+def mark(shape: str, analysis: str) -> list:
+    return [pytest.mark.slow] if analysis == "3d" and shape in HEAVY else []
+
+
 ALL = [
-    pytest.param(shape, analysis, transfer, id=f"{shape}-{analysis}-{transfer}")
+    pytest.param(shape, analysis, transfer, id=f"{shape}-{analysis}-{transfer}", marks=mark(shape, analysis))
     for (shape, analysis), transfer in zip(
         itertools.product(SHAPES, ANALYSES), itertools.cycle(TRANSFERS), strict=False
     )
@@ -111,6 +119,7 @@ def test_heat_is_conserved_and_a_constant_stays(plain_python, shape, analysis, t
         assert abs(float(s.particles.mass @ s.particles.T) / before - 1) < 1e-13
 
 
+@settings(max_examples=15)
 @given(
     st.lists(st.floats(1.0, 1e4), min_size=9, max_size=9),
     st.lists(st.floats(-0.2, 0.2), min_size=18, max_size=18),
@@ -126,6 +135,31 @@ def test_heat_of_any_temperatures_at_any_places_is_conserved(plain_python, T, of
         before = float(s.particles.mass @ carried(s))
         steps(s)
         assert abs(float(s.particles.mass @ carried(s)) / before - 1) < 1e-13
+
+
+@pytest.mark.parametrize(
+    ("shape", "analysis"),
+    [pytest.param(s, a, marks=[pytest.mark.slow] * (a == "3d")) for s in SHAPES for a in ANALYSES],
+)
+def test_a_linear_field_has_its_exact_gradient(plain_python, shape, analysis):
+    """Inside a regular lattice the nodes see the field itself; in axisymmetric analyses along z."""
+    d = DIMENSIONS[analysis]
+    scene = scene_of(shape, analysis, "flip", archive={"particles": {"every": 1, "fields": ["heat_flux"]}})
+    cells = 9 if shape.startswith("b2") else 7  # as many as reach the one in the middle, through nodes
+    scene["bodies"][0] |= {"particles_per_axis": 1}
+    scene["bodies"][0]["region"] |= {"lower": [0.0] * d, "upper": [float(cells)] * d}
+    scene["grid"]["upper"] = [cells + 3.0] * d
+    with plain_python():
+        s = simulation(scene)
+        w = np.array([7.0, -5.0, 3.0])[:d]
+        if analysis == "axisymmetric":
+            w[0] = 0.0
+        put(s, 400 + w @ s.particles.X)
+        steps(s, 1)
+        p = s.particles
+        inside = np.abs(p.X - cells / 2).max(axis=0) < 0.1
+        assert inside.sum() == 1
+        assert np.abs(p.heat_flux[:, inside] + 0.3 * w[:, None]).max() < 1e-12
 
 
 @pytest.mark.parametrize("transfer", TRANSFERS)
@@ -162,8 +196,14 @@ TURNS = {
 
 
 @pytest.mark.parametrize("transfer", TRANSFERS)
-@pytest.mark.parametrize("shape", ["ugimp", "lcpdi", "b2gimp"])
-@pytest.mark.parametrize("analysis", ["uniaxial_strain", "plane_strain", "3d"])
+@pytest.mark.parametrize(
+    ("shape", "analysis"),
+    [
+        pytest.param(shape, analysis, marks=mark(shape, analysis))
+        for shape in ("ugimp", "lcpdi", "b2gimp")
+        for analysis in ("uniaxial_strain", "plane_strain", "3d")
+    ],
+)
 def test_mirror_images_and_quarter_turns_change_only_round_off(plain_python, analysis, shape, transfer):
     d = DIMENSIONS[analysis]
 

@@ -17,6 +17,7 @@ from mpmcli.scene.loader import load_scene
 MAY_DIFFER = {"run.json", "run.log"}
 
 SOFT = {"kind": "neo_hookean", "density": 1.5, "E": 100.0, "nu": 0.3}
+WARM = SOFT | {"heat_capacity": 1.0, "conductivity": 5.0}
 
 
 def box(lower, upper) -> dict[str, Any]:
@@ -122,6 +123,23 @@ SLOW: dict[str, dict[str, Any]] = {
         bodies=TWO,
         contact={"law": {"kind": "velocity_friction", "friction": 0.3, "viscosity": 0.01}, "fields": "body"},
         domain={"on_exit": "stop_at_wall"},
+    ),
+    "heat": scene_of(
+        "plane_strain", 6, {"kind": "fmpm", "order": 2},
+        heat={"transfer": {"kind": "fmpm", "order": 3, "every_steps": 2}, "interval": 2},
+        materials={"soft": WARM | {"conductivity": [9, 3, 1]}},
+        bodies=[body("left", [-3, -2], [0, 2], [9, "5*y"], temperature="300 + 20*x*y"),
+                body("right", [0, -2], [3, 2], [-3, -1], temperature=350)],
+        boundary=[FLOOR, {"name": "hot", "kind": "temperature", "value": "400 + t",
+                          "on": {"plane": {"axis": "x", "at": -2}}}],
+        probes=[{"name": "tip", "kind": "particle", "body": "left", "near": [0, 2],
+                 "columns": ["temperature", "heat_flux"]}],
+    ),
+    "warm ring": scene_of(
+        "axisymmetric", 6, {"kind": "flip"},
+        heat={}, materials={"soft": WARM},
+        bodies=[body("ring", [0, 1], [3, 4], ["40 + 9*x", "1 - x"], temperature="300 + 20*x*y")],
+        domain={"on_exit": "delete"},
     ),
 }  # fmt: skip
 
