@@ -103,6 +103,7 @@ def make_loaded(tmp_path):
             ],
             contact=None,
             heat=None,
+            has_temperature=False,
             conditions_on=lambda quantity: [SimpleNamespace(name="base")] * (quantity == "velocity"),
             loads_on=lambda quantity: [],
             method=SimpleNamespace(

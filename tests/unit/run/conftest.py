@@ -71,6 +71,7 @@ def loaded(tmp_path):
         bodies=[SimpleNamespace(name="block", material="rubber")],
         contact=None,
         heat=None,
+        has_temperature=False,
         conditions_on=lambda quantity: [],
         loads_on=lambda quantity: [],
         method=SimpleNamespace(
