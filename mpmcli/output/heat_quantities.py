@@ -12,6 +12,10 @@ from mpmcli.output.quantities import QUANTITIES, Context, Quantity
 from mpmcli.output.snapshot import Snapshot
 
 
+NEXT_TO_NOTHING = 1e-9
+"""Share of the heat content ΣCT below which heat is round-off."""
+
+
 def _with_heat(context: Context) -> bool:
     return context.has_heat
 
@@ -35,7 +39,8 @@ def _part(name: str) -> Callable[[Snapshot], float]:
 def _heat_error(s: Snapshot) -> float:
     parts = sum(_part(name)(s) for name in ("boundary_heat", "friction_heat", "source_heat"))
     left = s.state.extra.get("deleted_heat", 0.0)
-    largest = s.state.work.get("largest_heat", 0.0) * s.full_ring
+    content = s.total(s.heat_capacity * s.temperature)
+    largest = max(s.state.work.get("largest_heat", 0.0) * s.full_ring, NEXT_TO_NOTHING * content)
     return (_inflow(s) + left - parts) / largest if largest > 0.0 else 0.0
 
 
@@ -164,7 +169,7 @@ QUANTITIES.add(
         "e_Q",
         "1",
         _heat_error,
-        "heat_inflow − its parts, over the largest Σ |heat| of the particles so far",
+        "heat_inflow − its parts, over the largest Σ |heat| of the particles so far (at least 1e-9 ΣCT)",
     ),
     _global(
         "temperature_min", "T_min", "temperature", _extreme(np.min), "smallest temperature of a particle"

@@ -19,8 +19,8 @@ from mpmcli.core.tensors import eigen_symmetric, left_cauchy_green
 from mpmcli.core.transfer.cut import is_cut
 from mpmcli.core.transfer.gather_scatter import (
     column,
+    gather_scalar,
     gather_slope,
-    gather_vector,
     put_rows,
     scatter_flux,
     zero_vector,
@@ -195,6 +195,16 @@ def apply_changes(active, mp, theta, change):
 
 
 @compiled_too
+def log_ratio(a, b):
+    """ln(a/b); most values hardly change in a step, for which a short series is exact."""
+    z = (a - b) / (a + b)
+    if abs(z) > 0.01:
+        return math.log(a / b)
+    y = z * z
+    return 2.0 * z * (1.0 + y * (1.0 / 3.0 + y * (0.2 + y * (1.0 / 7.0))))
+
+
+@compiled_too
 def give_particle(
     analysis, weights, base, offsets, across, theta, change, C, T, carried, inflow, entropy, limit, p, found
 ):  # fmt: skip
@@ -203,16 +213,15 @@ def give_particle(
         return found
     turnover, bad = found
     old = T[p]
-    (new,) = gather_vector(weights, analysis, (0.0,), base, offsets, across, theta)
+    new = gather_scalar(weights, analysis, base, offsets, across, theta)
     if change is not None:
-        (step,) = gather_vector(weights, analysis, (0.0,), base, offsets, across, change)
-        carried[p] += step
+        carried[p] += gather_scalar(weights, analysis, base, offsets, across, change)
     elif carried is not None:
         carried[p] = new
     T[p] = new
     inflow[p] += C[p] * (new - old)
     if (new > 0.0) & (new <= limit):
-        entropy[p] += C[p] * math.log(new / old)
+        entropy[p] += C[p] * log_ratio(new, old)
     else:
         bad = np.int64(p)
     return turnover + abs(inflow[p]), bad

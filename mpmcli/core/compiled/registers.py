@@ -60,6 +60,14 @@ def each(value: Any) -> Any:
     return tuple(value)
 
 
+def total(value: Any) -> Any:
+    """Return the sum of the components, from the first one on."""
+    return sum(value)
+
+
 def plus(total: Any, weight: Any, value: Any) -> Any:
-    """Return ``total + weight · value``, rounded once by compiled code (Python rounds the product, too)."""
+    """Return ``total + weight · value``, rounded once by compiled code (Python rounds the product, too).
+
+    ``weight`` is a number, or a register with one for each component.
+    """
     return total + weight * value

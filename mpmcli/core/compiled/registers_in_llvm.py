@@ -147,17 +147,32 @@ def _(typing_context: Any, value: Any) -> Any:
     return types.UniTuple(types.float64, value.count)(value), build
 
 
+@written_in_llvm(registers.total)
+def _(typing_context: Any, value: Any) -> Any:
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        found = builder.extract_element(args[0], INDEX(0))
+        for position in range(1, value.count):
+            found = builder.fadd(found, builder.extract_element(args[0], INDEX(position)))
+        return found
+
+    return types.float64(value), build
+
+
 @written_in_llvm(registers.plus)
 def _(typing_context: Any, total: Any, weight: Any, value: Any) -> Any:
+    is_register = isinstance(weight, Register)
+
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        total, weight, value = args
+        total, weights, value = args
         count = sig.return_type.count
         vector = ir.VectorType(DOUBLE, count)
         name = f"llvm.fma.v{count}f64"
         fma = cgutils.get_or_insert_function(builder.module, ir.FunctionType(vector, [vector] * 3), name)
-        return builder.call(fma, [_all_alike(builder, weight, count), value, total])
+        if not is_register:
+            weights = _all_alike(builder, weights, count)
+        return builder.call(fma, [weights, value, total])
 
-    return total(total, types.float64, value), build
+    return total(total, weight if is_register else types.float64, value), build
 
 
 class _Sum(AbstractTemplate):

@@ -14,12 +14,14 @@ from mpmcli.core.analysis import Axisymmetric, Solid
 from mpmcli.core.compiled.compiler import compiled_as, compiled_too
 from mpmcli.core.compiled.registers import each, pack, plus, read
 from mpmcli.core.transfer.gather_scatter import (
+    ALL,
     LINE,
     ONE,
     PLANE,
     for_each,
     gather_gradient,
     gather_gradient_around_axis,
+    gather_scalar,
     gather_vector,
     put_rows,
 )
@@ -230,3 +232,9 @@ def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
     put_rows(each(z1 * xi + z2 * eta + z3 * zeta), L, 2, 3, p)
     Sv = each(0.125 * (below + above))
     return Sv, Sv if w is None else gather_vector(weights, analysis, zero, base, offsets, across, w)
+
+
+@of_corners(gather_scalar, *ALL)
+def _(weights, analysis, base, offsets, across, v):
+    (found,) = gather_vector(weights, analysis, (0.0,), base, offsets, across, v)
+    return found

@@ -57,6 +57,11 @@ def gather_gradient(weights: Any, analysis: Any, zero: Any, base: Any, offsets: 
 
 
 @generic(over=2)
+def gather_scalar(weights: Any, analysis: Any, base: Any, offsets: Any, across: Any, v: Any) -> Any:
+    """Σ_i S_i v_i of a scalar ``v`` (n,)."""
+
+
+@generic(over=2)
 def gather_slope(weights: Any, analysis: Any, base: Any, offsets: Any, across: Any, v: Any) -> Any:
     """Gradient Σ_i v_i ∇S_i of a scalar ``v`` (n,), a tuple of d numbers."""
 

@@ -18,6 +18,7 @@ from mpmcli.core.transfer.gather_scatter import (
     for_each,
     gather_gradient,
     gather_gradient_around_axis,
+    gather_scalar,
     gather_slope,
     gather_vector,
     nodes_of,
@@ -159,6 +160,17 @@ def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
     put_rows(each(by_y), L, 1, 3, p)
     put_rows(each(by_z), L, 2, 3, p)
     return each(Sv), each(Sv if w is None else Sw)
+
+
+# Scalars
+
+
+@of_table(gather_scalar, *ALL)
+def _(weights, analysis, base, offsets, across, v):
+    S, found = weights.S, 0.0
+    for j in range(nodes_of(analysis, across)):
+        found += S[j] * v[base + offsets[j]]
+    return found
 
 
 @of_table(gather_slope, *LINE)

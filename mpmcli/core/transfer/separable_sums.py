@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from mpmcli.core.analysis import Axisymmetric, Solid
-from mpmcli.core.compiled.registers import each, load, pack, plus, read, store, zeros
+from mpmcli.core.compiled.registers import each, load, pack, plus, read, store, total, zeros
 from mpmcli.core.transfer.gather_scatter import (
     ALL,
     LINE,
@@ -18,6 +18,7 @@ from mpmcli.core.transfer.gather_scatter import (
     for_each,
     gather_gradient,
     gather_gradient_around_axis,
+    gather_scalar,
     gather_slope,
     gather_vector,
     put_rows,
@@ -70,14 +71,14 @@ def _(weights, analysis, base, offsets, across, M, B, f):
 def _(weights, analysis, zero, base, offsets, across, v):
     x, values = weights.x, weights.values
     w, d = np.uint64(len(across)), np.uint64(len(zero))
-    total = zeros(zero)
+    summed = zeros(zero)
     for r in range(rows_of(analysis, across)):
         first = (base + offsets[r * w]) * d
         along = zeros(zero)
         for a in range(w):
             along = plus(along, x[a], read(v, first + a * d, zero))
-        total = plus(total, values[r], along)
-    return each(total)
+        summed = plus(summed, values[r], along)
+    return each(summed)
 
 
 @of_rows(scatter_stress, *LINE)
@@ -186,69 +187,70 @@ def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
     return each(Sv), each(Sv if w is None else Sw)
 
 
+# Scalars: the nodes of a row are neighbours in memory, and one register
+
+
+@of_rows(gather_scalar, *ALL)
+def _(weights, analysis, base, offsets, across, v):
+    w = np.uint64(len(across))
+    along = zeros(across)
+    for r in range(rows_of(analysis, across)):
+        along = plus(along, weights.values[r], read(v, base + offsets[r * w], across))
+    return total(pack(weights.x) * along)
+
+
 @of_rows(gather_slope, *LINE)
 def _(weights, analysis, base, offsets, across, v):
-    x = 0.0
-    for a in range(np.uint64(len(across))):
-        x += weights.slopes[a] * v[base + a]
-    return (x,)
+    return (total(pack(weights.slopes) * read(v, base, across)),)
 
 
 @of_rows(gather_slope, *PLANE, Axisymmetric)
 def _(weights, analysis, base, offsets, across, v):
     w = np.uint64(len(across))
-    x, y = 0.0, 0.0
+    by_slope, by_value = zeros(across), zeros(across)
     for r in range(w):
-        first = base + offsets[r * w]
-        along, slope = 0.0, 0.0
-        for a in range(w):
-            along += weights.x[a] * v[first + a]
-            slope += weights.slopes[a] * v[first + a]
-        x += weights.values[r] * slope
-        y += weights.gradients[r] * along
-    return x, y
+        row = read(v, base + offsets[r * w], across)
+        by_slope = plus(by_slope, weights.values[r], row)
+        by_value = plus(by_value, weights.gradients[r], row)
+    return total(pack(weights.slopes) * by_slope), total(pack(weights.x) * by_value)
 
 
 @of_rows(gather_slope, Solid)
 def _(weights, analysis, base, offsets, across, v):
     w = np.uint64(len(across))
     R = w * w
-    x, y, z = 0.0, 0.0, 0.0
+    by_slope, by_y, by_z = zeros(across), zeros(across), zeros(across)
     for r in range(R):
-        first = base + offsets[r * w]
-        along, slope = 0.0, 0.0
-        for a in range(w):
-            along += weights.x[a] * v[first + a]
-            slope += weights.slopes[a] * v[first + a]
-        x += weights.values[r] * slope
-        y += weights.gradients[r] * along
-        z += weights.gradients[R + r] * along
-    return x, y, z
+        row = read(v, base + offsets[r * w], across)
+        by_slope = plus(by_slope, weights.values[r], row)
+        by_y = plus(by_y, weights.gradients[r], row)
+        by_z = plus(by_z, weights.gradients[R + r], row)
+    x = pack(weights.x)
+    return total(pack(weights.slopes) * by_slope), total(x * by_y), total(x * by_z)
 
 
 @of_rows(scatter_flux, *LINE)
 def _(weights, analysis, base, offsets, across, h, f):
-    for a in range(np.uint64(len(across))):
-        f[base + a] += h[0] * weights.slopes[a]
+    store(f, base, plus(load(f, base, across), h[0], pack(weights.slopes)))
 
 
 @of_rows(scatter_flux, *PLANE, Axisymmetric)
 def _(weights, analysis, base, offsets, across, h, f):
     w = np.uint64(len(across))
+    slopes, x = pack(weights.slopes), pack(weights.x)
     for r in range(w):
-        first = base + offsets[r * w]
-        by_slope, by_value = weights.values[r] * h[0], weights.gradients[r] * h[1]
-        for a in range(w):
-            f[first + a] += weights.slopes[a] * by_slope + weights.x[a] * by_value
+        i = base + offsets[r * w]
+        row = plus(load(f, i, across), weights.values[r] * h[0], slopes)
+        store(f, i, plus(row, weights.gradients[r] * h[1], x))
 
 
 @of_rows(scatter_flux, Solid)
 def _(weights, analysis, base, offsets, across, h, f):
     w = np.uint64(len(across))
     R = w * w
+    slopes, x = pack(weights.slopes), pack(weights.x)
     for r in range(R):
-        first = base + offsets[r * w]
-        by_slope = weights.values[r] * h[0]
+        i = base + offsets[r * w]
+        row = plus(load(f, i, across), weights.values[r] * h[0], slopes)
         by_value = weights.gradients[r] * h[1] + weights.gradients[R + r] * h[2]
-        for a in range(w):
-            f[first + a] += weights.slopes[a] * by_slope + weights.x[a] * by_value
+        store(f, i, plus(row, by_value, x))
