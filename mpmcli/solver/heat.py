@@ -126,6 +126,8 @@ def _add_contact(scene: Any, s: Parts, conduction: Conduction, is_shared: bool) 
     if scene.heat.friction:
         s.state.work["friction_heat"] = 0.0
         conduction.friction = FrictionHeat(contact, nodal, _effusivities(scene, s), rigid, n)
+        assert s.heat_interval is not None
+        s.heat_interval.has_friction = lambda: contact.contacts.count > 0
 
 
 def make_conduction(

@@ -254,3 +254,33 @@ def test_a_run_goes_on_from_between_heat_steps():
         second.step()
     assert np.array_equal(whole.particles.T, second.particles.T)
     assert np.array_equal(whole.particles.T_carried, second.particles.T_carried)
+
+
+def sliding(name, lower, upper, velocity):
+    region = {"kind": "box", "lower": [lower, 0], "upper": [upper, 3]}
+    return {"name": name, "material": "m", "region": region, "velocity": velocity}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("friction", [True, False])
+def test_heat_acts_in_every_step_while_bodies_are_in_contact(friction):
+    """The work of friction is known in its own step only."""
+    changes = {
+        "analysis": {"kind": "plane_strain"},
+        "grid": {"lower": [-2, -3], "upper": [14, 6], "cell": 1},
+        "heat": {"interval": "auto", "friction": friction},
+        "bodies": [sliding("a", 1, 4, [0, 0.3]), sliding("b", 6, 9, [-0.4, 0])],
+        "contact": {"law": {"kind": "coulomb", "friction": 0.3}},
+        "time": {"end": 10, "step": 0.05},
+    }
+    simulation = Simulation(load_scene(yaml.safe_dump(WARM_BAR | changes)), 1)
+    waited = {True: 0, False: 0}
+    for _ in range(100):
+        simulation.step()
+        meets = simulation.contact.contacts.count > 0
+        waited[meets] += simulation.heat.elapsed == 0.0
+    assert waited[False] > 10
+    assert (waited[True] == 0) == friction
+    work = simulation.state.work
+    assert work["contact_work"] > 0.0
+    assert work.get("friction_heat") == (pytest.approx(work["contact_work"]) if friction else None)
