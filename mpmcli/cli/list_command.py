@@ -17,6 +17,7 @@ KINDS = (
     "separations",
     "laws",
     "transfers",
+    "heat_transfers",
     "updates",
     "analyses",
     "quantities",
@@ -51,13 +52,17 @@ def lines(kind: str) -> Iterator[str]:
 def _models(kind: str) -> list[Any]:
     from typing import get_args
 
-    from mpmcli.scene import method, models
+    from mpmcli.scene import heat, method, models
     from mpmcli.scene.alternatives import ALTERNATIVES
 
     if kind in ALTERNATIVES:
         return ALTERNATIVES[kind].models()
-    union = method.Transfer if kind == "transfers" else models.AnalysisKind
-    return list(get_args(get_args(union)[0]))
+    unions = {
+        "transfers": method.Transfer,
+        "heat_transfers": heat.TransferOfHeat,
+        "analyses": models.AnalysisKind,
+    }
+    return list(get_args(get_args(unions[kind])[0]))
 
 
 def _describe(model: Any) -> Iterator[str]:
@@ -77,7 +82,7 @@ def _describe(model: Any) -> Iterator[str]:
     for name, field in model.model_fields.items():
         if name != "kind":
             meaning = _first_line(field.description or words.get(name))
-            yield f"    {field.alias or name:<16}{_default(field):<14}{meaning}"
+            yield f"    {field.alias or name:<15} {_default(field):<13} {meaning}"
     yield ""
 
 

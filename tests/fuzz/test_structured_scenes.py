@@ -181,6 +181,80 @@ def load(dice: Dice, d: int, body: str) -> dict[str, Any]:
     )
 
 
+def heat(dice: Dice, has_contact: bool) -> dict[str, Any]:
+    """All of ``heat``."""
+    keys: dict[str, Any] = {}
+    if dice.rarely(0.6):
+        kind = dice.one_of(["flip", "fmpm"])
+        keys["transfer"] = {"kind": kind, "order": dice.one_of([1, 2, 4, 8])}
+        if kind == "fmpm" and dice.rarely():
+            keys["transfer"]["every_steps"] = 3
+    if dice.rarely(0.4):
+        keys["interval"] = dice.one_of([1, 3, "auto"])
+    if dice.rarely():
+        keys["fourier"] = dice.number(0.05, 1)
+    if has_contact and dice.rarely(0.6):
+        keys["contact"] = dice.one_of(
+            ["shared", "insulated", {"conductance": dice.size()}, {"conductance": "perfect"}]
+        )
+        keys["friction"] = dice.one_of([True, False])
+    return keys
+
+
+def warm_up(dice: Dice, scene: dict[str, Any], d: int) -> None:
+    """Let a scene conduct heat, or at least expand and warm by itself."""
+    has_heat = dice.rarely(0.8)
+    if has_heat:
+        scene["heat"] = heat(dice, "contact" in scene)
+    for material in scene["materials"].values():
+        if material["kind"] == "rigid":
+            continue
+        is_equation_of_state = "equation_of_state" in MATERIALS[material["kind"]].properties
+        if material["kind"] != "ideal_gas":
+            material["heat_capacity"] = dice.size()
+        if has_heat:
+            material["conductivity"] = dice.one_of([0, dice.size(), [1, 0.1, 3]])
+        if not is_equation_of_state and dice.rarely(0.5):
+            material["expansion"] = dice.one_of([1e-5, 1e-3, 0.1])
+        if dice.rarely():
+            material["T0"] = dice.one_of([1e-3, 200, 1e8])
+    for body in scene["bodies"]:
+        if dice.rarely(0.5):
+            body["temperature"] = dice.one_of([400, "300 + 50*x", "300*exp(x)"])
+    if has_heat and dice.rarely(0.6):
+        warm = {"name": "warm", "kind": "temperature", "value": dice.one_of([250, "300 + 100*t", "300 + x"])}
+        scene.setdefault("boundary", []).append(warm | {"on": somewhere(dice, d)})
+    if has_heat and dice.rarely(0.6):
+        scene.setdefault("loads", []).append({"name": "fire"} | load_of_heat(dice, d))
+
+
+def somewhere(dice: Dice, d: int) -> dict[str, Any]:
+    """A plane, or the face of a body."""
+    axis = dice.one_of("xyz"[:d])
+    face = {"body": "a", "face": {"axis": axis, "side": dice.one_of(["lower", "upper"])}}
+    return dice.one_of([{"plane": {"axis": axis, "at": dice.number(1, 3), "side": "lower"}}, face])
+
+
+def load_of_heat(dice: Dice, d: int) -> dict[str, Any]:
+    """A load of any kind that heats."""
+    on = {"body": "a", "face": {"axis": dice.one_of("xyz"[:d]), "side": dice.one_of(["lower", "upper"])}}
+    return dice.one_of(
+        [
+            {"kind": "heat_flux", "on": on, "flux": dice.one_of([1, -0.5, "10*sin(t)"])},
+            {"kind": "film", "on": on, "coefficient": dice.size(), "around": dice.one_of([4, 293, "300+t"])},
+            {
+                "kind": "radiation",
+                "on": on,
+                "emissivity": 0.8,
+                "around": 4,
+                "stefan_boltzmann": dice.one_of([1e-9, 1]),
+            },
+            {"kind": "heat_source", "on": {"body": "a"}, "power": dice.one_of([1, "x", -0.1])}
+            | {"per": dice.one_of(["volume", "mass", "total"])},
+        ]
+    )
+
+
 def structured_scene(seed: int) -> dict[str, Any]:
     """A scene of 2 to some 50 particles per body, built at random from what exists."""
     dice = Dice(seed)
@@ -232,6 +306,8 @@ def structured_scene(seed: int) -> dict[str, Any]:
     if dice.rarely():
         scene["probes"] = [{"name": "p", "kind": "particle", "body": names[0], "near": bodies[0]["region"].get(
             "lower", [4.0] * d), "columns": ["position", "velocity", "stress"]}]  # fmt: skip
+    if dice.rarely(0.5):
+        warm_up(dice, scene, d)
     return scene
 
 

@@ -251,6 +251,7 @@ def test_list(kind: str, capsys: pytest.CaptureFixture[str]) -> None:
         "separations": "regression",
         "laws": "coulomb",
         "transfers": "fmpm",
+        "heat_transfers": "fmpm",
         "updates": "usavg+",
         "analyses": "plane_strain",
         "quantities": "kinetic_energy",
