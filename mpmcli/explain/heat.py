@@ -58,7 +58,7 @@ def _removed(scene: Any) -> dict[str, float]:
     """Return the share of waves that one step of FMPM removes, by their length in cells."""
     if scene.heat.transfer.kind != "fmpm":
         return {}
-    conductions: list[Conduction | None] = [conduction_of(scene, body, 0) for body in scene.bodies]
+    conductions: list[Conduction | None] = [conduction_of(scene, body) for body in scene.bodies]
     known = [each for each in conductions if each is not None]
     return {
         str(length): max(filter_factor(each, length) ** each.order for each in known)

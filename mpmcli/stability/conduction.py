@@ -29,8 +29,8 @@ LOWEST = 0.02
 """Smallest limit that is searched for."""
 TOLERANCE = 1e-6
 """Spectral radii above 1 by more than this are unstable."""
-CELLS = {1: 6, 2: 3, 3: 2}
-"""Cells along each edge of the block, by number of axes."""
+CELLS = {1: 6, 2: 4, 3: 3}
+"""Cells along each edge of a block that stands for large bodies, by number of axes."""
 POSITIONS = {1: 21, 2: 6, 3: 2}
 """Positions within half a cell, of which the worst one counts, by number of axes; the first is nearly the worst."""
 
@@ -46,6 +46,9 @@ class Conduction:
     replaces : particles take the nodal temperature (FMPM), and not its change (FLIP)
     order : order k of the full-capacity loop
     axes_with_faces : number of axes along which temperatures are held, or films act, at faces of the body
+    are_opposite : such faces are at both ends of an axis
+    coupling : share of the conductance of a held face that these faces have, below 1 behind films
+    cells : cells along each edge of the body, as far as it matters: faces of thin bodies lower the limit further
     """
 
     grid_functions: str
@@ -54,6 +57,9 @@ class Conduction:
     replaces: bool = False
     order: int = 1
     axes_with_faces: int = 0
+    are_opposite: bool = True
+    coupling: float = 1.0
+    cells: int = 6
 
 
 @functools.lru_cache(maxsize=256)
@@ -90,7 +96,7 @@ class _Step:
     @classmethod
     def of(cls, conduction: Conduction, offset: float, dimensions: int) -> _Step:
         """The step of a block whose corner is at ``offset`` (in cells) from a node along all axes."""
-        c, K, M = _axis_matrices(conduction, offset, CELLS[dimensions])
+        c, K, M = _axis_matrices(conduction, offset, min(conduction.cells, CELLS[dimensions]))
         capacity, back = (functools.reduce(np.kron, [A] * dimensions) for A in (c, M))
         conductance = sum(
             functools.reduce(np.kron, [K if a == b else M for b in range(dimensions)])
@@ -130,8 +136,8 @@ def _axis_matrices(conduction: Conduction, offset: float, cells: int) -> tuple[A
         nodes = np.arange(-MARGIN, cells + 2 + MARGIN)[kept]
         value = GRID_FUNCTIONS[conduction.grid_functions][0]
         half_size = 0.5 / n
-        for particle, face in ((0, offset), (-1, cells + offset)):
-            K -= np.outer(value(face - nodes), S[particle]) / half_size
+        for particle, face in ((0, offset), (-1, cells + offset))[: 1 + conduction.are_opposite]:
+            K -= np.outer(value(face - nodes), S[particle]) * (conduction.coupling / half_size)
     return c, K, S.T @ S / n
 
 

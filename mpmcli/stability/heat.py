@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from mpmcli.core.errors import Problem
+from mpmcli.core.expressions import Expression
 from mpmcli.core.functions import GRID_FUNCTIONS
 from mpmcli.shapes import SHAPES
-from mpmcli.stability.conduction import LARGEST, Conduction, finest_wave, fourier_limit
+from mpmcli.stability.conduction import CELLS, LARGEST, Conduction, finest_wave, fourier_limit
 from mpmcli.stability.interval import largest_interval
 from mpmcli.stability.lattice import DOMAINS
 from mpmcli.stability.models import deformable, largest_wave_speed
@@ -22,6 +23,10 @@ SHORTEST_REACH = 0.3
 """Conduction that reaches fewer cells in a run has no effect on its grid."""
 LARGEST_WAVE = 0.25
 """FMPM should keep waves of this share of the smallest body."""
+LARGE = max(CELLS.values())
+"""Cells along its shortest edge from which on a body counts as large."""
+COUPLING = 0.05
+"""Resolution of the conductance of films."""
 UNKNOWN_LIMIT = 0.25
 """Stable Fourier number of shape functions that were not analysed, where faces are held."""
 INDEPENDENT = "heat_flux"
@@ -95,39 +100,87 @@ def stable_fourier(scene: Any) -> tuple[float, str]:
         diffusivity = of_material.get(body.material, 0.0)
         if diffusivity <= 0.0:
             continue
-        axes = _axes_with_faces(scene, body.name)
-        limit = _limit_of_body(scene, body, axes) * (largest / diffusivity)
+        faces = _faces_of(scene, body)
+        limit = _limit_of_body(scene, body, faces) * (largest / diffusivity)
         if limit < least or because.startswith("no body"):
-            faces = f", with temperatures or films at faces along {axes} ax{'es' if axes > 1 else 'is'}"
-            least, because = limit, f"body '{body.name}'{faces * (axes > 0)}"
+            axes = f"{faces.axes} ax{'es' if faces.axes > 1 else 'is'}"
+            words = f", with temperatures or films at faces along {axes}" * (faces.axes > 0)
+            least, because = limit, f"body '{body.name}'{words}"
     return least, because
 
 
-def _limit_of_body(scene: Any, body: Any, axes: int) -> float:
-    conduction = conduction_of(scene, body, axes)
+def _limit_of_body(scene: Any, body: Any, faces: _Faces) -> float:
+    conduction = conduction_of(scene, body)
     if conduction is None:
-        return UNKNOWN_LIMIT / axes if axes else LARGEST
-    return fourier_limit(conduction)
-
-
-def conduction_of(scene: Any, body: Any, axes: int) -> Conduction | None:
-    """Return what is analysed for a body; None where its shape function was not."""
-    shape, transfer = SHAPES[scene.method.shape], scene.heat.transfer
-    if shape.grid_functions not in GRID_FUNCTIONS or shape.domain not in DOMAINS:
-        return None
-    particles = int(np.max(body.particles_per_axis))
-    return Conduction(
-        shape.grid_functions, shape.domain, particles, transfer.kind == "fmpm", transfer.order, axes
+        return UNKNOWN_LIMIT / faces.axes if faces.axes else LARGEST
+    return fourier_limit(
+        replace(
+            conduction,
+            axes_with_faces=faces.axes,
+            are_opposite=faces.are_opposite,
+            coupling=faces.coupling,
+        )
     )
 
 
-def _axes_with_faces(scene: Any, body: str) -> int:
-    """Return the number of axes along which fluxes through faces of a body depend on its temperature."""
-    faces = [condition.held_face() for condition in scene.conditions_on("temperature")]
+def conduction_of(scene: Any, body: Any) -> Conduction | None:
+    """Return what is analysed for a body without faces; None where its shape function was not."""
+    shape, transfer = SHAPES[scene.method.shape], scene.heat.transfer
+    if shape.grid_functions not in GRID_FUNCTIONS or shape.domain not in DOMAINS:
+        return None
+    particles, cells = int(np.max(body.particles_per_axis)), max(1, round(float(_lengths(scene, body).min())))
+    replaces = transfer.kind == "fmpm"
+    return Conduction(
+        shape.grid_functions, shape.domain, particles, replaces, transfer.order, cells=min(cells, LARGE)
+    )
+
+
+def _lengths(scene: Any, body: Any) -> np.ndarray:
+    """Lengths (d,) of the part of a body's box that is in the grid, in cells."""
+    low, high = body.region.bounds(scene.dimensions)
+    lower, upper = np.maximum(low, scene.grid.lower), np.minimum(high, scene.grid.upper)
+    return np.asarray((upper - lower) / scene.grid.cell)
+
+
+@dataclass(frozen=True)
+class _Faces:
+    """Faces of a body through which heat flows by its temperature.
+
+    Attributes
+    ----------
+    axes : number of axes along which there are some
+    are_opposite : at both ends of one of them
+    coupling : largest share of the conductance of a held face that one of them has
+    """
+
+    axes: int = 0
+    are_opposite: bool = False
+    coupling: float = 0.0
+
+
+def _faces_of(scene: Any, body: Any) -> _Faces:
+    found = [(condition.held_face(), 1.0) for condition in scene.conditions_on("temperature")]
     for load in scene.loads_on("temperature"):
         if "heat_flux_at" in load.effects() and load.kind != INDEPENDENT:
-            faces.append(load.loaded_face())
-    return len({face[1].axis for face in faces if face is not None and face[0] == body})
+            found.append((load.loaded_face(), _coupling(scene, body, load)))
+    mine = [(face[1], coupling) for face, coupling in found if face is not None and face[0] == body.name]
+    sides = {(face.axis, face.side) for face, _ in mine}
+    axes = len({axis for axis, _ in sides})
+    return _Faces(axes, len(sides) > axes, max((coupling for _, coupling in mine), default=0.0))
+
+
+def _coupling(scene: Any, body: Any, load: Any) -> float:
+    """Conductance of half a particle behind a film, over that of half a particle; rounded up, so that few are found."""
+    coefficient = getattr(load, "coefficient", None)
+    if not isinstance(coefficient, Expression) or not coefficient.is_constant:
+        return 1.0
+    axis = load.loaded_face()[1].index
+    counts = np.broadcast_to(body.particles_per_axis, scene.dimensions)
+    half_size = 0.5 * scene.grid.cell[axis] / counts[axis]
+    conductance = float(coefficient()) * half_size
+    conductivity = max(scene.materials[body.material].conductivity)
+    share = conductance / (conductance + conductivity) if 0.0 < conductance < math.inf else 1.0
+    return math.ceil(share / COUPLING) * COUPLING
 
 
 def chosen_fourier(scene: Any) -> float:
@@ -196,12 +249,10 @@ def _filter(scene: Any, heat_steps: int) -> Filter | None:
     steps = heat_steps / (transfer.every_steps or 1)
     found = []
     for body, material in deformable(scene):
-        conduction = conduction_of(scene, body, 0)
+        conduction = conduction_of(scene, body)
         if conduction is None or material.conductivity is None:
             continue
-        low, high = body.region.bounds(scene.dimensions)
-        lower, upper = np.maximum(low, scene.grid.lower), np.minimum(high, scene.grid.upper)
-        length = float(((upper - lower) / scene.grid.cell).max())
+        length = float(_lengths(scene, body).max())
         found.append(Filter(transfer.order, steps, finest_wave(conduction, steps), body.name, length))
     return max(found, key=lambda each: each.wave / each.length, default=None)
 
