@@ -85,6 +85,7 @@ def _check_materials(scene: _Scene, report: Report) -> None:
     for name, model in scene.deformable():
         if scene.has_heat:
             _check_conducting(scene, name, model, report)
+            _check_stiffness(name, model, report)
         else:
             _check_idle(scene, name, model, report)
     conducting = [m for _, m in scene.deformable() if m.conductivity is None or any(m.conductivity)]
@@ -104,6 +105,18 @@ def _check_conducting(scene: _Scene, name: str, model: Any, report: Report) -> N
         if value is None:
             words = f"is missing; conduction of heat ('heat') in {listing(bodies, 4)} needs it{hint}"
             report(f"materials.{name}.{key}", words, "missing")
+
+
+def _check_stiffness(name: str, model: Any, report: Report) -> None:
+    """An equation of state must resist compression at constant temperature, too."""
+    gamma, stiffness = getattr(model, "gamma0", 0.0), getattr(model, "bulk_modulus", 0.0)
+    softening = gamma**2 * model.density * (model.specific_heat or 0.0) * model.T0
+    if softening >= stiffness > 0.0:
+        words = (
+            f"is unstable at constant temperature: K = {stiffness:.3g} must be above "
+            f"gamma0^2*density*heat_capacity*T0 = {softening:.3g}; check the units of heat_capacity"
+        )
+        report(f"materials.{name}", words, "unstable", "warning")
 
 
 def _check_idle(scene: _Scene, name: str, model: Any, report: Report) -> None:

@@ -106,7 +106,7 @@ def stable_fourier(scene: Any) -> tuple[float, str]:
             axes = f"{faces.axes} ax{'es' if faces.axes > 1 else 'is'}"
             words = f", with temperatures or films at faces along {axes}" * (faces.axes > 0)
             least, because = limit, f"body '{body.name}'{words}"
-    return least, because
+    return float(least), because
 
 
 def _limit_of_body(scene: Any, body: Any, faces: _Faces) -> float:

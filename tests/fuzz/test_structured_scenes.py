@@ -210,8 +210,8 @@ def warm_up(dice: Dice, scene: dict[str, Any], d: int) -> None:
         if material["kind"] == "rigid":
             continue
         is_equation_of_state = "equation_of_state" in MATERIALS[material["kind"]].properties
-        if material["kind"] != "ideal_gas":
-            material["heat_capacity"] = dice.size()
+        if material["kind"] != "ideal_gas":  # of equations of state, numbers that go together
+            material.setdefault("heat_capacity", dice.size())
         if has_heat:
             material["conductivity"] = dice.one_of([0, dice.size(), [1, 0.1, 3]])
         if not is_equation_of_state and dice.rarely(0.5):

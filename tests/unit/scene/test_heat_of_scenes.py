@@ -89,6 +89,13 @@ def test_a_misspelt_key_names_the_nearest() -> None:
     )
 
 
+def test_an_equation_of_state_is_stable_at_constant_temperature() -> None:
+    solid = "{kind: mie_gruneisen, density: 8e-3, K: 180e3, gamma0: 2, conductivity: 1, heat_capacity: %s}"
+    assert problems_of(sets=(f"materials.steel={solid % '440'}",)) == []
+    words = "K = 1.8e+05 must be above gamma0^2*density*heat_capacity*T0 = 4.22e+06"
+    only(problems_of(sets=(f"materials.steel={solid % '440e3'}",)), "materials.steel", words, "warning")
+
+
 def test_materials_that_no_body_uses_need_nothing() -> None:
     spare = "  spare: {kind: linear_elastic, density: 1, E: 1, nu: 0}\n  tool:"
     only(problems_of(("  tool:", spare)), "materials.spare", "no body uses this material", "warning")
