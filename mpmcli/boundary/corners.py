@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,6 +38,8 @@ class Cells(NamedTuple):
     """1 / spacing [1/length]."""
     stride: tuple[int, ...]
     """Distance between neighbouring nodes along each axis, in node indices."""
+    offsets: Array
+    """(w^d,) distance of the nodes that see a point of a face from the lowest of them, x fastest."""
     last: tuple[int, ...]
     """Index of the last node along each axis."""
     node_count: int
@@ -55,17 +57,22 @@ class Cells(NamedTuple):
     def of(cls, grid: Nodes, grid_functions: str, domain: str) -> Cells:
         """The cells of a grid, for grid functions and particle domains as ``shapes.ShapeEntry`` names them."""
         origin = grid.lower - grid.pad * grid.cell
-        strides = (math.prod(grid.shape[:a]) for a in range(len(grid.shape)))
+        strides = tuple(math.prod(grid.shape[:a]) for a in range(len(grid.shape)))
+        width = 2 + (grid_functions == "quadratic") + (domain == "box")
+        offsets = np.zeros(1, dtype=np.int64)
+        for stride in strides:
+            offsets = (stride * np.arange(width)[:, None] + offsets).ravel()
         return cls(
             tuple(float(x) for x in origin),
             tuple(float(1 / h) for h in grid.cell),
-            tuple(strides),
+            strides,
+            offsets,
             tuple(n - 1 for n in grid.shape),
             node_count=math.prod(grid.shape),
             quadratic=grid_functions == "quadratic",
             points={"point": 1, "box": 1, "corners": 2, "corners_and_middles": 3}[domain],
             mean=domain == "box",
-            width=2 + (grid_functions == "quadratic") + (domain == "box"),
+            width=width,
         )
 
 
@@ -122,16 +129,6 @@ def face_force(
 
 
 @inline
-def stencil_node(cells: Cells, base: int, w: int) -> Any:
-    """Node number w (x fastest) of the stencil whose lowest node is ``base``."""
-    node = base
-    for a in range(len(cells.stride)):
-        node += cells.stride[a] * (w % cells.width)
-        w //= cells.width
-    return np.uint64(node)
-
-
-@inline
 def axis_weight(cells: Cells, r: float, reach: float) -> float:
     """Grid function at distance r from its node, or its mean over r ± ``reach`` (in cells)."""
     if reach == 0.0:
@@ -154,9 +151,7 @@ def point_weights(
     """
     base = first
     below = 1.0 if cells.quadratic else 0.0
-    count = cells.width ** len(cells.stride)
-    for w in range(count):
-        weight[w] = 1.0
+    weight[0] = 1.0
     across = 1
     for a in range(len(cells.stride)):
         xi = (x[a] - cells.origin[a]) * cells.inverse_cell[a]
@@ -167,12 +162,13 @@ def point_weights(
         base += cells.stride[a] * int(low)
         for i in range(cells.width):
             line[i] = axis_weight(cells, xi - low - i, extent)
-        for w in range(count):
-            weight[w] *= line[(w // across) % cells.width]
+        for i in range(cells.width - 1, -1, -1):
+            for w in range(across):
+                weight[i * across + w] = weight[w] * line[i]
         across *= cells.width
     total = 0.0
-    for w in range(count):
-        if mp[stencil_node(cells, base, w), 0] <= 0.0:
+    for w in range(across):
+        if mp[np.uint64(base + cells.offsets[w]), 0] <= 0.0:
             weight[w] = 0.0
         total += weight[w]
     return base, total
@@ -232,7 +228,7 @@ def give_to_nodes(
         for w in range(weight.shape[0]):
             part = weight[w] / total
             if part != 0.0:
-                i = stencil_node(cells, base, w)
+                i = np.uint64(base + cells.offsets[w])
                 for a in range(load.shape[0]):
                     f[i, a] += part * share * load[a]
     return is_on_grid

@@ -106,6 +106,7 @@ class HeatLoads:
         self._list_faces([*held, *(load.loaded_face() for load in self._on_faces)], shown)
         self._chosen = [self._choose(load, list(bodies)) for load in self._sources]
         self._power = np.zeros(0)
+        self._source_powers: dict[str, float] = {}
         self._version: Any = None
 
     def _list_faces(self, places: list[tuple[str, Face]], shown: Callable[[str, Face], Array]) -> None:
@@ -154,7 +155,7 @@ class HeatLoads:
         self._place = place_of_identity(p.id, least=int(self._faces.id.max(initial=-1)) + 1)
         self._heated = [np.flatnonzero(chosen[p.id]) for chosen in self._chosen]
         if self._sources:
-            self._power = np.zeros(p.count)
+            self._power, self._is_fresh = np.zeros(p.count), True
 
     # ------------------------------------------------------------------ faces
 
@@ -255,15 +256,22 @@ class HeatLoads:
     # ------------------------------------------------------------------ sources
 
     def _heat_particles(self, time: float, q: Array) -> None:
+        if self._is_fresh or any(load.varies for load in self._sources):
+            self._evaluate_sources(time)
+            self._is_fresh = False
+        for name, power in self._source_powers.items():
+            self.powers[name] += power
+        self._transfer.add_powers(self._field, self._power, q)
+
+    def _evaluate_sources(self, time: float) -> None:
+        """Find the power of each particle, and of each source."""
         X = self._particles.X
         self._power[:] = 0.0
-        self.source_power = 0.0
         for load, rows in zip(self._sources, self._heated, strict=True):
             power = finite(load.heat_power_at(X[:, rows], time), load, time) * self._share(load, rows)
             self._power[rows] += power
-            self.powers[load.name] += float(power.sum())
-            self.source_power += float(power.sum())
-        self._transfer.add_powers(self._field, self._power, q)
+            self._source_powers[load.name] = float(power.sum())
+        self.source_power = sum(self._source_powers.values())
 
     def _share(self, load: LoadModel, rows: Array) -> Any:
         """What a source's power is multiplied by in each particle: volume, mass, or its share of the mass."""

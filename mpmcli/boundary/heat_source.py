@@ -47,6 +47,11 @@ class HeatSource(LoadModel):
     """
 
     @property
+    def varies(self) -> bool:
+        """Whether it depends on time or place, or on the volume of the particle."""
+        return self.per == "volume" or not self.power.is_constant
+
+    @property
     def power_per(self) -> str:
         """What the power is per."""
         return self.per

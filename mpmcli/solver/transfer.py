@@ -296,7 +296,7 @@ class Transfer:
 
     def add_powers(self, field: NodalField, power: Array, out: Array) -> None:
         """out += Sᵀ P, of a scalar field, with P (N,) of each particle."""
-        task = VectorSum(power, np.ones((1, len(power))), out.reshape(-1))
+        task = VectorSum(power, np.broadcast_to(1.0, (1, len(power))), out.reshape(-1))
         self.scatter(task, field.zero, by_field=field.nodes.by_field)
 
     def weights_of(self, particles: Array) -> tuple[Array, Array]:
