@@ -221,3 +221,44 @@ def test_a_run_with_heat_loads_resumes_to_the_same_bytes(transfer):
     assert [
         n for n in found[0] if np.asarray(found[0][n]).tobytes() != np.asarray(found[1][n]).tobytes()
     ] == []
+
+
+@pytest.mark.slow
+@every_transfer
+@pytest.mark.parametrize("contact", ["shared", "insulated"])
+def test_faces_of_two_bodies_that_touch(transfer, contact, hold):
+    """Body a is heated at its far face, body b held at its own; what crosses between them is theirs to say."""
+    bodies = [
+        {"name": name, "material": "m", "region": {"kind": "box", "lower": [at, 0], "upper": [at + 5, 4]}}
+        for name, at in (("a", 0), ("b", 5))
+    ]
+    on = {
+        name: {"body": name, "face": {"axis": "x", "side": side}}
+        for name, side in (("a", "lower"), ("b", "upper"))
+    }
+    scene = {
+        "version": 1,
+        "analysis": {"kind": "plane_strain"},
+        "grid": {"lower": [-3, -3], "upper": [13, 7], "cell": 1},
+        "method": {"shape": "ugimp", "transfer": {"kind": "flip"}},
+        "heat": {"contact": contact, "transfer": TRANSFERS[transfer]},
+        "materials": {"m": SOLID | {"E": 1, "conductivity": 1}},
+        "bodies": [body | {"temperature": 300} for body in bodies],
+        "contact": {"law": {"kind": "frictionless"}},
+        "boundary": [{"name": "cold", "kind": "temperature", "on": on["b"], "value": 300}],
+        "loads": [{"name": "torch", "kind": "heat_flux", "on": on["a"], "flux": 10}],
+        "time": {"end": 1e5, "step": 0.1},
+    }
+    simulation = Simulation(load_scene(yaml.safe_dump(scene, sort_keys=False)), threads=1)
+    for _ in range(100):
+        simulation.step()
+    p, state = simulation.particles, simulation.state
+    into = [float(p.heat_inflow[p.body == k].sum()) for k in (0, 1)]
+    what = f"faces of two bodies, {contact}"
+    hold(what, transfer, "heat in − heat stored", abs(sum(into) / state.work["boundary_heat"] - 1), 1e-12)
+    if contact == "insulated":
+        assert into == [pytest.approx(400.0, rel=1e-12), 0.0]
+        assert state.powers["cold"] == 0.0
+    else:
+        assert 30.0 < into[1] < 60.0
+        assert state.powers["cold"] < -1.0
