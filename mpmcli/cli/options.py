@@ -150,7 +150,8 @@ def check_start(loaded: LoadedScene) -> None:
     from mpmcli.scene.filling import check_filling
 
     try:
-        _add_warning(loaded, check_filling(loaded.scene))
+        for warning in check_filling(loaded.scene):
+            _add_warning(loaded, warning)
     except SceneError as error:
         raise loaded.locate(error) from None
 

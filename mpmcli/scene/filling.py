@@ -6,7 +6,7 @@ Runs and ``validate`` refuse the same scenes by these functions; ``validate`` le
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,6 +16,7 @@ from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.compiled.runtime import available_memory
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.geometry.bodies import BodyParticles
+from mpmcli.geometry.faces import surface_faces
 from mpmcli.geometry.fill import fill_bodies, places_to_test
 from mpmcli.scene.fields import velocity_fields
 from mpmcli.shapes import SHAPES
@@ -24,6 +25,8 @@ Array = np.ndarray
 
 NUMBERS_PER_NODE = {d: 1 + 4 * d for d in (1, 2, 3)}
 """Numbers that are kept of every node: mass, momentum, force, velocity, and a vector more for all but FLIP."""
+MOST_HEIGHTS = 3
+"""Heights of the particles of a face that is made of flat ones."""
 MAX_PLACES = 1_000_000
 """Places in cells up to which ``validate`` fills bodies: it is to take less than a second."""
 
@@ -118,8 +121,8 @@ def start_temperature(body: Any, X: Array, is_absolute: bool) -> tuple[Array, li
 
 
 @np.errstate(all="ignore")
-def check_filling(scene: Any) -> Problem | None:
-    """Refuse what a run would refuse when it sets up the scene; a warning if filling it is left to the run.
+def check_filling(scene: Any) -> list[Problem]:
+    """Refuse what a run would refuse when it sets up the scene; return what it is warned of.
 
     Raises
     ------
@@ -137,7 +140,7 @@ def check_filling(scene: Any) -> Problem | None:
         words = (
             f"the bodies have up to {places:.2g} particles, more than are checked here; the run checks them"
         )
-        return Problem("bodies", words, code="not_checked", severity="warning")
+        return [Problem("bodies", words, code="not_checked", severity="warning")]
     filled = fill_bodies(scene.bodies, grid, analysis)
     find_masses(scene, filled)
     problems = [
@@ -153,4 +156,22 @@ def check_filling(scene: Any) -> Problem | None:
     ]
     if problems:
         raise SceneError(problems)
-    return None
+    return list(stair_stepped_faces(scene, filled))
+
+
+def stair_stepped_faces(scene: Any, filled: Sequence[BodyParticles]) -> Iterator[Problem]:
+    """Warn of heat through faces of curved or oblique bodies: faces of particles have more area than such a surface."""
+    particles = {body.name: particles for body, particles in zip(scene.bodies, filled, strict=True)}
+    for load in scene.loads_on("temperature"):
+        if not load.acts_on_face:
+            continue
+        name, face = load.loaded_face()
+        X, size = particles[name].X, particles[name].size
+        shown = surface_faces(X, size, face.index, face.side)
+        heights = np.unique(np.rint(X[face.index, shown] / size[face.index].min())).size
+        if heights > MOST_HEIGHTS:
+            words = (
+                f"this face of body '{name}' is stair-stepped: its particles lie at {heights} heights. Its area, and "
+                "with it the heat, is too large, by 4/pi for a circle; held temperatures do not depend on it"
+            )
+            yield Problem(f"loads.{load.name}.on", words, code="stairs", severity="warning")

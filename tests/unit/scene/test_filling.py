@@ -160,3 +160,38 @@ def test_a_temperature_that_no_material_tracks_is_a_warning_for_both():
     assert [problem.code for problem in loaded.warnings] == ["no_effect"]
     plan = make_plan(loaded.scene)
     make_particles(loaded.scene, plan, make_grid(loaded.scene, plan))
+
+
+CURVED = """
+version: 1
+analysis: {kind: plane_strain}
+grid: {lower: [0, 0], upper: [20, 20], cell: 1}
+heat: {}
+materials:
+  rock: {kind: linear_elastic, density: 1, E: 1, nu: 0.3, heat_capacity: 1, conductivity: 1}
+bodies:
+  - {name: disk, material: rock, region: {kind: ellipse, center: [10, 10], semi_axes: [6, 6]}}
+loads:
+  - {name: lamp, kind: heat_flux, flux: 2, on: {body: disk, face: {axis: x, side: upper}}}
+time: {end: 1, step: 0.01}
+"""
+LOW, TALL = "{kind: box, lower: [2, 2], upper: [10, 5]}", "{kind: box, lower: [2, 2], upper: [5, 12]}"
+HELD = "[{name: cold, kind: temperature, value: 300, on: {body: disk, face: {axis: x, side: upper}}}]"
+
+
+@pytest.mark.parametrize(
+    ("sets", "warned"),
+    [
+        ([], True),
+        (["loads.lamp={name: lamp, kind: film, coefficient: 1, around: 300, on: {body: disk, face: {axis: y, "
+          "side: lower}}}"], True),
+        ([f"bodies.disk.region={LOW}"], False),
+        ([f"bodies.disk.region={{kind: union, regions: [{LOW}, {TALL}]}}"], False),
+        (["loads=[]", f"boundary={HELD}"], False),
+    ],
+)  # fmt: skip
+def test_heat_through_a_stair_stepped_face_is_warned_of(sets, warned):
+    loaded = load_scene(CURVED, sets=sets)
+    check_start(loaded)
+    found = [(problem.path, problem.code) for problem in loaded.warnings]
+    assert found == [("loads.lamp.on", "stairs")] * warned
