@@ -11,7 +11,6 @@ from mpmcli.output.contact_quantities import MOST_PAIRS
 from mpmcli.output.quantities import QUANTITIES, Context, Quantity
 from mpmcli.output.snapshot import Snapshot
 
-
 NEXT_TO_NOTHING = 1e-9
 """Share of the heat content ΣCT below which heat is round-off."""
 

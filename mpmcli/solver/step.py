@@ -50,17 +50,16 @@ def tasks_of(plan: Plan, s: Parts) -> list[Task]:
         contact and Task("1.a", do.first_contact, contact.after_extrapolation),
         first and Task("1.b", f"velocities before the forces{do.loop_in_words(plan)}", do.find_strain_velocities),
         first and Task("1.d", "strain and stress before the forces", do.update_first_stress, True),
-        heat and Task("1.h", "extrapolate temperatures", heat.extrapolate),
-        Task("2", "forces" + " of stresses and loads" * (loads is not None), do.find_forces),
-        heat and Task("2.h", "heat conduction" + " and its loads" * (heat.sources is not None), heat.conduct),
+        heat and Task("1.h", "nodal temperatures", heat.extrapolate if first else heat.find_values),
+        heat and Task("2.h", "loads of heat and held temperatures", heat.prepare_powers),
+        Task("2", do.second, do.find_forces),
         Task("3", "update momenta", do.update_momenta),
         conditions and plan.imposes_lumped and Task("2.a", "reactions of conditions", conditions.impose_on_momenta),
         contact and Task("3.a", do.second_contact, contact.after_update),
         Task("3.b", f"velocities{do.loop_in_words(plan)}", do.find_velocities),
         do.accounts and Task("3", f"work of {listing(do.accounts)}", do.account, True),
         heat and Task("3.h", f"temperatures{do.loop_of_heat(heat)}", heat.update),
-        heat and Task("4.h", "temperatures of particles", heat.give_to_particles, True),
-        Task("4", "move particles" + " and rigid bodies" * (s.rigid is not None), do.move_particles, True),
+        Task("4", f"{do.motion} particles" + " and rigid bodies" * (s.rigid is not None), do.move_particles, True),
         again and Task("4.a", "extrapolate momenta again", do.extrapolate_again),
         again and contact and Task("4.b", "contact on momenta extrapolated again", contact.after_new_extrapolation),
         again and Task("4.c", f"velocities again{do.loop_in_words(plan)}", do.find_strain_velocities),
@@ -117,6 +116,18 @@ class _Tasks:
             return f", XPIC filter with {in_words(plan.order - 1)}{aware}"
         return ""
 
+    @property
+    def second(self) -> str:
+        """What task 2 does."""
+        s = self._s
+        loads = " of stresses and loads" * (s.loads is not None)
+        return f"forces{loads}" + ", heat conduction" * (s.heat is not None)
+
+    @property
+    def motion(self) -> str:
+        """What task 4 does."""
+        return "move" if self._s.heat is None else "move and warm"
+
     def loop_of_heat(self, heat: Conduction) -> str:
         """What makes nodal temperatures of heat, besides division by capacity."""
         passes = heat.choices.order - 1
@@ -130,9 +141,15 @@ class _Tasks:
         s.transfer.begin_step()
         if s.rigid is not None:
             s.rigid.prepare(step)
+        scalar = None if s.heat is None else s.heat.begin_step(step)
         s.transfer.extrapolate(
-            s.velocity, replaces_values=not plan.method.flip, with_forces=plan.has_final_stress
-        )
+            s.velocity, replaces_values=not plan.method.flip, with_forces=self._finds_forces_early(plan),
+            scalar=None if plan.update.first > 0.0 else scalar,
+        )  # fmt: skip
+
+    def _finds_forces_early(self, plan: Plan) -> bool:
+        """Whether task 1 finds the forces too; conduction waits for nodal temperatures, and shares their pass."""
+        return plan.has_final_stress and (self._s.heat is None or not self._s.heat.acts)
 
     def find_strain_velocities(self, step: Step) -> None:
         """Tasks 1.b and 1.c, or 4.c: velocities of the momenta, and their gradients; nothing of it is a reaction."""
@@ -150,12 +167,12 @@ class _Tasks:
     def find_forces(self, step: Step) -> None:
         """Task 2: forces from Kirchhoff stress on initial volume, and from loads."""
         s = self._s
-        if not step.plan.has_final_stress:
+        if not self._finds_forces_early(step.plan):
             tau = s.particles.tau
             if s.averaging is not None:
                 s.averaging.average_stresses()
                 tau = s.averaging.tau
-            s.transfer.internal_forces(tau, s.grid.f)
+            s.transfer.internal_forces(tau, s.grid.f, None if s.heat is None else s.heat.to_conduct())
         if s.loads is not None:
             s.loads.add_to(s.grid.f)
         s.velocity.complete(s.grid.f, step.dt)
@@ -204,7 +221,10 @@ class _Tasks:
             a.v, None if plan.method.full_mass else a.w, a.start if plan.method.projects else None, plan.method.flip,
             plan.alpha, s.damping.particle, step.dt, X_new,
             plan.velocity_gradient or (plan.update.last > 0.0 and not plan.update.again), s.damping.of_particles,
+            None if s.heat is None else s.heat.to_give(),
         )  # fmt: skip
+        if s.heat is not None:
+            s.heat.close()
         s.failures.refuse_leap(s.transfer.farthest)
         if s.rigid is not None:
             s.rigid.move(X_new)

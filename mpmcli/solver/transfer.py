@@ -24,6 +24,7 @@ from mpmcli.core.transfer.kernels import (
     InternalForces,
     MassAndMomentum,
     Projection,
+    ScalarSums,
     StateAndForces,
     VectorSum,
 )
@@ -163,16 +164,20 @@ class Transfer:
         return self.analysis, self.shape.parameters, self.geometry, self.across, ranges, self.stencil, *where
 
     def scatter(
-        self, task: NamedTuple, zero: Any = None, shape: NamedTuple | None = None, by_field: bool = True
-    ) -> None:
+        self, task: NamedTuple, zero: Any = None, shape: NamedTuple | None = None, by_field: bool = True,
+        too: NamedTuple | None = None,
+    ) -> None:  # fmt: skip
         """Particles to grid: run a task of ``core.transfer.kernels`` over all particles.
 
         ``zero`` has as many zeros as the carried quantity has components, unless it is a vector. ``shape`` takes the
-        place of the scene's shape function. ``by_field``: nodes have values for each velocity field.
+        place of the scene's shape function. ``by_field``: nodes have values for each velocity field. ``too``
+        is a task of ``scatter_too`` for another field.
         """
         analysis, own_shape, *rest = self.operator(self.order.bands, by_field)
         zero = self.zero if zero is None else zero
-        kernels.scatter[self.parallel](task, zero, analysis, own_shape if shape is None else shape, *rest)
+        kernels.scatter[self.parallel](
+            task, zero, too, analysis, own_shape if shape is None else shape, *rest
+        )
 
     def _stored_weights(self, refresh: bool) -> Any:
         """The shape function that reads its weights from memory; ``refresh`` finds them anew."""
@@ -187,28 +192,35 @@ class Transfer:
             )  # fmt: skip
         return self._stored
 
+    def gather(self, task: NamedTuple, by_field: bool = True) -> None:
+        """Grid to particles: run a task of ``core.transfer.kernels.gather_particle`` over all particles."""
+        kernels.gather[self.parallel](task, *self.operator(self.order.chunks, by_field))
+
     def extrapolate(
-        self, field: NodalField, replaces_values: bool = False, with_forces: bool = False
-    ) -> None:
+        self, field: NodalField, replaces_values: bool = False, with_forces: bool = False,
+        scalar: NodalField | None = None,
+    ) -> None:  # fmt: skip
         """Task 1: capacity and extensive value of a field; ``with_forces`` (of velocity) task 2's internal forces, too.
 
         ``replaces_values``: particles take on nodal values in this step. Widens the stencil where a particle has
-        stretched over more nodes than it spans.
+        stretched over more nodes than it spans. ``scalar`` is a field of one component that is extrapolated at once.
         """
         p, f, by_field = self.particles, field.f, field.nodes.by_field
         while True:
             clear_nodes[self.parallel](field.nodes.active, field.mp)
             M, V, flat = field.capacity(), field.carried(), field.mp.reshape(-1)
+            too = None if scalar is None else self._begin_sums(scalar)
             if with_forces:
                 clear_nodes[self.parallel](self.grid.active, f)
             if not with_forces and field.gradient is not None:
-                self.scatter(AffineMassAndMomentum(M, V, field.gradient(), flat), field.zero)
+                self.scatter(AffineMassAndMomentum(M, V, field.gradient(), flat), field.zero, too=too)
             elif not with_forces:
-                self.scatter(MassAndMomentum(M, V, flat), field.zero, by_field=by_field)
+                self.scatter(MassAndMomentum(M, V, flat), field.zero, by_field=by_field, too=too)
             elif field.gradient is not None:
-                self.scatter(AffineStateAndForces(M, V, field.gradient(), p.vol0, p.tau, flat, f.reshape(-1)))
+                task = AffineStateAndForces(M, V, field.gradient(), p.vol0, p.tau, flat, f.reshape(-1))
+                self.scatter(task, too=too)
             else:
-                self.scatter(StateAndForces(M, V, p.vol0, p.tau, flat, f.reshape(-1)))
+                self.scatter(StateAndForces(M, V, p.vol0, p.tau, flat, f.reshape(-1)), too=too)
             problem, particle = self.stencil.status
             if problem == 0:
                 break
@@ -219,6 +231,13 @@ class Transfer:
             self._fix_domains()
             self._find_cut()
         field.complete_extrapolated(replaces_values)
+        if scalar is not None:
+            scalar.complete_extrapolated(replaces_values)
+
+    def _begin_sums(self, scalar: NodalField) -> ScalarSums:
+        clear_nodes[self.parallel](scalar.nodes.active, scalar.mp)
+        (T,) = scalar.carried()
+        return ScalarSums(scalar.capacity(), T, scalar.mp.reshape(-1), np.uint64(scalar.nodes.by_field))
 
     def _what_is_wrong(self, problem: int, particle: int) -> str:
         who = self._describe(particle)
@@ -229,10 +248,10 @@ class Transfer:
             )
         return f"{who} sees nodes outside the grid"
 
-    def internal_forces(self, tau: Array, f: Array) -> None:
-        """Task 2: f = −Gᵀ Ω τ."""
+    def internal_forces(self, tau: Array, f: Array, too: NamedTuple | None = None) -> None:
+        """Task 2: f = −Gᵀ Ω τ; ``too`` is a task of ``scatter_too`` for another field."""
         clear_nodes[self.parallel](self.grid.active, f)
-        self.scatter(InternalForces(self.particles.vol0, tau, f.reshape(-1)))
+        self.scatter(InternalForces(self.particles.vol0, tau, f.reshape(-1)), too=too)
 
     def add_vector(self, V: Array, out: Array) -> None:
         """out += Sᵀ M V."""
@@ -282,6 +301,7 @@ class Transfer:
         X_new: Array,
         with_gradients: bool,
         damped: Array | None,
+        too: NamedTuple | None = None,
     ) -> None:
         """Task 4 (and 5's velocity gradients): see ``core.transfer.move_particles``."""
         p = self.particles
@@ -289,7 +309,7 @@ class Transfer:
             *self.operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1),
             None if start is None else start.reshape(-1), alpha, damping, dt, True if flip else None, p.V, X_new,
             p.L if with_gradients else None, p.mass,
-            self.speed_squared, self.travel, self.outside, self.bounds, damped,
+            self.speed_squared, self.travel, self.outside, self.bounds, damped, too,
         )  # fmt: skip
         self.farthest = float(self.travel.max())
         self.order.drift += self.farthest

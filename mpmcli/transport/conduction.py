@@ -18,7 +18,7 @@ from mpmcli.core.transfer.nodal_field import NodalField
 from mpmcli.core.transfer.nodes import clear_nodes
 from mpmcli.transport import kernels
 from mpmcli.transport.contact import FrictionHeat, HeatContact
-from mpmcli.transport.kernels import AnisotropicConduction, IsotropicConduction
+from mpmcli.transport.kernels import AnisotropicConduction, GiveChanges, GiveValues, IsotropicConduction
 
 Array = np.ndarray
 
@@ -145,20 +145,30 @@ class Conduction:
         self._bad = np.full(CHUNKS, -1, dtype=np.int64)
         self._capacity_version = (-1, -1)
         self._C = self._C_of_nodes = np.zeros(0)
-        self._change = nodal.f if choices.carries else None
+        self._pairs: Any = np.zeros((nodal.v.shape[0], 2)) if choices.carries else None
         if choices.order > 1:
             nodal.allocate_loop(is_dynamic=False)
 
     # ------------------------------------------------------------------ tasks
 
-    def extrapolate(self, step: Step) -> None:
-        """Task 1.h: capacity and content of the nodes; whether conduction acts in this step."""
+    def begin_step(self, step: Step) -> NodalField | None:
+        """Return the field whose capacity and content this step needs; None where conduction waits."""
         self.elapsed = self.interval.advance(step.dt)
+        return self.nodal if self.acts else None
+
+    def extrapolate(self, step: Step) -> None:
+        """Task 1.h by itself, where stresses have changed values since velocities were extrapolated."""
+        if self.acts:
+            self._transfer.extrapolate(self.nodal)
+            self.find_values(step)
+
+    def find_values(self, step: Step) -> None:
+        """Task 1.h: nodal values θ, and the nodes that conditions hold."""
         if self.acts:
             self._find_values(step.time)
 
-    def conduct(self, step: Step) -> None:
-        """Task 2.h: powers q of conduction and of loads, from values that conditions hold."""
+    def prepare_powers(self, step: Step) -> None:
+        """Task 2.h: powers q of loads, and values of nodes that conditions hold."""
         if not self.acts:
             return
         nodal, theta = self.nodal, self.nodal.v
@@ -169,15 +179,23 @@ class Conduction:
             self.sources.add_to(step, theta, nodal.f)
         if self.held is not None:
             self.held.impose(theta, counts=False)
-        self._scatter_conduction()
-        nodal.complete(nodal.f)
+
+    def to_conduct(self) -> IsotropicConduction | AnisotropicConduction | None:
+        """Task 2: return what adds the powers of conduction; None where it waits."""
+        if not self.acts:
+            return None
+        p, nodal, k = self.particles, self.nodal, self.choices.conductivity
+        kind = IsotropicConduction if k.ndim == 1 else AnisotropicConduction
+        own = np.uint64(nodal.nodes.by_field)
+        return kind(k, p.material, p.vol0, p.F, nodal.v.reshape(-1), nodal.f.reshape(-1), p.heat_flux, own)
 
     def update(self, step: Step) -> None:
         """Task 3.h: nodal values θ⁺(k) and, for FLIP, their change."""
         if not self.acts:
             return
         nodal, active = self.nodal, self.nodal.nodes.active
-        theta, change = nodal.v, nodal.f
+        theta = nodal.v
+        nodal.complete(nodal.f)
         kernels.update_values[self._parallel](active, nodal.mp, nodal.f, self.elapsed, theta)
         if self.contact is not None:
             self.contact.begin(self.elapsed)
@@ -185,27 +203,33 @@ class Conduction:
         if self.held is not None:
             self.held.impose(theta, counts=True)
         is_flip = self._is_flip
-        if not is_flip:
+        if is_flip:
+            kernels.find_changes[self._parallel](active, nodal.mp, theta)
+        if not is_flip or not self.choices.replaces:
             self._add_increments(step)
-        elif self.choices.order > 1 and not self.choices.replaces:
-            kernels.find_changes[self._parallel](active, nodal.mp, theta, theta)
-            self._add_increments(step)
-            kernels.apply_changes[self._parallel](active, nodal.mp, theta, change)
-        else:
-            kernels.find_changes[self._parallel](active, nodal.mp, theta, change)
         if self.friction is not None:
-            self._add_friction(is_flip)
+            self._add_friction()
+        if is_flip:
+            kernels.pair_values[self._parallel](active, nodal.mp, theta, self._pairs)
 
-    def give_to_particles(self, step: Step) -> None:
-        """Task 4.h: values of the particles, and what they received."""
+    def to_give(self) -> GiveValues | GiveChanges | None:
+        """Task 4.h: return what gives particles their values; None where conduction waits."""
+        if not self.acts:
+            return None
+        self._turnover[:], self._bad[:] = 0.0, -1
+        if self._is_flip:
+            return GiveChanges(self._pairs.reshape(-1), *self._accounts(self._limit()))
+        return GiveValues(self.nodal.v.reshape(-1), *self._accounts(self._limit()))
+
+    def _accounts(self, limit: float) -> tuple[Any, ...]:
+        """Return what both of these need of particles and accounts."""
+        p, own = self.particles, np.uint64(self.nodal.nodes.by_field)
+        return self._C, p.T, p.T_carried, p.heat_inflow, p.entropy, limit, self._turnover, self._bad, own
+
+    def close(self) -> None:
+        """After particles have their values: refuse impossible ones, and keep the accounts."""
         if not self.acts:
             return
-        p = self.particles
-        change = self.nodal.f.reshape(-1) if self._is_flip else None
-        kernels.give_particles[self._parallel](
-            *self._operator(), self.nodal.v.reshape(-1), change, self._C, p.T, p.T_carried, p.heat_inflow, p.entropy,
-            self._limit(), self._turnover, self._bad,
-        )  # fmt: skip
         bad = int(self._bad.max())
         if bad >= 0:
             self._refuse(bad)
@@ -217,17 +241,16 @@ class Conduction:
         p = self.particles
         if p.T_carried is None:
             return
+        self._transfer.extrapolate(self.nodal)
         self._find_values(0.0)
-        nodal = self.nodal
-        kernels.give_particles[self._parallel](
-            *self._operator(), nodal.v.reshape(-1), np.zeros(nodal.v.shape[0]), self._C, p.T, p.T_carried,
-            p.heat_inflow, p.entropy, np.inf, self._turnover, self._bad,
-        )  # fmt: skip
+        given = GiveValues(self.nodal.v.reshape(-1), *self._accounts(np.inf))
+        self._transfer.gather(given._replace(carried=None), self.nodal.nodes.by_field)
 
     def nodal_arrays(self) -> dict[str, Array]:
         """Return every array over the nodes by name."""
         nodal = self.nodal
-        return {"mp": nodal.mp, "f": nodal.f, "v": nodal.v} | nodal.nodal_arrays()
+        own = {"mp": nodal.mp, "f": nodal.f, "v": nodal.v, "pairs": self._pairs}
+        return {name: array for name, array in own.items() if array is not None} | nodal.nodal_arrays()
 
     def conductivity_along(self, particles: Array, n: Array) -> Array:
         """Return the conductivity (m,) of particles at these places in memory along unit vectors ``n`` (m, d)."""
@@ -283,31 +306,18 @@ class Conduction:
                 largest = max(largest, each.largest)
         return MOST_GROWTH * largest
 
-    def _operator(self) -> tuple[Any, ...]:
-        return self._transfer.operator(self._order.chunks, self.nodal.nodes.by_field)  # type: ignore[no-any-return]
-
     def _find_values(self, time: float) -> None:
         nodal = self.nodal
-        self._transfer.extrapolate(nodal)
         kernels.find_values[self._parallel](nodal.nodes.active, nodal.mp, nodal.v)
         if self.held is not None:
             self.held.select(time)
-
-    def _scatter_conduction(self) -> None:
-        p, k = self.particles, self.choices.conductivity
-        task = IsotropicConduction if k.ndim == 1 else AnisotropicConduction
-        self._transfer.scatter(
-            task(k, p.material, p.vol0, p.F, self.nodal.v.reshape(-1), self.nodal.f.reshape(-1), p.heat_flux),
-            self.nodal.zero,
-            by_field=self.nodal.nodes.by_field,
-        )
 
     def _add_increments(self, step: Step) -> None:
         rule = OrderRule(self.choices.order, lambda order: 1.0, None)
         if self.choices.order > 1:
             add_full_mass_increments(self.nodal, self._transfer, step, rule, counts_reactions=True)
 
-    def _add_friction(self, is_flip: bool) -> None:
+    def _add_friction(self) -> None:
         """Heat of friction, which no increment filters; at nodes that conditions hold it leaves through these."""
         friction, nodal = cast(FrictionHeat, self.friction), self.nodal
         nodes, rise, share = friction.find()
@@ -315,8 +325,6 @@ class Conduction:
             is_held = self.held.take(nodes, rise * share)
             nodes, rise = nodes[~is_held], rise[~is_held]
         np.add.at(nodal.v[:, 0], nodes, rise)
-        if is_flip:
-            np.add.at(nodal.f[:, 0], nodes, rise)
 
     def _account(self) -> None:
         dt, work, powers = self.elapsed, self._state.work, self._state.powers

@@ -8,29 +8,24 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.core.analysis import Axisymmetric, PlaneStrain, PlaneStress, Solid, UniaxialStrain, UniaxialStress
-from mpmcli.core.chunks import chunk_of_round
 from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import kernel, prange
 from mpmcli.core.compiled.registers import each, pack
-from mpmcli.core.grid import unfold
 from mpmcli.core.particles import determinant_of_particle
 from mpmcli.core.tensors import eigen_symmetric, left_cauchy_green
-from mpmcli.core.transfer.cut import is_cut
 from mpmcli.core.transfer.gather_scatter import (
     column,
     gather_scalar,
     gather_slope,
+    gather_vector,
     put_rows,
     scatter_flux,
     zero_vector,
 )
-from mpmcli.core.transfer.kernels import gradients_for, scatter_particle
-from mpmcli.core.transfer.stencil import Table, weigh_gathers
+from mpmcli.core.transfer.kernels import gather_particle, scatter_too
 
 Array = np.ndarray
-
-ZERO, ONE = np.uint64(0), np.uint64(1)
 
 
 class IsotropicConduction(NamedTuple):
@@ -41,6 +36,7 @@ class IsotropicConduction(NamedTuple):
     theta : (n,) nodal values
     q : (n,) power into the nodes
     flux : (d, N) flux −κ∇θ of each particle, or None
+    is_by_field : 1 where nodes have values for each velocity field, else 0 (unsigned)
     """
 
     conductivity: Array
@@ -50,6 +46,7 @@ class IsotropicConduction(NamedTuple):
     theta: Array
     q: Array
     flux: Any
+    is_by_field: Any
 
 
 class AnisotropicConduction(NamedTuple):
@@ -62,12 +59,7 @@ class AnisotropicConduction(NamedTuple):
     theta: Array
     q: Array
     flux: Any
-
-
-@gradients_for.register(IsotropicConduction)
-@gradients_for.register(AnisotropicConduction)
-def _(task, G):
-    return G
+    is_by_field: Any
 
 
 @compiled_too
@@ -79,21 +71,22 @@ def conduct(analysis, weights, base, offsets, across, h, F, vol0, q, flux, p):
     scatter_flux(weights, analysis, base, offsets, across, each(volume * pack(h)), q)
 
 
-@scatter_particle.register(IsotropicConduction)
-def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
-    slope = gather_slope(weights, analysis, base, offsets, across, task.theta)
-    k = task.conductivity[task.material[p]]
-    h = each(-k * pack(slope))
-    conduct(analysis, weights, base, offsets, across, h, task.F, task.vol0, task.q, task.flux, p)
+@scatter_too.register(IsotropicConduction)
+def _(task, analysis, weights, corner, base, offsets, across, p):
+    first = corner + (base - corner) * task.is_by_field
+    slope = gather_slope(weights, analysis, first, offsets, across, task.theta)
+    h = each(-task.conductivity[task.material[p]] * pack(slope))
+    conduct(analysis, weights, first, offsets, across, h, task.F, task.vol0, task.q, task.flux, p)
 
 
-@scatter_particle.register(AnisotropicConduction)
-def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
-    slope = gather_slope(weights, analysis, base, offsets, across, task.theta)
+@scatter_too.register(AnisotropicConduction)
+def _(task, analysis, weights, corner, base, offsets, across, p):
+    first = corner + (base - corner) * task.is_by_field
+    slope = gather_slope(weights, analysis, first, offsets, across, task.theta)
     m = task.material[p]
     k = (task.conductivity[m, 0], task.conductivity[m, 1], task.conductivity[m, 2])
     h = turned_flux(analysis, k, task.F, slope, p)
-    conduct(analysis, weights, base, offsets, across, h, task.F, task.vol0, task.q, task.flux, p)
+    conduct(analysis, weights, first, offsets, across, h, task.F, task.vol0, task.q, task.flux, p)
 
 
 @generic
@@ -176,22 +169,22 @@ def update_values(active, mp, q, dt, theta):
 
 
 @kernel
-def find_changes(active, mp, theta, change):
-    """Δθ = θ⁺ − θ, with θ the value of the start of the step; ``change`` (n, 1) may be ``theta``."""
+def find_changes(active, mp, theta):
+    """θ⁺ in ``theta`` (n, 1) becomes Δθ = θ⁺ − θ, with θ the value of the start of the step."""
     for j in prange(active.shape[0]):
         i = np.uint64(active[j])
         c = mp[i, 0]
-        change[i, 0] = theta[i, 0] - mp[i, 1] / c if c > 0.0 else 0.0
+        theta[i, 0] -= mp[i, 1] / c if c > 0.0 else 0.0
 
 
 @kernel
-def apply_changes(active, mp, theta, change):
-    """Turn Δθ in ``theta`` (n, 1) into θ + Δθ, and keep Δθ in ``change`` (n, 1)."""
+def pair_values(active, mp, theta, pairs):
+    """From Δθ in ``theta`` (n, 1): θ + Δθ and Δθ, side by side in ``pairs`` (n, 2)."""
     for j in prange(active.shape[0]):
         i = np.uint64(active[j])
         c = mp[i, 0]
-        change[i, 0] = theta[i, 0]
-        theta[i, 0] += mp[i, 1] / c if c > 0.0 else 0.0
+        pairs[i, 0] = theta[i, 0] + (mp[i, 1] / c if c > 0.0 else 0.0)
+        pairs[i, 1] = theta[i, 0]
 
 
 @compiled_too
@@ -204,60 +197,81 @@ def log_ratio(a, b):
     return 2.0 * z * (1.0 + y * (1.0 / 3.0 + y * (0.2 + y * (1.0 / 7.0))))
 
 
+class GiveValues(NamedTuple):
+    """Values of the nodes become those of the particles: T = Σ S θ⁺(k), which is the carried value, too.
+
+    theta : (n,) θ⁺(k)
+    C, T : (N,) capacity and value; particles without capacity are left alone
+    carried : (N,) carried value, or None
+    inflow, entropy : (N,) grow by C ΔT and by C ln(T⁺/T)
+    limit : values above it are impossible, as are negative ones
+    turnover, bad : (chunks,) Σ |inflow|; a particle whose value is impossible, else as before
+    is_by_field : 1 where nodes have values for each velocity field, else 0 (unsigned)
+    """
+
+    theta: Array
+    C: Array
+    T: Array
+    carried: Any
+    inflow: Array
+    entropy: Array
+    limit: float
+    turnover: Array
+    bad: Array
+    is_by_field: Any
+
+
+class GiveChanges(NamedTuple):
+    """The seen value becomes T = Σ S θ⁺(k), the carried one grows by Σ S Δθ (FLIP); other members as above.
+
+    theta : (2n,) θ⁺(k) and Δθ of each node, side by side
+    """
+
+    theta: Array
+    C: Array
+    T: Array
+    carried: Array
+    inflow: Array
+    entropy: Array
+    limit: float
+    turnover: Array
+    bad: Array
+    is_by_field: Any
+
+
+@gather_particle.register(GiveValues)
+def _(task, analysis, weights, corner, base, offsets, across, slot, p):
+    if task.C[p] > 0.0:
+        first = corner + (base - corner) * task.is_by_field
+        new = gather_scalar(weights, analysis, first, offsets, across, task.theta)
+        keep_value(task.carried, new, p)
+        account(task.C, task.T, task.inflow, task.entropy, task.limit, task.turnover, task.bad, new, slot, p)
+
+
+@gather_particle.register(GiveChanges)
+def _(task, analysis, weights, corner, base, offsets, across, slot, p):
+    if task.C[p] > 0.0:
+        first = corner + (base - corner) * task.is_by_field
+        new, change = gather_vector(weights, analysis, (0.0, 0.0), first, offsets, across, task.theta)
+        task.carried[p] += change
+        account(task.C, task.T, task.inflow, task.entropy, task.limit, task.turnover, task.bad, new, slot, p)
+
+
 @compiled_too
-def give_particle(
-    analysis, weights, base, offsets, across, theta, change, C, T, carried, inflow, entropy, limit, p, found
-):  # fmt: skip
-    """Values of particle ``p``; ``found`` is what ``give_particles`` reports of the particles before: see there."""
-    if C[p] <= 0.0:
-        return found
-    turnover, bad = found
-    old = T[p]
-    new = gather_scalar(weights, analysis, base, offsets, across, theta)
-    if change is not None:
-        carried[p] += gather_scalar(weights, analysis, base, offsets, across, change)
-    elif carried is not None:
+def keep_value(carried, new, p):
+    """Keep the value of particle ``p``, where one is carried."""
+    if carried is not None:
         carried[p] = new
+
+
+@compiled_too
+def account(C, T, inflow, entropy, limit, turnover, bad, new, slot, p):
+    """Let ``new`` be the seen value of particle ``p``, and keep the accounts of it."""
+    old = T[p]
     T[p] = new
     inflow[p] += C[p] * (new - old)
+    turnover[slot] += abs(inflow[p])
     if (new > 0.0) & (new <= limit):
         entropy[p] += C[p] * log_ratio(new, old)
     else:
-        bad = np.int64(p)
-    return turnover + abs(inflow[p]), bad
-
-
-@kernel
-def give_particles(
-    analysis, shape, grid, across, chunks, stencil, X, F, size, field, cut, theta, change, C, T, carried, inflow,
-    entropy, limit, turnover, bad,
-):  # fmt: skip
-    """Values go back to the particles.
-
-    The seen value becomes T = Σ S θ⁺(k). The carried one grows by Σ S Δθ (FLIP, ``change`` (n,)), or is the seen one
-    (``change`` is None). ``inflow`` (N,) grows by C ΔT, ``entropy`` (N,) by C ln(T⁺/T). Particles without capacity
-    ``C`` (N,) are left alone. Per chunk: ``turnover`` Σ |inflow|, ``bad`` a particle whose value is negative, not
-    finite or above ``limit``, else −1.
-    """
-    for c in prange(chunks.shape[0] - 1):
-        slot = chunk_of_round(c)
-        geometry = unfold(grid)
-        S, W, offsets = stencil.S[slot], stencil.W[slot], stencil.offsets
-        found = (0.0, np.int64(-1))
-        for p in range(chunks[slot], chunks[slot + np.uint64(1)]):
-            if is_cut(cut, p):
-                continue
-            base, weights = weigh_gathers(shape, geometry, across, X, F, size, p, S, None, W, stencil.status)
-            if field is not None:
-                base += np.uint64(field[p]) * geometry.field_stride
-            found = give_particle(
-                analysis, weights, base, offsets, across, theta, change, C, T, carried, inflow, entropy, limit, p,
-                found,
-            )  # fmt: skip
-        if cut is not None:
-            for r in range(cut.chunks[slot], cut.chunks[slot + np.uint64(1)]):
-                found = give_particle(
-                    analysis, Table(cut.S[r], None), ZERO, cut.dof[r], across, theta, change, C, T, carried, inflow,
-                    entropy, limit, cut.particle[r], found,
-                )  # fmt: skip
-        turnover[slot], bad[slot] = found
+        bad[slot] = np.int64(p)

@@ -74,7 +74,43 @@ def at_point_of_line(v, base, last, x):
 @of_corners(gather_vector, *LINE)
 def _(weights, analysis, zero, base, offsets, across, v):
     (x,), (a,), last = weights.middle, weights.axes, np.uint64(len(across) - 2)
-    return (0.5 * (at_point_of_line(v, base, last, x - a) + at_point_of_line(v, base, last, x + a)),)
+    return means_of_line(v, zero, base, last, x - a, x + a)
+
+
+def means_of_line(v, zero, base, last, left, right):
+    """Mean of each component of ``v`` at two points; of velocities there is one component."""
+    return tuple(
+        0.5
+        * (
+            at_point_of_line(v[a :: len(zero)], base, last, left)
+            + at_point_of_line(v[a :: len(zero)], base, last, right)
+        )
+        for a in range(len(zero))
+    )
+
+
+@compiled_as(means_of_line)
+def _(v, zero, base, last, left, right):
+    if len(zero) == 1:
+        return lambda v, zero, base, last, left, right: (
+            0.5 * (at_point_of_line(v, base, last, left) + at_point_of_line(v, base, last, right)),
+        )
+
+    def find(v, zero, base, last, left, right):
+        one = values_at_point_of_line(v, zero, base, last, left)
+        return each(0.5 * (one + values_at_point_of_line(v, zero, base, last, right)))
+
+    return find
+
+
+@compiled_too
+def values_at_point_of_line(v, zero, base, last, x):
+    """The components of ``v`` at a point."""
+    i, tx = lower_node(x, last)
+    c = np.uint64(len(zero))
+    at = (base + i) * c
+    left = read(v, at, zero)
+    return plus(left, tx, read(v, at + c, zero) - left)
 
 
 @of_corners(gather_gradient, *LINE)

@@ -156,6 +156,41 @@ def scatter_particle(task: Any, analysis: Any, zero: Any, grid: Any, weights: An
     """
 
 
+@generic
+def scatter_too(
+    task: Any, analysis: Any, weights: Any, corner: Any, base: Any, offsets: Any, across: Any, p: Any
+) -> Any:
+    """Add what particle ``p`` gives of another field, with the weights that a scatter found for the first one."""
+
+
+@generic
+def gather_particle(task: Any, analysis: Any, weights: Any, corner: Any, base: Any, offsets: Any, across: Any, slot: Any, p: Any) -> Any:  # fmt: skip  # noqa: E501
+    """Give particle ``p`` what nodes of another field have for it; ``slot`` is the chunk that is at work.
+
+    ``corner`` is the first node of the stencil in the first velocity field, ``base`` in its own.
+    """
+
+
+class ScalarSums(NamedTuple):
+    """Capacity and content of a scalar beside mass and momentum."""
+
+    C: Array
+    """(N,) capacity of each particle."""
+    T: Array
+    """(N,) value."""
+    mp: Array
+    """(n·2,) capacity and content of the nodes."""
+    is_by_field: Any
+    """1 where nodes have values for each velocity field, 0 where they share one (unsigned)."""
+
+
+@scatter_too.register(ScalarSums)
+def _(task, analysis, weights, corner, base, offsets, across, p):
+    first = corner + (base - corner) * task.is_by_field
+    C = task.C[p]
+    scatter_vector(weights, analysis, first, offsets, across, C, (1.0, task.T[p]), task.mp)
+
+
 @scatter_particle.register(MassAndMomentum)
 def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
     scatter_momentum(weights, analysis, zero, base, offsets, across, task.M, task.V, p, task.mp)
@@ -212,8 +247,8 @@ def _(task, analysis, zero, grid, weights, corner, base, offsets, across, X, p):
 
 
 @kernel
-def scatter(task, zero, analysis, shape, grid, across, bands, stencil, X, F, size, field, cut):
-    """Particles to grid: run a scatter task (one of the tuples above) over all particles.
+def scatter(task, zero, too, analysis, shape, grid, across, bands, stencil, X, F, size, field, cut):
+    """Particles to grid: run a scatter task (one of the tuples above) over all particles, and ``too``, unless None.
 
     ``zero`` is a tuple of as many zeros as the carried quantity has components. The nodal arrays of ``task`` must be
     zero on entry, or hold what is added to. ``bands`` (n_bands + 1,) first particles of the bands; ``field`` (N,)
@@ -234,6 +269,8 @@ def scatter(task, zero, analysis, shape, grid, across, bands, stencil, X, F, siz
                 if field is not None:
                     base += np.uint64(field[p]) * geometry.field_stride
                 scatter_particle(task, analysis, zero, geometry, weights, corner, base, offsets, across, X, p)
+                if too is not None:
+                    scatter_too(too, analysis, weights, corner, base, offsets, across, p)
             if cut is not None:
                 for q in range(cut.bands[b], cut.bands[b + np.uint64(1)]):
                     weights = Table(cut.S[q], gradients_for(task, cut.G[q]))
@@ -241,6 +278,8 @@ def scatter(task, zero, analysis, shape, grid, across, bands, stencil, X, F, siz
                         task, analysis, zero, geometry, weights, cut.corner[q], ZERO, cut.dof[q], across, X,
                         cut.particle[q],
                     )  # fmt: skip
+                    if too is not None:
+                        scatter_too(too, analysis, weights, ZERO, ZERO, cut.dof[q], across, cut.particle[q])
 
 
 def buffer_for(result: Any, buffer: Any) -> Any:
@@ -298,7 +337,7 @@ def move_particle(
 @kernel
 def move_particles(
     analysis, shape, grid, across, chunks, stencil, X, F, size, field, cut, v, w, start, alpha, damping, dt, flip, V,
-    X_new, L, M, speed2, travel, outside, bounds, damped,
+    X_new, L, M, speed2, travel, outside, bounds, damped, too,
 ):  # fmt: skip
     """Tasks 4 and 5: effective acceleration 𝔸 and velocity 𝕍, positions and velocities by Eq. 7 of Nairn (2026).
 
@@ -307,7 +346,7 @@ def move_particles(
     takes the place of the particles' own in 𝕍, or None. ``X_new`` may be ``X``. ``L`` (nL, N) receives the
     velocity gradient, or is None. Per chunk: ``speed2`` the largest |V|², ``travel`` the largest displacement along
     an axis in cells, ``outside`` a particle that left the domain ``bounds`` (d, 2) or −1, ``damped`` (or None) the work
-    of particle damping.
+    of particle damping. ``too``, unless None, is a task of ``gather_particle`` for another field.
     """
     for c in prange(chunks.shape[0] - 1):
         slot = chunk_of_round(c)
@@ -318,17 +357,25 @@ def move_particles(
             if is_cut(cut, p):
                 continue
             wanted = buffer_for(L, G)
-            base, weights = weigh_gathers(
+            corner, weights = weigh_gathers(
                 shape, geometry, across, X, F, size, p, S, wanted, W, stencil.status
             )
+            base = corner
             if field is not None:
                 base += np.uint64(field[p]) * geometry.field_stride
+            if too is not None:
+                gather_particle(too, analysis, weights, corner, base, offsets, across, slot, p)
             found = move_particle(
                 analysis, zero, weights, base, offsets, across, geometry.inverse_cell, p, v, w, start, alpha, damping,
                 dt, flip, X, V, X_new, L, M, bounds, damped, found,
             )  # fmt: skip
         if cut is not None:
             for q in range(cut.chunks[slot], cut.chunks[slot + np.uint64(1)]):
+                if too is not None:
+                    weights = Table(cut.S[q], None)
+                    gather_particle(
+                        too, analysis, weights, ZERO, ZERO, cut.dof[q], across, slot, cut.particle[q]
+                    )
                 found = move_particle(
                     analysis, zero, Table(cut.S[q], buffer_for(L, cut.G[q])), ZERO, cut.dof[q], across,
                     geometry.inverse_cell, cut.particle[q], v, w, start, alpha, damping, dt, flip, X, V, X_new, L, M,
@@ -337,6 +384,31 @@ def move_particles(
         speed2[slot], travel[slot], lost, outside[slot] = found
         if damped is not None:
             damped[slot] = lost
+
+
+@kernel
+def gather(task, analysis, shape, grid, across, chunks, stencil, X, F, size, field, cut):
+    """Grid to particles: run a task of ``gather_particle`` over all particles."""
+    for c in prange(chunks.shape[0] - 1):
+        slot = chunk_of_round(c)
+        geometry = unfold(grid)
+        S, W, offsets = stencil.S[slot], stencil.W[slot], stencil.offsets
+        for p in range(chunks[slot], chunks[slot + np.uint64(1)]):
+            if is_cut(cut, p):
+                continue
+            corner, weights = weigh_gathers(
+                shape, geometry, across, X, F, size, p, S, None, W, stencil.status
+            )
+            base = corner
+            if field is not None:
+                base += np.uint64(field[p]) * geometry.field_stride
+            gather_particle(task, analysis, weights, corner, base, offsets, across, slot, p)
+        if cut is not None:
+            for q in range(cut.chunks[slot], cut.chunks[slot + np.uint64(1)]):
+                weights = Table(cut.S[q], None)
+                gather_particle(
+                    task, analysis, weights, ZERO, ZERO, cut.dof[q], across, slot, cut.particle[q]
+                )
 
 
 @kernel

@@ -89,7 +89,7 @@ class Cloud:
     def scatter(self, task, components: int | None = None):
         """Run a scatter task of ``core.transfer.kernels``, of a quantity with as many components."""
         zero = (0.0,) * (components or self.dimensions)
-        transfer.scatter[self.parallel](task, zero, *self.operator(self.order.bands))
+        transfer.scatter[self.parallel](task, zero, None, *self.operator(self.order.bands))
 
     def nodal(self, components: int | None = None) -> np.ndarray:
         return np.zeros((self.grid.node_count, components or self.dimensions))
@@ -134,7 +134,7 @@ class Cloud:
         transfer.move_particles[self.parallel](
             *self.operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1), None, alpha,
             damping, dt, True if flip else None, p.V, p.X, p.L if L else None, p.mass,
-            report["speed2"], report["travel"], report["outside"], bounds, damped,
+            report["speed2"], report["travel"], report["outside"], bounds, damped, None,
         )  # fmt: skip
         return report
 

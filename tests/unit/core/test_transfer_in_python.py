@@ -56,7 +56,7 @@ def test_scatters_give_the_compiled_sums(analysis, shape, cloud, in_python):
     for call in (in_python, lambda kernel, *arguments: kernel[False](*arguments)):
         mp, f = c.nodal(1 + c.dimensions), c.nodal()
         task = transfer.StateAndForces(p.mass, p.V, p.vol0, p.tau, mp.reshape(-1), f.reshape(-1))
-        call(transfer.scatter, task, (0.0,) * c.dimensions, *c.operator(c.order.bands))
+        call(transfer.scatter, task, (0.0,) * c.dimensions, None, *c.operator(c.order.bands))
         scattered.append((mp, f))
     (mp, f), (expected_mp, expected_f) = scattered
     same(mp, expected_mp)

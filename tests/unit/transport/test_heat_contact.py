@@ -86,7 +86,7 @@ def test_perfect_contact_is_that_of_one_field(transfer):
 
 
 def test_insulated_bodies_keep_their_heat():
-    _, numbers = after(scene({"contact": "insulated"}, [TWO[0], TWO[1] | {"temperature": 1.2}], **PERFECT))
+    s, numbers = after(scene({"contact": "insulated"}, [TWO[0], TWO[1] | {"temperature": 1.2}], **PERFECT))
     np.testing.assert_allclose(np.unique(temperatures(s).round(9)), [1.0, 1.2])
     assert numbers["contact_heat[left|right]"] == 0.0
 
@@ -98,7 +98,7 @@ def test_conductance_relaxes_as_the_exact_pair():
     words["materials"]["warm"] = SOLID | {"conductivity": 4.0}
     words["time"]["step"] = 0.02
     steps = 400
-    _, numbers = after(words, steps)
+    s, numbers = after(words, steps)
     T = temperatures(s)
     n = s.particles.count * 4 // 6
     difference = T[n:].mean() - T[:n].mean()
@@ -111,7 +111,7 @@ def test_conductance_relaxes_as_the_exact_pair():
 def test_a_rigid_body_with_a_temperature_is_a_bath():
     bodies = [box("left", 3, 7), box("wall", 7, 9, material="wall", temperature=1.5)]
     words = scene({"contact": {"conductance": "perfect"}}, bodies, **PERFECT)
-    _, numbers = after(words, 40)
+    s, numbers = after(words, 40)
     T = temperatures(s)
     assert (T[-24:] == 1.5).all()
     assert numbers["heat_inflow"] > 0
@@ -141,10 +141,10 @@ def test_friction_heats_once(velocities_by, temperatures_by):
 
 def test_friction_is_shared_by_effusivity_and_rigid_sides_take_none():
     law = {"contact": {"law": {"kind": "coulomb", "friction": 0.3}}}
-    _, numbers = after(scene({"contact": "insulated"}, SLIDING, **law), 30)
+    s, numbers = after(scene({"contact": "insulated"}, SLIDING, **law), 30)
     heat = np.bincount(s.particles.body, s.particles.heat_inflow)
     assert heat[1] / heat.sum() == pytest.approx(2 / 3, rel=1e-9)  # κ is 1 and 4
     rigid = [SLIDING[0], box("plate", 7, 11, material="wall", velocity=[-0.02, -0.3])]
-    _, numbers = after(scene({"contact": "insulated"}, rigid, **law), 30)
+    s, numbers = after(scene({"contact": "insulated"}, rigid, **law), 30)
     assert numbers["heat_inflow"] == pytest.approx(numbers["contact_work"], rel=1e-10)
     assert numbers["contact_work"] > 0
