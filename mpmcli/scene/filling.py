@@ -27,6 +27,8 @@ NUMBERS_PER_NODE = {d: 1 + 4 * d for d in (1, 2, 3)}
 """Numbers that are kept of every node: mass, momentum, force, velocity, and a vector more for all but FLIP."""
 MOST_HEIGHTS = 3
 """Heights of the particles of a face that is made of flat ones."""
+NUMBERS_OF_HEAT, LOOP_OF_HEAT = 4, 2
+"""The same with conduction: capacity, content, power and temperature; and increments of the full-capacity loop."""
 MAX_PLACES = 1_000_000
 """Places in cells up to which ``validate`` fills bodies: it is to take less than a second."""
 
@@ -43,6 +45,9 @@ def check_memory(scene: Any) -> None:
     fields = len(velocity_fields(scene)[0])
     nodes = math.prod(cells + 1.0 + 2 * pad for cells in grid.cells)
     needed = nodes * fields * NUMBERS_PER_NODE[grid.dimensions] * 8
+    if scene.heat is not None:
+        numbers = NUMBERS_OF_HEAT + LOOP_OF_HEAT * (scene.heat.transfer.order > 1)
+        needed += nodes * (1 if scene.heat.contact == "shared" else fields) * numbers * 8
     there = available_memory()
     if needed > there:
         several = f" in {fields} velocity fields" if fields > 1 else ""

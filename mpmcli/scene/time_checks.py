@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from mpmcli.scene.parts import Parts
 from mpmcli.scene.tree import Node, member_label
 
@@ -51,14 +53,19 @@ def _intervals(parts: Parts, root: Node) -> list[tuple[str, float]]:
 def _check_steps(parts: Parts, report: Report) -> None:
     """Refuse a run of more steps than can be taken, by its fixed step or by the first one of its Courant number."""
     span = parts.time
-    step, path = span.step, "time.step"
+    step, path, because = span.step, "time.step", ""
     if step is None:
         step, path = _first_step(parts), "time.end"
+        conducting = _heat_step(parts)
+        if conducting is not None and (step is None or conducting < step):
+            step, because = conducting, " (by heat.fourier)"
     count = _ratio(span.end, step) if step is not None else 0.0
     if span.max_steps is not None:
         count = min(count, span.max_steps)
     if count > MAX_STEPS:
-        words = f"the run needs {count:.2g} steps of {step:.2g}, but at most {MAX_STEPS:.0e} are allowed"
+        words = (
+            f"the run needs {count:.2g} steps of {step:.2g}{because}, but at most {MAX_STEPS:.0e} are allowed"
+        )
         report(path, f"{words}; time.max_steps can end it earlier", "too_many_steps")
 
 
@@ -74,6 +81,28 @@ def _first_step(parts: Parts) -> float | None:
     if not 0.0 < fastest < math.inf:
         return None
     return float(parts.time.courant * min(parts.grid.cell) / fastest)
+
+
+def _heat_step(parts: Parts) -> float | None:
+    """Time step that the Fourier number of a scene allows at the start, None where nothing is conducted."""
+    if parts.grid is None or parts.heat is None:
+        return None
+    used = {body.material for _, body in parts.bodies}
+    models = [m for name, m in parts.materials.items() if name in used and m.kind != "rigid"]
+    cell, d = float(min(parts.grid.cell)), parts.grid.dimensions
+    with np.errstate(all="ignore"):
+        steps = [
+            np.float64(parts.heat.fourier)
+            * cell
+            / max(m.conductivity[:d])
+            * cell
+            * m.density
+            * m.specific_heat
+            for m in models
+            if m.specific_heat is not None and m.conductivity is not None and any(m.conductivity[:d])
+        ]
+    interval = 1 if parts.heat.interval == "auto" else parts.heat.interval
+    return float(min(steps)) / interval if steps else None
 
 
 def _speed(model: Any, kind: str) -> float:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 
 from mpmcli.core.errors import Problem, SceneError
+from mpmcli.scene import filling
+from mpmcli.scene.filling import check_memory
 from mpmcli.scene.loader import load_scene
 
 SCENE = """\
@@ -405,3 +407,36 @@ def test_everything_at_once() -> None:
     ]
     assert [p.path for p in found] == paths
     assert "did you mean 'left'?" in found[-1].message
+
+
+@pytest.mark.parametrize("interval", [1, 1000])
+def test_runs_of_endless_conduction_are_refused(interval: int) -> None:
+    fast = ("materials.steel.conductivity=1e13", f"heat.interval={interval}", "heat.friction=false")
+    found = only(problems_of(sets=fast), "time.end", "(by heat.fourier), but at most 1e+10 are allowed")
+    dt = 0.25 / (1e13 / (8e-3 * 460)) / interval
+    assert f"the run needs {0.1 / dt:.2g} steps of {dt:.2g}" in found.message
+    assert problems_of(sets=("materials.steel.conductivity=1e9",)) == []
+    assert problems_of(sets=(*fast, "time={end: 0.1, step: 1e-3}")) == []
+
+
+def test_arrays_of_heat_count_as_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = load_scene(SCENE).scene
+    nodes = 47 * 47  # with three ghost layers on each side
+
+    def limit(numbers: int) -> None:
+        monkeypatch.setattr(filling, "available_memory", lambda: nodes * numbers * 8)
+
+    mechanics = 3 * filling.NUMBERS_PER_NODE[2]
+    limit(mechanics + 4)
+    check_memory(scene)
+    limit(mechanics + 3)
+    with pytest.raises(SceneError, match="of memory"):
+        check_memory(scene)
+    own = load_scene(
+        SCENE.replace("heat: {}", "heat: {contact: insulated, transfer: {kind: fmpm, order: 2}}")
+    ).scene
+    limit(mechanics + 3 * 6)
+    check_memory(own)
+    limit(mechanics + 3 * 6 - 1)
+    with pytest.raises(SceneError, match="of memory"):
+        check_memory(own)
