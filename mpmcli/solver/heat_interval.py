@@ -13,6 +13,11 @@ from mpmcli.stability.interval import CELLS, MOST_STEPS, ROUNDING
 
 Array = np.ndarray
 
+REFRESH = 10
+"""Steps after which the largest diffusivity is evaluated again: volumes change little in them."""
+UNKNOWN = -1.0
+"""A diffusivity that was not evaluated yet."""
+
 
 def make_interval(scene: Any, particles: Particles, speed: Callable[[], float]) -> HeatInterval:
     """Return which steps of a scene conduct heat; ``speed`` gives that of the fastest particle [velocity]."""
@@ -26,8 +31,8 @@ def make_interval(scene: Any, particles: Particles, speed: Callable[[], float]) 
 class HeatLimit:
     """Largest time over which heat may act at once: Fo Δx_min²/D_max.
 
-    D = κ_max/(ρ c_v) has the current density ρ = ρ₀/J of each particle. The J of particles are evaluated only where
-    the largest J of ``domain.volume_ratio`` would shorten the time that is asked for.
+    D = κ_max/(ρ c_v) has the current density ρ = ρ₀/J of each particle. The J of particles are evaluated once in
+    ``REFRESH`` steps, and only where the largest J of ``domain.volume_ratio`` would shorten the time that is asked for.
 
     Parameters
     ----------
@@ -47,21 +52,36 @@ class HeatLimit:
         particles: Particles,
     ):
         self.fourier, self._smallest_cell = fourier, smallest_cell
-        self._numerator = fourier * smallest_cell**2
+        self._numerator = fourier * smallest_cell * smallest_cell
         self._diffusivities, self._largest_ratio = np.asarray(diffusivities, dtype=float), largest_ratio
         self._particles = particles
+        self._known, self._age = UNKNOWN, 0
 
     def shorten(self, time: float) -> float:
         """Return the largest time over which heat may act, ``time`` at most."""
         fastest = float(self._diffusivities.max(initial=0.0)) * self._largest_ratio
         if fastest == 0.0 or time * fastest <= self._numerator:
             return time
-        diffusivity = self._largest_diffusivity()
+        if self._known < 0.0 or self._age >= REFRESH:
+            self._known, self._age = self._largest_diffusivity(), 0
+        diffusivity = self._known
         return min(time, self._numerator / diffusivity) if diffusivity > 0.0 else time
+
+    def pass_step(self) -> None:
+        """Note that a step has begun."""
+        self._age += 1
+
+    def memory(self) -> dict[str, float]:
+        """Return what it remembers from step to step."""
+        return {"diffusivity": self._known, "age": self._age}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Remember it again."""
+        self._known, self._age = float(memory["diffusivity"]), int(memory["age"])
 
     def fourier_of(self, time: float) -> float:
         """Return the Fourier number of a heat step of this length."""
-        return self._largest_diffusivity() * time / self._smallest_cell**2
+        return self._largest_diffusivity() * time / self._smallest_cell / self._smallest_cell
 
     def _largest_diffusivity(self) -> float:
         p = self._particles
@@ -113,6 +133,7 @@ class HeatInterval:
 
         The time is that of all steps since the last heat step.
         """
+        self.limit.pass_step()
         path = self._speed() * dt
         self._steps += 1
         self._time += dt
@@ -136,9 +157,10 @@ class HeatInterval:
 
     def memory(self) -> dict[str, float]:
         """Return what it remembers from step to step."""
-        return {"steps": self._steps, "time": self._time, "path": self._path}
+        return {"steps": self._steps, "time": self._time, "path": self._path} | self.limit.memory()
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Remember it again."""
         self._steps = int(memory["steps"])
         self._time, self._path = float(memory["time"]), float(memory["path"])
+        self.limit.recall(memory)

@@ -121,8 +121,8 @@ def test_friction_ends_the_wait_at_once():
 
 @pytest.mark.parametrize("asked", [None, 7])
 def test_a_resumed_run_acts_in_the_same_steps(asked):
-    limit, _ = limit_of()
-    whole, first, second = (interval_of(asked, limit, 2.0, Motion(0.4)) for _ in range(3))
+    limits = [limit_of(ratio=1e3)[0] for _ in range(3)]
+    whole, first, second = (interval_of(asked, limit, 2.0, Motion(0.4)) for limit in limits)
     dts = 0.05 + 0.02 * np.sin(np.arange(60))
     expected = [whole.advance(dt) for dt in dts]
     found = [first.advance(dt) for dt in dts[:33]]
@@ -151,6 +151,16 @@ def test_volumes_are_evaluated_only_where_they_can_matter():
     assert particles.asked == 0
     assert limit.shorten(1.1e-3) == 1.1e-3
     assert particles.asked == 1
+
+
+def test_volumes_are_evaluated_once_in_ten_steps():
+    limit, particles = limit_of(0.25, 2.0, [1.0], 1000.0, [0], [1.0])
+    interval = interval_of(1, limit)
+    for step in range(41):
+        particles.J[:] = 1.0 + 0.1 * step
+        assert interval.shorten(5.0) == pytest.approx(1.0 / (1.0 + step // 10))
+        interval.advance(0.1)
+    assert particles.asked == 5
 
 
 def test_without_conductivity_there_is_no_limit():
