@@ -99,7 +99,7 @@ def _check_conducting(scene: _Scene, name: str, model: Any, report: Report) -> N
     bodies = [f"'{body.name}'" for _, body in scene.parts.bodies if body.material == name]
     needs = [
         ("heat_capacity", model.specific_heat, ""),
-        ("conductivity", model.conductivity, "; 0 for an insulator"),
+        ("conductivity", model.conductivity, " (0 for an insulator)"),
     ]
     for key, value, hint in needs:
         if value is None:
