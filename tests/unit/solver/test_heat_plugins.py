@@ -169,3 +169,8 @@ def test_a_load_heats_particles(run):
     assert columns["source_heat"] == pytest.approx(10 * 0.1 * power.sum(), rel=1e-12)
     assert columns["heat[coal]"] == pytest.approx(10 * power[-1], rel=1e-12)
     np.testing.assert_allclose(s.particles.T, 300 + 0.1 * power.sum(), rtol=1e-12)
+
+
+def test_a_scene_without_loads_and_faces_has_no_part_for_them(run):
+    assert run([], [])[0].heat.sources is None
+    assert run([{"name": "cold", "kind": "ice"}], [])[0].heat.sources is None
