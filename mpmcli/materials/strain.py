@@ -38,18 +38,17 @@ from mpmcli.materials.components import (
     stress_power,
 )
 from mpmcli.materials.thermal import (
+    BLOCK,
     expand,
     scale,
     scale_symmetric,
     set_at,
     settle,
-    take_temperature,
-    thermal_stretch,
+    stiffening,
+    stretch_at,
+    tell,
     value_at,
 )
-
-BLOCK = 1024
-"""Particles per block: the unit of threads and of reductions."""
 
 NOT_FINITE = np.uint64(0x7FF0000000000000)
 """Bits of infinity; those of NaN are larger. Bits can be compared under fast floating point."""
@@ -165,10 +164,11 @@ def stress_particles(
             F1, dF = close_gradient(analysis, F1, dF, m, H, p, dt)
             Fe = F1
         else:
-            before = take_temperature(thermal, m, H, p)
+            before = thermal.T[p]
+            tell(thermal.tracked, m, H, p, before)
             heat = value_at(thermal.heat, p, 0.0)
             Fe, dF, stretch, warm, gamma, growth = expand(
-                thermal, analysis, m, F, F1, dF, L, H, p, dt, before
+                thermal.expansion, thermal, analysis, m, F, F1, dF, L, H, p, dt, before
             )
             F1, cube = scale(Fe, stretch), stretch * stretch * stretch
         store_lateral(analysis, F, p, F1)
@@ -205,24 +205,10 @@ def stress_particles(
         if thermal is not None:
             set_at(thermal.heat, p, heat + viscous_work)
             settle(
-                thermal,
-                m,
-                Fe,
-                dF,
-                H,
-                p,
-                dt,
-                vol0[p],
-                cube,
-                before,
-                warm,
-                growth,
+                thermal.capacity, thermal.bath, thermal, m, Fe, dF, H, p, dt, vol0[p], cube, before, warm, growth,
                 viscous_work,
-                np.int64(p) // BLOCK,
-            )
-            speed2 *= cube
-            if thermal.warms:  # adiabatic stiffness
-                speed2 += gamma * gamma * thermal.capacity * thermal.T[p] * vol0[p] / mass[p]
+            )  # fmt: skip
+            speed2 = cube * speed2 + stiffening(thermal.capacity, thermal.bath, thermal, gamma, p)
         fastest = max(fastest, speed2)
     return fastest, smallest_J, largest_J
 
@@ -320,5 +306,5 @@ def stored_energy(
             if thermal is None:
                 out[p] = strain_energy(m, F1, H, p)
             else:
-                stretch = thermal_stretch(thermal, thermal.T[p])
+                stretch = stretch_at(thermal.expansion, thermal.T0, thermal.T[p])
                 out[p] = stretch * stretch * stretch * strain_energy(m, scale(F1, 1.0 / stretch), H, p)

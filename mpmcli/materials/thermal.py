@@ -19,22 +19,27 @@ from mpmcli.core.exponentials import exponential_1d, logarithm
 from mpmcli.materials.base import absorb_heat, bulk_slope, dissipated_heat, isentropic_growth
 from mpmcli.materials.components import close_gradient, frees_width, lateral_growth, rate_of_volume
 
+BLOCK = 1024
+"""Particles per block: the unit of threads and of reductions."""
+
 
 class Thermal(NamedTuple):
-    """Numbers of one material, and arrays of all particles; arrays that a scene does not need are None."""
+    """Numbers of one material, and arrays of all particles.
 
-    expansion: float
-    """α [1/temperature]."""
+    What is not needed is None, which compiled code knows: the loop over particles has no branches, and vectorises.
+    """
+
     T0: float
-    capacity: float
-    """ρ₀c_v [pressure/temperature], 0 if unknown."""
-    coupling: float
-    """γ over k/ρ₀, 3α/c_v, or 0 where work changes no temperature [1/velocity²]."""
-    warms: bool
-    """Work changes the temperature."""
-    leaves: bool
-    """What would have changed it leaves to a bath."""
-    is_equation_of_state: bool
+    expansion: float | None
+    """α [1/temperature]; None: the material does not expand, or by its own law."""
+    capacity: float | None
+    """ρ₀c_v [pressure/temperature]; None: work changes no temperature."""
+    specific: float
+    """c_v [specific_heat]."""
+    coupling: float | None
+    """γ over k/ρ₀, 3α/c_v [1/velocity²]; None: without expansion, or if work changes no temperature."""
+    own: bool | None
+    """True for an equation of state, which knows what a change of volume does to its temperature."""
     T: Any = None
     """(N,) temperature of the particles."""
     T_carried: Any = None
@@ -48,7 +53,7 @@ class Thermal(NamedTuple):
     entropy: Any = None
     heat_inflow: Any = None
     bath: Any = None
-    """(blocks,) heat that came from the bath in this update [energy]."""
+    """(blocks,) heat that came in this update from the bath that keeps work from changing temperatures [energy]."""
 
 
 def has_temperature(conducts: bool, adiabatic: bool, used: Iterable[Any]) -> bool:
@@ -99,89 +104,137 @@ def add_at(array: Any, p: Any, value: Any) -> Any:
 
 
 @compiled_too
-def thermal_stretch(thermal: Any, T: Any) -> Any:
+def stretch_at(expansion: Any, T0: Any, T: Any) -> Any:
     """ϑ = exp(α(T − T0))."""
-    return exponential_1d(thermal.expansion * (T - thermal.T0))
+    if expansion is None:
+        return 1.0
+    return exponential_1d(expansion * (T - T0))
 
 
 @compiled_too
-def take_temperature(thermal: Any, m: Any, H: Any, p: Any) -> Any:
-    """The temperature with what heat from elsewhere did to it; a material that tracks it is told."""
-    T = thermal.T[p]
-    tracked = value_at(thermal.tracked, p, T)
-    if tracked != T:
-        absorb_heat(m, H, p, T - tracked)
-        set_at(thermal.tracked, p, T)
+def tell(tracked: Any, m: Any, H: Any, p: Any, T: Any) -> None:
+    """Tell a material that tracks its temperature what it is, because heat came from elsewhere."""
+    if tracked is not None:
+        absorb_heat(m, H, p, T - tracked[p])
+        tracked[p] = T
+
+
+@compiled_too
+def gamma_at(
+    coupling: Any, expansion: Any, T0: Any, m: Any, F: Any, H: Any, p: Any, T: Any, change: Any
+) -> Any:
+    """γ = 3αk/(ρ₀c_v) halfway through a change of the logarithm of J, which ends at ``F``."""
+    if coupling is None:
+        return 0.0
+    stretch = stretch_at(expansion, T0, T)
+    middle = scale(F, exponential_1d(change * (-1.0 / 6.0)) / stretch)
+    return coupling * stretch * stretch * stretch * bulk_slope(m, middle, H, p)
+
+
+@compiled_too
+def warmed(coupling: Any, bath: Any, T: Any, growth: Any) -> Any:
+    """T after a change of volume."""
+    if bath is None and coupling is not None:
+        return T * exponential_1d(growth)
     return T
 
 
 @compiled_too
-def expand(
-    thermal: Any, analysis: Any, m: Any, F: Any, F1: Any, dF: Any, L: Any, H: Any, p: Any, dt: Any, T: Any
-) -> Any:
-    """State at the end of a step: (Fᵉ, its increment, ϑ, temperature, γ, logarithm of the isentropic factor of T).
-
-    ``F1`` is the new deformation gradient except for lateral stretches that the stress decides, ``T`` the temperature
-    with what was conducted. γ is that of the middle of the step, whose shape is taken to be that of its end; γ,
-    temperature and a free width are found together, each round exact to a further factor of about αTγ.
-    """
-    warm, gamma, growth = T, 0.0, 0.0
-    if thermal.expansion == 0.0:
-        Fe, dFe = close_gradient(analysis, F1, dF, m, H, p, dt)
-        return Fe, dFe, 1.0, warm, gamma, growth
-    old = thermal_stretch(thermal, value_at(thermal.T_stress, p, T))
-    rate = dt * rate_of_volume(analysis, L, p)
-    change, stretch, Fe, dFe, whole = rate, old, F1, dF, F1
-    rounds = 1
-    if thermal.coupling > 0.0:
-        rounds = 3 if frees_width(analysis) else 2
-    for _ in range(rounds):
-        if thermal.coupling > 0.0:
-            middle = thermal_stretch(thermal, T * exponential_1d(0.5 * growth) if thermal.warms else T)
-            Fm = scale(whole, exponential_1d(change / -6.0) / middle)
-            gamma = thermal.coupling * middle * middle * middle * bulk_slope(m, Fm, H, p)
-            growth = -gamma * change if dt != 0.0 else 0.0  # a body starts with its temperature
-        if thermal.warms:
-            warm = T * exponential_1d(growth)
-        stretch = thermal_stretch(thermal, warm)
-        set_at(thermal.tracked, p, warm)
-        s = 1.0 / stretch
-        Fe, dFe = close_gradient(analysis, scale(F1, s), scale(dF, old * s), m, H, p, dt)
-        whole = scale(Fe, stretch)
-        change = rate + lateral_growth(analysis, F, p, whole)
-    set_at(thermal.T_stress, p, warm)
+def approach(
+    thermal: Any, analysis: Any, m: Any, F1: Any, dF: Any, H: Any, p: Any, dt: Any, T: Any, old: Any, whole: Any,
+    change: Any,
+) -> Any:  # fmt: skip
+    """``expand`` for a given change of the logarithm of J, and the deformation gradient ``whole`` in which it ends."""
+    gamma = gamma_at(thermal.coupling, thermal.expansion, thermal.T0, m, whole, H, p, T, change)
+    growth = -gamma * change
+    warm = warmed(thermal.coupling, thermal.bath, T, growth)
+    stretch = stretch_at(thermal.expansion, thermal.T0, warm)
+    s = 1.0 / stretch
+    set_at(thermal.tracked, p, warm)
+    Fe, dFe = close_gradient(analysis, scale(F1, s), scale(dF, old * s), m, H, p, dt)
     return Fe, dFe, stretch, warm, gamma, growth
 
 
 @compiled_too
+def expand(
+    expansion: Any, thermal: Any, analysis: Any, m: Any, F: Any, F1: Any, dF: Any, L: Any, H: Any, p: Any, dt: Any,
+    T: Any,
+) -> Any:  # fmt: skip
+    """State at the end of a step: (Fᵉ, its increment, ϑ, temperature, γ, logarithm of the isentropic factor of T).
+
+    ``F1`` is the new deformation gradient except for lateral stretches that the stress decides, ``T`` the temperature
+    with what was conducted. γ is that of the middle of the step, whose shape is taken to be that of its end, and whose
+    ϑ that of its start. Temperature and a free width are found together, each round exact to a further factor αTγ.
+    """
+    if expansion is None:
+        Fe, dFe = close_gradient(analysis, F1, dF, m, H, p, dt)
+        return Fe, dFe, 1.0, T, 0.0, 0.0
+    old = stretch_at(expansion, thermal.T0, value_at(thermal.T_stress, p, T))
+    rate = dt * rate_of_volume(analysis, L, p)
+    found = approach(thermal, analysis, m, F1, dF, H, p, dt, T, old, F1, rate)
+    if frees_width(analysis):
+        for _ in range(2):
+            whole = scale(found[0], found[2])
+            # a body starts with its temperature, whatever its width then becomes
+            change = rate + lateral_growth(analysis, F, p, whole) if dt != 0.0 else 0.0
+            found = approach(thermal, analysis, m, F1, dF, H, p, dt, T, old, whole, change)
+    set_at(thermal.T_stress, p, found[3])
+    return found
+
+
+@compiled_too
+def dissipation(own: Any, tracked: Any, capacity: Any, m: Any, Fe: Any, dFe: Any, H: Any, p: Any, dt: Any, cube: Any,
+    warm: Any, viscous: Any) -> Any:  # fmt: skip
+    """Heat per initial volume that a step has dissipated."""
+    if own is not None:
+        return viscous
+    if tracked is not None:
+        return capacity * (tracked[p] - warm)
+    return viscous + cube * dissipated_heat(m, Fe, dFe, H, p, dt)
+
+
+@compiled_too
+def growth_of(own: Any, m: Any, Fe: Any, dFe: Any, growth: Any) -> Any:
+    """Logarithm of the factor of T by the change of volume at constant entropy."""
+    if own is not None:
+        return isentropic_growth(m, Fe, dFe)
+    return growth
+
+
+@compiled_too
 def settle(
-    thermal: Any, m: Any, Fe: Any, dFe: Any, H: Any, p: Any, dt: Any, volume: Any, cube: Any, T: Any, warm: Any,
-    growth: Any, viscous: Any, block: Any,
+    capacity: Any, bath: Any, thermal: Any, m: Any, Fe: Any, dFe: Any, H: Any, p: Any, dt: Any, volume: Any, cube: Any,
+    T: Any, warm: Any, growth: Any, viscous: Any,
 ) -> None:  # fmt: skip
     """Temperature, entropy and heat of a particle after its stress.
 
     ``volume`` is its initial one, ``cube`` ϑ³; ``T`` the temperature before, ``warm`` the one with which the stress was
     found, ``growth`` the logarithm that led to it, ``viscous`` the work of artificial viscosity per initial volume.
     """
-    C = thermal.capacity * volume
-    if thermal.is_equation_of_state:
-        growth = isentropic_growth(m, Fe, dFe)
-        dissipated = viscous
-    elif thermal.tracked is not None:
-        dissipated = thermal.capacity * (value_at(thermal.tracked, p, warm) - warm)
-    else:
-        dissipated = viscous + cube * dissipated_heat(m, Fe, dFe, H, p, dt)
-    if thermal.warms:
-        end = value_at(thermal.tracked, p, warm + dissipated / thermal.capacity)
+    if capacity is None:
+        return
+    tracked, own, C = thermal.tracked, thermal.own, capacity * volume
+    dissipated = dissipation(own, tracked, capacity, m, Fe, dFe, H, p, dt, cube, warm, viscous)
+    if bath is None:
+        end = value_at(tracked, p, warm + dissipated / capacity)
         thermal.T[p] = end
         add_at(thermal.T_carried, p, end - T)
-        add_at(thermal.entropy, p, -C * logarithm(1.0 - dissipated / (thermal.capacity * end)))
-    elif thermal.leaves:
+        add_at(thermal.entropy, p, -C * logarithm(1.0 - dissipated / (capacity * end)))
+    else:
+        growth = growth_of(own, m, Fe, dFe, growth)
         heat = -(C * T * growth + volume * dissipated)
         add_at(thermal.heat_inflow, p, heat)
         add_at(thermal.entropy, p, -C * growth)
-        add_at(thermal.bath, block, heat)
-        set_at(thermal.tracked, p, T)
+        bath[np.int64(p) // BLOCK] += heat
+        set_at(tracked, p, T)
+
+
+@compiled_too
+def stiffening(capacity: Any, bath: Any, thermal: Any, gamma: Any, p: Any) -> Any:
+    """What heating adds to the square of the wave speed [velocity²]."""
+    if capacity is not None and bath is None:
+        return gamma * gamma * thermal.specific * thermal.T[p]
+    return 0.0
 
 
 def thermal_of(model: Any, adiabatic: bool, has_bath: bool, dissipates: bool) -> Thermal | None:
@@ -198,16 +251,16 @@ def thermal_of(model: Any, adiabatic: bool, has_bath: bool, dissipates: bool) ->
         return None
     capacity = model.specific_heat
     is_heated = (adiabatic or has_bath) and capacity is not None
-    if not (model.expansion > 0.0 or model.tracks_temperature or (is_heated and dissipates)):
+    expands, own = model.expansion > 0.0, "equation_of_state" in model.properties
+    if not (expands or model.tracks_temperature or (is_heated and dissipates)):
         return None
     return Thermal(
-        expansion=float(model.expansion),
         T0=float(model.T0),
-        capacity=0.0 if capacity is None else float(model.density * capacity),
-        coupling=float(3.0 * model.expansion / capacity) if is_heated else 0.0,
-        warms=is_heated and adiabatic,
-        leaves=is_heated and not adiabatic,
-        is_equation_of_state="equation_of_state" in model.properties,
+        expansion=float(model.expansion) if expands else None,
+        capacity=float(model.density * capacity) if is_heated else None,
+        specific=0.0 if capacity is None else float(capacity),
+        coupling=float(3.0 * model.expansion / capacity) if is_heated and expands else None,
+        own=True if own else None,
     )
 
 

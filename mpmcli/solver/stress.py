@@ -146,7 +146,7 @@ class StressUpdate:
             T_carried=p.T_carried,
             T_stress=p.T_stress,
             tracked=rows.get("temperature"),
-            heat=rows.get("heat_energy") if numbers.is_equation_of_state else None,
+            heat=rows.get("heat_energy") if numbers.own else None,
             entropy=p.entropy,
             heat_inflow=p.heat_inflow,
             bath=self._bath,
