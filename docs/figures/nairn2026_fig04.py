@@ -91,7 +91,7 @@ FIGURE = Figure(
     paper="nairn2026",
     number="4",
     title="A shock through a perfect interface",
-    verdict="as published, without heat conduction; the plateau is 1 % low",
+    verdict="as published; the plateau is 1 % low",
     alt="Pressure of a shock that has passed an interface for FLIP and FMPM of order 1, 2 and 4",
     cases=CASES,
     measure=measure,
@@ -106,7 +106,7 @@ at the front, FMPM(1) broadens the front, and orders from 2 on do neither.
 
 Differences:
 
-- mpmcli has no heat conduction; the runs are adiabatic. In 2.2 µs heat spreads by less than 0.01 mm in nickel.
+- The runs are adiabatic, without conduction. In 2.2 µs heat spreads by less than 0.01 mm in nickel.
 - The plateau is 1.1 % (FMPM(1): more) below the theory, as in NairnMPM. The table uses particles; the paper uses the
   grid, which smooths.
 - Order 8 has the plateau of order 4 with more scatter, as in NairnMPM.

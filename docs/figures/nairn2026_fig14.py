@@ -29,7 +29,7 @@ FIGURE = Figure(
     paper="nairn2026",
     number="14",
     title="Mean order at a given tolerance",
-    verdict="as published, the shock without heat conduction",
+    verdict="as published",
     studies=("impact", "shock"),
     drawn={
         "studies/dynamic_orders.png": "Mean order of dynamic FMPM(20) against its tolerance, in block impact and shock",
