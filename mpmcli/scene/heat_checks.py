@@ -17,6 +17,8 @@ from mpmcli.scene.report import locate
 from mpmcli.scene.tree import Node
 
 ABSOLUTE = "temperatures are absolute and must be above 0"
+LARGEST_STRAIN = 1.0
+"""Thermal strain of a body at the start above which it is an error of units."""
 ALIKE = 1e-9
 """Relative difference between two temperatures of a face that is no round-off."""
 
@@ -165,6 +167,27 @@ def _check_body_temperatures(scene: _Scene, report: Report) -> None:
         elif not scene.needs_temperature(material):
             words = f"has no effect, because material '{body.material}' has no temperature"
             report(path, words, "no_effect", "warning")
+        else:
+            _check_stretch(scene, body, material, path, report)
+
+
+def _check_stretch(scene: _Scene, body: Any, material: Any, path: str, report: Report) -> None:
+    """A body must not begin far from the temperature at which it is free of stress."""
+    grid = scene.parts.grid
+    if grid is None or material.expansion == 0.0:
+        return
+    low, high = (np.clip(corner, grid.lower, grid.upper) for corner in body.region.bounds(grid.dimensions))
+    points = np.stack([low, 0.5 * (low + high), high], axis=1)
+    with np.errstate(all="ignore"):
+        T = np.ravel(body.temperature(**dict(zip("xyz", points, strict=False))))
+        strains = material.expansion * (T - material.T0)
+    strain = float(strains[np.nanargmax(np.abs(strains))]) if np.isfinite(strains).any() else 0.0
+    if abs(strain) > LARGEST_STRAIN:
+        words = (
+            f"the thermal strain expansion*(temperature - T0) is {strain:.3g} at the start; check expansion, T0 "
+            "and the temperature"
+        )
+        report(path, words, "doubtful", "warning")
 
 
 def _exchanges(scene: _Scene) -> bool:

@@ -97,6 +97,8 @@ class Failures:
 
     def _advice(self) -> str:
         step = self._time_step
+        if step.dt == 0.0:  # a body that is not in its stress-free state
+            return "The run has not begun; check 'expansion', 'T0' and the initial temperature"
         key, half = ("step", 0.5 * step.dt) if step.courant is None else ("courant", 0.5 * step.courant)
         return (
             f"The last time step, {step.dt:.3g} (Courant number {step.courant_of_step:.2g}), is probably too long; "

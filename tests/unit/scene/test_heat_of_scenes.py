@@ -181,6 +181,18 @@ def test_expansion_needs_a_change_of_temperature() -> None:
     assert bare(expansion, CAPACITY, ADIABATIC) == []
 
 
+@pytest.mark.parametrize(
+    ("temperature", "strain"), [("500", 2), ("100", -2), ("'300+90*x'", -8.1), ("400", None)]
+)
+def test_a_body_begins_near_its_temperature_without_stress(temperature: str, strain: float | None) -> None:
+    found = bare("materials.steel.expansion=0.01", f"bodies.left.temperature={temperature}")
+    if strain is None:
+        assert found == []
+    else:
+        words = f"the thermal strain expansion*(temperature - T0) is {strain:g} at the start"
+        only(found, "bodies.left.temperature", words, "warning")
+
+
 LOADS = {
     "boundary": "[{name: a, kind: temperature, on: {plane: {axis: x, at: -9}}, value: 300}]",
     "loads": "[{name: a, kind: heat_source, on: {body: left}, power: 5}]",

@@ -315,3 +315,10 @@ def test_a_temperature_that_is_not_finite_is_named(bar, bad):
     run.particles.T_carried[5] = bad
     words = str(failure_of(run, 1))
     assert re.search(r"the temperature is not finite; particle \d+ of body 'bar' at \(\S+\), cell", words)
+
+
+@pytest.mark.slow
+def test_a_body_that_cannot_begin_is_not_blamed_on_the_step(bar):
+    expands = CONDUCTING | {"expansion": 0.1}
+    with pytest.raises(SimulationError, match="check 'expansion', 'T0' and the initial temperature"):
+        bar(materials__elastic=expands, bodies__0__temperature="500")
