@@ -20,7 +20,7 @@ ROWS: dict[tuple[str, str, str], tuple[list[str], float]] = {}
 def note(tried: str, how: str, measured: str, bound: str, figure: float) -> None:
     """Keep a figure for the table."""
     methods, largest = ROWS.get((tried, measured, bound), ([], figure))
-    ROWS[tried, measured, bound] = ([*methods, how], max(largest, figure))
+    ROWS[tried, measured, bound] = (list(dict.fromkeys([*methods, how])), max(largest, figure))
 
 
 @pytest.fixture

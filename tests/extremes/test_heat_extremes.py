@@ -110,7 +110,7 @@ class Bar:
 def test_ratios_of_a_million_across_a_body(transfer, changes, hold):
     for at in (0.0, 0.3):
         bar = Bar((6, 400, {}), (6, 300, changes), transfer=transfer, at=at, step=0.2).steps(300)
-        what = ", ".join(f"{name} {value:g} beside 1" for name, value in changes.items())
+        what = ", ".join(f"{name.replace('_', ' ')} {value:g} beside 1" for name, value in changes.items())
         hold(what, named(transfer), "change of heat", bar.drift, 1e-12)
         margin = 0.0 if transfer is FLIP else 0.14  # overshoot at the interface
         beyond = max(300 - bar.T.min(), bar.T.max() - 400, 0.0) / 100
@@ -141,9 +141,9 @@ def test_one_and_many_particles_per_cell(transfer, per, hold):
     bar.steps(100)
     found = exact.amplitude((bar.T - 300) / 100, mode) / exact.mode_amplitude(np.pi, 0.1) - 1
     hold(
-        f"{per} particles per cell", named(transfer), "amplitude of a cosine over 10 cells", abs(found), 0.02
+        f"particles per cell: {per}", named(transfer), "amplitude of a cosine over 10 cells", abs(found), 0.02
     )
-    hold(f"{per} particles per cell", named(transfer), "change of heat", bar.drift, 1e-13)
+    hold(f"particles per cell: {per}", named(transfer), "change of heat", bar.drift, 1e-13)
 
 
 def test_order_one_hundred(hold):
@@ -213,6 +213,40 @@ def test_overshoot_of_fmpm_at_a_jump(order, most, hold, breaks):
     hold("a jump of 10,000 K, at rest", f"FMPM({order})", "overshoot, of the jump", beyond / 1e4, most)
     breaks(
         "a jump of 10,000 K, at rest", f"FMPM({order})", "beyond the start, of the jump", beyond / 1e4, 0.03
+    )
+
+
+def test_an_interval_follows_a_body_that_starts_to_move(hold):
+    """``auto`` waits 25 steps at rest, and less the faster the body moves: never more than half a cell."""
+    keys = {
+        "heat": {"interval": "auto"},
+        "loads": [{"name": "pull", "kind": "gravity", "acceleration": [1.0]}],
+    }
+    bar = Bar((10, "300 + 100*cos(pi*x/10)", {}), step=0.01, cells=60, **keys)
+    mode, moved, last, waits = np.cos(np.pi * bar.X0 / 10), 0.0, 0, []
+    for step in range(1, 801):
+        bar.steps(1)
+        moved += 0.01 * bar.particles.V.max()
+        if bar.simulation.heat.acted > len(waits):
+            waits.append((step - last, moved))
+            last, moved = step, 0.0
+    assert waits[0][0] == 25
+    assert waits[-1][0] <= 7
+    hold(
+        "a body that starts to move, interval auto",
+        "FLIP",
+        "way between two heat steps, cells",
+        max(w[1] for w in waits),
+        0.55,
+    )
+    left = exact.amplitude((bar.T - 300) / 100, mode)
+    found = left / exact.mode_amplitude(np.pi, 0.08) - 1
+    hold(
+        "a body that starts to move, interval auto",
+        "FLIP",
+        "amplitude of a cosine over 10 cells",
+        abs(found),
+        0.02,
     )
 
 
