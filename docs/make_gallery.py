@@ -196,6 +196,30 @@ GALLERY = (
         ),
     ),
     Shown(
+        "heat_flying_disk",
+        "Heat in a translating disk",
+        (),
+        (
+            Drawn(
+                "heat_flying_disk",
+                ("--what", "particles", "--color", "temperature", "--time", "64"),
+                "Temperature of an insulated disk that moves over the grid while heat flows to its cold side.",
+            ),
+        ),
+    ),
+    Shown(
+        "heat_fin",
+        "Cooling fin",
+        (),
+        (
+            Drawn(
+                "heat_fin",
+                ("--what", "particles", "--color", "temperature"),
+                "Temperature of half a fin, heated at its foot and cooled by air along its side.",
+            ),
+        ),
+    ),
+    Shown(
         "vibrating_bar",
         "Vibrating bar",
         (),

@@ -25,6 +25,7 @@ CASES = [
         "vibrating_bar.yaml",
         ("time.courant=0.5", "time.end=80", "archive.particles=null"),
     ),
+    ("heat_slab_flip", "heat_slab.yaml", ("archive.particles=null", "archive.globals={every: 0.01}")),
     pytest.param(
         "taylor_bar_fmpm2",
         "taylor_bar.yaml",
@@ -40,6 +41,7 @@ TOLERANCES = {
     "stress_*": (1e-6, 1e-6),
     "reaction_*": (1e-5, 1e-6),
     "energy_error": (0.0, 1e-8),
+    "heat_error": (0.0, 1e-10),
     "*_work": (1e-6, 1e-7),
     "*_energy": (1e-6, 1e-7),
 }

@@ -47,6 +47,23 @@ SCENES = [
     ),
     pytest.param("shock_nickel_symmetry.yaml", ("--until", "4e-4"), marks=pytest.mark.slow),
     pytest.param("stretched_bar.yaml", (), marks=pytest.mark.slow),
+    pytest.param(
+        "heat_flying_disk.yaml",
+        (
+            *(
+                "--until",
+                "3",
+                "-D",
+                "s=0.01",
+                "--set",
+                "grid.cell=0.25",
+                "--set",
+                "archive.particles.every=2",
+            ),
+            *("--set", "heat.transfer={kind: fmpm, order: 3, every_steps: 2}"),
+        ),
+        marks=pytest.mark.slow,
+    ),
 ]
 
 
