@@ -140,3 +140,48 @@ def test_two_materials_in_one_field(start, method, shift, wanted):
     assert coarse < 1.1 * wanted
     if shift == 0:
         assert np.log2(coarse / fine) > 1.1
+
+
+def two_fields(start, method, way, law="perfect", shift=0.0, gap=0.0):
+    """The two materials as two velocity fields, at the end."""
+    contact = f"{{law: {{kind: {law}}}, normal: {{kind: specified, vector: [1]}}, separation: {{kind: position_fit}}}}"
+    places = f"constants.shift={shift}", f"constants.gap={gap}"
+    run = start(
+        "heat_two_materials.yaml", *places, transfer(method), f"contact={contact}", f"heat.contact={heat}"
+    )
+    run.to(0.0049)
+    return run
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shift", [0.0, 0.5])
+@pytest.mark.parametrize("method", METHODS)
+def test_two_fields_in_perfect_contact_are_one(start, method, shift):
+    run = start("heat_two_materials.yaml", f"constants.shift={shift}", transfer(method))
+    run.to(0.0049)
+    for way in ("shared", "{conductance: perfect}"):
+        two = two_fields(start, method, way, shift=shift)
+        assert np.abs(scaled(two) - scaled(run)).max() < 1e-12
+        assert np.abs(scaled(two, "T_carried") - scaled(run, "T_carried")).max() < 1e-12
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["FLIP", "FMPM(4)"])
+@pytest.mark.parametrize("shift", [0.0, 0.5])
+def test_heat_across_a_gap_of_half_a_cell(start, method, shift):
+    """Only ``shared`` nodes conduct across a gap; insulated bodies that touch exchange nothing."""
+
+    def left_heat(way, gap, law="frictionless"):
+        run = two_fields(start, method, way, law, shift, gap)
+        return float(run.ordered("heat_inflow")[run.ordered("body") == 0].sum())
+
+    across = left_heat("shared", 0.0)
+    assert across < -1.0
+    assert left_heat("shared", 0.5) < 0.5 * across
+    for way, gap in (
+        ("insulated", 0.0),
+        ("insulated", 0.5),
+        ("{conductance: perfect}", 0.5),
+        ("{conductance: 10}", 0.5),
+    ):
+        assert abs(left_heat(way, gap)) < 1e-12
