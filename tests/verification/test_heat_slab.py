@@ -147,7 +147,7 @@ def two_fields(start, method, way, law="perfect", shift=0.0, gap=0.0):
     contact = f"{{law: {{kind: {law}}}, normal: {{kind: specified, vector: [1]}}, separation: {{kind: position_fit}}}}"
     places = f"constants.shift={shift}", f"constants.gap={gap}"
     run = start(
-        "heat_two_materials.yaml", *places, transfer(method), f"contact={contact}", f"heat.contact={heat}"
+        "heat_two_materials.yaml", *places, transfer(method), f"contact={contact}", f"heat.contact={way}"
     )
     run.to(0.0049)
     return run
