@@ -8,7 +8,8 @@ from figures.base import Case, Runs, transfer
 from figures.disks import FRICTIONS
 
 COLUMNS = (
-    "kinetic_energy, stress_work, contact_work, heat_inflow, internal_energy, entropy, helmholtz_energy, temperature_max"
+    "kinetic_energy, stress_work, contact_work, heat_inflow, internal_energy, entropy, helmholtz_energy, "
+    "temperature_max"
 )
 CELL = 1.0
 """Of these runs [mm]; the paper has 1/3."""
@@ -31,7 +32,9 @@ def case(kind: str, order: int, friction: float, cell: float | str = CELL, parti
 
 
 OVER_TIME = {
-    f"{name}, μ = {friction:g}": case(*kind, friction) for name, kind in KINDS.items() for friction in FRICTIONS
+    f"{name}, μ = {friction:g}": case(*kind, friction)
+    for name, kind in KINDS.items()
+    for friction in FRICTIONS
 }
 
 

@@ -139,6 +139,7 @@ class Simulation(Parts):
             self.rigid = RigidBodies(
                 scene.bodies, state.rigid, plan.fields, plan.field_of_body, self.order, mirror
             )
+            self.damping.rigid = self.rigid
         if plan.has_loads:
             self.loads = self._make_loads(scene, has_mirror=images is not None)
         if plan.has_contact:

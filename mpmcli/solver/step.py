@@ -192,6 +192,7 @@ class _Tasks:
             damping.of_nodes,
         )
         damping.leave_out_images(mp, f, step.dt)
+        damping.leave_out_rigid(mp, f, step.dt)
 
     def find_velocities(self, step: Step) -> None:
         """Task 3.b: grid velocities v⁺(k), and accelerations or filtered velocities where the transfer asks."""
@@ -221,7 +222,7 @@ class _Tasks:
             a.v, None if plan.method.full_mass else a.w, a.start if plan.method.projects else None, plan.method.flip,
             plan.alpha, s.damping.particle, step.dt, X_new,
             plan.velocity_gradient or (plan.update.last > 0.0 and not plan.update.again), s.damping.of_particles,
-            None if s.heat is None else s.heat.to_give(),
+            s.damping.damped_masses(s.particles), None if s.heat is None else s.heat.to_give(),
         )  # fmt: skip
         if s.heat is not None:
             s.heat.close()

@@ -301,6 +301,7 @@ class Transfer:
         X_new: Array,
         with_gradients: bool,
         damped: Array | None,
+        mass: Array,
         too: NamedTuple | None = None,
     ) -> None:
         """Task 4 (and 5's velocity gradients): see ``core.transfer.move_particles``."""
@@ -308,7 +309,7 @@ class Transfer:
         kernels.move_particles[self.parallel](
             *self.operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1),
             None if start is None else start.reshape(-1), alpha, damping, dt, True if flip else None, p.V, X_new,
-            p.L if with_gradients else None, p.mass,
+            p.L if with_gradients else None, mass,
             self.speed_squared, self.travel, self.outside, self.bounds, damped, too,
         )  # fmt: skip
         self.farthest = float(self.travel.max())

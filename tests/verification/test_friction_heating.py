@@ -1,0 +1,75 @@
+"""Heat of friction: as much as the work, once; the surface of a half space; shares by effusivity."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mpmcli import Results, run
+from mpmcli.scene.loader import load_scene
+
+INPUTS = Path(__file__).parents[2] / "inputs"
+VELOCITIES = ["{kind: flip}", *(f"{{kind: fmpm, order: {k}}}" for k in (1, 2, 4, 8))]
+TEMPERATURES = VELOCITIES
+
+
+def results_of(name: str, folder: Path, **sets: str) -> Results:
+    loaded = load_scene(INPUTS / f"{name}.yaml", sets=[f"{key}={value}" for key, value in sets.items()])
+    run(loaded, folder, threads=1, progress=False, verbosity=-1)
+    return Results(folder)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("temperatures", TEMPERATURES)
+@pytest.mark.parametrize("velocities", VELOCITIES)
+def test_heat_is_the_work_of_friction_whatever_the_transfers(tmp_path, velocities, temperatures):
+    results = results_of(
+        "friction_heating",
+        tmp_path / "run",
+        **{
+            "method.transfer": velocities,
+            "heat.transfer": temperatures,
+            "time.end": "0.02",
+            "constants.pressing": "0.01",
+            "constants.press": "20",
+        },
+    )
+    work, heat = results["contact_work"][-1], results["heat_inflow"][-1]
+    assert work > 0.1
+    content = 300.0 * 20.0  # ΣCT, of which round-off is
+    assert heat == pytest.approx(work, rel=1e-10, abs=1e-14 * content)
+
+
+@pytest.mark.slow
+def test_the_surface_warms_as_a_half_space_under_the_measured_flux(tmp_path):
+    results = results_of("friction_heating", tmp_path / "run", **{"archive.globals": "{every: 0.001}"})
+    frame = results.particles()
+    y, T = np.asarray(frame["position"])[:, 1], np.asarray(frame["temperature"])
+    is_block = np.asarray(frame["body"]) == 0
+    depth, rise = y[is_block].max() + 0.125 - y[is_block], T[is_block] - 300.0
+    t, work = results.globals.time, results["contact_work"]
+    conductivity, capacity, area = 12.0, 1.0, 2.0  # mJ/(ms mm K), mJ/(mm³ K), mm²
+    D = conductivity / capacity
+    flux = np.diff(work) / np.diff(t) / area
+    expected = np.zeros_like(depth)
+    for start, end, q in zip(t, t[1:], flux, strict=False):  # Duhamel: a constant flux on, and off again
+        for since, sign in ((t[-1] - start, 1.0), (t[-1] - end, -1.0)):
+            if since > 0.0:
+                s = depth / (2.0 * math.sqrt(D * since))
+                ierfc = np.exp(-s * s) / math.sqrt(math.pi) - s * np.array([math.erfc(each) for each in s])
+                expected += sign * 2.0 * q / conductivity * math.sqrt(D * since) * ierfc
+    error = np.sqrt(np.mean((rise - expected) ** 2)) / expected.max()
+    assert expected.max() > 4.0
+    assert error < 0.02
+
+
+@pytest.mark.slow
+def test_both_sides_of_a_brake_warm_by_their_effusivities(tmp_path):
+    results = results_of("brake", tmp_path / "run", **{"time.end": "0.15"})
+    frame = results.particles()
+    heat = np.bincount(np.asarray(frame["body"]).astype(int), np.asarray(frame["heat_inflow"]))
+    assert heat[0] / heat.sum() == pytest.approx(2.0 / 3.0, rel=1e-5)  # κ is 4 and 1
+    assert heat.sum() == pytest.approx(results["contact_work"][-1], rel=1e-5)
