@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.errors import Problem
 from mpmcli.core.expressions import Expression
 from mpmcli.core.suggest import listing
@@ -72,6 +73,18 @@ class _Scene:
             or getattr(material, "expansion", 0.0) > 0.0
             or "temperature" in getattr(material, "history", ())
         )
+
+    def box_of(self, body: Any) -> tuple[np.ndarray, np.ndarray] | None:
+        """Corners (d,) of the part of a body's box that is in the grid; None where they do not fit each other."""
+        grid, analysis = self.parts.grid, self.parts.analysis
+        if grid is None or analysis is None or ANALYSES[analysis.kind]().dimensions != grid.dimensions:
+            return None
+        if any(body.region.misfits(grid.dimensions)):
+            return None
+        low, high = (
+            np.clip(corner, grid.lower, grid.upper) for corner in body.region.bounds(grid.dimensions)
+        )
+        return low, high
 
     def deformable(self) -> Iterator[tuple[str, Any]]:
         """Name and model of each material with mass that a body uses, as far as it can be read."""
@@ -173,10 +186,10 @@ def _check_body_temperatures(scene: _Scene, report: Report) -> None:
 
 def _check_stretch(scene: _Scene, body: Any, material: Any, path: str, report: Report) -> None:
     """A body must not begin far from the temperature at which it is free of stress."""
-    grid = scene.parts.grid
-    if grid is None or material.expansion == 0.0:
+    box = scene.box_of(body)
+    if box is None or material.expansion == 0.0:
         return
-    low, high = (np.clip(corner, grid.lower, grid.upper) for corner in body.region.bounds(grid.dimensions))
+    low, high = box
     points = np.stack([low, 0.5 * (low + high), high], axis=1)
     with np.errstate(all="ignore"):
         T = np.ravel(body.temperature(**dict(zip("xyz", points, strict=False))))
@@ -257,12 +270,11 @@ def _key(place: tuple[str, Any]) -> tuple[str, str, str]:
 
 def _agree(scene: _Scene, place: tuple[str, Any], first: Any, second: Any) -> bool:
     """Whether two conditions hold a face at the same temperature at the start, at points spread over it."""
-    grid = scene.parts.grid
-    region = next((body.region for _, body in scene.parts.bodies if body.name == place[0]), None)
-    if grid is None or region is None or place[1].index >= grid.dimensions:
+    body = next((body for _, body in scene.parts.bodies if body.name == place[0]), None)
+    box = None if body is None else scene.box_of(body)
+    if box is None or place[1].index >= len(box[0]):
         return True
-    low, high = (np.asarray(corner, dtype=float) for corner in region.bounds(grid.dimensions))
-    low, high = np.maximum(low, grid.lower), np.minimum(high, grid.upper)
+    low, high = box
     points = low[:, None] + (high - low)[:, None] * np.array([[0.1, 0.35, 0.6, 0.85]])
     points[place[1].index] = (high if place[1].side == "upper" else low)[place[1].index]
     with np.errstate(all="ignore"):

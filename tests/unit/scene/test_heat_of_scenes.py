@@ -452,3 +452,18 @@ def test_arrays_of_heat_count_as_memory(monkeypatch: pytest.MonkeyPatch) -> None
     limit(mechanics + 3 * 6 - 1)
     with pytest.raises(SceneError, match="of memory"):
         check_memory(own)
+
+
+def test_bodies_that_do_not_fit_the_axes_are_told_and_nothing_else_fails() -> None:
+    second = (
+        "  - {name: hot, kind: temperature, on: {body: left, face: {axis: x, side: lower}}, value: 281}\n"
+    )
+    hot = ("heat_capacity: 460 J/(kg K)", "expansion: 1, heat_capacity: 460 J/(kg K)")
+    body = ("lower: [-9, -5], upper: [0, 5]}}", "lower: [-9, -5, 0], upper: [0, 5, 1]}, temperature: 400}")
+    paths = {p.path for p in problems_of(hot, body, (HOT, HOT + second))}
+    assert paths == {"bodies.left.region.lower", "bodies.left.region.upper"}
+    paths = {
+        p.path
+        for p in problems_of(hot, (HOT, HOT + second), sets=("grid={lower: [0], upper: [9], cell: 1}",))
+    }
+    assert "grid.lower" in paths
