@@ -27,8 +27,8 @@ NUMBERS_PER_NODE = {d: 1 + 4 * d for d in (1, 2, 3)}
 """Numbers that are kept of every node: mass, momentum, force, velocity, and a vector more for all but FLIP."""
 MOST_HEIGHTS = 3
 """Heights of the particles of a face that is made of flat ones."""
-NUMBERS_OF_HEAT, LOOP_OF_HEAT = 4, 2
-"""The same with conduction: capacity, content, power and temperature; and increments of the full-capacity loop."""
+NUMBERS_OF_HEAT = 4
+"""The same of conduction: capacity, content, power, temperature; FLIP and the full-capacity loop have two more each."""
 MAX_PLACES = 1_000_000
 """Places in cells up to which ``validate`` fills bodies: it is to take less than a second."""
 
@@ -46,7 +46,9 @@ def check_memory(scene: Any) -> None:
     nodes = math.prod(cells + 1.0 + 2 * pad for cells in grid.cells)
     needed = nodes * fields * NUMBERS_PER_NODE[grid.dimensions] * 8
     if scene.heat is not None:
-        numbers = NUMBERS_OF_HEAT + LOOP_OF_HEAT * (scene.heat.transfer.order > 1)
+        transfer = scene.heat.transfer
+        takes_changes = transfer.kind == "flip" or transfer.every_steps is not None
+        numbers = NUMBERS_OF_HEAT + 2 * takes_changes + 2 * (transfer.order > 1)
         needed += nodes * (1 if scene.heat.contact == "shared" else fields) * numbers * 8
     there = available_memory()
     if needed > there:

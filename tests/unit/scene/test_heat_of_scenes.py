@@ -439,9 +439,9 @@ def test_arrays_of_heat_count_as_memory(monkeypatch: pytest.MonkeyPatch) -> None
         monkeypatch.setattr(filling, "available_memory", lambda: nodes * numbers * 8)
 
     mechanics = 3 * filling.NUMBERS_PER_NODE[2]
-    limit(mechanics + 4)
+    limit(mechanics + 6)
     check_memory(scene)
-    limit(mechanics + 3)
+    limit(mechanics + 5)
     with pytest.raises(SceneError, match="of memory"):
         check_memory(scene)
     own = load_scene(
