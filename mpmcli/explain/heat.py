@@ -25,7 +25,7 @@ def heat_facts(
 ) -> dict[str, Any]:
     """Return what is known of conduction in a scene that has it, fit for JSON.
 
-    ``kernels`` are those of each task, by its title.
+    ``kernels`` are those of each task, by its title; conduction shares those of forces and of moving particles.
     """
     assert simulation.heat is not None
     heat, transfer = scene.heat, scene.heat.transfer

@@ -35,8 +35,7 @@ class StandIn(Simulation):
     def __init__(self, loaded: Any, original: Simulation):
         self._original = original
         super().__init__(loaded, original.threads)
-        if self.heat_interval is not None:
-            self.heat_interval.interval = 1  # the step that is listed conducts heat
+        self._asked_interval = None if self.heat_interval is None else self.heat_interval.interval
 
     def _fill(self, scene: Any) -> Array | None:
         p = self._original.particles
@@ -67,20 +66,23 @@ class StandIn(Simulation):
         found: list[tuple[Task, list[Call]]] = []
         with np.errstate(all="ignore"):
             for plan in [self.plan, self.plan.of_flip()] if self.plan.is_periodic else [self.plan]:
-                for bound, acted in itertools.product(bounds, self._counts_of_heat_steps()):
+                for bound, heat in itertools.product(bounds, self._steps_of_heat()):
                     if contact is not None:
                         contact.parallel_from = bound
-                    if self.heat is not None:
-                        self.heat.acted = acted
+                    if self.heat is not None and self.heat_interval is not None:
+                        self.heat_interval.interval, self.heat.acted = heat
                     self.grid.mp[self.grid.active, 0] = 1.0  # every field has mass wherever it may reach
                     step = Step(plan, 1.0, 0.0)
                     found += [(task, recorded(task.run, step)) for task in self.tasks[plan.method.flip]]
         return found
 
-    def _counts_of_heat_steps(self) -> list[int]:
-        """Numbers of heat steps after which FLIP and FMPM follow, where temperatures take turns with them."""
-        every = None if self.heat is None else self.heat.choices.every
-        return [0] if every is None else [0, every - 1]
+    def _steps_of_heat(self) -> list[tuple[int, int]]:
+        """Intervals, and numbers of heat steps before, of each kind of step: FLIP, FMPM, no conduction."""
+        if self.heat is None or self.heat_interval is None:
+            return [(1, 0)]
+        every, interval = self.heat.choices.every, self._asked_interval
+        found = [(1, 0)] if every is None else [(1, 0), (1, every - 1)]
+        return found if interval == 1 else [*found, (2, 0)]
 
     def kernels_of_tasks(self) -> dict[str, list[str]]:
         """Return the names of the kernels that each task runs, by its title."""
