@@ -116,7 +116,7 @@ def _transfer_in_words(facts: dict[str, Any]) -> str:
     interval = facts["interval"]
     often = "every step" if interval == 1 else f"1 of {interval} steps"
     if facts["interval_is_chosen"]:
-        often += " (auto, at the start; every step while friction heats)"
+        often += " (auto, at the start; every step while friction may heat)"
     return f"{name}; conducted in {often}"
 
 

@@ -127,7 +127,8 @@ def _add_contact(scene: Any, s: Parts, conduction: Conduction, is_shared: bool) 
         s.state.work["friction_heat"] = 0.0
         conduction.friction = FrictionHeat(contact, nodal, _effusivities(scene, s), rigid, n)
         assert s.heat_interval is not None
-        s.heat_interval.has_friction = lambda: contact.contacts.count > 0
+        shared = SharedNodes(s.grid)  # contacts are not known yet where a step begins
+        s.heat_interval.has_friction = lambda: len(shared.active) < len(s.grid.active)
 
 
 def make_conduction(

@@ -151,7 +151,7 @@ def test_intervals_are_told():
     auto = facts_of(heat={"interval": "auto"}, time={"end": 30, "courant": 0.05})
     assert auto["heat"]["interval_is_chosen"]
     assert (
-        f"1 of {auto['heat']['interval']} steps (auto, at the start; every step while friction heats)"
+        f"1 of {auto['heat']['interval']} steps (auto, at the start; every step while friction may heat)"
         in auto["text"]
     )
     assert auto["heat"]["heat_steps"] == auto["steps"] // auto["heat"]["interval"]

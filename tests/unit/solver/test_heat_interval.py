@@ -277,15 +277,15 @@ def test_heat_acts_in_every_step_while_bodies_are_in_contact(friction):
     """The work of friction is known in its own step only."""
     changes = {
         "analysis": {"kind": "plane_strain"},
-        "grid": {"lower": [-2, -3], "upper": [14, 6], "cell": 1},
+        "grid": {"lower": [-2, -3], "upper": [16, 6], "cell": 1},
         "heat": {"interval": "auto", "friction": friction},
-        "bodies": [sliding("a", 1, 4, [0, 0.3]), sliding("b", 6, 9, [-0.4, 0])],
+        "bodies": [sliding("a", 1, 4, [0, 0.3]), sliding("b", 10, 13, [-1.0, 0])],
         "contact": {"law": {"kind": "coulomb", "friction": 0.3}},
         "time": {"end": 10, "step": 0.05},
     }
     simulation = Simulation(load_scene(yaml.safe_dump(WARM_BAR | changes)), 1)
     waited = {True: 0, False: 0}
-    for _ in range(100):
+    for _ in range(140):
         simulation.step()
         meets = simulation.contact.contacts.count > 0
         waited[meets] += simulation.heat.elapsed == 0.0
