@@ -9,6 +9,7 @@ from mpmcli.core.exponentials import logarithm
 from mpmcli.core.tensors import determinant, largest_eigenvalue_bound, left_cauchy_green
 from mpmcli.materials.base import (
     MATERIALS,
+    bulk_slope,
     bulk_speed_squared,
     kirchhoff_stress,
     strain_energy,
@@ -148,6 +149,15 @@ def _(m: Any, F: Any, H: Any, p: Any) -> Any:
     b = left_cauchy_green(F)
     shear = m.shear * (1.0 - (b[0] + b[1] + b[2]) / 9.0)
     return max(0.0, (volumetric_stiffness(m.form, m.modulus, determinant(F)) + shear) / m.density)
+
+
+@bulk_slope.register(CoupledNeoHookean)
+def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+    # without a tensor of its own, so that the loop over particles vectorises
+    trace = F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3] + F[4] * F[4] + F[5] * F[5]
+    trace += F[6] * F[6] + F[7] * F[7] + F[8] * F[8]
+    shear = m.shear * (1.0 - trace / 9.0)
+    return (volumetric_stiffness(m.form, m.modulus, determinant(F)) + shear) / m.density
 
 
 @kirchhoff_stress.register(IsochoricNeoHookean)

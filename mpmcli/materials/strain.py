@@ -40,13 +40,13 @@ from mpmcli.materials.components import (
 from mpmcli.materials.thermal import (
     BLOCK,
     expand,
+    lanes_of,
+    prepare,
     scale,
     scale_symmetric,
     set_at,
     settle,
-    stiffening,
     stretch_at,
-    tell,
     value_at,
 )
 
@@ -151,6 +151,7 @@ def stress_particles(
     dt: Any,
     start: Any,
     end: Any,
+    lane: Any,
 ) -> Any:
     """Stress, history and work of particles ``start`` to ``end``; returns the largest c², smallest J and largest J."""
     fastest = 0.0
@@ -164,13 +165,10 @@ def stress_particles(
             F1, dF = close_gradient(analysis, F1, dF, m, H, p, dt)
             Fe = F1
         else:
-            before = thermal.T[p]
-            tell(thermal.tracked, m, H, p, before)
             heat = value_at(thermal.heat, p, 0.0)
-            Fe, dF, stretch, warm, gamma, growth = expand(
-                thermal.expansion, thermal, analysis, m, F, F1, dF, L, H, p, dt, before
+            F1, Fe, dF, cube, stiffer, growth = expand(
+                thermal.expansion, thermal, analysis, m, F, F1, dF, L, H, p, dt, lane
             )
-            F1, cube = scale(Fe, stretch), stretch * stretch * stretch
         store_lateral(analysis, F, p, F1)
         J = determinant(F1)
         smallest_J = min(smallest_J, J)
@@ -205,10 +203,9 @@ def stress_particles(
         if thermal is not None:
             set_at(thermal.heat, p, heat + viscous_work)
             settle(
-                thermal.capacity, thermal.bath, thermal, m, Fe, dF, H, p, dt, vol0[p], cube, before, warm, growth,
-                viscous_work,
+                thermal.capacity, thermal.bath, thermal, m, Fe, dF, H, p, dt, vol0[p], cube, growth, viscous_work
             )  # fmt: skip
-            speed2 = cube * speed2 + stiffening(thermal.capacity, thermal.bath, thermal, gamma, p)
+            speed2 = cube * speed2 + stiffer
         fastest = max(fastest, speed2)
     return fastest, smallest_J, largest_J
 
@@ -263,36 +260,41 @@ def update_strain_and_stress(
     """
     n = mass.shape[0]
     largest_small = np.float64(SMALL_INCREMENT / max(abs(dt), 1e-300)).view(np.uint64)
-    for block in prange(speed2.shape[0]):
-        first = np.uint64(np.int64(block) * BLOCK)
-        last = np.uint64(min(n, np.int64(first) + BLOCK))
-        fastest = 0.0
-        smallest_J = 1.0
-        largest_J = 1.0
-        largest_L = np.uint64(0)
-        start = first
-        while start < last:
-            start = skip_others(material, material_index, start, last)
-            end = find_others(material, material_index, start, last)
-            rates = largest_magnitude(L, start, end)
-            largest_L = max(largest_L, rates)
-            if rates <= largest_small:
-                deform_little(analysis, F, L, start, end, dt, abs(dt) * np.uint64(rates).view(np.float64))
-            else:
-                deform(analysis, F, L, start, end, dt)
-            speed, low_J, high_J = stress_particles(
-                analysis, m, F, L, tau, H, mass, vol0, stress_work, viscous, thermal, dt, start, end
-            )
-            fastest = max(fastest, speed)
-            smallest_J = min(smallest_J, low_J)
-            largest_J = max(largest_J, high_J)
-            start = end
-        speed2[block] = fastest
-        bad[block] = -1
-        # F itself needs no look: only L, and lateral stretches that the stress depends on, change it
-        worst = max(largest_L, largest_magnitude(tau, first, last))
-        if worst >= NOT_FINITE or smallest_J <= 0.0 or smallest_J < limits[0] or largest_J > limits[1]:
-            bad[block] = first_bad_particle(F, L, tau, material, material_index, limits, first, last)
+    blocks = speed2.shape[0]
+    lanes = lanes_of(thermal, blocks)
+    for lane in prange(lanes):
+        for block in range(np.int64(lane), blocks, lanes):
+            first = np.uint64(np.int64(block) * BLOCK)
+            last = np.uint64(min(n, np.int64(first) + BLOCK))
+            fastest = 0.0
+            smallest_J = 1.0
+            largest_J = 1.0
+            largest_L = np.uint64(0)
+            start = first
+            while start < last:
+                start = skip_others(material, material_index, start, last)
+                end = find_others(material, material_index, start, last)
+                rates = largest_magnitude(L, start, end)
+                largest_L = max(largest_L, rates)
+                if rates <= largest_small:
+                    deform_little(analysis, F, L, start, end, dt, abs(dt) * np.uint64(rates).view(np.float64))
+                else:
+                    deform(analysis, F, L, start, end, dt)
+                if thermal is not None:
+                    prepare(thermal.expansion, thermal, analysis, m, F, L, H, dt, start, end, lane)
+                speed, low_J, high_J = stress_particles(
+                    analysis, m, F, L, tau, H, mass, vol0, stress_work, viscous, thermal, dt, start, end, lane
+                )
+                fastest = max(fastest, speed)
+                smallest_J = min(smallest_J, low_J)
+                largest_J = max(largest_J, high_J)
+                start = end
+            speed2[block] = fastest
+            bad[block] = -1
+            # F itself needs no look: only L, and lateral stretches that the stress depends on, change it
+            worst = max(largest_L, largest_magnitude(tau, first, last))
+            if worst >= NOT_FINITE or smallest_J <= 0.0 or smallest_J < limits[0] or largest_J > limits[1]:
+                bad[block] = first_bad_particle(F, L, tau, material, material_index, limits, first, last)
 
 
 @kernel

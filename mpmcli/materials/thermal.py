@@ -14,13 +14,25 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.core.compiled.kernel import Compiled, inline
 from mpmcli.core.exponentials import exponential_1d, logarithm
 from mpmcli.materials.base import absorb_heat, bulk_slope, dissipated_heat, isentropic_growth
-from mpmcli.materials.components import close_gradient, frees_width, lateral_growth, rate_of_volume
+from mpmcli.materials.components import (
+    close_gradient,
+    frees_width,
+    lateral_growth,
+    load_gradient,
+    rate_of_volume,
+)
 
 BLOCK = 1024
-"""Particles per block: the unit of threads and of reductions."""
+"""Particles per block, a power of 2: the unit of threads and of reductions."""
+IN_BLOCK = np.uint64(BLOCK - 1)
+OF_BLOCK = np.uint64(2**64 - BLOCK)
+
+# rows of the scratch: ϑ³, 1/ϑ, what is added to c² or, with a bath, ln of the isentropic factor of T, and ϑⁿ/ϑ
+CUBE, INVERSE, MORE, RATIO = 0, 1, 2, 3
+ROWS = 4
 
 
 class Thermal(NamedTuple):
@@ -54,6 +66,8 @@ class Thermal(NamedTuple):
     heat_inflow: Any = None
     bath: Any = None
     """(blocks,) heat that came in this update from the bath that keeps work from changing temperatures [energy]."""
+    scratch: Any = None
+    """(lanes, rows, BLOCK): what ``warm_particles`` finds for a block."""
 
 
 def has_temperature(conducts: bool, adiabatic: bool, used: Iterable[Any]) -> bool:
@@ -155,31 +169,117 @@ def approach(
     return Fe, dFe, stretch, warm, gamma, growth
 
 
+@Compiled  # by itself and without tuples from other functions, which lets the compiler vectorise it
+def warm_particles(
+    coupling: Any, bath: Any, T_stress: Any, thermal: Any, analysis: Any, m: Any, F: Any, L: Any, H: Any, dt: Any,
+    start: Any, end: Any, lane: Any,
+) -> None:  # fmt: skip
+    """Temperatures of particles ``start`` to ``end`` after the change of volume, and what follows from them.
+
+    ``F`` is that of the end of the step. γ is that of the middle of the step, whose shape is taken to be that of its
+    end, and whose ϑ that of its start.
+    """
+    first = start & OF_BLOCK
+    for p in range(start, end):
+        T, i = thermal.T[p], p - first
+        warm = T
+        if coupling is not None:
+            change = dt * rate_of_volume(analysis, L, p)
+            f = load_gradient(analysis, F, p)
+            log = thermal.expansion * (T - thermal.T0)
+            e = exponential_1d(change * (-1.0 / 6.0) - log)
+            Fe = (e * f[0], e * f[1], e * f[2], e * f[3], e * f[4], e * f[5], e * f[6], e * f[7], e * f[8])
+            gamma = coupling * exponential_1d(3.0 * log) * bulk_slope(m, Fe, H, p)
+            if bath is None:
+                warm = T * exponential_1d(-gamma * change)
+                thermal.T[p] = warm
+                add_at(thermal.T_carried, p, warm - T)
+                thermal.scratch[lane, MORE, i] = gamma * gamma * thermal.specific * warm
+            else:
+                thermal.scratch[lane, MORE, i] = -gamma * change
+        stretch = exponential_1d(thermal.expansion * (warm - thermal.T0))
+        thermal.scratch[lane, CUBE, i] = stretch * stretch * stretch
+        thermal.scratch[lane, INVERSE, i] = 1.0 / stretch
+        if T_stress is not None:
+            thermal.scratch[lane, RATIO, i] = (
+                exponential_1d(thermal.expansion * (T_stress[p] - thermal.T0)) / stretch
+            )
+            T_stress[p] = warm
+
+
+@compiled_too
+def prepare(
+    expansion: Any, thermal: Any, analysis: Any, m: Any, F: Any, L: Any, H: Any, dt: Any, start: Any, end: Any,
+    lane: Any,
+) -> None:  # fmt: skip
+    """Find the temperatures before the stresses, where the stress decides no lateral stretch."""
+    if expansion is not None and not frees_width(analysis):
+        warm_particles(
+            thermal.coupling,
+            thermal.bath,
+            thermal.T_stress,
+            thermal,
+            analysis,
+            m,
+            F,
+            L,
+            H,
+            dt,
+            start,
+            end,
+            lane,
+        )
+
+
+@compiled_too
+def prepared(
+    coupling: Any, bath: Any, T_stress: Any, thermal: Any, F1: Any, dF: Any, p: Any, lane: Any
+) -> Any:
+    """``expand`` from what ``warm_particles`` found."""
+    i = p & IN_BLOCK
+    stiffer, growth = 0.0, 0.0
+    if coupling is not None:
+        if bath is None:
+            stiffer = thermal.scratch[lane, MORE, i]
+        else:
+            growth = thermal.scratch[lane, MORE, i]
+    if T_stress is not None:
+        dF = scale(dF, thermal.scratch[lane, RATIO, i])
+    Fe = scale(F1, thermal.scratch[lane, INVERSE, i])
+    return F1, Fe, dF, thermal.scratch[lane, CUBE, i], stiffer, growth
+
+
 @compiled_too
 def expand(
     expansion: Any, thermal: Any, analysis: Any, m: Any, F: Any, F1: Any, dF: Any, L: Any, H: Any, p: Any, dt: Any,
-    T: Any,
+    lane: Any,
 ) -> Any:  # fmt: skip
-    """State at the end of a step: (Fᵉ, its increment, ϑ, temperature, γ, logarithm of the isentropic factor of T).
+    """State at the end of a step: (F, Fᵉ, its increment, ϑ³, addition to c², ln of the isentropic factor of T).
 
-    ``F1`` is the new deformation gradient except for lateral stretches that the stress decides, ``T`` the temperature
-    with what was conducted. γ is that of the middle of the step, whose shape is taken to be that of its end, and whose
-    ϑ that of its start. Temperature and a free width are found together, each round exact to a further factor αTγ.
+    ``F1`` is the new deformation gradient except for lateral stretches that the stress decides; these and the
+    temperature are found together, each round exact to a further factor of about αTγ.
     """
+    T = thermal.T[p]
+    tell(thermal.tracked, m, H, p, T)
     if expansion is None:
         Fe, dFe = close_gradient(analysis, F1, dF, m, H, p, dt)
-        return Fe, dFe, 1.0, T, 0.0, 0.0
+        return Fe, Fe, dFe, 1.0, 0.0, 0.0
+    if not frees_width(analysis):
+        return prepared(thermal.coupling, thermal.bath, thermal.T_stress, thermal, F1, dF, p, lane)
     old = stretch_at(expansion, thermal.T0, value_at(thermal.T_stress, p, T))
     rate = dt * rate_of_volume(analysis, L, p)
     found = approach(thermal, analysis, m, F1, dF, H, p, dt, T, old, F1, rate)
-    if frees_width(analysis):
-        for _ in range(2):
-            whole = scale(found[0], found[2])
-            # a body starts with its temperature, whatever its width then becomes
-            change = rate + lateral_growth(analysis, F, p, whole) if dt != 0.0 else 0.0
-            found = approach(thermal, analysis, m, F1, dF, H, p, dt, T, old, whole, change)
-    set_at(thermal.T_stress, p, found[3])
-    return found
+    for _ in range(2):
+        whole = scale(found[0], found[2])
+        # a body starts with its temperature, whatever its width then becomes
+        change = rate + lateral_growth(analysis, F, p, whole) if dt != 0.0 else 0.0
+        found = approach(thermal, analysis, m, F1, dF, H, p, dt, T, old, whole, change)
+    Fe, dFe, stretch, warm, gamma, growth = found
+    thermal.T[p] = warm
+    add_at(thermal.T_carried, p, warm - T)
+    set_at(thermal.T_stress, p, warm)
+    stiffer = stiffening(thermal.bath, gamma * gamma * thermal.specific * warm)
+    return scale(Fe, stretch), Fe, dFe, stretch * stretch * stretch, stiffer, growth
 
 
 @compiled_too
@@ -204,19 +304,19 @@ def growth_of(own: Any, m: Any, Fe: Any, dFe: Any, growth: Any) -> Any:
 @compiled_too
 def settle(
     capacity: Any, bath: Any, thermal: Any, m: Any, Fe: Any, dFe: Any, H: Any, p: Any, dt: Any, volume: Any, cube: Any,
-    T: Any, warm: Any, growth: Any, viscous: Any,
+    growth: Any, viscous: Any,
 ) -> None:  # fmt: skip
     """Temperature, entropy and heat of a particle after its stress.
 
-    ``volume`` is its initial one, ``cube`` ϑ³; ``T`` the temperature before, ``warm`` the one with which the stress was
-    found, ``growth`` the logarithm that led to it, ``viscous`` the work of artificial viscosity per initial volume.
+    ``volume`` is its initial one, ``cube`` ϑ³; ``growth`` the logarithm of the isentropic factor of T, ``viscous`` the
+    work of artificial viscosity per initial volume.
     """
     if capacity is None:
         return
-    tracked, own, C = thermal.tracked, thermal.own, capacity * volume
-    dissipated = dissipation(own, tracked, capacity, m, Fe, dFe, H, p, dt, cube, warm, viscous)
+    tracked, own, C, T = thermal.tracked, thermal.own, capacity * volume, thermal.T[p]
+    dissipated = dissipation(own, tracked, capacity, m, Fe, dFe, H, p, dt, cube, T, viscous)
     if bath is None:
-        end = value_at(tracked, p, warm + dissipated / capacity)
+        end = value_at(tracked, p, T + dissipated / capacity)
         thermal.T[p] = end
         add_at(thermal.T_carried, p, end - T)
         add_at(thermal.entropy, p, -C * logarithm(1.0 - dissipated / (capacity * end)))
@@ -230,11 +330,19 @@ def settle(
 
 
 @compiled_too
-def stiffening(capacity: Any, bath: Any, thermal: Any, gamma: Any, p: Any) -> Any:
-    """What heating adds to the square of the wave speed [velocity²]."""
-    if capacity is not None and bath is None:
-        return gamma * gamma * thermal.specific * thermal.T[p]
+def stiffening(bath: Any, stiffer: Any) -> Any:
+    """What heating adds to the square of the wave speed; nothing where the heat leaves [velocity²]."""
+    if bath is None:
+        return stiffer
     return 0.0
+
+
+@compiled_too
+def lanes_of(thermal: Any, blocks: Any) -> Any:
+    """Number of parts that threads share: of which each has its scratch, or the blocks."""
+    if thermal is None:
+        return blocks
+    return thermal.scratch.shape[0]
 
 
 def thermal_of(model: Any, adiabatic: bool, has_bath: bool, dissipates: bool) -> Thermal | None:

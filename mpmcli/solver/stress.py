@@ -7,16 +7,18 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.core.compiled.runtime import available_threads
 from mpmcli.core.particles import Particles
 from mpmcli.materials.base import dissipated_heat
 from mpmcli.materials.defaults import dissipate_nothing
 from mpmcli.materials.strain import (
+    BLOCK,
     ArtificialViscosity,
     block_count,
     stored_energy,
     update_strain_and_stress,
 )
-from mpmcli.materials.thermal import Thermal, thermal_of
+from mpmcli.materials.thermal import ROWS, Thermal, thermal_of
 from mpmcli.solver.plan import Plan
 
 Array = np.ndarray
@@ -54,6 +56,7 @@ class StressUpdate:
         name = plan.analysis_name
         self._analysis, self._viscosity, self._cell = plan.analysis, plan.viscosity, cell
         self._particles, self._parallel, self._refuse = particles, parallel, refuse
+        self._threads = available_threads() if parallel else 1
         self._materials, self._work = materials, work
         self._has_bath = plan.heat is not None and not plan.adiabatic
         if self._has_bath:
@@ -75,6 +78,8 @@ class StressUpdate:
         self._speed2 = np.zeros(blocks)
         self._bad = np.full(blocks, -1, dtype=np.int64)
         self._bath = np.zeros(blocks) if self._has_bath else None
+        if any(numbers is not None for numbers in self._thermals):
+            self._scratch = np.zeros((min(blocks, self._threads), ROWS, BLOCK))
 
     def update(self, L: Array, dt: float) -> None:
         """Advance all particles by ``dt`` with velocity gradients ``L`` (nL, N).
@@ -150,4 +155,5 @@ class StressUpdate:
             entropy=p.entropy,
             heat_inflow=p.heat_inflow,
             bath=self._bath,
+            scratch=self._scratch,
         )

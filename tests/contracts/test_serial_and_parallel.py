@@ -151,6 +151,32 @@ def test_materials(hold_alike, name, analysis):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "analysis", "heating"),
+    [
+        ("linear_elastic-0", "plane_strain", "adiabatic"),
+        ("neo_hookean-0", "plane_stress", "isothermal"),
+        ("j2_plastic-0", "plane_strain", "adiabatic"),
+        ("mie_gruneisen-0", "uniaxial_strain", "isothermal"),
+    ],
+)
+def test_materials_with_heat(hold_alike, name, analysis, heating):
+    """Two of them side by side in blocks of one memory, so that ranges of particles begin and end anywhere."""
+    d = DIMENSIONS[analysis]
+    heat = {"heat_capacity": 1.0, "conductivity": 0.5}
+    expands = {} if name.startswith("mie") else {"expansion": 1e-3}
+    materials = {"soft": MODELS[name] | heat | expands, "other": SOFT | heat | {"expansion": 2e-3}}
+    bodies = [block(d, temperature="300 + 20*x"), block(d, "second", 1, material="other", temperature=290)]
+    method = {
+        "shape": "ugimp",
+        "transfer": {"kind": "flip"},
+        "heating": heating,
+        "artificial_viscosity": {"linear": 0.2, "quadratic": 2.0},
+    }
+    hold_alike(scene_of(analysis, 2, materials=materials, bodies=bodies, method=method, heat={}))
+
+
+@pytest.mark.slow
 def test_several_materials_at_once(hold_alike):
     names = [name for name, analysis in SUPPORTED if analysis == "plane_strain"]
     bodies = [block(2, f"block{i}", i, material=name) for i, name in enumerate(names)]

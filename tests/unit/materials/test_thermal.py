@@ -25,12 +25,13 @@ from mpmcli.materials.base import (
 )
 from mpmcli.materials.defaults import dissipate_nothing, with_defaults
 from mpmcli.materials.strain import (
+    BLOCK,
     ArtificialViscosity,
     block_count,
     stored_energy,
     update_strain_and_stress,
 )
-from mpmcli.materials.thermal import thermal_of
+from mpmcli.materials.thermal import ROWS, thermal_of
 
 
 @pytest.fixture(autouse=True)
@@ -155,6 +156,7 @@ class Run:
             entropy=p.entropy,
             heat_inflow=p.heat_inflow,
             bath=self.bath,
+            scratch=np.full((1, ROWS, BLOCK), np.nan),
         )
 
     def step(self, dt, *L):

@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 
@@ -141,6 +142,13 @@ SLOW: dict[str, dict[str, Any]] = {
         bodies=[body("ring", [0, 1], [3, 4], ["40 + 9*x", "1 - x"], temperature="300 + 20*x*y")],
         domain={"on_exit": "delete"},
     ),
+    "hot metal": scene_of(
+        "plane_strain", 6, {"kind": "flip"},
+        method={"update": "usavg", "heating": "isothermal"},
+        heat={}, materials={"soft": WARM | {"kind": "j2_plastic", "expansion": 1e-3,
+                                            "hardening": {"kind": "linear", "yield_stress": 1}}},
+        bodies=[body("block", [-3, -2], [3, 2], ["x", "-y"], temperature="300 + 9*x*y")],
+    ),
 }  # fmt: skip
 
 
@@ -210,7 +218,8 @@ def check_resuming(scene: dict[str, Any], tmp_path: Path, monkeypatch: pytest.Mo
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "adhesion")) for name in SCENES]
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name == "adhesion")) for name in SCENES],
 )
 def test_a_resumed_run_gives_the_same_bytes(name, tmp_path, monkeypatch):
     straight = check_resuming(SCENES[name], tmp_path, monkeypatch)
@@ -228,7 +237,11 @@ def test_a_resumed_run_gives_the_same_bytes(name, tmp_path, monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SLOW)
 def test_a_resumed_run_gives_the_same_bytes_in_large(name, tmp_path, monkeypatch):
-    check_resuming(SLOW[name], tmp_path, monkeypatch)
+    straight = check_resuming(SLOW[name], tmp_path, monkeypatch)
+    arrays = read_checkpoint(straight.directory / "checkpoint.npz").arrays
+    if name == "hot metal":
+        assert arrays["simulation.state.work.bath_heat"] != 0
+        assert np.ptp(arrays["simulation.particles.T_stress"]) > 10
 
 
 def test_resumed_again_and_again_and_after_an_archive(tmp_path, monkeypatch):
