@@ -50,7 +50,7 @@ HEAT = {"density": RHO, "expansion": ALPHA, "T0": T0}
 HENCKY = {"kind": "linear_elastic", "E": E, "nu": NU} | HEAT
 RUBBER = {"kind": "neo_hookean", "E": E, "nu": NU, "split": "isochoric"} | HEAT
 METAL = {"kind": "j2_plastic", "E": E, "nu": NU, "hardening": {"kind": "linear", "yield_stress": 1e9}} | HEAT
-WATER = {"kind": "tait_fluid", "K": K, "viscosity": 0.1} | HEAT
+WATER = {"kind": "tait_fluid", "K": K, "viscosity": 0.1} | HEAT | {"expansion": 1e-5}
 SOLIDS = {
     "hencky": HENCKY,
     "coupled": RUBBER | {"split": "none"},
