@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from figures import heated_disks
 from figures.base import Figure, Runs, Table, panels, save
 
@@ -37,9 +35,16 @@ def draw(runs: Runs, path: Path) -> None:
     hottest = float(results["temperature_max"].max())
     for each, time in zip(axes, TIMES, strict=True):
         frame = results.particles(time)
-        X, T = np.asarray(frame["position"]), np.asarray(frame["temperature"])
-        x, y = (X[:, 0], X[:, 1]) if X.shape[0] == T.shape[0] else (X[0], X[1])
-        each.scatter(x, y, c=T, s=0.4, cmap="hot", vmin=300.0, vmax=hottest, linewidths=0.0)
+        each.scatter(
+            frame.X[:, 0],
+            frame.X[:, 1],
+            c=frame["temperature"],
+            s=0.4,
+            cmap="hot",
+            vmin=300.0,
+            vmax=hottest,
+            linewidths=0.0,
+        )
         each.set(aspect="equal", xlim=(-25, 25), ylim=(-25, 25), title=f"{time:g} ms", xlabel="x [mm]")
     axes[0].set(ylabel="y [mm]")
     save(figure, axes, path)

@@ -47,7 +47,7 @@ def test_heat_is_the_work_of_friction_whatever_the_transfers(tmp_path, velocitie
 def test_the_surface_warms_as_a_half_space_under_the_measured_flux(tmp_path):
     results = results_of("friction_heating", tmp_path / "run", **{"archive.globals": "{every: 0.001}"})
     frame = results.particles()
-    y, T = np.asarray(frame["position"])[:, 1], np.asarray(frame["temperature"])
+    y, T = frame.X[:, 1], np.asarray(frame["temperature"])
     is_block = np.asarray(frame["body"]) == 0
     depth, rise = y[is_block].max() + 0.125 - y[is_block], T[is_block] - 300.0
     t, work = results.globals.time, results["contact_work"]
