@@ -65,6 +65,14 @@ def conductance_table(scene: Scene, fields: list[str]) -> np.ndarray:
     return table
 
 
+def exchanges_by_area(scene: Scene, fields: list[str]) -> bool:
+    """Return whether bodies exchange heat in proportion to their area of contact."""
+    if scene.heat is None or scene.heat.contact == "shared":
+        return False
+    table = conductance_table(scene, fields)
+    return bool((np.isfinite(table) & (table > 0.0)).any())
+
+
 def law_table(scene: Scene, fields: list[str]) -> tuple[list[Any], np.ndarray]:
     """The contact laws of a scene, and which of them holds between two velocity fields.
 

@@ -73,14 +73,6 @@ def _carried(particles: Particles) -> Array:
     return np.asarray(carried)[None]
 
 
-def exchanges_by_area(scene: Any, fields: list[str]) -> bool:
-    """Whether bodies exchange heat in proportion to their area of contact."""
-    if scene.heat is None or scene.heat.contact == "shared":
-        return False
-    table = conductance_table(scene, fields)
-    return bool((np.isfinite(table) & (table > 0.0)).any())
-
-
 def _has_own_temperatures(scene: Any, s: Parts) -> bool:
     return s.contact is not None and scene.heat.contact != "shared"
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mpmcli.boundary.exits import Exits
@@ -21,7 +23,9 @@ from mpmcli.solver.heat_interval import HeatInterval
 from mpmcli.solver.plan import StepArrays
 from mpmcli.solver.stress import StressUpdate
 from mpmcli.solver.transfer import Transfer
-from mpmcli.transport.conduction import Conduction
+
+if TYPE_CHECKING:  # imported by scenes that conduct heat
+    from mpmcli.transport.conduction import Conduction
 
 Array = np.ndarray
 

@@ -16,7 +16,7 @@ from mpmcli.geometry.bodies import BodyParticles
 from mpmcli.geometry.fill import fill_bodies
 from mpmcli.geometry.report import body_report, report_table
 from mpmcli.materials.base import needs_increment
-from mpmcli.scene.fields import law_table
+from mpmcli.scene.fields import exchanges_by_area, law_table
 from mpmcli.scene.filling import (
     check_memory,
     find_masses,
@@ -25,7 +25,6 @@ from mpmcli.scene.filling import (
     start_temperature,
     start_velocity,
 )
-from mpmcli.solver.heat import allocate_particles, exchanges_by_area
 from mpmcli.solver.plan import Plan
 
 Array = np.ndarray
@@ -83,6 +82,8 @@ def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[
     if plan.velocity_gradient:
         _set_initial_gradients(scene, particles)
     if plan.heat is not None:
+        from mpmcli.solver.heat import allocate_particles
+
         allocate_particles(scene, particles)
     return particles, filled
 

@@ -30,7 +30,6 @@ from mpmcli.solver.courant import TimeStep
 from mpmcli.solver.damping import Damping
 from mpmcli.solver.failures import Failures
 from mpmcli.solver.grid_view import show_on_grid, view_of_grid
-from mpmcli.solver.heat import make_conduction
 from mpmcli.solver.heat_interval import make_interval
 from mpmcli.solver.parts import Parts
 from mpmcli.solver.period import Period
@@ -153,6 +152,8 @@ class Simulation(Parts):
         corrections = (images, self.conditions, self.contact)
         self.velocity.corrections = [part for part in corrections if part is not None]
         if plan.heat is not None:
+            from mpmcli.solver.heat import make_conduction
+
             self.heat = make_conduction(scene, self, mirror, self._shown)
 
     def make_tasks(self) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mpmcli.core.step import Step
 from mpmcli.core.suggest import listing
@@ -12,7 +12,9 @@ from mpmcli.core.transfer import nodes
 from mpmcli.core.transfer.full_mass import add_filtered_values, add_full_mass_increments
 from mpmcli.solver.parts import Parts
 from mpmcli.solver.plan import Plan
-from mpmcli.transport.conduction import Conduction
+
+if TYPE_CHECKING:  # imported by scenes that conduct heat
+    from mpmcli.transport.conduction import Conduction
 
 
 @dataclass
