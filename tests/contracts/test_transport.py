@@ -25,6 +25,7 @@ TRANSFERS = {
     "flip3": {"kind": "flip", "order": 3},
     "pic": {"kind": "fmpm", "order": 1},
     "fmpm4": {"kind": "fmpm", "order": 4},
+    "seldom": {"kind": "fmpm", "order": 3, "every_steps": 2},
 }
 HEAVY = ("lcpdi", "qcpdi", "b2gimp", "b2cpdi")
 """Shape functions with many nodes in 3D."""
