@@ -15,6 +15,7 @@ from mpmcli.core.grid import Grid
 from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
 from mpmcli.core.transfer import kernels
+from mpmcli.core.transfer.beside import ScalarSums
 from mpmcli.core.transfer.cut import Cut, Sights, find_cut
 from mpmcli.core.transfer.kernels import (
     AffineMassAndMomentum,
@@ -24,7 +25,6 @@ from mpmcli.core.transfer.kernels import (
     InternalForces,
     MassAndMomentum,
     Projection,
-    ScalarSums,
     StateAndForces,
     VectorSum,
 )
@@ -193,7 +193,7 @@ class Transfer:
         return self._stored
 
     def gather(self, task: NamedTuple, by_field: bool = True) -> None:
-        """Grid to particles: run a task of ``core.transfer.kernels.gather_particle`` over all particles."""
+        """Grid to particles: run a task of ``core.transfer.beside.gather_particle`` over all particles."""
         kernels.gather[self.parallel](task, *self.operator(self.order.chunks, by_field))
 
     def extrapolate(

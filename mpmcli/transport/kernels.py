@@ -14,6 +14,7 @@ from mpmcli.core.compiled.kernel import kernel, prange
 from mpmcli.core.compiled.registers import each, pack
 from mpmcli.core.particles import determinant_of_particle
 from mpmcli.core.tensors import eigen_symmetric, left_cauchy_green
+from mpmcli.core.transfer.beside import gather_particle, scatter_too
 from mpmcli.core.transfer.gather_scatter import (
     column,
     gather_scalar,
@@ -23,7 +24,6 @@ from mpmcli.core.transfer.gather_scatter import (
     scatter_flux,
     zero_vector,
 )
-from mpmcli.core.transfer.kernels import gather_particle, scatter_too
 
 Array = np.ndarray
 
