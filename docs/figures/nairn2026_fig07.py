@@ -30,23 +30,24 @@ def measure(runs: Runs) -> Table:
 
 def draw(runs: Runs, path: Path) -> None:
     """Four moments of FMPM(4)."""
-    figure, axes = panels(4, 9.6, 3.0)
+    figure, axes = panels(4, 10.5, 2.9)
     results = runs[CASES["FMPM(4)"]]
     hottest = float(results["temperature_max"].max())
     for each, time in zip(axes, TIMES, strict=True):
         frame = results.particles(time)
-        each.scatter(
+        points = each.scatter(
             frame.X[:, 0],
             frame.X[:, 1],
             c=frame["temperature"],
-            s=0.4,
-            cmap="hot",
+            s=1.5,
+            cmap="inferno",
             vmin=300.0,
             vmax=hottest,
             linewidths=0.0,
         )
         each.set(aspect="equal", xlim=(-25, 25), ylim=(-25, 25), title=f"{time:g} ms", xlabel="x [mm]")
     axes[0].set(ylabel="y [mm]")
+    figure.colorbar(points, ax=axes, shrink=0.7, label="temperature [K]")
     save(figure, axes, path)
 
 
@@ -60,7 +61,7 @@ FIGURE = Figure(
     measure=measure,
     draw=draw,
     words="""
-The disks with 1/3 mm cells and μ = 0.6; the picture shows FMPM(4), black for 300 K, white for the hottest particle.
+The disks with 1/3 mm cells and μ = 0.6; the picture shows FMPM(4).
 
 As published: the heat of friction and compression stays at the surfaces that rubbed.
 
