@@ -32,7 +32,7 @@ for scene in yaml.safe_load(sys.stdin):
         "misses": sum(k.cache_misses() for k in compiled),
         "contact": sorted({k.name for k in compiled if k[False].py_func.__module__.startswith("mpmcli.contact")}),
         "modules": [m for m in sys.modules if m in ("vtk", "matplotlib", "pandas", "meshio", "scipy.linalg")
-                    or m.startswith("mpmcli.transport")],
+                    or m == "mpmcli.transport.conduction"],
     })
 print(json.dumps(reports))
 """
