@@ -184,9 +184,10 @@ def _coupling(scene: Any, body: Any, load: Any) -> float:
 
 
 def chosen_fourier(scene: Any) -> float:
-    """Return the Fourier number that bounds heat steps; where one of them is chosen by ``auto``, a stable one."""
+    """Return the Fourier number that bounds heat steps: a stable one, unless the scene gives it and no ``auto``."""
     asked = float(scene.heat.fourier)
-    if scene.time.courant == "auto" or scene.heat.interval == "auto":
+    is_default = "fourier" not in scene.heat.model_fields_set
+    if is_default or scene.time.courant == "auto" or scene.heat.interval == "auto":
         return min(asked, SAFETY * stable_fourier(scene)[0])
     return asked
 

@@ -292,6 +292,8 @@ def test_what_auto_selects_is_stable():
     assert chosen_fourier(with_faces("x", sets=["time.courant=auto", "heat.fourier=2"])) < 0.4
     assert chosen_fourier(scene_of("heat.interval=auto")) == 0.25
     assert chosen_fourier(scene_of("heat.fourier=2")) == 2.0
+    by_itself = with_faces("x", "y", sets=["heat.transfer={kind: fmpm}"])
+    assert chosen_fourier(by_itself) == pytest.approx(SAFETY * stable_fourier(by_itself)[0])
 
 
 # ---------------------------------------------------------------------- warnings
@@ -320,8 +322,9 @@ def test_a_fourier_number_above_the_limit_is_a_warning_where_it_sets_the_step():
         "0.8 is above the stable Fourier number 0.5 of heat conduction (body 'bar')"
     )
     assert above.message.endswith("use 0.47 or less")
-    scene = with_faces("x", "y", sets=[fast, "heat.transfer={kind: fmpm, order: 8}"])
-    above, _ = warnings_of_heat(scene)
+    faces = [fast, "heat.transfer={kind: fmpm, order: 8}"]
+    assert [w.code for w in warnings_of_heat(with_faces("x", "y", sets=faces))] == ["inaccurate"]
+    above, _ = warnings_of_heat(with_faces("x", "y", sets=[*faces, "heat.fourier=0.25"]))
     assert above.message.startswith("0.25 is above the stable Fourier number 0.18")
 
 
