@@ -196,7 +196,7 @@ def test_every_sum_is_that_of_the_plain_reference_to_the_last_bit(line, parallel
     s.transfer.velocity_gradients(v)
     for a in range(2):
         np.testing.assert_array_equal(p.L[[a, 2 + a]], plain.gathered(v, plain.G[:, a]).T)
-    s.transfer.move(v, None, None, False, 0.5, 0.0, dt, p.X, True, None)
+    s.transfer.move(v, None, None, False, 0.5, 0.0, dt, p.X, True, None, p.mass)
     A = (Sv - V) / dt
     np.testing.assert_array_equal(p.V, V + A * dt)
     np.testing.assert_array_equal(p.X, X + (V + 0.5 * A * dt) * dt)
