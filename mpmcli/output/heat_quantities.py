@@ -36,11 +36,12 @@ def _part(name: str) -> Callable[[Snapshot], float]:
 
 
 def _heat_error(s: Snapshot) -> float:
-    parts = sum(_part(name)(s) for name in ("boundary_heat", "friction_heat", "source_heat"))
+    parts = [_part(name)(s) for name in ("boundary_heat", "friction_heat", "source_heat")]
     left = s.state.extra.get("deleted_heat", 0.0)
     content = s.total(s.heat_capacity * s.temperature)
-    largest = max(s.state.work.get("largest_heat", 0.0) * s.full_ring, NEXT_TO_NOTHING * content)
-    return (_inflow(s) + left - parts) / largest if largest > 0.0 else 0.0
+    moved = s.total(np.abs(np.asarray(s.particles.heat_inflow))) * s.full_ring
+    largest = max(moved, *map(abs, parts), NEXT_TO_NOTHING * content)
+    return (_inflow(s) + left - sum(parts)) / largest if largest > 0.0 else 0.0
 
 
 def _thermal_energy(s: Snapshot) -> float:
@@ -168,7 +169,7 @@ QUANTITIES.add(
         "e_Q",
         "1",
         _heat_error,
-        "heat_inflow − its parts, over the largest Σ |heat| of the particles so far (at least 1e-9 ΣCT)",
+        "heat_inflow − its parts, over the largest of Σ |heat| of the particles, the parts and 1e-9 ΣCT",
     ),
     _global(
         "temperature_min", "T_min", "temperature", _extreme(np.min), "smallest temperature of a particle"

@@ -59,8 +59,8 @@ class Heat(Model):
     ] = 1
     """Heat is conducted on every so many steps; ``auto``: as seldom as ``fourier`` and the motion allow."""
     fourier: Annotated[float, Quantity("1", gt=0, le=MAX_FOURIER)] = 0.25
-    """Largest Fourier number D Δt/Δx² of a step, where the step follows from a Courant number. Without the key, less than
-    0.25 where held faces or films need that."""
+    """Largest Fourier number D Δt/Δx² of a step, where the step follows from a Courant number; without the key less
+    than 0.25 where held faces or films need that."""
     contact: ContactOfHeat = "shared"
     """Heat between velocity fields: one temperature per node, none, or by a conductance where bodies touch."""
     friction: bool = True

@@ -277,7 +277,7 @@ class Simulation(Parts):
         if scene.conditions_on("velocity"):
             work["boundary_work"] = 0.0
         if plan.heat is not None:
-            work |= {"boundary_heat": 0.0, "source_heat": 0.0, "largest_heat": 0.0}
+            work |= {"boundary_heat": 0.0, "source_heat": 0.0}
         if plan.has_loads:
             work["external_work"] = 0.0
         if plan.is_periodic or plan.dynamic is not None:

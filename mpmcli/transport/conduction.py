@@ -141,7 +141,6 @@ class Conduction:
         self.contact: HeatContact | None = None
         self.friction: FrictionHeat | None = None
         self.elapsed, self.acted = 0.0, 0
-        self._turnover = np.zeros(CHUNKS)
         self._bad = np.full(CHUNKS, -1, dtype=np.int64)
         self._capacity_version = (-1, -1)
         self._C = self._C_of_nodes = np.zeros(0)
@@ -216,7 +215,7 @@ class Conduction:
         """Task 4.h: return what gives particles their values; None where conduction waits."""
         if not self.acts:
             return None
-        self._turnover[:], self._bad[:] = 0.0, -1
+        self._bad[:] = -1
         if self._is_flip:
             return GiveChanges(self._pairs.reshape(-1), *self._accounts(self._limit()))
         return GiveValues(self.nodal.v.reshape(-1), *self._accounts(self._limit()))
@@ -224,7 +223,7 @@ class Conduction:
     def _accounts(self, limit: float) -> tuple[Any, ...]:
         """Return what both of these need of particles and accounts."""
         p, own = self.particles, np.uint64(self.nodal.nodes.by_field)
-        return self._C, p.T, p.T_carried, p.heat_inflow, p.entropy, limit, self._turnover, self._bad, own
+        return self._C, p.T, p.T_carried, p.heat_inflow, p.entropy, limit, self._bad, own
 
     def close(self) -> None:
         """After particles have their values: refuse impossible ones, and keep the accounts."""
@@ -333,7 +332,6 @@ class Conduction:
         if self.contact is not None:
             powers |= self.contact.powers(dt)
             work["boundary_heat"] += self.contact.bath_heat
-        work["largest_heat"] = max(work.get("largest_heat", 0.0), float(self._turnover.sum()))
         if self.held is not None:
             powers |= {
                 name: float(heat) / dt for name, heat in zip(self.held.names, self.held.heat, strict=True)

@@ -205,7 +205,7 @@ class GiveValues(NamedTuple):
     carried : (N,) carried value, or None
     inflow, entropy : (N,) grow by C ΔT and by C ln(T⁺/T)
     limit : values above it are impossible, as are negative ones
-    turnover, bad : (chunks,) Σ |inflow|; a particle whose value is impossible, else as before
+    bad : (chunks,) a particle whose value is impossible, else as before
     is_by_field : 1 where nodes have values for each velocity field, else 0 (unsigned)
     """
 
@@ -216,7 +216,6 @@ class GiveValues(NamedTuple):
     inflow: Array
     entropy: Array
     limit: float
-    turnover: Array
     bad: Array
     is_by_field: Any
 
@@ -234,7 +233,6 @@ class GiveChanges(NamedTuple):
     inflow: Array
     entropy: Array
     limit: float
-    turnover: Array
     bad: Array
     is_by_field: Any
 
@@ -245,7 +243,7 @@ def _(task, analysis, weights, corner, base, offsets, across, slot, p):
         first = corner + (base - corner) * task.is_by_field
         new = gather_scalar(weights, analysis, first, offsets, across, task.theta)
         keep_value(task.carried, new, p)
-        account(task.C, task.T, task.inflow, task.entropy, task.limit, task.turnover, task.bad, new, slot, p)
+        account(task.C, task.T, task.inflow, task.entropy, task.limit, task.bad, new, slot, p)
 
 
 @gather_particle.register(GiveChanges)
@@ -254,7 +252,7 @@ def _(task, analysis, weights, corner, base, offsets, across, slot, p):
         first = corner + (base - corner) * task.is_by_field
         new, change = gather_vector(weights, analysis, (0.0, 0.0), first, offsets, across, task.theta)
         task.carried[p] += change
-        account(task.C, task.T, task.inflow, task.entropy, task.limit, task.turnover, task.bad, new, slot, p)
+        account(task.C, task.T, task.inflow, task.entropy, task.limit, task.bad, new, slot, p)
 
 
 @compiled_too
@@ -265,12 +263,11 @@ def keep_value(carried, new, p):
 
 
 @compiled_too
-def account(C, T, inflow, entropy, limit, turnover, bad, new, slot, p):
+def account(C, T, inflow, entropy, limit, bad, new, slot, p):
     """Let ``new`` be the seen value of particle ``p``, and keep the accounts of it."""
     old = T[p]
     T[p] = new
     inflow[p] += C[p] * (new - old)
-    turnover[slot] += abs(inflow[p])
     if (new > 0.0) & (new <= limit):
         entropy[p] += C[p] * log_ratio(new, old)
     else:
