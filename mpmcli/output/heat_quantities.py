@@ -153,7 +153,7 @@ QUANTITIES.add(
     _global(
         "entropy",
         "S",
-        "entropy",
+        "energy/temperature",
         _entropy,
         "entropy that conduction and dissipation have given, 0 at the temperatures of the scene",
     ),
@@ -230,11 +230,11 @@ QUANTITIES.add(
     _of_particle(
         "entropy",
         "S",
-        "entropy",
+        "energy/temperature",
         lambda s: np.asarray(s.particles.entropy) * s.full_ring,
         "entropy that a particle has received, 0 at its temperature in the scene",
     ),
     _of_particle(
-        "heat_flux", "h", "heat_flux", lambda s: s.particles.heat_flux, "flux of heat −κ∇T", rank="vector"
+        "heat_flux", "h", "power/area", lambda s: s.particles.heat_flux, "flux of heat −κ∇T", rank="vector"
     ),
 )

@@ -49,7 +49,6 @@ DIMENSIONS: dict[str, tuple[int, int, int, int]] = {
     "conductivity": (1, 1, -3, -1),
     "film_coefficient": (0, 1, -3, -1),
     "heat_flux": (0, 1, -3, 0),
-    "entropy": (2, 1, -2, -1),
 }
 
 # words whose label is a unit of its own where the scale is a power of ten that has a prefix
