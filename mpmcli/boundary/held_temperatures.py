@@ -26,6 +26,7 @@ class HeldTemperatures(Correction):
     grid : the grid
     field : the nodal field that they act on
     mirror : the symmetry planes as the field knows them, or None
+    is_bath : (fields,) velocity fields that keep a temperature of their own, which no condition holds; or None
 
     Attributes
     ----------
@@ -35,12 +36,13 @@ class HeldTemperatures(Correction):
     """
 
     def __init__(
-        self, conditions: Sequence[ConditionModel], grid: Any, field: NodalField, mirror: Mirror | None
-    ):
+        self, conditions: Sequence[ConditionModel], grid: Any, field: NodalField, mirror: Mirror | None,
+        is_bath: Array | None = None,
+    ):  # fmt: skip
         self.names = [condition.name for condition in conditions]
-        self._grid, self._field, self._mirror = grid, field, mirror
+        self._grid, self._field, self._mirror, self._is_bath = grid, field, mirror, is_bath
         self._holders: list[Holder] = [condition.holder(grid, None) for condition in conditions]
-        self._version = -1
+        self._version, self._keys = -1, list[Any]()
         self._node = self._owner = self._origin = np.zeros(0, dtype=np.int64)
         self._value = np.zeros(0)
         self.heat = np.zeros(len(conditions))
@@ -51,7 +53,15 @@ class HeldTemperatures(Correction):
         self.heat[:] = 0.0
         version = self._field.nodes.active_version
         if version != self._version:
-            self._version = version
+            self._version, self._keys = version, []
+            active = self._field.nodes.active
+            if self._is_bath is not None:
+                active = active[~self._is_bath[self._grid.field_of(active)]]
+            for holder in self._holders:
+                holder.renew(active)
+        keys = [holder.key(time) for holder in self._holders]
+        if keys != self._keys:
+            self._keys = keys
             self._find_nodes(time)
         found = [
             np.broadcast_to(holder.values(time, points), points.shape[1:])
@@ -62,17 +72,16 @@ class HeldTemperatures(Correction):
                 raise SimulationError(
                     f"boundary condition '{name}': its temperature is not finite at time {time:g}"
                 )
-        self._value = np.concatenate(found)[self._origin]
+        wanted = np.concatenate(found)
+        self._value = wanted[self._origin]
         self.largest = float(self._value.max(initial=0.0))
         capacity = self._field.mp[self._node, 0]
-        self._check(time, capacity)
+        self._check(time, wanted, capacity)
         self._share = capacity if self._mirror is None else capacity * self._mirror.share_of(self._node)
 
     def _find_nodes(self, time: float) -> None:
-        active = self._field.nodes.active
         found = []
         for holder in self._holders:
-            holder.renew(active)
             nodes = holder.nodes(time)
             found.append(nodes if self._mirror is None else nodes[~self._mirror.beyond(nodes)])
         self._points = [self._grid.coordinates(nodes) for nodes in found]
@@ -89,16 +98,12 @@ class HeldTemperatures(Correction):
         self._node, self._owner, self._origin = node[first], owner[origin][first], origin[first]
         self._meet = len(first) < len(node)
 
-    def _check(self, time: float, capacity: Array) -> None:
+    def _check(self, time: float, wanted: Array, capacity: Array) -> None:
         """Raise SimulationError where two conditions want different temperatures of a node with capacity."""
         if not self._meet:
             return
         place = np.searchsorted(self._node, self._all_nodes)
-        values = [
-            np.broadcast_to(holder.values(time, points), points.shape[1:])
-            for holder, points in zip(self._holders, self._points, strict=True)
-        ]
-        wanted = np.concatenate(values)[self._all_origins]
+        wanted = wanted[self._all_origins]
         held = self._value[place]
         clash = (np.abs(wanted - held) > CONTRADICTION * np.abs(held)) & (capacity[place] > 0.0)
         if clash.any():

@@ -181,4 +181,4 @@ def stair_stepped_faces(scene: Any, filled: Sequence[BodyParticles]) -> Iterator
                 f"this face of body '{name}' is stair-stepped: its particles lie at {heights} heights. Its area, and "
                 "with it the heat, is too large, by 4/pi for a circle; held temperatures do not depend on it"
             )
-            yield Problem(f"loads.{load.name}.on", words, code="stairs", severity="warning")
+            yield Problem(f"loads.{load.name}.on", words, code="stair_stepped", severity="warning")

@@ -149,7 +149,7 @@ def make_conduction(
     on_nodes = [condition for condition in conditions if condition.held_face() is None]
     on_faces = [condition for condition in conditions if condition.held_face() is not None]
     if on_nodes:
-        conduction.held = held = HeldTemperatures(on_nodes, s.grid, nodal, own)
+        conduction.held = held = HeldTemperatures(on_nodes, s.grid, nodal, own, choices.is_bath)
         nodal.corrections.append(held)
     if on_faces or loads:
         conduction.sources = HeatLoads(

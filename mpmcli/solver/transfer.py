@@ -17,17 +17,6 @@ from mpmcli.core.particles import Particles
 from mpmcli.core.transfer import kernels
 from mpmcli.core.transfer.beside import ScalarSums
 from mpmcli.core.transfer.cut import Cut, Sights, find_cut
-from mpmcli.core.transfer.kernels import (
-    AffineMassAndMomentum,
-    AffineProjection,
-    AffineStateAndForces,
-    AffineVectorSum,
-    InternalForces,
-    MassAndMomentum,
-    Projection,
-    StateAndForces,
-    VectorSum,
-)
 from mpmcli.core.transfer.nodal_field import NodalField
 from mpmcli.core.transfer.nodes import clear_nodes
 from mpmcli.core.transfer.stencil import (
@@ -39,6 +28,17 @@ from mpmcli.core.transfer.stencil import (
     fill_stencils,
     is_seen,
     kept_as,
+)
+from mpmcli.core.transfer.tasks import (
+    AffineMassAndMomentum,
+    AffineProjection,
+    AffineStateAndForces,
+    AffineVectorSum,
+    InternalForces,
+    MassAndMomentum,
+    Projection,
+    StateAndForces,
+    VectorSum,
 )
 from mpmcli.shapes import ShapeEntry
 

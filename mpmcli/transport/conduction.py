@@ -159,7 +159,7 @@ class Conduction:
         """Task 1.h by itself, where stresses have changed values since velocities were extrapolated."""
         if self.acts:
             self._transfer.extrapolate(self.nodal)
-            self.find_values(step)
+            self._find_values(step.time)
 
     def find_values(self, step: Step) -> None:
         """Task 1.h: nodal values θ, and the nodes that conditions hold."""

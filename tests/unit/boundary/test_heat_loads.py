@@ -17,6 +17,7 @@ from mpmcli.boundary.film import Film
 from mpmcli.boundary.heat_flux import HeatFlux
 from mpmcli.boundary.heat_loads import HeatLoads
 from mpmcli.boundary.heat_source import HeatSource
+from mpmcli.boundary.held_temperatures import HeldTemperatures
 from mpmcli.boundary.radiation import Radiation
 from mpmcli.boundary.temperature import Temperature
 from mpmcli.core.analysis import ANALYSES, F_COMPONENTS
@@ -407,3 +408,34 @@ def test_a_load_of_heat_needs_an_effect_on_temperature():
 
     with pytest.raises(TypeError, match="'heat_flux_at' without 'loaded_face'"):
         LOADS.register(Faceless)
+
+
+def test_held_temperatures_follow_a_condition_that_moves():
+    """A plugin's holder tells by its key that it holds other nodes now."""
+
+    class Moving:
+        direction, varies = np.ones(1), False
+
+        def renew(self, active):
+            self.active = active
+
+        def key(self, time):
+            return int(time)
+
+        def nodes(self, time):
+            return self.active[int(time) : int(time) + 1]
+
+        def values(self, time, coordinates):
+            return 350.0
+
+    grid = SimpleNamespace(shape=(5,), coordinates=lambda nodes: np.zeros((1, len(nodes))))
+    nodes = SimpleNamespace(active=np.arange(5), active_version=1)
+    field = SimpleNamespace(nodes=nodes, mp=np.ones((5, 2)))
+    model = SimpleNamespace(name="torch", holder=lambda grid, surface_nodes: Moving())
+    held = HeldTemperatures([model], grid, field, None)
+    for time, node in ((0.0, 0), (0.5, 0), (2.0, 2)):
+        theta = np.full((5, 1), 300.0)
+        held.select(time)
+        held.impose(theta, counts=True)
+        assert np.flatnonzero(theta[:, 0] == 350.0).tolist() == [node]
+        assert held.heat.tolist() == [50.0]

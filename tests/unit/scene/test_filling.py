@@ -194,4 +194,4 @@ def test_heat_through_a_stair_stepped_face_is_warned_of(sets, warned):
     loaded = load_scene(CURVED, sets=sets)
     check_start(loaded)
     found = [(problem.path, problem.code) for problem in loaded.warnings]
-    assert found == [("loads.lamp.on", "stairs")] * warned
+    assert found == [("loads.lamp.on", "stair_stepped")] * warned

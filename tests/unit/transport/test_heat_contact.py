@@ -119,6 +119,17 @@ def test_a_rigid_body_with_a_temperature_is_a_bath():
     assert abs(numbers["heat_error"]) < 1e-12
 
 
+def test_a_condition_leaves_baths_alone():
+    bodies = [box("left", 3, 7), box("wall", 7, 9, material="wall", temperature=1.5)]
+    place = {"box": {"lower": [6.5, -1], "upper": [10, 1.5]}}
+    held = [{"name": "cold", "kind": "temperature", "on": place, "value": 1.1}]
+    words = scene({"contact": {"conductance": "perfect"}}, bodies, boundary=held, **PERFECT)
+    s, numbers = after(words, 40)
+    assert (temperatures(s)[-24:] == 1.5).all()
+    assert numbers["heat[cold]"] < 0.0 < numbers["contact_heat[left|wall]"]
+    assert abs(numbers["heat_error"]) < 1e-12
+
+
 SLIDING = [
     box("block", 3, 7, velocity=[0.0, 0.4]),
     box("plate", 7, 11, material="good", velocity=[-0.02, -0.3]),
