@@ -77,10 +77,11 @@ class ContactAccount:
         view.area[:] = 0.0
         view.nodes = view.contacts = view.touching = view.unconverged = 0
 
-    def close(self, after: Array, dt: float) -> None:
+    def close(self, after: Array, dt: float, bonded: Array | None) -> None:
         """Sum up forces, areas and friction work of a step from its final impulses.
 
         ``after`` (k, d) are the relative velocities after these impulses acted, those before are in the rows.
+        ``bonded`` (k,) says which contacts are interfaces, without friction; None: none is.
         """
         c, view, grid = self._contacts, self.view, self._grid
         view.nodes = c.nodes.count
@@ -96,7 +97,16 @@ class ContactAccount:
             self._rigid_work,
         )  # fmt: skip
         self._work["contact_work"] += impulses.tally(
-            (0.0,) * grid.dimensions, c.count, c.fields, c.table, c.geometry, c.rows, after, grid.mp, sums
+            (0.0,) * grid.dimensions,
+            c.count,
+            c.fields,
+            c.table,
+            c.geometry,
+            c.rows,
+            after,
+            grid.mp,
+            bonded,
+            sums,
         )
         view.force /= dt
         view.touching = int(np.count_nonzero(c.rows.state[: c.count]))
@@ -119,6 +129,18 @@ class ContactAccount:
         found: Array = self._share[dof]
         self._share[shared] = 1.0
         return found
+
+    @property
+    def pair(self) -> Array:
+        """(fields, fields) number of each pair of fields."""
+        return self._pair
+
+    def pair_of_contacts(self) -> tuple[Array, Array]:
+        """Share of every contact of the step that real particles have, and the number of its pair, (k,) each."""
+        c, n, fields = self._contacts, self._grid.node_count, len(self._names)
+        alpha, beta = c.fields.alpha[: c.count], c.fields.partner[: c.count]
+        a, b = (field_of(dofs, n, fields) for dofs in (alpha, beta))
+        return self._shares(alpha), self._pair[a, b]
 
     def rows(self) -> ContactRows:
         """Return the contacts of the step, after it was accounted for."""
@@ -182,9 +204,9 @@ class ContactAccount:
         if not self._has_geometry:
             return {}
         return {
-            "contact_normal": lambda: self._on_nodes(self._contacts.geometry.normal),
-            "contact_separation": lambda: self._on_nodes(self._separations()),
-            "contact_traction": lambda: self._on_nodes(self._tractions()),
+            "contact_normal": lambda: self.on_nodes(self._contacts.geometry.normal),
+            "contact_separation": lambda: self.on_nodes(self._separations()),
+            "contact_traction": lambda: self.on_nodes(self._tractions()),
         }
 
     def _separations(self) -> Array:
@@ -198,7 +220,7 @@ class ContactAccount:
         np.divide(self._impulse[: c.count], area * self._dt, out=out, where=area > 0.0)
         return out
 
-    def _on_nodes(self, rows: Array) -> Array:
+    def on_nodes(self, rows: Array) -> Array:
         """Rows (k, …) of the contacts on all nodes (n, …): that of the first contact of each."""
         c = self._contacts
         slot, first = np.unique(c.fields.slot[: c.count], return_index=True)

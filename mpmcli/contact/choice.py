@@ -35,6 +35,7 @@ class ContactChoice:
     acting : the laws of those that do something
     knows_normals : some law needs normals, separations and areas, and with them the particles near contact nodes
     breaks : some law has adhesion that breaks
+    has_interfaces : some law is one of interfaces
     lumped, increments, later : contact acts on updated momenta, on every FMPM increment, on final velocities
     starts : contact acts on extrapolated momenta
     removal : share of their overlap by which a step drives apart sides in contact
@@ -55,6 +56,7 @@ class ContactChoice:
             needs_area and bool(self.acting)
         )
         self.breaks = any(law.adhesive for law in self.acting)
+        self.has_interfaces = any(law.is_interface for law in self.acting)
         way = model.increments if self.acting and has_loop else "lumped"
         self.lumped = bool(self.acting) and way != "after"
         self.increments = way if way in ("net", "evolving") else ""
@@ -80,11 +82,26 @@ class ContactChoice:
     def particle_arrays(self, particles: Particles) -> dict[str, Array]:
         """Allocate the arrays over particles that contact asks for, by name."""
         arrays: dict[str, Array] = {}
-        if self.knows_normals and self.model.separation.needs_displacement:
+        if self.has_interfaces or (self.knows_normals and self.model.separation.needs_displacement):
             arrays["X0"] = particles.X.copy()
         if self.breaks:
             arrays["bond"] = np.ones(particles.count)
+        rows = int(self.history_rows().max(initial=-1))
+        if rows >= 0:
+            arrays["interface"] = np.full((rows + 3, particles.count), -1.0)
+            arrays["interface"][2::3] = 0.0
         return arrays
+
+    def history_rows(self) -> Array:
+        """(fields, fields) first row of a pair's history on particles of the first field, −1 where it has none."""
+        rows = np.full(self.table.shape, -1, dtype=np.int64)
+        for field, laws in enumerate(self.table):
+            keeping = [other for other, law in enumerate(laws) if law >= 0 and self._keeps_history(int(law))]
+            rows[field, keeping] = 3 * np.arange(len(keeping))
+        return rows
+
+    def _keeps_history(self, law: int) -> bool:
+        return self.laws[law].is_interface and self.laws[law].keeps_history
 
     def facts(self, order: CellOrder) -> dict[str, Any]:
         """Return the choices in words, and how many nodes and particles the first step checks for contact."""

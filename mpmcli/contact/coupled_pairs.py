@@ -67,36 +67,50 @@ def find_pair_impulses(law, axes, which, count, fields, begin, chosen, coupled, 
     Returns by how much totals changed and how large they are, sums of magnitudes.
     """
     change, size = 0.0, 0.0
-    total = rows.total
     for k in range(count):
-        slot = fields.slot[k]
-        if not fields.pair[k] or fields.law[k] != which or (coupled and not chosen[slot]):
+        if not fields.pair[k] or fields.law[k] != which or (coupled and not chosen[fields.slot[k]]):
             continue
-        i, j = fields.alpha[k], fields.partner[k]
-        reduced = mp[i, 0] * mp[j, 0] / (mp[i, 0] + mp[j, 0])
         wanted, found = rows.dp[k], rows.found[k]
-        for a in range(len(axes)):
-            wanted[a] = rows.dp0[k, a]
-        if coupled:
-            for other in range(begin[slot], begin[slot + 1]):
-                if other == k or not fields.pair[other]:
-                    continue
-                for end in range(2):
-                    at = fields.alpha[other] if end == 0 else fields.partner[other]
-                    sign = 1.0 if end == 0 else -1.0
-                    for a in range(len(axes)):
-                        if at == j:
-                            wanted[a] += sign * reduced * total[other, a] / mp[j, 0]
-                        elif at == i:
-                            wanted[a] -= sign * reduced * total[other, a] / mp[i, 0]
+        reduced = wanted_by_pair(axes, k, fields, begin, coupled, rows, mp, wanted)
         rows.state[k] = law_impulse(
             law, axes, wanted, geometry.normal[k], rows.separation_now[k], geometry.area[k], reduced, here.dt,
             here.displacement_only, geometry.bond[k], found,
         )  # fmt: skip
-        for a in range(len(axes)):
-            change += abs(found[a] - total[k, a])
-            size += abs(found[a])
-            total[k, a] = found[a]
+        moved, whole = take_total(axes, found, rows.total[k])
+        change, size = change + moved, size + whole
+    return change, size
+
+
+@inline
+def wanted_by_pair(axes, k, fields, begin, coupled, rows, mp, wanted):
+    """Δp_α(0) of a pair, with ``coupled`` after what the others there do to it, into ``wanted``; returns m_red."""
+    i, j, slot = fields.alpha[k], fields.partner[k], fields.slot[k]
+    reduced = mp[i, 0] * mp[j, 0] / (mp[i, 0] + mp[j, 0])
+    for a in range(len(axes)):
+        wanted[a] = rows.dp0[k, a]
+    if coupled:
+        for other in range(begin[slot], begin[slot + 1]):
+            if other == k or not fields.pair[other]:
+                continue
+            for end in range(2):
+                at = fields.alpha[other] if end == 0 else fields.partner[other]
+                sign = 1.0 if end == 0 else -1.0
+                for a in range(len(axes)):
+                    if at == j:
+                        wanted[a] += sign * reduced * rows.total[other, a] / mp[j, 0]
+                    elif at == i:
+                        wanted[a] -= sign * reduced * rows.total[other, a] / mp[i, 0]
+    return reduced
+
+
+@inline
+def take_total(axes, found, total):
+    """Let ``total`` (d,) be ``found``; returns by how much it changed and how large it is, sums of magnitudes."""
+    change, size = 0.0, 0.0
+    for a in range(len(axes)):
+        change += abs(found[a] - total[a])
+        size += abs(found[a])
+        total[a] = found[a]
     return change, size
 
 

@@ -268,11 +268,11 @@ def share_of_work(axes, fields, k, nodes, mp):
 
 
 @inline
-def tally(axes, count, fields, nodes, geometry, rows, after, mp, sums):
+def tally(axes, count, fields, nodes, geometry, rows, after, mp, bonded, sums):
     """Sum up a step: returns the friction work, and adds up impulses and areas in ``sums`` (``Tallies``).
 
     Work is taken out by the tangential part of the final Δp (``rows.net``), with the mean of the relative velocities
-    before (``rows.slip``) and ``after`` (k, d).
+    before (``rows.slip``) and ``after`` (k, d); not where ``bonded`` (k,), or None, says that there is no friction.
     """
     work = 0.0
     for k in range(count):
@@ -293,6 +293,8 @@ def tally(axes, count, fields, nodes, geometry, rows, after, mp, sums):
             elif not fields.both[k]:
                 sums.error[a] += weight * net[a]
         rows.friction[k] = taken * share_of_work(axes, fields, k, nodes, mp)
+        if bonded is not None and bonded[k]:
+            rows.friction[k] = 0.0
         work += weight * rows.friction[k]
         if rows.state[k] > 0:
             sums.area[pair] += part * geometry.area[k]

@@ -50,6 +50,21 @@ class Pair(Model):
     """Heat between the two, where ``heat.contact`` is not ``shared``; without it as ``heat.contact`` says."""
 
 
+class Interface(Model):
+    """How interface laws find the jump of displacement and the impulse of a step."""
+
+    jump: Literal["gradient", "extrapolated", "edges"] = "gradient"
+    """Displacement jump: from reference positions with the particles' deformation gradients; from displacements
+    extrapolated as NairnMPM does; along the normal from the edges of deformed particles [nairn2023notes, 5.1]."""
+    step: Literal["implicit", "oscillator"] = "implicit"
+    """Traction of the end of the step, stable for any stiffness; or springs that oscillate within the step, which
+    stick where they are too stiff for it [nairn2023notes, 5.3]."""
+    area: Literal["opening", "volumes"] = "opening"
+    """Area that keeps its size when the interface opens, or that of the volumes as for contact."""
+    initial_gap: Annotated[float, Quantity("1", ge=0, le=1)] = 0.1
+    """Largest gap at the start, in cells, that an interface bridges."""
+
+
 class Contact(Model):
     """Contact between velocity fields, where the particles of two or more of them see the same node.
 
@@ -71,6 +86,8 @@ class Contact(Model):
     """What fields in contact do to each other."""
     pairs: tuple[Pair, ...] = ()
     """Exceptions: pairs of fields with another law, or another exchange of heat."""
+    interface: Interface = Field(default_factory=Interface)
+    """Of interface laws."""
     increments: Literal["net", "evolving", "lumped", "after", "combined"] = "net"
     """How contact acts in the FMPM loop [nairn2026, section 3.2]."""
     once: bool = False

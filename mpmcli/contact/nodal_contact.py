@@ -73,8 +73,8 @@ class NodalContact(Correction):
             screened=np.array([law.screened for law in choice.laws]),
             rigid=is_rigid,
             mass_ratio=model.mass_ratio,
-            explicit=model.three_or_more != "lumped",
-            coupled=model.three_or_more == "coupled",
+            explicit=model.three_or_more != "lumped" or choice.has_interfaces,
+            coupled=model.three_or_more == "coupled" or choice.has_interfaces,
             shares_normal=model.normal.shares_normal,
         )
         self._has_geometry = choice.knows_normals
@@ -107,6 +107,12 @@ class NodalContact(Correction):
         self._rigid_dof = np.zeros(0, dtype=np.int64)
         self._account = ContactAccount(choice, self.contacts, particles, grid, mirror, work)
         self.view: ContactView = self._account.view
+        self.interfaces: Any = None
+        """Interface laws of the scene, ``interfaces.interfaces.Interfaces``, or None."""
+
+    def pairs(self) -> tuple[Array, list[tuple[str, str]]]:
+        """Return the number (fields, fields) of each pair of fields, and their names."""
+        return self._account.pair, self.view.pairs
 
     def _planes(self) -> list[tuple[int, int]]:
         mirror, grid = self._mirror, self._grid
@@ -144,6 +150,8 @@ class NodalContact(Correction):
             )  # fmt: skip
             if self._direction is not None:
                 self._direction.look(p)
+        if self.interfaces is not None:
+            self.interfaces.find(matter, self._around, parallel)
         rows = c.rows
         rows.start[: c.count] = 0.0
         keeps_start = _keeps_start(step.plan)
@@ -163,6 +171,8 @@ class NodalContact(Correction):
         if c.count == 0:
             return
         c.rows.net[: c.count] = 0.0
+        if self.interfaces is not None:
+            self.interfaces.forces_known(True)
         if step.plan.has_full_mass_loop and self._model.increments == "after":
             return
         if self._removes_overlap:
@@ -201,6 +211,8 @@ class NodalContact(Correction):
         self._restore_rigid()
         if self.contacts.count == 0:
             return
+        if self.interfaces is not None:
+            self.interfaces.forces_known(False)
         self._correct_momenta(step.dt, after_forces=False, advance=0.0)
         self._start_increments()
         if step.plan.imposes_lumped:
@@ -218,7 +230,10 @@ class NodalContact(Correction):
             self._find_slip(v, after)
             if _keeps_start(step.plan):
                 c.rows.net[: c.count] += c.rows.start[: c.count]
-        self._account.close(after, step.dt)
+        bonded = None if self.interfaces is None else self.interfaces.bonded()
+        self._account.close(after, step.dt, bonded)
+        if self.interfaces is not None:
+            self.interfaces.close(after, *self._account.pair_of_contacts(), step.dt, self._parallel)
         if c.count > 0 and self.choice.breaks:
             self._break_bonds()
 
@@ -231,6 +246,8 @@ class NodalContact(Correction):
     def memory(self) -> dict[str, Any]:
         """What it remembers from step to step: accounts, and normals to begin the next search with."""
         found = self._account.memory()
+        if self.interfaces is not None:
+            found |= {f"interface_{name}": value for name, value in self.interfaces.memory().items()}
         if self._guesses is not None:
             found["guessed"] = np.flatnonzero(self._guesses.any(axis=1))
             found["guesses"] = self._guesses[found["guessed"]]
@@ -239,6 +256,9 @@ class NodalContact(Correction):
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Remember it again."""
         self._account.recall(memory)
+        if self.interfaces is not None:
+            mine = {n.removeprefix("interface_"): v for n, v in memory.items() if n.startswith("interface_")}
+            self.interfaces.recall(mine)
         if self._guesses is not None:
             self._guesses[memory["guessed"]] = memory["guesses"]
 
@@ -248,7 +268,10 @@ class NodalContact(Correction):
 
     def nodal_fields(self) -> dict[str, Callable[[], Array]]:
         """Normal, separation and traction of contacts on nodes."""
-        return self._account.nodal_fields()
+        found = self._account.nodal_fields()
+        return (
+            found if self.interfaces is None else found | self.interfaces.nodal_fields(self._account.on_nodes)
+        )
 
     # ------------------------------------------------------------------ parts
 
@@ -297,7 +320,9 @@ class NodalContact(Correction):
         """Find the impulses on momenta, or on velocities ``v``, at the contacts of a stage."""
         c, grid = self.contacts, self._grid
         for which in self.choice.used:
-            if not self._rules.skipped[which]:
+            if self.interfaces is not None and which in self.interfaces.laws:
+                self.interfaces.find_impulses(which, here, v, self._parallel)
+            elif not self._rules.skipped[which]:
                 impulses.find_impulses[self._parallel](
                     self._laws[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows, here,
                     grid.mp, grid.f, v,
@@ -314,7 +339,10 @@ class NodalContact(Correction):
         for sweep in range(coupled_pairs.SWEEPS + 1):
             change = size = 0.0
             for which in self.choice.used:
-                if not self._rules.skipped[which]:
+                if self.interfaces is not None and which in self.interfaces.laws:
+                    moved, whole = self.interfaces.find_pair_impulses(which, here, chosen, sweep > 0)
+                    change, size = change + moved, size + whole
+                elif not self._rules.skipped[which]:
                     moved, whole = coupled_pairs.find_pair_impulses(
                         self._laws[which], self._axes, which, c.count, c.fields, c.begin, chosen, sweep > 0,
                         c.geometry, c.rows, here, mp,

@@ -42,6 +42,7 @@ class ContactView:
     momentum_error : (d,) momentum that contacts of three or more fields have created so far [momentum]
     rigid_work : work that each rigid field has done so far, by name [energy]
     particle_normal : function giving the normal of the nearest contact of each particle, outward, (d, N); 0: none
+    interfaces : those of its pairs, or None
     """
 
     pairs: list[tuple[str, str]]
@@ -56,6 +57,44 @@ class ContactView:
     all_contacts: int = 0
     all_unconverged: int = 0
     rigid_work: dict[str, float] = field(default_factory=dict)
+    interfaces: InterfaceView | None = None
+
+
+@dataclass
+class InterfaceView:
+    """Interfaces in the last step, by pair of velocity fields as in ``ContactView``.
+
+    Attributes
+    ----------
+    numbers : which of the pairs have an interface
+    energy : (pairs,) energy that interfaces store [energy]
+    cohesive_work, broken_area : (pairs,) energy spent by damage, area that broke; both so far [energy], [area]
+    area : (pairs,) area of what holds [area]
+    jump_normal, jump_tangential : (pairs,) mean jump along the normal, mean size of that along the surface [length]
+    traction_normal, traction_tangential : (pairs,) the same of tractions [pressure]
+    lost, all_lost : contacts whose jump is larger than a cell, so that nodes lose sight of a side; in all steps so far
+    """
+
+    numbers: np.ndarray
+    energy: np.ndarray
+    cohesive_work: np.ndarray
+    area: np.ndarray
+    broken_area: np.ndarray
+    jump_normal: np.ndarray
+    jump_tangential: np.ndarray
+    traction_normal: np.ndarray
+    traction_tangential: np.ndarray
+    lost: int = 0
+    all_lost: int = 0
+
+    def clear(self) -> None:
+        """Begin a step; what is summed up over steps stays."""
+        for array in (
+            *(self.energy, self.area, self.jump_normal, self.jump_tangential),
+            *(self.traction_normal, self.traction_tangential),
+        ):
+            array[:] = 0.0
+        self.lost = 0
 
 
 @dataclass

@@ -18,7 +18,7 @@ from mpmcli.output.snapshot import Snapshot
 class EnergyBalance:
     """The history that ``energy_error`` needs; update it at every row of the table.
 
-    energy_error = (K + stress_work + contact_work + damping_work − boundary_work − external_work − its
+    energy_error = (K + stress_work + contact_work + interface_work + damping_work − boundary_work − external_work − its
     initial value) over the largest K + |stress_work| so far.
     """
 
@@ -30,6 +30,7 @@ class EnergyBalance:
         """Take one state into account and return its energy error [-]."""
         kinetic, work = snapshot.total_kinetic_energy, _stress_work(snapshot)
         total = kinetic + work + _work(snapshot, "contact_work") + _work(snapshot, "damping_work")
+        total += _work(snapshot, "interface_work")
         total -= _work(snapshot, "boundary_work") + _work(snapshot, "external_work")
         if self.initial is None:
             self.initial = total

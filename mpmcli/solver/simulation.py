@@ -147,6 +147,10 @@ class Simulation(Parts):
                 state.work, self.parallel,
             )  # fmt: skip
             state.contact = self.contact.view
+            if self.contact.choice.has_interfaces:
+                from mpmcli.interfaces.interfaces import Interfaces
+
+                self.contact.interfaces = Interfaces(self.contact, self.order, state.work)
             if state.grid is not None:
                 show_on_grid(state.grid, grid, self.contact.nodal_fields())
         corrections = (images, self.conditions, self.contact)

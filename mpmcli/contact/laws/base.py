@@ -13,17 +13,18 @@ from mpmcli.core.model import Model
 from mpmcli.core.registry import Registry
 
 KINDS = {
-    "adhesion_friction": "adhesion_friction",
-    "coulomb": "coulomb",
-    "frictionless": "frictionless",
-    "none": "none",
-    "perfect": "perfect",
-    "stick": "stick",
-    "velocity_friction": "velocity_friction",
+    "adhesion_friction": "contact.laws.adhesion_friction",
+    "coulomb": "contact.laws.coulomb",
+    "frictionless": "contact.laws.frictionless",
+    "linear_interface": "interfaces.linear_interface",
+    "none": "contact.laws.none",
+    "perfect": "contact.laws.perfect",
+    "stick": "contact.laws.stick",
+    "velocity_friction": "contact.laws.velocity_friction",
 }
-"""The module in this package of each kind."""
+"""The module of each kind."""
 
-LAWS = Registry("contact law", "mpmcli.contact.laws", KINDS)
+LAWS = Registry("contact law", "mpmcli", KINDS)
 
 
 class LawModel(Model):
@@ -42,6 +43,8 @@ class LawModel(Model):
     """The contact area matters."""
     adhesive: ClassVar[bool] = False
     """Sides may be bonded, and break."""
+    is_interface: ClassVar[bool] = False
+    """The law is one of a jump of displacement: see ``interfaces.base``."""
 
     @property
     def drives_apart(self) -> bool:

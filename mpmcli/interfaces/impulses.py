@@ -1,0 +1,176 @@
+"""Impulses of all interfaces, applied as those of contacts are, and what becomes of their energy."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmcli.contact import increments
+from mpmcli.contact.coupled_pairs import take_total, wanted_by_pair
+from mpmcli.contact.fields_in_contact import is_rigid
+from mpmcli.contact.impulses import relative_momentum, share_of_work
+from mpmcli.contact.laws.impulse import dot, law_impulse, law_impulse_at_end
+from mpmcli.core.compiled.kernel import inline, kernel, prange
+from mpmcli.interfaces.base import (
+    BREAKS,
+    held_impulse,
+    jump_impulse,
+    openings,
+    remember,
+    stored_energy,
+    traction,
+)
+
+Array = np.ndarray
+
+
+@inline
+def relative_force(axes, alpha, first, last, rigid, nodes, mp, f, out):
+    """m_red (f_β/m_β − f_α/m_α) into ``out`` (d,); a rigid body feels no force."""
+    m_alpha, m_beta = mp[alpha, 0], 0.0
+    for a in range(len(axes)):
+        out[a] = 0.0
+    if not rigid:
+        for e in range(first, last):
+            i = nodes.dof[e]
+            if i != alpha and not is_rigid(nodes, i):
+                m_beta += mp[i, 0]
+                for a in range(len(axes)):
+                    out[a] += f[i, a]
+    for a in range(len(axes)):
+        if rigid:
+            out[a] = -f[alpha, a]
+        else:
+            out[a] = (m_alpha * out[a] - m_beta * f[alpha, a]) / (m_alpha + m_beta)
+
+
+@inline
+def impulse_of(law, closed, axes, k, wanted, reduced, here, acts, oscillates, geometry, rows, jumps, out):
+    """Impulse of contact ``k`` into ``out`` (d,): of the law while it holds, of the contact law ``closed`` after.
+
+    ``acts``: the forces of the step are known; before that only perfect directions do anything.
+    """
+    normal, area = geometry.normal[k], geometry.area[k]
+    if jumps.history[k, BREAKS] > 0.5:
+        gap = rows.separation_now[k]
+        if acts:
+            gap, push = geometry.separation[k], dot(axes, jumps.force[k], normal)
+            return law_impulse_at_end(
+                closed,
+                axes,
+                wanted,
+                normal,
+                gap,
+                push,
+                area,
+                reduced,
+                here.dt,
+                here.displacement_only,
+                0.0,
+                out,
+            )
+        return law_impulse(
+            closed, axes, wanted, normal, gap, area, reduced, here.dt, here.displacement_only, 0.0, out
+        )
+    if acts:
+        return jump_impulse(
+            law, axes, wanted, normal, jumps.jump[k], jumps.force[k], area, reduced, here.dt, jumps.history[k],
+            oscillates, out,
+        )  # fmt: skip
+    return held_impulse(law, axes, wanted, normal, out)
+
+
+@kernel
+def find_jump_impulses(
+    law, closed, axes, which, count, fields, nodes, geometry, rows, jumps, here, acts, oscillates, mp, f, v
+):
+    """Find the momentum change Δp of α at every contact that the interface law ``which`` governs, into ``rows.dp``.
+
+    As ``contact.impulses.find_impulses``, with the contact law ``closed`` of what is broken. ``acts``: the forces of
+    the step are known.
+    """
+    state, separation_now = rows.state, rows.separation_now
+    for k in prange(count):
+        if fields.law[k] != which or fields.stage[k] != here.stage or fields.pair[k]:
+            continue
+        alpha, first, last, rigid = fields.alpha[k], fields.first[k], fields.last[k], fields.rigid[k]
+        dp0 = rows.dp0[k]
+        reduced = relative_momentum(axes, alpha, first, last, rigid, nodes, mp, v, here.of_velocity, dp0)
+        if here.after_forces:
+            relative_force(axes, alpha, first, last, rigid, nodes, mp, f, jumps.force[k])
+        if here.of_increment:
+            increments.total_increment(axes, rows.prior[k], dp0, rows.total[k])
+            wanted, given = rows.total[k], rows.found[k]
+        else:
+            wanted, given = dp0, rows.dp[k]
+            separation_now[k] = geometry.separation[k]
+        state[k] = impulse_of(
+            law, closed, axes, k, wanted, reduced, here, acts, oscillates, geometry, rows, jumps, given
+        )
+        if here.of_increment:
+            increments.finish_increment(
+                axes, False, dp0, wanted, given, rows.prior[k], rows.net[k], rows.dp[k]
+            )
+
+
+@inline
+def find_pair_impulses(
+    law, closed, axes, which, count, fields, begin, chosen, coupled, nodes, geometry, rows, jumps, here, acts,
+    oscillates, mp, f,
+):  # fmt: skip
+    """``contact.coupled_pairs.find_pair_impulses`` for the pairs that the interface law ``which`` governs."""
+    change, size = 0.0, 0.0
+    for k in range(count):
+        if not fields.pair[k] or fields.law[k] != which or (coupled and not chosen[fields.slot[k]]):
+            continue
+        wanted, found = rows.dp[k], rows.found[k]
+        reduced = wanted_by_pair(axes, k, fields, begin, coupled, rows, mp, wanted)
+        if here.after_forces:
+            relative_force(
+                axes, fields.alpha[k], fields.first[k], fields.last[k], False, nodes, mp, f, jumps.force[k]
+            )
+        rows.state[k] = impulse_of(
+            law, closed, axes, k, wanted, reduced, here, acts, oscillates, geometry, rows, jumps, found
+        )
+        moved, whole = take_total(axes, found, rows.total[k])
+        change, size = change + moved, size + whole
+    return change, size
+
+
+@kernel
+def close_step(law, axes, which, count, fields, nodes, geometry, rows, jumps, after, dt, mp):
+    """Jumps at the end of the step, what interfaces took out of the bodies, store and have spent, and histories.
+
+    ``after`` (k, d) are the relative velocities that the impulses leave, those before are in ``rows.slip``.
+    """
+    work, stored, spent = jumps.work, jumps.stored, jumps.spent
+    for k in prange(count):
+        if fields.law[k] != which:
+            continue
+        work[k], stored[k], spent[k] = 0.0, 0.0, 0.0
+        normal, end, history, now = geometry.normal[k], jumps.end[k], jumps.history[k], jumps.now[k]
+        for a in range(len(axes)):
+            end[a] = jumps.jump[k, a] + after[k, a] * dt
+        now[0], now[1] = 0.0, 0.0
+        if history[BREAKS] > 0.5:
+            continue
+        share = share_of_work(axes, fields, k, nodes, mp)
+        net, held = rows.net[k], rows.found[k]
+        held_impulse(law, axes, net, normal, held)
+        for a in range(len(axes)):
+            work[k] += share * (net[a] - held[a]) * 0.5 * (rows.slip[k, a] + after[k, a])
+        openings(law, axes, normal, end, now)
+        spent[k] = geometry.area[k] * remember(law, axes, normal, end, history)
+        if history[BREAKS] < 0.5:
+            stored[k] = geometry.area[k] * stored_energy(law, axes, normal, end, history)
+
+
+@kernel
+def find_tractions(law, axes, which, count, fields, geometry, jumps, out):
+    """Traction on α at the end of the step, into ``out`` (k, d); zero where it is broken."""
+    for k in prange(count):
+        if fields.law[k] == which:
+            if jumps.history[k, BREAKS] > 0.5:
+                for a in range(len(axes)):
+                    out[k, a] = 0.0
+            else:
+                traction(law, axes, geometry.normal[k], jumps.end[k], jumps.history[k], out[k])

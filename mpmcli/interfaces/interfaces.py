@@ -1,0 +1,277 @@
+"""The interfaces of a scene: what contact asks them for in a step, and what they remember."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from mpmcli.contact.geometry import Matter, Surroundings
+from mpmcli.contact.impulses import Place
+from mpmcli.contact.nodal_contact import NodalContact
+from mpmcli.core.dofs import field_of
+from mpmcli.core.order import CellOrder
+from mpmcli.core.state import InterfaceView
+from mpmcli.interfaces import impulses
+from mpmcli.interfaces.base import BREAKS, HISTORY, damage
+from mpmcli.interfaces.jump import (
+    EDGES,
+    EXTRAPOLATED,
+    GRADIENT,
+    JumpRows,
+    Sides,
+    find_jumps,
+    keep_histories,
+    open_areas,
+    recall_histories,
+)
+
+Array = np.ndarray
+
+WAYS = {"gradient": GRADIENT, "extrapolated": EXTRAPOLATED, "edges": EDGES}
+LOST = 1.0
+"""Jump from which nodes begin to lose sight of one side of an interface, in cells."""
+
+
+class Interfaces:
+    """Interface laws of a scene, beside its contact.
+
+    Parameters
+    ----------
+    contact : of the scene
+    order : of the particles in the cells of the grid
+    work : accumulated energies by name, to which they add theirs
+
+    Attributes
+    ----------
+    laws : indices of the laws that are interfaces
+    view : what output sees
+    """
+
+    def __init__(self, contact: NodalContact, order: CellOrder, work: dict[str, float]):
+        choice = contact.choice
+        pair, names = contact.pairs()
+        self._choice, self._contacts = choice, contact.contacts
+        self._particles, self._grid = order.particles, order.grid
+        grid = order.grid
+        self._axes = (0.0,) * grid.dimensions
+        words = choice.model.interface
+        self._way = WAYS[words.jump]
+        self._oscillates = words.step == "oscillator"
+        self._opens = words.area == "opening"
+        self.laws = frozenset(i for i in choice.used if choice.laws[i].is_interface)
+        self._law = {i: choice.laws[i].parameters() for i in self.laws}
+        self._closed = {i: choice.laws[i].closed_law.parameters() for i in self.laws}
+        of_law = np.zeros(len(choice.laws), dtype=bool)
+        of_law[list(self.laws)] = True
+        rows = choice.history_rows()
+        self._sides = Sides(of_law, rows, pair)
+        self._remembers = bool((rows >= 0).any())
+        at = {name: field for field, name in enumerate(choice.fields)}
+        chosen = [int(choice.table[at[a], at[b]]) in self.laws for a, b in names]
+        self._acts = False
+        self._room = -1
+        self.jumps = self._make_room(0)
+        n = len(names)
+        self._start_gap = np.full(n, np.nan)
+        self.view = InterfaceView(
+            numbers=np.flatnonzero(chosen),
+            energy=np.zeros(n),
+            cohesive_work=np.zeros(n),
+            area=np.zeros(n),
+            broken_area=np.zeros(n),
+            jump_normal=np.zeros(n),
+            jump_tangential=np.zeros(n),
+            traction_normal=np.zeros(n),
+            traction_tangential=np.zeros(n),
+        )
+        contact.view.interfaces = self.view
+        self._work = work
+        work["interface_work"] = 0.0
+
+    # ------------------------------------------------------------------ the places in the step
+
+    def find(self, matter: Matter, around: Surroundings, parallel: bool) -> None:
+        """Jumps, areas and histories at the start of the step, once the geometry of contacts is known."""
+        c = self._contacts
+        self._acts = False
+        j = self._make_room(len(c.fields.slot))
+        matter = matter._replace(F=self._particles.F)
+        if self._way == EDGES:
+            self._find_start_gaps()
+        find_jumps[parallel](
+            self._axes, self._way, self._sides, c.count, c.fields, c.table, around, c.nodes.near, matter,
+            self._start_gap, c.geometry, j,
+        )  # fmt: skip
+        if self._opens:
+            open_areas[parallel](self._axes, self._sides, c.count, c.fields, around, c.geometry, j)
+        if self._remembers:
+            p = self._particles
+            recall_histories[parallel](
+                self._sides, c.count, c.fields, c.table, c.nodes.near, p.velocity_field, p.determinant() * p.vol0,
+                p.interface, j,
+            )  # fmt: skip
+
+    def forces_known(self, known: bool) -> None:
+        """From now on in the step interfaces do all that they do (momenta are updated), or hold perfect directions."""
+        self._acts = known
+
+    def find_impulses(self, which: int, here: Place, v: Array, parallel: bool) -> None:
+        """Impulses of the contacts of law ``which``, of the stage of ``here``."""
+        c, grid = self._contacts, self._grid
+        impulses.find_jump_impulses[parallel](
+            self._law[which], self._closed[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows,
+            self.jumps, here, self._acts, self._oscillates, grid.mp, grid.f, v,
+        )  # fmt: skip
+
+    def find_pair_impulses(
+        self, which: int, here: Place, chosen: Array, coupled: bool
+    ) -> tuple[float, float]:
+        """Impulses of the pairs of law ``which`` at nodes of three or more fields."""
+        c, grid = self._contacts, self._grid
+        found: tuple[float, float] = impulses.find_pair_impulses(
+            self._law[which], self._closed[which], self._axes, which, c.count, c.fields, c.begin, chosen, coupled,
+            c.table, c.geometry, c.rows, self.jumps, here, self._acts, self._oscillates, grid.mp, grid.f,
+        )  # fmt: skip
+        return found
+
+    def close(self, after: Array, shares: Array, pair: Array, dt: float, parallel: bool) -> None:
+        """Account for a step: energies, jumps and tractions of every pair, histories of particles.
+
+        ``after`` (k, d) are the relative velocities at its end, ``shares`` (k,) and ``pair`` (k,) what of each contact
+        belongs to real particles, and its pair.
+        """
+        c, j, p, view = self._contacts, self.jumps, self._particles, self.view
+        was_broken = j.history[: c.count, BREAKS] > 0.5
+        for which in sorted(self.laws):
+            impulses.close_step[parallel](
+                self._law[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows, j, after, dt,
+                self._grid.mp,
+            )  # fmt: skip
+        if self._remembers:
+            keep_histories[parallel](
+                self._sides, c.count, c.fields, c.table, c.nodes.near, p.velocity_field, p.interface, j
+            )
+        mine = self.rows()
+        view.clear()
+        if len(mine) == 0:
+            return
+        pair, share = pair[mine], shares[mine]
+        area = c.geometry.area[mine] * share
+        is_broken = j.history[mine, BREAKS] > 0.5
+        n = len(view.area)
+        normal = c.geometry.normal[mine]
+        opening, slip = parts_of(j.end[mine], normal)
+        drawn, sheared = parts_of(self.tractions()[mine], normal)
+        self._work["interface_work"] += float(np.sum(j.work[mine] * share))
+        view.energy += np.bincount(pair, j.stored[mine] * share, n)
+        view.cohesive_work += np.bincount(pair, j.spent[mine] * share, n)
+        view.broken_area += np.bincount(pair, area * (is_broken & ~was_broken[mine]), n)
+        bonded = area * ~is_broken
+        view.area += np.bincount(pair, bonded, n)
+        for total, values in (
+            (view.jump_normal, opening),
+            (view.jump_tangential, slip),
+            (view.traction_normal, drawn),
+            (view.traction_tangential, sheared),
+        ):
+            total += np.bincount(pair, values * bonded, n)
+            np.divide(total, view.area, out=total, where=view.area > 0.0)
+        view.lost = int(np.count_nonzero(~is_broken & (opening > LOST * self._grid.cell.max())))
+        view.all_lost += view.lost
+
+    # ------------------------------------------------------------------ what others see
+
+    def rows(self) -> Array:
+        """Return the contacts of the step that are interfaces, broken or not."""
+        c = self._contacts
+        return np.flatnonzero(self._sides.law[c.fields.law[: c.count]])
+
+    def bonded(self) -> Array:
+        """(k,) whether a contact is an interface that holds: no friction is in its impulse."""
+        c = self._contacts
+        return self._sides.law[c.fields.law[: c.count]] & (self.jumps.history[: c.count, BREAKS] < 0.5)
+
+    def tractions(self) -> Array:
+        """Return tractions on α at the end of the step (k, d), 0 where broken or no interface [pressure]."""
+        c = self._contacts
+        out = np.zeros((c.count, len(self._axes)))
+        for which in sorted(self.laws):
+            impulses.find_tractions[False](
+                self._law[which], self._axes, which, c.count, c.fields, c.geometry, self.jumps, out
+            )
+        return out
+
+    def damages(self) -> Array:
+        """Return the share of stiffness lost at every contact (k,), 1 where broken, 0 where there is no interface."""
+        c, out = self._contacts, np.zeros(self._contacts.count)
+        for k in self.rows():
+            history = self.jumps.history[k]
+            out[k] = 1.0 if history[BREAKS] > 0.5 else damage(self._law[c.fields.law[k]], history)
+        return out
+
+    def nodal_fields(self, on_nodes: Callable[[Array], Array]) -> dict[str, Callable[[], Array]]:
+        """Jump, traction and damage of the first contact of every node (``ContactAccount.nodal_fields``)."""
+        c = self._contacts
+        return {
+            "interface_jump": lambda: on_nodes(
+                self.jumps.end[: c.count] * self._sides.law[c.fields.law[: c.count], None]
+            ),
+            "interface_traction": lambda: on_nodes(self.tractions()),
+            "interface_damage": lambda: on_nodes(self.damages()),
+        }
+
+    # ------------------------------------------------------------------ from one step to the next
+
+    def memory(self) -> dict[str, Any]:
+        """What it remembers from step to step."""
+        return {
+            "start_gap": self._start_gap,
+            **{name: np.asarray(getattr(self.view, name)) for name in VIEWED},
+        }
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Remember it again."""
+        self._start_gap[:] = memory["start_gap"]
+        for name in VIEWED:
+            value = memory[name]
+            setattr(self.view, name, value if value.ndim else int(value))
+
+    # ------------------------------------------------------------------ parts
+
+    def _find_start_gaps(self) -> None:
+        """Mean separation of every pair when it first meets."""
+        c = self._contacts
+        mine = self.rows()
+        n, fields = self._grid.node_count, len(self._choice.fields)
+        a, b = (field_of(dof[mine], n, fields) for dof in (c.fields.alpha, c.fields.partner))
+        pair, area = self._sides.pair[a, b], c.geometry.area[mine]
+        for new in np.unique(pair[np.isnan(self._start_gap[pair])]):
+            its = pair == new
+            self._start_gap[new] = np.average(c.geometry.separation[mine[its]], weights=area[its])
+
+    def _make_room(self, room: int) -> JumpRows:
+        if room > self._room:
+            self._room = room
+            d = self._grid.dimensions
+            vectors = {name: np.zeros((room, d)) for name in ("jump", "end", "force")}
+            numbers = {name: np.zeros(room) for name in ("work", "stored", "spent")}
+            self.jumps = JumpRows(
+                **vectors, **numbers, history=np.zeros((room, HISTORY)), now=np.zeros((room, 2)),
+                sums=np.zeros((room, 2 * d + d * d)),
+            )  # fmt: skip
+        return self.jumps
+
+
+VIEWED = (
+    *("energy", "cohesive_work", "area", "broken_area", "jump_normal", "jump_tangential"),
+    *("traction_normal", "traction_tangential", "lost", "all_lost"),
+)
+"""What is remembered of the account that output sees."""
+
+
+def parts_of(vectors: Array, normal: Array) -> tuple[Array, Array]:
+    """Part along the unit normals, and size of the rest, of the rows of two arrays (k, d)."""
+    along = np.einsum("ka,ka->k", vectors, normal)
+    return along, np.linalg.norm(vectors - along[:, None] * normal, axis=1)

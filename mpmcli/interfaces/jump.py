@@ -1,0 +1,255 @@
+"""The jump of displacement between the two sides of a contact, and the area over which it transmits tractions."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from mpmcli.contact.area import SMALLEST, perpendicular_size
+from mpmcli.contact.contact_nodes import IMAGE_BITS, NEAREST
+from mpmcli.contact.fields_in_contact import field_at
+from mpmcli.contact.separation.base import UNKNOWN
+from mpmcli.core.compiled.kernel import inline, kernel, prange
+from mpmcli.interfaces.base import BREAKS
+
+Array = np.ndarray
+
+UNSET = -1.0
+"""Largest opening of particles that no interface has reached yet."""
+
+
+class JumpRows(NamedTuple):
+    """What interfaces know of the contacts of a step, a row for each.
+
+    jump : (k, d) δ(0) = u_β − u_α at the start of the step [length]
+    end : (k, d) δ(Δt) at its end [length]
+    force : (k, d) m_red (f_β/m_β − f_α/m_α) without the interface [force]
+    history : (k, 3) largest openings so far, and whether it is broken
+    now : (k, 2) openings at the end of the step [length]
+    work, stored, spent : (k,) energy that the interface takes out of the bodies in the step; that it gives back; that
+        is lost for good in the step [energy]
+    sums : (k, 2 d + d d) scratch
+    """
+
+    jump: Array
+    end: Array
+    force: Array
+    history: Array
+    now: Array
+    work: Array
+    stored: Array
+    spent: Array
+    sums: Array
+
+
+class Sides(NamedTuple):
+    """Which pairs of fields have an interface, and where particles keep its history.
+
+    law : (laws,) whether a law is one of interfaces
+    row : (fields, fields) first row of the pair's history on particles of the first field, −1 where it has none
+    pair : (fields, fields) number of each pair of fields
+    """
+
+    law: Array
+    row: Array
+    pair: Array
+
+
+GRADIENT, EXTRAPOLATED, EDGES = 0, 1, 2
+"""Ways to find a jump: ``contact.interface.jump``."""
+
+
+@inline
+def turn(r, turned, axis):
+    """A component, mirrored where its axis is turned."""
+    return -r if turned >> axis & 1 else r
+
+
+@inline
+def add_inverse_times(axes, F, p, weight, turned, r, out):
+    """``out`` (d,) += weight · F⁻¹ r with the deformation gradient of particle ``p``, mirrored as ``turned`` says."""
+    d = len(axes)
+    x = turn(r[0], turned, 0)
+    y = turn(r[1], turned, 1) if d > 1 else 0.0
+    z = turn(r[2], turned, 2) if d > 2 else 0.0
+    if d == 1:
+        out[0] += weight * turn(x / F[0, p], turned, 0)
+    elif d == 2:
+        inverse = weight / (F[0, p] * F[3, p] - F[1, p] * F[2, p])
+        out[0] += turn((F[3, p] * x - F[1, p] * y) * inverse, turned, 0)
+        out[1] += turn((F[0, p] * y - F[2, p] * x) * inverse, turned, 1)
+    else:
+        xx, xy, xz = F[0, p], F[1, p], F[2, p]
+        yx, yy, yz = F[3, p], F[4, p], F[5, p]
+        zx, zy, zz = F[6, p], F[7, p], F[8, p]
+        a, b, c = yy * zz - yz * zy, yz * zx - yx * zz, yx * zy - yy * zx
+        inverse = weight / (xx * a + xy * b + xz * c)
+        out[0] += turn((a * x + (xz * zy - xy * zz) * y + (xy * yz - xz * yy) * z) * inverse, turned, 0)
+        out[1] += turn((b * x + (xx * zz - xz * zx) * y + (xz * yx - xx * yz) * z) * inverse, turned, 1)
+        out[2] += turn((c * x + (xy * zx - xx * zy) * y + (xx * yy - xy * yx) * z) * inverse, turned, 2)
+
+
+@kernel
+def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, start_gap, geometry, rows):
+    """Jump δ(0) of every contact whose law is one of interfaces, into ``rows.jump``.
+
+    With ``GRADIENT`` the difference of the reference positions of the matter that is at the node now, found from each
+    particle by its deformation gradient and pushed forward by the mean one of both sides: exact for affine motions
+    of both. With ``EXTRAPOLATED`` the difference of mean displacements (Nairn 2023, Eq. 2.4); with ``EDGES`` the part
+    along the normal is the separation less that of the start, ``start_gap`` (pairs,).
+    """
+    d = len(axes)
+    jump, sums = rows.jump, rows.sums
+    for k in prange(count):
+        if not sides.law[fields.law[k]]:
+            continue
+        slot, i = fields.slot[k], nodes.node[fields.slot[k]]
+        alpha, beta = field_at(nodes, fields.alpha[k]), field_at(nodes, fields.partner[k])
+        find_jump(axes, way, slot, i, alpha, beta, fields.rigid[k], around, near, matter, sums[k], jump[k])
+        if way == EDGES:
+            along = 0.0
+            for a in range(d):
+                along += jump[k, a] * geometry.normal[k, a]
+            opened = geometry.separation[k] - start_gap[sides.pair[alpha, beta]] - along
+            for a in range(d):
+                jump[k, a] += opened * geometry.normal[k, a]
+
+
+@inline
+def find_jump(axes, way, slot, i, alpha, beta, rigid, around, near, matter, sums, out):
+    """``find_jumps`` for one contact; ``sums`` is scratch."""
+    d = len(axes)
+    # unfolded: mean reference positions of α and of β relative to the node, and the mean F of both
+    at_alpha, at_beta, F = sums[:d], sums[d : 2 * d], sums[2 * d :]
+    for j in range(2 * d + d * d):
+        sums[j] = 0.0
+    m_alpha, m_beta, m_both = 0.0, 0.0, 0.0
+    at = near.head[slot]
+    while at >= 0:
+        p, turned = near.particle[at], near.flag[at]
+        field = matter.field[p]
+        if field in (alpha, beta):
+            is_beta = field == beta
+            of_rigid = is_beta and rigid
+            w = near.S[at] * (matter.vol0[p] if of_rigid else matter.mass[p])
+            mine = at_beta if is_beta else at_alpha
+            image = (turned >> IMAGE_BITS) - 1
+            stride = 1
+            for a in range(d):
+                x, moved = matter.X[a, p], matter.X[a, p] - matter.X0[a, p]
+                if turned >> a & 1:
+                    x = 2.0 * (around.origin[a] + around.planes[image, a] * around.cell[a]) - x
+                    moved = -moved
+                out[a] = around.origin[a] + (i // stride % around.shape[a]) * around.cell[a] - x
+                mine[a] -= w * (moved if way == EXTRAPOLATED else moved + out[a])
+                stride *= around.shape[a]
+            if way != EXTRAPOLATED:
+                add_inverse_times(axes, matter.F, p, w, turned, out, mine)
+                if (
+                    of_rigid or not rigid
+                ):  # beside a rigid body, whose matter does not deform, the jump is in its frame
+                    m_both += w
+                    for a in range(d):
+                        for b in range(d):
+                            F[d * a + b] += w * turn(turn(matter.F[d * a + b, p], turned, a), turned, b)
+            if is_beta:
+                m_beta += w
+            else:
+                m_alpha += w
+        at = near.next[at]
+    for a in range(d):
+        at_alpha[a] = at_alpha[a] / m_alpha - at_beta[a] / m_beta if m_alpha > 0.0 and m_beta > 0.0 else 0.0
+    for a in range(d):
+        out[a] = at_alpha[a]
+        if way != EXTRAPOLATED:
+            out[a] = 0.0
+            for b in range(d):
+                out[a] += F[d * a + b] * at_alpha[b] / m_both if m_both > 0.0 else 0.0
+
+
+@kernel
+def open_areas(axes, sides, count, fields, around, geometry, rows):
+    """Let areas not shrink where interfaces open: the gap has no volume.
+
+    A = (Ω_α + Ω_β) N/(h⊥ − δ_n N), with N = 1 − d/h⊥ the linear grid function of the middle of the gap. Where a
+    method does not know the edges, N keeps its share of the area by volumes.
+    """
+    area = geometry.area
+    for k in prange(count):
+        if not sides.law[fields.law[k]]:
+            continue
+        opening = 0.0
+        for a in range(len(axes)):
+            opening += rows.jump[k, a] * geometry.normal[k, a]
+        if not opening > 0.0:
+            continue
+        h = perpendicular_size(axes, around.cell, geometry.normal[k])
+        first, second = geometry.distances[k, 0], geometry.distances[k, 1]
+        part, middle = 1.0, 1.0
+        if max(abs(first), abs(second)) < UNKNOWN:
+            part = max(1.0 - min(abs(first), abs(second)) / h, SMALLEST)
+            middle = max(1.0 - 0.5 * abs(first + second) / h, SMALLEST)
+        area[k] *= middle / part * h / max(h - opening * middle, 0.5 * h)
+
+
+@kernel
+def recall_histories(sides, count, fields, nodes, near, field, F_volume, kept, rows):
+    """History of every interface from the particles near it, ``kept`` (rows, N), into ``rows.history``.
+
+    It is that of the particles whose nearest node this is, or else of all that the node sees: the mean by their
+    shares S V, ``F_volume`` (N,) being V. Particles that no interface has reached count for nothing; broken is an
+    interface of whose matter more than half is.
+    """
+    history = rows.history
+    for k in prange(count):
+        if not sides.law[fields.law[k]]:
+            continue
+        alpha, beta = field_at(nodes, fields.alpha[k]), field_at(nodes, fields.partner[k])
+        for j in range(history.shape[1]):
+            history[k, j] = 0.0
+        for nearest in range(2):
+            share = 0.0
+            at = near.head[fields.slot[k]]
+            while at >= 0:
+                p = near.particle[at]
+                row = -1
+                if field[p] == alpha:
+                    row = sides.row[alpha, beta]
+                elif field[p] == beta:
+                    row = sides.row[beta, alpha]
+                if row >= 0 and kept[row, p] > UNSET and (nearest == 1 or near.flag[at] & NEAREST):
+                    w = near.S[at] * F_volume[p]
+                    share += w
+                    for j in range(history.shape[1]):
+                        history[k, j] += w * kept[row + j, p]
+                at = near.next[at]
+            if share > 0.0:
+                for j in range(history.shape[1]):
+                    history[k, j] /= share
+                break
+        history[k, BREAKS] = 1.0 if history[k, BREAKS] > 0.5 else 0.0
+
+
+@kernel
+def keep_histories(sides, count, fields, nodes, near, field, kept, rows):
+    """Give the particles nearest to every interface its openings of the step; what broke stays broken."""
+    history, now = rows.history, rows.now
+    for k in prange(count):
+        if not sides.law[fields.law[k]]:
+            continue
+        alpha, beta = field_at(nodes, fields.alpha[k]), field_at(nodes, fields.partner[k])
+        at = near.head[fields.slot[k]]
+        while at >= 0:
+            p = near.particle[at]
+            row = -1
+            if field[p] == alpha:
+                row = sides.row[alpha, beta]
+            elif field[p] == beta:
+                row = sides.row[beta, alpha]
+            if row >= 0 and near.flag[at] & NEAREST:
+                is_new = kept[row, p] <= UNSET
+                for j in range(2):
+                    kept[row + j, p] = max(history[k, j] if is_new else kept[row + j, p], now[k, j])
+                kept[row + BREAKS, p] = max(kept[row + BREAKS, p], history[k, BREAKS])
+            at = near.next[at]
