@@ -185,13 +185,17 @@ class Interfaces:
 
     def rows(self) -> Array:
         """Return the contacts of the step that are interfaces, broken or not."""
-        c = self._contacts
-        return np.flatnonzero(self._sides.law[c.fields.law[: c.count]])
+        return np.flatnonzero(self._is_mine())
 
     def bonded(self) -> Array:
         """(k,) whether a contact is an interface that holds: no friction is in its impulse."""
+        return self._is_mine() & (self.jumps.history[: self._contacts.count, BREAKS] < 0.5)
+
+    def _is_mine(self) -> Array:
+        """(k,) whether a contact is an interface, broken or not."""
         c = self._contacts
-        return self._sides.law[c.fields.law[: c.count]] & (self.jumps.history[: c.count, BREAKS] < 0.5)
+        found: Array = self._sides.law[c.fields.law[: c.count]]
+        return found
 
     def tractions(self) -> Array:
         """Return tractions on α at the end of the step (k, d), 0 where broken or no interface [pressure]."""
@@ -215,9 +219,7 @@ class Interfaces:
         """Jump, traction and damage of the first contact of every node (``ContactAccount.nodal_fields``)."""
         c = self._contacts
         return {
-            "interface_jump": lambda: on_nodes(
-                self.jumps.end[: c.count] * self._sides.law[c.fields.law[: c.count], None]
-            ),
+            "interface_jump": lambda: on_nodes(self.jumps.end[: c.count] * self._is_mine()[:, None]),
             "interface_traction": lambda: on_nodes(self.tractions()),
             "interface_damage": lambda: on_nodes(self.damages()),
         }
