@@ -8,6 +8,8 @@ from typing import Any
 from mpmcli.contact.separation.base import UNKNOWN
 from mpmcli.core.compiled.kernel import inline
 
+TINIEST = 1e-300
+"""No division by less: a node may have mass of a field without seeing any of its particles."""
 SMALLEST = 1e-9
 """Part of a full node's area that every contact node has at least, so that tractions stay finite."""
 
@@ -39,6 +41,6 @@ def contact_area(volume_alpha: Any, volume_beta: Any, h: Any, distances: Any) ->
     """
     total = volume_alpha + volume_beta
     nearer = min(abs(distances[0]), abs(distances[1]))
-    by_volume = math.sqrt(2.0 * min(volume_alpha, volume_beta) / total)
+    by_volume = math.sqrt(2.0 * min(volume_alpha, volume_beta) / max(total, TINIEST))
     part = 1.0 - nearer / h if nearer < UNKNOWN else by_volume
     return max(part, SMALLEST) * total / h

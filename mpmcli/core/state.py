@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -67,34 +67,34 @@ class InterfaceView:
     Attributes
     ----------
     numbers : which of the pairs have an interface
+    means : function giving ``InterfaceMeans`` of the step
     energy : (pairs,) energy that interfaces store [energy]
     cohesive_work, broken_area : (pairs,) energy spent by damage, area that broke; both so far [energy], [area]
-    area : (pairs,) area of what holds [area]
-    jump_normal, jump_tangential : (pairs,) mean jump along the normal, mean size of that along the surface [length]
-    traction_normal, traction_tangential : (pairs,) the same of tractions [pressure]
     lost, all_lost : contacts whose jump is larger than a cell, so that nodes lose sight of a side; in all steps so far
     """
 
     numbers: np.ndarray
+    means: Callable[[], InterfaceMeans]
     energy: np.ndarray
     cohesive_work: np.ndarray
-    area: np.ndarray
     broken_area: np.ndarray
+    lost: int = 0
+    all_lost: int = 0
+
+
+class InterfaceMeans(NamedTuple):
+    """Area of the interfaces that hold, and their means over it, (pairs,) each.
+
+    area : [area]
+    jump_normal, jump_tangential : along the normal, and size of that along the surface [length]
+    traction_normal, traction_tangential : the same of tractions [pressure]
+    """
+
+    area: np.ndarray
     jump_normal: np.ndarray
     jump_tangential: np.ndarray
     traction_normal: np.ndarray
     traction_tangential: np.ndarray
-    lost: int = 0
-    all_lost: int = 0
-
-    def clear(self) -> None:
-        """Begin a step; what is summed up over steps stays."""
-        for array in (
-            *(self.energy, self.area, self.jump_normal, self.jump_tangential),
-            *(self.traction_normal, self.traction_tangential),
-        ):
-            array[:] = 0.0
-        self.lost = 0
 
 
 @dataclass

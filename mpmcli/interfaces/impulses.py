@@ -44,16 +44,32 @@ def relative_force(axes, alpha, first, last, rigid, nodes, mp, f, out):
 
 
 @inline
-def impulse_of(law, closed, axes, k, wanted, reduced, here, acts, oscillates, geometry, rows, jumps, out):
-    """Impulse of contact ``k`` into ``out`` (d,): of the law while it holds, of the contact law ``closed`` after.
+def impulse_of(
+    law,
+    closed,
+    axes,
+    wanted,
+    normal,
+    area,
+    gap,
+    gap_now,
+    jump,
+    force,
+    history,
+    reduced,
+    here,
+    acts,
+    oscillates,
+    out,
+):
+    """Impulse of a contact into ``out`` (d,): of the law while it holds, of the contact law ``closed`` after.
 
-    ``acts``: the forces of the step are known; before that only perfect directions do anything.
+    ``acts``: the forces of the step are known; before that only perfect directions do anything. ``gap`` is the
+    separation at the start of the step, ``gap_now`` that which decides on contact.
     """
-    normal, area = geometry.normal[k], geometry.area[k]
-    if jumps.history[k, BREAKS] > 0.5:
-        gap = rows.separation_now[k]
+    if history[BREAKS] > 0.5:
         if acts:
-            gap, push = geometry.separation[k], dot(axes, jumps.force[k], normal)
+            push = dot(axes, force, normal)
             return law_impulse_at_end(
                 closed,
                 axes,
@@ -69,13 +85,12 @@ def impulse_of(law, closed, axes, k, wanted, reduced, here, acts, oscillates, ge
                 out,
             )
         return law_impulse(
-            closed, axes, wanted, normal, gap, area, reduced, here.dt, here.displacement_only, 0.0, out
+            closed, axes, wanted, normal, gap_now, area, reduced, here.dt, here.displacement_only, 0.0, out
         )
     if acts:
         return jump_impulse(
-            law, axes, wanted, normal, jumps.jump[k], jumps.force[k], area, reduced, here.dt, jumps.history[k],
-            oscillates, out,
-        )  # fmt: skip
+            law, axes, wanted, normal, jump, force, area, reduced, here.dt, history, oscillates, out
+        )
     return held_impulse(law, axes, wanted, normal, out)
 
 
@@ -104,8 +119,10 @@ def find_jump_impulses(
             wanted, given = dp0, rows.dp[k]
             separation_now[k] = geometry.separation[k]
         state[k] = impulse_of(
-            law, closed, axes, k, wanted, reduced, here, acts, oscillates, geometry, rows, jumps, given
-        )
+            law, closed, axes, wanted, geometry.normal[k], geometry.area[k], geometry.separation[k],
+            separation_now[k], jumps.jump[k], jumps.force[k], jumps.history[k], reduced, here, acts, oscillates,
+            given,
+        )  # fmt: skip
         if here.of_increment:
             increments.finish_increment(
                 axes, False, dp0, wanted, given, rows.prior[k], rows.net[k], rows.dp[k]
@@ -129,20 +146,23 @@ def find_pair_impulses(
                 axes, fields.alpha[k], fields.first[k], fields.last[k], False, nodes, mp, f, jumps.force[k]
             )
         rows.state[k] = impulse_of(
-            law, closed, axes, k, wanted, reduced, here, acts, oscillates, geometry, rows, jumps, found
-        )
+            law, closed, axes, wanted, geometry.normal[k], geometry.area[k], geometry.separation[k],
+            rows.separation_now[k], jumps.jump[k], jumps.force[k], jumps.history[k], reduced, here, acts,
+            oscillates, found,
+        )  # fmt: skip
         moved, whole = take_total(axes, found, rows.total[k])
         change, size = change + moved, size + whole
     return change, size
 
 
 @kernel
-def close_step(law, axes, which, count, fields, nodes, geometry, rows, jumps, after, dt, mp):
+def close_step(law, axes, which, count, fields, nodes, geometry, rows, jumps, after, dt, late, mp):
     """Jumps at the end of the step, what interfaces took out of the bodies, store and have spent, and histories.
 
-    ``after`` (k, d) are the relative velocities that the impulses leave, those before are in ``rows.slip``.
+    ``after`` (k, d) are the relative velocities that the impulses leave, those before are in ``rows.slip``. The share
+    ``late`` of the work is found with the former, as that of the stresses is: the two agree in sum, not at each node.
     """
-    work, stored, spent = jumps.work, jumps.stored, jumps.spent
+    work, stored, spent, opening = jumps.work, jumps.stored, jumps.spent, jumps.opening
     for k in prange(count):
         if fields.law[k] != which:
             continue
@@ -150,6 +170,7 @@ def close_step(law, axes, which, count, fields, nodes, geometry, rows, jumps, af
         normal, end, history, now = geometry.normal[k], jumps.end[k], jumps.history[k], jumps.now[k]
         for a in range(len(axes)):
             end[a] = jumps.jump[k, a] + after[k, a] * dt
+        opening[k] = dot(axes, end, normal)
         now[0], now[1] = 0.0, 0.0
         if history[BREAKS] > 0.5:
             continue
@@ -157,7 +178,8 @@ def close_step(law, axes, which, count, fields, nodes, geometry, rows, jumps, af
         net, held = rows.net[k], rows.found[k]
         held_impulse(law, axes, net, normal, held)
         for a in range(len(axes)):
-            work[k] += share * (net[a] - held[a]) * 0.5 * (rows.slip[k, a] + after[k, a])
+            slip = (1.0 - late) * rows.slip[k, a] + late * after[k, a]
+            work[k] += share * (net[a] - held[a]) * slip
         openings(law, axes, normal, end, now)
         spent[k] = geometry.area[k] * remember(law, axes, normal, end, history)
         if history[BREAKS] < 0.5:

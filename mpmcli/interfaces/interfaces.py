@@ -12,7 +12,8 @@ from mpmcli.contact.impulses import Place
 from mpmcli.contact.nodal_contact import NodalContact
 from mpmcli.core.dofs import field_of
 from mpmcli.core.order import CellOrder
-from mpmcli.core.state import InterfaceView
+from mpmcli.core.state import InterfaceMeans, InterfaceView
+from mpmcli.core.variants import StrainUpdate
 from mpmcli.interfaces import impulses
 from mpmcli.interfaces.base import BREAKS, HISTORY, damage
 from mpmcli.interfaces.jump import (
@@ -42,6 +43,7 @@ class Interfaces:
     contact : of the scene
     order : of the particles in the cells of the grid
     work : accumulated energies by name, to which they add theirs
+    update : strain update of the step, whose velocities their work is found with
 
     Attributes
     ----------
@@ -49,7 +51,7 @@ class Interfaces:
     view : what output sees
     """
 
-    def __init__(self, contact: NodalContact, order: CellOrder, work: dict[str, float]):
+    def __init__(self, contact: NodalContact, order: CellOrder, work: dict[str, float], update: StrainUpdate):
         choice = contact.choice
         pair, names = contact.pairs()
         self._choice, self._contacts = choice, contact.contacts
@@ -77,17 +79,17 @@ class Interfaces:
         self._start_gap = np.full(n, np.nan)
         self.view = InterfaceView(
             numbers=np.flatnonzero(chosen),
+            means=self.means,
             energy=np.zeros(n),
             cohesive_work=np.zeros(n),
-            area=np.zeros(n),
             broken_area=np.zeros(n),
-            jump_normal=np.zeros(n),
-            jump_tangential=np.zeros(n),
-            traction_normal=np.zeros(n),
-            traction_tangential=np.zeros(n),
         )
+        self._shares, self._pairs = np.zeros(0), np.zeros(0, dtype=np.int64)
+        self._means: InterfaceMeans | None = None
         contact.view.interfaces = self.view
         self._work = work
+        # momenta that are extrapolated again are nearer to those of the start of the step than to updated ones
+        self._late = 0.0 if update.again else update.last
         work["interface_work"] = 0.0
 
     # ------------------------------------------------------------------ the places in the step
@@ -147,38 +149,25 @@ class Interfaces:
         for which in sorted(self.laws):
             impulses.close_step[parallel](
                 self._law[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows, j, after, dt,
-                self._grid.mp,
+                self._late, self._grid.mp,
             )  # fmt: skip
         if self._remembers:
             keep_histories[parallel](
                 self._sides, c.count, c.fields, c.table, c.nodes.near, p.velocity_field, p.interface, j
             )
+        self._shares, self._pairs, self._means = shares, pair, None
         mine = self.rows()
-        view.clear()
-        if len(mine) == 0:
-            return
+        view.energy[:] = 0.0
         pair, share = pair[mine], shares[mine]
-        area = c.geometry.area[mine] * share
+        n = len(view.energy)
         is_broken = j.history[mine, BREAKS] > 0.5
-        n = len(view.area)
-        normal = c.geometry.normal[mine]
-        opening, slip = parts_of(j.end[mine], normal)
-        drawn, sheared = parts_of(self.tractions()[mine], normal)
         self._work["interface_work"] += float(np.sum(j.work[mine] * share))
         view.energy += np.bincount(pair, j.stored[mine] * share, n)
-        view.cohesive_work += np.bincount(pair, j.spent[mine] * share, n)
-        view.broken_area += np.bincount(pair, area * (is_broken & ~was_broken[mine]), n)
-        bonded = area * ~is_broken
-        view.area += np.bincount(pair, bonded, n)
-        for total, values in (
-            (view.jump_normal, opening),
-            (view.jump_tangential, slip),
-            (view.traction_normal, drawn),
-            (view.traction_tangential, sheared),
-        ):
-            total += np.bincount(pair, values * bonded, n)
-            np.divide(total, view.area, out=total, where=view.area > 0.0)
-        view.lost = int(np.count_nonzero(~is_broken & (opening > LOST * self._grid.cell.max())))
+        if self._remembers:
+            view.cohesive_work += np.bincount(pair, j.spent[mine] * share, n)
+            breaks = is_broken & ~was_broken[mine]
+            view.broken_area += np.bincount(pair, c.geometry.area[mine] * share * breaks, n)
+        view.lost = int(np.count_nonzero(~is_broken & (j.opening[mine] > LOST * self._grid.cell.max())))
         view.all_lost += view.lost
 
     # ------------------------------------------------------------------ what others see
@@ -196,6 +185,21 @@ class Interfaces:
         c = self._contacts
         found: Array = self._sides.law[c.fields.law[: c.count]]
         return found
+
+    def means(self) -> InterfaceMeans:
+        """Areas, jumps and tractions of every pair in the last step."""
+        if self._means is None:
+            c, j, n = self._contacts, self.jumps, len(self.view.energy)
+            mine = np.flatnonzero(self.bonded())
+            pair, area = self._pairs[mine], c.geometry.area[mine] * self._shares[mine]
+            total = np.bincount(pair, area, n)
+            normal = c.geometry.normal[mine]
+            parts = (*parts_of(j.end[mine], normal), *parts_of(self.tractions()[mine], normal))
+            sums = [np.bincount(pair, part * area, n) for part in parts]
+            for each in sums:
+                np.divide(each, total, out=each, where=total > 0.0)
+            self._means = InterfaceMeans(total, *sums)
+        return self._means
 
     def tractions(self) -> Array:
         """Return tractions on α at the end of the step (k, d), 0 where broken or no interface [pressure]."""
@@ -228,14 +232,13 @@ class Interfaces:
 
     def memory(self) -> dict[str, Any]:
         """What it remembers from step to step."""
-        return {
-            "start_gap": self._start_gap,
-            **{name: np.asarray(getattr(self.view, name)) for name in VIEWED},
-        }
+        seen = {name: np.asarray(getattr(self.view, name)) for name in VIEWED}
+        return {"start_gap": self._start_gap, "means": np.stack(self.means()), **seen}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Remember it again."""
         self._start_gap[:] = memory["start_gap"]
+        self._means = InterfaceMeans(*memory["means"])
         for name in VIEWED:
             value = memory[name]
             setattr(self.view, name, value if value.ndim else int(value))
@@ -250,15 +253,16 @@ class Interfaces:
         a, b = (field_of(dof[mine], n, fields) for dof in (c.fields.alpha, c.fields.partner))
         pair, area = self._sides.pair[a, b], c.geometry.area[mine]
         for new in np.unique(pair[np.isnan(self._start_gap[pair])]):
-            its = pair == new
-            self._start_gap[new] = np.average(c.geometry.separation[mine[its]], weights=area[its])
+            its = (pair == new) & (area > 0.0)
+            if its.any():
+                self._start_gap[new] = np.average(c.geometry.separation[mine[its]], weights=area[its])
 
     def _make_room(self, room: int) -> JumpRows:
         if room > self._room:
             self._room = room
             d = self._grid.dimensions
             vectors = {name: np.zeros((room, d)) for name in ("jump", "end", "force")}
-            numbers = {name: np.zeros(room) for name in ("work", "stored", "spent")}
+            numbers = {name: np.zeros(room) for name in ("work", "stored", "spent", "opening")}
             self.jumps = JumpRows(
                 **vectors, **numbers, history=np.zeros((room, HISTORY)), now=np.zeros((room, 2)),
                 sums=np.zeros((room, 2 * d + d * d)),
@@ -266,10 +270,7 @@ class Interfaces:
         return self.jumps
 
 
-VIEWED = (
-    *("energy", "cohesive_work", "area", "broken_area", "jump_normal", "jump_tangential"),
-    *("traction_normal", "traction_tangential", "lost", "all_lost"),
-)
+VIEWED = ("energy", "cohesive_work", "broken_area", "lost", "all_lost")
 """What is remembered of the account that output sees."""
 
 

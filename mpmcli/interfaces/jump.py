@@ -29,6 +29,7 @@ class JumpRows(NamedTuple):
     now : (k, 2) openings at the end of the step [length]
     work, stored, spent : (k,) energy that the interface takes out of the bodies in the step; that it gives back; that
         is lost for good in the step [energy]
+    opening : (k,) part of ``end`` along the normal [length]
     sums : (k, 2 d + d d) scratch
     """
 
@@ -40,6 +41,7 @@ class JumpRows(NamedTuple):
     work: Array
     stored: Array
     spent: Array
+    opening: Array
     sums: Array
 
 
@@ -170,7 +172,7 @@ def find_jump(axes, way, slot, i, alpha, beta, rigid, around, near, matter, sums
 
 @kernel
 def open_areas(axes, sides, count, fields, around, geometry, rows):
-    """Let areas not shrink where interfaces open: the gap has no volume.
+    """Let areas neither shrink where interfaces open, since the gap has no volume, nor grow where they are pressed.
 
     A = (Ω_α + Ω_β) N/(h⊥ − δ_n N), with N = 1 − d/h⊥ the linear grid function of the middle of the gap. Where a
     method does not know the edges, N keeps its share of the area by volumes.
@@ -182,8 +184,6 @@ def open_areas(axes, sides, count, fields, around, geometry, rows):
         opening = 0.0
         for a in range(len(axes)):
             opening += rows.jump[k, a] * geometry.normal[k, a]
-        if not opening > 0.0:
-            continue
         h = perpendicular_size(axes, around.cell, geometry.normal[k])
         first, second = geometry.distances[k, 0], geometry.distances[k, 1]
         part, middle = 1.0, 1.0
