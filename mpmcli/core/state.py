@@ -68,6 +68,7 @@ class InterfaceView:
     ----------
     numbers : which of the pairs have an interface
     means : function giving ``InterfaceMeans`` of the step
+    particle_damage : function giving the damage of the interface nearest to each particle (N,) [-]
     energy : (pairs,) energy that interfaces store [energy]
     cohesive_work, broken_area : (pairs,) energy spent by damage, area that broke; both so far [energy], [area]
     lost, all_lost : contacts whose jump is larger than a cell, so that nodes lose sight of a side; in all steps so far
@@ -75,6 +76,7 @@ class InterfaceView:
 
     numbers: np.ndarray
     means: Callable[[], InterfaceMeans]
+    particle_damage: Callable[[], np.ndarray]
     energy: np.ndarray
     cohesive_work: np.ndarray
     broken_area: np.ndarray

@@ -16,6 +16,7 @@ from mpmcli.core.state import InterfaceMeans, InterfaceView
 from mpmcli.core.variants import StrainUpdate
 from mpmcli.interfaces import impulses
 from mpmcli.interfaces.base import BREAKS, HISTORY, damage
+from mpmcli.interfaces.damage import damage_of_particles
 from mpmcli.interfaces.jump import (
     EDGES,
     EXTRAPOLATED,
@@ -80,6 +81,7 @@ class Interfaces:
         self.view = InterfaceView(
             numbers=np.flatnonzero(chosen),
             means=self.means,
+            particle_damage=self.particle_damages,
             energy=np.zeros(n),
             cohesive_work=np.zeros(n),
             broken_area=np.zeros(n),
@@ -218,6 +220,10 @@ class Interfaces:
             history = self.jumps.history[k]
             out[k] = 1.0 if history[BREAKS] > 0.5 else damage(self._law[c.fields.law[k]], history)
         return out
+
+    def particle_damages(self) -> Array:
+        """Return the largest damage of the interfaces that each particle remembers (N,), 0 where it knows none."""
+        return damage_of_particles(self._choice.table, self._law, self._sides.row, self._particles)
 
     def nodal_fields(self, on_nodes: Callable[[Array], Array]) -> dict[str, Callable[[], Array]]:
         """Jump, traction and damage of the first contact of every node (``ContactAccount.nodal_fields``)."""

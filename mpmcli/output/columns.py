@@ -12,6 +12,7 @@ from mpmcli.output import (  # noqa: F401  (they fill the registry)
     contact_quantities,
     global_quantities,
     heat_quantities,
+    interface_quantities,
     particle_quantities,
 )
 from mpmcli.output.quantities import QUANTITIES, Context, Quantity

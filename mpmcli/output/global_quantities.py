@@ -184,8 +184,8 @@ QUANTITIES.add(
         "scalar",
         "global",
         lambda s: s.energy_error,
-        "kinetic_energy + stress_work + contact_work + damping_work − boundary_work − external_work − its "
-        "initial value, over the largest kinetic_energy + |stress_work| so far",
+        "kinetic_energy + stress_work + contact_work + interface_work + damping_work − boundary_work − external_work "
+        "− its initial value, over the largest kinetic_energy + |stress_work| so far",
     ),
     Quantity("mass", "M", "mass", "scalar", "global", lambda s: s.total(s.mass), "total mass"),
     Quantity(

@@ -78,12 +78,18 @@ def _contact_of(scene: Any, rigid_materials: tuple[str, ...]) -> dict[str, Any]:
         for body, f in zip(scene.bodies, field_of_body, strict=True)
         if body.material in rigid_materials
     }
-    laws, _ = law_table(scene, names)
-    pairs = [pair for pair in itertools.combinations(names, 2) if not rigid.issuperset(pair)]
+    laws, table = law_table(scene, names)
+    law_of = {
+        (names[a], names[b]): laws[table[a, b]] for a, b in itertools.combinations(range(len(names)), 2)
+    }
+    pairs = [pair for pair in law_of if not rigid.issuperset(pair)]
+    interfaces = [pair for pair in pairs if law_of[pair].is_interface]
     return {
         "velocity_fields": tuple(names),
         "rigid_fields": tuple(name for name in names if name in rigid),
         "pairs": tuple(pair_name(pair) for pair in pairs),
+        "interfaces": tuple(pair_name(pair) for pair in interfaces),
+        "cohesive": tuple(pair_name(pair) for pair in interfaces if law_of[pair].keeps_history),
         "has_normals": any(law.needs_normal for law in laws),
         "creates_momentum": len(names) - len(rigid) > 2 or not scene.contact.normal.shares_normal,
     }

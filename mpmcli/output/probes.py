@@ -117,6 +117,7 @@ class GridField:
     description : one line for the documentation
     among : another field, which is zero where this one has no value; empty for sums, which are of the full ring
     of_contact : exists only in scenes where contact knows normals
+    of_interface : exists only in scenes with an interface law
     """
 
     dimension: str
@@ -124,10 +125,15 @@ class GridField:
     description: str
     among: str = ""
     of_contact: bool = False
+    of_interface: bool = False
 
 
 def _of_contact(dimension: str, is_vector: bool, description: str) -> GridField:
     return GridField(dimension, is_vector, description, among="contact_normal", of_contact=True)
+
+
+def _of_interface(dimension: str, is_vector: bool, description: str) -> GridField:
+    return GridField(dimension, is_vector, description, among="contact_normal", of_interface=True)
 
 
 GRID_FIELDS = {
@@ -146,13 +152,30 @@ GRID_FIELDS = {
         "distance of the two sides at the start of the last step, negative where they overlap; nan where unknown",
     ),
     "contact_traction": _of_contact("pressure", True, "contact force per area on the first velocity field"),
+    "interface_jump": _of_interface(
+        "length",
+        True,
+        "jump of displacement from the first velocity field at the node to the second; 0 without an interface",
+    ),
+    "interface_traction": _of_interface(
+        "pressure",
+        True,
+        "traction of the interface on the first velocity field at the node; 0 without an interface",
+    ),
+    "interface_damage": _of_interface(
+        "1", False, "share of its stiffness that the interface has lost; 1: broken, 0 without an interface"
+    ),
 }
 """Nodal fields by name; rigid bodies are in none of them but those of contact."""
 
 
 def grid_fields(context: Context) -> dict[str, GridField]:
     """The nodal fields that a scene has."""
-    return {name: entry for name, entry in GRID_FIELDS.items() if context.has_normals or not entry.of_contact}
+    return {
+        name: entry
+        for name, entry in GRID_FIELDS.items()
+        if (context.has_normals or not entry.of_contact) and (context.interfaces or not entry.of_interface)
+    }
 
 
 def resolve_grid_fields(

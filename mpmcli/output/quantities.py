@@ -26,7 +26,8 @@ class Context:
     ``reactions`` are names of boundary conditions; ``work`` names the energies that the solver accumulates;
     ``heated_by`` are names of conditions and loads of heat; ``has_temperature``: all particles have a temperature;
     ``history`` the history variables of all materials; ``extra`` further columns by name. ``velocity_fields`` are
-    several only where there is contact, ``pairs`` (``"left|right"``) those of them that can meet;
+    several only where there is contact, ``pairs`` (``"left|right"``) those of them that can meet, ``interfaces`` the
+    pairs that have an interface law, ``cohesive`` those of these whose damage is remembered;
     ``has_normals``: contact knows directions and areas; ``creates_momentum``: it may violate the balance of momentum.
     """
 
@@ -48,6 +49,8 @@ class Context:
     velocity_fields: tuple[str, ...] = ()
     rigid_fields: tuple[str, ...] = ()
     pairs: tuple[str, ...] = ()
+    interfaces: tuple[str, ...] = ()
+    cohesive: tuple[str, ...] = ()
     has_normals: bool = False
     creates_momentum: bool = False
 

@@ -1,0 +1,174 @@
+"""Quantities of interfaces: energies, areas, mean jumps and tractions of pairs; of the full ring where axisymmetric."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from mpmcli.core.state import InterfaceView
+from mpmcli.output.contact_quantities import pair_name
+from mpmcli.output.global_quantities import never
+from mpmcli.output.quantities import QUANTITIES, Context, Quantity
+from mpmcli.output.snapshot import Snapshot
+
+
+def _view(snapshot: Snapshot) -> InterfaceView:
+    contact = snapshot.state.contact
+    if contact is None or contact.interfaces is None:
+        raise ValueError("the state has no interfaces")
+    return contact.interfaces
+
+
+def _of_pairs(name: str, is_sum: bool) -> Callable[[Snapshot], dict[str, float]]:
+    """Numbers of every pair that has an interface; sums over its area are those of the full ring."""
+
+    def compute(snapshot: Snapshot) -> dict[str, float]:
+        view, contact = _view(snapshot), snapshot.state.contact
+        assert contact is not None
+        values = getattr(view, name) * (snapshot.full_ring if is_sum else 1.0)
+        return {pair_name(contact.pairs[i]): float(values[i]) for i in view.numbers}
+
+    return compute
+
+
+def _total(name: str) -> Callable[[Snapshot], float]:
+    return lambda snapshot: float(getattr(_view(snapshot), name).sum()) * snapshot.full_ring
+
+
+def _particle_damage(snapshot: Snapshot) -> np.ndarray:
+    return _view(snapshot).particle_damage()
+
+
+def numerical_loss(snapshot: Snapshot) -> float:
+    """Energy that left the bodies through interfaces, is not stored in them and was not spent by damage [energy]."""
+    view = _view(snapshot)
+    kept = float(view.energy.sum() + view.cohesive_work.sum())
+    return (snapshot.state.work["interface_work"] - kept) * snapshot.full_ring
+
+
+def _exists(context: Context) -> bool:
+    return bool(context.interfaces)
+
+
+def _some_break(context: Context) -> bool:
+    return bool(context.cohesive)
+
+
+def _interfaces(context: Context) -> tuple[str, ...]:
+    return context.interfaces
+
+
+def _cohesive(context: Context) -> tuple[str, ...]:
+    return context.cohesive
+
+
+def _pair(name: str, symbol: str, dimension: str, of_view: str, text: str, **when) -> Quantity:  # type: ignore[no-untyped-def]
+    compute = _of_pairs(of_view, is_sum=dimension in ("energy", "area"))
+    more = {"exists": _exists, "owners": _interfaces, "is_default": never} | when
+    return Quantity(name, symbol, dimension, "scalar", "pair", compute, text, **more)
+
+
+_BREAKING = {"exists": _some_break, "owners": _cohesive}
+
+QUANTITIES.add(
+    Quantity(
+        "interface_energy",
+        "E_i",
+        "energy",
+        "scalar",
+        "global",
+        _total("energy"),
+        "energy stored in interfaces",
+        exists=_exists,
+    ),
+    Quantity(
+        "interface_work",
+        "W_i",
+        "energy",
+        "scalar",
+        "global",
+        lambda s: s.state.work["interface_work"] * s.full_ring,
+        "energy that interfaces have taken out of the bodies; interface_energy, cohesive_work and the numerical loss "
+        "are its parts",
+        exists=_exists,
+    ),
+    Quantity(
+        "cohesive_work",
+        "D_i",
+        "energy",
+        "scalar",
+        "global",
+        _total("cohesive_work"),
+        "energy dissipated by the damage of cohesive interfaces, accumulated",
+        exists=_some_break,
+    ),
+    Quantity(
+        "interface_lost",
+        "n_i",
+        "1",
+        "scalar",
+        "global",
+        lambda s: float(_view(s).lost),
+        "number of contacts of intact interfaces that open by more than a cell, where nodes lose sight of one side",
+        exists=_exists,
+        is_default=never,
+    ),
+    _pair("interface_energy", "E_i", "energy", "energy", "energy stored in the interface of a pair"),
+    _pair(
+        "cohesive_work",
+        "D_i",
+        "energy",
+        "cohesive_work",
+        "energy dissipated by the damage of the interface of a pair, accumulated",
+        **_BREAKING,
+    ),
+    _pair("interface_area", "A_i", "area", "area", "area of the interface of a pair that is not broken"),
+    _pair(
+        "broken_area",
+        "A_b",
+        "area",
+        "broken_area",
+        "area of the interface of a pair that has broken so far",
+        **_BREAKING,
+    ),
+    _pair(
+        "jump_normal",
+        "δ_n",
+        "length",
+        "jump_normal",
+        "mean jump of displacement along the normal where the interface of a pair is not broken, open +",
+    ),
+    _pair(
+        "jump_tangential",
+        "δ_t",
+        "length",
+        "jump_tangential",
+        "mean size of the jump of displacement along the surface where the interface of a pair is not broken",
+    ),
+    _pair(
+        "interface_traction_normal",
+        "T_n",
+        "pressure",
+        "traction_normal",
+        "mean traction along the normal where the interface of a pair is not broken, tension +",
+    ),
+    _pair(
+        "interface_traction_tangential",
+        "T_t",
+        "pressure",
+        "traction_tangential",
+        "mean size of the traction along the surface where the interface of a pair is not broken",
+    ),
+    Quantity(
+        "damage_of_bond",
+        "d",
+        "1",
+        "scalar",
+        "particle",
+        _particle_damage,
+        "share of the stiffness that the cohesive interface nearest to the particle has lost; 1: broken, 0 also where "
+        "there is none",
+        exists=_some_break,
+    ),
+)
