@@ -10,9 +10,9 @@ from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.state import State
 from mpmcli.output.columns import resolve_columns, resolve_fields
 from mpmcli.output.contact_quantities import pair_name
-from mpmcli.output.probes import resolve_grid_fields
+from mpmcli.output.probes import resolve_grid_fields, resolve_pair
 from mpmcli.output.quantities import Context
-from mpmcli.scene.fields import law_table, velocity_fields
+from mpmcli.scene.fields import law_table, owners_of_fields, velocity_fields
 
 DELETED = ("deleted_particles", "deleted_mass")
 """Columns of scenes that delete particles which leave the grid."""
@@ -86,6 +86,7 @@ def _contact_of(scene: Any, rigid_materials: tuple[str, ...]) -> dict[str, Any]:
     interfaces = [pair for pair in pairs if law_of[pair].is_interface]
     return {
         "velocity_fields": tuple(names),
+        "field_of": owners_of_fields(scene),
         "rigid_fields": tuple(name for name in names if name in rigid),
         "pairs": tuple(pair_name(pair) for pair in pairs),
         "interfaces": tuple(pair_name(pair) for pair in interfaces),
@@ -117,6 +118,8 @@ def check_output(scene: Any) -> None:
         path = f"probes.{index}.columns"
         if probe.kind == "particle":
             collect(resolve_fields, probe.columns, context, path)
+        elif probe.kind == "pair":
+            collect(resolve_pair, probe.between, probe.columns, context, f"probes.{index}")
         else:
             collect(resolve_grid_fields, probe.columns, context, path)
     if problems:

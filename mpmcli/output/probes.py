@@ -1,4 +1,4 @@
-"""Probes: one table each, following a particle or standing at a point of the grid."""
+"""Probes: one table each, of a particle, of a point of the grid, or of two velocity fields."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ import numpy as np
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.state import GridView, State
+from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.columns import resolve_fields, unknown_name
-from mpmcli.output.quantities import AXES, Context, Quantity
+from mpmcli.output.quantities import AXES, QUANTITIES, Context, Quantity
 from mpmcli.output.snapshot import Snapshot
 
 
@@ -50,11 +51,7 @@ class ParticleProbe:
         self.name = name
         self.quantities = list(quantities)
         self.id = nearest_particle(state, body, near)
-        self.columns, self.dimensions = [], []
-        for quantity in self.quantities:
-            rows = quantity.rows(context)
-            self.columns += [f"{quantity.name}_{row}" for row in rows] or [quantity.name]
-            self.dimensions += [quantity.dimension] * max(1, len(rows))
+        self.columns, self.dimensions = columns_of(self.quantities, context)
 
     def look(self, snapshot: Snapshot) -> list[float]:
         """The numbers of its columns."""
@@ -104,6 +101,44 @@ class PointProbe:
                 values = weights @ values
             numbers += [number.item() for number in np.atleast_1d(values)]
         return numbers
+
+
+class PairProbe:
+    """Reads what two velocity fields do to each other.
+
+    Parameters
+    ----------
+    pair
+        Its name in columns, ``"left|right"``.
+    sign
+        −1 where vectors are wanted of the second of its fields.
+    """
+
+    def __init__(self, name: str, pair: str, sign: float, quantities: Sequence[Quantity], context: Context):
+        self.name = name
+        self.pair, self.sign = pair, sign
+        self.quantities = list(quantities)
+        self.columns, self.dimensions = columns_of(self.quantities, context)
+
+    def look(self, snapshot: Snapshot) -> list[float]:
+        """The numbers of its columns."""
+        numbers: list[float] = []
+        for quantity in self.quantities:
+            values = np.atleast_1d(quantity.compute(snapshot)[self.pair])
+            sign = self.sign if quantity.rank == "vector" else 1.0
+            numbers += [sign * number for number in values.tolist()]
+        return numbers
+
+
+def columns_of(quantities: Iterable[Quantity], context: Context) -> tuple[list[str], list[str]]:
+    """Return the columns of quantities of one thing, and their dimensions."""
+    columns: list[str] = []
+    dimensions: list[str] = []
+    for quantity in quantities:
+        rows = quantity.rows(context)
+        columns += [f"{quantity.name}_{row}" for row in rows] or [quantity.name]
+        dimensions += [quantity.dimension] * max(1, len(rows))
+    return columns, dimensions
 
 
 @dataclass(frozen=True)
@@ -233,8 +268,63 @@ def nearest_particle(state: State, body: str | None, near: Sequence[float]) -> i
     return int(particles.id[owned][candidates].min())
 
 
+OF_INTERFACES = (
+    "jump_normal",
+    "jump_tangential",
+    "interface_traction_normal",
+    "interface_traction_tangential",
+)
+OF_CONTACTS = ("contact_force", "contact_area")
+"""What probes show of pairs with and without an interface law, as far as the scene has it, if not asked for more."""
+
+
+def resolve_pair(
+    between: Sequence[str], names: Iterable[str] | None, context: Context, path: str
+) -> tuple[str, float, list[Quantity]]:
+    """Return the pair that two names stand for, −1 if they stand the other way round, and the quantities of a probe.
+
+    Raises
+    ------
+    SceneError
+        If the fields cannot meet, or a column is unknown.
+    """
+    if not context.has_contact:
+        raise SceneError(
+            [Problem(f"{path}.kind", "needs 'contact' and several velocity fields", code="pair")]
+        )
+    known, problems = context.field_of, []
+    for place, name in enumerate(between):
+        if name not in known:
+            hint = did_you_mean(name, known) or f" ({listing(known)})"
+            words = f"there is no velocity field '{name}'{hint}"
+            problems.append(Problem(f"{path}.between.{place}", words, code="unknown_reference"))
+    if problems:
+        raise SceneError(problems)
+    first, second = (known[name] for name in between)
+    ways = {f"{first}|{second}": 1.0, f"{second}|{first}": -1.0}
+    pair = next((way for way in ways if way in context.pairs), None)
+    if pair is None:
+        words = "the two are one velocity field" if first == second else "both are rigid, and never touch"
+        raise SceneError([Problem(f"{path}.between", words, code="pair")])
+    there = {q.name: q for q in QUANTITIES.at("pair") if q.exists(context) and pair in q.names(context)}
+    if names is None:
+        usual = OF_INTERFACES if pair in context.interfaces else OF_CONTACTS
+        names = [name for name in usual if name in there]
+    names = list(names)
+    problems = [
+        Problem(
+            f"{path}.columns.{index}", unknown_name(name, "column of this pair", there), code="unknown_column"
+        )
+        for index, name in enumerate(names)
+        if name not in there
+    ]
+    if problems:
+        raise SceneError(problems)
+    return pair, ways[pair], [there[name] for name in dict.fromkeys(names)]
+
+
 def make_probe(model: Any, state: State, context: Context, path: str) -> Probe:
-    """A probe from its words in the scene (``kind: particle`` or ``kind: point``).
+    """A probe from its words in the scene (``kind: particle``, ``point`` or ``pair``).
 
     Raises
     ------
@@ -246,4 +336,7 @@ def make_probe(model: Any, state: State, context: Context, path: str) -> Probe:
     if model.kind == "particle":
         quantities = resolve_fields(model.columns, context, f"{path}.columns")
         return ParticleProbe(model.name, state, model.body, model.near, quantities, context)
+    if model.kind == "pair":
+        pair, sign, quantities = resolve_pair(model.between, model.columns, context, path)
+        return PairProbe(model.name, pair, sign, quantities, context)
     return PointProbe(model.name, model.at, resolve_grid_fields(model.columns, context, f"{path}.columns"))

@@ -9,8 +9,8 @@ body has the name of a material and a quantity lives on both, the column in brac
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from mpmcli.core.analysis import ANALYSES, F_COMPONENTS, STRESS_COMPONENTS
@@ -26,9 +26,10 @@ class Context:
     ``reactions`` are names of boundary conditions; ``work`` names the energies that the solver accumulates;
     ``heated_by`` are names of conditions and loads of heat; ``has_temperature``: all particles have a temperature;
     ``history`` the history variables of all materials; ``extra`` further columns by name. ``velocity_fields`` are
-    several only where there is contact, ``pairs`` (``"left|right"``) those of them that can meet, ``interfaces`` the
-    pairs that have an interface law, ``cohesive`` those of these whose damage is remembered;
-    ``has_normals``: contact knows directions and areas; ``creates_momentum``: it may violate the balance of momentum.
+    several only where there is contact; ``field_of`` says which one a name stands for, ``pairs`` (``"left|right"``)
+    which of them can meet. ``interfaces`` are the pairs that have an interface law, ``cohesive`` those whose damage is
+    remembered. ``has_normals``: contact knows directions and areas; ``creates_momentum``: it may violate the balance
+    of momentum.
     """
 
     analysis: str
@@ -48,6 +49,7 @@ class Context:
     rigid_materials: tuple[str, ...] = ()
     velocity_fields: tuple[str, ...] = ()
     rigid_fields: tuple[str, ...] = ()
+    field_of: Mapping[str, str] = field(default_factory=dict)
     pairs: tuple[str, ...] = ()
     interfaces: tuple[str, ...] = ()
     cohesive: tuple[str, ...] = ()

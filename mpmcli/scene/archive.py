@@ -139,7 +139,22 @@ class PointProbe(Model):
     """Time between rows; without it that of ``archive.globals``."""
 
 
-Probe = Annotated[ParticleProbe | PointProbe, Field(discriminator="kind")]
+class PairProbe(Model):
+    """A table of what two velocity fields do to each other."""
+
+    kind: Literal["pair"]
+    name: Name
+    """Name of the probe, and of its table."""
+    between: Annotated[tuple[Name, ...], Field(min_length=2, max_length=2)]
+    """The two fields, named as in ``contact.pairs``; vectors are those on the first of them."""
+    columns: Annotated[tuple[Column, ...], Field(min_length=1)] | None = None
+    """Quantities of the pair to write; without it its mean jump and traction where it has an interface law, else its
+    contact force and area."""
+    every: PositiveTime | None = None
+    """Time between rows; without it that of ``archive.globals``."""
+
+
+Probe = Annotated[ParticleProbe | PointProbe | PairProbe, Field(discriminator="kind")]
 
 
 def shows(archive: Archive, probes: Iterable[Any], field: str) -> bool:

@@ -242,6 +242,8 @@ def _check_probes(parts: Parts, dimensions: int, root: Node, report: Report) -> 
         if probe.kind == "particle":
             _check_reference(report, f"{path}.body", probe.body, bodies, "body")
             _check_count(report, f"{path}.near", probe.near, dimensions)
+        elif probe.kind == "pair":
+            continue  # which fields there are is known when the scene is whole
         elif _check_count(report, f"{path}.at", probe.at, dimensions) and parts.grid is not None:
             ends = zip(parts.grid.lower, probe.at, parts.grid.upper, strict=False)
             if not all(low <= x <= high for low, x, high in ends):

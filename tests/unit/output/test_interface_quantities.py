@@ -11,7 +11,7 @@ from mpmcli.core.state import ContactView, InterfaceView
 from mpmcli.output.columns import all_columns, default_columns, evaluate, fields_of, resolve_columns
 from mpmcli.output.interface_quantities import numerical_loss
 from mpmcli.output.of_scene import check_output, context_of
-from mpmcli.output.probes import grid_fields, resolve_grid_fields
+from mpmcli.output.probes import grid_fields, make_probe, resolve_grid_fields
 from mpmcli.output.quantities import Context
 from mpmcli.output.snapshot import Snapshot
 from mpmcli.scene.loader import load_scene
@@ -196,3 +196,52 @@ def test_asking_in_a_scene():
     archive["globals"]["columns"] = ["jump_normal[middle|right]"]
     with pytest.raises(SceneError, match="jump_normal"):
         check_output(scene_with(archive=archive))
+
+
+# ---------------------------------------------------------------------- probes
+
+
+def pair_probe(**changes):
+    words = {"kind": "pair", "name": "joint", "between": ["left", "middle"]} | changes
+    return scene_with(probes=[words]).probes[0]
+
+
+def test_probes_of_a_pair_show_its_jump_and_traction(make_joined):
+    context = context_for(field_of={name: name for name in "abc"})
+    probe = make_probe(pair_probe(between=["c", "b"]), make_joined(), context, "probes.0")
+    assert probe.columns == [
+        "jump_normal", "jump_tangential", "interface_traction_normal", "interface_traction_tangential",
+    ]  # fmt: skip
+    assert probe.dimensions == ["length", "length", "pressure", "pressure"]
+    assert probe.look(Snapshot(make_joined())) == pytest.approx([0.2, 0.4, 7.0, 8.0])
+
+
+def test_probes_of_a_pair_in_contact_show_the_force_on_the_first_of_its_names(make_joined):
+    state, context = make_joined(), context_for(field_of={name: name for name in "abc"})
+    state.contact.force[1] = (2.0, -3.0)
+    state.contact.area[1] = 0.5
+    for between, sign in ((["a", "c"], 1.0), (["c", "a"], -1.0)):
+        probe = make_probe(pair_probe(between=between), state, context, "probes.0")
+        assert probe.columns == ["contact_force_x", "contact_force_y", "contact_area"]
+        assert probe.look(Snapshot(state)) == pytest.approx([2.0 * sign, -3.0 * sign, 0.5])
+
+
+def test_wrong_words_of_pair_probes_are_scene_errors():
+    good = {"kind": "pair", "name": "joint", "between": ["left", "middle"]}
+    check_output(scene_with(probes=[good]))
+    for changes, path, words in (
+        ({"between": ["left", "midle"]}, "probes.0.between.1", "did you mean 'middle'"),
+        ({"between": ["left", "left"]}, "probes.0.between", "one velocity field"),
+        ({"columns": ["jump_norm"]}, "probes.0.columns.0", "did you mean 'jump_normal'"),
+        (
+            {"between": ["left", "right"], "columns": ["jump_normal"]},
+            "probes.0.columns.0",
+            "column of this pair",
+        ),
+    ):
+        with pytest.raises(SceneError, match=words) as caught:
+            check_output(scene_with(probes=[good | changes]))
+        assert [p.path for p in caught.value.problems] == [path]
+    body, *_ = SCENE["bodies"]
+    with pytest.raises(SceneError, match="several velocity fields"):
+        check_output(scene_with(bodies=[body], contact=None, probes=[good]))
