@@ -40,13 +40,6 @@ def _particle_damage(snapshot: Snapshot) -> np.ndarray:
     return _view(snapshot).particle_damage()
 
 
-def numerical_loss(snapshot: Snapshot) -> float:
-    """Energy that left the bodies through interfaces, is not stored in them and was not spent by damage [energy]."""
-    view = _view(snapshot)
-    kept = float(view.energy.sum() + view.cohesive_work.sum())
-    return (snapshot.state.work["interface_work"] - kept) * snapshot.full_ring
-
-
 def _exists(context: Context) -> bool:
     return bool(context.interfaces)
 

@@ -10,6 +10,7 @@ from typing import Any
 from mpmcli.core.errors import ArchiveError
 from mpmcli.output.checkpoint import read_checkpoint
 from mpmcli.output.files import CHECKPOINTS, FAILED, GLOBALS, SERIES, owned_files
+from mpmcli.output.interface_report import in_words, lost_in_words
 from mpmcli.output.manifest import read_manifest
 from mpmcli.output.tables import read_table
 
@@ -17,6 +18,8 @@ ARRAY = re.compile(rb'<DataArray type="(\w+)" Name="([^"]*)"(?: NumberOfComponen
 COUNT = re.compile(rb'NumberOfPoints="(\d+)"')
 DATASET = re.compile(r'<DataSet timestep="([^"]*)"')
 HEAD = 65536
+ENERGIES = ("interface_work", "interface_energy", "kinetic_energy", "stress_work")
+"""Columns that have the unit of energy."""
 
 
 def describe(path: Path | str) -> str:
@@ -96,6 +99,11 @@ def _of_manifest(contents: dict[str, Any]) -> Iterator[str]:
     if run.get("peak_memory_bytes"):
         words.append(f"{size_in_words(run['peak_memory_bytes'])} of memory")
     yield ", ".join(words)
+    if "interfaces" in run:
+        columns = contents.get("units", {}).get(GLOBALS, {})
+        yield in_words(run["interfaces"], next((columns[name] for name in ENERGIES if name in columns), ""))
+        if run["interfaces"]["lost"]:
+            yield f"warning: {lost_in_words(run['interfaces']['lost'])}"
 
 
 def _of_table(path: Path, units: dict[str, str]) -> Iterator[str]:

@@ -16,6 +16,7 @@ from mpmcli.core.state import State
 from mpmcli.output import manifest
 from mpmcli.output.checkpoint import Checkpoint, write_checkpoint
 from mpmcli.output.files import FAILED
+from mpmcli.output.interface_report import in_words, interface_facts, lost_in_words
 from mpmcli.output.recorder import Recorder
 from mpmcli.output.schedule import Schedule, is_reached
 from mpmcli.run.folder import DRY_RUN
@@ -123,6 +124,7 @@ class RunLoop:
                 code, ended = ArchiveError.exit_code, f"stopped: {error}"
         outcome = self._outcome(code, ended)
         self._report_contacts()
+        self._report_interfaces()
         self._summarise(outcome)
         return outcome
 
@@ -242,6 +244,7 @@ class RunLoop:
             peak_memory_bytes=manifest.peak_memory(),
             thread_layer=manifest.thread_layer(),
             **self._contacts(),
+            **interface_facts(self.simulation.state, self.recorder.balance.largest),
             energy_error=self.recorder.energy_error,
         )
 
@@ -286,6 +289,14 @@ class RunLoop:
             unconverged,
             100.0 * share,
         )
+
+    def _report_interfaces(self) -> None:
+        facts = interface_facts(self.simulation.state, self.recorder.balance.largest)
+        if not facts:
+            return
+        LOGGER.info("%s", in_words(facts["interfaces"], self.loaded.units.label("energy")))
+        if lost := facts["interfaces"]["lost"]:
+            LOGGER.warning("%s", lost_in_words(lost))
 
     def _summarise(self, outcome: Outcome) -> None:
         speed = self._nanoseconds()

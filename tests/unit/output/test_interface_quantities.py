@@ -9,7 +9,7 @@ import yaml
 from mpmcli.core.errors import SceneError
 from mpmcli.core.state import ContactView, InterfaceView
 from mpmcli.output.columns import all_columns, default_columns, evaluate, fields_of, resolve_columns
-from mpmcli.output.interface_quantities import numerical_loss
+from mpmcli.output.interface_report import in_words, interface_facts
 from mpmcli.output.of_scene import check_output, context_of
 from mpmcli.output.probes import grid_fields, make_probe, resolve_grid_fields
 from mpmcli.output.quantities import Context
@@ -135,9 +135,27 @@ def test_scenes_without_an_interface_law_have_none_of_it():
         resolve_grid_fields(wanted[:1], plain)
 
 
-def test_what_is_neither_stored_nor_spent_is_a_numerical_loss(make_joined):
-    assert numerical_loss(Snapshot(make_joined())) == pytest.approx(7.5 - 6.0 - 0.5)
-    assert numerical_loss(Snapshot(make_joined("axisymmetric"))) == pytest.approx(2.0 * np.pi)
+@pytest.mark.parametrize("kind", ["plane_strain", "axisymmetric"])
+def test_what_is_neither_stored_nor_spent_is_a_numerical_loss(make_joined, kind):
+    ring = 2.0 * np.pi if kind == "axisymmetric" else 1.0
+    facts = interface_facts(make_joined(kind), largest=10.0 * ring)["interfaces"]
+    assert facts["loss"] == pytest.approx((7.5 - 6.0 - 0.5) * ring)
+    assert facts["relative_loss"] == pytest.approx(0.1)
+    words = in_words(facts, "mJ")
+    if ring == 1.0:
+        assert words == (
+            "interfaces took 7.5 mJ out of the bodies: 6 mJ is stored, 0.5 mJ is dissipated by damage, 1 mJ is "
+            "numerical loss (10 % of the largest energy of the bodies)"
+        )
+
+
+def test_without_a_table_the_loss_has_no_measure_and_without_damage_no_word_of_it(make_joined):
+    state = make_joined()
+    state.contact.interfaces.cohesive_work[:] = 0.0
+    words = in_words(interface_facts(state, 0.0)["interfaces"], "")
+    assert words == "interfaces took 7.5 out of the bodies: 6 is stored, 1.5 is numerical loss"
+    state.contact.interfaces = None
+    assert interface_facts(state, 1.0) == {}
 
 
 def test_particles_show_damage(make_joined):

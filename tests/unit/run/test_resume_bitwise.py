@@ -142,6 +142,21 @@ SLOW: dict[str, dict[str, Any]] = {
         bodies=[body("ring", [0, 1], [3, 4], ["40 + 9*x", "1 - x"], temperature="300 + 20*x*y")],
         domain={"on_exit": "delete"},
     ),
+    "interfaces": scene_of(
+        "axisymmetric", 6, {"kind": "fmpm", "order": 2},
+        bodies=[body("low", [0, 0], [3, 1.5], ["x", "-1"]), body("middle", [0, 1.5], [3, 3.5]),
+                body("high", [0, 3.5], [3, 5], ["0.5*x", 2])],
+        contact={"law": {"kind": "coulomb", "friction": 0.3}, "interface": {"jump": "edges"},
+                 "pairs": [{"between": ["low", "middle"],
+                            "law": {"kind": "linear_interface", "normal": 200, "tangential": 50}},
+                           {"between": ["middle", "high"],
+                            "law": {"kind": "linear_interface", "normal": 90, "tangential": "perfect"}}]},
+        probes=[{"name": "joint", "kind": "pair", "between": ["high", "middle"]},
+                {"name": "bottom", "kind": "pair", "between": ["low", "middle"],
+                 "columns": ["interface_energy", "interface_area", "contact_force"]},
+                {"name": "node", "kind": "point", "at": [1, 3.5], "columns": ["interface_jump", "interface_traction"]}],
+        archive={"grid": {"every": 0.05, "fields": ["interface_jump", "interface_traction", "interface_damage"]}},
+    ),
     "hot metal": scene_of(
         "plane_strain", 6, {"kind": "flip"},
         method={"update": "usavg", "heating": "isothermal"},
@@ -242,6 +257,9 @@ def test_a_resumed_run_gives_the_same_bytes_in_large(name, tmp_path, monkeypatch
     if name == "hot metal":
         assert arrays["simulation.state.work.bath_heat"] != 0
         assert np.ptp(arrays["simulation.particles.T_stress"]) > 10
+    if name == "interfaces":
+        assert (arrays["simulation.contact.interface_energy"][[0, 2]] > 0.0).all()
+        assert np.isfinite(arrays["simulation.contact.interface_start_gap"][[0, 2]]).all()
 
 
 def test_resumed_again_and_again_and_after_an_archive(tmp_path, monkeypatch):

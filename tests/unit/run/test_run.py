@@ -19,11 +19,17 @@ import pytest
 from filelock import FileLock
 
 from mpmcli.core.errors import ArchiveError, Problem, SceneError, SimulationError
-from mpmcli.core.state import ContactView
+from mpmcli.core.state import ContactView, InterfaceView
 from mpmcli.output.files import LOCK
 from mpmcli.output.tables import Table
+from mpmcli.results.info import describe
 from mpmcli.run.api import LOGGER, run
 from mpmcli.run.folder import default_folder
+
+INTERFACE_NUMBERS = (
+    *("energy", "cohesive_work", "area", "broken_area", "jump_normal", "jump_tangential"),
+    *("traction_normal", "traction_tangential"),
+)
 
 
 @pytest.fixture
@@ -88,6 +94,33 @@ def test_normals_that_did_not_converge_are_counted_and_warned_of_once(
     words = f"1000 contacts in all steps; the normals of {unconverged} ("
     assert capfd.readouterr().err.count(f"warning: {words}") == warns
     assert (tmp_path / "out" / "run.log").read_text().count(words) == 1
+
+
+@pytest.mark.parametrize("lost", [0, 3])
+def test_interfaces_tell_at_the_end_where_their_energy_went(lost, go, loaded, tmp_path, capfd):
+    pairs = {name: np.full(1, 0.25e-4) for name in INTERFACE_NUMBERS}
+    interfaces = InterfaceView(np.zeros(1, int), lambda: np.zeros(2), **pairs, all_lost=lost)
+    view = ContactView(
+        pairs=[("a", "b")], force=np.zeros((1, 2)), area=np.zeros(1), momentum_error=np.zeros(2),
+        particle_normal=lambda: np.zeros((2, 2)), interfaces=interfaces,
+    )  # fmt: skip
+
+    def join():
+        loaded.simulation.state.contact = view
+        loaded.simulation.state.work["interface_work"] = 1e-4
+
+    loaded.at[0] = join
+    go()
+    facts = manifest_of(tmp_path / "out")["run"]["interfaces"]
+    assert [facts[k] for k in ("work", "energy", "cohesive_work", "lost")] == [1e-4, 0.25e-4, 0.25e-4, lost]
+    assert facts["loss"] == pytest.approx(0.5e-4)
+    printed = capfd.readouterr().err
+    words = "interfaces took 0.0001 energy out of the bodies: 2.5e-05 energy is stored, 2.5e-05 energy is dissipated"
+    told = describe(tmp_path / "out")
+    for text in (printed, told, (tmp_path / "out" / "run.log").read_text()):
+        assert words in text
+    for text in (printed, told):
+        assert text.count("warning: in 3 contacts (of all steps)") == (lost > 0)
 
 
 def test_without_contact_nothing_is_said_of_it(go, tmp_path, capfd):
