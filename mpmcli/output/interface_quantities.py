@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mpmcli.core.state import InterfaceView
+from mpmcli.core.state import InterfaceMeans, InterfaceView
 from mpmcli.output.contact_quantities import pair_name
 from mpmcli.output.global_quantities import never
 from mpmcli.output.quantities import QUANTITIES, Context, Quantity
@@ -26,7 +26,8 @@ def _of_pairs(name: str, is_sum: bool) -> Callable[[Snapshot], dict[str, float]]
     def compute(snapshot: Snapshot) -> dict[str, float]:
         view, contact = _view(snapshot), snapshot.state.contact
         assert contact is not None
-        values = getattr(view, name) * (snapshot.full_ring if is_sum else 1.0)
+        owner = view.means() if name in InterfaceMeans._fields else view
+        values = getattr(owner, name) * (snapshot.full_ring if is_sum else 1.0)
         return {pair_name(contact.pairs[i]): float(values[i]) for i in view.numbers}
 
     return compute

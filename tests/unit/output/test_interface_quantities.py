@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from mpmcli.core.errors import SceneError
-from mpmcli.core.state import ContactView, InterfaceView
+from mpmcli.core.state import ContactView, InterfaceMeans, InterfaceView
 from mpmcli.output.columns import all_columns, default_columns, evaluate, fields_of, resolve_columns
 from mpmcli.output.interface_report import in_words, interface_facts
 from mpmcli.output.of_scene import check_output, context_of
@@ -43,12 +43,8 @@ def make_joined(make_state):
             particle_damage=lambda: np.linspace(0.0, 1.0, state.particles.count),
             energy=1.0 + rows,
             cohesive_work=np.array([0.0, 0.0, 0.5]),
-            area=3.0 + rows,
             broken_area=np.array([0.0, 0.0, 0.25]),
-            jump_normal=0.1 * rows,
-            jump_tangential=0.2 * rows,
-            traction_normal=5.0 + rows,
-            traction_tangential=6.0 + rows,
+            means=lambda: InterfaceMeans(3.0 + rows, 0.1 * rows, 0.2 * rows, 5.0 + rows, 6.0 + rows),
             lost=4,
         )
         state.contact = ContactView(
