@@ -3,7 +3,7 @@
 An interface law transmits tractions across the jump δ = u_β − u_α of displacement between two fields. A new law is
 one new file here and its row in ``contact.laws.base.KINDS``: a model that derives from ``InterfaceModel``, and a
 parameter tuple with implementations of the generic functions below. Laws whose directions are independent of each
-other take ``springs.Independent`` and give a spring per direction.
+other take ``independent.Independent`` and give a spring per direction.
 """
 
 from __future__ import annotations

@@ -9,7 +9,8 @@ from pydantic import BeforeValidator, TypeAdapter, ValidationInfo, WithJsonSchem
 from mpmcli.contact.laws.base import LAWS
 from mpmcli.core.model import Quantity
 from mpmcli.interfaces.base import InterfaceModel
-from mpmcli.interfaces.springs import Elastic, Independent, Rigid
+from mpmcli.interfaces.independent import Independent
+from mpmcli.interfaces.springs import Elastic, Rigid
 
 _stiffness: TypeAdapter[Any] = TypeAdapter(Annotated[float, Quantity("pressure/length", ge=0)])
 

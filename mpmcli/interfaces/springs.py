@@ -1,30 +1,18 @@
-"""Springs: what an interface does in one direction, and laws whose directions are independent of each other.
+"""Springs: what an interface does in one direction.
 
 A spring is a named tuple of numbers with the generic functions below. ``opening`` is the jump along its direction,
-``most`` the largest so far (springs without memory ignore it).
+``most`` the largest so far (springs without memory ignore it), c = A Δt²/m_red the *compliance* [length/pressure]: a
+traction T held during a step takes c T from the opening at its end.
 """
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
-from mpmcli.contact.laws.impulse import HARD, STICKING, TINIEST, dot, length
-from mpmcli.contact.laws.stiffness import stumpff
+from mpmcli.contact.laws.impulse import HARD
+from mpmcli.contact.laws.spring import mean_opening, stumpff
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.interfaces.base import (
-    BREAKS,
-    MOST_NORMAL,
-    MOST_TANGENTIAL,
-    damage,
-    held_impulse,
-    jump_impulse,
-    openings,
-    remember,
-    stored_energy,
-    traction,
-)
 
 
 @generic
@@ -33,8 +21,18 @@ def is_perfect(spring: Any) -> Any:
 
 
 @generic
+def is_linear(spring: Any) -> Any:
+    """Whether T = D δ, so that components of a vector may be found one by one: known to the compiler."""
+
+
+@generic
 def pull(spring: Any, opening: Any, most: Any) -> Any:
     """Traction T at an opening [pressure]; negative where it presses."""
+
+
+@generic
+def rate(spring: Any, opening: Any, most: Any) -> Any:
+    """Slope dT/dδ at an opening [pressure/length]; negative where it softens."""
 
 
 @generic
@@ -43,13 +41,21 @@ def stored(spring: Any, opening: Any, most: Any) -> Any:
 
 
 @generic
-def settle(spring: Any, target: Any, compliance: Any, most: Any) -> Any:
-    """Opening δ at the end of the step: δ + c T(δ) = ``target``, c = A Δt²/m_red = ``compliance``."""
+def settle(spring: Any, opening: Any, target: Any, compliance: Any, most: Any) -> Any:
+    """Opening δ at the end of the step: δ + c T(δ) = ``target``.
+
+    Where a law softens there may be several; it is the next one on the way from ``opening``, that of the start.
+    """
+
+
+@generic
+def resist(spring: Any, opening: Any, target: Any, compliance: Any, most: Any) -> Any:
+    """Traction at the end of the step, T(δ) with δ of ``settle``."""
 
 
 @generic
 def oscillate(spring: Any, opening: Any, free: Any, pushed: Any, compliance: Any, most: Any) -> Any:
-    """c J/(A Δt) of a spring that moves by itself within the step: c times its mean traction [length].
+    """Mean traction J/(A Δt) of a spring that moves by itself within the step [pressure].
 
     ``opening`` δ(0), ``free`` = Δp⁺ Δt/m_red and ``pushed`` = f Δt²/m_red are lengths (Nairn 2023, Eqs. 5.45, 5.62).
     """
@@ -67,31 +73,30 @@ class Elastic(NamedTuple):
     stiffness: float
 
 
-class Independent(NamedTuple):
-    """A law of two springs that do not know of each other."""
-
-    normal: Any
-    tangential: Any
-
-
 @is_perfect.register(Rigid)
-def _(spring):
+@is_linear.register(Elastic)
+def yes(spring):
+    """It is."""
     return True
 
 
 @is_perfect.register(Elastic)
-def _(spring):
+@is_linear.register(Rigid)
+def no(spring):
+    """It is not."""
     return False
 
 
 @pull.register(Rigid)
+@rate.register(Rigid)
 @stored.register(Rigid)
 def _(spring, opening, most):
     return 0.0
 
 
 @settle.register(Rigid)
-def _(spring, target, compliance, most):
+@resist.register(Rigid)
+def _(spring, opening, target, compliance, most):
     return 0.0
 
 
@@ -105,23 +110,57 @@ def _(spring, opening, most):
     return spring.stiffness * opening
 
 
+@rate.register(Elastic)
+def _(spring, opening, most):
+    return spring.stiffness
+
+
 @stored.register(Elastic)
 def _(spring, opening, most):
     return 0.5 * spring.stiffness * opening * opening
 
 
 @settle.register(Elastic)
-def _(spring, target, compliance, most):
+def _(spring, opening, target, compliance, most):
     return target / (1.0 + compliance * spring.stiffness)
+
+
+@resist.register(Elastic)
+def resist_by_pull(spring, opening, target, compliance, most):
+    """``resist`` of springs whose traction is known from the opening."""
+    return pull(spring, settle(spring, opening, target, compliance, most), most)
 
 
 @oscillate.register(Elastic)
 def _(spring, opening, free, pushed, compliance, most):
     u = spring.stiffness * compliance
-    if u > HARD:  # too stiff for the step: it sticks
-        return free / compliance
+    if u > HARD:
+        return stick(free, compliance)
     c2, c3, c4 = stumpff(u)
-    return 2.0 * spring.stiffness * (opening * c2 + free * c3 + pushed * (c4 - c3))
+    return 2.0 * spring.stiffness * mean_opening(opening, free, pushed, c2, c3, c4)
+
+
+@inline
+def stick(free, compliance):
+    """Mean traction of a spring that is too stiff for the step: J = Δp⁺."""
+    return free / compliance
+
+
+def oscillate_nonlinear(spring, opening, free, pushed, compliance, most):
+    """``oscillate`` to first order, for any law (Nairn 2023, Eqs. 5.55, 5.61–5.63).
+
+    Where the law is too stiff for the step, φ > π/2, it sticks; where it softens as fast, it transmits nothing.
+    """
+    first = pull(spring, opening, most)
+    slope = compliance * rate(spring, opening, most)
+    mean = opening - compliance * first / 6.0 + 0.5 * free - pushed / 3.0
+    traction = 0.5 * (first + pull(spring, mean, most))
+    if abs(slope) <= HARD:
+        end = opening - 0.5 * compliance * traction + free - 0.5 * pushed
+        slope = compliance * rate(spring, end, most)
+    if slope > HARD:
+        return stick(free, compliance)
+    return 0.0 if slope < -HARD else traction
 
 
 @inline
@@ -129,102 +168,4 @@ def mean_pull(spring, opening, free, pushed, compliance, most, oscillates):
     """Mean traction of a spring over the step, from its state and what moves it (``oscillate``)."""
     if oscillates:
         return oscillate(spring, opening, free, pushed, compliance, most)
-    return pull(spring, settle(spring, opening + free, compliance, most), most)
-
-
-# fmt: off
-@jump_impulse.register(Independent)
-def _(law, axes, dp, n, jump, force, area, reduced_mass, dt, history, oscillates, out):
-    per_mass = dt / max(reduced_mass, TINIEST)
-    compliance = area * dt * per_mass
-    along, opening = dot(axes, dp, n), dot(axes, jump, n)
-    pushing = dot(axes, force, n) if oscillates else 0.0
-    most_normal, most_tangential = history[MOST_NORMAL], history[MOST_TANGENTIAL]
-    normal = along
-    if not is_perfect(law.normal):
-        normal = area * dt * mean_pull(
-            law.normal, opening, along * per_mass, pushing * dt * per_mass, compliance, most_normal, oscillates
-        )
-    if is_perfect(law.tangential):
-        for a in range(len(axes)):
-            out[a] = dp[a] + (normal - along) * n[a]
-        return STICKING
-    # along the surface the traction points where the jump would go without it
-    for a in range(len(axes)):
-        out[a] = (jump[a] - opening * n[a]) + (dp[a] - along * n[a]) * per_mass
-    target = length(axes, out)
-    if target == 0.0:
-        for a in range(len(axes)):
-            out[a] = normal * n[a]
-        return STICKING
-    start, free, pushed = 0.0, 0.0, 0.0
-    for a in range(len(axes)):
-        t = out[a] / target
-        start += (jump[a] - opening * n[a]) * t
-        free += (dp[a] - along * n[a]) * per_mass * t
-        if oscillates:
-            pushed += (force[a] - pushing * n[a]) * dt * per_mass * t
-    drawn = area * dt * mean_pull(
-        law.tangential, start, free, pushed, compliance, most_tangential, oscillates
-    ) / target
-    for a in range(len(axes)):
-        out[a] = normal * n[a] + drawn * out[a]
-    return STICKING
-# fmt: on
-
-
-@held_impulse.register(Independent)
-def _(law, axes, dp, n, out):
-    along = dot(axes, dp, n)
-    for a in range(len(axes)):
-        out[a] = 0.0
-        if is_perfect(law.normal):
-            out[a] += along * n[a]
-        if is_perfect(law.tangential):
-            out[a] += dp[a] - along * n[a]
-    return STICKING
-
-
-@traction.register(Independent)
-def _(law, axes, n, jump, history, out):
-    opening = dot(axes, jump, n)
-    normal = pull(law.normal, opening, history[MOST_NORMAL])
-    for a in range(len(axes)):
-        out[a] = jump[a] - opening * n[a]
-    slip = length(axes, out)
-    drawn = pull(law.tangential, slip, history[MOST_TANGENTIAL]) / slip if slip > 0.0 else 0.0
-    for a in range(len(axes)):
-        out[a] = normal * n[a] + drawn * out[a]
-
-
-@inline
-def slip_of(axes, n, jump, opening):
-    """Size of the jump along the surface, whose part along the normal is ``opening``."""
-    square = 0.0
-    for a in range(len(axes)):
-        square += (jump[a] - opening * n[a]) ** 2
-    return math.sqrt(square)
-
-
-@stored_energy.register(Independent)
-def _(law, axes, n, jump, history):
-    opening = dot(axes, jump, n)
-    slip = slip_of(axes, n, jump, opening)
-    return stored(law.normal, opening, history[MOST_NORMAL]) + stored(
-        law.tangential, slip, history[MOST_TANGENTIAL]
-    )
-
-
-@openings.register(Independent)
-def _(law, axes, n, jump, now):
-    now[0], now[1] = 0.0, 0.0
-
-
-@remember.register(Independent)
-def _(law, axes, n, jump, history):
-    return 0.0
-
-
-@damage.register(Independent)
-def _(law, history):
-    return history[BREAKS]
+    return resist(spring, opening, opening + free, compliance, most)

@@ -164,23 +164,27 @@ def _nested(
 
 def _tag_problem(kind: str, place: Place, context: dict[str, Any]) -> Problem:
     path = ".".join(place.path)
+    key = str(context.get("discriminator", "kind")).strip("'")
     noun = (
         "region"
         if "region" in place.path
         else next((_NOUNS[part] for part in reversed(place.path) if part in _NOUNS), "kind")
+        if key == "kind"
+        else key
     )
     if kind == "union_tag_not_found":
         if not place.node.is_mapping:
-            message = f"a mapping with 'kind' is needed, not {describe(place.node.plain())}"
+            message = f"a mapping with '{key}' is needed, not {describe(place.node.plain())}"
             return place.node.mark.problem(path, message, "type")
-        return place.node.mark.problem(_join(path, "kind"), f"is missing; give the kind of {noun}", "missing")
+        message = f"is missing; give the {f'kind of {noun}' if key == 'kind' else key}"
+        return place.node.mark.problem(_join(path, key), message, "missing")
     names = re.findall(r"'([^']*)'", str(context.get("expected_tags", "")))
-    node = place.node.value.get("kind", place.node) if place.node.is_mapping else place.node
+    node = place.node.value.get(key, place.node) if place.node.is_mapping else place.node
     word = describe(node.value)
     message = (
         f"{word} is not a known {noun}{did_you_mean(str(node.value), names)} (allowed: {listing(names, 40)})"
     )
-    return node.mark.problem(_join(path, "kind"), message, "unknown_kind")
+    return node.mark.problem(_join(path, key), message, "unknown_kind")
 
 
 def _words(kind: str, context: dict[str, Any], details: dict[str, Any]) -> str:
@@ -286,7 +290,8 @@ def _keys_of(model: type[BaseModel], loc: Sequence[Any]) -> list[str]:
 
 
 def _kinds(model: type[BaseModel]) -> tuple[Any, ...]:
-    field = model.model_fields.get("kind")
+    """By what a model is told apart from its alternatives."""
+    field = model.model_fields.get("kind", model.model_fields.get("shape"))
     return get_args(field.annotation) if field is not None else ()
 
 

@@ -14,6 +14,7 @@ from mpmcli.core.registry import Registry
 
 KINDS = {
     "adhesion_friction": "contact.laws.adhesion_friction",
+    "cohesive": "interfaces.cohesive",
     "coulomb": "contact.laws.coulomb",
     "frictionless": "contact.laws.frictionless",
     "linear_interface": "interfaces.linear_interface",

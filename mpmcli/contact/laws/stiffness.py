@@ -7,7 +7,6 @@ sides that press.
 
 from __future__ import annotations
 
-import math
 from typing import Annotated
 
 from mpmcli.contact.laws.base import LawModel
@@ -24,14 +23,11 @@ from mpmcli.contact.laws.impulse import (
     leave,
     slide,
 )
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.contact.laws.spring import end_opening, mean_opening, stumpff
 from mpmcli.core.model import Quantity
 
 FAR = 1e150
 """Separations beyond this are no lengths, but a method's word for "always touching" or "nothing there"."""
-
-C3_TERMS = tuple((-1.0) ** k / math.factorial(2 * k + 3) for k in range(12))
-C4_TERMS = tuple((-1.0) ** k / math.factorial(2 * k + 4) for k in range(12))
 
 
 class PressedModel(LawModel):
@@ -51,16 +47,6 @@ class PressedModel(LawModel):
         return 0.0 if self.stiffness is None else self.stiffness
 
 
-@inline
-def stumpff(u):
-    """c₂ = (1 − cos φ)/φ², c₃ = (1 − sin φ/φ)/φ² and c₄ = (½ − c₂)/φ² for u = φ² up to (π/2)², by their series."""
-    c3, c4 = 0.0, 0.0
-    for k in range(len(C3_TERMS) - 1, -1, -1):
-        c3 = c3 * u + C3_TERMS[k]
-        c4 = c4 * u + C4_TERMS[k]
-    return 0.5 - u * c4, c3, c4
-
-
 # fmt: off
 def spring_impulse(law, axes, dp0, n, separation, force, area, reduced_mass, dt, displacement_only, bond, out):
     """``law_impulse_at_end`` for laws with a ``stiffness``; 0 and contacts too stiff for the step are rigid."""
@@ -75,8 +61,8 @@ def spring_impulse(law, axes, dp0, n, separation, force, area, reduced_mass, dt,
     moved = (abs(pressed) + abs(force) * dt) * dt
     per_mass = dt / max(reduced_mass, NARROWEST * moved, TINIEST)
     free, pushed = pressed * per_mass, force * dt * per_mass
-    end = separation * (1.0 - u * c2) + free * (1.0 - u * c3) + pushed * (c2 + u * c3 - 1.0)
-    impulse = 2.0 * spring * (separation * c2 + free * c3 + pushed * (c4 - c3))
+    end = end_opening(separation, free, pushed, u, c2, c3)
+    impulse = 2.0 * spring * mean_opening(separation, free, pushed, c2, c3, c4)
     if end < 0.0 and (impulse < 0.0 or displacement_only):
         return slide(law, axes, dp0, n, pressed, impulse, area * dt, reduced_mass, out)
     return leave(axes, out)

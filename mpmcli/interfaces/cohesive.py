@@ -1,0 +1,77 @@
+"""Cohesive joints: tractions that rise, soften and fail, and contact thereafter."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+
+from pydantic import AfterValidator, Field
+
+from mpmcli.contact.laws.base import LAWS, LawModel
+from mpmcli.contact.laws.frictionless import Frictionless
+from mpmcli.core.registry import OneOf
+from mpmcli.interfaces.base import InterfaceModel
+from mpmcli.interfaces.cohesion import Cohesion
+from mpmcli.interfaces.mixing import Mixing, NoMixing
+from mpmcli.interfaces.shapes import AnyShape
+from mpmcli.interfaces.softening import Softening
+
+
+def of_sides_that_press(law: LawModel) -> LawModel:
+    """Refuse contact laws that do more, or less, than sides that press on each other do."""
+    kind = getattr(law, "kind", "this")
+    if law.is_interface or law.adhesive or law.skipped or not law.needs_normal:
+        raise ValueError(
+            f"closed faces need a contact law of sides that press, such as frictionless or coulomb, not '{kind}'"
+        )
+    return law
+
+
+Closed = Annotated[Any, OneOf(LAWS), AfterValidator(of_sides_that_press)]
+
+
+def spring_of(shape: Any) -> Any:
+    """The spring of a shape."""
+    return Softening(shape.parameters()) if shape.fails else shape.spring()
+
+
+@LAWS.register
+class Cohesive(InterfaceModel):
+    """A joint with a strength and a toughness in each mode; what has failed is in contact by ``closed``."""
+
+    keeps_history: ClassVar[bool] = True
+
+    kind: Literal["cohesive"]
+    normal: AnyShape
+    """Mode I: traction against opening."""
+    tangential: AnyShape
+    """Modes II and III: shear traction against slip."""
+    mixing: Mixing = Field(default_factory=lambda: NoMixing(kind="none"))
+    """How the modes fail together."""
+    closed: Closed = Field(default_factory=lambda: Frictionless(kind="frictionless"))
+    """Contact law of closed faces: its pressure while the joint holds, all of it after."""
+
+    @property
+    def closed_law(self) -> LawModel:
+        """``closed``."""
+        law: LawModel = self.closed
+        return law
+
+    @property
+    def slopes(self) -> tuple[float, float]:
+        """Initial stiffness of both modes, that of closed faces if larger [pressure/length]."""
+        return max(self.normal.slope, getattr(self.closed, "spring", 0.0)), self.tangential.slope
+
+    @property
+    def last_opening(self) -> float:
+        """The larger opening at failure of both modes [length]."""
+        return max(self.normal.resistance.opening, self.tangential.resistance.opening)
+
+    def parameters(self) -> NamedTuple:
+        """Springs of both modes, mixing and contact."""
+        return Cohesion(
+            normal=spring_of(self.normal),
+            tangential=spring_of(self.tangential),
+            mixing=self.mixing.parameters(),
+            closed=self.closed.parameters(),
+            pressed=getattr(self.closed, "spring", 0.0),
+        )

@@ -1,0 +1,91 @@
+"""Linear to the strength, linear to failure."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, NamedTuple
+
+from mpmcli.core.model import Quantity
+from mpmcli.interfaces.shapes.base import (
+    PEAK,
+    ShapeModel,
+    elastic_end,
+    envelope,
+    envelope_slope,
+    failure,
+    secant,
+    snap,
+    spent,
+)
+
+
+class TriangularShape(ShapeModel):
+    """S rises linearly to σ at δ_e and falls linearly to 0 at δ_c: G = ½ σ δ_c."""
+
+    shape: Literal["triangular"]
+    peak: Annotated[float, Quantity("1", gt=0, lt=1)] = PEAK
+    """δ_e/δ_c: where the traction is largest, as a share of the opening at failure."""
+
+    @property
+    def area(self) -> float:
+        """½."""
+        return 0.5
+
+    @property
+    def slope(self) -> float:
+        """σ/δ_e."""
+        strength, _, opening = self.resistance
+        return strength / (self.peak * opening)
+
+    def scaled(self, strength: float, opening: float) -> Triangular:
+        """Strength and both openings."""
+        return Triangular(strength, self.peak * opening, opening)
+
+
+class Triangular(NamedTuple):
+    """σ [pressure], δ_e and δ_c [length]."""
+
+    strength: float
+    elastic: float
+    opening: float
+
+
+@envelope.register(Triangular)
+def _(shape, opening):
+    if opening <= shape.elastic:
+        return shape.strength * (opening / shape.elastic)
+    return shape.strength * max(shape.opening - opening, 0.0) / (shape.opening - shape.elastic)
+
+
+@envelope_slope.register(Triangular)
+def _(shape, opening):
+    if opening <= shape.elastic:
+        return shape.strength / shape.elastic
+    return -shape.strength / (shape.opening - shape.elastic) if opening < shape.opening else 0.0
+
+
+@elastic_end.register(Triangular)
+def _(shape):
+    return shape.elastic
+
+
+@failure.register(Triangular)
+def _(shape):
+    return shape.opening
+
+
+@secant.register(Triangular)
+def _(shape, opening):
+    return envelope(shape, opening) / opening
+
+
+@spent.register(Triangular)
+def _(shape, opening):
+    share = (opening - shape.elastic) / (shape.opening - shape.elastic)
+    return 0.5 * shape.strength * shape.opening * min(max(share, 0.0), 1.0)
+
+
+@snap.register(Triangular)
+def _(shape, compliance):
+    if compliance * shape.strength > shape.opening - shape.elastic:
+        return shape.elastic, shape.opening
+    return shape.opening, shape.opening
