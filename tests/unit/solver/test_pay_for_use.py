@@ -32,7 +32,7 @@ for scene in yaml.safe_load(sys.stdin):
         "misses": sum(k.cache_misses() for k in compiled),
         "contact": sorted({k.name for k in compiled if k[False].py_func.__module__.startswith("mpmcli.contact")}),
         "modules": [m for m in sys.modules if m in ("vtk", "matplotlib", "pandas", "meshio", "scipy.linalg")
-                    or m == "mpmcli.transport.conduction"],
+                    or m == "mpmcli.transport.conduction" or m.startswith("mpmcli.interfaces")],
     })
 print(json.dumps(reports))
 """
@@ -152,7 +152,7 @@ def test_contact_compiles_the_kernels_that_explain_names(place, law, scenes, rep
     assert set(reports[place]["compiled"]) == named | {"locate_cells", "counting_sort"}
 
 
-def test_running_imports_no_writers_and_nothing_of_heat(reports):
+def test_running_imports_no_writers_and_nothing_of_heat_and_interfaces(reports):
     assert reports[-1]["modules"] == []
 
 
