@@ -254,17 +254,23 @@ def _hint_of_key(word: str, keys: list[str], model: type[BaseModel]) -> str:
 
 @cache
 def _paths_of_sections(model: type[BaseModel], depth: int = 2) -> dict[str, str]:
-    """Dotted paths of the keys of a model's sections (mappings that are no lists and no names of the user), by key."""
+    """Dotted paths of the keys of a model's sections (mappings that are no lists and no names of the user), by key.
+
+    Of several the shortest.
+    """
     found: dict[str, str] = {}
-    for section, field in model.model_fields.items():
-        if get_origin(field.annotation) in (tuple, list, dict):
-            continue
-        for inner in (*_models(field.annotation), *_models(field.metadata)):
-            deeper = _paths_of_sections(inner, depth - 1) if depth > 1 else {}
-            for key in inner.model_fields:
-                found.setdefault(key, f"{section}.{key}")
-            for key, path in deeper.items():
-                found.setdefault(key, f"{section}.{path}")
+    inner_models = [
+        (section, inner)
+        for section, field in model.model_fields.items()
+        if get_origin(field.annotation) not in (tuple, list, dict)
+        for inner in (*_models(field.annotation), *_models(field.metadata))
+    ]
+    for section, inner in inner_models:
+        for key in inner.model_fields:
+            found.setdefault(key, f"{section}.{key}")
+    for section, inner in inner_models:
+        for key, path in (_paths_of_sections(inner, depth - 1) if depth > 1 else {}).items():
+            found.setdefault(key, f"{section}.{path}")
     return {key: path for key, path in found.items() if key not in {"kind", "name"}}
 
 

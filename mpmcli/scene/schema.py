@@ -9,6 +9,8 @@ from pydantic.json_schema import models_json_schema
 
 DIALECT = "http://json-schema.org/draft-07/schema#"
 _TEXT = {"type": "string"}
+TAGS = ("kind", "shape")
+"""Keys by which alternatives are told apart."""
 
 
 def scene_schema() -> dict[str, Any]:
@@ -81,24 +83,27 @@ def _name_alternatives(node: Any) -> None:
 def _choose_by_kind(node: Any, definitions: dict[str, Any]) -> None:
     """Turn "one of these" into "if the kind is …, then this one", so that editors blame the branch that is meant."""
     branches: list[Any] = node.get("oneOf", []) if isinstance(node, dict) else []
-    kinds = [_kind_of(branch, definitions) for branch in branches]
-    if kinds and all(kinds):
+    for tag in TAGS:
+        kinds = [_kind_of(branch, definitions, tag) for branch in branches]
+        if not kinds or not all(kinds):
+            continue
         del node["oneOf"]
         node["type"] = "object"
-        node["required"] = ["kind"]
-        node["properties"] = {"kind": {"enum": sorted(_names(kinds))}}
+        node["required"] = [tag]
+        node["properties"] = {tag: {"enum": sorted(_names(kinds))}}
         node["allOf"] = [
-            {"if": {"properties": {"kind": kind}, "required": ["kind"]}, "then": branch}
+            {"if": {"properties": {tag: kind}, "required": [tag]}, "then": branch}
             for kind, branch in zip(kinds, branches, strict=True)
         ]
+        break
     for member in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
         _choose_by_kind(member, definitions)
 
 
-def _kind_of(branch: Any, definitions: dict[str, Any]) -> dict[str, Any]:
-    """What the schema of an alternative says of its ``kind``; nothing if it is none."""
+def _kind_of(branch: Any, definitions: dict[str, Any], tag: str) -> dict[str, Any]:
+    """What the schema of an alternative says of its ``kind``, the key ``tag``; nothing if it is none."""
     definition = definitions.get(str(branch.get("$ref", "")).removeprefix("#/definitions/"), {})
-    kind = definition.get("properties", {}).get("kind", {})
+    kind = definition.get("properties", {}).get(tag, {})
     return {key: kind[key] for key in ("const", "enum") if key in kind}
 
 

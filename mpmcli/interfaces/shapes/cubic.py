@@ -21,6 +21,7 @@ class CubicShape(ShapeModel):
     """S = (27 σ/4) x (1 − x)² with x = δ/δ_c; largest at x = 1/3: G = 9 σ δ_c/16."""
 
     shape: Literal["cubic"]
+    """Its name."""
 
     @property
     def area(self) -> float:

@@ -26,6 +26,7 @@ class ExponentialShape(ShapeModel):
     """
 
     shape: Literal["exponential"]
+    """Its name."""
     alpha: Annotated[float, Quantity("1", ge=0.01, le=100)]
     """α: how fast the traction falls; a small one is almost a triangle."""
     peak: Annotated[float, Quantity("1", gt=0, lt=1)] = PEAK

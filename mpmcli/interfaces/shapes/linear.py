@@ -15,6 +15,7 @@ class LinearShape(Model):
     fails: ClassVar[bool] = False
 
     shape: Literal["linear"]
+    """Its name."""
     stiffness: Annotated[float, Quantity("pressure/length", ge=0)]
     """Traction per opening k."""
 

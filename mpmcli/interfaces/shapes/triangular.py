@@ -22,6 +22,7 @@ class TriangularShape(ShapeModel):
     """S rises linearly to σ at δ_e and falls linearly to 0 at δ_c: G = ½ σ δ_c."""
 
     shape: Literal["triangular"]
+    """Its name."""
     peak: Annotated[float, Quantity("1", gt=0, lt=1)] = PEAK
     """δ_e/δ_c: where the traction is largest, as a share of the opening at failure."""
 

@@ -27,6 +27,7 @@ class TrilinearShape(ShapeModel):
     """
 
     shape: Literal["trilinear"]
+    """Its name."""
     peak: Annotated[float, Quantity("1", gt=0, lt=1)] = PEAK
     """δ_e/δ_c: where the traction is largest, as a share of the opening at failure."""
     kink_opening: Annotated[float, Quantity("1", gt=0, lt=1)]
