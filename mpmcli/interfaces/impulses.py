@@ -170,7 +170,7 @@ def close_step(law, axes, which, count, fields, nodes, geometry, rows, jumps, af
         normal, end, history, now = geometry.normal[k], jumps.end[k], jumps.history[k], jumps.now[k]
         for a in range(len(axes)):
             end[a] = jumps.jump[k, a] + after[k, a] * dt
-        opening[k] = dot(axes, end, normal)
+        opening[k] = dot(axes, jumps.jump[k], normal)
         now[0], now[1] = 0.0, 0.0
         if history[BREAKS] > 0.5:
             continue

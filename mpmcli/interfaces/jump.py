@@ -29,7 +29,7 @@ class JumpRows(NamedTuple):
     now : (k, 2) openings at the end of the step [length]
     work, stored, spent : (k,) energy that the interface takes out of the bodies in the step; that it gives back; that
         is lost for good in the step [energy]
-    opening : (k,) part of ``end`` along the normal [length]
+    opening : (k,) part of ``jump`` along the normal [length]
     sums : (k, 2 d + d d) scratch
     """
 
