@@ -86,22 +86,7 @@ class ContactChoice:
             arrays["X0"] = particles.X.copy()
         if self.breaks:
             arrays["bond"] = np.ones(particles.count)
-        rows = int(self.history_rows().max(initial=-1))
-        if rows >= 0:
-            arrays["interface"] = np.full((rows + 3, particles.count), -1.0)
-            arrays["interface"][2::3] = 0.0
         return arrays
-
-    def history_rows(self) -> Array:
-        """(fields, fields) first row of a pair's history on particles of the first field, −1 where it has none."""
-        rows = np.full(self.table.shape, -1, dtype=np.int64)
-        for field, laws in enumerate(self.table):
-            keeping = [other for other, law in enumerate(laws) if law >= 0 and self._keeps_history(int(law))]
-            rows[field, keeping] = 3 * np.arange(len(keeping))
-        return rows
-
-    def _keeps_history(self, law: int) -> bool:
-        return self.laws[law].is_interface and self.laws[law].keeps_history
 
     def facts(self, order: CellOrder) -> dict[str, Any]:
         """Return the choices in words, and how many nodes and particles the first step checks for contact."""

@@ -17,6 +17,7 @@ from mpmcli.core.variants import StrainUpdate
 from mpmcli.interfaces import impulses
 from mpmcli.interfaces.base import BREAKS, HISTORY, damage
 from mpmcli.interfaces.damage import damage_of_particles
+from mpmcli.interfaces.histories import start_histories
 from mpmcli.interfaces.jump import (
     EDGES,
     EXTRAPOLATED,
@@ -68,7 +69,7 @@ class Interfaces:
         self._closed = {i: choice.laws[i].closed_law.parameters() for i in self.laws}
         of_law = np.zeros(len(choice.laws), dtype=bool)
         of_law[list(self.laws)] = True
-        rows = choice.history_rows()
+        rows = start_histories(choice, order.particles, grid)
         self._sides = Sides(of_law, rows, pair)
         self._remembers = bool((rows >= 0).any())
         at = {name: field for field, name in enumerate(choice.fields)}
@@ -164,11 +165,11 @@ class Interfaces:
         n = len(view.energy)
         is_broken = j.history[mine, BREAKS] > 0.5
         self._work["interface_work"] += float(np.sum(j.work[mine] * share))
-        view.energy += np.bincount(pair, j.stored[mine] * share, n)
+        view.energy += sums_of_pairs(pair, j.stored[mine] * share, n)
         if self._remembers:
-            view.cohesive_work += np.bincount(pair, j.spent[mine] * share, n)
+            view.cohesive_work += sums_of_pairs(pair, j.spent[mine] * share, n)
             breaks = is_broken & ~was_broken[mine]
-            view.broken_area += np.bincount(pair, c.geometry.area[mine] * share * breaks, n)
+            view.broken_area += sums_of_pairs(pair, c.geometry.area[mine] * share * breaks, n)
         view.lost = int(np.count_nonzero(~is_broken & (j.opening[mine] > LOST * self._grid.cell.max())))
         view.all_lost += view.lost
 
@@ -194,10 +195,10 @@ class Interfaces:
             c, j, n = self._contacts, self.jumps, len(self.view.energy)
             mine = np.flatnonzero(self.bonded())
             pair, area = self._pairs[mine], c.geometry.area[mine] * self._shares[mine]
-            total = np.bincount(pair, area, n)
+            total = sums_of_pairs(pair, area, n)
             normal = c.geometry.normal[mine]
             parts = (*parts_of(j.end[mine], normal), *parts_of(self.tractions()[mine], normal))
-            sums = [np.bincount(pair, part * area, n) for part in parts]
+            sums = [sums_of_pairs(pair, part * area, n) for part in parts]
             for each in sums:
                 np.divide(each, total, out=each, where=total > 0.0)
             self._means = InterfaceMeans(total, *sums)
@@ -278,6 +279,13 @@ class Interfaces:
 
 VIEWED = ("energy", "cohesive_work", "broken_area", "lost", "all_lost")
 """What is remembered of the account that output sees."""
+
+
+def sums_of_pairs(pair: Array, values: Array, count: int) -> Array:
+    """Sums of values by the number of the pair that each belongs to, (count,)."""
+    out = np.zeros(count)
+    np.add.at(out, pair, values)
+    return out
 
 
 def parts_of(vectors: Array, normal: Array) -> tuple[Array, Array]:

@@ -105,7 +105,8 @@ def _in_common(X: Array, half: Array, field: Array, pair: tuple[int, int], dista
         low = np.maximum(low, (X[:, mine] - reach).min(axis=1, initial=np.inf))
         high = np.minimum(high, (X[:, mine] + reach).max(axis=1, initial=-np.inf))
     reach = half + 0.5 * distance[:, None]
-    found: Array = ((X + reach >= low[:, None]) & (X - reach <= high[:, None])).all(axis=0)
+    is_above, is_below = X + reach >= low[:, None], X - reach <= high[:, None]
+    found: Array = np.all(is_above & is_below, axis=0)
     return found
 
 
