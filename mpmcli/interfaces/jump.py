@@ -170,12 +170,24 @@ def find_jump(axes, way, slot, i, alpha, beta, rigid, around, near, matter, sums
                 out[a] += F[d * a + b] * at_alpha[b] / m_both if m_both > 0.0 else 0.0
 
 
+@inline
+def share_of_node(a, b, h):
+    """Share of an interface that is this node's, of all nodes across it; ``a``, ``b`` are the distances of its edges.
+
+    That is the smaller of the linear grid functions at both edges, over the sum of these at all nodes: where the edge
+    of one side hardly reaches the node, the traction is as small as the forces of the stresses there.
+    """
+    if a * b < 0.0:
+        return 1.0
+    return max(1.0 - max(abs(a), abs(b)) / h, SMALLEST) / max(1.0 - abs(a - b) / h, 0.5)
+
+
 @kernel
 def open_areas(axes, sides, count, fields, around, geometry, rows):
     """Let areas neither shrink where interfaces open, since the gap has no volume, nor grow where they are pressed.
 
-    A = (Ω_α + Ω_β) N/(h⊥ − δ_n N), with N = 1 − d/h⊥ the linear grid function of the middle of the gap. Where a
-    method does not know the edges, N keeps its share of the area by volumes.
+    A = (Ω_α + Ω_β) w/(h⊥ − δ_n N), with w of ``share_of_node`` and N = 1 − d/h⊥ the linear grid function of the middle
+    of the gap. Where a method does not know the edges, w keeps the share of the area by volumes, and N is 1.
     """
     area = geometry.area
     for k in prange(count):
@@ -186,11 +198,12 @@ def open_areas(axes, sides, count, fields, around, geometry, rows):
             opening += rows.jump[k, a] * geometry.normal[k, a]
         h = perpendicular_size(axes, around.cell, geometry.normal[k])
         first, second = geometry.distances[k, 0], geometry.distances[k, 1]
-        part, middle = 1.0, 1.0
+        share, middle = 1.0, 1.0
         if max(abs(first), abs(second)) < UNKNOWN:
-            part = max(1.0 - min(abs(first), abs(second)) / h, SMALLEST)
-            middle = max(1.0 - 0.5 * abs(first + second) / h, SMALLEST)
-        area[k] *= middle / part * h / max(h - opening * middle, 0.5 * h)
+            counted = max(1.0 - min(abs(first), abs(second)) / h, SMALLEST)  # as in ``contact_area``
+            share = share_of_node(first, second, h) / counted
+            middle = max(1.0 - 0.5 * abs(first + second) / h, 0.0)
+        area[k] *= share * h / max(h - opening * middle, 0.5 * h)
 
 
 @kernel
