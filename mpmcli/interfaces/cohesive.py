@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, model_validator
 
 from mpmcli.contact.laws.base import LAWS, LawModel
 from mpmcli.contact.laws.frictionless import Frictionless
 from mpmcli.core.registry import OneOf
 from mpmcli.interfaces.base import InterfaceModel
 from mpmcli.interfaces.cohesion import Cohesion
-from mpmcli.interfaces.mixing import Mixing, NoMixing
+from mpmcli.interfaces.coupled_cohesion import CoupledCohesion
+from mpmcli.interfaces.mixing import CoupledMixing, Mixing, NoMixing
 from mpmcli.interfaces.shapes import AnyShape
+from mpmcli.interfaces.shapes.base import Resistance
 from mpmcli.interfaces.softening import Softening
 
 
@@ -68,10 +70,47 @@ class Cohesive(InterfaceModel):
 
     def parameters(self) -> NamedTuple:
         """Springs of both modes, mixing and contact."""
+        pressed = getattr(self.closed, "spring", 0.0)
+        if isinstance(self.mixing, CoupledMixing):
+            shape: Any = self.normal  # which is one that fails
+            normal, tangential = self.normal.resistance, self.tangential.resistance
+            return CoupledCohesion(
+                shape=shape.unit,
+                normal_strength=normal.strength,
+                tangential_strength=tangential.strength,
+                normal_opening=normal.opening,
+                tangential_opening=tangential.opening,
+                closed=self.closed.parameters(),
+                pressed=pressed,
+            )
         return Cohesion(
             normal=spring_of(self.normal),
             tangential=spring_of(self.tangential),
             mixing=self.mixing.parameters(),
             closed=self.closed.parameters(),
-            pressed=getattr(self.closed, "spring", 0.0),
+            pressed=pressed,
         )
+
+    @model_validator(mode="after")
+    def _same_shape_if_coupled(self) -> Self:
+        if isinstance(self.mixing, CoupledMixing):
+            for mode, shape in (("normal", self.normal), ("tangential", self.tangential)):
+                if not shape.fails:
+                    raise ValueError(
+                        f"mixing 'coupled' needs modes that fail; the shape of {mode} is '{shape.shape}'"
+                    )
+            different = different_keys(self.normal, self.tangential)
+            if different:
+                raise ValueError(
+                    f"mixing 'coupled' needs the same shape in both modes; different: {', '.join(different)}"
+                )
+        return self
+
+
+def different_keys(normal: Any, tangential: Any) -> list[str]:
+    """Return what makes the shapes of two modes different, strength, toughness and opening apart."""
+    if normal.shape != tangential.shape:
+        return [f"shape ({normal.shape}, {tangential.shape})"]
+    keys = set(type(normal).model_fields) - {"shape", *Resistance._fields}
+    values = {key: (getattr(normal, key), getattr(tangential, key)) for key in sorted(keys)}
+    return [f"{key} ({a:g}, {b:g})" for key, (a, b) in values.items() if a != b]

@@ -2,39 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Literal, Self
 
-from pydantic import BeforeValidator, TypeAdapter, ValidationInfo, WithJsonSchema, model_validator
+from pydantic import model_validator
 
 from mpmcli.contact.laws.base import LAWS
-from mpmcli.core.model import Quantity
 from mpmcli.interfaces.base import InterfaceModel
 from mpmcli.interfaces.independent import Independent
-from mpmcli.interfaces.springs import Elastic, Rigid
-
-_stiffness: TypeAdapter[Any] = TypeAdapter(Annotated[float, Quantity("pressure/length", ge=0)])
-
-
-def read_stiffness(value: Any, info: ValidationInfo) -> Any:
-    """A stiffness [pressure/length], or ``perfect``."""
-    return "perfect" if value == "perfect" else _stiffness.validate_python(value, context=info.context)
-
-
-Stiffness = Annotated[
-    Any,
-    BeforeValidator(read_stiffness),
-    WithJsonSchema(
-        {
-            "anyOf": [{"type": "number", "minimum": 0}, {"type": "string"}],
-            "x-dimension": "pressure/length",
-        }
-    ),
-]
-
-
-def spring_of(stiffness: Any) -> Rigid | Elastic:
-    """The spring of a stiffness."""
-    return Rigid() if stiffness == "perfect" else Elastic(float(stiffness))
+from mpmcli.interfaces.stiffness import Stiffness, slope_of, spring_of
 
 
 @LAWS.register
@@ -56,8 +31,7 @@ class LinearInterface(InterfaceModel):
     @property
     def slopes(self) -> tuple[float, float]:
         """D_n and D_t, 0 if perfect."""
-        normal, tangential = (0.0 if d == "perfect" else d for d in (self.normal, self.tangential))
-        return normal, tangential
+        return slope_of(self.normal), slope_of(self.tangential)
 
     def parameters(self) -> Independent:
         """Two springs."""

@@ -32,7 +32,13 @@ class PowerMixing(Model):
         return Power(self.exponent)
 
 
-Mixing = Annotated[NoMixing | PowerMixing, Field(discriminator="kind")]
+class CoupledMixing(Model):
+    """One damage for both modes, by λ² = (δ_n/δ_nc)² + (δ_t/δ_tc)²."""
+
+    kind: Literal["coupled"]
+
+
+Mixing = Annotated[NoMixing | PowerMixing | CoupledMixing, Field(discriminator="kind")]
 
 
 class Apart(NamedTuple):

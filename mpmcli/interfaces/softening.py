@@ -155,7 +155,11 @@ def rising_root(shape, low, high, target, compliance):
 
     Newton steps; halving where they leave the bracket or do not converge.
     """
-    x = 0.5 * (low + high)
+    if low + compliance * envelope(shape, low) >= target:
+        return low
+    x = (
+        low if low >= 0.0 else high
+    )  # the end that is nearer to the origin: Newton finds small targets at once
     last = high - low
     for _ in range(ROUNDS):
         residual = x + compliance * envelope(shape, x) - target
@@ -166,7 +170,7 @@ def rising_root(shape, low, high, target, compliance):
             low = x
         else:
             break
-        step = -residual / slope if abs(residual) < 0.5 * last * slope else high - low
+        step = -residual / slope if abs(residual) < last * slope else high - low
         moved = x + step
         if not low < moved < high:
             moved = 0.5 * (low + high)

@@ -14,10 +14,12 @@ from mpmcli.core.registry import Registry
 
 KINDS = {
     "adhesion_friction": "contact.laws.adhesion_friction",
+    "bilinear_interface": "interfaces.bilinear_interface",
     "cohesive": "interfaces.cohesive",
     "coulomb": "contact.laws.coulomb",
     "frictionless": "contact.laws.frictionless",
     "linear_interface": "interfaces.linear_interface",
+    "morse_interface": "interfaces.morse_interface",
     "none": "contact.laws.none",
     "perfect": "contact.laws.perfect",
     "stick": "contact.laws.stick",

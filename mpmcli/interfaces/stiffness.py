@@ -1,0 +1,39 @@
+"""Words for a stiffness that may be infinite."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, TypeAdapter, ValidationInfo, WithJsonSchema
+
+from mpmcli.core.model import Quantity
+from mpmcli.interfaces.springs import Elastic, Rigid
+
+_stiffness: TypeAdapter[Any] = TypeAdapter(Annotated[float, Quantity("pressure/length", ge=0)])
+
+
+def read_stiffness(value: Any, info: ValidationInfo) -> Any:
+    """A stiffness [pressure/length], or ``perfect``."""
+    return "perfect" if value == "perfect" else _stiffness.validate_python(value, context=info.context)
+
+
+Stiffness = Annotated[
+    Any,
+    BeforeValidator(read_stiffness),
+    WithJsonSchema(
+        {
+            "anyOf": [{"type": "number", "minimum": 0}, {"type": "string"}],
+            "x-dimension": "pressure/length",
+        }
+    ),
+]
+
+
+def spring_of(stiffness: Any) -> Rigid | Elastic:
+    """The spring of a stiffness."""
+    return Rigid() if stiffness == "perfect" else Elastic(float(stiffness))
+
+
+def slope_of(stiffness: Any) -> float:
+    """The slope of its traction, 0 if perfect [pressure/length]."""
+    return 0.0 if stiffness == "perfect" else float(stiffness)
