@@ -12,6 +12,7 @@ from mpmcli.core.errors import Problem
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.scene.checks import NAME, NAME_WORDS, Report, label, names_of
 from mpmcli.scene.contact_combinations import check_combinations
+from mpmcli.scene.interface_checks import check_interfaces
 from mpmcli.scene.models import MAX_NODES
 from mpmcli.scene.normal_checks import check_specified_normal
 from mpmcli.scene.parts import Parts
@@ -82,6 +83,7 @@ def check_contact(parts: Parts, root: Node) -> list[Problem]:
         _check_pairs(contact, root, fields, report)
         if parts.contact is not None:
             _check_choices(parts, fields, report)
+            check_interfaces(parts, fields, report)
             _check_size(parts, fields, report)
             check_specified_normal(parts, fields.members, report)
     if parts.contact is not None and parts.grid is not None:

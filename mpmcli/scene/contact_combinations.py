@@ -23,11 +23,14 @@ def check_combinations(parts: Parts, report: Report) -> None:
             "first in the scene"
         )
         report("contact.three_or_more", words, "inaccurate", "warning")
-    springs = [
-        f"contact.{path}.stiffness" for path, law in laws if getattr(law, "stiffness", None) is not None
-    ]
+    springs = [f"contact.{path}.stiffness" for path, law in laws if _has_spring(law)]
     for path in springs[:1]:
         _check_spring(parts, path, report)
+
+
+def _has_spring(law: Any) -> bool:
+    """Whether contact presses with a finite stiffness; stiffnesses of interfaces are something else."""
+    return not law.is_interface and getattr(law, "stiffness", None) is not None
 
 
 def _check_spring(parts: Parts, path: str, report: Report) -> None:
@@ -51,7 +54,7 @@ def _check_need_of_separation(contact: Any, laws: list[tuple[str, Any]], report:
         words = "needs a separation; with separation 'none' the fields would never separate"
         report("contact.displacement_only", words, "combination")
     for path, law in laws:
-        if getattr(law, "stiffness", None) is not None:
+        if _has_spring(law):
             words = "needs a separation; with separation 'none' the overlap is unknown"
             report(f"contact.{path}.stiffness", words, "combination")
 

@@ -19,6 +19,7 @@ from mpmcli.geometry.bodies import BodyParticles
 from mpmcli.geometry.faces import surface_faces
 from mpmcli.geometry.fill import fill_bodies, places_to_test
 from mpmcli.scene.fields import velocity_fields
+from mpmcli.scene.interface_checks import check_touch
 from mpmcli.shapes import SHAPES
 
 Array = np.ndarray
@@ -163,7 +164,7 @@ def check_filling(scene: Any) -> list[Problem]:
     ]
     if problems:
         raise SceneError(problems)
-    return list(stair_stepped_faces(scene, filled))
+    return [*stair_stepped_faces(scene, filled), *check_touch(scene, filled)]
 
 
 def stair_stepped_faces(scene: Any, filled: Sequence[BodyParticles]) -> Iterator[Problem]:

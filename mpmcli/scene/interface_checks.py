@@ -1,0 +1,295 @@
+"""Interface laws held against the rest of a scene: choices that exclude each other, resolution, gaps at the start."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.geometry.bodies import BodyParticles
+from mpmcli.scene.checks import Report
+from mpmcli.scene.fields import law_table, owners_of_fields, velocity_fields
+from mpmcli.scene.parts import Parts
+
+LAST_OPENING = 0.25
+"""Opening at failure, in cells, from which on nodes begin to lose sight of one side before the interface fails."""
+FEWEST_CELLS = 4.0
+"""Cells that a process zone should have."""
+LARGEST_GAP = 3.0
+"""Gaps up to so many cells are measured for messages."""
+MODES = {"normal": "opening", "tangential": "slip"}
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Two velocity fields with an interface law: their names, the law, and where the scene gives it."""
+
+    first: str
+    second: str
+    law: Any
+    path: str
+    is_named: bool
+
+
+def joints_of(contact: Any, fields: Sequence[str], owners: dict[str, str]) -> list[Joint]:
+    """Return the pairs of fields that have an interface law; ``owners`` says which field a name stands for."""
+    chosen = {}
+    for index, pair in enumerate(contact.pairs):
+        if all(name in owners for name in pair.between):
+            key = frozenset(owners[name] for name in pair.between)
+            chosen[key] = (pair.law, f"contact.pairs.{index}", True)
+    found = []
+    for a, b in itertools.combinations(fields, 2):
+        law, path, is_named = chosen.get(frozenset((a, b)), (contact.law, "contact", False))
+        if law.is_interface:
+            found.append(Joint(a, b, law, path, is_named))
+    return found
+
+
+def check_interfaces(parts: Parts, fields: Any, report: Report) -> None:
+    """What interface laws have against other choices, and whether cells resolve them.
+
+    ``fields`` are the velocity fields as ``contact_checks.read_fields`` lists them.
+    """
+    contact = parts.contact
+    laws = [contact.law, *(pair.law for pair in contact.pairs)]
+    if not any(law.is_interface for law in laws):
+        if "interface" in contact.model_fields_set:
+            words = "has no effect, because no law of this contact is an interface law"
+            report("contact.interface", words, "no_effect", "warning")
+        return
+    owners = {member.owner: member.field for member in fields.members} | {name: name for name in fields.names}
+    joints = joints_of(contact, fields.names, owners)
+    for joint in joints:
+        if joint.is_named and fields.is_rigid(joint.first) and fields.is_rigid(joint.second):
+            words = f"'{joint.first}' and '{joint.second}' are rigid; an interface needs a deformable body on one side"
+            report(f"{joint.path}.law", words, "rigid")
+    _check_combinations(contact, laws, report)
+    soft = [j for j in joints if not (fields.is_rigid(j.first) and fields.is_rigid(j.second))]
+    if parts.grid is not None:
+        _check_resolution(parts, fields, soft, report)
+
+
+def _check_combinations(contact: Any, laws: Sequence[Any], report: Report) -> None:
+    law = next(law for law in laws if law.is_interface)
+    of_law = f"the interface law '{law.kind}'"
+
+    def refuse(key: str, reason: str) -> None:
+        report(f"contact.{key}", reason, "combination")
+
+    if "three_or_more" in contact.model_fields_set:
+        if contact.three_or_more == "lumped":
+            refuse(
+                "three_or_more",
+                f"'lumped' cannot be combined with {of_law}, which acts between two fields; use 'coupled', the "
+                "default with interface laws",
+            )
+        elif contact.three_or_more == "pairs":
+            words = "acts as 'coupled': with interface laws all pairs at a node are coupled"
+            report("contact.three_or_more", words, "no_effect", "warning")
+    if contact.increments != "net":
+        refuse("increments", f"'{contact.increments}' cannot be combined with {of_law}; use 'net'")
+    if contact.once:
+        refuse("once", f"cannot be combined with {of_law}; remove this key")
+    if not contact.normal.shares_normal:
+        refuse(
+            "normal",
+            f"{of_law} needs one normal per pair; '{contact.normal.kind}' has one per field. Use 'logistic_regression'",
+        )
+    if contact.separation.kind == "none":
+        if contact.interface.jump == "edges":
+            refuse(
+                "interface.jump",
+                "'edges' needs a separation; use separation 'regression', or jump 'gradient'",
+            )
+        for path, each in _places_of_laws(contact):
+            closed = getattr(each, "closed", None) if each.is_interface else None
+            if getattr(closed, "stiffness", None) is not None:
+                refuse(
+                    f"{path}.closed.stiffness",
+                    "needs a separation; with separation 'none' the overlap is unknown",
+                )
+
+
+def _places_of_laws(contact: Any) -> Iterator[tuple[str, Any]]:
+    yield "law", contact.law
+    for index, pair in enumerate(contact.pairs):
+        yield f"pairs.{index}.law", pair.law
+
+
+# ---------------------------------------------------------------------- resolution
+
+
+def _check_resolution(parts: Parts, fields: Any, joints: Sequence[Joint], report: Report) -> None:
+    """Warn of openings that are large beside a cell, and of process zones of few cells; once per law."""
+    cell = min(parts.grid.cell)
+    seen: set[str] = set()
+    for joint in joints:
+        for mode, resistance in resistances(joint.law):
+            path = f"{joint.path}.law.{mode}"
+            if path in seen:
+                continue
+            if resistance.opening > LAST_OPENING * cell:
+                words = (
+                    f"fails at a{'n' * (mode == 'normal')} {MODES[mode]} of {resistance.opening:.3g}, "
+                    f"{resistance.opening / cell:.2g} cells; use cells of at least "
+                    f"{resistance.opening / LAST_OPENING:.3g} (failure within a quarter of a cell), or a law that "
+                    "fails earlier"
+                )
+                report(path, words, "resolution", "warning")
+                seen.add(path)
+            zone = _process_zone(parts, fields, joint, resistance)
+            cells = zone / max(parts.grid.cell)
+            if cells < FEWEST_CELLS:
+                words = (
+                    f"the process zone E'G/σ² is {zone:.3g} long, {cells:.2g} cells; use cells of at most "
+                    f"{zone / FEWEST_CELLS:.3g} ({FEWEST_CELLS:g} cells per zone), or less strength"
+                )
+                report(path, words, "resolution", "warning")
+                seen.add(path)
+
+
+def resistances(law: Any) -> Iterator[tuple[str, Any]]:
+    """Modes of a law that fail, with strength, toughness and opening at failure of each."""
+    for mode in MODES:
+        resistance = getattr(getattr(law, mode, None), "resistance", None)
+        if resistance is not None and math.isfinite(resistance.opening):
+            yield mode, resistance
+
+
+def process_zone(modulus: float, resistance: Any) -> float:
+    """Return ℓ = E′G/σ², the length over which a cohesive law spends its toughness in a large body [length]."""
+    return float(modulus * resistance.toughness / resistance.strength**2)
+
+
+def plane_modulus(model: Any, analysis: str) -> float:
+    """Return E′: E in plane stress, else E/(1 − ν²); infinite where a material has none [pressure]."""
+    shear, lame = getattr(model, "shear_modulus", None), getattr(model, "lame_modulus", None)
+    if shear is None or lame is None:
+        return math.inf
+    if analysis in ("plane_stress", "uniaxial_stress"):
+        return float(shear * (3.0 * lame + 2.0 * shear) / (lame + shear))
+    return float(4.0 * shear * (lame + shear) / (lame + 2.0 * shear))
+
+
+def _process_zone(parts: Parts, fields: Any, joint: Joint, resistance: Any) -> float:
+    """The shorter process zone of both sides, infinite where no side has one (one axis, or rigid bodies)."""
+    if parts.analysis is None or parts.grid.dimensions == 1:
+        return math.inf
+    models = [
+        parts.materials[member.material]
+        for member in fields.members
+        if member.field in (joint.first, joint.second) and member.material in parts.materials
+    ]
+    moduli = [plane_modulus(model, parts.analysis.kind) for model in models if model.kind != "rigid"]
+    return process_zone(min(moduli, default=math.inf), resistance)
+
+
+# ---------------------------------------------------------------------- at the start
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where a joint is closed at the start.
+
+    Attributes
+    ----------
+    joint : its fields and law
+    nodes, bonded : number of nodes that see both fields, of those whose gap an interface bridges
+    gap : smallest gap, infinite beyond ``LARGEST_GAP`` cells [length]
+    """
+
+    joint: Joint
+    nodes: int
+    bonded: int
+    gap: float
+
+
+def starts_of_joints(scene: Any, filled: Sequence[BodyParticles]) -> list[Start]:
+    """Return where the interfaces of a scene are closed at the start, those of two rigid fields left out."""
+    names, field_of_body = velocity_fields(scene)
+    laws, _ = law_table(scene, names)
+    if not any(law.is_interface for law in laws):
+        return []
+    from mpmcli.interfaces.touch import gaps_at_nodes  # only scenes with interfaces load their code
+
+    rigid = {
+        names[f]
+        for body, f in zip(scene.bodies, field_of_body, strict=True)
+        if scene.materials[body.material].kind == "rigid"
+    }
+    X = np.concatenate([body.X for body in filled], axis=1)
+    half = np.concatenate([np.broadcast_to(body.reach, body.X.shape) for body in filled], axis=1)
+    field = np.repeat(field_of_body, [body.count for body in filled])
+    cell, lower = np.asarray(scene.grid.cell), np.asarray(scene.grid.lower)
+    shape = tuple(count + 1 for count in scene.grid.cells)
+    initial_gap = scene.contact.interface.initial_gap
+    found = []
+    for joint in joints_of(scene.contact, names, owners_of_fields(scene)):
+        if rigid.issuperset((joint.first, joint.second)):
+            continue
+        pair = (names.index(joint.first), names.index(joint.second))
+        nodes, gap = gaps_at_nodes(X, half, field, pair, lower, cell, shape, within=initial_gap)
+        bonded = int(np.count_nonzero(np.isfinite(gap)))
+        least = 0.0
+        if not bonded:
+            _, gap = gaps_at_nodes(X, half, field, pair, lower, cell, shape, within=LARGEST_GAP)
+            least = float(gap.min(initial=math.inf))
+        found.append(Start(joint, len(nodes), bonded, least))
+    return found
+
+
+def check_touch(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
+    """Refuse interfaces between bodies that do not touch at the start; return warnings of those that do in part.
+
+    Raises
+    ------
+    SceneError
+        With the gap.
+    """
+    if scene.contact is None:
+        return []
+    starts = starts_of_joints(scene, filled)
+    errors = [_untouched(start, scene) for start in starts if start.joint.is_named and not start.bonded]
+    others = [start for start in starts if not start.joint.is_named]
+    if others and not any(start.bonded for start in others):
+        nearest = min(others, key=lambda start: (start.nodes == 0, start.gap))
+        errors.append(_untouched(nearest, scene))
+    if errors:
+        raise SceneError(errors)
+    return [_partly(start, scene) for start in starts if start.bonded < start.nodes]
+
+
+def _untouched(start: Start, scene: Any) -> Problem:
+    joint, cell = start.joint, min(scene.grid.cell)
+    path = f"{joint.path}.between" if joint.is_named else f"{joint.path}.law"
+    if start.nodes == 0:
+        words = (
+            f"'{joint.first}' and '{joint.second}' never meet at the start: no node of the grid sees both, and their "
+            f"interface '{joint.law.kind}' would do nothing"
+        )
+        return Problem(path, words, code="untouched")
+    gap = f"{start.gap:.3g} ({start.gap / cell:.2g} cells)" if math.isfinite(start.gap) else "several cells"
+    words = (
+        f"'{joint.first}' and '{joint.second}' do not touch at the start: the gap is {gap}, and the interface "
+        f"'{joint.law.kind}' bridges at most {scene.contact.interface.initial_gap:g} cells (contact.interface."
+        "initial_gap)"
+    )
+    return Problem(path, words, code="untouched")
+
+
+def _partly(start: Start, scene: Any) -> Problem:
+    joint = start.joint
+    path = f"{joint.path}.between" if joint.is_named else f"{joint.path}.law"
+    share = 100.0 * start.bonded / start.nodes
+    words = (
+        f"'{joint.first}' and '{joint.second}' touch only in part: at {start.nodes - start.bonded} of {start.nodes} "
+        f"nodes that see both the gap is above {scene.contact.interface.initial_gap:g} cells, and there is no "
+        f"interface there (bonded: {share:.0f} %)"
+    )
+    return Problem(path, words, code="untouched", severity="warning")
