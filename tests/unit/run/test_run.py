@@ -19,17 +19,12 @@ import pytest
 from filelock import FileLock
 
 from mpmcli.core.errors import ArchiveError, Problem, SceneError, SimulationError
-from mpmcli.core.state import ContactView, InterfaceView
+from mpmcli.core.state import ContactView, InterfaceMeans, InterfaceView
 from mpmcli.output.files import LOCK
 from mpmcli.output.tables import Table
 from mpmcli.results.info import describe
 from mpmcli.run.api import LOGGER, run
 from mpmcli.run.folder import default_folder
-
-INTERFACE_NUMBERS = (
-    *("energy", "cohesive_work", "area", "broken_area", "jump_normal", "jump_tangential"),
-    *("traction_normal", "traction_tangential"),
-)
 
 
 @pytest.fixture
@@ -98,8 +93,11 @@ def test_normals_that_did_not_converge_are_counted_and_warned_of_once(
 
 @pytest.mark.parametrize("lost", [0, 3])
 def test_interfaces_tell_at_the_end_where_their_energy_went(lost, go, loaded, tmp_path, capfd):
-    pairs = {name: np.full(1, 0.25e-4) for name in INTERFACE_NUMBERS}
-    interfaces = InterfaceView(np.zeros(1, int), lambda: np.zeros(2), **pairs, all_lost=lost)
+    one = np.full(1, 0.25e-4)
+    interfaces = InterfaceView(
+        numbers=np.zeros(1, int), means=lambda: InterfaceMeans(one, one, one, one, one),
+        particle_damage=lambda: np.zeros(2), energy=one, cohesive_work=one, broken_area=one, all_lost=lost,
+    )  # fmt: skip
     view = ContactView(
         pairs=[("a", "b")], force=np.zeros((1, 2)), area=np.zeros(1), momentum_error=np.zeros(2),
         particle_normal=lambda: np.zeros((2, 2)), interfaces=interfaces,
