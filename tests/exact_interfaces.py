@@ -35,8 +35,8 @@ def filtered(t: Array, incident: Array, D: float, Z: float = 1.0) -> Array:
 
     Exact for a pulse that is linear between the times.
     """
-    if np.isinf(D):
-        return incident
+    if np.isinf(D) or D == 0.0:
+        return incident if D else np.zeros_like(incident)
     h = (t[1] - t[0]) * 2.0 * D / Z
     decay = np.exp(-h)
     late = 1.0 - (1.0 - decay) / h
