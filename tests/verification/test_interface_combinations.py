@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from joined_runs import JOINT, JoinedRun, Mode, box
 
 MODE = Mode()
