@@ -110,6 +110,11 @@ class NodalContact(Correction):
         self.interfaces: Any = None
         """Interface laws of the scene, ``interfaces.interfaces.Interfaces``, or None."""
 
+    def reach_of_particles(self) -> Array:
+        """Return the half sizes of the boxes around the particles, undeformed, (d, N) [length]."""
+        p, turns = self._particles, self._transfer.turns
+        return p.size if turns is None else np.einsum("nij,jn->in", np.abs(turns[p.body]), p.size)
+
     def pairs(self) -> tuple[Array, list[tuple[str, str]]]:
         """Return the number (fields, fields) of each pair of fields, and their names."""
         return self._account.pair, self.view.pairs

@@ -8,11 +8,13 @@ other take ``independent.Independent`` and give a spring per direction.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 from mpmcli.contact.laws.base import LawModel
 from mpmcli.contact.laws.frictionless import Frictionless
 from mpmcli.core.compiled.dispatch import generic
+from mpmcli.core.expressions import Expression
+from mpmcli.core.model import Varying
 
 MOST_NORMAL, MOST_TANGENTIAL, BREAKS = 0, 1, 2
 """Columns of a history: the largest opening so far along the normal and along the surface [length], 1 if broken."""
@@ -27,6 +29,10 @@ class InterfaceModel(LawModel):
     needs_area: ClassVar[bool] = True
     keeps_history: ClassVar[bool] = False
     """Openings of the past matter: particles near the interface remember them."""
+
+    bonded: Annotated[Expression, Varying("1", ("x", "y", "z"))] | None = None
+    """Where the sides are bonded at the start: where this is positive (``"x > 25"``); everywhere they touch if left
+    out. Elsewhere they are in contact as broken ones are."""
 
     @property
     def drives_apart(self) -> bool:

@@ -69,7 +69,7 @@ class Interfaces:
         self._closed = {i: choice.laws[i].closed_law.parameters() for i in self.laws}
         of_law = np.zeros(len(choice.laws), dtype=bool)
         of_law[list(self.laws)] = True
-        rows = start_histories(choice, order.particles, grid)
+        rows = start_histories(choice, order.particles, contact.reach_of_particles(), grid)
         self._sides = Sides(of_law, rows, pair)
         self._remembers = bool((rows >= 0).any())
         at = {name: field for field, name in enumerate(choice.fields)}

@@ -216,7 +216,9 @@ def starts_of_joints(scene: Any, filled: Sequence[BodyParticles]) -> list[Start]
     laws, _ = law_table(scene, names)
     if not any(law.is_interface for law in laws):
         return []
-    from mpmcli.interfaces.touch import gaps_at_nodes  # only scenes with interfaces load their code
+    # only scenes with interfaces load their code
+    from mpmcli.interfaces.histories import is_bonded
+    from mpmcli.interfaces.touch import gaps_at_nodes
 
     rigid = {
         names[f]
@@ -235,6 +237,8 @@ def starts_of_joints(scene: Any, filled: Sequence[BodyParticles]) -> list[Start]
             continue
         pair = (names.index(joint.first), names.index(joint.second))
         nodes, gap = gaps_at_nodes(X, half, field, pair, lower, cell, shape, within=initial_gap)
+        chosen = is_bonded(joint.law, nodes, lower, cell, shape)
+        nodes, gap = nodes[chosen], gap[chosen]
         bonded = int(np.count_nonzero(np.isfinite(gap)))
         least = 0.0
         if not bonded:
