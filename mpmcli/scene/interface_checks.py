@@ -201,7 +201,7 @@ class Start:
     ----------
     joint : its fields and law
     nodes, bonded : number of nodes that see both fields, of those whose gap an interface bridges
-    gap : smallest gap, infinite beyond ``LARGEST_GAP`` cells [length]
+    gap : smallest gap where nothing is bonded, infinite beyond ``LARGEST_GAP`` cells [length]
     """
 
     joint: Joint
@@ -218,7 +218,7 @@ def starts_of_joints(scene: Any, filled: Sequence[BodyParticles]) -> list[Start]
         return []
     # only scenes with interfaces load their code
     from mpmcli.interfaces.histories import is_bonded
-    from mpmcli.interfaces.touch import gaps_at_nodes
+    from mpmcli.interfaces.touch import gaps_at_nodes, gaps_of_particles
 
     rigid = {
         names[f]
@@ -242,8 +242,7 @@ def starts_of_joints(scene: Any, filled: Sequence[BodyParticles]) -> list[Start]
         bonded = int(np.count_nonzero(np.isfinite(gap)))
         least = 0.0
         if not bonded:
-            _, gap = gaps_at_nodes(X, half, field, pair, lower, cell, shape, within=LARGEST_GAP)
-            least = float(gap.min(initial=math.inf))
+            least = float(gaps_of_particles(X, half, field, pair, cell, within=LARGEST_GAP).min())
         found.append(Start(joint, len(nodes), bonded, least))
     return found
 
@@ -272,13 +271,15 @@ def check_touch(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
 def _untouched(start: Start, scene: Any) -> Problem:
     joint, cell = start.joint, min(scene.grid.cell)
     path = f"{joint.path}.between" if joint.is_named else f"{joint.path}.law"
+    gap = f"{start.gap:.3g} ({start.gap / cell:.2g} cells)"
+    if not math.isfinite(start.gap):
+        gap = f"above {LARGEST_GAP:g} cells"
     if start.nodes == 0:
         words = (
-            f"'{joint.first}' and '{joint.second}' never meet at the start: no node of the grid sees both, and their "
-            f"interface '{joint.law.kind}' would do nothing"
+            f"'{joint.first}' and '{joint.second}' never meet: no node of the grid sees both at the start, where the "
+            f"gap is {gap}, and the interface '{joint.law.kind}' would do nothing"
         )
         return Problem(path, words, code="untouched")
-    gap = f"{start.gap:.3g} ({start.gap / cell:.2g} cells)" if math.isfinite(start.gap) else "several cells"
     words = (
         f"'{joint.first}' and '{joint.second}' do not touch at the start: the gap is {gap}, and the interface "
         f"'{joint.law.kind}' bridges at most {scene.contact.interface.initial_gap:g} cells (contact.interface."

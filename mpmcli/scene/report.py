@@ -33,6 +33,8 @@ _NOUNS = {
     "normal": "normal method",
     "separation": "separation",
     "law": "contact law",
+    "closed": "contact law",
+    "mixing": "mixing rule",
 }
 _LIMITS = {
     "greater_than": ("gt", "above"),

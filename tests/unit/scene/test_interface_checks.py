@@ -1,0 +1,189 @@
+"""What interface laws have against the rest of a scene: warnings, gaps at the start, resolution."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+import yaml
+
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.scene.filling import check_filling
+from mpmcli.scene.loader import LoadedScene, load_scene
+
+LINEAR = {"kind": "linear_interface", "normal": 500.0, "tangential": 200.0}
+SOFT = {"kind": "linear_elastic", "density": 1.5e-3, "E": 1000.0, "nu": 0.25}
+
+
+def box(name: str, lower: list[float], upper: list[float], material: str = "soft") -> dict[str, Any]:
+    return {"name": name, "material": material, "region": {"kind": "box", "lower": lower, "upper": upper}}
+
+
+def cohesive(normal: dict[str, Any], **more: Any) -> dict[str, Any]:
+    tangential = {"shape": "triangular", "strength": 5.0, "toughness": 0.2}
+    return {"kind": "cohesive", "normal": {"shape": "triangular"} | normal, "tangential": tangential} | more
+
+
+def load(law: dict[str, Any] | None = LINEAR, bodies: list[Any] | None = None, **contact: Any) -> LoadedScene:
+    pairs = [] if law is None else [{"between": ["low", "high"], "law": law}]
+    analysis, default = (
+        contact.pop("analysis", "plane_strain"),
+        contact.pop("default", {"kind": "frictionless"}),
+    )
+    scene = {
+        "version": 1,
+        "analysis": {"kind": analysis},
+        "grid": {"lower": [-8, -8], "upper": [8, 8], "cell": 1},
+        "materials": {"soft": SOFT, "tool": {"kind": "rigid"}, "stiff": SOFT | {"E": 8000.0}},
+        "bodies": bodies or [box("low", [-4, -4], [4, 0]), box("high", [-4, 0], [4, 4])],
+        "contact": {"law": default, "pairs": pairs} | contact,
+        "time": {"end": 0.1, "courant": 0.2},
+    }
+    scene["materials"] = {
+        name: model
+        for name, model in scene["materials"].items()
+        if any(body["material"] == name for body in scene["bodies"])
+    }
+    return load_scene(yaml.safe_dump(scene))
+
+
+def warnings_of(loaded: LoadedScene) -> list[tuple[str, str]]:
+    """Path and message of all warnings."""
+    return [(p.path, p.message) for p in (*loaded.warnings, *check_filling(loaded.scene))]
+
+
+def problems_of(**contact: Any) -> list[Problem]:
+    with pytest.raises(SceneError) as caught:
+        check_filling(load(**contact).scene)
+    return caught.value.problems
+
+
+def test_blocks_that_touch_have_no_warning() -> None:
+    assert warnings_of(load()) == []
+    assert warnings_of(load(cohesive({"strength": 5.0, "toughness": 0.2}))) == []
+    assert warnings_of(load(LINEAR | {"tangential": "perfect"}, interface={"jump": "extrapolated"})) == []
+
+
+# ---------------------------------------------------------------------- choices
+
+
+def test_choices_of_interfaces_have_no_effect_without_an_interface_law() -> None:
+    [(path, words)] = warnings_of(load(None, interface={"jump": "edges"}))
+    assert path == "contact.interface"
+    assert words == "has no effect, because no law of this contact is an interface law"
+
+
+def test_pairs_at_nodes_of_three_fields_are_always_coupled() -> None:
+    bodies = [box("low", [-4, -4], [4, 0]), box("high", [-4, 0], [0, 4]), box("side", [0, 0], [4, 4])]
+    assert warnings_of(load(bodies=bodies)) == []
+    assert warnings_of(load(bodies=bodies, three_or_more="coupled")) == []
+    [(path, words)] = warnings_of(load(bodies=bodies, three_or_more="pairs"))
+    assert path == "contact.three_or_more"
+    assert "acts as 'coupled'" in words
+
+
+@pytest.mark.parametrize("increments", ["evolving", "lumped", "after", "combined"])
+def test_increments_are_net(increments: str) -> None:
+    for contact in ({}, {"law": None, "default": LINEAR}):
+        found = [p for p in problems_of(increments=increments, **contact) if p.severity == "error"]
+        assert [(p.path, p.code) for p in found] == [("contact.increments", "combination")]
+
+
+def test_a_stiffness_of_morse_or_linear_shapes_is_no_spring_of_contact() -> None:
+    law = cohesive({"strength": 5.0, "toughness": 0.2})
+    law["tangential"] = {"shape": "linear", "stiffness": 100.0}
+    assert warnings_of(load(law, three_or_more="coupled"))[0][1].startswith(
+        "has no effect, because the scene has 2"
+    )
+
+
+# ---------------------------------------------------------------------- at the start
+
+
+def test_bodies_that_touch_in_part_are_told_the_share() -> None:
+    bodies = [
+        box("low", [-4, -4], [4, 0]),
+        {
+            "name": "high",
+            "material": "soft",
+            "region": {
+                "kind": "union",
+                "regions": [
+                    {"kind": "box", "lower": [-4, 0], "upper": [0, 4]},
+                    {"kind": "box", "lower": [0, 0.5], "upper": [4, 4]},
+                ],
+            },
+        },
+    ]
+    [(path, words)] = warnings_of(load(bodies=bodies))
+    assert path == "contact.pairs.0.between"
+    assert (
+        "'low' and 'high' touch only in part: at 4 of 9 nodes that see both the gap is above 0.1 cells"
+        in words
+    )
+    assert "(bonded: 56 %)" in words
+    assert warnings_of(load(bodies=bodies, interface={"initial_gap": 0.5})) == []
+
+
+def test_bodies_that_do_not_touch_are_told_the_gap() -> None:
+    bodies = [box("low", [-4, -4], [4, 0]), box("high", [-4, 0.5], [4, 4])]
+    [problem] = problems_of(bodies=bodies)
+    assert (problem.path, problem.code) == ("contact.pairs.0.between", "untouched")
+    assert "do not touch at the start: the gap is 0.5 (0.5 cells)" in problem.message
+    assert warnings_of(load(bodies=bodies, interface={"initial_gap": 0.5})) == []
+
+
+@pytest.mark.parametrize(
+    ("gap", "words"), [(1.0, "1 (1 cells)"), (2.5, "2.5 (2.5 cells)"), (5.0, "above 3 cells")]
+)
+def test_bodies_that_share_no_node_never_meet(gap: float, words: str) -> None:
+    bodies = [box("low", [-4, -4], [4, 0]), box("high", [-4, gap], [4, gap + 2])]
+    [problem] = problems_of(bodies=bodies)
+    assert (problem.path, problem.code) == ("contact.pairs.0.between", "untouched")
+    assert f"no node of the grid sees both at the start, where the gap is {words}" in problem.message
+
+
+def test_an_interface_for_all_fields_needs_one_pair_that_touches() -> None:
+    apart = [box("low", [-4, -4], [4, -2]), box("high", [-4, 4], [4, 8])]
+    [problem] = problems_of(law=None, bodies=apart, default=LINEAR)
+    assert problem.path == "contact.law"
+    assert "never meet" in problem.message
+    third = box("middle", [-4, -2], [4, 0])
+    assert warnings_of(load(None, bodies=[*apart, third], default=LINEAR)) == []
+
+
+def test_a_rigid_body_may_have_an_interface() -> None:
+    bodies = [box("low", [-4, -4], [4, 0]), box("high", [-4, 0], [4, 4], "tool")]
+    assert warnings_of(load(bodies=bodies)) == []
+
+
+# ---------------------------------------------------------------------- resolution
+
+
+def test_openings_above_a_quarter_of_a_cell_are_warned_of() -> None:
+    [(path, words)] = warnings_of(load(cohesive({"strength": 2.0, "opening": 0.26})))
+    assert path == "contact.pairs.0.law.normal"
+    assert words == (
+        "fails at an opening of 0.26, 0.26 cells; use cells of at least 1.04 (failure within a quarter of a cell), or "
+        "a law that fails earlier"
+    )
+    assert warnings_of(load(cohesive({"strength": 2.0, "opening": 0.25}))) == []
+
+
+def test_process_zones_below_four_cells_are_warned_of() -> None:
+    """E′G/σ² = 1000/(1 − ν²)·0.2/σ²: four cells at σ = 7.30."""
+    assert warnings_of(load(cohesive({"strength": 7.2, "toughness": 0.2}))) == []
+    [(path, words)] = warnings_of(load(cohesive({"strength": 7.4, "toughness": 0.2})))
+    assert path == "contact.pairs.0.law.normal"
+    assert words == (
+        "the process zone E'G/σ² is 3.9 long, 3.9 cells; use cells of at most 0.974 (4 cells per zone), or less "
+        "strength"
+    )
+    # in plane stress E′ = E, and the softer side decides
+    assert warnings_of(load(cohesive({"strength": 7.2, "toughness": 0.2}), analysis="plane_stress"))
+    stiff = [box("low", [-4, -4], [4, 0], "stiff"), box("high", [-4, 0], [4, 4], "stiff")]
+    assert warnings_of(load(cohesive({"strength": 20.0, "toughness": 0.2}), bodies=stiff)) == []
+    mixed = [stiff[0], box("high", [-4, 0], [4, 4])]
+    assert len(warnings_of(load(cohesive({"strength": 20.0, "toughness": 0.2}), bodies=mixed))) == 1
+    rigid = [stiff[0], box("high", [-4, 0], [4, 4], "tool")]
+    assert warnings_of(load(cohesive({"strength": 20.0, "toughness": 0.2}), bodies=rigid)) == []
