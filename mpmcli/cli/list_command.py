@@ -16,6 +16,7 @@ KINDS = (
     "normals",
     "separations",
     "laws",
+    "cohesive_shapes",
     "transfers",
     "heat_transfers",
     "updates",
@@ -57,6 +58,10 @@ def _models(kind: str) -> list[Any]:
 
     if kind in ALTERNATIVES:
         return ALTERNATIVES[kind].models()
+    if kind == "cohesive_shapes":
+        from mpmcli.interfaces.shapes import AnyShape
+
+        return list(get_args(get_args(AnyShape)[0]))
     unions = {
         "transfers": method.Transfer,
         "heat_transfers": heat.TransferOfHeat,
@@ -72,15 +77,18 @@ def _describe(model: Any) -> Iterator[str]:
     from mpmcli.core.descriptions import field_descriptions
     from mpmcli.core.plugins import plugin_of
 
-    kinds = ", ".join(get_args(model.model_fields["kind"].annotation))
+    tag = "kind" if "kind" in model.model_fields else "shape"
+    kinds = ", ".join(get_args(model.model_fields[tag].annotation))
     yield f"{kinds}: {_first_line(model.__doc__)}"
     if hasattr(model, "analyses"):
         yield f"    for {', '.join(sorted(model.analyses))}"
+    if getattr(model, "is_interface", False):
+        yield "    interface law: tractions across a jump of displacement"
     if plugin := plugin_of(model):
         yield f"    from the plugin {plugin}"
     words = field_descriptions(model)
     for name, field in model.model_fields.items():
-        if name != "kind":
+        if name != tag:
             meaning = _first_line(field.description or words.get(name))
             yield f"    {field.alias or name:<15} {_default(field):<13} {meaning}"
     yield ""
@@ -90,6 +98,7 @@ def _default(field: Any) -> str:
     if field.is_required():
         return "(required)"
     value = field.get_default(call_default_factory=True)
+    value = getattr(value, "kind", value)
     return "-" if value is None or value == () else str(value)
 
 
