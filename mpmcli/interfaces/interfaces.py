@@ -114,7 +114,7 @@ class Interfaces:
         if self._remembers:
             p = self._particles
             recall_histories[parallel](
-                self._sides, c.count, c.fields, c.table, c.nodes.near, p.velocity_field, p.determinant() * p.vol0,
+                self._sides, c.count, c.fields, c.table, c.nodes.near, p.velocity_field, p.F, p.vol0,
                 p.interface, j,
             )  # fmt: skip
 

@@ -11,6 +11,7 @@ from mpmcli.contact.contact_nodes import IMAGE_BITS, NEAREST
 from mpmcli.contact.fields_in_contact import field_at
 from mpmcli.contact.separation.base import UNKNOWN
 from mpmcli.core.compiled.kernel import inline, kernel, prange
+from mpmcli.core.particles import determinant_of_particle
 from mpmcli.interfaces.base import BREAKS
 
 Array = np.ndarray
@@ -207,11 +208,11 @@ def open_areas(axes, sides, count, fields, around, geometry, rows):
 
 
 @kernel
-def recall_histories(sides, count, fields, nodes, near, field, F_volume, kept, rows):
+def recall_histories(sides, count, fields, nodes, near, field, F, vol0, kept, rows):
     """History of every interface from the particles near it, ``kept`` (rows, N), into ``rows.history``.
 
     It is that of the particles whose nearest node this is, or else of all that the node sees: the mean by their
-    shares S V, ``F_volume`` (N,) being V. Particles that no interface has reached count for nothing; broken is an
+    shares S V. Particles that no interface has reached count for nothing; broken is an
     interface of whose matter more than half is.
     """
     history = rows.history
@@ -232,7 +233,7 @@ def recall_histories(sides, count, fields, nodes, near, field, F_volume, kept, r
                 elif field[p] == beta:
                     row = sides.row[beta, alpha]
                 if row >= 0 and kept[row, p] > UNSET and (nearest == 1 or near.flag[at] & NEAREST):
-                    w = near.S[at] * F_volume[p]
+                    w = near.S[at] * determinant_of_particle(F, p) * vol0[p]
                     share += w
                     for j in range(history.shape[1]):
                         history[k, j] += w * kept[row + j, p]
