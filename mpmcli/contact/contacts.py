@@ -32,6 +32,8 @@ class Contacts:
     ----------
     fields, geometry : rows of all contacts; the first ``count`` are valid
     count : number of contacts
+    stages : in how many stages they act
+    has_pairs : some pairs at nodes of three or more fields get impulses of their own
     begin : (slots + 1,) where the contacts of each node begin
     volume : (entries,) volume Ω of each field at each contact node; the first ones are valid
     """
@@ -41,6 +43,7 @@ class Contacts:
         self._node_count, self._dimensions = node_count, dimensions
         self.count = 0
         self.stages = 0
+        self.has_pairs = False
         self.volume = np.zeros(0)
         self.begin = np.zeros(1, dtype=np.int64)
         self._room = -1
@@ -95,6 +98,7 @@ class Contacts:
             self.begin = np.zeros(2 * slots + 1, dtype=np.int64)
         self.count = list_contacts(self.rules, self.table, mp, self.fields, self.begin)
         self.stages = 1 + int(self.fields.stage[: self.count].max(initial=0))
+        self.has_pairs = bool(self.fields.pair[: self.count].any())
 
     def find_geometry(
         self, normal: Any, separation: Any, around: Surroundings, matter: Matter, needs_radius: bool,

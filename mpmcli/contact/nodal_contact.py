@@ -332,7 +332,7 @@ class NodalContact(Correction):
                     self._laws[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows, here,
                     grid.mp, grid.f, v,
                 )  # fmt: skip
-        if self._rules.explicit and here.stage == 0:
+        if c.has_pairs and here.stage == 0:
             self._find_pair_impulses(here, v)
 
     def _find_pair_impulses(self, here: Place, v: Array) -> None:

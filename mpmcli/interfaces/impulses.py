@@ -162,11 +162,11 @@ def close_step(law, axes, which, count, fields, nodes, geometry, rows, jumps, af
     ``after`` (k, d) are the relative velocities that the impulses leave, those before are in ``rows.slip``. The share
     ``late`` of the work is found with the former, as that of the stresses is: the two agree in sum, not at each node.
     """
-    work, stored, spent, opening = jumps.work, jumps.stored, jumps.spent, jumps.opening
+    work, stored, spent, opening, broke = jumps.work, jumps.stored, jumps.spent, jumps.opening, jumps.broke
     for k in prange(count):
         if fields.law[k] != which:
             continue
-        work[k], stored[k], spent[k] = 0.0, 0.0, 0.0
+        work[k], stored[k], spent[k], broke[k] = 0.0, 0.0, 0.0, 0.0
         normal, end, history, now = geometry.normal[k], jumps.end[k], jumps.history[k], jumps.now[k]
         for a in range(len(axes)):
             end[a] = jumps.jump[k, a] + after[k, a] * dt
@@ -182,7 +182,9 @@ def close_step(law, axes, which, count, fields, nodes, geometry, rows, jumps, af
             work[k] += share * (net[a] - held[a]) * slip
         openings(law, axes, normal, end, now)
         spent[k] = geometry.area[k] * remember(law, axes, normal, end, history)
-        if history[BREAKS] < 0.5:
+        if history[BREAKS] > 0.5:
+            broke[k] = geometry.area[k]
+        else:
             stored[k] = geometry.area[k] * stored_energy(law, axes, normal, end, history)
 
 
@@ -196,3 +198,22 @@ def find_tractions(law, axes, which, count, fields, geometry, jumps, out):
                     out[k, a] = 0.0
             else:
                 traction(law, axes, geometry.normal[k], jumps.end[k], jumps.history[k], out[k])
+
+
+@kernel
+def sum_up(sides, count, fields, share, pair, widest, jumps, sums):
+    """Sums over the contacts of a step, ``share`` (k,) of each, by ``pair`` (k,), added to ``sums`` (4, pairs).
+
+    Rows: work, stored energy, spent energy and area that broke. Returns how many hold though they open by more than
+    ``widest``.
+    """
+    lost = 0
+    for k in range(count):
+        if sides.law[fields.law[k]]:
+            sums[0, pair[k]] += share[k] * jumps.work[k]
+            sums[1, pair[k]] += share[k] * jumps.stored[k]
+            sums[2, pair[k]] += share[k] * jumps.spent[k]
+            sums[3, pair[k]] += share[k] * jumps.broke[k]
+            if jumps.history[k, BREAKS] < 0.5 and jumps.opening[k] > widest:
+                lost += 1
+    return lost

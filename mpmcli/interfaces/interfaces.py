@@ -148,7 +148,6 @@ class Interfaces:
         belongs to real particles, and its pair.
         """
         c, j, p, view = self._contacts, self.jumps, self._particles, self.view
-        was_broken = j.history[: c.count, BREAKS] > 0.5
         for which in sorted(self.laws):
             impulses.close_step[parallel](
                 self._law[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows, j, after, dt,
@@ -159,19 +158,14 @@ class Interfaces:
                 self._sides, c.count, c.fields, c.table, c.nodes.near, p.velocity_field, p.interface, j
             )
         self._shares, self._pairs, self._means = shares, pair, None
-        mine = self.rows()
-        view.energy[:] = 0.0
-        pair, share = pair[mine], shares[mine]
-        n = len(view.energy)
-        is_broken = j.history[mine, BREAKS] > 0.5
-        self._work["interface_work"] += float(np.sum(j.work[mine] * share))
-        view.energy += sums_of_pairs(pair, j.stored[mine] * share, n)
-        if self._remembers:
-            view.cohesive_work += sums_of_pairs(pair, j.spent[mine] * share, n)
-            breaks = is_broken & ~was_broken[mine]
-            view.broken_area += sums_of_pairs(pair, c.geometry.area[mine] * share * breaks, n)
-        view.lost = int(np.count_nonzero(~is_broken & (j.opening[mine] > LOST * self._grid.cell.max())))
+        sums = np.zeros((4, len(view.energy)))
+        widest = LOST * float(self._grid.cell.max())
+        view.lost = int(impulses.sum_up[False](self._sides, c.count, c.fields, shares, pair, widest, j, sums))
         view.all_lost += view.lost
+        work, view.energy[:], spent, broken = sums
+        self._work["interface_work"] += float(work.sum())
+        view.cohesive_work += spent
+        view.broken_area += broken
 
     # ------------------------------------------------------------------ what others see
 
@@ -269,7 +263,7 @@ class Interfaces:
             self._room = room
             d = self._grid.dimensions
             vectors = {name: np.zeros((room, d)) for name in ("jump", "end", "force")}
-            numbers = {name: np.zeros(room) for name in ("work", "stored", "spent", "opening")}
+            numbers = {name: np.zeros(room) for name in ("work", "stored", "spent", "broke", "opening")}
             self.jumps = JumpRows(
                 **vectors, **numbers, history=np.zeros((room, HISTORY)), now=np.zeros((room, 2)),
                 sums=np.zeros((room, 2 * d + d * d)),

@@ -30,6 +30,7 @@ class JumpRows(NamedTuple):
     now : (k, 2) openings at the end of the step [length]
     work, stored, spent : (k,) energy that the interface takes out of the bodies in the step; that it gives back; that
         is lost for good in the step [energy]
+    broke : (k,) area that broke in the step [area]
     opening : (k,) part of ``jump`` along the normal [length]
     sums : (k, 2 d + d d) scratch
     """
@@ -42,6 +43,7 @@ class JumpRows(NamedTuple):
     work: Array
     stored: Array
     spent: Array
+    broke: Array
     opening: Array
     sums: Array
 
