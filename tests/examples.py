@@ -34,7 +34,57 @@ SEPARATIONS: dict[str, dict[str, Any]] = {}
 """Keys that a normal or separation needs; those that need none are left out."""
 
 BOND = {"normal_strength": 1.5, "shear_strength": 0.7}
-LAWS: dict[str, list[dict[str, Any]]] = {
+TRIANGLE = {"shape": "triangular", "strength": 0.3, "toughness": 0.06}
+SHEARED = {"shape": "triangular", "strength": 0.4, "toughness": 0.1}
+INTERFACES: dict[str, list[dict[str, Any]]] = {
+    "linear_interface": [
+        {"normal": 4, "tangential": 2},
+        {"normal": "perfect", "tangential": 2},
+        {"normal": 0, "tangential": "perfect"},
+        {"normal": 1e12, "tangential": 1e-12},
+    ],
+    "bilinear_interface": [
+        {"tension": 4, "compression": 30, "tangential": 2},
+        {"tension": 0, "compression": "perfect", "tangential": 0},
+        {"tension": 4, "compression": "perfect", "tangential": "perfect"},
+        {"tension": 4, "compression": 0, "tangential": 1e12},
+    ],
+    "morse_interface": [
+        {"stiffness": 4, "peak": 0.3},
+        {"stiffness": 4, "peak": 0.3, "tangential": 2},
+        {"stiffness": 1e6, "peak": 3, "tangential": "perfect"},
+    ],
+    "cohesive": [
+        {"normal": TRIANGLE, "tangential": SHEARED},
+        {
+            "normal": TRIANGLE,
+            "tangential": {
+                "shape": "trilinear",
+                "opening": 0.4,
+                "toughness": 0.1,
+                "kink_opening": 0.4,
+                "kink_strength": 0.3,
+            },
+            "mixing": {"kind": "power", "exponent": 1.5},
+            "closed": {"kind": "coulomb", "friction": 0.3},
+        },
+        {
+            "normal": {"shape": "cubic", "strength": 0.3, "opening": 0.4},
+            "tangential": {"shape": "linear", "stiffness": 2},
+            "mixing": {"kind": "power"},
+            "closed": {"kind": "frictionless", "stiffness": 20},
+        },
+        {"normal": TRIANGLE, "tangential": SHEARED, "mixing": {"kind": "coupled"}},
+        {
+            "normal": {"shape": "exponential", "alpha": 3, "strength": 30, "toughness": 0.6},
+            "tangential": {"shape": "exponential", "alpha": 3, "strength": 0.4, "opening": 0.3},
+            "mixing": {"kind": "coupled"},
+            "closed": {"kind": "stick"},
+        },
+    ],
+}
+"""Of each interface law, numbers of every sub-model."""
+LAWS: dict[str, list[dict[str, Any]]] = INTERFACES | {
     "frictionless": [{}, {"stiffness": 2}],
     "coulomb": [
         {"friction": 0.3},

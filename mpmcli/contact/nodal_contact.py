@@ -326,7 +326,7 @@ class NodalContact(Correction):
         c, grid = self.contacts, self._grid
         for which in self.choice.used:
             if self.interfaces is not None and which in self.interfaces.laws:
-                self.interfaces.find_impulses(which, here, v, self._parallel)
+                self.interfaces.find_impulses(which, here, v)
             elif not self._rules.skipped[which]:
                 impulses.find_impulses[self._parallel](
                     self._laws[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows, here,

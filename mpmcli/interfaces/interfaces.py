@@ -122,10 +122,13 @@ class Interfaces:
         """From now on in the step interfaces do all that they do (momenta are updated), or hold perfect directions."""
         self._acts = known
 
-    def find_impulses(self, which: int, here: Place, v: Array, parallel: bool) -> None:
-        """Impulses of the contacts of law ``which``, of the stage of ``here``."""
+    def find_impulses(self, which: int, here: Place, v: Array) -> None:
+        """Impulses of the contacts of law ``which``, of the stage of ``here``.
+
+        Serial: parallel loops take no laws of parts, which are tuples within tuples, and contacts are few.
+        """
         c, grid = self._contacts, self._grid
-        impulses.find_jump_impulses[parallel](
+        impulses.find_jump_impulses[False](
             self._law[which], self._closed[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows,
             self.jumps, here, self._acts, self._oscillates, grid.mp, grid.f, v,
         )  # fmt: skip
@@ -149,7 +152,7 @@ class Interfaces:
         """
         c, j, p, view = self._contacts, self.jumps, self._particles, self.view
         for which in sorted(self.laws):
-            impulses.close_step[parallel](
+            impulses.close_step[False](
                 self._law[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows, j, after, dt,
                 self._late, self._grid.mp,
             )  # fmt: skip
