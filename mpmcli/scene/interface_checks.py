@@ -239,7 +239,7 @@ def starts_of_joints(scene: Any, filled: Sequence[BodyParticles]) -> list[Start]
         nodes, gap = gaps_at_nodes(X, half, field, pair, lower, cell, shape, within=initial_gap)
         chosen = is_bonded(joint.law, nodes, lower, cell, shape)
         nodes, gap = nodes[chosen], gap[chosen]
-        bonded = int(np.count_nonzero(np.isfinite(gap)))
+        bonded = int(np.count_nonzero(gap <= initial_gap * cell.min()))
         least = 0.0
         if not bonded:
             least = float(gaps_of_particles(X, half, field, pair, cell, within=LARGEST_GAP).min())
