@@ -180,6 +180,11 @@ def check_time_step(loaded: LoadedScene) -> None:
     except SceneError as error:
         raise loaded.locate(error) from None
     _add_warning(loaded, warning_of(loaded.scene))
+    if loaded.scene.contact is not None and loaded.scene.contact.interface.step == "oscillator":
+        from mpmcli.stability.interfaces import warnings_of_interfaces
+
+        for warning in warnings_of_interfaces(loaded.scene):
+            _add_warning(loaded, warning)
     if loaded.scene.heat is not None:
         from mpmcli.stability.heat import warnings_of_heat
 

@@ -10,6 +10,7 @@ from mpmcli.contact.choice import ContactChoice
 from mpmcli.core.compiled.runtime import available_threads
 from mpmcli.core.transfer.stencil import kept_as
 from mpmcli.explain.heat import cost_of_heat, heat_facts
+from mpmcli.explain.interfaces import interface_facts
 from mpmcli.explain.redundant import find_questions, find_redundant
 from mpmcli.explain.text import as_text
 from mpmcli.solver.plan import Plan
@@ -86,6 +87,7 @@ def explain(
     seconds = seconds / (threads if parallel else 1) + CALL_SECONDS * steps
     if measured is not None and measured["seconds_per_step"] is not None:
         seconds = measured["seconds_per_step"] * steps
+    all_kernels = list(dict.fromkeys(name for names in kernels.values() for name in names))
     facts: dict[str, Any] = {
         "title": scene.title,
         "analysis": plan.analysis_name,
@@ -94,11 +96,12 @@ def explain(
         "grid_nodes": grid.node_count,
         "shape": scene.method.shape,
         "contact": contact.facts(simulation.order),
+        "interfaces": interface_facts(scene, simulation, contact, dt, all_kernels),
         "heat": {} if foreseen is None else heat_facts(scene, simulation, foreseen, kernels),
         "tasks": list(kernels),
         "not_modelled": left_out(plan, contact),
         "kernels_of_tasks": kernels,
-        "kernels": list(dict.fromkeys(name for names in kernels.values() for name in names)),
+        "kernels": all_kernels,
         "arrays": sorted(dense),
         "particle_bytes": particle_bytes,
         "grid_bytes": grid_bytes,
@@ -126,6 +129,7 @@ def left_out(plan: Plan, contact: ContactChoice) -> list[str]:
     absent = {
         "contact (one velocity field): nodal volumes, positions, gradients, normals": not contact.exists,
         "contact normals, separations and areas": contact.exists and not contact.knows_normals,
+        "interface laws: jumps of displacement": contact.exists and not contact.has_interfaces,
         "rigid bodies": not any(plan.rigid_fields),
         "FMPM loop": not plan.has_full_mass_loop,
         "XPIC filter": not plan.method.projects,

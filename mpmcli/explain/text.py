@@ -7,6 +7,7 @@ from typing import Any
 
 from mpmcli.core.suggest import listing
 from mpmcli.explain.heat import heat_in_words
+from mpmcli.explain.interfaces import interfaces_in_words
 
 EXACT_MASS_RATIO = 1e-8
 """``contact.mass_ratio`` from which on it hardly matters (docs/verification/compression.md)."""
@@ -29,6 +30,7 @@ def as_text(facts: dict[str, Any]) -> str:
         f"arrays     particles {facts['particle_bytes'] / 2**20:.1f} MiB, grid {facts['grid_bytes'] / 2**20:.1f} MiB "
         f"if all nodes are active ({', '.join(facts['arrays'])}); {size:.1f} MiB in total",
         f"time step  {facts['time_step']:.4g} at the start: {_courant_in_words(facts)}",
+        *interfaces_in_words(facts["interfaces"]),
         *heat_in_words(facts["heat"]),
         f"run        about {facts['steps']} steps, {_time_in_words(facts)}",
         *_measured_in_words(facts["measured"]),

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.boundary.velocity import check_variables
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.geometry.bodies import BodyParticles
 from mpmcli.scene.checks import Report
@@ -58,6 +59,10 @@ def check_interfaces(parts: Parts, fields: Any, report: Report) -> None:
     """
     contact = parts.contact
     laws = [contact.law, *(pair.law for pair in contact.pairs)]
+    for path, law in _places_of_laws(contact):
+        if law.is_interface and law.bonded is not None and parts.grid is not None:
+            for place, words in check_variables(f"{path}.bonded", law.bonded, parts.grid.dimensions):
+                report(f"contact.{place}", words, "axes")
     if not any(law.is_interface for law in laws):
         if "interface" in contact.model_fields_set:
             words = "has no effect, because no law of this contact is an interface law"
@@ -200,11 +205,13 @@ class Start:
     Attributes
     ----------
     joint : its fields and law
-    nodes, bonded : number of nodes that see both fields, of those whose gap an interface bridges
+    seen, nodes, bonded : number of nodes that see both fields, of those of them where the law is to bond its sides
+        (``bonded``), and of those whose gap it bridges
     gap : smallest gap where nothing is bonded, infinite beyond ``LARGEST_GAP`` cells [length]
     """
 
     joint: Joint
+    seen: int
     nodes: int
     bonded: int
     gap: float
@@ -237,13 +244,13 @@ def starts_of_joints(scene: Any, filled: Sequence[BodyParticles]) -> list[Start]
             continue
         pair = (names.index(joint.first), names.index(joint.second))
         nodes, gap = gaps_at_nodes(X, half, field, pair, lower, cell, shape, within=initial_gap)
-        chosen = is_bonded(joint.law, nodes, lower, cell, shape)
+        seen, chosen = len(nodes), is_bonded(joint.law, nodes, lower, cell, shape)
         nodes, gap = nodes[chosen], gap[chosen]
         bonded = int(np.count_nonzero(gap <= initial_gap * cell.min()))
         least = 0.0
         if not bonded:
             least = float(gaps_of_particles(X, half, field, pair, cell, within=LARGEST_GAP).min())
-        found.append(Start(joint, len(nodes), bonded, least))
+        found.append(Start(joint, seen, len(nodes), bonded, least))
     return found
 
 
@@ -274,6 +281,11 @@ def _untouched(start: Start, scene: Any) -> Problem:
     gap = f"{start.gap:.3g} ({start.gap / cell:.2g} cells)"
     if not math.isfinite(start.gap):
         gap = f"above {LARGEST_GAP:g} cells"
+    if start.seen > start.nodes == 0:
+        words = (
+            f"'{joint.law.bonded.source}' is positive at none of the {start.seen} nodes that see both sides"
+        )
+        return Problem(f"{joint.path}.law.bonded", words, code="untouched")
     if start.nodes == 0:
         words = (
             f"'{joint.first}' and '{joint.second}' never meet: no node of the grid sees both at the start, where the "

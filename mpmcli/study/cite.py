@@ -139,9 +139,15 @@ def _of_contact(scene: Any) -> Iterator[tuple[str, str]]:
         yield from _of_model(contact.separation, f"the contact separation {contact.separation.kind}")
     if any(law.needs_area for law in laws):
         yield "nairn2013", "the area of contact"
+    has_interfaces = any(law.is_interface for law in laws)
+    if has_interfaces:
+        yield "nairn2007", "imperfect interfaces"
+        yield "nairn2013", "interfaces between velocity fields"
+        yield "nairn2023notes", "impulses and energies of interfaces"
     for law in laws:
-        yield from _of_model(law, f"the contact law {law.kind}")
-    yield from _of_fields(contact, "contact", ("normal", "separation", "law", "pairs"))
+        yield from _of_model(law, f"the {'interface' if law.is_interface else 'contact'} law {law.kind}")
+    others = ("normal", "separation", "law", "pairs")
+    yield from _of_fields(contact, "contact", others if has_interfaces else (*others, "interface"))
 
 
 def _of_material(material: Any) -> Iterator[tuple[str, str]]:

@@ -18,7 +18,7 @@ from mpmcli.interfaces.shapes.base import (
 
 
 class CubicShape(ShapeModel):
-    """S = (27 σ/4) x (1 − x)² with x = δ/δ_c; largest at x = 1/3: G = 9 σ δ_c/16."""
+    """S = (27 σ/4) x (1 − x)² with x = δ/δ_c [needleman1987]; largest at x = 1/3: G = 9 σ δ_c/16."""
 
     shape: Literal["cubic"]
     """Its name."""

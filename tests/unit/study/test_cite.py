@@ -80,6 +80,22 @@ def test_contact_that_never_acts_is_not_cited():
     assert "the contact law perfect" in perfect["nairn2026"]
 
 
+def test_interfaces_cite_what_their_laws_and_shapes_are_from():
+    linear, _ = keys("contact={law: {kind: linear_interface, normal: 1, tangential: 1}}")
+    assert linear["nairn2007"] == "imperfect interfaces"
+    assert "interfaces between velocity fields" in linear["nairn2013"]
+    assert "the interface law linear_interface" in linear["nairn2023notes"]
+    assert "needleman1987" not in linear
+    shapes = (
+        "{shape: cubic, strength: 1, opening: 1}, tangential: {shape: triangular, strength: 1, opening: 1}"
+    )
+    cohesive, _ = keys("contact={law: {kind: cohesive, normal: " + shapes + "}}")
+    assert cohesive["needleman1987"] == "the interface law cohesive, normal"
+    # choices of interfaces are of nobody where there is none
+    plain, _ = keys("contact={law: {kind: frictionless}, interface: {jump: edges}}")
+    assert not {"nairn2007", "nairn2023notes"} & set(plain)
+
+
 def test_fields_are_cited_where_they_are_not_left_alone():
     assert "mass ratio" not in str(keys("contact={law: {kind: frictionless}}")[0])
     found, _ = keys("contact={law: {kind: frictionless}, mass_ratio: 1e-3}")

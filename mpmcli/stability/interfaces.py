@@ -1,0 +1,115 @@
+"""How stiff interfaces are for the time step: φ² = D A Δt²/m_red at a node on the interface, by direction.
+
+There each side has half a cell, so that m_red/A = ½ Δx ρ_α ρ_β/(ρ_α + ρ_β), ρΔx/4 for equal sides. With ``step:
+implicit`` no φ is too large; ``step: oscillator`` needs Δt < √(m_red/(D A)), φ < 1 (Nairn 2023, Eq. 5.35).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.scene.fields import owners_of_fields, velocity_fields
+from mpmcli.scene.interface_checks import Joint, joints_of
+from mpmcli.stability.models import largest_wave_speed
+from mpmcli.stability.scene_limit import chosen_courant
+from mpmcli.stability.speeds import largest_speed
+
+DIRECTIONS = ("normal", "tangential")
+LARGEST_PHI = 1.0
+"""φ up to which springs that oscillate within the step are stable."""
+
+
+@dataclass(frozen=True)
+class Spring:
+    """One direction of an interface.
+
+    Attributes
+    ----------
+    joint : its fields and law
+    direction : ``normal`` or ``tangential``
+    stiffness : largest slope D of its traction [pressure/length]
+    mass : reduced mass per area m_red/A [mass/area]
+    density : the lower one of both sides [density]
+    """
+
+    joint: Joint
+    direction: str
+    stiffness: float
+    mass: float
+    density: float
+
+    def phi(self, dt: float) -> float:
+        """φ = Δt √(D A/m_red) [-]."""
+        return dt * math.sqrt(self.stiffness / self.mass)
+
+    def longest_step(self) -> float:
+        """Time step at which φ is 1 (Nairn 2023, Eq. 5.35) [time]."""
+        return math.sqrt(self.mass / self.stiffness)
+
+    def speed(self, cell: float) -> float:
+        """v_int = √(D Δx/ρ) (Nairn 2023, Eq. 5.37) [velocity]."""
+        return math.sqrt(self.stiffness * cell / self.density)
+
+    def largest_stiffness(self, dt: float) -> float:
+        """Stiffness at which φ is 1 (as Nairn 2023, Eq. 5.38) [pressure/length]."""
+        return self.mass / dt**2
+
+
+def springs_of(scene: Any) -> Iterator[Spring]:
+    """Every direction of every interface of a checked scene that is a spring."""
+    if scene.contact is None:
+        return
+    names, field_of_body = velocity_fields(scene)
+    densities: dict[str, list[float]] = {name: [] for name in names}
+    for body, field in zip(scene.bodies, field_of_body, strict=True):
+        model = scene.materials[body.material]
+        if model.kind != "rigid":
+            densities[names[field]].append(float(model.density))
+    cell = float(min(scene.grid.cell))
+    for joint in joints_of(scene.contact, names, owners_of_fields(scene)):
+        sides = [min(each) for each in (densities[joint.first], densities[joint.second]) if each]
+        if not sides:
+            continue
+        mass = 0.5 * cell / sum(1.0 / rho for rho in sides)
+        for direction, slope in zip(DIRECTIONS, joint.law.slopes, strict=True):
+            if slope > 0.0:
+                yield Spring(joint, direction, slope, mass, min(sides))
+
+
+def warnings_of_interfaces(scene: Any) -> list[Problem]:
+    """Warn of springs that oscillate too fast within a step; once per law and direction."""
+    if scene.contact is None or scene.contact.interface.step != "oscillator":
+        return []
+    found: dict[str, Problem] = {}
+    dt = first_step(scene)
+    for spring in springs_of(scene):
+        path = f"{spring.joint.path}.law"
+        phi = spring.phi(dt)
+        if phi > LARGEST_PHI:
+            words = (
+                f"is too stiff along the {spring.direction} for step 'oscillator': φ = {phi:.4g}, above 1. Use step "
+                f"'implicit' (the default), a time step of at most {spring.longest_step():.3g}, or at most "
+                f"{spring.largest_stiffness(dt):.3g} of stiffness"
+            )
+            key = f"{path}.{spring.direction}"
+            has_key = spring.direction in type(spring.joint.law).model_fields
+            found.setdefault(
+                key, Problem(key if has_key else path, words, code="unstable", severity="warning")
+            )
+    return list(found.values())
+
+
+def first_step(scene: Any) -> float:
+    """Return the time step at the start, as far as wave and initial speeds tell [time]."""
+    try:
+        courant = chosen_courant(scene)
+    except SceneError:
+        return math.nan
+    if courant is None:
+        return float(scene.time.step)
+    fastest = max(largest_wave_speed(scene), largest_speed(scene))
+    return courant * float(min(scene.grid.cell)) / fastest if fastest > 0.0 else math.nan
