@@ -19,6 +19,7 @@ WHAT = (
     "reactions",
     "momentum",
     "contact",
+    "interfaces",
     "motion",
     "steps",
     "probes",

@@ -33,6 +33,15 @@ SUBJECTS: dict[str, tuple[str, ...]] = {
         "contact_touching",
         "contact_unconverged",
     ),
+    "interfaces": (
+        "jump_normal",
+        "jump_tangential",
+        "interface_traction_normal",
+        "interface_traction_tangential",
+        "interface_area",
+        "broken_area",
+        "interface_lost",
+    ),
     "motion": ("center", "velocity", "largest_speed"),
     "steps": ("dt", "smallest_J", "mass"),
 }
