@@ -129,14 +129,10 @@ def _(law, axes, dp, n, jump, force, area, reduced_mass, dt, history, oscillates
         for a in range(len(axes)):
             out[a] = weight * (out[a] - drawn * n[a]) + normal * n[a]
         return STICKING
-    square = 0.0
     for a in range(len(axes)):
         out[a] = jump[a] - opening * n[a] + (dp[a] - along * n[a]) * per_mass
-        square += out[a] * out[a]
-    most = largest_opening(
-        law.shape, base, max(target, 0.0) / law.normal_opening, math.sqrt(square) / law.tangential_opening,
-        compliance * stiff_normal, compliance * stiff_tangential,
-    )
+    # damage is that of the start of the step: at light nodes the jump of its end is no measure of it
+    most = max(base, relative(law, opening, slip_of(axes, n, jump, opening)))
     h = secant(law.shape, most)
     if target >= 0.0:
         normal = weight * h * stiff_normal * target / (1.0 + compliance * h * stiff_normal)

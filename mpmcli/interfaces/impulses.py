@@ -180,8 +180,8 @@ def close_step(law, axes, which, count, fields, nodes, geometry, rows, jumps, af
         for a in range(len(axes)):
             slip = (1.0 - late) * rows.slip[k, a] + late * after[k, a]
             work[k] += share * (net[a] - held[a]) * slip
-        openings(law, axes, normal, end, now)
-        spent[k] = geometry.area[k] * remember(law, axes, normal, end, history)
+        openings(law, axes, normal, jumps.jump[k], now)
+        spent[k] = geometry.area[k] * remember(law, axes, normal, jumps.jump[k], history)
         if history[BREAKS] > 0.5:
             broke[k] = geometry.area[k]
         else:

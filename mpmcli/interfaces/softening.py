@@ -26,7 +26,6 @@ from mpmcli.interfaces.springs import (
     pull,
     rate,
     resist,
-    resist_by_pull,
     settle,
     stored,
 )
@@ -129,7 +128,13 @@ def _(spring, opening, target, compliance, most):
     return math.copysign(opening_beyond(spring.shape, base, size, compliance), target)
 
 
-resist.register(Softening)(resist_by_pull)
+@resist.register(Softening)
+def _(spring, opening, target, compliance, most):
+    # damage is that of the start of the step: at light nodes the opening of its end is no measure of it
+    stiffness = secant(spring.shape, max(most, abs(opening), elastic_end(spring.shape)))
+    return stiffness * target / (1.0 + compliance * stiffness)
+
+
 oscillate.register(Softening)(oscillate_nonlinear)
 
 
