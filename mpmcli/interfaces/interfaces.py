@@ -110,7 +110,7 @@ class Interfaces:
             self._start_gap, c.geometry, j,
         )  # fmt: skip
         if self._opens:
-            open_areas[parallel](self._axes, self._sides, c.count, c.fields, around, c.geometry, j)
+            open_areas[parallel](self._axes, self._sides, c.count, c.fields, c.table, around, c.geometry, j)
         if self._remembers:
             p = self._particles
             recall_histories[parallel](

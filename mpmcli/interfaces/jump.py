@@ -186,15 +186,20 @@ def share_of_node(a, b, h):
 
 
 @kernel
-def open_areas(axes, sides, count, fields, around, geometry, rows):
+def open_areas(axes, sides, count, fields, nodes, around, geometry, rows):
     """Let areas neither shrink where interfaces open, since the gap has no volume, nor grow where they are pressed.
 
     A = (Ω_α + Ω_β) w/(h⊥ − δ_n N), with w of ``share_of_node`` and N = 1 − d/h⊥ the linear grid function of the middle
-    of the gap. Where a method does not know the edges, w keeps the share of the area by volumes, and N is 1.
+    of the gap. Where a method does not know the edges, w keeps the share of the area by volumes, and N is 1. Nodes
+    beyond the axis of a ring have none: what is there is the image of what counts already.
     """
     area = geometry.area
     for k in prange(count):
         if not sides.law[fields.law[k]]:
+            continue
+        column = nodes.node[fields.slot[k]] % around.shape[0]
+        if around.ring and around.origin[0] + column * around.cell[0] < -0.5 * around.cell[0]:
+            area[k] = 0.0
             continue
         opening = 0.0
         for a in range(len(axes)):
