@@ -202,12 +202,10 @@ def find_tractions(law, axes, which, count, fields, geometry, jumps, out):
 
 @kernel
 def sum_up(sides, count, fields, share, pair, widest, jumps, sums):
-    """Sums over the contacts of a step, ``share`` (k,) of each, by ``pair`` (k,), added to ``sums`` (4, pairs).
+    """Sums over the contacts of a step, ``share`` (k,) of each, by ``pair`` (k,), added to ``sums`` (5, pairs).
 
-    Rows: work, stored energy, spent energy and area that broke. Returns how many hold though they open by more than
-    ``widest``.
+    Rows: work, stored and spent energy, area that broke, and how many hold though they open by more than ``widest``.
     """
-    lost = 0
     for k in range(count):
         if sides.law[fields.law[k]]:
             sums[0, pair[k]] += share[k] * jumps.work[k]
@@ -215,5 +213,4 @@ def sum_up(sides, count, fields, share, pair, widest, jumps, sums):
             sums[2, pair[k]] += share[k] * jumps.spent[k]
             sums[3, pair[k]] += share[k] * jumps.broke[k]
             if jumps.history[k, BREAKS] < 0.5 and jumps.opening[k] > widest:
-                lost += 1
-    return lost
+                sums[4, pair[k]] += 1.0

@@ -161,11 +161,12 @@ class Interfaces:
                 self._sides, c.count, c.fields, c.table, c.nodes.near, p.velocity_field, p.interface, j
             )
         self._shares, self._pairs, self._means = shares, pair, None
-        sums = np.zeros((4, len(view.energy)))
+        sums = np.zeros((5, len(view.energy)))
         widest = LOST * float(self._grid.cell.max())
-        view.lost = int(impulses.sum_up[False](self._sides, c.count, c.fields, shares, pair, widest, j, sums))
+        impulses.sum_up[False](self._sides, c.count, c.fields, shares, pair, widest, j, sums)
+        work, view.energy[:], spent, broken, lost = sums
+        view.lost = int(lost.sum())
         view.all_lost += view.lost
-        work, view.energy[:], spent, broken = sums
         self._work["interface_work"] += float(work.sum())
         view.cohesive_work += spent
         view.broken_area += broken
