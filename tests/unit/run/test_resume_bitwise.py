@@ -157,6 +157,17 @@ SLOW: dict[str, dict[str, Any]] = {
                 {"name": "node", "kind": "point", "at": [1, 3.5], "columns": ["interface_jump", "interface_traction"]}],
         archive={"grid": {"every": 0.05, "fields": ["interface_jump", "interface_traction", "interface_damage"]}},
     ),
+    "cohesive": scene_of(
+        "plane_strain", 6, {"kind": "fmpm", "order": 2},
+        bodies=[body("left", [-3, -2], [0, 2], [-2, "0.5*y"]), body("right", [0, -2], [3, 2], [2, 0])],
+        contact={"law": {"kind": "cohesive", "normal": {"shape": "triangular", "strength": 9, "opening": 0.3},
+                         "tangential": {"shape": "triangular", "strength": 9, "opening": 0.3},
+                         "mixing": {"kind": "power", "exponent": 2}, "closed": {"kind": "coulomb", "friction": 0.2}}},
+        probes=[{"name": "joint", "kind": "pair", "between": ["left", "right"],
+                 "columns": ["cohesive_work", "broken_area", "jump_normal"]}],
+        archive={"particles": {"every": 0.02, "fields": ["damage_of_bond"]},
+                 "grid": {"every": 0.05, "fields": ["interface_damage", "interface_traction"]}},
+    ),
     "hot metal": scene_of(
         "plane_strain", 6, {"kind": "flip"},
         method={"update": "usavg", "heating": "isothermal"},
@@ -257,6 +268,10 @@ def test_a_resumed_run_gives_the_same_bytes_in_large(name, tmp_path, monkeypatch
     if name == "hot metal":
         assert arrays["simulation.state.work.bath_heat"] != 0
         assert np.ptp(arrays["simulation.particles.T_stress"]) > 10
+    if name == "cohesive":
+        broken = arrays["simulation.particles.interface"][2]
+        assert 0.0 < broken.mean() < 1.0
+        assert arrays["simulation.contact.interface_broken_area"].sum() > 0.0
     if name == "interfaces":
         assert (arrays["simulation.contact.interface_energy"][[0, 2]] > 0.0).all()
         assert np.isfinite(arrays["simulation.contact.interface_start_gap"][[0, 2]]).all()
