@@ -124,7 +124,7 @@ def contact(dice: Dice, d: int, names: list[str]) -> dict[str, Any]:
     """All of ``contact``."""
 
     def law() -> dict[str, Any]:
-        kind = dice.one_of(LAWS)
+        kind = dice.one_of([kind for kind in LAWS if not LAWS[kind].is_interface])
         several = [keys for keys in examples.LAWS[kind] if separation != "none" or "stiffness" not in keys]
         return {"kind": kind} | dice.one_of(several)
 
@@ -148,6 +148,41 @@ def contact(dice: Dice, d: int, names: list[str]) -> dict[str, Any]:
         if dice.rarely():
             keys[key] = dice.one_of(choices)
     return keys
+
+
+def join(dice: Dice, scene: dict[str, Any], d: int) -> None:
+    """Let the first two bodies share a face, with an interface law between them and choices of interfaces."""
+    contact, (one, two) = scene["contact"], scene["bodies"][:2]
+    cell = np.broadcast_to(scene["grid"]["cell"], d)
+    axis, low, high = dice.one_of(range(d)), 2.0 * cell, 4.0 * cell
+    step = cell * (np.arange(d) == axis)
+    gap = dice.one_of([0.0, 0.0, 0.0, 0.05, 0.5]) * step
+    one["region"] = {"kind": "box", "lower": low.tolist(), "upper": high.tolist()}
+    moved = [low + 2.0 * step + gap, high + 2.0 * step + gap]
+    two["region"] = {"kind": "box", "lower": moved[0].tolist(), "upper": moved[1].tolist()}
+    if dice.rarely(0.8):  # what interface laws refuse
+        for key in ("increments", "once", "three_or_more"):
+            contact.pop(key, None)
+    if dice.rarely(0.9) and contact["normal"]["kind"] == "own_gradient":
+        contact["normal"] = {"kind": "average_gradient"}
+    kind = dice.one_of([kind for kind in LAWS if LAWS[kind].is_interface])
+    law = {"kind": kind} | dice.one_of(examples.LAWS[kind])
+    if dice.rarely():
+        law["bonded"] = dice.one_of(["x > 3", "1 + x", "sin(x)"])
+    contact["pairs"] = [{"between": [one["name"], two["name"]], "law": law}]
+    choices = {
+        "jump": ["gradient", "extrapolated", "edges"],
+        "step": ["implicit", "oscillator"],
+        "area": ["opening", "volumes"],
+        "initial_gap": [0, 0.1, 0.6],
+    }
+    contact["interface"] = {key: dice.one_of(these) for key, these in choices.items() if dice.rarely(0.5)}
+    scene["probes"] = [{"name": "joint", "kind": "pair", "between": [one["name"], two["name"]]}]
+    if LAWS[kind].keeps_history:
+        scene["archive"]["particles"] = {"every": 1e5, "fields": ["damage_of_bond"]}
+    if dice.rarely(0.5):
+        fields = ["interface_jump", "interface_traction", "interface_damage"]
+        scene["archive"]["grid"] = {"every": 1e5, "fields": fields}
 
 
 def condition(dice: Dice, d: int, body: str) -> dict[str, Any]:
@@ -297,6 +332,8 @@ def structured_scene(seed: int) -> dict[str, Any]:
     }
     if has_contact:
         scene["contact"] = contact(dice, d, names)
+        if dice.rarely(0.5):
+            join(dice, scene, d)
     if dice.rarely(0.4):
         scene["boundary"] = [
             {"name": f"c{i}"} | condition(dice, d, names[0]) for i in range(dice.one_of([1, 2]))
@@ -304,8 +341,10 @@ def structured_scene(seed: int) -> dict[str, Any]:
     if dice.rarely(0.4):
         scene["loads"] = [{"name": f"l{i}"} | load(dice, d, names[0]) for i in range(dice.one_of([1, 2]))]
     if dice.rarely():
-        scene["probes"] = [{"name": "p", "kind": "particle", "body": names[0], "near": bodies[0]["region"].get(
-            "lower", [4.0] * d), "columns": ["position", "velocity", "stress"]}]  # fmt: skip
+        scene["probes"] = [*scene.get("probes", ()), {
+            "name": "p", "kind": "particle", "body": names[0],
+            "near": bodies[0]["region"].get("lower", [4.0] * d), "columns": ["position", "velocity", "stress"],
+        }]  # fmt: skip
     if dice.rarely(0.5):
         warm_up(dice, scene, d)
     return scene
