@@ -104,7 +104,8 @@ QUANTITIES.add(
         "scalar",
         "global",
         lambda s: float(_view(s).lost),
-        "number of contacts of intact interfaces that open by more than a cell, where nodes lose sight of one side",
+        "number of contacts of intact interfaces that open by more than a cell, where nodes no longer "
+        "receive both sides",
         exists=_exists,
         is_default=never,
     ),

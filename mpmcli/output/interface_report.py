@@ -1,4 +1,4 @@
-"""What a run has to say of its interfaces at its end: where their energy went, and whether nodes lost sight of them."""
+"""What a run has to say of its interfaces at its end: where their energy went, and how many opened too far."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def interface_facts(state: State, largest: float) -> dict[str, Any]:
     dict
         ``interfaces``: ``work`` that they took out of the bodies, ``energy`` stored in them, ``cohesive_work``,
         ``loss`` that is none of both, ``relative_loss`` over ``largest`` or None, and ``lost``, the contacts of all
-        steps whose nodes lost sight of an interface.
+        steps that opened by more than a cell.
     """
     view = None if state.contact is None else state.contact.interfaces
     if view is None:
@@ -48,8 +48,8 @@ def in_words(facts: dict[str, Any], unit: str) -> str:
 
 
 def lost_in_words(lost: int) -> str:
-    """Return the warning of interfaces that opened beyond the sight of nodes."""
+    """Return the warning of interfaces that opened too far for the grid."""
     return (
-        f"in {lost} contacts (of all steps) an intact interface opened by more than a cell, where nodes lose sight "
-        "of one side and tractions fade; use larger cells, a stiffer interface or a law that fails earlier"
+        f"in {lost} contacts (of all steps) an intact interface opened by more than a cell, where nodes no longer "
+        "receive both sides and tractions fade; use larger cells, a stiffer interface or a law that fails earlier"
     )
