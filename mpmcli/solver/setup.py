@@ -25,7 +25,6 @@ from mpmcli.scene.filling import (
     start_temperature,
     start_velocity,
 )
-from mpmcli.scene.interface_checks import check_touch
 from mpmcli.solver.plan import Plan
 
 Array = np.ndarray
@@ -57,7 +56,6 @@ def full_ring(plan: Plan) -> float:
 def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[BodyParticles]]:
     """Fill all bodies; particles with mass, velocity and the materials' initial history."""
     filled = fill_bodies(scene.bodies, grid, plan.analysis)
-    check_touch(scene, filled)
     names = list(scene.materials)
     X = np.concatenate([body.X for body in filled], axis=1)
     index, vol0, mass = find_masses(scene, filled)

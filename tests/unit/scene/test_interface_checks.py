@@ -10,6 +10,7 @@ import yaml
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.scene.filling import check_filling
 from mpmcli.scene.loader import LoadedScene, load_scene
+from mpmcli.solver.simulation import Simulation
 
 LINEAR = {"kind": "linear_interface", "normal": 500.0, "tangential": 200.0}
 SOFT = {"kind": "linear_elastic", "density": 1.5e-3, "E": 1000.0, "nu": 0.25}
@@ -187,3 +188,20 @@ def test_process_zones_below_four_cells_are_warned_of() -> None:
     assert len(warnings_of(load(cohesive({"strength": 20.0, "toughness": 0.2}), bodies=mixed))) == 1
     rigid = [stiff[0], box("high", [-4, 0], [4, 4], "tool")]
     assert warnings_of(load(cohesive({"strength": 20.0, "toughness": 0.2}), bodies=rigid)) == []
+
+
+# ---------------------------------------------------------------------- in runs
+
+
+def test_runs_refuse_and_warn_as_validate_does(caplog: pytest.LogCaptureFixture) -> None:
+    apart = [box("low", [-4, -4], [4, 0]), box("high", [-4, 0.5], [4, 4])]
+    with pytest.raises(SceneError, match="do not touch at the start"):
+        Simulation(load(bodies=apart), threads=1)
+    part = [box("low", [-4, -4], [4, 0]), box("high", [0, 0], [4, 4]), box("side", [-4, 0.5], [0, 4])]
+    part[1]["field"] = part[2]["field"] = "high"
+    part[2]["name"], part[1]["name"] = "left half", "right half"
+    with caplog.at_level("WARNING", logger="mpmcli"):
+        Simulation(load(bodies=part), threads=1)
+    assert [record.message for record in caplog.records if "touch only in part" in record.message] == [
+        warnings_of(load(bodies=part))[0][0] + ": " + warnings_of(load(bodies=part))[0][1]
+    ]
