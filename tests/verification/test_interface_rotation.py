@@ -1,0 +1,95 @@
+"""Half disks that an interface joins, through a whole turn (L4)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
+
+CENTRIFUGAL = 0.0334
+"""Mean stress across a diameter of the disk that turns [MPa]."""
+ENERGY = 1.53e-6
+"""What springs of D Δx/E = 1 store under it over the kinetic energy, with cells of 0.5 mm; half with 0.25 mm."""
+
+
+def look(run):
+    """Largest jump [cells], mean traction, energy of the interface over the kinetic one, and angular momentum."""
+    parts = run.simulation.contact.interfaces
+    p = run.particles
+    jumps = np.linalg.norm(parts.jumps.end[parts.rows()], axis=1)
+    turning = np.sum(p.mass * (p.X[0] * p.V[1] - p.X[1] * p.V[0]))
+    energy = parts.view.energy.sum() / max(run.kinetic_energy, 1e-9)
+    return jumps.max() / run.simulation.grid.cell[0], parts.view.means().traction_normal[0], energy, turning
+
+
+def turn(start, end, every, *sets):
+    run = start("spinning_joint.yaml", *sets)
+    run.to(0.32)
+    seen = [look(run)]
+    for time in np.arange(0.32 + every, end, every):
+        run.to(time)
+        seen.append(look(run))
+    return np.array(seen).T
+
+
+def test_a_turn_opens_no_joint(start):
+    """The jump is that of the centrifugal stress, and positions that drift from F by 3e-4 cells in a turn."""
+    jump, traction, energy, turning = turn(start, 3.29, 0.25)
+    assert jump.max() < 5e-4
+    assert traction == pytest.approx(CENTRIFUGAL, rel=0.07)
+    assert energy[:3] == pytest.approx(ENERGY, rel=0.08)
+    assert energy.max() < 1.3 * ENERGY
+    assert turning == pytest.approx(turning[0], rel=1e-3)
+
+
+def test_with_fine_cells_it_stores_less_than_a_millionth(start):
+    jump, traction, energy, _ = turn(start, 0.5, 0.08, "constants.cell=0.25", "time.courant=0.4")
+    assert jump.max() < 2e-4
+    assert traction == pytest.approx(CENTRIFUGAL, rel=0.03)
+    assert energy == pytest.approx(0.5 * ENERGY, rel=0.05)
+    assert energy.max() < 1e-6
+
+
+def opened(omega=2.0, size=0.05, until=0.1):
+    """Halves that turn from the start, each particle on its circle, while the upper one moves off by ``size``."""
+    phase = f"2*pi*min(t, {until})/{until}"
+    speeding = f"{size}*2*pi/{until}**2*sin({phase})"
+    across = f"2*{omega}*{size}/{until}*(1 - cos({phase}))"
+    turn, velocity = f"{omega}*t", f"['-{omega}*y', '{omega}*x']"
+    loads = (
+        f"{{name: turn, kind: body_force, acceleration: ['-{omega**2}*x', '-{omega**2}*y']}}, "
+        "{name: open, kind: body_force, on: {body: upper}, acceleration: "
+        f"['-{speeding}*sin({turn}) - {across}*cos({turn})', '{speeding}*cos({turn}) - {across}*sin({turn})']}}"
+    )
+    bodies = (f"bodies.{name}.velocity={velocity}" for name in ("lower", "upper"))
+    return ("constants.k=0", f"loads=[{loads}]", *bodies)
+
+
+def motion(run, body):
+    """A and c of the affine motion x = A X + c that fits a body best."""
+    mine = run.ordered("body") == body
+    X = np.vstack([run.X0[:, mine], np.ones(mine.sum())])
+    found = np.linalg.lstsq(X.T, run.X[:, mine].T, rcond=None)[0].T
+    return found[:, :2], found[:, 2]
+
+
+def test_an_open_joint_turns_with_its_halves(start):
+    """Its jump is that of the motions of the halves, which turn by 92°."""
+    run = start("spinning_joint.yaml", *opened(), "time.courant=0.4")
+    for time in (0.1, 0.4, 0.8):
+        run.to(time)
+        parts, contacts = run.simulation.contact.interfaces, run.simulation.contact.contacts
+        rows = parts.rows()
+        nodes = contacts.table.node[contacts.fields.slot[rows]]
+        x, dt = run.simulation.grid.coordinates(nodes), run.simulation.state.dt
+        (A, a), (B, b) = motion(run, 0), motion(run, 1)
+        mean = 0.5 * (A + B)
+        wanted = (mean @ (np.linalg.solve(A, x - a[:, None]) - np.linalg.solve(B, x - b[:, None]))).T
+        jumps = parts.jumps.end[rows] * np.sign(contacts.geometry.normal[rows] @ wanted.mean(axis=0))[:, None]
+        assert len(jumps) > 20
+        assert (
+            np.linalg.norm(jumps - wanted, axis=1).max() < 0.005 * 0.05 + 0.15 * dt
+        )  # it moves on in a step
+        assert np.linalg.norm(jumps, axis=1) == pytest.approx(0.05, rel=0.01)
+        assert np.arctan2(A[1, 0], A[0, 0]) == pytest.approx(2.0 * run.time, rel=0.002)
