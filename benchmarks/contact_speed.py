@@ -1,4 +1,4 @@
-"""What contact costs: a second field that never touches, and nine disks that do, by normal method.
+"""What contact costs: a second field that never touches, nine disks that do, by normal method, and interfaces.
 
     python benchmarks/contact_speed.py [--quick] [--threads 1 2] [--repeats N]
 
@@ -29,6 +29,12 @@ CONTACTS: dict[str, Any] = {
     "linear regression": {"law": LAW, "normal": {"kind": "linear_regression"}},
     "average gradient, position fit": {"law": LAW, "normal": {"kind": "average_gradient"}} | FIT,
     "perfect": {"law": {"kind": "perfect"}},
+}
+MODE = {"shape": "triangular", "strength": 50, "toughness": 2}
+INTERFACES: dict[str, Any] = {
+    "coulomb": {"law": LAW},
+    "linear_interface": {"law": {"kind": "linear_interface", "normal": 125, "tangential": 125}},
+    "cohesive": {"law": {"kind": "cohesive", "normal": MODE, "tangential": MODE}},
 }
 RUBBER = {"kind": "neo_hookean", "density": 1.5e-3, "E": 1000, "nu": 0.33}
 
@@ -63,6 +69,21 @@ def blocks(particles: int, transfer: dict[str, Any]) -> dict[str, Any]:
         for name, x in (("left", 0), ("right", side + 20))
     ]
     return scene([-8, -8], [2 * side + 28, side + 8], bodies, transfer)
+
+
+def plies(particles: int, transfer: dict[str, Any]) -> dict[str, Any]:
+    """Two blocks, one on the other, that touch along the whole side."""
+    side = round(math.sqrt(particles / 4))
+    bodies = [
+        {
+            "name": name,
+            "material": "rubber",
+            "region": {"kind": "box", "lower": [0, y], "upper": [side, y + side / 2]},
+            "velocity": [0.1 * y / side, f"-0.1*y/{side}"],
+        }
+        for name, y in (("low", 0), ("high", side / 2))
+    ]
+    return scene([-8, -8], [side + 8, side + 8], bodies, transfer)
 
 
 def scene(
@@ -140,7 +161,12 @@ def main() -> None:
         Timed("FMPM(4), one field", disks(particles, fmpm), None),
         Timed("FMPM(4), logistic regression", disks(particles, fmpm), {"law": LAW}),
     ]
-    cases = [*apart, *touching, *loops]
+    joined = [
+        Timed(f"{transfer['kind']}, {name}", plies(particles, transfer), contact)
+        for transfer in (flip, fmpm)
+        for name, contact in INTERFACES.items()
+    ]
+    cases = [*apart, *touching, *loops, *joined]
     calibration = Calibration()
     for _ in range(options.repeats):
         for threads in options.threads:
@@ -149,8 +175,10 @@ def main() -> None:
                 case.measure(threads)
     for threads in options.threads:
         triad = statistics.median(calibration.bandwidth[threads])
-        print(f"\n{threads} thread(s), triad {triad:.1f} GB/s; ns per particle and step, times one field")
-        for group in (apart, touching, loops):
+        print(
+            f"\n{threads} thread(s), triad {triad:.1f} GB/s; ns per particle and step, times the first of its group"
+        )
+        for group in (apart, touching, loops, joined[: len(INTERFACES)], joined[len(INTERFACES) :]):
             base = group[0].median(threads)
             for case in group:
                 ns, count = case.median(threads), case.contacts
