@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, TypeAdapter, ValidationInfo, WithJsonSchema
 
 from mpmcli.core.model import Quantity
+from mpmcli.core.suggest import did_you_mean
 from mpmcli.interfaces.springs import Elastic, Rigid
 
 _stiffness: TypeAdapter[Any] = TypeAdapter(Annotated[float, Quantity("pressure/length", ge=0)])
@@ -14,7 +15,11 @@ _stiffness: TypeAdapter[Any] = TypeAdapter(Annotated[float, Quantity("pressure/l
 
 def read_stiffness(value: Any, info: ValidationInfo) -> Any:
     """A stiffness [pressure/length], or ``perfect``."""
-    return "perfect" if value == "perfect" else _stiffness.validate_python(value, context=info.context)
+    if value == "perfect":
+        return value
+    if isinstance(value, str) and (hint := did_you_mean(value, ["perfect"])):
+        raise ValueError(f"'{value}' is not a stiffness{hint}")
+    return _stiffness.validate_python(value, context=info.context)
 
 
 Stiffness = Annotated[
