@@ -90,9 +90,10 @@ def interfaces_in_words(facts: dict[str, Any]) -> list[str]:
         return []
     memory = ", ".join(f"{name} {size / 2**20:.2g} MiB" for name, size in facts["arrays"].items())
     loop = " and in 3.b on every increment of the FMPM loop" if facts["has_loop"] else ""
+    free = " (no limit of the time step)" if facts["step"] == "implicit" else ""
     lines = [
-        f"jump {facts['jump']}, step {facts['step']}, area {facts['area']}, gaps up to {facts['initial_gap']:g} cells "
-        f"are bonded; particles keep {memory}",
+        f"jump {facts['jump']}, step {facts['step']}{free}, area {facts['area']}; gaps up to "
+        f"{facts['initial_gap']:g} cells are bonded; particles keep {memory}",
         f"task 1.a holds perfect directions; tractions act in 3.a on updated momenta{loop}",
     ]
     if facts["couples"]:

@@ -228,6 +228,7 @@ class Interfaces:
         """Jump, traction and damage of the first contact of every node (``ContactAccount.nodal_fields``)."""
         c = self._contacts
         return {
+            "interface_is_there": lambda: on_nodes(self._is_mine().astype(float)),
             "interface_jump": lambda: on_nodes(self.jumps.end[: c.count] * self._is_mine()[:, None]),
             "interface_traction": lambda: on_nodes(self.tractions()),
             "interface_damage": lambda: on_nodes(self.damages()),

@@ -168,7 +168,7 @@ def _of_contact(dimension: str, is_vector: bool, description: str) -> GridField:
 
 
 def _of_interface(dimension: str, is_vector: bool, description: str) -> GridField:
-    return GridField(dimension, is_vector, description, among="contact_normal", of_interface=True)
+    return GridField(dimension, is_vector, description, among="interface_is_there", of_interface=True)
 
 
 GRID_FIELDS = {

@@ -106,7 +106,8 @@ def test_facts_of_an_interface():
     count = facts["particles"]
     assert found["arrays"] == {"X0": 16 * count, "interface": 24 * count}
     for words in (
-        "interface  jump gradient, step implicit, area opening, gaps up to 0.1 cells are bonded; particles keep X0 ",
+        "interface  jump gradient, step implicit (no limit of the time step), area opening; gaps up to 0.1 cells ",
+        " are bonded; particles keep X0 ",
         "task 1.a holds perfect directions; tractions act in 3.a on updated momenta\n",
         "where three or more fields meet at a node, all pairs are coupled",
         "left|right: cohesive, φ = ",

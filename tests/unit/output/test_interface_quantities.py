@@ -11,7 +11,7 @@ from mpmcli.core.state import ContactView, InterfaceMeans, InterfaceView
 from mpmcli.output.columns import all_columns, default_columns, evaluate, fields_of, resolve_columns
 from mpmcli.output.interface_report import in_words, interface_facts
 from mpmcli.output.of_scene import check_output, context_of
-from mpmcli.output.probes import grid_fields, make_probe, resolve_grid_fields
+from mpmcli.output.probes import PointProbe, grid_fields, make_probe, resolve_grid_fields
 from mpmcli.output.quantities import Context
 from mpmcli.output.snapshot import Snapshot
 from mpmcli.scene.loader import load_scene
@@ -213,6 +213,21 @@ def test_asking_in_a_scene():
 
 
 # ---------------------------------------------------------------------- probes
+
+
+def test_points_see_interfaces_only_at_nodes_that_have_one(make_state, make_grid):
+    """Of four nodes in contact two have an interface, one of them without a jump."""
+    grid = make_grid(2)
+    there, jump = np.zeros(20), np.zeros((20, 2))
+    there[6] = there[7] = 1.0
+    jump[6] = (0.0, 0.5)
+    normal = np.ones((20, 2))
+    grid.fields.update(
+        interface_is_there=lambda: there, interface_jump=lambda: jump, contact_normal=lambda: normal
+    )
+    snapshot = Snapshot(make_state(grid=grid, step=1))
+    assert PointProbe("p", (1.5, 1.75), ["interface_jump"]).look(snapshot) == pytest.approx([0.0, 0.25])
+    assert np.isnan(PointProbe("q", (3.5, 2.25), ["interface_jump"]).look(snapshot)).all()
 
 
 def pair_probe(**changes):
