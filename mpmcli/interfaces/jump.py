@@ -99,7 +99,8 @@ def add_inverse_times(axes, F, p, weight, turned, r, out):
 def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, start_gap, geometry, rows):
     """Jump δ(0) of every contact whose law is one of interfaces, into ``rows.jump``.
 
-    With ``GRADIENT`` the difference of the reference positions of the matter that is at the node now, found from each
+    With ``GRADIENT`` the difference of the reference positions of the matter that is at the interface now, beside the
+    node along the normal, found from each
     particle by its deformation gradient and pushed forward by the mean one of both sides: exact for affine motions
     of both. With ``EXTRAPOLATED`` the difference of mean displacements (Nairn 2023, Eq. 2.4); with ``EDGES`` the part
     along the normal is the separation less that of the start, ``start_gap`` (pairs,).
@@ -111,7 +112,14 @@ def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, sta
             continue
         slot, i = fields.slot[k], nodes.node[fields.slot[k]]
         alpha, beta = field_at(nodes, fields.alpha[k]), field_at(nodes, fields.partner[k])
-        find_jump(axes, way, slot, i, alpha, beta, fields.rigid[k], around, near, matter, sums[k], jump[k])
+        # the interface lies beside the node: there sides that turn apart have another jump
+        beside = 0.5 * (geometry.distances[k, 0] + geometry.distances[k, 1])
+        if not abs(beside) < UNKNOWN:
+            beside = 0.0
+        find_jump(
+            axes, way, slot, i, alpha, beta, fields.rigid[k], around, near, matter, beside, geometry.normal[k],
+            sums[k], jump[k],
+        )  # fmt: skip
         if way == EDGES:
             along = 0.0
             for a in range(d):
@@ -122,8 +130,8 @@ def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, sta
 
 
 @inline
-def find_jump(axes, way, slot, i, alpha, beta, rigid, around, near, matter, sums, out):
-    """``find_jumps`` for one contact; ``sums`` is scratch."""
+def find_jump(axes, way, slot, i, alpha, beta, rigid, around, near, matter, beside, normal, sums, out):
+    """``find_jumps`` for one contact, ``beside`` it along the normal; ``sums`` is scratch."""
     d = len(axes)
     # unfolded: mean reference positions of α and of β relative to the node, and the mean F of both
     at_alpha, at_beta, F = sums[:d], sums[d : 2 * d], sums[2 * d :]
@@ -146,7 +154,12 @@ def find_jump(axes, way, slot, i, alpha, beta, rigid, around, near, matter, sums
                 if turned >> a & 1:
                     x = 2.0 * (around.origin[a] + around.planes[image, a] * around.cell[a]) - x
                     moved = -moved
-                out[a] = around.origin[a] + (i // stride % around.shape[a]) * around.cell[a] - x
+                out[a] = (
+                    around.origin[a]
+                    + (i // stride % around.shape[a]) * around.cell[a]
+                    + beside * normal[a]
+                    - x
+                )
                 mine[a] -= w * (moved if way == EXTRAPOLATED else moved + out[a])
                 stride *= around.shape[a]
             if way != EXTRAPOLATED:
