@@ -205,3 +205,20 @@ def test_runs_refuse_and_warn_as_validate_does(caplog: pytest.LogCaptureFixture)
     assert [record.message for record in caplog.records if "touch only in part" in record.message] == [
         warnings_of(load(bodies=part))[0][0] + ": " + warnings_of(load(bodies=part))[0][1]
     ]
+
+
+@pytest.mark.parametrize("names", [("soft", "stiff"), ("joined", "stiff")])
+def test_pairs_may_be_of_materials_or_of_the_fields_that_they_share(names: tuple[str, str]) -> None:
+    bodies = [box("low", [-4, -4], [4, 0]), box("high", [-4, 0.5], [4, 4], "stiff")]
+    scene = yaml.safe_load(yaml.safe_dump(load(None, bodies).resolved()))
+    scene["materials"]["soft"]["field"] = "joined"
+    law = cohesive({"strength": 2.0, "opening": 0.3})
+    scene["contact"] = {
+        "fields": "material",
+        "law": {"kind": "frictionless"},
+        "pairs": [{"between": names, "law": law}],
+    }
+    loaded = load_scene(yaml.safe_dump(scene))
+    assert "contact.pairs.0.law.normal" in [w.path for w in loaded.warnings]
+    with pytest.raises(SceneError, match="'joined' and 'stiff' do not touch at the start"):
+        check_filling(loaded.scene)
