@@ -26,6 +26,7 @@ class InterfaceModel(LawModel):
     """Base of all interface laws."""
 
     is_interface: ClassVar[bool] = True
+    screened: ClassVar[bool] = False
     needs_area: ClassVar[bool] = True
     keeps_history: ClassVar[bool] = False
     """Openings of the past matter: particles near the interface remember them."""
