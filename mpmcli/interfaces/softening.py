@@ -175,7 +175,7 @@ def rising_root(shape, low, high, target, compliance):
             low = x
         else:
             break
-        step = -residual / slope if abs(residual) < last * slope else high - low
+        step = -residual / slope if abs(residual) < 0.5 * last * slope else high - low
         moved = x + step
         if not low < moved < high:
             moved = 0.5 * (low + high)

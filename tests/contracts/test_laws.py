@@ -1,4 +1,4 @@
-"""What every registered contact law is held to."""
+"""What every registered contact law is held to; those of interfaces: ``test_interface_laws``."""
 
 import examples
 import numpy as np
@@ -20,7 +20,10 @@ from mpmcli.contact.laws.impulse import (
 from mpmcli.core.compiled.kernel import kernel, prange
 
 MODELS = [
-    LAWS[kind].model_validate({"kind": kind, **numbers}) for kind in LAWS for numbers in examples.LAWS[kind]
+    LAWS[kind].model_validate({"kind": kind, **numbers})
+    for kind in LAWS
+    if not LAWS[kind].is_interface
+    for numbers in examples.LAWS[kind]
 ]
 every = pytest.mark.parametrize("model", MODELS, ids=lambda m: f"{m.kind}-{MODELS.index(m)}")
 TWO = pytest.param(2, marks=pytest.mark.slow)  # scenes with contact are in the plane
