@@ -26,11 +26,7 @@ from mpmcli.interfaces.base import (
 from mpmcli.interfaces.cohesion import press
 from mpmcli.interfaces.independent import compliance_of, slip_of
 from mpmcli.interfaces.shapes.base import elastic_end, envelope_slope, secant, spent
-from mpmcli.interfaces.softening import Softening, opening_beyond, worn
-
-PANELS = 16
-"""Parts in which a root is looked for."""
-HALVINGS = 60
+from mpmcli.interfaces.softening import Softening, worn
 
 
 class CoupledCohesion(NamedTuple):
@@ -43,56 +39,6 @@ class CoupledCohesion(NamedTuple):
     tangential_opening: float
     closed: Any
     pressed: float
-
-
-@inline
-def reach(shape, most, normal, tangential, stiff_normal, stiff_tangential):
-    """λ to which relative openings come that would be ``normal`` and ``tangential`` without tractions.
-
-    The secant is that of the largest opening ``most``; ``stiff_normal`` and ``stiff_tangential`` are c σ/δ_c.
-    """
-    h = secant(shape, most)
-    return math.hypot(normal / (1.0 + stiff_normal * h), tangential / (1.0 + stiff_tangential * h))
-
-
-@inline
-def largest_opening(shape, base, normal, tangential, stiff_normal, stiff_tangential):
-    """The largest λ after the step, at least ``base``: the next λ at which tractions and openings agree.
-
-    λ = ``reach``(λ). It lies between the roots of the modes' own compliances, one scalar law each; between them it is
-    looked for in steps, so that a law that softens too fast for the step snaps where it must.
-    """
-    least = reach(shape, base, normal, tangential, stiff_normal, stiff_tangential)
-    if least <= base:
-        return base
-    free = math.hypot(normal, tangential)
-    low = scalar_opening(shape, base, free, max(stiff_normal, stiff_tangential))
-    high = scalar_opening(shape, base, free, min(stiff_normal, stiff_tangential))
-    if low >= reach(shape, low, normal, tangential, stiff_normal, stiff_tangential):
-        return low
-    width = (high - low) / PANELS
-    for _ in range(PANELS):
-        high = low + width
-        if high >= reach(shape, high, normal, tangential, stiff_normal, stiff_tangential):
-            break
-        low = high
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        if middle >= reach(shape, middle, normal, tangential, stiff_normal, stiff_tangential):
-            high = middle
-        else:
-            low = middle
-    return high
-
-
-@inline
-def scalar_opening(shape, base, free, stiff):
-    """The largest λ after the step if both modes had the same compliance ``stiff``."""
-    return (
-        base
-        if free <= base * (1.0 + stiff * secant(shape, base))
-        else opening_beyond(shape, base, free, stiff)
-    )
 
 
 @inline

@@ -8,11 +8,10 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
 
 from mpmcli.contact.laws.base import LAWS
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.model import PositivePressure, Quantity
 from mpmcli.interfaces.base import InterfaceModel
 from mpmcli.interfaces.independent import Independent
-from mpmcli.interfaces.shapes.base import envelope, envelope_slope
-from mpmcli.interfaces.softening import rising_root
 from mpmcli.interfaces.springs import (
     is_linear,
     is_perfect,
@@ -28,6 +27,8 @@ from mpmcli.interfaces.springs import (
 )
 from mpmcli.interfaces.stiffness import read_stiffness, slope_of, spring_of
 
+ROUNDS = 200
+"""Steps of root finding at most; eight are usual."""
 STEEPEST = 100.0
 """Largest |aδ| in compression at which the exponential is still evaluated: no traction is as large."""
 
@@ -103,32 +104,56 @@ for kind in (Morse, Mirrored):
     resist.register(kind)(resist_by_pull)
 
 
-@envelope.register(Morse)
-def _(shape, opening):
-    y = math.exp(-max(shape.steepness * opening, -STEEPEST))
-    rest = -math.expm1(-max(shape.steepness * opening, -STEEPEST))
-    return 2.0 * shape.energy * shape.steepness * y * rest
-
-
-@envelope_slope.register(Morse)
-def _(shape, opening):
-    y = math.exp(-max(shape.steepness * opening, -STEEPEST))
-    return 2.0 * shape.energy * shape.steepness * shape.steepness * y * (2.0 * y - 1.0)
-
-
 @pull.register(Morse)
 def _(spring, opening, most):
-    return envelope(spring, opening)
+    way = max(spring.steepness * opening, -STEEPEST)
+    return -2.0 * spring.energy * spring.steepness * math.exp(-way) * math.expm1(-way)
 
 
 @rate.register(Morse)
 def _(spring, opening, most):
-    return envelope_slope(spring, opening)
+    y = math.exp(-max(spring.steepness * opening, -STEEPEST))
+    return 2.0 * spring.energy * spring.steepness * spring.steepness * y * (2.0 * y - 1.0)
 
 
 @stored.register(Morse)
 def _(spring, opening, most):
     return spring.energy * math.expm1(-max(spring.steepness * opening, -STEEPEST)) ** 2
+
+
+@inline
+def rising_root(spring, low, high, target, compliance):
+    """Root of δ + c T(δ) = ``target`` between ``low`` and ``high``, where the left side rises.
+
+    Newton steps; halving where they leave the bracket or do not converge.
+    """
+    if low + compliance * pull(spring, low, 0.0) >= target:
+        return low
+    x = (
+        low if low >= 0.0 else high
+    )  # the end that is nearer to the origin: Newton finds small targets at once
+    last = high - low
+    for _ in range(ROUNDS):
+        residual = x + compliance * pull(spring, x, 0.0) - target
+        slope = 1.0 + compliance * rate(spring, x, 0.0)
+        if residual > 0.0:
+            high = x
+        elif residual < 0.0:
+            low = x
+        else:
+            break
+        step = -residual / slope if abs(residual) < 0.5 * last * slope else high - low
+        moved = x + step
+        if not low < moved < high:
+            moved = 0.5 * (low + high)
+            step = moved - x
+        last = abs(step)
+        if moved == x:
+            break
+        x = moved
+        if last <= 1e-16 * abs(x):
+            break
+    return x
 
 
 @settle.register(Morse)
@@ -141,10 +166,10 @@ def _(spring, opening, target, compliance, most):
     first = -math.log(0.25 * (1.0 + root)) / spring.steepness
     # 1 − root without its difference
     second = -math.log(2.0 / (d * (1.0 + root))) / spring.steepness
-    top = first + compliance * envelope(spring, first)
-    bottom = second + compliance * envelope(spring, second)
+    top = first + compliance * pull(spring, first, most)
+    bottom = second + compliance * pull(spring, second, most)
     from_below = opening <= first or (
-        opening < second and target < opening + compliance * envelope(spring, opening)
+        opening < second and target < opening + compliance * pull(spring, opening, most)
     )
     if (from_below and target <= top) or target < bottom:
         return rising_root(spring, min(target, 0.0), first, target, compliance)

@@ -13,7 +13,6 @@ from mpmcli.interfaces.shapes.base import (
     envelope_slope,
     failure,
     secant,
-    snap,
     spent,
 )
 from mpmcli.interfaces.springs import (
@@ -29,9 +28,6 @@ from mpmcli.interfaces.springs import (
     settle,
     stored,
 )
-
-ROUNDS = 200
-"""Steps of root finding at most; six are usual."""
 
 
 class Softening(NamedTuple):
@@ -119,71 +115,20 @@ def _(spring, opening, most):
     return 0.5 * secant(spring.shape, base) * opening * opening
 
 
+@inline
+def left(spring, opening, most):
+    """Stiffness that is left at the start of the step: at light nodes the opening of its end is no measure of it."""
+    return secant(spring.shape, max(most, abs(opening), elastic_end(spring.shape)))
+
+
 @settle.register(Softening)
 def _(spring, opening, target, compliance, most):
-    size, base = abs(target), max(most, elastic_end(spring.shape))
-    stiffening = 1.0 + compliance * secant(spring.shape, base)
-    if size <= base * stiffening:
-        return target / stiffening
-    return math.copysign(opening_beyond(spring.shape, base, size, compliance), target)
+    return target / (1.0 + compliance * left(spring, opening, most))
 
 
 @resist.register(Softening)
 def _(spring, opening, target, compliance, most):
-    # damage is that of the start of the step: at light nodes the opening of its end is no measure of it
-    stiffness = secant(spring.shape, max(most, abs(opening), elastic_end(spring.shape)))
-    return stiffness * target / (1.0 + compliance * stiffness)
+    return left(spring, opening, most) * settle(spring, opening, target, compliance, most)
 
 
 oscillate.register(Softening)(oscillate_nonlinear)
-
-
-@inline
-def opening_beyond(shape, base, target, compliance):
-    """Return the smallest δ > ``base`` with δ + c S(δ) = ``target``, which is above the left side at ``base``.
-
-    The left side rises up to δ₁, falls to δ₂ and rises again (``snap``).
-    """
-    if target >= failure(shape) and base >= failure(shape):
-        return target
-    first, second = snap(shape, compliance)
-    if base < first and target <= first + compliance * envelope(shape, first):
-        return rising_root(shape, base, first, target, compliance)
-    if target >= failure(shape):
-        return target
-    return rising_root(shape, max(base, second), target, target, compliance)
-
-
-@inline
-def rising_root(shape, low, high, target, compliance):
-    """Root of δ + c S(δ) = ``target`` between ``low`` and ``high``, where the left side rises.
-
-    Newton steps; halving where they leave the bracket or do not converge.
-    """
-    if low + compliance * envelope(shape, low) >= target:
-        return low
-    x = (
-        low if low >= 0.0 else high
-    )  # the end that is nearer to the origin: Newton finds small targets at once
-    last = high - low
-    for _ in range(ROUNDS):
-        residual = x + compliance * envelope(shape, x) - target
-        slope = 1.0 + compliance * envelope_slope(shape, x)
-        if residual > 0.0:
-            high = x
-        elif residual < 0.0:
-            low = x
-        else:
-            break
-        step = -residual / slope if abs(residual) < 0.5 * last * slope else high - low
-        moved = x + step
-        if not low < moved < high:
-            moved = 0.5 * (low + high)
-            step = moved - x
-        last = abs(step)
-        if moved == x:
-            break
-        x = moved
-        if last <= 1e-16 * abs(x):
-            break
-    return x

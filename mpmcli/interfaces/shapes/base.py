@@ -121,11 +121,3 @@ def spent(shape: Any, opening: Any) -> Any:
 @generic
 def failure(shape: Any) -> Any:
     """δ_c [length]."""
-
-
-@generic
-def snap(shape: Any, compliance: Any) -> Any:
-    """Openings δ₁ ≤ δ₂ between which δ + c S(δ) falls with δ; both δ_c if it never does.
-
-    There the law softens too fast for the step: c |S′| > 1.
-    """

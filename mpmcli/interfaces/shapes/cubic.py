@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Literal, NamedTuple
 
 from mpmcli.interfaces.shapes.base import (
@@ -12,7 +11,6 @@ from mpmcli.interfaces.shapes.base import (
     envelope_slope,
     failure,
     secant,
-    snap,
     spent,
 )
 
@@ -78,14 +76,3 @@ def _(shape, opening):
 def _(shape, opening):
     x = min(opening / shape.opening, 1.0)
     return 0.5625 * shape.strength * shape.opening * x**3 * (4.0 - 3.0 * x)
-
-
-@snap.register(Cubic)
-def _(shape, compliance):
-    # c S' = −1: 3 x² − 4 x + 1 + q = 0
-    q = shape.opening
-    fall = 6.75 * shape.strength * compliance
-    if fall <= 3.0 * q:
-        return shape.opening, shape.opening
-    root = math.sqrt(1.0 - 3.0 * q / fall)
-    return shape.opening * (2.0 - root) / 3.0, shape.opening * (2.0 + root) / 3.0

@@ -14,7 +14,6 @@ from mpmcli.interfaces.shapes.base import (
     envelope_slope,
     failure,
     secant,
-    snap,
     spent,
 )
 
@@ -104,12 +103,3 @@ def _(shape, opening):
     fallen = (-math.expm1(-a * way) / a - way * (1.0 - shape.fall)) / shape.fall
     work = shape.strength * (0.5 * shape.elastic + width * fallen)
     return work - 0.5 * envelope(shape, opening) * opening
-
-
-@snap.register(Exponential)
-def _(shape, compliance):
-    width = shape.opening - shape.elastic
-    steepest = compliance * shape.strength * shape.alpha / (width * shape.fall)
-    if steepest <= 1.0:
-        return shape.opening, shape.opening
-    return shape.elastic, min(shape.elastic + width * math.log(steepest) / shape.alpha, shape.opening)

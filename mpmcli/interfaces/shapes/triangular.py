@@ -13,7 +13,6 @@ from mpmcli.interfaces.shapes.base import (
     envelope_slope,
     failure,
     secant,
-    snap,
     spent,
 )
 
@@ -83,10 +82,3 @@ def _(shape, opening):
 def _(shape, opening):
     share = (opening - shape.elastic) / (shape.opening - shape.elastic)
     return 0.5 * shape.strength * shape.opening * min(max(share, 0.0), 1.0)
-
-
-@snap.register(Triangular)
-def _(shape, compliance):
-    if compliance * shape.strength > shape.opening - shape.elastic:
-        return shape.elastic, shape.opening
-    return shape.opening, shape.opening

@@ -15,7 +15,6 @@ from mpmcli.interfaces.shapes.base import (
     envelope_slope,
     failure,
     secant,
-    snap,
     spent,
 )
 
@@ -118,12 +117,3 @@ def _(shape, opening):
         return 0.5 * (shape.strength * opening - traction * shape.elastic)
     most = shape.strength * shape.kink + shape.kink_strength * (shape.opening - shape.elastic)
     return 0.5 * (most - traction * shape.opening)
-
-
-@snap.register(Trilinear)
-def _(shape, compliance):
-    first = compliance * (shape.strength - shape.kink_strength) > shape.kink - shape.elastic
-    second = compliance * shape.kink_strength > shape.opening - shape.kink
-    start = shape.elastic if first else (shape.kink if second else shape.opening)
-    end = shape.opening if second or not first else shape.kink
-    return start, end

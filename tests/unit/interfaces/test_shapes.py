@@ -1,11 +1,9 @@
-"""Shapes of cohesive laws: work, what is spent, the third number from two, and where they snap."""
+"""Shapes of cohesive laws: work, what is spent, the third number from two."""
 
 import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 from scipy.integrate import quad
 
@@ -16,7 +14,6 @@ from mpmcli.interfaces.shapes.base import (
     envelope_slope,
     failure,
     secant,
-    snap,
     spent,
 )
 
@@ -114,25 +111,6 @@ def test_slopes_and_secants(keys):
     assert secant(law, max(elastic_end(law), 0.0)) == pytest.approx(shape.slope, rel=1e-14)
     secants = [secant(law, x) for x in np.linspace(elastic_end(law), 1.1 * DELTA, 999)[1:]]
     assert np.all(np.diff(secants) <= 0)
-
-
-@every
-@given(power=st.floats(-3, 5))
-def test_snap_is_where_opening_and_traction_fall_together(keys, power):
-    law = of(keys).parameters()
-    compliance = 10.0**power * DELTA / SIGMA
-    x = np.linspace(elastic_end(law), DELTA, 4001)
-    whole = x + compliance * np.array([envelope(law, each) for each in x])
-    first, second = snap(law, compliance)
-    assert first <= second
-    middle = 0.5 * (x[1:] + x[:-1])
-    falling = (middle > first) & (middle < second)
-    step = DELTA / 4000
-    near = (abs(middle - first) < 2 * step) | (abs(middle - second) < 2 * step)
-    rises = np.diff(whole) > -1e-13 * whole[1:]
-    falls = np.diff(whole) < 1e-13 * whole[1:]
-    assert np.all(rises | falling | near)
-    assert np.all(falls | ~falling | near)
 
 
 @every
