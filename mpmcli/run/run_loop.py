@@ -86,6 +86,8 @@ class RunLoop:
         LOGGER.debug("%s, scene %s, on %s threads", loaded.path, loaded.hash, simulation.threads)
         for warning in loaded.warnings:
             LOGGER.warning("%s", warning, extra={LOG_ONLY: True})
+        for problem in simulation.setup_warnings:
+            LOGGER.warning("%s: %s", problem.path, problem.message)
         LOGGER.debug("%s", report)
 
     def dry_run(self) -> Outcome:

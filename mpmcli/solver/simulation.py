@@ -67,7 +67,7 @@ class Simulation(Parts):
     plan : the choices of the scene; those in force in a step come with the step
     last_step : the step that was taken last
     timings : seconds per task so far, by number and name
-    setup_report : text about the bodies
+    setup_report, setup_warnings : text about the bodies, and what to warn of them
     """
 
     def __init__(self, loaded: Any, threads: int | None = None):
@@ -270,8 +270,7 @@ class Simulation(Parts):
     def _fill(self, scene: Any) -> Array | None:
         """Make the particles, and the report about the bodies; returns the turns of the particle domains."""
         self.particles, filled = setup.make_particles(scene, self.plan, self.grid)
-        for problem in check_touch(scene, filled):
-            LOGGER.warning("%s: %s", problem.path, problem.message)
+        self.setup_warnings = check_touch(scene, filled)
         self.setup_report = setup.report_of_bodies(scene, self.plan, filled)
         return setup.turns_of_bodies(filled)
 

@@ -46,7 +46,7 @@ class StandIn(Simulation):
         arrays["X"] = np.ascontiguousarray(np.concatenate([place[:, : len(rows)] for rows in few], axis=1))
         arrays["id"] = np.arange(len(chosen))
         self.particles = replace(p, **arrays)
-        self.setup_report = ""
+        self.setup_report, self.setup_warnings = "", []
         return self._original.transfer.turns
 
     def _is_large(self) -> bool:

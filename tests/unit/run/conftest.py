@@ -18,6 +18,7 @@ class FakeSimulation:
 
     threads = 2
     setup_report = "2 particles in 1 body"
+    setup_warnings = ()
     dt = 0.01
 
     def __init__(self, loaded, threads=None):

@@ -121,6 +121,20 @@ def test_interfaces_tell_at_the_end_where_their_energy_went(lost, go, loaded, tm
         assert text.count("warning: in 3 contacts (of all steps)") == (lost > 0)
 
 
+def test_what_is_wrong_with_the_start_is_warned_of_once(go, loaded, simulation, tmp_path, capfd):
+    problem = Problem("contact.law", "'a' and 'b' touch only in part", severity="warning")
+
+    def start(loaded, threads):
+        made = simulation(loaded, threads=threads)
+        made.setup_warnings = [problem]
+        return made
+
+    run(loaded, tmp_path / "out", make_simulation=start)
+    words = "contact.law: 'a' and 'b' touch only in part"
+    assert capfd.readouterr().err.count(f"warning: {words}") == 1
+    assert (tmp_path / "out" / "run.log").read_text().count(words) == 1
+
+
 def test_without_contact_nothing_is_said_of_it(go, tmp_path, capfd):
     go()
     assert "contacts" not in capfd.readouterr().err
