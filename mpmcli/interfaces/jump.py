@@ -100,9 +100,8 @@ def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, sta
     """Jump δ(0) of every contact whose law is one of interfaces, into ``rows.jump``.
 
     With ``GRADIENT`` the difference of the reference positions of the matter that is at the interface now, beside the
-    node along the normal, found from each
-    particle by its deformation gradient and pushed forward by the mean one of both sides: exact for affine motions
-    of both. With ``EXTRAPOLATED`` the difference of mean displacements (Nairn 2023, Eq. 2.4); with ``EDGES`` the part
+    node along the normal; each particle tells its own by its deformation gradient, and the mean gradient of both sides
+    pushes the difference forward: exact for affine motions of both. With ``EXTRAPOLATED`` the difference of mean displacements (Nairn 2023, Eq. 2.4); with ``EDGES`` the part
     along the normal is the separation less that of the start, ``start_gap`` (pairs,).
     """
     d = len(axes)
@@ -154,19 +153,13 @@ def find_jump(axes, way, slot, i, alpha, beta, rigid, around, near, matter, besi
                 if turned >> a & 1:
                     x = 2.0 * (around.origin[a] + around.planes[image, a] * around.cell[a]) - x
                     moved = -moved
-                out[a] = (
-                    around.origin[a]
-                    + (i // stride % around.shape[a]) * around.cell[a]
-                    + beside * normal[a]
-                    - x
-                )
+                node = around.origin[a] + (i // stride % around.shape[a]) * around.cell[a]
+                out[a] = node + beside * normal[a] - x
                 mine[a] -= w * (moved if way == EXTRAPOLATED else moved + out[a])
                 stride *= around.shape[a]
             if way != EXTRAPOLATED:
                 add_inverse_times(axes, matter.F, p, w, turned, out, mine)
-                if (
-                    of_rigid or not rigid
-                ):  # beside a rigid body, whose matter does not deform, the jump is in its frame
+                if of_rigid or not rigid:  # beside a rigid body the jump is in its frame
                     m_both += w
                     for a in range(d):
                         for b in range(d):
