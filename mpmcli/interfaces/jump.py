@@ -101,8 +101,9 @@ def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, sta
 
     With ``GRADIENT`` the difference of the reference positions of the matter that is at the interface now, beside the
     node along the normal; each particle tells its own by its deformation gradient, and the mean gradient of both sides
-    pushes the difference forward: exact for affine motions of both. With ``EXTRAPOLATED`` the difference of mean displacements (Nairn 2023, Eq. 2.4); with ``EDGES`` the part
-    along the normal is the separation less that of the start, ``start_gap`` (pairs,).
+    pushes the difference forward: exact for affine motions of both. With ``EXTRAPOLATED`` the difference of mean
+    displacements (Nairn 2023, Eq. 2.4); with ``EDGES`` the part along the normal is the separation less that of the
+    start, ``start_gap`` (pairs,).
     """
     d = len(axes)
     jump, sums = rows.jump, rows.sums
