@@ -98,7 +98,7 @@ def pull_oscillating(law, axes, dp, n, jump, force, per_mass, dt, compliance, ba
     stiff_normal = law.normal_strength / law.normal_opening
     stiff_tangential = law.tangential_strength / law.tangential_opening
     first = secant(law.shape, max(base, relative(law, opening, slip_of(axes, n, jump, opening))))
-    square, middle = 0.0, 0.0
+    square = 0.0
     for a in range(len(axes)):
         slip = jump[a] - opening * n[a]
         free, pushed = (dp[a] - along * n[a]) * per_mass, (force[a] - pushing * n[a]) * dt * per_mass

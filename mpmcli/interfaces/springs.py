@@ -50,7 +50,7 @@ def settle(spring: Any, opening: Any, target: Any, compliance: Any, most: Any) -
 
 @generic
 def resist(spring: Any, opening: Any, target: Any, compliance: Any, most: Any) -> Any:
-    """Traction at the end of the step, T(δ) with δ of ``settle``."""
+    """Traction at the end of the step, at the opening of ``settle``; damage is that of the start of the step."""
 
 
 @generic
