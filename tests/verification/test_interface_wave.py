@@ -58,12 +58,12 @@ def test_the_extrapolated_jump_is_worse(start, method, k, shift):
 @pytest.mark.parametrize("shift", [0, 0.37])
 @pytest.mark.parametrize("method", ["FLIP", *ORDERS])
 def test_high_frequencies_are_reflected(start, method, shift):
-    """Up to 16 cells per wave within 0.03, over that of bars that are one or free."""
+    """Up to 16 cells per wave within 0.035, over that of bars that are one or free."""
     omega = np.linspace(0.05, 0.4, 8)
     for k, (T, R) in responses(start, method, (0.1, 0.3, 1.0), shift, omega).items():
         wanted = exact.transmitted(omega, k)
         assert np.abs(T - np.abs(wanted)).max() < 0.035, k
-        assert np.abs(R - np.abs(1.0 - wanted)).max() < 0.025, k
+        assert np.abs(R - np.abs(1.0 - wanted)).max() < 0.035, k
 
 
 def test_high_frequencies_with_an_extrapolated_jump(start):
