@@ -131,6 +131,23 @@ GALLERY = (
         ),
     ),
     Shown(
+        "delamination",
+        "Delamination",
+        (),
+        (
+            Drawn(
+                "delamination",
+                ("--color", "damage_of_bond", "--time", "2.5"),
+                "Damage of the joint between two arms that are moved apart: 1 where it has failed.",
+            ),
+            Drawn(
+                "delamination_energy",
+                ("--column", "*_work,interface_energy"),
+                "Work of the grips, energy stored in and dissipated by the joint, over time.",
+            ),
+        ),
+    ),
+    Shown(
         "dam_break",
         "Dam break",
         (),
