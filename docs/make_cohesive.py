@@ -126,7 +126,7 @@ def plies() -> None:
     s = start("two_ply_3d.yaml")
     figure, axes = new_figure(9.0, 3.2, 1, 3)
     shown: Any = None
-    for ax, end in zip(axes, (0.01, 0.02, 0.06), strict=True):
+    for ax, end in zip(axes, (0.01, 0.02, 0.05), strict=True):
         while s.time < end:
             s.step()
         p, view = s.particles, s.contact.view.interfaces
