@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from mpmcli.core.state import ContactView, InterfaceView
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 from mpmcli.study.plotting import tidy
@@ -57,6 +58,14 @@ def start(name: str, *sets: str) -> Simulation:
     return Simulation(load_scene(INPUTS / name, sets=sets))
 
 
+def seen_in(s: Simulation) -> tuple[ContactView, InterfaceView]:
+    """Contact and interfaces of the last step."""
+    contact = s.state.contact
+    assert contact is not None
+    assert contact.interfaces is not None
+    return contact, contact.interfaces
+
+
 def shapes() -> None:
     """Measured tractions of all shapes over the opening, on the envelopes."""
     figure, axes = new_figure(7.0, 5.6, 2, 2)
@@ -74,8 +83,9 @@ def shapes() -> None:
         seen = []
         while s.time < 1.0:
             s.step()
-            means = s.contact.view.interfaces.means()
-            seen.append((means.jump_normal[0], s.contact.view.force[0, 1] / AREA, means.area[0]))
+            contact, interfaces = seen_in(s)
+            means = interfaces.means()
+            seen.append((means.jump_normal[0], contact.force[0, 1] / AREA, means.area[0]))
         opening, stress, area = np.array(seen).T
         x = np.linspace(0.0, mode.opening, 400)
         ax.plot(x, mode.traction(x), color="0.6", linewidth=3, label="law")
@@ -93,7 +103,7 @@ def cantilever() -> None:
     while s.time < 3.5:
         s.step()
         opening = min(s.time / 2.5, 1.0)
-        seen.append((s.time, opening, s.state.reactions["up"][1], s.contact.view.interfaces.broken_area[0]))
+        seen.append((s.time, opening, s.state.reactions["up"][1], seen_in(s)[1].broken_area[0]))
     time, opening, load, broken = np.array(seen).T
     window = round(0.25 / s.state.dt)
     smooth = np.convolve(load, np.full(window, 1.0 / window), mode="same")
@@ -129,7 +139,7 @@ def plies() -> None:
     for ax, end in zip(axes, (0.01, 0.02, 0.05), strict=True):
         while s.time < end:
             s.step()
-        p, view = s.particles, s.contact.view.interfaces
+        p, view = s.particles, seen_in(s)[1]
         near = np.flatnonzero((p.body == 1) & (np.abs(p.X0[2] + 1.75) < 0.01))
         shown = ax.scatter(
             p.X0[0, near], p.X0[1, near], c=view.particle_damage()[near], s=9, marker="s", vmin=0, vmax=1
