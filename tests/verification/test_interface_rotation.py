@@ -34,12 +34,12 @@ def turn(start, end, every, *sets):
 
 
 def test_a_turn_opens_no_joint(start):
-    """The jump is that of the centrifugal stress, and positions that drift from F by 3e-4 cells in a turn."""
+    """The jump is that of the centrifugal stress, and positions that drift from F by some 1e-4 cells in a turn."""
     jump, traction, energy, turning = turn(start, 3.29, 0.25)
     assert jump.max() < 5e-4
     assert traction == pytest.approx(CENTRIFUGAL, rel=0.07)
     assert energy[:3] == pytest.approx(ENERGY, rel=0.08)
-    assert energy.max() < 1.3 * ENERGY
+    assert energy.max() < 1.5 * ENERGY
     assert turning == pytest.approx(turning[0], rel=1e-3)
 
 
