@@ -140,9 +140,10 @@ def plies() -> None:
         while s.time < end:
             s.step()
         p, view = s.particles, seen_in(s)[1]
-        near = np.flatnonzero((p.body == 1) & (np.abs(p.X0[2] + 1.75) < 0.01))
+        X0 = np.asarray(p.X0)
+        near = np.flatnonzero((p.body == 1) & (np.abs(X0[2] + 1.75) < 0.01))
         shown = ax.scatter(
-            p.X0[0, near], p.X0[1, near], c=view.particle_damage()[near], s=9, marker="s", vmin=0, vmax=1
+            X0[0, near], X0[1, near], c=view.particle_damage()[near], s=9, marker="s", vmin=0, vmax=1
         )
         ax.set(
             title=f"{1000 * end:.0f} µs, {view.broken_area.sum():.0f} mm²", aspect="equal", xlabel="x [mm]"
