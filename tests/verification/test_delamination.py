@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+
+INPUTS = Path(__file__).parents[2] / "inputs"
 
 E, NU, HEIGHT, LENGTH, NOTCH, TOUGHNESS = 2300.0, 0.33, 6.0, 60.0, 24.9, 0.2
 BENDING = E / (1.0 - NU**2) * HEIGHT**3 / 12.0
@@ -53,3 +57,46 @@ def test_load_and_toughness(start):
     assert compliant == pytest.approx(34.0, abs=1.5)
     assert force == pytest.approx(np.sqrt(BENDING * TOUGHNESS) / (compliant + CORRECTION), rel=0.06)
     assert NOTCH + broken[-1] == pytest.approx(34.0, abs=1.5)
+
+
+SLAB = [
+    ("kind: plane_strain", "kind: 3d"),
+    ("lower: [-2, -15.5], upper: [63, 15.5]", "lower: [-2, -15.5, 0], upper: [63, 15.5, 1]"),
+    ('lower: [0, "-height"], upper: ["length", 0]', 'lower: [0, "-height", 0], upper: ["length", 0, 1]'),
+    ('lower: [0, 0], upper: ["length", "height"]', 'lower: [0, 0, 0], upper: ["length", "height", 1]'),
+    (
+        '["length - 0.5", 2], upper: ["length + 0.5", 4]',
+        '["length - 0.5", 2, -0.5], upper: ["length + 0.5", 4, 1.5]',
+    ),
+    (
+        '["length - 0.5", -4], upper: ["length + 0.5", -2]',
+        '["length - 0.5", -4, -0.5], upper: ["length + 0.5", -2, 1.5]',
+    ),
+    ('near: ["length", "height/2"]', 'near: ["length", "height/2", 0.5]'),
+    (
+        "boundary:",
+        "boundary:\n  - {name: front, kind: symmetry, plane: {axis: z, at: 0}}\n"
+        "  - {name: back, kind: symmetry, plane: {axis: z, at: 1}}",
+    ),
+]
+"""What makes the plane scene a slab of one cell between planes of symmetry."""
+
+
+@pytest.mark.slow
+def test_a_slab_in_space_is_the_plane(start):
+    """Pulled faster, until three rows have failed: load, damage and energies within 2 %."""
+    plane = slab = (INPUTS / "delamination.yaml").read_text(encoding="utf-8")
+    for old, new in SLAB:
+        assert slab.count(old) == 1
+        slab = slab.replace(old, new)
+    sides = {}
+    for name, words in (("plane", plane), ("slab", slab)):
+        run = start(words, "time={end: 1, step: 2.3e-4}", "constants.rise=0.8")
+        s, load = run.simulation, []
+        while s.time < 0.72:
+            s.step()
+            load.append(s.state.reactions["up"][1])
+        view = s.contact.view.interfaces
+        sides[name] = [np.mean(load), run.stress_work, view.cohesive_work.sum(), view.broken_area.sum()]
+    assert sides["plane"][3] > 0.9
+    assert sides["slab"] == pytest.approx(sides["plane"], rel=0.02)
