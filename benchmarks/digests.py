@@ -63,6 +63,11 @@ RUNS: dict[str, list[str]] = {
     "contact_rigid": ["compressed_by_rigid", "time.courant=0.4", "contact.increments=combined", "time.max_steps=60"],
     "contact_resumed": ["axial_compression", "archive.checkpoint={every: 0.004}", "time.max_steps=60"],
     "fmpm_resumed": ["taylor_bar", "archive.checkpoint={every: 0.001}", "time.max_steps=150"],
+    "interface_springs": ["interface_impact", "time.max_steps=80"],
+    "interface_usf": ["spinning_joint", "method.update=usf", "time.max_steps=40"],
+    "interface_ring": ["bonded_ring", "time.max_steps=40"],
+    "interface_cohesive": ["delamination", "time.max_steps=60"],
+    "interface_3d": ["two_ply_3d", "time.max_steps=8"],
     "contact_3d": ["sphere_collision_3d", "time.courant=0.29", "time.max_steps=40"],
 }  # fmt: skip
 """Scene of ``inputs/`` and the keys that a run sets."""
