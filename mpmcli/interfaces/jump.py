@@ -221,6 +221,14 @@ def open_areas(axes, sides, count, fields, nodes, around, geometry, rows):
         area[k] *= share * h / max(h - opening * middle, 0.5 * h)
 
 
+@inline
+def row_of_history(sides, field, alpha, beta):
+    """First row of the history that a particle of ``field`` keeps of the interface of two fields, −1 if none."""
+    if field == alpha:
+        return sides.row[alpha, beta]
+    return sides.row[beta, alpha] if field == beta else -1
+
+
 @kernel
 def recall_histories(sides, count, fields, nodes, near, field, F, vol0, kept, rows):
     """History of every interface from the particles near it, ``kept`` (rows, N), into ``rows.history``.
@@ -241,11 +249,7 @@ def recall_histories(sides, count, fields, nodes, near, field, F, vol0, kept, ro
             at = near.head[fields.slot[k]]
             while at >= 0:
                 p = near.particle[at]
-                row = -1
-                if field[p] == alpha:
-                    row = sides.row[alpha, beta]
-                elif field[p] == beta:
-                    row = sides.row[beta, alpha]
+                row = row_of_history(sides, field[p], alpha, beta)
                 if row >= 0 and kept[row, p] > UNSET and (nearest == 1 or near.flag[at] & NEAREST):
                     w = near.S[at] * determinant_of_particle(F, p) * vol0[p]
                     share += w
@@ -270,11 +274,7 @@ def keep_histories(sides, count, fields, nodes, near, field, kept, rows):
         at = near.head[fields.slot[k]]
         while at >= 0:
             p = near.particle[at]
-            row = -1
-            if field[p] == alpha:
-                row = sides.row[alpha, beta]
-            elif field[p] == beta:
-                row = sides.row[beta, alpha]
+            row = row_of_history(sides, field[p], alpha, beta)
             if row >= 0 and near.flag[at] & NEAREST:
                 is_new = kept[row, p] <= UNSET
                 for j in range(2):

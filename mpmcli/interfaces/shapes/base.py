@@ -7,7 +7,7 @@ zero at the opening at failure δ_c, and is zero from there on; G = ∫S dδ is 
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, NamedTuple, Self, TypeVar
 
 from pydantic import model_validator
 
@@ -93,6 +93,9 @@ class ShapeModel(Model):
         return self
 
 
+Numbers = TypeVar("Numbers")
+
+
 @generic
 def envelope(shape: Any, opening: Any) -> Any:
     """S(δ) for δ ≥ 0 [pressure]."""
@@ -121,3 +124,23 @@ def spent(shape: Any, opening: Any) -> Any:
 @generic
 def failure(shape: Any) -> Any:
     """δ_c [length]."""
+
+
+def with_peak(numbers: type[Numbers]) -> type[Numbers]:
+    """Class decorator of a shape's numbers ``elastic`` = δ_e and ``opening`` = δ_c: register what follows from them."""
+    elastic_end.register(numbers)(_elastic)
+    failure.register(numbers)(_opening)
+    secant.register(numbers)(_secant)
+    return numbers
+
+
+def _elastic(shape):
+    return shape.elastic
+
+
+def _opening(shape):
+    return shape.opening
+
+
+def _secant(shape, opening):
+    return envelope(shape, opening) / opening

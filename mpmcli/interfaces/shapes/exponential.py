@@ -9,12 +9,10 @@ from mpmcli.core.model import Quantity
 from mpmcli.interfaces.shapes.base import (
     PEAK,
     ShapeModel,
-    elastic_end,
     envelope,
     envelope_slope,
-    failure,
-    secant,
     spent,
+    with_peak,
 )
 
 
@@ -48,6 +46,7 @@ class ExponentialShape(ShapeModel):
         return Exponential(strength, self.peak * opening, opening, self.alpha, -math.expm1(-self.alpha))
 
 
+@with_peak
 class Exponential(NamedTuple):
     """σ [pressure], δ_e and δ_c [length], α and 1 − e^{−α} [-]."""
 
@@ -76,21 +75,6 @@ def _(shape, opening):
     width = shape.opening - shape.elastic
     way = (opening - shape.elastic) / width
     return -shape.strength * shape.alpha / (width * shape.fall) * math.exp(-shape.alpha * way)
-
-
-@elastic_end.register(Exponential)
-def _(shape):
-    return shape.elastic
-
-
-@failure.register(Exponential)
-def _(shape):
-    return shape.opening
-
-
-@secant.register(Exponential)
-def _(shape, opening):
-    return envelope(shape, opening) / opening
 
 
 @spent.register(Exponential)

@@ -8,12 +8,10 @@ from mpmcli.core.model import Quantity
 from mpmcli.interfaces.shapes.base import (
     PEAK,
     ShapeModel,
-    elastic_end,
     envelope,
     envelope_slope,
-    failure,
-    secant,
     spent,
+    with_peak,
 )
 
 
@@ -41,6 +39,7 @@ class TriangularShape(ShapeModel):
         return Triangular(strength, self.peak * opening, opening)
 
 
+@with_peak
 class Triangular(NamedTuple):
     """σ [pressure], δ_e and δ_c [length]."""
 
@@ -61,21 +60,6 @@ def _(shape, opening):
     if opening <= shape.elastic:
         return shape.strength / shape.elastic
     return -shape.strength / (shape.opening - shape.elastic) if opening < shape.opening else 0.0
-
-
-@elastic_end.register(Triangular)
-def _(shape):
-    return shape.elastic
-
-
-@failure.register(Triangular)
-def _(shape):
-    return shape.opening
-
-
-@secant.register(Triangular)
-def _(shape, opening):
-    return envelope(shape, opening) / opening
 
 
 @spent.register(Triangular)

@@ -10,12 +10,10 @@ from mpmcli.core.model import Quantity
 from mpmcli.interfaces.shapes.base import (
     PEAK,
     ShapeModel,
-    elastic_end,
     envelope,
     envelope_slope,
-    failure,
-    secant,
     spent,
+    with_peak,
 )
 
 
@@ -64,6 +62,7 @@ class TrilinearShape(ShapeModel):
         )
 
 
+@with_peak
 class Trilinear(NamedTuple):
     """σ and σ₂ [pressure], δ_e, δ₂ and δ_c [length]."""
 
@@ -91,21 +90,6 @@ def _(shape, opening):
     if opening <= shape.kink:
         return (shape.kink_strength - shape.strength) / (shape.kink - shape.elastic)
     return -shape.kink_strength / (shape.opening - shape.kink) if opening < shape.opening else 0.0
-
-
-@elastic_end.register(Trilinear)
-def _(shape):
-    return shape.elastic
-
-
-@failure.register(Trilinear)
-def _(shape):
-    return shape.opening
-
-
-@secant.register(Trilinear)
-def _(shape, opening):
-    return envelope(shape, opening) / opening
 
 
 @spent.register(Trilinear)
