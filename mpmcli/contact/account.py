@@ -11,6 +11,7 @@ from mpmcli.contact import impulses
 from mpmcli.contact.choice import ContactChoice
 from mpmcli.contact.contact_nodes import NEAREST
 from mpmcli.contact.contacts import Contacts
+from mpmcli.contact.laws.impulse import BROKEN
 from mpmcli.contact.normals.base import NOT_CONVERGED
 from mpmcli.contact.separation.base import APART
 from mpmcli.core.contacts import ContactRows
@@ -97,17 +98,8 @@ class ContactAccount:
             self._rigid_work,
         )  # fmt: skip
         self._work["contact_work"] += impulses.tally(
-            (0.0,) * grid.dimensions,
-            c.count,
-            c.fields,
-            c.table,
-            c.geometry,
-            c.rows,
-            after,
-            grid.mp,
-            bonded,
-            sums,
-        )
+            (0.0,) * grid.dimensions, c.count, c.fields, c.table, c.geometry, c.rows, after, grid.mp, bonded, sums
+        )  # fmt: skip
         view.force /= dt
         view.touching = int(np.count_nonzero(c.rows.state[: c.count]))
         if self._has_geometry:
@@ -137,17 +129,32 @@ class ContactAccount:
 
     def pair_of_contacts(self) -> tuple[Array, Array]:
         """Share of every contact of the step that real particles have, and the number of its pair, (k,) each."""
+        c = self._contacts
+        a, b = self._fields_of_contacts()
+        return self._shares(c.fields.alpha[: c.count]), self._pair[a, b]
+
+    def _fields_of_contacts(self) -> tuple[Array, Array]:
+        """The velocity fields of both sides of every contact, (k,) each."""
         c, n, fields = self._contacts, self._grid.node_count, len(self._names)
-        alpha, beta = c.fields.alpha[: c.count], c.fields.partner[: c.count]
-        a, b = (field_of(dofs, n, fields) for dofs in (alpha, beta))
-        return self._shares(alpha), self._pair[a, b]
+        a, b = (field_of(dofs[: c.count], n, fields) for dofs in (c.fields.alpha, c.fields.partner))
+        return a, b
+
+    def break_bonds(self) -> None:
+        """Particles lose their bond with the node that they are nearest to, where adhesion broke in the step."""
+        c, near = self._contacts, self._contacts.nodes.near
+        bond: Any = self._particles.bond
+        for k in np.flatnonzero(c.rows.state[: c.count] == BROKEN):
+            at = near.head[c.fields.slot[k]]
+            while at >= 0:
+                if near.flag[at] & NEAREST:
+                    bond[near.particle[at]] = 0.0
+                at = near.next[at]
 
     def rows(self) -> ContactRows:
         """Return the contacts of the step, after it was accounted for."""
-        c, grid = self._contacts, self._grid
-        k, fields = c.count, len(self._names)
+        c, k = self._contacts, self._contacts.count
         alpha, beta = c.fields.alpha[:k], c.fields.partner[:k]
-        a, b = (field_of(dofs, grid.node_count, fields) for dofs in (alpha, beta))
+        a, b = self._fields_of_contacts()
         return ContactRows(
             alpha, beta, c.rows.state[:k] > 0, c.geometry.area[:k], c.rows.friction[:k], self._shares(alpha),
             self._pair[a, b], np.where(a < b, 1.0, -1.0),

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from mpmcli.contact.laws.impulse import TINIEST
 from mpmcli.contact.separation.base import UNKNOWN
 from mpmcli.core.compiled.kernel import inline
 
-TINIEST = 1e-300
-"""No division by less: a node may have mass of a field without seeing any of its particles."""
 SMALLEST = 1e-9
 """Part of a full node's area that every contact node has at least, so that tractions stay finite."""
 
@@ -39,7 +38,7 @@ def contact_area(volume_alpha: Any, volume_beta: Any, h: Any, distances: Any) ->
     of the nearer edge, d = min(|d_α|, |d_β|)/h⊥; otherwise A_c = √(2 min(Ω_α, Ω_β)(Ω_α + Ω_β))/h⊥ (Nairn, CMES 92
     (2013) 271). Both are exact at plane contacts along the grid.
     """
-    total = volume_alpha + volume_beta
+    total = volume_alpha + volume_beta  # none where a node has mass of both and sees no particle of either
     nearer = min(abs(distances[0]), abs(distances[1]))
     by_volume = math.sqrt(2.0 * min(volume_alpha, volume_beta) / max(total, TINIEST))
     part = 1.0 - nearer / h if nearer < UNKNOWN else by_volume

@@ -101,7 +101,8 @@ class Contact(Model):
     FMPM: with XPIC particles may collapse under it."""
     three_or_more: Literal["lumped", "pairs", "coupled"] = "lumped"
     """At nodes of three or more fields: each against all others as one (lumped), the pairs in contact where these are
-    one or two and else lumped [nairn2020, section 3.4], or all pairs at once, however many (coupled)."""
+    one or two and else lumped [nairn2020, section 3.4], or all pairs at once, however many (coupled). In scenes with an
+    interface law it is coupled."""
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What does not fit an analysis with so many axes: pairs of key and message."""

@@ -11,13 +11,12 @@ import numpy as np
 from mpmcli.contact import coupled_pairs, impulses, overlap
 from mpmcli.contact.account import ContactAccount
 from mpmcli.contact.choice import ContactChoice
-from mpmcli.contact.contact_nodes import NEAREST, ContactNodes
+from mpmcli.contact.contact_nodes import ContactNodes
 from mpmcli.contact.contacts import Contacts
 from mpmcli.contact.direction import DirectionWatch
 from mpmcli.contact.fields_in_contact import Rules
 from mpmcli.contact.geometry import Matter, Surroundings
 from mpmcli.contact.impulses import Place
-from mpmcli.contact.laws.impulse import BROKEN
 from mpmcli.core.analysis import Axisymmetric
 from mpmcli.core.contacts import ContactRows
 from mpmcli.core.order import CellOrder
@@ -109,11 +108,6 @@ class NodalContact(Correction):
         self.view: ContactView = self._account.view
         self.interfaces: Any = None
         """Interface laws of the scene, ``interfaces.interfaces.Interfaces``, or None."""
-
-    def reach_of_particles(self) -> Array:
-        """Return the half sizes of the boxes around the particles, undeformed, (d, N) [length]."""
-        p, turns = self._particles, self._transfer.turns
-        return p.size if turns is None else np.einsum("nij,jn->in", np.abs(turns[p.body]), p.size)
 
     def pairs(self) -> tuple[Array, list[tuple[str, str]]]:
         """Return the number (fields, fields) of each pair of fields, and their names."""
@@ -240,7 +234,7 @@ class NodalContact(Correction):
         if self.interfaces is not None:
             self.interfaces.close(after, *self._account.pair_of_contacts(), step.dt, self._parallel)
         if c.count > 0 and self.choice.breaks:
-            self._break_bonds()
+            self._account.break_bonds()
 
     def contact_rows(self) -> ContactRows:
         """Return the contacts of this step, after it was accounted for."""
@@ -325,7 +319,7 @@ class NodalContact(Correction):
         """Find the impulses on momenta, or on velocities ``v``, at the contacts of a stage."""
         c, grid = self.contacts, self._grid
         for which in self.choice.used:
-            if self.interfaces is not None and which in self.interfaces.laws:
+            if self.choice.laws[which].is_interface:
                 self.interfaces.find_impulses(which, here, v)
             elif not self._rules.skipped[which]:
                 impulses.find_impulses[self._parallel](
@@ -344,15 +338,15 @@ class NodalContact(Correction):
         for sweep in range(coupled_pairs.SWEEPS + 1):
             change = size = 0.0
             for which in self.choice.used:
-                if self.interfaces is not None and which in self.interfaces.laws:
+                moved = whole = 0.0
+                if self.choice.laws[which].is_interface:
                     moved, whole = self.interfaces.find_pair_impulses(which, here, chosen, sweep > 0)
-                    change, size = change + moved, size + whole
                 elif not self._rules.skipped[which]:
                     moved, whole = coupled_pairs.find_pair_impulses(
                         self._laws[which], self._axes, which, c.count, c.fields, c.begin, chosen, sweep > 0,
                         c.geometry, c.rows, here, mp,
                     )  # fmt: skip
-                    change, size = change + moved, size + whole
+                change, size = change + moved, size + whole
             if sweep == 0:
                 most = len(c.fields.pair) if self._rules.coupled else 2
                 coupled_pairs.choose_pairs(slots, c.fields, c.begin, most, c.rows.state, chosen)
@@ -385,17 +379,6 @@ class NodalContact(Correction):
         if len(self._rigid_dof):
             self._grid.mp[self._rigid_dof, 1:] = self._rigid_momentum
             self._grid.f[self._rigid_dof] = 0.0
-
-    def _break_bonds(self) -> None:
-        """Particles lose their bond with the node that they are nearest to."""
-        c, near = self.contacts, self.nodes.near
-        bond: Any = self._particles.bond
-        for k in np.flatnonzero(c.rows.state[: c.count] == BROKEN):
-            at = near.head[c.fields.slot[k]]
-            while at >= 0:
-                if near.flag[at] & NEAREST:
-                    bond[near.particle[at]] = 0.0
-                at = near.next[at]
 
 
 def _keeps_start(plan: Any) -> bool:

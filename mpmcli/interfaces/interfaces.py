@@ -46,6 +46,7 @@ class Interfaces:
     order : of the particles in the cells of the grid
     work : accumulated energies by name, to which they add theirs
     update : strain update of the step, whose velocities their work is found with
+    reach : (d, N) half sizes of the boxes around the particles [length]
 
     Attributes
     ----------
@@ -53,7 +54,9 @@ class Interfaces:
     view : what output sees
     """
 
-    def __init__(self, contact: NodalContact, order: CellOrder, work: dict[str, float], update: StrainUpdate):
+    def __init__(
+        self, contact: NodalContact, order: CellOrder, work: dict[str, float], update: StrainUpdate, reach: Array
+    ):  # fmt: skip
         choice = contact.choice
         pair, names = contact.pairs()
         self._choice, self._contacts = choice, contact.contacts
@@ -69,7 +72,7 @@ class Interfaces:
         self._closed = {i: choice.laws[i].closed_law.parameters() for i in self.laws}
         of_law = np.zeros(len(choice.laws), dtype=bool)
         of_law[list(self.laws)] = True
-        rows = start_histories(choice, order.particles, contact.reach_of_particles(), grid)
+        rows = start_histories(choice, order.particles, reach, grid)
         self._sides = Sides(of_law, rows, pair)
         self._remembers = bool((rows >= 0).any())
         at = {name: field for field, name in enumerate(choice.fields)}

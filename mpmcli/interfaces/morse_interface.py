@@ -129,9 +129,7 @@ def rising_root(spring, low, high, target, compliance):
     """
     if low + compliance * pull(spring, low, 0.0) >= target:
         return low
-    x = (
-        low if low >= 0.0 else high
-    )  # the end that is nearer to the origin: Newton finds small targets at once
+    x = low if low >= 0.0 else high  # nearer to the origin, where Newton finds small targets at once
     last = high - low
     for _ in range(ROUNDS):
         residual = x + compliance * pull(spring, x, 0.0) - target

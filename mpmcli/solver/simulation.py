@@ -151,7 +151,9 @@ class Simulation(Parts):
             if self.contact.choice.has_interfaces:
                 from mpmcli.interfaces.interfaces import Interfaces
 
-                self.contact.interfaces = Interfaces(self.contact, self.order, state.work, plan.update)
+                self.contact.interfaces = Interfaces(
+                    self.contact, self.order, state.work, plan.update, self.transfer.reach
+                )
             if state.grid is not None:
                 show_on_grid(state.grid, grid, self.contact.nodal_fields())
         corrections = (images, self.conditions, self.contact)

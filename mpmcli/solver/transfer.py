@@ -138,6 +138,12 @@ class Transfer:
         self.cut = None if self.sights is None else find_cut(self.sights, self, self._domain_F)
 
     @property
+    def reach(self) -> Array:
+        """Half sizes of the boxes around the particles, undeformed, (d, N) [length]."""
+        p = self.particles
+        return p.size if self.turns is None else np.einsum("nij,jn->in", np.abs(self.turns[p.body]), p.size)
+
+    @property
     def domain_F(self) -> Array:
         """Deformation gradients (nF, N) that the stencils of this step are built from; F Q of turned domains."""
         if self.turns is not None and not self._keeps_domain:
