@@ -277,7 +277,7 @@ def test_work_is_stored_and_spent(spring, path):
     at, most, work = 0.0, 0.0, 0.0
     for opening in np.array(path) * DELTA:
         pieces = sorted(
-            {at, opening, *(x for x in (most, *spring.shape[1:4]) if min(at, opening) < x < max(at, opening))}
+            {at, opening, *(x for x in (most, *spring.shape[1:]) if min(at, opening) < x < max(at, opening))}
         )
         for a, b in itertools.pairwise(pieces):
             piece = quad(lambda x: pull(spring, x, most), a, b, epsabs=1e-15)[0]  # noqa: B023
