@@ -99,6 +99,43 @@ class InterfaceMeans(NamedTuple):
     traction_tangential: np.ndarray
 
 
+class TipValues(NamedTuple):
+    """Fracture quantities at a tip of a crack; nan where they are not known.
+
+    J : energy release rate [energy/area]
+    K_I, K_II : stress intensity factors [pressure·√length]
+    """
+
+    J: float
+    K_I: float
+    K_II: float
+
+
+@dataclass
+class CracksView:
+    """Cracks in the last step.
+
+    Attributes
+    ----------
+    chains : the chain of points of each crack, ``cracks.chain.Chain``
+    force : (cracks, 2) force on the matter above each crack from that below [force]
+    released : energy that growth has released so far, of each crack [energy]
+    nodes, third : nodes whose particles lie on several sides; where a third crack was left out
+    all_third : the latter, summed up over all steps so far
+    tip : function of a crack's index and of 0 (start) or -1 (end) giving ``TipValues``
+    events : what happened so far: rows of time, crack, end, event, x, y, J, K_I, K_II, length
+    """
+
+    chains: list[Any]
+    force: np.ndarray
+    released: np.ndarray
+    nodes: int = 0
+    third: int = 0
+    all_third: int = 0
+    tip: Callable[[int, int], TipValues] = lambda crack, end: TipValues(np.nan, np.nan, np.nan)
+    events: list[tuple[Any, ...]] = field(default_factory=list)
+
+
 @dataclass
 class State:
     """A running simulation as seen from outside, valid until the next step.
@@ -117,6 +154,7 @@ class State:
     strain_energy_density : function giving the stored energy per initial volume, (N,)
     grid : the grid, or None before the first step
     contact : contact, or None if the scene has none
+    cracks : cracks, or None if the scene has none
     X0 : (d, N) positions at time 0 by identity, of all particles that there were; only where displacements are
         written [length]
     rigid : indices of the rigid bodies, which count in no sum over the matter of the scene
@@ -140,6 +178,7 @@ class State:
     powers: dict[str, float] = field(default_factory=dict)
     grid: GridView | None = None
     contact: ContactView | None = None
+    cracks: CracksView | None = None
     X0: np.ndarray | None = None
     rigid: tuple[int, ...] = ()
     extra: dict[str, float] = field(default_factory=dict)

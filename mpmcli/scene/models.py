@@ -15,6 +15,7 @@ from mpmcli.contact.model import Contact
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.model import Model, PositiveLength, Quantity
 from mpmcli.core.registry import OneOf
+from mpmcli.cracks.model import Crack
 from mpmcli.geometry import REGIONS
 from mpmcli.materials import MATERIALS
 from mpmcli.materials.thermal import has_temperature
@@ -203,6 +204,8 @@ class Scene(Model):
     """Bodies."""
     contact: Contact | None = None
     """Contact between bodies; without it all bodies share one velocity field."""
+    cracks: tuple[Crack, ...] = ()
+    """Cracks that part bodies, in the plane."""
     boundary: tuple[Annotated[Any, OneOf(CONDITIONS)], ...] = ()
     """Boundary conditions."""
     loads: tuple[Annotated[Any, OneOf(LOADS)], ...] = ()

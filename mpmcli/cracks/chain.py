@@ -1,0 +1,101 @@
+"""A crack as a chain of points: the plane between its faces, and the faces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+Array = np.ndarray
+
+START, END = 0, -1
+"""Places of the ends in a chain."""
+
+
+class Chain:
+    """The points of one crack, from its start to its end; *above* lies on the left on this way.
+
+    Attributes
+    ----------
+    name, index : of the crack
+    tips : whether its start and its end are tips, else they are mouths
+    X : (2, P) points of the plane between the faces [length]
+    faces : (2, 2, P) points of the face above and of that below [length]
+    velocity : (2, 2, P) their velocities [velocity]
+    length0 : (P − 1,) lengths of the segments when they came into being [length]
+    """
+
+    def __init__(self, name: str, index: int, X: Array, tips: tuple[bool, bool]):
+        self.name, self.index, self.tips = name, index, tips
+        self.X = np.array(X, dtype=np.float64)
+        self.faces = np.stack([self.X, self.X])
+        self.velocity = np.zeros_like(self.faces)
+        self.length0 = segment_lengths(self.X)
+
+    @property
+    def count(self) -> int:
+        """Number of points."""
+        return self.X.shape[1]
+
+    @property
+    def length(self) -> float:
+        """Length along the plane [length]."""
+        return float(segment_lengths(self.X).sum())
+
+    @property
+    def openings(self) -> tuple[Array, Array]:
+        """Opening of the faces along the normal of the plane, and along its tangent, (P,) each [length]."""
+        jump, tangent = self.faces[0] - self.faces[1], self.tangents()
+        return tangent[0] * jump[1] - tangent[1] * jump[0], (tangent * jump).sum(axis=0)
+
+    def tangents(self) -> Array:
+        """Return unit tangents (2, P), from each point's neighbours."""
+        way = np.empty_like(self.X)
+        way[:, 1:-1] = self.X[:, 2:] - self.X[:, :-2]
+        way[:, 0] = self.X[:, 1] - self.X[:, 0]
+        way[:, -1] = self.X[:, -1] - self.X[:, -2]
+        return way / np.linalg.norm(way, axis=0)
+
+    def direction(self, end: int) -> Array:
+        """Return the unit vector (2,) in which the last segment at ``START`` or ``END`` points out of the chain."""
+        inner = 1 if end == START else -2
+        way = self.X[:, end] - self.X[:, inner]
+        return np.asarray(way / np.linalg.norm(way))
+
+    def memory(self) -> dict[str, Any]:
+        """What a checkpoint keeps of it."""
+        kept = ("X", "faces", "velocity", "length0")
+        return {name: getattr(self, name) for name in kept} | {"tips": np.array(self.tips)}
+
+    def recall(self, memory: Mapping[str, Array]) -> None:
+        """Take it back."""
+        for name in ("X", "faces", "velocity", "length0"):
+            setattr(self, name, memory[name])
+        start, end = memory["tips"].tolist()
+        self.tips = (start, end)
+
+
+def segment_lengths(X: Array) -> Array:
+    """Lengths (P − 1,) between consecutive points (2, P)."""
+    return np.hypot(*np.diff(X, axis=1))
+
+
+def divide(corners: Array, longest: float) -> Array:
+    """Points (2, P) along the polyline with corners (n, 2), none farther from the next than ``longest``.
+
+    The same from either end, to the last digit.
+    """
+    points = [corners[0]]
+    for a, b in zip(corners[:-1], corners[1:], strict=True):
+        count = max(1, math.ceil(float(np.hypot(*(b - a))) / longest * (1.0 - 1e-9)))
+        steps = np.arange(1, count + 1)[:, None]
+        points += list(((count - steps) * a + steps * b) / count)
+    return np.array(points).T
+
+
+def make_chain(model: Any, index: int, cell: float) -> Chain:
+    """Return the chain of a scene's crack on a grid whose smallest cell side is ``cell``."""
+    points = divide(model.path.corners(), model.spacing * cell)
+    return Chain(model.name, index, points, (model.ends.start == "tip", model.ends.end == "tip"))

@@ -1,0 +1,56 @@
+"""What a scene says of a crack."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from mpmcli.contact.laws import LAWS
+from mpmcli.core.model import Model, Quantity
+from mpmcli.core.registry import OneOf
+from mpmcli.cracks.paths import PATHS
+
+Name = Annotated[str, Field(min_length=1, max_length=80)]
+End = Literal["tip", "mouth"]
+
+
+class Ends(Model):
+    """What the ends of a crack are."""
+
+    start: End = "tip"
+    """A tip in material, or a mouth beyond the body."""
+    end: End = "tip"
+    """The same of the other end."""
+
+
+def _frictionless() -> Any:
+    return LAWS["frictionless"].model_validate({"kind": "frictionless"})
+
+
+class Faces(Model):
+    """What the two faces of a crack do to each other."""
+
+    law: Annotated[Any, OneOf(LAWS)] = Field(default_factory=_frictionless)
+    """Contact law, or law of an interface whose directions are springs."""
+    separation: Literal["displacement"] = "displacement"
+    """How the distance of the faces is found: from the jump of displacement, so that faces are closed at the start."""
+
+
+class Crack(Model):
+    """A crack: a chain of massless points that parts the matter on both of its sides."""
+
+    name: Name
+    """Name of the crack."""
+    path: Annotated[Any, OneOf(PATHS)]
+    """Where it runs at the start."""
+    spacing: Annotated[float, Quantity("1", gt=0, le=8)] = 0.5
+    """Length of a segment of the chain, in cells."""
+    ends: Ends = Field(default_factory=Ends)
+    """What its ends are."""
+    cuts: Annotated[tuple[Name, ...], Field(min_length=1)] | None = None
+    """Names of the bodies that it cuts; all that deform if left out."""
+    faces: Faces = Field(default_factory=Faces)
+    """What its faces do to each other."""
+    moves: Literal["average", "mass", "fixed"] = "average"
+    """How the plane between the faces moves: in their middle, with the mass of both sides, or not at all."""
