@@ -1,0 +1,264 @@
+"""Where in the step contacts correct momenta, whatever found them (Nairn 2026, section 3.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from mpmcli.contact import coupled_pairs, impulses
+from mpmcli.contact.fields_in_contact import FieldsInContact, NodeTable
+from mpmcli.contact.geometry import Geometry
+from mpmcli.contact.impulses import ImpulseRows, Place
+from mpmcli.core.grid import Grid
+from mpmcli.core.step import Step
+from mpmcli.core.transfer.nodal_field import Correction
+
+Array = np.ndarray
+
+
+class FoundContacts(Protocol):
+    """The contacts of a step, of which the first ``count`` rows are valid; see ``Contacts``."""
+
+    count: int
+    stages: int
+    has_pairs: bool
+    begin: Array
+    fields: FieldsInContact
+    geometry: Geometry
+    rows: ImpulseRows
+    table: NodeTable
+
+
+class Ways(NamedTuple):
+    """How contacts act: keys of a scene's ``contact``, and whether several pairs at a node are always coupled."""
+
+    increments: str = "net"
+    once: bool = False
+    displacement_only: bool = False
+    coupled: bool = True
+
+
+class ContactImpulses(Correction):
+    """Corrects momenta at the contacts that ``find`` finds at the start of every step.
+
+    Parameters
+    ----------
+    contacts : of the step
+    laws, used : models of the laws, and the indices of those in use
+    ways : how contacts act
+    grid : of the simulation
+    conditions : velocity conditions, or None
+
+    Attributes
+    ----------
+    interfaces : interface laws of the contacts (``interfaces.interfaces.Interfaces`` or alike), or None
+    """
+
+    def __init__(
+        self, contacts: FoundContacts, laws: Sequence[Any], used: Sequence[int], ways: Ways, grid: Grid,
+        conditions: Any,
+    ):  # fmt: skip
+        self._found, self._ways, self._grid, self._conditions = contacts, ways, grid, conditions
+        self._used = used
+        self._of_interface = [law.is_interface for law in laws]
+        self._skipped = [law.skipped for law in laws]
+        self._parameters = [law.parameters() for law in laws]
+        self._axes = (0.0,) * grid.dimensions
+        self._incremental = ways.increments in ("net", "evolving")
+        self._evolving = ways.increments == "evolving"
+        self._later = ways.increments in ("after", "combined")
+        self._removes_overlap = False
+        self.interfaces: Any = None
+
+    def find(self, step: Step) -> int:
+        """Find the contacts of the step; returns how many."""
+        raise NotImplementedError
+
+    @property
+    def _parallel(self) -> bool:
+        """Whether there are so many contacts that parallel kernels pay."""
+        return False
+
+    # ------------------------------------------------------------------ the places in the step
+
+    def after_extrapolation(self, step: Step) -> None:
+        """Task 1.a: find the contacts, and let the extrapolated momenta satisfy them: p += Δp⁽¹⁾."""
+        if self.find(step) == 0:
+            return
+        c, rows = self._found, self._found.rows
+        rows.start[: c.count] = 0.0
+        keeps_start = keeps_start_impulses(step.plan)
+        if keeps_start:
+            self._find_slip(None, rows.slip)
+        if not self._ways.once:
+            self._correct_momenta(step.dt, after_forces=False, advance=0.0)
+            rows.start[: c.count] = rows.dp[: c.count]
+            self._start_increments()
+        if not keeps_start:
+            self._find_slip(None, rows.slip)
+
+    def after_update(self, step: Step) -> None:
+        """Task 3.a: p⁺ += Δp⁽²⁾, which is also a force."""
+        c = self._found
+        if c.count == 0:
+            return
+        c.rows.net[: c.count] = 0.0
+        if self.interfaces is not None:
+            self.interfaces.forces_known(True)
+        if step.plan.has_full_mass_loop and self._ways.increments == "after":
+            return
+        self._find_drive(step.dt)
+        self._correct_momenta(step.dt, after_forces=True, advance=step.dt)
+        self._start_increments()
+        if step.plan.imposes_lumped:
+            self._conditions.impose_on_momenta(step)
+
+    def take_out_start(self, step: Step, p: Array) -> None:
+        """Take Δp⁽¹⁾ out of momenta ``p`` (dofs, d) of the start of the step, where the filter is to know it."""
+        c = self._found
+        if step.plan.corrects_filter:
+            impulses.take_out(self._axes, c.count, c.fields, c.rows.start, p)
+
+    def correct(self, step: Step, dv: Array, counts_reactions: bool) -> None:
+        """Part (2) of an FMPM increment: contact on Δv(ℓ); conditions, whose impulses may count, have the last word."""
+        if self._found.count == 0 or not self._incremental:
+            return
+        self._correct_velocities(step.dt, dv, is_increment=True)
+        if step.plan.zeroes_increments:
+            self._conditions.zero_increment(dv, counts_reactions)
+
+    def after_velocities(self, step: Step, v: Array) -> None:
+        """Lumped contact on v⁺(k) itself (``after`` and ``combined``, for comparison)."""
+        c = self._found
+        if c.count == 0 or not self._later:
+            return
+        self._correct_velocities(step.dt, v, is_increment=False)
+        c.rows.net[: c.count] += c.rows.dp[: c.count]
+
+    def after_new_extrapolation(self, step: Step) -> None:
+        """Task 4.b: momenta extrapolated again satisfy contact; no force, no work."""
+        if self._found.count == 0:
+            return
+        if self.interfaces is not None:
+            self.interfaces.forces_known(False)
+        self._correct_momenta(step.dt, after_forces=False, advance=0.0)
+        self._start_increments()
+        if step.plan.imposes_lumped:
+            self._conditions.impose_again(step)
+
+    # ------------------------------------------------------------------ parts
+
+    def _close_impulses(self, step: Step, v: Array) -> Array:
+        """Let the rows' ``net`` be the impulses of the whole step; returns relative velocities (k, d) after them.
+
+        Δp⁽¹⁾ is part of it where particles take on grid velocities, whose momentum it is part of; with FLIP it only
+        moves them, and XPIC(m > 1) filters it out again.
+        """
+        c = self._found
+        after = c.rows.prior  # its rows are free now
+        if c.count > 0:
+            self._find_slip(v, after)
+            if keeps_start_impulses(step.plan):
+                c.rows.net[: c.count] += c.rows.start[: c.count]
+        return after
+
+    def _find_drive(self, dt: float) -> None:
+        """Find the impulses that take overlap back, where there are any."""
+
+    def _correct_momenta(self, dt: float, after_forces: bool, advance: float) -> None:
+        c, grid = self._found, self._grid
+        here = self._place(dt, advance)._replace(
+            after_forces=after_forces, drives=self._removes_overlap and advance > 0.0
+        )
+        for stage in range(c.stages):
+            here = here._replace(stage=stage)
+            self._find_impulses(here, grid.f)
+            impulses.add_to_momenta[self._parallel](
+                self._axes, c.count, c.fields, c.rows.dp, here, grid.mp, grid.f
+            )
+
+    def _correct_velocities(self, dt: float, v: Array, is_increment: bool) -> None:
+        c = self._found
+        here = self._place(dt, 0.0 if is_increment else dt)._replace(
+            of_velocity=True, of_increment=is_increment
+        )
+        for stage in range(c.stages):
+            here = here._replace(stage=stage)
+            self._find_impulses(here, v)
+            impulses.add_to_velocities[self._parallel](
+                self._axes, c.count, c.fields, c.rows.dp, here, self._grid.mp, v
+            )
+
+    def _place(self, dt: float, advance: float) -> Place:
+        return Place(
+            stage=0,
+            after_forces=False,
+            of_velocity=False,
+            of_increment=False,
+            evolving=self._evolving,
+            displacement_only=self._ways.displacement_only,
+            drives=False,
+            dt=dt,
+            advance=advance,
+        )
+
+    def _find_impulses(self, here: Place, v: Array) -> None:
+        """Find the impulses on momenta, or on velocities ``v``, at the contacts of a stage."""
+        c, grid = self._found, self._grid
+        for which in self._used:
+            if self._of_interface[which]:
+                self.interfaces.find_impulses(which, here, v)
+            elif not self._skipped[which]:
+                impulses.find_impulses[self._parallel](
+                    self._parameters[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows,
+                    here, grid.mp, grid.f, v,
+                )  # fmt: skip
+        if c.has_pairs and here.stage == 0:
+            self._find_pair_impulses(here, v)
+
+    def _find_pair_impulses(self, here: Place, v: Array) -> None:
+        """The contacts that ``three_or_more: pairs`` or ``coupled`` asks for."""
+        c, mp = self._found, self._grid.mp
+        slots = len(c.table.node)
+        chosen = np.zeros(slots, dtype=bool)
+        coupled_pairs.start_pairs(self._axes, c.count, c.fields, c.table, c.geometry, c.rows, here, mp, v)
+        for sweep in range(coupled_pairs.SWEEPS + 1):
+            change = size = 0.0
+            for which in self._used:
+                moved = whole = 0.0
+                if self._of_interface[which]:
+                    moved, whole = self.interfaces.find_pair_impulses(which, here, chosen, sweep > 0)
+                elif not self._skipped[which]:
+                    moved, whole = coupled_pairs.find_pair_impulses(
+                        self._parameters[which], self._axes, which, c.count, c.fields, c.begin, chosen,
+                        sweep > 0, c.geometry, c.rows, here, mp,
+                    )  # fmt: skip
+                change, size = change + moved, size + whole
+            if sweep == 0:
+                most = len(c.fields.pair) if self._ways.coupled else 2
+                coupled_pairs.choose_pairs(slots, c.fields, c.begin, most, c.rows.state, chosen)
+                if not chosen.any():
+                    break
+            elif change <= coupled_pairs.CONVERGED * size:
+                break
+        coupled_pairs.finish_pairs(self._axes, c.count, c.fields, chosen, c.rows, here)
+
+    def _start_increments(self) -> None:
+        c, rows = self._found, self._found.rows
+        impulses.start_increments[self._parallel](
+            self._axes, c.count, self._evolving, rows.dp0, rows.dp, rows.prior, rows.net
+        )
+
+    def _find_slip(self, v: Array | None, out: Array) -> None:
+        c, grid = self._found, self._grid
+        impulses.find_slip[self._parallel](
+            self._axes, c.count, c.fields, c.table, grid.mp, grid.f if v is None else v, v is not None, out
+        )
+
+
+def keeps_start_impulses(plan: Any) -> bool:
+    """Whether Δp⁽¹⁾ changes the particles' momentum in a step of this plan."""
+    filters_out = plan.method.projects and plan.corrects_filter and plan.order > 1
+    return not (plan.method.flip or filters_out)
