@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -88,7 +89,7 @@ def divide(corners: Array, longest: float) -> Array:
     The same from either end, to the last digit.
     """
     points = [corners[0]]
-    for a, b in zip(corners[:-1], corners[1:], strict=True):
+    for a, b in itertools.pairwise(corners):
         count = max(1, math.ceil(float(np.hypot(*(b - a))) / longest * (1.0 - 1e-9)))
         steps = np.arange(1, count + 1)[:, None]
         points += list(((count - steps) * a + steps * b) / count)

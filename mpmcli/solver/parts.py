@@ -24,7 +24,8 @@ from mpmcli.solver.plan import StepArrays
 from mpmcli.solver.stress import StressUpdate
 from mpmcli.solver.transfer import Transfer
 
-if TYPE_CHECKING:  # imported by scenes that conduct heat
+if TYPE_CHECKING:  # imported by scenes that have cracks or conduct heat
+    from mpmcli.cracks.cracks import Cracks
     from mpmcli.transport.conduction import Conduction
 
 Array = np.ndarray
@@ -56,6 +57,7 @@ class Parts:
     averaging: VolumeAveraging | None
     rigid: RigidBodies | None
     contact: NodalContact | None
+    cracks: Cracks | None
     heat: Conduction | None
     heat_interval: HeatInterval | None
     parallel: bool

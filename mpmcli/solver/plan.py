@@ -53,6 +53,7 @@ class Plan:
     field_of_body : field of each body
     rigid_fields : for each field, whether it belongs to a rigid body
     has_contact : fields meet by a contact law
+    sides : sides that a node may have: 1 without cracks, 2 with one, 4 with more
     every_courant, every_steps : period of the steps that take the transfer as asked, FLIP between; None: all
     blend : (order m, fraction α) of blended FMPM, or None
     dynamic : (metric, tolerance) that ends the FMPM loop early, or None
@@ -82,6 +83,7 @@ class Plan:
     field_of_body: list[int]
     rigid_fields: tuple[bool, ...]
     has_contact: bool
+    sides: int
     corrects_filter: bool
     every_courant: float | None
     every_steps: int | None
@@ -182,7 +184,9 @@ def make_plan(scene: Any) -> Plan:
         field_of_body=field_of_body,
         rigid_fields=tuple(rigid_fields),
         has_contact=has_contact,
-        corrects_filter=has_contact and getattr(transfer, "contact_correction", False),
+        sides=(1, 2)[len(scene.cracks)] if len(scene.cracks) < 2 else 4,
+        corrects_filter=(has_contact or bool(scene.cracks))
+        and getattr(transfer, "contact_correction", False),
         every_courant=getattr(transfer, "every_courant", None),
         every_steps=getattr(transfer, "every_steps", None),
         blend=None if blend is None else (blend.order, float(blend.fraction)),
@@ -241,7 +245,7 @@ def allocate_step_arrays(plan: Plan, velocity: NodalField, particles: int) -> St
     return StepArrays(
         v=velocity.v,
         w=nodal(not plan.method.full_mass or plan.is_periodic),
-        start=nodal(plan.method.projects and plan.has_contact),
+        start=nodal(plan.method.projects and (plan.has_contact or plan.sides > 1)),
         p_start=nodal(plan.keeps_start_momenta),
         p_again=nodal(plan.update.again),
         X_new=np.zeros((d, particles)) if plan.keeps_positions else None,

@@ -44,6 +44,7 @@ def make_grid(scene: Any, plan: Plan) -> Grid:
         ghost_layers(scene),
         plan.shape.width,
         fields=len(plan.fields),
+        sides=plan.sides,
     )
 
 

@@ -156,7 +156,14 @@ class Simulation(Parts):
                 )
             if state.grid is not None:
                 show_on_grid(state.grid, grid, self.contact.nodal_fields())
-        corrections = (images, self.conditions, self.contact)
+        self.cracks = None
+        if scene.cracks:
+            from mpmcli.cracks.cracks import Cracks
+
+            self.cracks = Cracks(scene, self)
+            state.cracks = self.cracks.view
+        faces = None if self.cracks is None else self.cracks.faces
+        corrections = (images, self.conditions, self.contact, faces)
         self.velocity.corrections = [part for part in corrections if part is not None]
         if plan.heat is not None:
             from mpmcli.solver.heat import make_conduction
@@ -245,7 +252,7 @@ class Simulation(Parts):
 
     def _memories(self) -> dict[str, Any]:
         """What remembers something from step to step, by the names of the checkpoint."""
-        parts = ("time_step", "period", "contact", "heat")
+        parts = ("time_step", "period", "contact", "cracks", "heat")
         return {
             "state": self.state,
             "speed": continuation.Speeds(self, self.stress),

@@ -44,12 +44,14 @@ def tasks_of(plan: Plan, s: Parts) -> list[Task]:
     """Return the tasks of a step with this plan, in order; nothing else says what a step does."""
     do = _Tasks(s)
     conditions, loads, contact, heat = s.conditions, s.loads, s.contact, s.heat
+    faces = None if s.cracks is None else s.cracks.faces
     first, last, again = plan.update.first > 0.0, plan.update.last > 0.0, plan.update.again
     tasks = [
         Task("1", "extrapolate mass and momentum", do.extrapolate),
         loads and Task("1", "loads on nodes", loads.collect),
         conditions and Task("1", "held nodes", conditions.select),
         contact and Task("1.a", do.first_contact, contact.after_extrapolation),
+        faces and Task("1.a", "contact of crack faces", faces.after_extrapolation),
         first and Task("1.b", f"velocities before the forces{do.loop_in_words(plan)}", do.find_strain_velocities),
         first and Task("1.d", "strain and stress before the forces", do.update_first_stress, True),
         heat and Task("1.h", "nodal temperatures", heat.extrapolate if first else heat.find_values),
@@ -58,12 +60,15 @@ def tasks_of(plan: Plan, s: Parts) -> list[Task]:
         Task("3", "update momenta", do.update_momenta),
         conditions and plan.imposes_lumped and Task("2.a", "reactions of conditions", conditions.impose_on_momenta),
         contact and Task("3.a", do.second_contact, contact.after_update),
+        faces and Task("3.a", "contact of crack faces on updated momenta", faces.after_update),
         Task("3.b", f"velocities{do.loop_in_words(plan)}", do.find_velocities),
         do.accounts and Task("3", f"work of {listing(do.accounts)}", do.account, True),
         heat and Task("3.h", f"temperatures{do.loop_of_heat(heat)}", heat.update),
         Task("4", f"{do.motion} particles" + " and rigid bodies" * (s.rigid is not None), do.move_particles, True),
+        faces and Task("4", "move crack faces", do.move_cracks, True),
         again and Task("4.a", "extrapolate momenta again", do.extrapolate_again),
         again and contact and Task("4.b", "contact on momenta extrapolated again", contact.after_new_extrapolation),
+        again and faces and Task("4.b", "contact of crack faces again", faces.after_new_extrapolation),
         again and Task("4.c", f"velocities again{do.loop_in_words(plan)}", do.find_strain_velocities),
         last and Task("5", "strain and stress", do.update_last_stress),
         Task("6", "time, speeds and exits", do.finish),
@@ -86,7 +91,7 @@ class _Tasks:
     def accounts(self) -> list[str]:
         """What does work that is accounted for."""
         s = self._s
-        parts = {"conditions": s.conditions, "loads": s.loads, "contact": s.contact}
+        parts = {"conditions": s.conditions, "loads": s.loads, "contact": s.contact, "cracks": s.cracks}
         return [name for name, part in parts.items() if part is not None]
 
     @property
@@ -215,6 +220,8 @@ class _Tasks:
             work["external_work"] += s.loads.work(s.arrays.p_start, v, step.dt)
         if s.contact is not None:
             s.contact.account(step, v)
+        if s.cracks is not None:
+            s.cracks.account(step, v)
 
     def move_particles(self, step: Step) -> None:
         """Task 4; with USL, task 5's velocity gradients come from the same stencils."""
@@ -231,6 +238,12 @@ class _Tasks:
         s.failures.refuse_leap(s.transfer.farthest)
         if s.rigid is not None:
             s.rigid.move(X_new)
+
+    def move_cracks(self, step: Step) -> None:
+        """Task 4 for cracks: their faces move with the matter."""
+        s = self._s
+        assert s.cracks is not None
+        s.cracks.move(step, s.arrays.X_new if step.plan.keeps_positions else s.particles.X)
 
     def extrapolate_again(self, step: Step) -> None:
         """Task 4.a: momenta of the new particle velocities."""

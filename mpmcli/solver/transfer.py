@@ -16,7 +16,7 @@ from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
 from mpmcli.core.transfer import kernels
 from mpmcli.core.transfer.beside import ScalarSums
-from mpmcli.core.transfer.cut import Cut, Sights, find_cut
+from mpmcli.core.transfer.cut import Cut, Sights
 from mpmcli.core.transfer.nodal_field import NodalField
 from mpmcli.core.transfer.nodes import clear_nodes
 from mpmcli.core.transfer.stencil import (
@@ -116,7 +116,7 @@ class Transfer:
                     clear_nodes[self.parallel](field.nodes.active, array)
         self.order.sort(self.parallel)
         if self.sights is not None:
-            self.grid.add_sides(self.sights.nodes())
+            self.grid.add_sides(self.sights.sorted())
         self.size_buffers()
 
     def size_buffers(self) -> None:
@@ -135,7 +135,7 @@ class Transfer:
         self._find_cut()
 
     def _find_cut(self) -> None:
-        self.cut = None if self.sights is None else find_cut(self.sights, self, self._domain_F)
+        self.cut = None if self.sights is None else self.sights.find_cut(self, self._domain_F)
 
     @property
     def reach(self) -> Array:

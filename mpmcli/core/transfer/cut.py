@@ -12,10 +12,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from mpmcli.core.compiled.compiler import compiled_as
-from mpmcli.core.compiled.kernel import kernel, prange
 from mpmcli.core.dofs import dof_of
-from mpmcli.core.grid import unfold
-from mpmcli.core.transfer.stencil import fill
 
 Array = np.ndarray
 
@@ -55,28 +52,17 @@ def _(cut, p):
 
 
 class Sights(Protocol):
-    """What tells the sides of nodes on which particles are: a crack."""
+    """What tells the sides of nodes on which particles are: cracks."""
 
-    def nodes(self) -> Array:
-        """Nodes (n,), sorted, that may have further sides before the next sort."""
+    def sorted(self) -> Array:
+        """Note that particles were sorted; returns the nodes (n,), sorted, that may have further sides from now on."""
 
-    def near(self, X: Array) -> Array:
-        """Places in memory (c,), ascending, of the particles at ``X`` (d, N) that may be cut."""
+    def find_cut(self, transfer: Any, F: Array) -> Cut | None:
+        """Find the cut particles of a step; None without any.
 
-    def sides(self, particles: Array, nodes: Array) -> Array:
-        """Side (c, m) of each node of ``nodes`` (c, m) on which the particle of its row is."""
-
-
-@kernel
-def weigh_particles(shape, grid, across, X, F, size, stencil, chosen, ranges, corner, S, G):
-    """Stencils of the particles ``chosen`` (c,), of which ``ranges`` has the first of each chunk and the end."""
-    for c in prange(ranges.shape[0] - 1):
-        slot = np.uint64(c)
-        geometry = unfold(grid)
-        for q in range(ranges[slot], ranges[slot + np.uint64(1)]):
-            corner[q] = fill(
-                shape, geometry, across, X, F, size, chosen[q], S[q], G[q], stencil.W[slot], stencil.status
-            )
+        ``F`` (nF, N) are the deformation gradients that the stencils of the step are built from; ``transfer`` is the
+        ``Transfer`` of a simulation.
+        """
 
 
 def first_rows(particle: Array, ranges: Array) -> Array:
@@ -84,33 +70,20 @@ def first_rows(particle: Array, ranges: Array) -> Array:
     return np.searchsorted(particle, ranges).astype(np.uint64)
 
 
-def find_cut(sights: Sights, transfer: Any, F: Array) -> Cut | None:
-    """Weigh the nodes of the particles that may be cut, and keep those that see nodes on other sides; None without any.
+def make_cut(transfer: Any, particle: Array, corner: Array, S: Array, G: Array, side: Array) -> Cut | None:
+    """Make rows of the particles (c,), by ascending place, that see nodes on other sides; None without any.
 
-    ``F`` (nF, N) are the deformation gradients that the stencils of the step are built from; ``transfer`` is the
-    ``Transfer`` of a simulation.
+    ``side`` (c, m) is that of each node of their stencils.
+
+    The other arrays are those of ``Cut``.
     """
-    p, grid, order, stencil = transfer.particles, transfer.grid, transfer.order, transfer.stencil
-    particle = np.asarray(sights.near(p.X)).astype(np.uint64)
-    count, m = len(particle), len(stencil.offsets)
-    corner, S, G = (
-        np.zeros(count, dtype=np.uint64),
-        np.zeros((count, m)),
-        np.zeros((count, grid.dimensions * m)),
-    )
-    weigh_particles[transfer.parallel](
-        transfer.shape.parameters, transfer.geometry, transfer.across, p.X, F, p.size, stencil, particle,
-        first_rows(particle, order.chunks), corner, S, G,
-    )  # fmt: skip
-    node = corner[:, None] + stencil.offsets
-    side = np.where(S > 0.0, sights.sides(particle, node.astype(np.int64)), 0).astype(np.uint64)
-    rows = side.any(axis=1)
-    if not rows.any():
+    if len(particle) == 0:
         return None
-    particle, side, node = particle[rows], side[rows], node[rows]
+    p, grid, order = transfer.particles, transfer.grid, transfer.order
+    node = corner[:, None] + transfer.stencil.offsets
     field = p.velocity_field[particle].astype(np.uint64)[:, None]
-    dof = dof_of(node, field, side, np.uint64(grid.node_count), np.uint64(grid.fields))
+    dof = dof_of(node, field, side.astype(np.uint64), np.uint64(grid.node_count), np.uint64(grid.fields))
     mask = np.zeros(p.count, dtype=np.uint8)
     mask[particle] = 1
     bands, chunks = first_rows(particle, order.bands), first_rows(particle, order.chunks)
-    return Cut(mask, particle, bands, chunks, corner[rows], S[rows], G[rows], dof)
+    return Cut(mask, particle, bands, chunks, corner, S, G, dof)

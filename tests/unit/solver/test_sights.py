@@ -7,12 +7,14 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from mpmcli.core.grid import Grid
+from mpmcli.core.compiled.kernel import kernel, prange
+from mpmcli.core.grid import Grid, unfold
 from mpmcli.core.step import Step
 from mpmcli.core.transfer import nodes
-from mpmcli.core.transfer.cut import first_rows, weigh_particles
+from mpmcli.core.transfer.cut import first_rows, make_cut
 from mpmcli.core.transfer.full_mass import OrderRule, add_full_mass_increments
 from mpmcli.core.transfer.kernels import move_particles, scatter
+from mpmcli.core.transfer.stencil import fill
 from mpmcli.solver import setup
 
 WEIGHTS_OF_CUT = "Table(array"
@@ -21,6 +23,33 @@ FMPM4 = {"kind": "fmpm", "order": 4}
 TILTED = (-40.0, -5.3, 40.0, 4.1)
 STRAIGHT = (-40.0, -1.0, 40.0, -1.0)
 """Along a line of nodes, which are above it."""
+
+
+@kernel
+def weigh_particles(shape, grid, across, X, F, size, stencil, chosen, ranges, corner, S, G):
+    """Stencils of the particles ``chosen`` (c,), of which ``ranges`` has the first of each chunk and the end."""
+    for c in prange(ranges.shape[0] - 1):
+        slot = np.uint64(c)
+        geometry = unfold(grid)
+        for q in range(ranges[slot], ranges[slot + np.uint64(1)]):
+            corner[q] = fill(
+                shape, geometry, across, X, F, size, chosen[q], S[q], G[q], stencil.W[slot], stencil.status
+            )
+
+
+def weigh(transfer, F, chosen):
+    """First nodes, values and gradients of the stencils of the particles ``chosen``."""
+    p, m = transfer.particles, len(transfer.stencil.offsets)
+    corner, S, G = (
+        np.zeros(len(chosen), dtype=np.uint64),
+        np.zeros((len(chosen), m)),
+        np.zeros((len(chosen), 2 * m)),
+    )
+    weigh_particles[False](
+        transfer.shape.parameters, transfer.geometry, transfer.across, p.X, F, p.size, transfer.stencil, chosen,
+        first_rows(chosen, transfer.order.chunks), corner, S, G,
+    )  # fmt: skip
+    return corner, S, G
 
 
 class Line:
@@ -33,12 +62,19 @@ class Line:
         """On which side points (d, n) are; those on the line are above."""
         return self._side(self._A, self._B, X)
 
-    def nodes(self):
+    def sorted(self):
         everywhere = np.arange(self._grid.node_count)
         return everywhere[self._distance(self._grid.coordinates(everywhere)) < 6.0 * self._grid.cell[0]]
 
-    def near(self, X):
-        return np.flatnonzero(self._distance(X) < 3.0 * self._grid.cell[0])
+    def find_cut(self, transfer, F):
+        p = transfer.particles
+        near = np.flatnonzero(self._distance(p.X) < 3.0 * self._grid.cell[0]).astype(np.uint64)
+        corner, S, G = weigh(transfer, F, near)
+        side = np.where(
+            S > 0.0, self.sides(near, (corner[:, None] + transfer.stencil.offsets).astype(np.int64)), 0
+        )
+        rows = side.any(axis=1)
+        return make_cut(transfer, near[rows], corner[rows], S[rows], G[rows], side[rows])
 
     def sides(self, particles, nodes):
         X = self.particles.X[:, particles.astype(np.int64)]
@@ -107,12 +143,8 @@ class Plain:
         s = run.simulation
         self.p, self.s, transfer, grid = s.particles, s, s.transfer, s.grid
         count, m = self.p.count, len(transfer.stencil.offsets)
-        corner, self.S, G = np.zeros(count, dtype=np.uint64), np.zeros((count, m)), np.zeros((count, 2 * m))
         every = np.arange(count, dtype=np.uint64)
-        weigh_particles[False](
-            transfer.shape.parameters, transfer.geometry, transfer.across, self.p.X, self.p.F, self.p.size,
-            transfer.stencil, every, first_rows(every, s.order.chunks), corner, self.S, G,
-        )  # fmt: skip
+        corner, self.S, G = weigh(transfer, self.p.F, every)
         self.G = G.reshape(count, 2, m)
         node = (corner[:, None] + transfer.stencil.offsets).astype(np.int64)
         side = transfer.sights.sides(every, node) & (self.S > 0.0)
@@ -264,8 +296,8 @@ def test_without_sights_no_array_and_no_code_for_them_exists(block):
     assert s.transfer.sights is None
     assert s.grid.sides == 1
     assert s.grid.dof_count == s.grid.used_dofs == s.grid.node_count
-    for kernel in (scatter, move_particles):
-        found = kernel[False].overloads.items()
+    for each in (scatter, move_particles):
+        found = each[False].overloads.items()
         codes = [str(code.type_annotation) for types, code in found if "Cut(" not in str(types)]
         of_products = [code for code in codes if "Rows(" in code]
         assert of_products

@@ -1,0 +1,110 @@
+"""The cracks of a running simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.analysis import Axisymmetric
+from mpmcli.core.errors import SimulationError
+from mpmcli.core.state import CracksView
+from mpmcli.core.step import Step
+from mpmcli.cracks.chain import make_chain
+from mpmcli.cracks.face_contact import FaceContact
+from mpmcli.cracks.motion import FaceMotion
+from mpmcli.cracks.sides import CrackSides
+
+Array = np.ndarray
+
+FARTHEST = 0.5
+"""Cells that a face may move in a step."""
+STALE = 0.9
+"""Cells that chains may move between two sorts."""
+
+
+class Cracks:
+    """Chains, the sides of particles, contact of faces, and motion.
+
+    Parameters
+    ----------
+    scene : the scene
+    s : the simulation, whose particles, grid, order, transfer and conditions exist
+
+    Attributes
+    ----------
+    chains : of all cracks
+    sides : finds cut particles
+    faces : contact of faces
+    view : what output sees
+    """
+
+    def __init__(self, scene: Any, s: Any):
+        models, grid, particles = scene.cracks, s.grid, s.particles
+        cell = float(grid.cell.min())
+        self.chains = [make_chain(model, index, cell) for index, model in enumerate(models)]
+        names = [body.name for body in scene.bodies]
+        cuts = np.array([[model.cuts is None or name in model.cuts for name in names] for model in models])
+        cuts[:, list(s.state.rigid)] = False
+        if particles.X0 is None:
+            particles.X0 = particles.X.copy()
+        self._particles, self._order = particles, s.order
+        self.sides = CrackSides(self.chains, cuts, s.order, grid)
+        s.transfer.sights = self.sides
+        s.transfer.sort()
+        mirror = None if s.conditions is None or s.conditions.images is None else s.conditions.images.mirror
+        n = len(models)
+        self.view = CracksView(chains=self.chains, force=np.zeros((n, 2)), released=np.zeros(n))
+        self.faces = FaceContact(
+            [model.faces.law for model in models], self.sides, np.array(s.plan.rigid_fields, dtype=bool), grid,
+            particles, s.conditions, mirror, s.state.work, s.parallel, isinstance(s.plan.analysis, Axisymmetric),
+            self.view,
+        )  # fmt: skip
+        self._motion = FaceMotion(self.sides, self.faces.contacts.lattice, [model.moves for model in models])
+        self._drift = 0.0
+        self._version = s.order.version
+
+    def account(self, step: Step, v: Array) -> None:
+        """Sum up what faces did in the step."""
+        self.faces.account(step, v)
+        view, nodes, count = self.view, self.sides.nodes, self.sides.count
+        view.nodes, view.third = count, int(np.count_nonzero(nodes.third[:count]))
+        view.all_third += view.third
+
+    def move(self, step: Step, X: Array) -> None:
+        """Move the chains with the matter, which is at ``X`` (2, N) and has the velocities of the end of the step."""
+        if self._version != self._order.version:
+            self._version, self._drift = self._order.version, 0.0
+        farthest, crack, point = self._motion.move(self._particles, X, step.dt)
+        if not farthest <= FARTHEST:
+            chain = self.chains[crack]
+            x, y = chain.X[:, point]
+            raise SimulationError(
+                f"a face of crack '{chain.name}' moved by {farthest:.3g} cells in one step, at point {point + 1}, "
+                f"({x:.6g}, {y:.6g}), time {step.time:.6g}. Its matter is torn off, or the time step is too long"
+            )
+        self._drift += farthest
+        if self._drift > STALE:
+            self._order.drift = np.inf
+
+    # ------------------------------------------------------------------ from one step to the next
+
+    def memory(self) -> dict[str, Any]:
+        """What it remembers from step to step."""
+        view = self.view
+        kept = {f"{chain.index}.{name}": v for chain in self.chains for name, v in chain.memory().items()}
+        return kept | {
+            "force": view.force,
+            "released": view.released,
+            "all_third": view.all_third,
+            "drift": self._drift,
+        }
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Remember it again."""
+        for chain in self.chains:
+            start = f"{chain.index}."
+            chain.recall({n.removeprefix(start): v for n, v in memory.items() if n.startswith(start)})
+        self.view.force[:], self.view.released[:] = memory["force"], memory["released"]
+        self.view.all_third, self._drift = int(memory["all_third"]), float(memory["drift"])

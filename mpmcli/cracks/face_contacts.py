@@ -1,0 +1,358 @@
+"""Where the faces of cracks meet: the pairs of sides at crack nodes, and the geometry between them."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mpmcli.contact.area import contact_area, perpendicular_size
+from mpmcli.contact.fields_in_contact import FieldsInContact, NodeTable, put_contact
+from mpmcli.contact.geometry import Geometry, unsure
+from mpmcli.contact.impulses import ImpulseRows
+from mpmcli.core.compiled.kernel import inline, kernel, prange
+from mpmcli.core.dofs import dof_of, field_of, side_of
+from mpmcli.core.grid import Grid
+from mpmcli.core.particles import Particles, determinant_of_particle
+from mpmcli.cracks.crossing import BITS, is_left
+from mpmcli.cracks.sides import CrackSides
+from mpmcli.interfaces.jump import add_inverse_times
+
+Array = np.ndarray
+
+SIDES = 4
+"""Sides that a node has at most."""
+LIGHT = 1e-5
+"""Share of the mass of both sides below which laws that press leave a node alone, as in ``contact.mass_ratio``."""
+
+
+class Planes(NamedTuple):
+    """Where the cracks of a crack node lie, (slots, at least, 2, …): for c₁ and c₂.
+
+    normal : (…, 2) unit normal from below the crack to above, the mean over the crossings that the node sees
+    distance : of the crack from the node along the normal [length]
+    above : above zero where the node is above the crack
+    """
+
+    normal: Array
+    distance: Array
+    above: Array
+
+
+class Faces(NamedTuple):
+    """Pairs of sides, beside ``FieldsInContact``: one row per contact.
+
+    bit : (k,) 0 for faces of c₁, 1 for those of c₂
+    crack : (k,) index of the crack
+    jump : (k, 2) δ = u_β − u_α at the start of the step [length]
+    sums : (k, 8) scratch
+    """
+
+    bit: Array
+    crack: Array
+    jump: Array
+    sums: Array
+
+
+class Matter(NamedTuple):
+    """What faces read of the particles, as ``Particles``, with ``F`` (nF, N)."""
+
+    X: Array
+    X0: Any
+    F: Array
+    vol0: Array
+    mass: Array
+    field: Array
+
+
+class Lattice(NamedTuple):
+    """The grid: coordinate of its first node, cell size, nodes along each axis (2,); whether volumes are per radian."""
+
+    origin: Array
+    cell: Array
+    shape: Array
+    ring: bool
+
+
+@kernel
+def find_planes(count, candidates, entries, nodes, segments, lattice, matter, planes):
+    """Normals and places of the cracks of every crack node, from the lines of sight that cross them (Nairn 2023)."""
+    normal, distance, above = planes.normal, planes.distance, planes.above
+    for slot in prange(count):
+        column, row = nodes.node[slot] % lattice.shape[0], nodes.node[slot] // lattice.shape[0]
+        x, y = lattice.origin[0] + column * lattice.cell[0], lattice.origin[1] + row * lattice.cell[1]
+        for bit in range(2):
+            nx, ny, away, total, which_side = 0.0, 0.0, 0.0, 0.0, 0.0
+            crack = nodes.crack[slot, bit]
+            for at in range(entries.first[slot], entries.first[slot + 1]):
+                q, j = entries.row[at], entries.column[at]
+                p = candidates.particle[q]
+                for k in range(min(candidates.number[q, j], 2)):
+                    if candidates.crack[q, j, k] == crack:
+                        s = candidates.segment[q, j, k]
+                        w = candidates.S[q, j] * determinant_of_particle(matter.F, p) * matter.vol0[p]
+                        if lattice.ring:
+                            w /= matter.X[0, p]
+                        a, b = segments.normal[s, 0], segments.normal[s, 1]
+                        left = is_left(
+                            segments.ax[s],
+                            segments.ay[s],
+                            segments.bx[s],
+                            segments.by[s],
+                            column << BITS,
+                            row << BITS,
+                        )
+                        nx += w * a
+                        ny += w * b
+                        away += w * (a * (segments.at[s, 0] - x) + b * (segments.at[s, 1] - y))
+                        which_side += w if left == (segments.along[s] > 0) else -w
+                        total += w
+            size = np.sqrt(nx * nx + ny * ny)
+            if size > 0.0:
+                normal[slot, bit, 0], normal[slot, bit, 1] = nx / size, ny / size
+                distance[slot, bit] = away / total
+            above[slot, bit] = which_side
+
+
+@inline
+def list_faces(
+    nodes, count, planes, laws, skipped, screened, rigid, node_count, mp, dof, first, m, faces, begin
+):
+    """Write the pairs of sides in contact at the crack nodes into ``m`` and ``faces``; returns their number.
+
+    ``laws`` (cracks,) is the law of each crack, ``dof`` and ``first`` receive the degrees of freedom with mass.
+    Where a side has matter of several fields each pair of them is one.
+    """
+    fields = rigid.shape[0]
+    entries, k = 0, 0
+    for slot in range(count):
+        first[slot] = entries
+        begin[slot] = k
+        sides = SIDES if nodes.crack[slot, 1] >= 0 else 2
+        several = False
+        for side in range(sides):
+            inside = 0
+            for field in range(fields):
+                i = dof_of(nodes.node[slot], field, side, node_count, fields)
+                if not rigid[field] and mp[i, 0] > 0.0:
+                    dof[entries] = i
+                    entries += 1
+                    inside += 1
+            several = several or inside > 1
+        for bit in range(2):
+            crack = nodes.crack[slot, bit]
+            if crack < 0:
+                continue
+            law = laws[crack]
+            if skipped[law]:
+                continue
+            for e in range(first[slot], entries):
+                for other in range(e + 1, entries):
+                    mine, theirs = (
+                        side_of(dof[e], node_count, fields),
+                        side_of(dof[other], node_count, fields),
+                    )
+                    if mine ^ theirs != 1 << bit:
+                        continue
+                    share = mp[dof[e], 0] / (mp[dof[e], 0] + mp[dof[other], 0])
+                    if screened[law] and (share < LIGHT or share > 1.0 - LIGHT):
+                        continue
+                    # e has the bit unset: it is on the node's own side of the crack
+                    alpha, partner = (other, e) if planes.above[slot, bit] > 0.0 else (e, other)
+                    put_contact(m, k, slot, dof[alpha], dof[partner], partner, partner + 1, law)
+                    m.alone[k] = m.both[k] = True
+                    m.pair[k] = several
+                    m.stage[k] = 0 if several else bit
+                    faces.bit[k], faces.crack[k] = bit, crack
+                    k += 1
+    first[count] = entries
+    begin[count] = k
+    return k
+
+
+@inline
+def most_faces(nodes, count, fields):
+    """Upper bound of the number of pairs at these nodes."""
+    most = 0
+    for slot in range(count):
+        most += (4 if nodes.crack[slot, 1] >= 0 else 1) * fields * fields
+    return most
+
+
+@kernel
+def find_face_geometry(
+    axes,
+    count,
+    fields,
+    faces,
+    nodes,
+    node_count,
+    field_count,
+    candidates,
+    entries,
+    lattice,
+    matter,
+    planes,
+    geometry,
+):
+    """Jump, separation and area of every pair of sides, from the particles that its node sees.
+
+    The jump is the difference of the reference positions of the matter that is at the crack now, as that of interfaces;
+    its normal part is the separation, so that faces start closed.
+    """
+    normal, separation, distances, area, status = (
+        geometry.normal, geometry.separation, geometry.distances, geometry.area, geometry.status,
+    )  # fmt: skip
+    jump, sums = faces.jump, faces.sums
+    for k in prange(count):
+        slot, bit = fields.slot[k], faces.bit[k]
+        side_a, field_a = (
+            side_of(fields.alpha[k], node_count, field_count), field_of(fields.alpha[k], node_count, field_count),
+        )  # fmt: skip
+        side_b, field_b = (
+            side_of(fields.partner[k], node_count, field_count), field_of(fields.partner[k], node_count, field_count),
+        )  # fmt: skip
+        column, row = nodes.node[slot] % lattice.shape[0], nodes.node[slot] // lattice.shape[0]
+        n, away = normal[k], planes.distance[slot, bit]
+        for a in range(2):
+            n[a] = planes.normal[slot, bit, a]
+        x = lattice.origin[0] + column * lattice.cell[0] + away * n[0]
+        y = lattice.origin[1] + row * lattice.cell[1] + away * n[1]
+        total = sums[k]
+        at_a, at_b, F = total[:2], total[2:4], total[4:]
+        for a in range(8):
+            total[a] = 0.0
+        m_a, m_b, volume_a, volume_b = 0.0, 0.0, 0.0, 0.0
+        here = jump[k]
+        for at in range(entries.first[slot], entries.first[slot + 1]):
+            q, j = entries.row[at], entries.column[at]
+            p, side = candidates.particle[q], candidates.side[q, j]
+            is_a = side == side_a and matter.field[p] == field_a
+            if not is_a and (side != side_b or matter.field[p] != field_b):
+                continue
+            w, S = candidates.S[q, j] * matter.mass[p], candidates.S[q, j]
+            mine = at_a if is_a else at_b
+            here[0], here[1] = x - matter.X[0, p], y - matter.X[1, p]
+            for a in range(2):
+                mine[a] -= w * (matter.X[a, p] - matter.X0[a, p] + here[a])
+            add_inverse_times(axes, matter.F, p, w, 0, here, mine)
+            for a in range(4):
+                F[a] += w * matter.F[a, p]
+            volume = S * determinant_of_particle(matter.F, p) * matter.vol0[p]
+            if is_a:
+                m_a += w
+                volume_a += volume
+            else:
+                m_b += w
+                volume_b += volume
+        for a in range(2):
+            here[a] = 0.0
+        if m_a > 0.0 and m_b > 0.0:
+            for a in range(2):
+                for b in range(2):
+                    here[a] += F[2 * a + b] * (at_a[b] / m_a - at_b[b] / m_b) / (m_a + m_b)
+        opening = here[0] * n[0] + here[1] * n[1]
+        h = perpendicular_size(axes, lattice.cell, n)
+        distances[k, 0], distances[k, 1] = away - 0.5 * opening, away + 0.5 * opening
+        separation[k] = opening + unsure(axes, h, lattice.shape, lattice.origin, lattice.cell)
+        area[k] = contact_area(volume_a, volume_b, h, distances[k])
+        status[k] = 0
+
+
+class FaceContacts:
+    """The pairs of sides in contact in a step, as ``contact.contact_impulses.FoundContacts``.
+
+    Parameters
+    ----------
+    sides : of the step
+    laws : (cracks,) index of the law of each crack
+    models : the laws
+    rigid : (fields,) whether a field belongs to a rigid body
+    grid, particles : of the simulation
+    ring : the analysis is axisymmetric
+
+    Attributes
+    ----------
+    planes, faces : see ``Planes``, ``Faces``
+    """
+
+    def __init__(
+        self, sides: CrackSides, laws: Array, models: list[Any], rigid: Array, grid: Grid, particles: Particles,
+        ring: bool,
+    ):  # fmt: skip
+        self._sides, self._laws, self._rigid = sides, laws, rigid
+        self._grid, self._particles = grid, particles
+        self._skipped = np.array([model.skipped for model in models])
+        self._screened = np.array([model.screened for model in models])
+        origin, shape = grid.lower - grid.pad * grid.cell, np.array(grid.shape, dtype=np.int64)
+        self.lattice = Lattice(origin, grid.cell, shape, ring)
+        self.count = self.stages = 0
+        self.has_pairs = False
+        self._slots, self._room = -1, -1
+        self._make_room(0, 0)
+
+    def _make_room(self, slots: int, room: int) -> None:
+        d, fields = 2, len(self._rigid)
+        if slots > self._slots:
+            self._slots = slots = max(slots, 2 * self._slots)
+            self.planes = Planes(np.zeros((slots, 2, d)), np.zeros((slots, 2)), np.zeros((slots, 2)))
+            self.begin = np.zeros(slots + 1, dtype=np.int64)
+            self._first = np.zeros(slots + 1, dtype=np.int64)
+            self._dof = np.zeros(slots * SIDES * fields, dtype=np.int64)
+        if room <= self._room:
+            return
+        self._room = room = max(room, 2 * self._room)
+        integers = {name: np.zeros(room, dtype=np.int64) for name in FieldsInContact._fields}
+        flags = {name: np.zeros(room, dtype=bool) for name in ("rigid", "alone", "pair", "both")}
+        self.fields = FieldsInContact(**(integers | flags | {"order": np.zeros(room)}))
+        self.faces = Faces(
+            np.zeros(room, dtype=np.int64),
+            np.zeros(room, dtype=np.int64),
+            np.zeros((room, d)),
+            np.zeros((room, 8)),
+        )
+        self.geometry = Geometry(
+            normal=np.zeros((room, d)),
+            separation=np.zeros(room),
+            distances=np.zeros((room, 2)),
+            area=np.zeros(room),
+            bond=np.zeros(room),
+            status=np.zeros(room, dtype=np.int64),
+        )
+        vectors = {name: np.zeros((room, d)) for name in ImpulseRows._fields[:8]}
+        numbers = {name: np.zeros(room) for name in ("separation_now", "push", "drive", "friction")}
+        self.rows = ImpulseRows(**vectors, **numbers, state=np.zeros(room, dtype=np.int64))
+
+    def find(self, F: Array, parallel: bool) -> int:
+        """Find the pairs and their geometry; ``F`` (nF, N) are the particles' own. Returns how many."""
+        sides, p, grid = self._sides, self._particles, self._grid
+        self.count, count = 0, sides.count
+        if count == 0:
+            return 0
+        self._make_room(count, most_faces(sides.nodes, count, len(self._rigid)))
+        matter = Matter(p.X, p.X0, F, p.vol0, p.mass, p.velocity_field)
+        find_planes[parallel](
+            count,
+            sides.candidates,
+            sides.entries,
+            sides.nodes,
+            sides.segments,
+            self.lattice,
+            matter,
+            self.planes,
+        )
+        self.count = list_faces(
+            sides.nodes, count, self.planes, self._laws, self._skipped, self._screened, self._rigid,
+            grid.node_count, grid.mp, self._dof, self._first, self.fields, self.faces, self.begin,
+        )  # fmt: skip
+        first = self._first[: count + 1]
+        self.table = NodeTable(
+            sides.nodes.node[:count], first, self._dof[: first[-1]], np.zeros(0), self._rigid, grid.node_count
+        )
+        self.stages = 1 + int(self.fields.stage[: self.count].max(initial=0))
+        self.has_pairs = bool(self.fields.pair[: self.count].any())
+        find_face_geometry[parallel](
+            (0.0, 0.0), self.count, self.fields, self.faces, sides.nodes, grid.node_count, grid.fields,
+            sides.candidates, sides.entries, self.lattice, matter, self.planes, self.geometry,
+        )  # fmt: skip
+        return self.count
