@@ -64,6 +64,7 @@ class ContactImpulses(Correction):
         self._used = used
         self._of_interface = [law.is_interface for law in laws]
         self._skipped = [law.skipped for law in laws]
+        self._bonded = [i for i in used if laws[i].bonds]
         self._parameters = [law.parameters() for law in laws]
         self._axes = (0.0,) * grid.dimensions
         self._incremental = ways.increments in ("net", "evolving")
@@ -119,7 +120,14 @@ class ContactImpulses(Correction):
         """Take Δp⁽¹⁾ out of momenta ``p`` (dofs, d) of the start of the step, where the filter is to know it."""
         c = self._found
         if step.plan.corrects_filter:
+            if self._bonded and step.plan.order > 1:
+                c.rows.start[: c.count][np.isin(c.fields.law[: c.count], self._bonded)] = 0.0
             impulses.take_out(self._axes, c.count, c.fields, c.rows.start, p)
+
+    def unite(self, step: Step, v: Array) -> None:
+        """Let velocities ``v`` (dofs, d) of sides that are bonded for good be one, after a pass of XPIC's filter."""
+        if self._bonded and self._found.count > 0 and step.plan.corrects_filter:
+            self._correct_velocities(step.dt, v, is_increment=False, laws=self._bonded)
 
     def correct(self, step: Step, dv: Array, counts_reactions: bool) -> None:
         """Part (2) of an FMPM increment: contact on Δv(ℓ); conditions, whose impulses may count, have the last word."""
@@ -174,19 +182,24 @@ class ContactImpulses(Correction):
         )
         for stage in range(c.stages):
             here = here._replace(stage=stage)
-            self._find_impulses(here, grid.f)
+            self._find_impulses(here, grid.f, self._used)
             impulses.add_to_momenta[self._parallel](
                 self._axes, c.count, c.fields, c.rows.dp, here, grid.mp, grid.f
             )
 
-    def _correct_velocities(self, dt: float, v: Array, is_increment: bool) -> None:
+    def _correct_velocities(
+        self, dt: float, v: Array, is_increment: bool, laws: Sequence[int] | None = None
+    ) -> None:
+        """Let velocities satisfy contact, by all laws or by some."""
         c = self._found
         here = self._place(dt, 0.0 if is_increment else dt)._replace(
             of_velocity=True, of_increment=is_increment
         )
         for stage in range(c.stages):
             here = here._replace(stage=stage)
-            self._find_impulses(here, v)
+            if laws is not None:
+                c.rows.dp[: c.count] = 0.0
+            self._find_impulses(here, v, self._used if laws is None else laws)
             impulses.add_to_velocities[self._parallel](
                 self._axes, c.count, c.fields, c.rows.dp, here, self._grid.mp, v
             )
@@ -204,10 +217,10 @@ class ContactImpulses(Correction):
             advance=advance,
         )
 
-    def _find_impulses(self, here: Place, v: Array) -> None:
-        """Find the impulses on momenta, or on velocities ``v``, at the contacts of a stage."""
+    def _find_impulses(self, here: Place, v: Array, laws: Sequence[int]) -> None:
+        """Find the impulses of some laws on momenta, or on velocities ``v``, at the contacts of a stage."""
         c, grid = self._found, self._grid
-        for which in self._used:
+        for which in laws:
             if self._of_interface[which]:
                 self.interfaces.find_impulses(which, here, v)
             elif not self._skipped[which]:
@@ -216,9 +229,9 @@ class ContactImpulses(Correction):
                     here, grid.mp, grid.f, v,
                 )  # fmt: skip
         if c.has_pairs and here.stage == 0:
-            self._find_pair_impulses(here, v)
+            self._find_pair_impulses(here, v, laws)
 
-    def _find_pair_impulses(self, here: Place, v: Array) -> None:
+    def _find_pair_impulses(self, here: Place, v: Array, laws: Sequence[int]) -> None:
         """The contacts that ``three_or_more: pairs`` or ``coupled`` asks for."""
         c, mp = self._found, self._grid.mp
         slots = len(c.table.node)
@@ -226,7 +239,7 @@ class ContactImpulses(Correction):
         coupled_pairs.start_pairs(self._axes, c.count, c.fields, c.table, c.geometry, c.rows, here, mp, v)
         for sweep in range(coupled_pairs.SWEEPS + 1):
             change = size = 0.0
-            for which in self._used:
+            for which in laws:
                 moved = whole = 0.0
                 if self._of_interface[which]:
                     moved, whole = self.interfaces.find_pair_impulses(which, here, chosen, sweep > 0)

@@ -121,7 +121,7 @@ def list_faces(
     """Write the pairs of sides in contact at the crack nodes into ``m`` and ``faces``; returns their number.
 
     ``laws`` (cracks,) is the law of each crack, ``dof`` and ``first`` receive the degrees of freedom with mass.
-    Where a side has matter of several fields each pair of them is one.
+    Where two cracks meet, or a side has matter of several fields, each pair is one, and all of them are coupled.
     """
     fields = rigid.shape[0]
     entries, k = 0, 0
@@ -129,7 +129,7 @@ def list_faces(
         first[slot] = entries
         begin[slot] = k
         sides = SIDES if nodes.crack[slot, 1] >= 0 else 2
-        several = False
+        several = sides > 2
         for side in range(sides):
             inside = 0
             for field in range(fields):
@@ -162,7 +162,6 @@ def list_faces(
                     put_contact(m, k, slot, dof[alpha], dof[partner], partner, partner + 1, law)
                     m.alone[k] = m.both[k] = True
                     m.pair[k] = several
-                    m.stage[k] = 0 if several else bit
                     faces.bit[k], faces.crack[k] = bit, crack
                     k += 1
     first[count] = entries

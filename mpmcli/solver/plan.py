@@ -21,7 +21,7 @@ from mpmcli.core.variants import (
     increment_factor,
 )
 from mpmcli.scene.archive import shows
-from mpmcli.scene.fields import velocity_fields
+from mpmcli.scene.fields import law_table, velocity_fields
 from mpmcli.scene.heat import Heat
 from mpmcli.shapes import SHAPES, ShapeEntry
 
@@ -53,6 +53,7 @@ class Plan:
     field_of_body : field of each body
     rigid_fields : for each field, whether it belongs to a rigid body
     has_contact : fields meet by a contact law
+    slides : some fields that meet, or faces of cracks, are not bonded for good
     sides : sides that a node may have: 1 without cracks, 2 with one, 4 with more
     every_courant, every_steps : period of the steps that take the transfer as asked, FLIP between; None: all
     blend : (order m, fraction α) of blended FMPM, or None
@@ -83,6 +84,7 @@ class Plan:
     field_of_body: list[int]
     rigid_fields: tuple[bool, ...]
     has_contact: bool
+    slides: bool
     sides: int
     corrects_filter: bool
     every_courant: float | None
@@ -184,6 +186,7 @@ def make_plan(scene: Any) -> Plan:
         field_of_body=field_of_body,
         rigid_fields=tuple(rigid_fields),
         has_contact=has_contact,
+        slides=_slides(scene, fields),
         sides=(1, 2)[len(scene.cracks)] if len(scene.cracks) < 2 else 4,
         corrects_filter=(has_contact or bool(scene.cracks))
         and getattr(transfer, "contact_correction", False),
@@ -195,6 +198,15 @@ def make_plan(scene: Any) -> Plan:
         shows_displacement=shows(scene.archive, scene.probes, "displacement"),
         averages_volume=method.volumetric == "averaged",
     )
+
+
+def _slides(scene: Any, fields: list[str]) -> bool:
+    """Whether some fields that meet, or faces of cracks, are not bonded for good."""
+    laws, table = law_table(scene, fields) if len(fields) > 1 else ([], np.zeros(0))
+    acting = [laws[i] for i in {int(i) for i in table.ravel() if i >= 0}] + [
+        crack.faces.law for crack in scene.cracks
+    ]
+    return any(not law.bonds for law in acting)
 
 
 @dataclass
@@ -245,7 +257,7 @@ def allocate_step_arrays(plan: Plan, velocity: NodalField, particles: int) -> St
     return StepArrays(
         v=velocity.v,
         w=nodal(not plan.method.full_mass or plan.is_periodic),
-        start=nodal(plan.method.projects and (plan.has_contact or plan.sides > 1)),
+        start=nodal(plan.method.projects and plan.slides),
         p_start=nodal(plan.keeps_start_momenta),
         p_again=nodal(plan.update.again),
         X_new=np.zeros((d, particles)) if plan.keeps_positions else None,

@@ -21,7 +21,9 @@ RESULTS = ("X", "V", "J", "stress")
 
 
 @pytest.mark.parametrize("update", ["usf", "usl", "usl+", "usavg", "usavg+"])
-@pytest.mark.parametrize("transfer", ["{kind: flip}", "{kind: fmpm, order: 1}", "{kind: fmpm, order: 4}"])
+@pytest.mark.parametrize(
+    "transfer", ["{kind: flip}", "{kind: fmpm, order: 1}", "{kind: fmpm, order: 4}", "{kind: xpic, order: 5}"]
+)
 def test_perfect_contact_is_one_field(start, update, transfer):
     """Positions, velocities, volumes and stresses agree to 1e-10."""
     sets = (f"method.update={update}", f"method.transfer={transfer}")

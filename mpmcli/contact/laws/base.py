@@ -46,6 +46,8 @@ class LawModel(Model):
     """The contact area matters."""
     adhesive: ClassVar[bool] = False
     """Sides may be bonded, and break."""
+    bonds: ClassVar[bool] = False
+    """The sides move as one, for good."""
     is_interface: ClassVar[bool] = False
     """The law is one of a jump of displacement: see ``interfaces.base``."""
 

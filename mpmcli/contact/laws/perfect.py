@@ -17,6 +17,7 @@ class Perfect(LawModel):
     """
 
     screened: ClassVar[bool] = False
+    bonds: ClassVar[bool] = True
     needs_normal: ClassVar[bool] = False
 
     kind: Literal["perfect"]

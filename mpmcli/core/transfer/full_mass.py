@@ -87,4 +87,6 @@ def add_filtered_values(
         weight = -1.0 if m == order else 0.0  # what passes filter out gives no momentum
         transfer.project(field, u, out, weight, first=m == 2)
         nodes.next_projection[parallel](active, field.mp, p_start, out, u)
+        for correction in field.corrections:
+            correction.unite(step, u)
     nodes.add_projected[parallel](active, step.dt, u, field.v, w, start)
