@@ -1,0 +1,81 @@
+"""Isotropic elastic constants of the plane, and the field of a tip in it."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+Array = np.ndarray
+
+
+class PlaneElasticity(NamedTuple):
+    """Elastic constants at small strain.
+
+    shear : shear modulus G [pressure]
+    kappa : Kolosov's constant, 3 − 4ν in plane strain, (3 − ν)/(1 + ν) in plane stress [-]
+    """
+
+    shear: float
+    kappa: float
+
+    @property
+    def modulus(self) -> float:
+        """E′ = 8G/(κ + 1): E/(1 − ν²) in plane strain, E in plane stress [pressure]."""
+        return 8.0 * self.shear / (self.kappa + 1.0)
+
+
+def has_plane_elasticity(model: Any) -> bool:
+    """Whether a material is isotropic and elastic, so that stress intensity factors describe its tips."""
+    return {"isotropic", "hyperelastic"} <= model.properties and hasattr(model, "shear_modulus")
+
+
+def plane_elasticity(model: Any, plane_stress: bool) -> PlaneElasticity:
+    """Return the constants of a material for which ``has_plane_elasticity`` holds."""
+    G, K = model.shear_modulus, model.bulk_modulus
+    nu = (3.0 * K - 2.0 * G) / (2.0 * (3.0 * K + G))
+    return PlaneElasticity(G, (3.0 - nu) / (1.0 + nu) if plane_stress else 3.0 - 4.0 * nu)
+
+
+class TipField(NamedTuple):
+    """Stress and displacement gradients of a tip.
+
+    stress : (3, n) 11, 22, 12 [pressure]
+    slope : (2, n) u_1,1 and u_2,1 [-]
+    """
+
+    stress: Array
+    slope: Array
+
+
+def tip_field(
+    x: Array, K_I: float, K_II: float, elasticity: PlaneElasticity, angle: Array | None = None
+) -> TipField:
+    """Return the field of a tip (Williams 1957) at ``x`` (2, n) in its frame.
+
+    ``angle`` (n,) is that from e₁, by default between −π and π; beyond them lies what a crack that is not straight
+    leaves on the other side.
+    """
+    if angle is None:
+        angle = np.arctan2(x[1], x[0])
+    z = x[0] + 1j * x[1]
+    half = 0.5 * np.exp(-0.5j * angle) / np.sqrt(2.0 * np.pi * np.abs(z))
+    phi = (K_I - 1j * K_II) * half
+    phi_z = -phi / (2.0 * z)
+    psi = (K_I + 1j * K_II) * half - phi - z * phi_z
+    total = 4.0 * phi.real
+    deviator = 2.0 * (np.conj(z) * phi_z + psi)
+    stress = np.stack([0.5 * (total - deviator.real), 0.5 * (total + deviator.real), 0.5 * deviator.imag])
+    u_1 = elasticity.kappa * phi - np.conj(phi + psi) - z * np.conj(phi_z)
+    return TipField(stress, np.stack([u_1.real, u_1.imag]) / (2.0 * elasticity.shear))
+
+
+def strain_of(stress: Array, elasticity: PlaneElasticity) -> Array:
+    """Strain 11, 22, 12 in the plane of a stress (3, n)."""
+    mean = 0.25 * (3.0 - elasticity.kappa) * (stress[0] + stress[1])
+    return np.stack([stress[0] - mean, stress[1] - mean, stress[2]]) / (2.0 * elasticity.shear)
+
+
+def mixed(stress: Array, strain: Array) -> Array:
+    """σ:ε of components 11, 22, 12, each (3, n)."""
+    return np.asarray(stress[0] * strain[0] + stress[1] * strain[1] + 2.0 * stress[2] * strain[2])

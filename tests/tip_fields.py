@@ -1,0 +1,80 @@
+"""Exact fields of tips on particles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mpmcli.core.analysis import Analysis, PlaneStrain, PlaneStress
+from mpmcli.core.particles import Particles
+from mpmcli.cracks.integrals.base import Frame
+from mpmcli.cracks.integrals.elastic import PlaneElasticity, mixed, strain_of, tip_field
+from mpmcli.materials import MATERIALS
+
+STEEL = MATERIALS["linear_elastic"].model_validate(
+    {"kind": "linear_elastic", "density": 1.3, "E": 1000.0, "nu": 0.3}
+)
+PLANE_STRAIN = PlaneStrain()
+
+
+@dataclass
+class Plate:
+    """Particles, four per cell of size ``cell``, around a tip; ``turn`` is a rotation of all of it afterwards."""
+
+    K_I: float
+    K_II: float
+    elasticity: PlaneElasticity
+    analysis: Analysis = PLANE_STRAIN
+    tip: tuple[float, float] = (0.0, 0.0)
+    angle: float = 0.0
+    turn: float = 0.0
+    cell: float = 0.1
+    thickness: float = 2.0
+    T: float = 0.0
+
+    @property
+    def frame(self) -> Frame:
+        """The tip after the rotation."""
+        angle = self.angle + self.turn
+        point = rotation(self.turn) @ np.array(self.tip)
+        return Frame(point, np.array([np.cos(angle), np.sin(angle)]))
+
+    def particles(self, cells: int = 9) -> Particles:
+        """Return the particles."""
+        places = (np.arange(-2 * cells, 2 * cells) + 0.5) * 0.5 * self.cell
+        X = np.stack([a.ravel() for a in np.meshgrid(places, places)])
+        count = X.shape[1]
+        index = np.zeros(count, dtype=np.int32)
+        vol0 = np.full(count, 0.25 * self.cell**2 * self.thickness)
+        p = Particles.at_rest(
+            self.analysis, X, np.full((2, count), 0.25 * self.cell), vol0, 1.3 * vol0,
+            body=index, material=index, velocity_field=index,
+        )  # fmt: skip
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        ahead = np.array([[c, s], [-s, c]])
+        x = ahead @ (X - np.array(self.tip)[:, None])
+        stress, slope = tip_field(x, self.K_I, self.K_II, self.elasticity)
+        stress[0] += self.T
+        strain = strain_of(stress, self.elasticity)
+        slope[0] = strain[0]
+        gradient = np.array([[slope[0], 2.0 * strain[2] - slope[1]], [slope[1], strain[1]]])
+        Q = rotation(self.turn) @ ahead.T
+        G = np.einsum("ab,bcn,dc->adn", ahead.T, gradient, ahead.T)
+        F = np.linalg.inv(np.eye(2)[:, :, None].transpose(2, 0, 1) - G.transpose(2, 0, 1))
+        F = rotation(self.turn) @ F
+        sigma = np.array([[stress[0], stress[2]], [stress[2], stress[1]]])
+        sigma = np.einsum("ab,bcn,dc->adn", Q, sigma, Q)
+        p.X[:] = rotation(self.turn) @ X
+        p.F[:4] = F.reshape(count, 4).T
+        J = p.determinant()
+        szz = 0.0 if isinstance(self.analysis, PlaneStress) else 0.3 * (stress[0] + stress[1])
+        p.tau[:] = np.stack([sigma[0, 0], sigma[1, 1], np.zeros(count) + szz, sigma[0, 1]]) * J
+        p.stress_work[:] = 0.5 * mixed(stress, strain) * vol0 * J
+        return p
+
+
+def rotation(angle: float) -> np.ndarray:
+    """(2, 2) rotation by an angle in radians."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s], [s, c]])
