@@ -112,3 +112,18 @@ LAWS: dict[str, list[dict[str, Any]]] = INTERFACES | {
 def material(kind: str, numbers: dict[str, Any], density: float = 0.9) -> dict[str, Any]:
     """The scene's words for one example of a material."""
     return {"kind": kind, **({} if kind == "rigid" else {"density": density}), **numbers}
+
+
+CRITERIA: dict[str, dict[str, Any]] = {
+    "empirical": {"K_Ic": 1.0, "K_IIc": 0.8},
+    "energy_release_rate": {"J_c": 0.5},
+    "maximum_hoop_stress": {"K_Ic": 1.0},
+    "opening": {"normal": 0.01, "tangential": 0.02},
+    "steady_speed": {"speed": 0.4},
+    "strain_energy_density": {"K_Ic": 1.0},
+}
+DIRECTIONS: dict[str, dict[str, Any]] = {
+    "given": {"along": [1, 0.5]},
+    "weak_plane": {"plane": [1, 0], "ratio": 0.5},
+}
+"""Keys that a growth criterion or direction needs; those that need none are left out."""

@@ -145,8 +145,8 @@ class Expression:
         """Whether no variable occurs in it."""
         return self._value is not None
 
-    def __call__(self, x: Any = 0.0, y: Any = 0.0, z: Any = 0.0, t: Any = 0.0) -> Any:
-        """The value at points (x, y, z) and time t.
+    def __call__(self, x: Any = 0.0, y: Any = 0.0, z: Any = 0.0, t: Any = 0.0, **others: float) -> Any:
+        """The value at points (x, y, z) and time t, and at numbers for other variables by name.
 
         Numbers give a float; with arrays among the arguments the result is a new float64 array of their
         common (broadcast) shape. Where the expression is not defined the value is not finite.
@@ -154,11 +154,11 @@ class Expression:
         shape = np.broadcast_shapes(np.shape(x), np.shape(y), np.shape(z), np.shape(t))
         if self._value is not None:
             return np.full(shape, self._value) if shape else self._value
-        value = self._evaluate(*(v if shape else np.float64(v) for v in (x, y, z, t)))
+        value = self._evaluate(*(v if shape else np.float64(v) for v in (x, y, z, t)), **others)
         return np.array(np.broadcast_to(value, shape), dtype=np.float64) if shape else float(value)
 
-    def _evaluate(self, x: Any, y: Any, z: Any, t: Any) -> Any:
-        arguments = {"x": x, "y": y, "z": z, "t": t}
+    def _evaluate(self, x: Any, y: Any, z: Any, t: Any, **others: float) -> Any:
+        arguments = {"x": x, "y": y, "z": z, "t": t} | others
         used = {f"_{name}": np.asarray(arguments[name], dtype=np.float64)[()] for name in self.variables}
         assert self._code is not None  # of a plain number, whose value is known
         with np.errstate(all="ignore"):
@@ -217,7 +217,7 @@ def parse(text: str, constants: Mapping[str, float], variables: tuple[str, ...])
     constants : mapping of str to float
         Names with values.
     variables : tuple of str
-        Those of x, y, z, t that may occur.
+        Those of x, y, z, t that may occur, and others of the value.
 
     Raises
     ------
@@ -279,6 +279,8 @@ class _Builder:
 
     def _name(self, name: str) -> ast.expr:
         if name in self.variables:
+            if name in self.constants:
+                raise ValueError(f"'{name}' is a variable here; rename the constant '{name}' of the scene")
             self.used_variables.add(name)
             return ast.Name(f"_{name}", ast.Load())
         if name in CONSTANTS:
@@ -356,7 +358,7 @@ def _check_power(base: ast.expr, exponent: ast.expr) -> None:
 
 def _fold(tree: ast.expr) -> Any:
     """The value of a built tree without variables; ValueError if there are any."""
-    if any(isinstance(n, ast.Name) and n.id[1:] in VARIABLES for n in ast.walk(tree)):
+    if any(isinstance(n, ast.Name) and n.id not in _SCOPE for n in ast.walk(tree)):
         raise ValueError
     code = compile(ast.fix_missing_locations(ast.Expression(tree)), "<expression>", "eval")
     with np.errstate(all="ignore"):

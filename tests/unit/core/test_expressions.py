@@ -187,3 +187,14 @@ def test_any_text_gives_numbers_or_words(text: str) -> None:
 @given(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6))
 def test_arithmetic_is_that_of_floats(a: float, b: float) -> None:
     assert parse("a*b - a/3 + b", {"a": a, "b": b}, ())() == a * b - a / 3 + b
+
+
+def test_further_variables_by_name():
+    law = parse("a*(1 + length**speed)", {"a": 2.0}, ("t", "length", "speed"))
+    assert law(length=3.0, speed=2.0) == 20.0
+    assert law.variables == {"length", "speed"}
+    with pytest.raises(ValueError, match="depend on 'x'; it may depend on t, length, speed"):
+        parse("x", {}, ("t", "length", "speed"))
+    with pytest.raises(ValueError, match="'length' is a variable here; rename the constant"):
+        parse("length", {"length": 3.0}, ("t", "length"))
+    assert parse("length", {"length": 3.0}, ("t",))() == 3.0
