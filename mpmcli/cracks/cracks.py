@@ -61,6 +61,12 @@ class Cracks:
             particles, s.conditions, mirror, s.state.work, s.parallel, isinstance(s.plan.analysis, Axisymmetric),
             self.view,
         )  # fmt: skip
+        self.tips = None
+        if scene.fracture is not None:
+            from mpmcli.cracks.tips import Tips, thickness_of
+
+            self.tips = Tips(scene.fracture, self.chains, s.state, cell, thickness_of(scene))
+            self.view.tip = self.tips.values
         self._motion = FaceMotion(self.sides, self.faces.contacts.lattice, [model.moves for model in models])
         self._drift = 0.0
         self._version = s.order.version
@@ -68,6 +74,8 @@ class Cracks:
     def account(self, step: Step, v: Array) -> None:
         """Sum up what faces did in the step."""
         self.faces.account(step, v)
+        if self.tips is not None:
+            self.tips.note_velocities(step.dt)
         view, nodes, count = self.view, self.sides.nodes, self.sides.count
         view.nodes, view.third = count, int(np.count_nonzero(nodes.third[:count]))
         view.all_third += view.third

@@ -15,6 +15,7 @@ from mpmcli.contact.model import Contact
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.model import Model, PositiveLength, Quantity
 from mpmcli.core.registry import OneOf
+from mpmcli.cracks.fracture import Fracture
 from mpmcli.cracks.model import Crack
 from mpmcli.geometry import REGIONS
 from mpmcli.materials import MATERIALS
@@ -206,6 +207,8 @@ class Scene(Model):
     """Contact between bodies; without it all bodies share one velocity field."""
     cracks: tuple[Crack, ...] = ()
     """Cracks that part bodies, in the plane."""
+    fracture: Fracture | None = None
+    """Energy release rates and stress intensity factors of the tips of cracks; without it none are known."""
     boundary: tuple[Annotated[Any, OneOf(CONDITIONS)], ...] = ()
     """Boundary conditions."""
     loads: tuple[Annotated[Any, OneOf(LOADS)], ...] = ()

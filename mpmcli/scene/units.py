@@ -105,7 +105,7 @@ _EXAMPLES = (
 _NUMBER = r"[-+]?(?>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
 _WITH_UNIT = re.compile(rf"\s*({_NUMBER})\s*((?:(?<=\s)1\s*/\s*)?[^\W\d_].*|[%°Å].*)\s*\Z", re.DOTALL)
 _UNIT_TEXT = re.compile(
-    r"(?:[^\W\d_]\w{0,30}|[%°Å]\w{0,10}|(?:\^|\*\*)\s*[-+]?[1-9](?![\d.]|\s*\^|\s*\*\*)|[²³](?![²³])"
+    r"(?:[^\W\d_]\w{0,30}|[%°Å]\w{0,10}|(?:\^|\*\*)\s*[-+]?(?:[1-9]|[01]\.5)(?![\d.]|\s*\^|\s*\*\*)|[²³](?![²³])"
     r"|1(?=\s*/)|[*/·() ])+\Z"
 )
 
@@ -221,13 +221,13 @@ class Units:
         size = Fraction(
             quantity.to_root_units().magnitude
         )  # of all of it: a temperature, or a wrong dimension
-        return self._in_own_units(Fraction(1), size / _ROOT_MASS ** int(found.exponents[1]), found, text)
+        return self._in_own_units(Fraction(1), size / raised(_ROOT_MASS, found.exponents[1]), found, text)
 
     def _in_own_units(self, number: Fraction, size: Fraction, dimension: Dimension, text: str) -> float:
         """So many units of a size in m, kg, s, K as a number of this set."""
         value = number * size
         for base, exponent in zip(BASE, dimension.exponents, strict=True):
-            value /= self.scale(base) ** int(exponent)
+            value /= raised(self.scale(base), exponent)
         try:
             return float(value)
         except OverflowError:
@@ -261,12 +261,17 @@ class Units:
         """The SI prefix that gives this set's unit, or None if there is none."""
         size = Fraction(1)
         for base, exponent in zip(BASE, Dimension.of(word).exponents, strict=True):
-            size *= self.scale(base) ** int(exponent)
+            size *= raised(self.scale(base), exponent)
         return next((text for power, text in _PREFIXES.items() if size == Fraction(10) ** power), None)
 
     def as_dict(self) -> dict[str, str]:
         """The declared base units by name."""
         return {base: name for base, name in self.names.items() if name is not None}
+
+
+def raised(size: Fraction, exponent: Fraction) -> Fraction:
+    """Power of a size, exact where the exponent is whole (that of a stress intensity is not)."""
+    return size**exponent.numerator if exponent.denominator == 1 else Fraction(float(size) ** float(exponent))
 
 
 def check_base_unit(name: str, base: str) -> None:
@@ -306,7 +311,7 @@ def base_unit_size(name: str, base: str) -> Fraction:
 
 
 _ANGLES = frozenset({"degree", "radian", "turn", "arcminute", "arcsecond", "milliradian", "grade", "gradian"})
-_ROOT_MASS = 1000  # pint's root unit of mass is the gram
+_ROOT_MASS = Fraction(1000)  # pint's root unit of mass is the gram
 MAX_UNIT = 60  # characters of the name of a base unit
 MAX_POWER = 400  # of ten, of a number with a unit: floating point holds 308
 MAX_EXPONENT = 100  # of a unit, as in ((m^9)^9)^9
@@ -340,13 +345,13 @@ def _size_and_dimension(unit: str) -> tuple[Fraction, Dimension] | None:
             or str(quantity.units) in _ANGLES
         ):
             return None
-        return Fraction(quantity.to_root_units().magnitude) / _ROOT_MASS ** int(found.exponents[1]), found
+        return Fraction(quantity.to_root_units().magnitude) / raised(_ROOT_MASS, found.exponents[1]), found
     except (ValueError, ArithmeticError):
         return None
 
 
 def _power(text: str, exponent: Fraction) -> str:
-    return text if exponent == 1 else f"{text}^{exponent}"
+    return text if exponent == 1 else f"{text}^{float(exponent):g}"
 
 
 @cache

@@ -92,8 +92,8 @@ def matter_near(
     acceleration: Array | None = None,
     rigid: tuple[int, ...] = (),
     elastic: bool = False,
-) -> Matter:
-    """Return the matter within ``radius`` of a tip.
+) -> tuple[Matter, Array]:
+    """Return the matter within ``radius`` of a tip, and the places (n,) of its particles in memory.
 
     The displacement gradient is ∇u = I − R̄ F⁻¹, where R̄ is the mean rotation of that matter, so that a body that
     turns as a whole has none.
@@ -130,13 +130,13 @@ def matter_near(
     if axisymmetric:
         ring = Ring(szz, hoop, p.X[0, near], float(frame.point[0]), *map(float, frame.ahead))
         found = found._replace(ring=ring)
-    if acceleration is None:
-        return found
-    return found._replace(
-        velocity=frame.turn(p.V[:, near]),
-        acceleration=frame.turn(acceleration[:, near]),
-        rate=turn_tensor(frame, p.L[:4, near])[[0, 2]],
-    )
+    if acceleration is not None:
+        found = found._replace(
+            velocity=frame.turn(p.V[:, near]),
+            acceleration=frame.turn(acceleration[:, near]),
+            rate=turn_tensor(frame, p.L[:4, near])[[0, 2]],
+        )
+    return found, near
 
 
 def _displacement_gradient(F: Array, area_ratio: Array, weight: Array, axisymmetric: bool) -> Array:

@@ -34,6 +34,9 @@ MM = Units("mm", "g", "ms")
         ("1 kg m^2 s^-1", "angular_momentum", 1.0, 1e6),
         ("7 m²", "area", 7.0, 7e6),
         ("0.33 GPa/m", "pressure/length", 3.3e8, 0.33),
+        ("1 kJ/m^2", "energy/area", 1000.0, 1.0),
+        ("1 N/mm^1.5", "pressure*length^0.5", 1e6 * 0.001**0.5, 1.0),
+        ("2 MPa*m^0.5", "pressure*length^0.5", 2e6, 2.0 * 1000.0**0.5),
     ],
 )
 def test_conversion_is_exact(text: str, dimension: str, si: float, mm: float) -> None:
@@ -94,6 +97,8 @@ def test_units_must_be_declared() -> None:
         ("1", "1", "1", "1"),
         ("1/time", "1/ms", "1/s", "1/us"),
         ("pressure/length", "MPa/mm", "Pa/m", "g/cm^2/us^2"),
+        ("energy/area", "mJ/mm^2", "J/m^2", "g/us^2"),
+        ("pressure*length^0.5", "MPa*mm^0.5", "Pa*m^0.5", "g/cm^0.5/us^2"),
         ("specific_heat", "mJ/g/K", "J/kg/K", "cm^2/us^2/K"),
         ("length**2", "mm^2", "m^2", "cm^2"),
         ("momentum", "g*mm/ms", "kg*m/s", "g*cm/us"),

@@ -1,0 +1,123 @@
+"""Fracture quantities of the tips of a running simulation, found when something asks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.analysis import PlaneStress
+from mpmcli.core.state import State, TipValues
+from mpmcli.cracks.chain import Chain
+from mpmcli.cracks.fracture import Fracture
+from mpmcli.cracks.integrals.base import Frame, Matter, matter_near
+from mpmcli.cracks.integrals.domain import energy_release_rate
+from mpmcli.cracks.integrals.elastic import PlaneElasticity, has_plane_elasticity, plane_elasticity
+from mpmcli.cracks.integrals.modes import modes_by_interaction, modes_by_opening
+
+Array = np.ndarray
+NAN = float("nan")
+UNKNOWN = TipValues(NAN, NAN, NAN)
+
+
+class Tips:
+    """Energy release rates and stress intensity factors, kept until the next step.
+
+    Parameters
+    ----------
+    model : what the scene says
+    chains : of all cracks
+    state : of the simulation
+    cell : smallest side of a cell [length]
+    thickness : across the plane; 1 around an axis [length]
+    """
+
+    def __init__(self, model: Fracture, chains: list[Chain], state: State, cell: float, thickness: float):
+        self.model, self._chains, self._state = model, chains, state
+        self._inner, self._outer = model.inner * cell, model.outer * cell
+        self._thickness = thickness
+        self._found: dict[tuple[int, int], TipValues] = {}
+        self._step = -1
+        self._before: tuple[Array, Array, float] | None = None
+
+    def note_velocities(self, dt: float) -> None:
+        """Note the velocities before particles move, for their accelerations, if inertia counts.
+
+        Differences of the velocities of particles over a step are what particles themselves feel, whatever the
+        transfer, and nothing of the grid need be kept.
+        """
+        if self.model.terms == 2:
+            p = self._state.particles
+            self._before = p.id, p.V.copy(), dt
+
+    def values(self, crack: int, end: int) -> TipValues:
+        """Return J, K_I and K_II of the tip of a crack at ``START`` or ``END``; nan at a mouth."""
+        if self._step != self._state.step:
+            self._found.clear()
+            self._step = self._state.step
+        if (crack, end) not in self._found:
+            self._found[crack, end] = self._find(self._chains[crack], end)
+        return self._found[crack, end]
+
+    def elasticity(self, matter: Matter, near: Array) -> PlaneElasticity | None:
+        """Return the constants of the material that is nearest to a tip; None where it has no K."""
+        nearest = near[int(np.argmin(matter.r))]
+        model = self._state.material_models[self._state.particles.material[nearest]]
+        if not has_plane_elasticity(model):
+            return None
+        return plane_elasticity(model, isinstance(self._state.analysis, PlaneStress))
+
+    def _find(self, chain: Chain, end: int) -> TipValues:
+        if not chain.tips[end]:
+            return UNKNOWN
+        state = self._state
+        frame = frame_of(chain, end)
+        matter, near = matter_near(
+            state.particles, state.analysis, frame, self._outer, self._thickness,
+            acceleration=self._acceleration(), rigid=state.rigid, elastic=self.model.energies == "elastic",
+        )  # fmt: skip
+        if not near.size:
+            return UNKNOWN
+        J = energy_release_rate(matter, self._inner, self._outer)
+        elasticity = self.elasticity(matter, near)
+        if elasticity is None:
+            return TipValues(J, NAN, NAN)
+        if self.model.modes == "opening":
+            return TipValues(J, *modes_by_opening(J, *opening_behind(chain, end), elasticity))
+        return TipValues(J, *modes_by_interaction(matter, self._inner, self._outer, elasticity))
+
+    def _acceleration(self) -> Array | None:
+        """Accelerations (2, N) in the last step; None where inertia does not count."""
+        if self.model.terms != 2:
+            return None
+        p = self._state.particles
+        if self._before is None:
+            return np.zeros_like(p.V)
+        ids, V, dt = self._before
+        if len(ids) != p.count:  # some have left the grid since
+            order = np.argsort(ids)
+            V = V[:, order[np.searchsorted(ids, p.id, sorter=order)]]
+        return np.asarray((p.V - V) / dt)
+
+
+def frame_of(chain: Chain, end: int) -> Frame:
+    """Return where a tip is, and where it points."""
+    return Frame(chain.X[:, end].copy(), chain.direction(end))
+
+
+def opening_behind(chain: Chain, end: int) -> tuple[float, float]:
+    """Return opening and slip of the faces one point behind a tip, 1:4:1 means over three points [length].
+
+    They are those of the face to the left of e₁ relative to the one to the right, at either end.
+    """
+    at = np.arange(min(3, chain.count))
+    at = at if end == 0 else chain.count - 1 - at
+    weight = np.array([1.0, 4.0, 1.0])[: len(at)]
+    normal, tangential = chain.openings
+    weight /= weight.sum()
+    return float(weight @ normal[at]), float(weight @ tangential[at])
+
+
+def thickness_of(scene: Any) -> float:
+    """Return the length across the plane of a scene; 1 around an axis."""
+    return float(getattr(scene.analysis, "thickness", 1.0))
