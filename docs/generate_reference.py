@@ -27,6 +27,7 @@ NOUNS = {
     "normal": "Contact normal",
     "separation": "Contact separation",
     "law": "Contact law",
+    "path": "Path of a crack",
 }
 """What the alternatives below a key are called in headings."""
 

@@ -17,6 +17,7 @@ KINDS = (
     "separations",
     "laws",
     "cohesive_shapes",
+    "paths",
     "transfers",
     "heat_transfers",
     "updates",

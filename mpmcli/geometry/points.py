@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import re
 from collections.abc import Iterator
-from functools import cached_property, lru_cache
-from itertools import islice
-from pathlib import Path
+from functools import cached_property
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
@@ -18,36 +13,14 @@ from mpmcli.core.model import PositiveLength
 from mpmcli.core.suggest import listing
 from mpmcli.geometry.base import REGIONS, Array, Region
 from mpmcli.geometry.domains import in_a_domain
-from mpmcli.geometry.files import ReadableFile, path_of, read_file, stamp_of
+from mpmcli.geometry.files import ReadableFile, path_of
+from mpmcli.geometry.point_files import Columns, read_columns
 from mpmcli.geometry.vectors import Count, Factor
-from mpmcli.geometry.vtk_files import VtkMissing, read_xml
 
 _AXES = ("x", "y", "z")
 
-
 SMALLEST, LARGEST = 1e-3, 2.0 + 1e-6
 """Edges of a particle's domain over those of a cell: grid functions are made for these."""
-MAX_ROWS = 2_000_000
-"""Most particles of a file."""
-
-
-class Columns(dict[str, Array]):
-    """Columns (n,) of a table by name; two tables are equal only if they are the same one.
-
-    ``lines`` (n,) are the lines of a text file on which the rows stand, or None.
-    """
-
-    __hash__ = None  # type: ignore[assignment]
-    lines: Array | None = None
-
-    def place(self, row: int, column: str) -> str:
-        """Where a number stands, in words."""
-        if self.lines is None:
-            return f"{column} of particle {row + 1}"
-        return f"line {self.lines[row]}, column '{column}'"
-
-    def __eq__(self, other: object) -> bool:
-        return self is other
 
 
 @REGIONS.register
@@ -74,11 +47,8 @@ class Points(Region):
     @field_validator("file")
     @classmethod
     def _readable(cls, name: str) -> str:
-        columns = _read(path_of(name))
-        for axis in _AXES:
-            if axis in columns and not np.isfinite(columns[axis]).all():
-                row = int(np.flatnonzero(~np.isfinite(columns[axis]))[0])
-                raise ValueError(f"'{name}', {columns.place(row, axis)}: not a finite number")
+        columns = read_columns(path_of(name))
+        columns.check_finite(name, _AXES)
         return name
 
     @model_validator(mode="after")
@@ -99,7 +69,7 @@ class Points(Region):
 
     @cached_property
     def _columns(self) -> Columns:
-        return _read(path_of(self.file))
+        return read_columns(path_of(self.file))
 
     def _own_particles(self, d: int) -> tuple[Array, Array, Array]:
         """Positions (d, n) in own coordinates, half-sizes (d, n) and volumes (n,)."""
@@ -163,91 +133,3 @@ class Points(Region):
 
     def files(self) -> list[str]:
         return [self.file]
-
-
-def _read(path: Path) -> Columns:
-    """Columns (n,) of a file by name, read once."""
-    return _read_version(path, stamp_of(path))
-
-
-@lru_cache(maxsize=4)
-def _read_version(path: Path, stamp: tuple[int, int]) -> Columns:
-    ending = path.suffix.lower()
-    if ending not in (".csv", ".vtu"):
-        raise ValueError(f"'{path.name}' has an unknown ending (allowed: .csv, .vtu)")
-    columns = _from_csv(path) if ending == ".csv" else Columns(_from_vtu(path))
-    if "x" not in columns:
-        raise ValueError(f"'{path.name}' has no column x; its columns are {listing(columns) or 'none'}")
-    if len(columns["x"]) == 0:
-        raise ValueError(f"'{path.name}' has no particles")
-    if len(columns["x"]) > MAX_ROWS:
-        raise ValueError(f"'{path.name}' holds {len(columns['x']):,} particles; the limit is {MAX_ROWS:,}")
-    return columns
-
-
-def _from_csv(path: Path) -> Columns:
-    """Columns of numbers under a line of names; lines that begin with # are left out."""
-    try:
-        text = io.StringIO(read_file(path).decode("utf-8-sig"), newline="")
-    except UnicodeDecodeError:
-        raise ValueError(f"'{path.name}' is not a UTF-8 text file") from None
-    numbers: list[int] = []
-    lines = (
-        numbers.append(number) or line  # type: ignore[func-returns-value]
-        for number, line in enumerate(text, 1)
-        if line.strip() and not line.lstrip().startswith("#")
-    )
-    names = [name.strip()[:80] for name in next(csv.reader([next(lines, "")[:10_000]]), [])]
-    if len(set(names)) < len(names):
-        raise ValueError(f"'{path.name}' names a column twice")
-    rows = list(islice(lines, MAX_ROWS + 1))
-    if len(rows) > MAX_ROWS:
-        raise ValueError(f"'{path.name}' holds more than {MAX_ROWS:,} particles, which is the limit")
-    found = Columns({name: np.zeros(0) for name in names})
-    if rows:
-        try:
-            table = np.loadtxt(rows, delimiter=",", ndmin=2, comments=None)
-        except ValueError as error:
-            raise ValueError(
-                f"'{path.name}' is not a table of numbers: {_first_bad(rows, numbers, error)}"
-            ) from None
-        if table.shape[1] != len(names):
-            raise ValueError(f"'{path.name}' names {len(names)} columns and has {table.shape[1]}")
-        for name, column in zip(names, table.T, strict=True):
-            found[name] = np.ascontiguousarray(column)
-    found.lines = np.array(numbers[1:], dtype=np.int64)
-    return found
-
-
-def _first_bad(rows: list[str], numbers: list[int], error: ValueError) -> str:
-    """What numpy has against the rows, with the line of the file instead of its own count."""
-    words = str(error).split(";")[0]
-    found = re.search(r" at row (\d+), column (\d+)|row (\d+)", words)
-    if found is None:
-        return words[:200]
-    row = int(found[1] or found[3]) + (0 if found[1] else -1)
-    line = numbers[1 + row] if 0 <= row < len(rows) else numbers[-1]
-    words = words.replace(found[0], "")[:200].strip()
-    return f"line {line}" + (f", column {found[2]}" if found[2] else "") + f": {words}"
-
-
-def _from_vtu(path: Path) -> dict[str, Array]:
-    """Coordinates and scalar arrays of the points."""
-    try:
-        grid = read_xml(path)
-    except VtkMissing as error:
-        raise ValueError(f"'{path.name}' cannot be read: {error}") from None
-    except ValueError:
-        raise ValueError(f"'{path.name}' is damaged or not a VTU file") from None
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-
-    if grid.GetNumberOfPoints() == 0:
-        return {axis: np.zeros(0) for axis in _AXES}
-    position = vtk_to_numpy(grid.GetPoints().GetData()).astype(np.float64)
-    columns = {axis: np.ascontiguousarray(position[:, k]) for k, axis in enumerate(_AXES)}
-    arrays = grid.GetPointData()
-    for k in range(arrays.GetNumberOfArrays()):
-        values = arrays.GetArray(k)
-        if values is not None and values.GetNumberOfComponents() == 1:
-            columns[values.GetName()] = vtk_to_numpy(values).astype(np.float64)
-    return columns

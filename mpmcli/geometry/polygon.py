@@ -25,7 +25,7 @@ class Polygon(Region):
     @classmethod
     def _simple(cls, points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
         corners = _without_repeats(np.array(points))
-        crossing = _first_crossing(corners)
+        crossing = first_crossing(corners, np.roll(corners, -1, axis=0))
         if crossing is not None:
             (ax, ay), (bx, by) = (corners[k] for k in crossing)
             raise ValueError(
@@ -97,10 +97,12 @@ def _area(corners: Array) -> float:
     return 0.5 * float((a[:, 0] * b[:, 1] - b[:, 0] * a[:, 1]).sum())
 
 
-def _first_crossing(corners: Array) -> tuple[int, int] | None:
-    """Two edges (by their first corners) that cross or touch without being neighbours, or None."""
-    n = len(corners)
-    start, end = corners, np.roll(corners, -1, axis=0)
+def first_crossing(start: Array, end: Array, is_closed: bool = True) -> tuple[int, int] | None:
+    """Two of the edges from ``start`` to ``end`` (n, 2) that cross or touch without being neighbours, or None.
+
+    ``is_closed``: the last edge is a neighbour of the first.
+    """
+    n = len(start)
     low, high = np.minimum(start, end), np.maximum(start, end)
 
     def side(a: Array, b: Array, p: Array) -> Array:
@@ -109,7 +111,7 @@ def _first_crossing(corners: Array) -> tuple[int, int] | None:
 
     (left, bottom), (right, top) = (np.ascontiguousarray(side.T) for side in (low, high))
     for i in range(n - 2):
-        rest = slice(i + 2, n - (i == 0))
+        rest = slice(i + 2, n - (is_closed and i == 0))
         boxes_meet = (left[rest] <= right[i]) & (right[rest] >= left[i])
         boxes_meet &= (bottom[rest] <= top[i]) & (top[rest] >= bottom[i])
         others = i + 2 + np.flatnonzero(boxes_meet)

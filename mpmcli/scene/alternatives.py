@@ -7,6 +7,7 @@ from mpmcli.contact.laws import LAWS
 from mpmcli.contact.normals import NORMALS
 from mpmcli.contact.separation import SEPARATIONS
 from mpmcli.core.registry import Registry
+from mpmcli.cracks.paths import PATHS
 from mpmcli.geometry import REGIONS
 from mpmcli.materials import MATERIALS
 
@@ -18,5 +19,6 @@ ALTERNATIVES: dict[str, Registry] = {
     "normals": NORMALS,
     "separations": SEPARATIONS,
     "laws": LAWS,
+    "paths": PATHS,
 }
 """The registries by the words of ``mpmcli list``."""

@@ -75,7 +75,8 @@ class LoadedScene:
         """SHA-256 of each file that the scene names, by its name there."""
         base = self.path.parent if self.path is not None else Path.cwd()
         digests = {}
-        for name in sorted({str(name) for body in self.scene.bodies for name in body.region.files()}):
+        named = [body.region for body in self.scene.bodies] + [crack.path for crack in self.scene.cracks]
+        for name in sorted({str(name) for each in named for name in each.files()}):
             with (base / name).open("rb") as file:
                 digests[name] = hashlib.file_digest(file, "sha256").hexdigest()
         return digests

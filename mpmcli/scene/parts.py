@@ -12,7 +12,7 @@ from mpmcli.scene.context import Context
 from mpmcli.scene.models import Scene
 
 SINGLE = ("analysis", "grid", "method", "time", "archive", "contact", "heat")
-LISTS = ("bodies", "boundary", "loads", "probes")
+LISTS = ("bodies", "cracks", "boundary", "loads", "probes")
 
 
 @dataclass
@@ -31,6 +31,7 @@ class Parts:
     heat: Any = None
     materials: dict[str, Any] = field(default_factory=dict)
     bodies: list[tuple[int, Any]] = field(default_factory=list)
+    cracks: list[tuple[int, Any]] = field(default_factory=list)
     boundary: list[tuple[int, Any]] = field(default_factory=list)
     loads: list[tuple[int, Any]] = field(default_factory=list)
     probes: list[tuple[int, Any]] = field(default_factory=list)

@@ -27,6 +27,7 @@ _NOUNS = {
     "bodies": "region",
     "boundary": "boundary condition",
     "loads": "load",
+    "path": "path",
     "probes": "probe",
     "analysis": "analysis",
     "transfer": "transfer",

@@ -251,6 +251,7 @@ def test_list(kind: str, capsys: pytest.CaptureFixture[str]) -> None:
         "separations": "regression",
         "laws": "interface law: tractions across a jump of displacement",
         "cohesive_shapes": "exponential: ",
+        "paths": "polyline of a VTP file",
         "transfers": "fmpm",
         "heat_transfers": "fmpm",
         "updates": "usavg+",

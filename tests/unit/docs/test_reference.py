@@ -12,6 +12,7 @@ from mpmcli.boundary import CONDITIONS, LOADS
 from mpmcli.contact.laws import LAWS
 from mpmcli.contact.normals import NORMALS
 from mpmcli.contact.separation import SEPARATIONS
+from mpmcli.cracks.paths import PATHS
 from mpmcli.geometry import REGIONS
 from mpmcli.materials import MATERIALS
 from mpmcli.output.columns import QUANTITIES
@@ -35,7 +36,7 @@ def test_every_top_level_key_has_a_row(pages):
         assert f"| `{name}` |" in pages["reference.md"]
 
 
-REGISTRIES = [MATERIALS, REGIONS, CONDITIONS, LOADS, NORMALS, SEPARATIONS, LAWS]
+REGISTRIES = [MATERIALS, REGIONS, CONDITIONS, LOADS, NORMALS, SEPARATIONS, LAWS, PATHS]
 
 
 @pytest.mark.parametrize("registry", REGISTRIES, ids=lambda r: r.noun)

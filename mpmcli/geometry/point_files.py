@@ -1,0 +1,175 @@
+"""Tables of points: CSV files with a line of column names, points of VTU files, polylines of VTP files."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Iterable
+from functools import lru_cache
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.suggest import listing
+from mpmcli.geometry.files import read_file, stamp_of
+from mpmcli.geometry.vtk_files import VtkMissing, read_xml
+
+Array = np.ndarray
+
+_AXES = ("x", "y", "z")
+MAX_ROWS = 2_000_000
+"""Most points of a file."""
+
+
+class Columns(dict[str, Array]):
+    """Columns (n,) of a table by name; two tables are equal only if they are the same one.
+
+    ``lines`` (n,) are the lines of a text file on which the rows stand, or None; ``noun`` is what a row is called.
+    """
+
+    __hash__ = None  # type: ignore[assignment]
+    lines: Array | None = None
+    noun: str = "particle"
+
+    def place(self, row: int, column: str) -> str:
+        """Where a number stands, in words."""
+        if self.lines is None:
+            return f"{column} of {self.noun} {row + 1}"
+        return f"line {self.lines[row]}, column '{column}'"
+
+    def check_finite(self, name: str, columns: Iterable[str]) -> None:
+        """Refuse numbers that are not finite in the columns of the file ``name``, if there are such columns."""
+        for column in columns:
+            if column in self and not np.isfinite(self[column]).all():
+                row = int(np.flatnonzero(~np.isfinite(self[column]))[0])
+                raise ValueError(f"'{name}', {self.place(row, column)}: not a finite number")
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+
+def read_columns(path: Path, noun: str = "particle", ending: str = ".vtu", most: int = MAX_ROWS) -> Columns:
+    """Columns (n,) of a file by name, read once; ValueError with words.
+
+    Parameters
+    ----------
+    path
+        A CSV file, or one that vtk reads.
+    noun
+        What a row is called.
+    ending
+        ``.vtu`` for points in any order, ``.vtp`` for those along a polyline.
+    most
+        Most rows.
+    """
+    return _read_version(path, stamp_of(path), noun, ending, most)
+
+
+@lru_cache(maxsize=4)
+def _read_version(path: Path, stamp: tuple[int, int], noun: str, ending: str, most: int) -> Columns:
+    found = path.suffix.lower()
+    if found not in (".csv", ending):
+        raise ValueError(f"'{path.name}' has an unknown ending (allowed: .csv, {ending})")
+    columns = _from_csv(path, noun, most) if found == ".csv" else Columns(_from_vtk(path))
+    columns.noun = noun
+    if "x" not in columns:
+        raise ValueError(f"'{path.name}' has no column x; its columns are {listing(columns) or 'none'}")
+    if len(columns["x"]) == 0:
+        raise ValueError(f"'{path.name}' has no {noun}s")
+    if len(columns["x"]) > most:
+        raise ValueError(f"'{path.name}' holds {len(columns['x']):,} {noun}s; the limit is {most:,}")
+    return columns
+
+
+def _from_csv(path: Path, noun: str, most: int) -> Columns:
+    """Columns of numbers under a line of names; lines that begin with # are left out."""
+    try:
+        text = io.StringIO(read_file(path).decode("utf-8-sig"), newline="")
+    except UnicodeDecodeError:
+        raise ValueError(f"'{path.name}' is not a UTF-8 text file") from None
+    numbers: list[int] = []
+    lines = (
+        numbers.append(number) or line  # type: ignore[func-returns-value]
+        for number, line in enumerate(text, 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    )
+    names = [name.strip()[:80] for name in next(csv.reader([next(lines, "")[:10_000]]), [])]
+    if len(set(names)) < len(names):
+        raise ValueError(f"'{path.name}' names a column twice")
+    rows = list(islice(lines, most + 1))
+    if len(rows) > most:
+        raise ValueError(f"'{path.name}' holds more than {most:,} {noun}s, which is the limit")
+    found = Columns({name: np.zeros(0) for name in names})
+    if rows:
+        try:
+            table = np.loadtxt(rows, delimiter=",", ndmin=2, comments=None)
+        except ValueError as error:
+            raise ValueError(
+                f"'{path.name}' is not a table of numbers: {_first_bad(rows, numbers, error)}"
+            ) from None
+        if table.shape[1] != len(names):
+            raise ValueError(f"'{path.name}' names {len(names)} columns and has {table.shape[1]}")
+        for name, column in zip(names, table.T, strict=True):
+            found[name] = np.ascontiguousarray(column)
+    found.lines = np.array(numbers[1:], dtype=np.int64)
+    return found
+
+
+def _first_bad(rows: list[str], numbers: list[int], error: ValueError) -> str:
+    """What numpy has against the rows, with the line of the file instead of its own count."""
+    words = str(error).split(";")[0]
+    found = re.search(r" at row (\d+), column (\d+)|row (\d+)", words)
+    if found is None:
+        return words[:200]
+    row = int(found[1] or found[3]) + (0 if found[1] else -1)
+    line = numbers[1 + row] if 0 <= row < len(rows) else numbers[-1]
+    words = words.replace(found[0], "")[:200].strip()
+    return f"line {line}" + (f", column {found[2]}" if found[2] else "") + f": {words}"
+
+
+def _from_vtk(path: Path) -> dict[str, Array]:
+    """Coordinates and scalar arrays of the points; those of a polyline in its order."""
+    kind = path.suffix[1:].upper()
+    try:
+        grid = read_xml(path)
+    except VtkMissing as error:
+        raise ValueError(f"'{path.name}' cannot be read: {error}") from None
+    except ValueError:
+        raise ValueError(f"'{path.name}' is damaged or not a {kind} file") from None
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    if grid.GetNumberOfPoints() == 0:
+        return {axis: np.zeros(0) for axis in _AXES}
+    position = vtk_to_numpy(grid.GetPoints().GetData()).astype(np.float64)
+    columns = {axis: np.ascontiguousarray(position[:, k]) for k, axis in enumerate(_AXES)}
+    arrays = grid.GetPointData()
+    for k in range(arrays.GetNumberOfArrays()):
+        values = arrays.GetArray(k)
+        if values is not None and values.GetNumberOfComponents() == 1:
+            columns[values.GetName()] = vtk_to_numpy(values).astype(np.float64)
+    if kind == "VTP":
+        order = _along(grid, path)
+        columns = {name: column[order] for name, column in columns.items()}
+    return columns
+
+
+def _along(lines: Any, path: Path) -> list[int]:
+    """Points of the one polyline of a data set in their order; its pieces may be several cells that follow in turn."""
+    pieces = [
+        [lines.GetCell(k).GetPointId(place) for place in range(lines.GetCell(k).GetNumberOfPoints())]
+        for k in range(lines.GetNumberOfCells())
+    ]
+    if lines.GetNumberOfLines() != len(pieces) or not pieces:
+        raise ValueError(f"'{path.name}' must hold a polyline and nothing else")
+    order = pieces[0]
+    for number, piece in enumerate(pieces[1:], 2):
+        if piece[0] != order[-1]:
+            raise ValueError(
+                f"'{path.name}' must hold a single polyline, but its line {number} does not start where line "
+                f"{number - 1} ends"
+            )
+        order += piece[1:]
+    return order
