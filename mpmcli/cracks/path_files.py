@@ -44,6 +44,10 @@ class FilePath(Path):
         columns = _read(self.file)
         return np.stack([columns[axis] for axis in _AXES], axis=1) * self.scale
 
+    def where(self, point: int) -> tuple[str, str]:
+        """Return the key of the file, and the line of a point in it."""
+        return "file", f"'{self.file}', {_read(self.file).place(point, 'x')}: "
+
     def files(self) -> list[str]:
         """Return the name of the file."""
         return [self.file]

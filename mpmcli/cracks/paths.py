@@ -30,6 +30,10 @@ class Path(Model):
         """Return the corners (n, 2) of the polyline [length]."""
         raise NotImplementedError
 
+    def where(self, point: int) -> tuple[str, str]:
+        """Return the key below ``path`` where a scene gives a point, and words that say which one it is."""
+        return "", ""
+
     def files(self) -> list[str]:
         """Return the names of the files that the path needs."""
         return []
@@ -80,6 +84,10 @@ class PointsPath(Path):
     def corners(self) -> Array:
         """Return the points."""
         return np.array(self.points)
+
+    def where(self, point: int) -> tuple[str, str]:
+        """Return the key of a point."""
+        return f"points.{point}", ""
 
 
 @PATHS.register

@@ -164,7 +164,22 @@ def check_filling(scene: Any) -> list[Problem]:
     ]
     if problems:
         raise SceneError(problems)
-    return [*stair_stepped_faces(scene, filled), *check_touch(scene, filled)]
+    return [*stair_stepped_faces(scene, filled), *check_start(scene, filled)]
+
+
+def check_start(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
+    """Refuse interfaces and cracks that are not where matter is at the start; return what is doubtful.
+
+    Raises
+    ------
+    SceneError
+        With the distances.
+    """
+    if scene.cracks:
+        from mpmcli.scene.crack_places import check_places
+
+        check_places(scene, filled)
+    return check_touch(scene, filled)
 
 
 def stair_stepped_faces(scene: Any, filled: Sequence[BodyParticles]) -> Iterator[Problem]:

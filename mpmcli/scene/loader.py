@@ -20,6 +20,7 @@ from mpmcli.scene.checks import check
 from mpmcli.scene.constants import read_constants
 from mpmcli.scene.contact_checks import check_contact
 from mpmcli.scene.context import Context
+from mpmcli.scene.crack_checks import check_cracks
 from mpmcli.scene.heat_checks import check_heat
 from mpmcli.scene.models import BaseUnits, Scene
 from mpmcli.scene.override import apply_defines, apply_sets
@@ -190,7 +191,8 @@ def _read(root: Node, base: Path, allow_outside_files: bool) -> tuple[Scene | No
     except ValidationError as error:
         problems += translate(error, root, Scene)
         parts = Parts.salvage(plain, context)
-    problems += check(parts, root) + check_contact(parts, root) + check_heat(parts, root)
+    for find in (check, check_contact, check_cracks, check_heat):
+        problems += find(parts, root)
     if constant_problems or unit_problems:
         problems = [p for p in problems if not _is_echo(p, root, constants, bool(unit_problems))]
     return scene, context, [*unit_problems, *constant_problems, *problems]

@@ -23,7 +23,7 @@ from mpmcli.core.order import CellOrder
 from mpmcli.core.state import State
 from mpmcli.core.step import Step
 from mpmcli.geometry.faces import surface_faces
-from mpmcli.scene.interface_checks import check_touch
+from mpmcli.scene.filling import check_start
 from mpmcli.solver import continuation, setup
 from mpmcli.solver.averaging import VolumeAveraging
 from mpmcli.solver.clock import TaskClock
@@ -279,7 +279,7 @@ class Simulation(Parts):
     def _fill(self, scene: Any) -> Array | None:
         """Make the particles, and the report about the bodies; returns the turns of the particle domains."""
         self.particles, filled = setup.make_particles(scene, self.plan, self.grid)
-        self.setup_warnings = check_touch(scene, filled)
+        self.setup_warnings = check_start(scene, filled)
         self.setup_report = setup.report_of_bodies(scene, self.plan, filled)
         return setup.turns_of_bodies(filled)
 

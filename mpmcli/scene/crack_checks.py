@@ -1,0 +1,212 @@
+"""Cracks held against the rest of a scene: analysis, bodies, grid, symmetry planes, laws of faces."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.analysis import ANALYSES
+from mpmcli.core.errors import Problem
+from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.scene.checks import Report, label, names_of
+from mpmcli.scene.contact_checks import read_fields
+from mpmcli.scene.parts import Parts
+from mpmcli.scene.report import locate
+from mpmcli.scene.tree import Node
+
+Array = np.ndarray
+
+ENDS = ("start", "end")
+SHORTEST = 1e-3
+"""Shortest piece of a path, in cells."""
+MAX_POINTS = 200_000
+"""Most points of a chain."""
+RIGHT_ANGLE = 10.0
+"""How far from a right angle a crack may meet a symmetry plane, in degrees."""
+IN_PLANE = 1e-6
+"""Distance from a symmetry plane, in cells, within which a point lies in it."""
+
+
+def check_cracks(parts: Parts, root: Node) -> list[Problem]:
+    """Everything that cracks have against the rest of a scene, apart from where its particles are."""
+    problems: list[Problem] = []
+    node = root.value.get("cracks")
+    if node is None or not node.is_sequence or not node.value:
+        return problems
+
+    def report(path: str, message: str, code: str = "invalid", severity: str = "error") -> None:
+        problems.append(locate(root, path, message, code, severity))
+
+    _check_analysis(parts, root, report)
+    _check_bodies(root, node, report)
+    is_plane = parts.analysis is None or ANALYSES[parts.analysis.kind]().dimensions == 2
+    for index, crack in parts.cracks:
+        path = label(root, "cracks", index)
+        _check_law(crack, path, report)
+        if is_plane and parts.grid is not None and parts.grid.dimensions == 2:
+            _check_path(crack, path, parts, report)
+    if is_plane and parts.grid is not None and parts.grid.dimensions == 2:
+        _check_tips(parts, root, report)
+    return problems
+
+
+def words_of(point: Any) -> str:
+    """A point in words."""
+    return "[" + ", ".join(f"{x:g}" for x in point) + "]"
+
+
+def tips_of(crack: Any) -> Iterator[tuple[str, Array]]:
+    """Key and place (2,) of each end of a crack of the scene that is a tip."""
+    corners = crack.path.corners()
+    for key, corner in zip(ENDS, (corners[0], corners[-1]), strict=True):
+        if getattr(crack.ends, key) == "tip":
+            yield key, corner
+
+
+def _check_analysis(parts: Parts, root: Node, report: Report) -> None:
+    if parts.analysis is not None and ANALYSES[parts.analysis.kind]().dimensions != 2:
+        plane = sorted(name for name, kind in ANALYSES.items() if kind().dimensions == 2)
+        words = (
+            f"cracks are not available in {parts.analysis.kind} analyses (available in {listing(plane)}); use an "
+            "interface law between two bodies (contact.pairs)"
+        )
+        report("cracks", words, "analysis")
+    heat = root.value.get("heat")
+    if heat is not None and heat.value is not None:
+        words = (
+            "cannot be combined with cracks, through which heat would be conducted; remove 'heat' or 'cracks'"
+        )
+        report("heat", words, "combination")
+
+
+def _check_bodies(root: Node, cracks: Node, report: Report) -> None:
+    """``cuts`` names bodies that deform, each once."""
+    bodies = names_of(root, "bodies")
+    contact = root.value.get("contact")
+    members = read_fields(
+        root, contact if contact is not None and contact.value is not None else None
+    ).members
+    rigid = {member.name for member in members if member.is_rigid}
+    soft = [name for name in bodies if name not in rigid]
+    for index, crack in enumerate(cracks.value):
+        cuts = crack.value.get("cuts") if crack.is_mapping else None
+        names = [name.value for name in cuts.value] if cuts is not None and cuts.is_sequence else []
+        path = f"{label(root, 'cracks', index)}.cuts"
+        for place, name in enumerate(names):
+            if not isinstance(name, str):
+                continue
+            if name in rigid:
+                words = f"the body '{name}' is rigid, and a crack cuts deformable bodies only"
+                report(f"{path}.{place}", f"{words} ({listing(soft)})" if soft else words, "rigid")
+            elif name not in bodies:
+                hint = did_you_mean(name, soft) or (f" ({listing(soft)})" if soft else "")
+                report(f"{path}.{place}", f"there is no body '{name}'{hint}", "unknown_reference")
+            elif name in names[:place]:
+                report(f"{path}.{place}", f"the body '{name}' is named twice", "duplicate_name")
+
+
+def _check_law(crack: Any, path: str, report: Report) -> None:
+    law = crack.faces.law
+    if getattr(law, "keeps_history", False) or law.adhesive:
+        words = (
+            f"'{law.kind}' remembers what its faces went through, which faces of cracks do not; use a law without a "
+            "memory, such as 'coulomb' or 'linear_interface', or this law between two bodies (contact.pairs)"
+        )
+        report(f"{path}.faces.law", words, "combination")
+    elif getattr(law, "bonded", None) is not None:
+        words = "has no meaning on the faces of a crack, which the law joins everywhere; remove this key"
+        report(f"{path}.faces.law.bonded", words, "combination")
+
+
+def _check_path(crack: Any, path: str, parts: Parts, report: Report) -> None:
+    corners, cell = crack.path.corners(), np.array(parts.grid.cell)
+    lower, upper = np.array(parts.grid.lower), np.array(parts.grid.upper)
+
+    def place(point: int) -> tuple[str, str]:
+        key, words = crack.path.where(point)
+        return f"{path}.path.{key}".rstrip("."), words
+
+    outside = np.flatnonzero(((corners < lower - 1e-9 * cell) | (corners > upper + 1e-9 * cell)).any(axis=1))
+    if len(outside):
+        where, words = place(int(outside[0]))
+        words += f"the point {words_of(corners[outside[0]])} lies outside the grid, which spans "
+        report(where, f"{words}{words_of(lower)} to {words_of(upper)}", "outside")
+        return
+    pieces = np.hypot(*np.diff(corners, axis=0).T) / cell.min()
+    if pieces.min() < SHORTEST:
+        where, words = place(int(pieces.argmin()) + 1)
+        words += f"the point {words_of(corners[pieces.argmin() + 1])} is only {pieces.min():.2g} cells from the one "
+        report(where, f"{words}before; at least {SHORTEST:g} cells are needed", "resolution")
+        return
+    count = 1.0 + np.ceil(pieces / crack.spacing).sum()
+    if count > MAX_POINTS:
+        words = f"the chain would have {count:.2g} points, at most {MAX_POINTS:,} are allowed; use a larger spacing"
+        report(f"{path}.spacing", words, "range")
+        return
+    for index, condition in parts.boundary:
+        if condition.kind == "symmetry" and not list(condition.problems(2)):
+            _check_symmetry(crack, corners, path, place, condition.plane, parts.grid, index, report)
+
+
+def _check_symmetry(
+    crack: Any, corners: Array, path: str, place: Any, plane: Any, grid: Any, index: int, report: Report
+) -> None:
+    """A crack may meet a symmetry plane at a right angle, with a mouth."""
+    try:
+        plane.side_on(SimpleNamespace(lower=grid.lower, upper=grid.upper, cell=grid.cell))
+    except ValueError:
+        return  # reported already
+    a = plane.index
+    name = f"the symmetry plane {plane.axis} = {plane.at:g}"
+    height = (corners[:, a] - plane.at) / grid.cell[a]
+    here = np.abs(height) <= IN_PLANE
+    inside = np.flatnonzero(here[1:] & here[:-1])
+    if len(inside):
+        where, words = place(int(inside[0]))
+        words += (
+            f"the crack runs in {name} from {words_of(corners[inside[0]])} on; leave the crack out and hold that "
+            "plane only where the body is whole"
+        )
+        report(where, words, "symmetry")
+        return
+    for key, end in zip(ENDS, (0, -1), strict=True):
+        if here[end] and getattr(crack.ends, key) == "tip":
+            words = f"lies in {name}, where the mirror image continues the crack; use 'mouth'"
+            report(f"{path}.ends.{key}", words, "symmetry")
+            return
+    meets = here[1:] | here[:-1] | (height[1:] * height[:-1] < 0.0)
+    for segment in np.flatnonzero(meets):
+        step = corners[segment + 1] - corners[segment]
+        angle = math.degrees(math.atan2(abs(step[1 - a]), abs(step[a])))
+        if angle > RIGHT_ANGLE:
+            where, words = place(int(segment))
+            words += (
+                f"the crack meets {name} {angle:.3g} degrees from a right angle, at most {RIGHT_ANGLE:g} are allowed; "
+                "with its mirror image it would have a kink"
+            )
+            report(where, words, "symmetry")
+            return
+
+
+def _check_tips(parts: Parts, root: Node, report: Report) -> None:
+    """Two tips may not be nearer to each other than the segments are long."""
+    cell = min(parts.grid.cell)
+    tips = [
+        (label(root, "cracks", index), key, corner, crack.spacing * cell, crack.name)
+        for index, crack in parts.cracks
+        for key, corner in tips_of(crack)
+    ]
+    for (_, _, first, length, name), (path, key, second, other, _) in itertools.combinations(tips, 2):
+        distance = float(np.hypot(*(second - first)))
+        if distance < max(length, other) * (1.0 - 1e-9):
+            words = (
+                f"this tip is {distance:.3g} from a tip of '{name}', less than a segment of {max(length, other):.3g}; "
+                "move it, or use a smaller 'spacing'"
+            )
+            report(f"{path}.ends.{key}", words, "resolution")
+            return

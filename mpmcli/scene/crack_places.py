@@ -1,0 +1,151 @@
+"""Where cracks lie among the particles at the start: tips in matter, mouths outside, matter on both sides."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.core.suggest import listing
+from mpmcli.geometry.bodies import BodyParticles
+from mpmcli.scene.crack_checks import ENDS, words_of
+
+Array = np.ndarray
+
+ROUND_OFF = 1e-6
+"""Distances below so many cells are none."""
+DEEPEST = 0.5
+"""How deep in a body a mouth may lie, in cells: surfaces are as rough as particles are large."""
+
+
+class Matter(NamedTuple):
+    """Particles of the bodies that a crack cuts: positions and half sizes (2, n) [length], names and bodies (n,)."""
+
+    X: Array
+    half: Array
+    names: list[str]
+    body: Array
+
+
+def check_places(scene: Any, filled: Sequence[BodyParticles]) -> None:
+    """Refuse cracks whose ends are not where they should be, and those that cut nothing.
+
+    Raises
+    ------
+    SceneError
+        With the distances.
+    """
+    errors = [problem for crack in scene.cracks for problem in _faults_of(crack, scene, filled)]
+    if errors:
+        raise SceneError(errors)
+
+
+def matter_of(crack: Any, scene: Any, filled: Sequence[BodyParticles]) -> Matter:
+    """Return the particles that a crack may part."""
+    rigid = {body.name for body in scene.bodies if scene.materials[body.material].kind == "rigid"}
+    cut = [
+        body for body in filled if body.name not in rigid and (crack.cuts is None or body.name in crack.cuts)
+    ]
+    return Matter(
+        np.concatenate([body.X for body in cut], axis=1),
+        np.concatenate([np.broadcast_to(body.reach, body.X.shape) for body in cut], axis=1),
+        [body.name for body in cut],
+        np.repeat(np.arange(len(cut)), [body.count for body in cut]),
+    )
+
+
+def _faults_of(crack: Any, scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
+    matter, cell = matter_of(crack, scene, filled), min(scene.grid.cell)
+    corners = crack.path.corners()
+    bodies = f"'{matter.names[0]}'" if len(matter.names) == 1 else listing(matter.names, 4)
+    if not is_cut(matter, corners, cell):
+        lower, upper = (matter.X - matter.half).min(axis=1), (matter.X + matter.half).max(axis=1)
+        words = (
+            f"cuts nothing: the path from {words_of(corners[0])} to {words_of(corners[-1])} does not run through "
+            f"{bodies}, within {words_of(lower)} to {words_of(upper)}; correct the path, or leave the crack out"
+        )
+        return [Problem(f"cracks.{crack.name}.path", words, code="cuts_nothing")]
+    found = []
+    for key, point, inner in zip(ENDS, (corners[0], corners[-1]), (corners[1], corners[-2]), strict=True):
+        path = f"cracks.{crack.name}.ends.{key}"
+        if getattr(crack.ends, key) == "tip":
+            distance, name = distance_to(matter, point)
+            if distance > ROUND_OFF * cell:
+                words = (
+                    f"the tip at {words_of(point)} lies outside every body that the crack cuts, {distance:.3g} "
+                    f"({distance / cell:.2g} cells) from '{name}'; move it into the body, or use 'mouth'"
+                )
+                found.append(Problem(path, words, code="tip_outside"))
+        else:
+            depth, name = depth_along(matter, point, point - inner, ROUND_OFF * cell)
+            if depth > DEEPEST * cell:
+                words = (
+                    f"the mouth at {words_of(point)} lies inside '{name}', whose surface is {depth:.3g} "
+                    f"({depth / cell:.2g} cells) further along the crack; extend the path, or use 'tip'"
+                )
+                found.append(Problem(path, words, code="mouth_inside"))
+    return found
+
+
+def distance_to(matter: Matter, point: Array) -> tuple[float, str]:
+    """Return the distance from a point (2,) to the nearest domain of a particle, and the name of its body."""
+    gap = np.maximum(np.abs(matter.X - point[:, None]) - matter.half, 0.0)
+    distance = np.hypot(gap[0], gap[1])
+    nearest = int(distance.argmin())
+    return float(distance[nearest]), matter.names[matter.body[nearest]]
+
+
+def depth_along(matter: Matter, point: Array, way: Array, margin: float) -> tuple[float, str]:
+    """Return how far a ray from ``point`` (2,) along ``way`` stays in matter, and the body that it leaves there."""
+    way = way / np.hypot(*way)
+    first, last = _through(matter, point, way, margin)
+    met = np.flatnonzero((last >= 0.0) & (last > first))
+    met = met[np.argsort(first[met], kind="stable")]
+    depth, name = 0.0, ""
+    for particle in met:
+        if first[particle] > depth:
+            break
+        if last[particle] > depth:
+            depth, name = float(last[particle]), matter.names[matter.body[particle]]
+    return depth, name
+
+
+def is_cut(matter: Matter, corners: Array, cell: float) -> bool:
+    """Whether a polyline (n, 2) runs through the domain of a particle, or has particles on both sides."""
+    order = np.argsort(matter.X[0], kind="stable")
+    sorted_x, widest = matter.X[0, order], float(matter.half[0].max())
+    sides = set()
+    for a, b in itertools.pairwise(corners):
+        window = np.searchsorted(sorted_x, [min(a[0], b[0]) - 1.01 * widest, max(a[0], b[0]) + 1.01 * widest])
+        near = order[slice(*window)]
+        here = Matter(matter.X[:, near], matter.half[:, near], matter.names, matter.body[near])
+        length = float(np.hypot(*(b - a)))
+        way = (b - a) / length
+        first, last = _through(here, a, way, -ROUND_OFF * cell)
+        if ((last > first) & (first < length) & (last > 0.0)).any():
+            return True
+        first, last = _through(here, a, way, ROUND_OFF * cell)
+        met = (last > first) & (first < length) & (last > 0.0)
+        side = way[0] * (here.X[1, met] - a[1]) - way[1] * (here.X[0, met] - a[0])
+        sides |= set(np.sign(side).tolist())
+    return {-1.0, 1.0} <= sides
+
+
+def _through(matter: Matter, point: Array, way: Array, margin: float) -> tuple[Array, Array]:
+    """Where a line from ``point`` along the unit vector ``way`` enters and leaves domains wider by ``margin``, (n,) each.
+
+    It misses those that it leaves before it enters.
+    """
+    first, last = np.full(matter.X.shape[1], -np.inf), np.full(matter.X.shape[1], np.inf)
+    for axis in range(2):
+        half = matter.half[axis] + margin
+        gap = matter.X[axis] - point[axis]
+        if abs(way[axis]) < 1e-12:
+            last = np.where(np.abs(gap) <= half, last, -np.inf)
+            continue
+        ends = np.sort(np.stack([gap - half, gap + half]) / way[axis], axis=0)
+        first, last = np.maximum(first, ends[0]), np.minimum(last, ends[1])
+    return first, last

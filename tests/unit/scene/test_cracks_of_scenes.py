@@ -1,0 +1,163 @@
+"""Cracks of a scene that are right, or nearly: the corpus of broken scenes has those that are not."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.scene.filling import check_filling
+from mpmcli.scene.loader import load_scene
+
+SCENE = """\
+version: 1
+analysis: {{kind: {analysis}}}
+grid: {{lower: [{left}, -20], upper: [20, 20], cell: 1}}
+materials:
+  glue: {{kind: linear_elastic, density: 1.5e-3, E: 1000, nu: 0.33}}
+bodies:
+  - {{name: plate, material: glue, region: {region}}}
+cracks:
+  - name: main
+    path: {path}
+    ends: {ends}
+{more}time: {{end: 0.1}}
+"""
+BOX = "{kind: box, lower: [-10, -10], upper: [10, 10]}"
+
+
+def problems(
+    path: str, ends: str = "{start: mouth}", region: str = BOX, more: str = "", left: float = -20,
+    analysis: str = "plane_strain",
+) -> list[Problem]:  # fmt: skip
+    """What is wrong with a scene with one crack, or ``path``'s points in flow style."""
+    path = path if path.startswith("{") else f"{{kind: points, points: {path}}}"
+    text = SCENE.format(path=path, ends=ends, region=region, more=more, left=left, analysis=analysis)
+    try:
+        return check_filling(load_scene(text).scene)
+    except SceneError as error:
+        return error.problems
+
+
+def codes(*arguments: Any, **keys: Any) -> list[str]:
+    return [problem.code for problem in problems(*arguments, **keys)]
+
+
+RIGHT = {
+    "mouth on the surface": ("[[-10, 0], [2, 0]]", "{start: mouth}"),
+    "mouth within half a cell": ("[[-9.6, 0.1], [2, 0.1]]", "{start: mouth}"),
+    "mouth far away": ("[[-20, 0], [2, 0]]", "{start: mouth}"),
+    "within the body": ("[[-2, 0], [2, 0]]", "{}"),
+    "through it": ("[[-11, -11], [11, 11]]", "{start: mouth, end: mouth}"),
+    "an arc over a corner": (
+        "{kind: arc, center: [10, 10], radius: 3, from: 170, to: 280}",
+        "{start: mouth, end: mouth}",
+    ),
+    "shorter than a cell": ("[[0.1, 0.2], [0.7, 0.2]]", "{}"),
+    "tip on the surface": ("[[-11, 0], [10, 0]]", "{start: mouth}"),
+}
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_cracks_that_are_right(name: str) -> None:
+    path, ends = RIGHT[name]
+    assert problems(path, ends) == []
+
+
+@pytest.mark.parametrize("turn", range(4))
+def test_wrong_ends_whichever_way_they_point(turn: int) -> None:
+    def turned(*points: tuple[float, float]) -> str:
+        for _ in range(turn):
+            points = tuple((-y, x) for x, y in points)
+        return str([list(point) for point in points])
+
+    assert codes(turned((-11, 0.2), (10.01, 0.2))) == ["tip_outside"]
+    assert codes(turned((-9.4, 0.2), (4, 0.2))) == ["mouth_inside"]
+    assert codes(turned((-11, 10.01), (11, 10.01)), "{start: mouth, end: mouth}") == ["cuts_nothing"]
+    assert codes(turned((-11, 9.99), (11, 9.99)), "{start: mouth, end: mouth}") == []
+
+
+def test_a_crack_between_two_halves_of_a_body_on_a_grid_line_cuts_it() -> None:
+    """It runs along the borders of particles, of which some lie on either side."""
+    assert codes("[[-12, 0], [12, 0]]", "{start: mouth, end: mouth}") == []
+    assert codes("[[-12, 10], [12, 10]]", "{start: mouth, end: mouth}") == ["cuts_nothing"]
+
+
+def test_distances_in_words() -> None:
+    [found] = problems("[[-11, 0.2], [13, 14]]")
+    assert found.path == "cracks.main.ends.end"
+    assert "the tip at [13, 14] lies outside every body that the crack cuts, 5 (5 cells) from 'plate'" in str(
+        found
+    )
+    [found] = problems("[[-6, 0], [-2, 0]]")
+    assert "whose surface is 4 (4 cells) further along the crack" in str(found)
+    [found] = problems("[[-7, -6], [-3, -3]]")
+    assert "is 3.75 (3.8 cells) further" in str(found)
+
+
+def test_a_hole_is_no_matter() -> None:
+    ring = "{kind: difference, region: " + BOX + ", subtract: [{kind: disk, center: [0, 0], radius: 4}]}"
+    assert codes("[[0, 0.1], [8, 0.1]]", region=ring) == []
+    assert codes("[[-8, 0.1], [0, 0.1]]", "{}", region=ring) == ["tip_outside"]
+
+
+def test_only_bodies_that_it_cuts_count() -> None:
+    halves = "{kind: box, lower: [-10, -10], upper: [0, 10]}}\n  - {name: other, material: glue, region: "
+    halves += "{kind: box, lower: [0, -10], upper: [10, 10]}"
+    cuts, mouths = "    cuts: [plate]\n", "{start: mouth, end: mouth}"
+    assert codes("[[-12, 0.2], [0.4, 0.2]]", region=halves) == []
+    assert codes("[[-12, 0.2], [0.4, 0.2]]", region=halves, more=cuts) == ["tip_outside"]
+    assert codes("[[-12, 0.2], [0.4, 0.2]]", mouths, region=halves) == ["mouth_inside"]
+    assert codes("[[-12, 0.2], [0.4, 0.2]]", mouths, region=halves, more=cuts) == []
+    assert codes("[[1, -12], [2, 12]]", mouths, region=halves, more=cuts) == ["cuts_nothing"]
+
+
+PLANE = "boundary: [{{name: m, kind: symmetry, plane: {{axis: {axis}, at: 0, side: lower}}}}]\n"
+HALF = "{kind: box, lower: [0, -10], upper: [10, 10]}"
+
+
+@pytest.mark.parametrize(("degrees", "is_right"), [(0, True), (9.9, True), (10.1, False), (-10.1, False)])
+def test_angle_at_a_symmetry_plane(degrees: float, is_right: bool) -> None:
+    end = [5.0, 5.0 * math.tan(math.radians(degrees))]
+    found = codes(f"[[0, 0], {end}]", region=HALF, more=PLANE.format(axis="x"))
+    assert found == ([] if is_right else ["symmetry"])
+
+
+def test_a_crack_beside_a_symmetry_plane_is_left_alone() -> None:
+    assert codes("[[0.5, -11], [0.5, 3]]", region=HALF, more=PLANE.format(axis="x")) == []
+    assert codes("[[-2, 1], [0, 1], [4, 1]]", region=HALF, more=PLANE.format(axis="x")) == []
+
+
+def test_a_penny_from_the_axis() -> None:
+    found = codes("[[0, 0], [4, 0]]", region=HALF, left=0, analysis="axisymmetric")
+    assert found == []
+
+
+@pytest.mark.parametrize(
+    "law", ["perfect", "none", "stick", "frictionless", "{kind: coulomb, friction: 0.3}"]
+)
+def test_laws_of_faces(law: str) -> None:
+    text = law if law.startswith("{") else f"{{kind: {law}}}"
+    assert codes("[[-11, 0], [2, 0]]", more=f"    faces: {{law: {text}}}\n") == []
+
+
+def test_tips_of_two_cracks() -> None:
+    other = "  - {{name: other, path: {{kind: points, points: [[{x}, 0], [8, 0]]}}, spacing: {spacing}}}\n"
+    path = "[[-11, 0], [2, 0]]"
+    assert codes(path, more=other.format(x=2.5, spacing=0.5)) == []
+    assert codes(path, more=other.format(x=2.4, spacing=0.2)) == ["resolution"]
+    assert codes(path, more=other.format(x=2.4, spacing=0.2) + "", ends="{start: mouth, end: mouth}") == [
+        "mouth_inside"
+    ]
+
+
+def test_a_wavy_path_of_thousands_of_points(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    x = np.linspace(-12, 2, 5000)
+    np.savetxt("wave.csv", np.stack([x, 3 * np.sin(x)], axis=1), delimiter=",", header="x,y", comments="")
+    assert codes("{kind: file, file: wave.csv}") == []
+    assert codes("{kind: file, file: wave.csv, scale: 1.01}") == []
+    assert codes("{kind: file, file: wave.csv, scale: 100}") == ["outside"]
