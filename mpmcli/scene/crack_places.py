@@ -135,9 +135,9 @@ def is_cut(matter: Matter, corners: Array, cell: float) -> bool:
 
 
 def _through(matter: Matter, point: Array, way: Array, margin: float) -> tuple[Array, Array]:
-    """Where a line from ``point`` along the unit vector ``way`` enters and leaves domains wider by ``margin``, (n,) each.
+    """Where a line from ``point`` along the unit vector ``way`` enters and leaves domains wider by ``margin``.
 
-    It misses those that it leaves before it enters.
+    Distances (n,) from the point; it misses the domains that it leaves before it enters.
     """
     first, last = np.full(matter.X.shape[1], -np.inf), np.full(matter.X.shape[1], np.inf)
     for axis in range(2):
