@@ -50,7 +50,7 @@ class Cracks:
         if particles.X0 is None:
             particles.X0 = particles.X.copy()
         self._particles, self._order = particles, s.order
-        self.sides = CrackSides(self.chains, cuts, s.order, grid)
+        self.sides = CrackSides(self.chains, cuts, s.order, grid, s.plan.shape.follows_deformation)
         s.transfer.sights = self.sides
         s.transfer.sort()
         mirror = None if s.conditions is None or s.conditions.images is None else s.conditions.images.mirror
@@ -67,7 +67,9 @@ class Cracks:
 
             self.tips = Tips(scene.fracture, self.chains, s.state, cell, thickness_of(scene))
             self.view.tip = self.tips.values
-        self._motion = FaceMotion(self.sides, self.faces.contacts.lattice, [model.moves for model in models])
+        self._motion = FaceMotion(
+            self.sides, self.sides.points, self.faces.contacts.lattice, [model.moves for model in models]
+        )
         self._drift = 0.0
         self._version = s.order.version
 
@@ -93,6 +95,7 @@ class Cracks:
                 f"({x:.6g}, {y:.6g}), time {step.time:.6g}. Its matter is torn off, or the time step is too long"
             )
         self._drift += farthest
+        self.sides.drift += farthest
         if self._drift > STALE:
             self._order.drift = np.inf
 

@@ -8,13 +8,15 @@ to the node; two points see the same side of a crack if it crosses the chain an 
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcli.contact.laws.impulse import TINIEST
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.core.grid import Grid
-from mpmcli.cracks.chain import END, START, Chain
+from mpmcli.core.compiled.kernel import inline
+from mpmcli.cracks.points import Points
 
 Array = np.ndarray
 
@@ -63,28 +65,55 @@ def crosses(ax: Any, ay: Any, bx: Any, by: Any, px: Any, py: Any, x: Any, y: Any
     ) != is_left(px, py, x, y, bx, by)
 
 
-def segments_of(chains: list[Chain], grid: Grid, beyond: float) -> Segments:
-    """Return the segments of chains; behind a mouth the last one goes on by ``beyond`` [length]."""
-    lines, owners = [], []
-    for chain in chains:
-        points = chain.X
-        if not chain.tips[0]:
-            points = np.column_stack([points[:, 0] + beyond * chain.direction(START), points])
-        if not chain.tips[1]:
-            points = np.column_stack([points, points[:, -1] + beyond * chain.direction(END)])
-        lines.append(np.stack([points[:, :-1], points[:, 1:]]))
-        owners.append(np.full(points.shape[1] - 1, chain.index))
-    ends, crack = np.concatenate(lines, axis=2), np.concatenate(owners)
-    origin = (grid.lower - grid.pad * grid.cell)[:, None]
-    first, last = np.floor((ends - origin) / grid.cell[:, None] * UNIT + 0.5).astype(np.int64)
-    ordered = (first[0] < last[0]) | ((first[0] == last[0]) & (first[1] <= last[1]))
-    a, b = np.where(ordered, first, last), np.where(ordered, last, first)
-    way = ends[1] - ends[0]
-    way /= np.maximum(np.hypot(*way), np.finfo(float).tiny)
-    normal = np.ascontiguousarray(np.stack([-way[1], way[0]], axis=1))
-    return Segments(
-        a[0], a[1], b[0], b[1], crack, np.where(ordered, 1, -1), normal, np.ascontiguousarray(ends[0].T)
-    )
+def allocate_segments(points: Points) -> Segments:
+    """Make room for the segments of chains, with one more behind each mouth."""
+    count = np.diff(points.first) - 1 + np.count_nonzero(~points.tips, axis=1)
+    n = int(count.sum())
+    whole_numbers = {name: np.zeros(n, dtype=np.int64) for name in ("ax", "ay", "bx", "by", "along")}
+    crack = np.repeat(np.arange(len(count)), count)
+    return Segments(**whole_numbers, crack=crack, normal=np.zeros((n, 2)), at=np.zeros((n, 2)))
+
+
+@inline
+def put_segment(segments, s, x, y, x_next, y_next, origin, cell):
+    """Write segment ``s`` from one point to the next."""
+    ax, ay = whole(x, origin[0], 1.0 / cell[0]), whole(y, origin[1], 1.0 / cell[1])
+    bx, by = whole(x_next, origin[0], 1.0 / cell[0]), whole(y_next, origin[1], 1.0 / cell[1])
+    forward = ax < bx or (ax == bx and ay <= by)
+    segments.along[s] = 1 if forward else -1
+    segments.ax[s], segments.ay[s] = (ax, ay) if forward else (bx, by)
+    segments.bx[s], segments.by[s] = (bx, by) if forward else (ax, ay)
+    wx, wy = x_next - x, y_next - y
+    size = max(math.sqrt(wx * wx + wy * wy), TINIEST)
+    segments.normal[s, 0], segments.normal[s, 1] = -wy / size, wx / size
+    segments.at[s, 0], segments.at[s, 1] = x, y
+
+
+@inline
+def find_segments(points, beyond, origin, cell, segments):
+    """Write the segments of all chains; behind a mouth the last one goes on by ``beyond`` [length]."""
+    s = 0
+    X = points.X
+    for crack in range(len(points.first) - 1):
+        begin, end = points.first[crack], points.first[crack + 1] - 1
+        for k in range(begin - 1, end + 1):
+            if k == begin - 1:
+                inner, outer = begin + 1, begin
+            else:
+                inner, outer = end - 1, end
+            if (k == begin - 1 and points.tips[crack, 0]) or (k == end and points.tips[crack, 1]):
+                continue
+            if begin <= k < end:
+                put_segment(segments, s, X[0, k], X[1, k], X[0, k + 1], X[1, k + 1], origin, cell)
+            else:
+                wx, wy = X[0, outer] - X[0, inner], X[1, outer] - X[1, inner]
+                part = beyond / max(math.sqrt(wx * wx + wy * wy), TINIEST)
+                x, y = X[0, outer] + part * wx, X[1, outer] + part * wy
+                if k == end:
+                    put_segment(segments, s, X[0, outer], X[1, outer], x, y, origin, cell)
+                else:
+                    put_segment(segments, s, x, y, X[0, outer], X[1, outer], origin, cell)
+            s += 1
 
 
 class Hash(NamedTuple):

@@ -10,7 +10,7 @@ from mpmcli.contact.area import contact_area, perpendicular_size
 from mpmcli.contact.fields_in_contact import FieldsInContact, NodeTable, put_contact
 from mpmcli.contact.geometry import Geometry, unsure
 from mpmcli.contact.impulses import ImpulseRows
-from mpmcli.core.compiled.kernel import inline, kernel, prange
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.dofs import dof_of, field_of, side_of
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles, determinant_of_particle
@@ -74,11 +74,11 @@ class Lattice(NamedTuple):
     ring: bool
 
 
-@kernel
+@inline
 def find_planes(count, candidates, entries, nodes, segments, lattice, matter, planes):
     """Normals and places of the cracks of every crack node, from the lines of sight that cross them (Nairn 2023)."""
     normal, distance, above = planes.normal, planes.distance, planes.above
-    for slot in prange(count):
+    for slot in range(count):
         column, row = nodes.node[slot] % lattice.shape[0], nodes.node[slot] // lattice.shape[0]
         x, y = lattice.origin[0] + column * lattice.cell[0], lattice.origin[1] + row * lattice.cell[1]
         for bit in range(2):
@@ -178,7 +178,7 @@ def most_faces(nodes, count, fields):
     return most
 
 
-@kernel
+@inline
 def find_face_geometry(
     axes,
     count,
@@ -203,7 +203,7 @@ def find_face_geometry(
         geometry.normal, geometry.separation, geometry.distances, geometry.area, geometry.status,
     )  # fmt: skip
     jump, sums = faces.jump, faces.sums
-    for k in prange(count):
+    for k in range(count):
         slot, bit = fields.slot[k], faces.bit[k]
         side_a, field_a = (
             side_of(fields.alpha[k], node_count, field_count), field_of(fields.alpha[k], node_count, field_count),
@@ -330,7 +330,7 @@ class FaceContacts:
             return 0
         self._make_room(count, most_faces(sides.nodes, count, len(self._rigid)))
         matter = Matter(p.X, p.X0, F, p.vol0, p.mass, p.velocity_field)
-        find_planes[parallel](
+        find_planes(
             count,
             sides.candidates,
             sides.entries,
@@ -350,7 +350,7 @@ class FaceContacts:
         )
         self.stages = 1 + int(self.fields.stage[: self.count].max(initial=0))
         self.has_pairs = bool(self.fields.pair[: self.count].any())
-        find_face_geometry[parallel](
+        find_face_geometry(
             (0.0, 0.0), self.count, self.fields, self.faces, sides.nodes, grid.node_count, grid.fields,
             sides.candidates, sides.entries, self.lattice, matter, self.planes, self.geometry,
         )  # fmt: skip

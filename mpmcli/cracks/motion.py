@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
+from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.cracks.crossing import BITS, crosses, whole
+from mpmcli.cracks.points import AllPoints
 from mpmcli.cracks.sides import CrackSides
 
 Array = np.ndarray
 
-BESIDE = 1 << (BITS - 10)
+BESIDE = float(1 << (BITS - 10))
 """How far from the plane a face sees: a thousandth of a cell, in units of positions."""
-ABOVE, BELOW = 0, 1
+AVERAGE, MASS, FIXED = 0, 1, 2
+WAYS = {"average": AVERAGE, "mass": MASS, "fixed": FIXED}
+"""How planes move: ``moves`` of a crack."""
 
 
 @inline
@@ -38,7 +43,7 @@ def sum_motion(count, candidates, entries, mass, X, V, L, nodes, lattice, out):
                 total[3 + a] += w * L[a, p]
 
 
-@inline
+@compiled_too
 def sides_at(px, py, x, y, cell, segments, table, crack):
     """Side of a node (x, y), whose cracks are ``crack`` (2,), on which a point is; ``cell`` of the hash is near."""
     side, at = 0, table.first[cell]
@@ -54,55 +59,114 @@ def sides_at(px, py, x, y, cell, segments, table, crack):
     return side
 
 
-@inline
-def face_velocities(plane, normal, faces, sums, nodes, segments, table, lattice, out):
-    """Velocities of the faces at the points of a chain into ``out`` (2, 2, P), and masses that gave them (2, P).
+@compiled_too
+def face_velocity(plane, normal, face, sums, nodes, segments, table, lattice, out):
+    """Velocity of a point ``face`` (2,) of a face into ``out`` (2,); returns the mass that it comes from, 0 if none.
 
-    Each is the mean of what the sides of the four nodes around tell of the point, from their velocities and gradients:
-    exact for affine motion, whichever nodes there are. ``plane`` (2, P) are the points of the plane, ``normal`` (2, P)
-    its normals from below to above, ``faces`` (2, 2, P).
+    It is the mean of what the sides of the four nodes around tell of the point, from their velocities and gradients:
+    exact for affine motion, whichever nodes there are. ``plane`` (2,) is the point of the plane beside it, ``normal``
+    (2,) points from the plane to the face.
     """
-    velocity, mass = out
-    for k in range(plane.shape[1]):
-        cx = np.int64(np.floor((plane[0, k] - lattice.origin[0]) / lattice.cell[0]))
-        cy = np.int64(np.floor((plane[1, k] - lattice.origin[1]) / lattice.cell[1]))
-        row, column = cy - table.low[1], cx - table.low[0]
-        for face in range(2):
-            for a in range(2):
-                velocity[face, a, k] = 0.0
-            mass[face, k] = 0.0
-        if row < 0 or column < 0 or row >= table.place.shape[0] or column >= table.place.shape[1]:
+    cx = np.int64(np.floor((plane[0] - lattice.origin[0]) / lattice.cell[0]))
+    cy = np.int64(np.floor((plane[1] - lattice.origin[1]) / lattice.cell[1]))
+    out[0] = out[1] = 0.0
+    row, column = cy - table.low[1], cx - table.low[0]
+    if row < 0 or column < 0 or row >= table.place.shape[0] or column >= table.place.shape[1]:
+        return 0.0
+    cell = table.place[row, column]
+    if cell < 0:
+        return 0.0
+    px = whole(plane[0], lattice.origin[0], 1.0 / lattice.cell[0]) + np.int64(BESIDE * normal[0])
+    py = whole(plane[1], lattice.origin[1], 1.0 / lattice.cell[1]) + np.int64(BESIDE * normal[1])
+    total, mass = 0.0, 0.0
+    for j in range(4):
+        nx, ny = cx + j % 2, cy + j // 2
+        slot = nodes.slot_of_node[ny * lattice.shape[0] + nx]
+        if slot < 0:
             continue
-        cell = table.place[row, column]
-        if cell < 0:
+        here = sums[slot, sides_at(px, py, nx << BITS, ny << BITS, cell, segments, table, nodes.crack[slot])]
+        m = here[0]
+        if m <= 0.0:
             continue
+        dx = face[0] - lattice.origin[0] - nx * lattice.cell[0]
+        dy = face[1] - lattice.origin[1] - ny * lattice.cell[1]
+        N = max(1.0 - abs(dx) / lattice.cell[0], 0.0) * max(1.0 - abs(dy) / lattice.cell[1], 0.0)
+        out[0] += N * (here[1] + here[3] * dx + here[4] * dy) / m
+        out[1] += N * (here[2] + here[5] * dx + here[6] * dy) / m
+        mass += N * m
+        total += N
+    for a in range(2):
+        out[a] = out[a] / total if total > 0.0 else 0.0
+    return mass
+
+
+@compiled_too
+def move_point(k, begin, end, at_tip, way, dt, points, sums, nodes, segments, table, lattice):
+    """Move point ``k`` of the chain from ``begin`` to ``end`` for a step; returns how far a face went [cells]."""
+    before, after = max(k - 1, begin), min(k + 1, end - 1)
+    tx, ty = points.X[0, after] - points.X[0, before], points.X[1, after] - points.X[1, before]
+    size = math.sqrt(tx * tx + ty * ty)
+    plane = (points.X[0, k], points.X[1, k])
+    new, left = np.empty((2, 2)), (-ty / size, tx / size)
+    above = face_velocity(
+        plane,
+        left,
+        (points.faces[0, 0, k], points.faces[0, 1, k]),
+        sums,
+        nodes,
+        segments,
+        table,
+        lattice,
+        new[0],
+    )
+    below = face_velocity(
+        plane, (-left[0], -left[1]), (points.faces[1, 0, k], points.faces[1, 1, k]), sums, nodes, segments, table,
+        lattice, new[1],
+    )  # fmt: skip
+    for a in range(2):  # a side without matter follows the other
+        if above == 0.0:
+            new[0, a] = new[1, a]
+        elif below == 0.0:
+            new[1, a] = new[0, a]
+    farthest = 0.0
+    for a in range(2):
+        common = (above * new[0, a] + below * new[1, a]) / max(above + below, 1e-300)
+        if at_tip:  # faces part behind a tip, not at it
+            new[0, a] = new[1, a] = common
         for face in range(2):
-            sign = 1.0 if face == ABOVE else -1.0
-            px = whole(plane[0, k], lattice.origin[0], 1.0 / lattice.cell[0])
-            py = whole(plane[1, k], lattice.origin[1], 1.0 / lattice.cell[1])
-            px += np.int64(sign * BESIDE * normal[0, k])
-            py += np.int64(sign * BESIDE * normal[1, k])
-            total = 0.0
-            for j in range(4):
-                nx, ny = cx + j % 2, cy + j // 2
-                slot = nodes.slot_of_node[ny * lattice.shape[0] + nx]
-                if slot < 0:
-                    continue
-                side = sides_at(px, py, nx << BITS, ny << BITS, cell, segments, table, nodes.crack[slot])
-                m = sums[slot, side, 0]
-                if m <= 0.0:
-                    continue
-                dx = faces[face, 0, k] - lattice.origin[0] - nx * lattice.cell[0]
-                dy = faces[face, 1, k] - lattice.origin[1] - ny * lattice.cell[1]
-                N = max(1.0 - abs(dx) / lattice.cell[0], 0.0) * max(1.0 - abs(dy) / lattice.cell[1], 0.0)
-                here = sums[slot, side]
-                velocity[face, 0, k] += N * (here[1] + here[3] * dx + here[4] * dy) / m
-                velocity[face, 1, k] += N * (here[2] + here[5] * dx + here[6] * dy) / m
-                mass[face, k] += N * m
-                total += N
-            for a in range(2):
-                if total > 0.0:
-                    velocity[face, a, k] /= total
+            step = 0.5 * dt * (new[face, a] + points.velocity[face, a, k])
+            if not abs(step) / lattice.cell[a] <= farthest:
+                farthest = abs(step) / lattice.cell[a]
+            points.faces[face, a, k] += step
+            points.velocity[face, a, k] = new[face, a]
+        if way == AVERAGE:
+            points.X[a, k] = 0.5 * (points.faces[0, a, k] + points.faces[1, a, k])
+        elif way == MASS:
+            points.X[a, k] += common * dt
+    return farthest
+
+
+@inline
+def move_points(
+    count, candidates, entries, mass, X, V, L, nodes, segments, table, lattice, ways, dt, points, sums, worst
+):
+    """Move all points for a step; ``worst`` (2,) receives crack and point that went farthest; returns how far [cells].
+
+    A distance that is no number counts as the farthest.
+    """
+    sum_motion(count, candidates, entries, mass, X, V, L, nodes, lattice, sums)
+    farthest = 0.0
+    for crack in range(len(points.first) - 1):
+        begin, end = points.first[crack], points.first[crack + 1]
+        for k in range(begin, end):
+            at_tip = (k == begin and points.tips[crack, 0]) or (k == end - 1 and points.tips[crack, 1])
+            went = move_point(
+                k, begin, end, at_tip, ways[crack], dt, points, sums, nodes, segments, table, lattice
+            )
+            if not went <= farthest:
+                farthest = went
+                worst[0], worst[1] = crack, k - begin
+    return farthest
 
 
 class FaceMotion:
@@ -111,13 +175,16 @@ class FaceMotion:
     Parameters
     ----------
     sides : of the step
+    points : of all chains
     lattice : of the grid
     moves : how the plane of each crack moves: ``average``, ``mass`` or ``fixed``
     """
 
-    def __init__(self, sides: CrackSides, lattice: Any, moves: list[str]):
-        self._sides, self._lattice, self._moves = sides, lattice, moves
+    def __init__(self, sides: CrackSides, points: AllPoints, lattice: Any, moves: list[str]):
+        self._sides, self._points, self._lattice = sides, points, lattice
+        self._ways = np.array([WAYS[way] for way in moves], dtype=np.int64)
         self._sums = np.zeros((0, 4, 7))
+        self._worst = np.zeros(2, dtype=np.int64)
 
     def move(self, p: Any, X: Array, dt: float) -> tuple[float, int, int]:
         """Move all chains by a step, with particles ``p`` that are at ``X`` (2, N) and have velocities of its end.
@@ -127,44 +194,9 @@ class FaceMotion:
         sides = self._sides
         if len(self._sums) < sides.count:
             self._sums = np.zeros((2 * sides.count, 4, 7))
-        sum_motion(
-            sides.count,
-            sides.candidates,
-            sides.entries,
-            p.mass,
-            X,
-            p.V,
-            p.L,
-            sides.nodes,
-            self._lattice,
-            self._sums,
-        )
-        farthest = (0.0, 0, 0)
-        cell = np.array(self._lattice.cell)[:, None]
-        for chain, way in zip(sides.chains, self._moves, strict=True):
-            tangent = chain.tangents()
-            normal = np.stack([-tangent[1], tangent[0]])
-            new, mass = np.zeros_like(chain.velocity), np.zeros((2, chain.count))
-            face_velocities(
-                chain.X, normal, chain.faces, self._sums, sides.nodes, sides.segments, sides.hash, self._lattice,
-                (new, mass),
-            )  # fmt: skip
-            for mine, other in ((ABOVE, BELOW), (BELOW, ABOVE)):  # a side without matter follows the other
-                alone = (mass[mine] == 0.0) & (mass[other] > 0.0)
-                new[mine][:, alone] = new[other][:, alone]
-            whole_mass = np.maximum(mass.sum(axis=0), np.finfo(float).tiny)
-            common = (mass[:, None] * new).sum(axis=0) / whole_mass
-            for end, is_tip in zip((0, -1), chain.tips, strict=True):  # faces part behind a tip, not at it
-                if is_tip:
-                    new[:, :, end] = common[:, end]
-            step = 0.5 * dt * (new + chain.velocity)
-            went = np.abs(step / cell).max(axis=(0, 1))
-            if went.max() > farthest[0]:
-                farthest = float(went.max()), chain.index, int(went.argmax())
-            chain.faces += step
-            chain.velocity = new
-            if way == "average":
-                chain.X = chain.faces.mean(axis=0)
-            elif way == "mass":
-                chain.X = chain.X + common * dt
-        return farthest
+        farthest = move_points(
+            sides.count, sides.candidates, sides.entries, p.mass, X, p.V, p.L, sides.nodes, sides.segments, sides.hash,
+            self._lattice, self._ways, dt, self._points.get(), self._sums, self._worst,
+        )  # fmt: skip
+        crack, point = self._worst.tolist()
+        return float(farthest), crack, point

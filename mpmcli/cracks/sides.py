@@ -6,6 +6,7 @@ side 1·(c₁ lies between them) + 2·(c₂ lies between them) of the node (Nair
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,12 +18,26 @@ from mpmcli.core.order import CellOrder, or_shifted
 from mpmcli.core.transfer.cut import Cut, first_rows, make_cut
 from mpmcli.core.transfer.stencil import fill
 from mpmcli.cracks.chain import Chain
-from mpmcli.cracks.crossing import BITS, Hash, Segments, crosses, hash_segments, is_left, segments_of, whole
+from mpmcli.cracks.crossing import (
+    BITS,
+    UNIT,
+    Hash,
+    Segments,
+    allocate_segments,
+    crosses,
+    find_segments,
+    hash_segments,
+    is_left,
+    whole,
+)
+from mpmcli.cracks.points import AllPoints
 
 Array = np.ndarray
 
 DRIFT = 1
 """Cells that chains and particles may move between two sorts."""
+SLACK = 0.2
+"""Cells that they may move before candidates are listed anew."""
 FAR, NEAR = 0, 1
 """Whether a candidate sees crack nodes, so that its weights are known."""
 
@@ -32,6 +47,7 @@ class Candidates(NamedTuple):
 
     particle : (c,) places in memory, unsigned
     ranges : first of each chunk of particles and the end, unsigned
+    close : (c,) whether a crack may part it from nodes
     seen : (c,) ``NEAR`` where the rest is known
     corner : (c,) first node of the stencil, unsigned
     S, G : (c, m), (c, 2 m) shape function values and gradients
@@ -42,6 +58,7 @@ class Candidates(NamedTuple):
 
     particle: Array
     ranges: Array
+    close: Array
     seen: Array
     corner: Array
     S: Array
@@ -68,89 +85,98 @@ class CrackNodes(NamedTuple):
 
 
 @inline
-def find_crossings_of(
-    shape, geometry, across, X, F, size, stencil, slot, q, p, candidates, body, cuts, segments, table, kept
+def find_crossings_in_chunk(
+    shape, geometry, across, X, F, size, stencil, slot, reach, candidates, body, cuts, segments, table, kept
 ):
-    """``find_crossings`` for candidate ``q``, particle ``p``; ``kept`` (n,) is scratch for segments."""
-    w = len(across)
-    cx = np.int64(np.floor((X[0, p] - geometry.origin[0]) * geometry.inverse_cell[0]))
-    cy = np.int64(np.floor((X[1, p] - geometry.origin[1]) * geometry.inverse_cell[1]))
-    row, column = cy - table.low[1], cx - table.low[0]
-    candidates.seen[q] = FAR
-    if row < 0 or column < 0 or row >= table.place.shape[0] or column >= table.place.shape[1]:
-        return
-    cell = table.place[row, column]
-    if cell < 0:
-        return
-    px = whole(X[0, p], geometry.origin[0], geometry.inverse_cell[0])
-    py = whole(X[1, p], geometry.origin[1], geometry.inverse_cell[1])
-    left, right = (cx - (w - 2)) << BITS, (cx + (w - 1)) << BITS
-    bottom, top = (cy - (w - 2)) << BITS, (cy + (w - 1)) << BITS
-    n = 0
-    for at in range(table.first[cell], table.first[cell + 1]):
-        s = table.segment[at]
-        if not cuts[segments.crack[s], body[p]]:
-            continue
-        ax, ay, bx, by = segments.ax[s], segments.ay[s], segments.bx[s], segments.by[s]
-        if max(ax, bx) < left or min(ax, bx) > right or max(ay, by) < bottom or min(ay, by) > top:
-            continue
-        mine = is_left(ax, ay, bx, by, px, py)
+    """``find_crossings`` for the candidates of chunk ``slot``; ``kept`` (n,) is scratch for segments."""
+    ranges = candidates.ranges
+    for q in range(np.int64(ranges[slot]), np.int64(ranges[slot + np.uint64(1)])):
+        p = candidates.particle[q]
+        w = len(across)
+        cx = np.int64(np.floor((X[0, p] - geometry.origin[0]) * geometry.inverse_cell[0]))
+        cy = np.int64(np.floor((X[1, p] - geometry.origin[1]) * geometry.inverse_cell[1]))
+        row, column = cy - table.low[1], cx - table.low[0]
+        candidates.seen[q] = FAR
         if (
-            is_left(ax, ay, bx, by, left, bottom) == mine
-            and is_left(ax, ay, bx, by, right, bottom) == mine
-            and is_left(ax, ay, bx, by, left, top) == mine
-            and is_left(ax, ay, bx, by, right, top) == mine
+            not candidates.close[q]
+            or row < 0
+            or column < 0
+            or row >= table.place.shape[0]
+            or column >= table.place.shape[1]
         ):
             continue
-        kept[n] = s
-        n += 1
-    if n == 0:
-        return
-    S, number = candidates.S[q], candidates.number[q]
-    base = fill(shape, geometry, across, X, F, size, p, S, candidates.G[q], stencil.W[slot], stencil.status)
-    candidates.corner[q] = base
-    candidates.seen[q] = NEAR
-    columns = np.int64(geometry.stride[1])
-    x0, y0 = np.int64(base) % columns, np.int64(base) // columns
-    for j in range(w * w):
-        number[j] = 0
-        if S[j] <= 0.0:
+        cell = table.place[row, column]
+        if cell < 0:
             continue
-        x, y = (x0 + j % w) << BITS, (y0 + j // w) << BITS
-        k = 0
-        while k < n:
-            crack = segments.crack[kept[k]]
-            times, crossed = 0, np.int64(-1)
-            while k < n and segments.crack[kept[k]] == crack:
-                s = kept[k]
-                k += 1
-                if crosses(segments.ax[s], segments.ay[s], segments.bx[s], segments.by[s], px, py, x, y):
-                    times += 1
-                    if times < 3:  # of three the middle one, from whichever end the chain is followed
-                        crossed = s
-            if times % 2 == 1:
-                if number[j] < 2:
-                    candidates.crack[q, j, number[j]] = crack
-                    candidates.segment[q, j, number[j]] = crossed
-                number[j] += 1
+        px = whole(X[0, p], geometry.origin[0], geometry.inverse_cell[0])
+        py = whole(X[1, p], geometry.origin[1], geometry.inverse_cell[1])
+        left, right, bottom, top = px - reach, px + reach, py - reach, py + reach
+        n = 0
+        for at in range(table.first[cell], table.first[cell + 1]):
+            s = table.segment[at]
+            if not cuts[segments.crack[s], body[p]]:
+                continue
+            ax, ay, bx, by = segments.ax[s], segments.ay[s], segments.bx[s], segments.by[s]
+            if max(ax, bx) < left or min(ax, bx) > right or max(ay, by) < bottom or min(ay, by) > top:
+                continue
+            mine = is_left(ax, ay, bx, by, px, py)
+            if (
+                is_left(ax, ay, bx, by, left, bottom) == mine
+                and is_left(ax, ay, bx, by, right, bottom) == mine
+                and is_left(ax, ay, bx, by, left, top) == mine
+                and is_left(ax, ay, bx, by, right, top) == mine
+            ):
+                continue
+            kept[n] = s
+            n += 1
+        if n == 0:
+            continue
+        S, number = candidates.S[q], candidates.number[q]
+        base = fill(
+            shape, geometry, across, X, F, size, p, S, candidates.G[q], stencil.W[slot], stencil.status
+        )
+        candidates.corner[q] = base
+        candidates.seen[q] = NEAR
+        columns = np.int64(geometry.stride[1])
+        x0, y0 = np.int64(base) % columns, np.int64(base) // columns
+        for j in range(w * w):
+            number[j] = 0
+            if S[j] <= 0.0:
+                continue
+            x, y = (x0 + j % w) << BITS, (y0 + j // w) << BITS
+            k = 0
+            while k < n:
+                crack = segments.crack[kept[k]]
+                times, crossed = 0, np.int64(-1)
+                while k < n and segments.crack[kept[k]] == crack:
+                    s = kept[k]
+                    k += 1
+                    if crosses(segments.ax[s], segments.ay[s], segments.bx[s], segments.by[s], px, py, x, y):
+                        times += 1
+                        if times < 3:  # of three the middle one, from whichever end the chain is followed
+                            crossed = s
+                if times % 2 == 1:
+                    if number[j] < 2:
+                        candidates.crack[q, j, number[j]] = crack
+                        candidates.segment[q, j, number[j]] = crossed
+                    number[j] += 1
 
 
 @kernel
 def find_crossings(
-    shape, grid, across, X, F, size, stencil, candidates, body, cuts, segments, table, kept
-):  # fmt: skip
+    shape, grid, across, X, F, size, stencil, reach, candidates, body, cuts, segments, table, kept
+):
     """Weigh the candidates that cracks may part from nodes, and find these cracks.
 
-    ``cuts`` (cracks, bodies) says which bodies a crack cuts, ``table`` is a ``Hash``, ``kept`` (chunks, most) scratch.
+    ``reach`` is how far particles see, ``cuts`` (cracks, bodies) says which bodies a crack cuts, ``table`` is a
+    ``Hash``, ``kept`` (chunks, most) scratch.
     """
     for c in prange(candidates.ranges.shape[0] - 1):
         slot = np.uint64(c)
-        geometry = unfold(grid)
-        for q in range(np.int64(candidates.ranges[slot]), np.int64(candidates.ranges[slot + np.uint64(1)])):
-            find_crossings_of(
-                shape, geometry, across, X, F, size, stencil, slot, q, candidates.particle[q], candidates, body,
-                cuts, segments, table, kept[slot],
-            )  # fmt: skip
+        find_crossings_in_chunk(
+            shape, unfold(grid), across, X, F, size, stencil, slot, reach, candidates, body, cuts, segments, table,
+            kept[slot],
+        )  # fmt: skip
 
 
 @inline
@@ -196,53 +222,84 @@ def name_nodes(candidates, offsets, nodes):
 
 
 @inline
-def sees_crack_node(geometry, w, X, p, nodes):
-    """Whether a crack node is in the reach of particle ``p``, wherever it lies in its cell."""
+def sees_crack_node(geometry, reach, X, p, nodes):
+    """Whether a crack node is in the reach of particle ``p`` [cells]."""
     columns = np.int64(geometry.stride[1])
-    cx = np.int64(np.floor((X[0, p] - geometry.origin[0]) * geometry.inverse_cell[0]))
-    cy = np.int64(np.floor((X[1, p] - geometry.origin[1]) * geometry.inverse_cell[1]))
-    rows = len(nodes.slot_of_node) // columns
-    for y in range(max(cy - (w - 2), 0), min(cy + w, rows)):
-        for x in range(max(cx - (w - 2), 0), min(cx + w, columns)):
-            if nodes.slot_of_node[y * columns + x] >= 0:
+    x = (X[0, p] - geometry.origin[0]) * geometry.inverse_cell[0]
+    y = (X[1, p] - geometry.origin[1]) * geometry.inverse_cell[1]
+    for row in range(np.int64(math.ceil(y - reach)), np.int64(math.floor(y + reach)) + 1):
+        for column in range(np.int64(math.ceil(x - reach)), np.int64(math.floor(x + reach)) + 1):
+            if nodes.slot_of_node[row * columns + column] >= 0:
                 return True
     return False
 
 
 @inline
-def find_sides_of(shape, geometry, across, X, F, size, stencil, slot, q, candidates, nodes):
-    """``find_sides`` for candidate ``q``."""
-    p, offsets = candidates.particle[q], stencil.offsets
-    side, number = candidates.side[q], candidates.number[q]
-    for j in range(offsets.shape[0]):
-        side[j] = 0
-    if candidates.seen[q] == NEAR:
+def find_sides(shape, grid, across, X, F, size, stencil, reach, candidates, nodes, entries):
+    """Name the crack nodes, find the sides of all candidates and list their entries; returns the number of nodes.
+
+    Nodes are few and each counts on those before it: serial. ``reach`` is how far particles see [cells].
+    """
+    count = name_nodes(candidates, stencil.offsets, nodes)
+    geometry = unfold(grid)
+    for q in range(len(candidates.particle)):
+        p, offsets = candidates.particle[q], stencil.offsets
+        side, number = candidates.side[q], candidates.number[q]
         for j in range(offsets.shape[0]):
-            for k in range(min(number[j], 2)):
-                at = nodes.slot_of_node[np.int64(candidates.corner[q] + offsets[j])]
-                crack = candidates.crack[q, j, k]
-                if crack == nodes.crack[at, 0]:
-                    side[j] += np.uint8(1)
-                elif crack == nodes.crack[at, 1]:
-                    side[j] += np.uint8(2)
-    elif sees_crack_node(geometry, len(across), X, p, nodes):
-        candidates.seen[q] = NEAR
-        candidates.corner[q] = fill(
-            shape, geometry, across, X, F, size, p, candidates.S[q], candidates.G[q], stencil.W[slot],
-            stencil.status,
-        )  # fmt: skip
-        for j in range(offsets.shape[0]):
-            number[j] = 0
+            side[j] = 0
+        if candidates.seen[q] == NEAR:
+            for j in range(offsets.shape[0]):
+                for k in range(min(number[j], 2)):
+                    at = nodes.slot_of_node[np.int64(candidates.corner[q] + offsets[j])]
+                    crack = candidates.crack[q, j, k]
+                    if crack == nodes.crack[at, 0]:
+                        side[j] += np.uint8(1)
+                    elif crack == nodes.crack[at, 1]:
+                        side[j] += np.uint8(2)
+        elif sees_crack_node(geometry, reach, X, p, nodes):
+            candidates.seen[q] = NEAR
+            candidates.corner[q] = fill(
+                shape,
+                geometry,
+                across,
+                X,
+                F,
+                size,
+                p,
+                candidates.S[q],
+                candidates.G[q],
+                stencil.W[0],
+                stencil.status,
+            )
+            for j in range(offsets.shape[0]):
+                number[j] = 0
+    list_entries(candidates, stencil.offsets, nodes, count, entries)
+    return count
 
 
-@kernel
-def find_sides(shape, grid, across, X, F, size, stencil, candidates, nodes):
-    """Sides of the nodes that candidates see; those that see crack nodes and are not parted from them are weighed."""
-    for c in prange(candidates.ranges.shape[0] - 1):
-        slot = np.uint64(c)
-        geometry = unfold(grid)
-        for q in range(np.int64(candidates.ranges[slot]), np.int64(candidates.ranges[slot + np.uint64(1)])):
-            find_sides_of(shape, geometry, across, X, F, size, stencil, slot, q, candidates, nodes)
+@inline
+def find_distances(X, origin, inverse_cell, segments, table, away):
+    """How far particles are from the boxes around segments, along the axis where it is more, into ``away`` (N,).
+
+    In cells; infinite where the hash lists no segment near.
+    """
+    for p in range(X.shape[1]):
+        away[p] = np.inf
+        x, y = whole(X[0, p], origin[0], inverse_cell[0]), whole(X[1, p], origin[1], inverse_cell[1])
+        row, column = (y >> BITS) - table.low[1], (x >> BITS) - table.low[0]
+        if row < 0 or column < 0 or row >= table.place.shape[0] or column >= table.place.shape[1]:
+            continue
+        cell = table.place[row, column]
+        if cell < 0:
+            continue
+        nearest = np.int64(1) << 62
+        for at in range(table.first[cell], table.first[cell + 1]):
+            s = table.segment[at]
+            ax, ay, bx, by = segments.ax[s], segments.ay[s], segments.bx[s], segments.by[s]
+            dx = max(min(ax, bx) - x, x - max(ax, bx))
+            dy = max(min(ay, by) - y, y - max(ay, by))
+            nearest = min(nearest, max(dx, dy))
+        away[p] = nearest / UNIT
 
 
 class Entries(NamedTuple):
@@ -292,19 +349,25 @@ class CrackSides:
     chains : of all cracks
     cuts : (cracks, bodies) whether a crack cuts a body
     order, grid : of the simulation
+    follows : particle domains follow the deformation, and reach farther than half the stencil
 
     Attributes
     ----------
+    points : of all chains
     candidates, nodes, entries : of the step; the first ``count`` crack nodes are valid
     count : number of crack nodes
-    segments : of the chains in the step
+    segments, hash : of the chains in the step
+    drift : how far points have moved since the candidates were listed, at most [cells]
     """
 
-    def __init__(self, chains: list[Chain], cuts: Array, order: CellOrder, grid: Grid):
+    def __init__(self, chains: list[Chain], cuts: Array, order: CellOrder, grid: Grid, follows: bool):
         self.chains, self._cuts = chains, cuts
-        self._order, self._grid = order, grid
+        self._order, self._grid, self._follows = order, grid, follows
+        self.points = AllPoints(chains)
+        self._origin = grid.lower - grid.pad * grid.cell
         self.count = 0
-        self._version = -1
+        self.drift = 0.0
+        self._version, self._listed_at = -1, 0.0
         self.segments: Segments
         self.candidates: Candidates
         self.entries: Entries
@@ -314,15 +377,18 @@ class CrackSides:
         )
         self.hash: Hash
 
+    @property
+    def _reach(self) -> float:
+        """How far a particle sees along an axis [cells]."""
+        w = self._grid.width
+        return w - 1.0 if self._follows else 0.5 * w
+
     def sorted(self) -> Array:
         """Note that particles were sorted; returns the nodes (n,), sorted, that may have further sides from now on."""
         grid, w = self._grid, self._grid.width
-        self.segments = self._find_segments()
-        self.hash = hash_segments(self.segments, w + DRIFT)
         self._list_candidates()
         corner, mark = self._around(w - 2 + DRIFT, w - 1 + DRIFT)
-        self._most = int(np.count_nonzero(mark))
-        self._make_room()
+        self._make_room(int(np.count_nonzero(mark)))
         rows, columns = np.nonzero(mark)
         x, y = columns + corner[0], rows + corner[1]
         inside = (x >= 0) & (y >= 0) & (x < grid.shape[0]) & (y < grid.shape[1])
@@ -339,26 +405,28 @@ class CrackSides:
             mark = spread
         return cells.low - below, mark
 
-    def _find_segments(self) -> Segments:
-        return segments_of(self.chains, self._grid, (self._grid.width + 2) * float(self._grid.cell.max()))
+    def _find_segments(self) -> None:
+        find_segments(
+            self.points.get(), (self._grid.width + 2) * float(self._grid.cell.max()), self._origin, self._grid.cell,
+            self.segments,
+        )  # fmt: skip
 
     def _list_candidates(self) -> None:
+        """List the particles near cracks, and the segments near each cell."""
         grid, X = self._grid, self._order.particles.X
-        cell = np.floor((X - (grid.lower - grid.pad * grid.cell)[:, None]) / grid.cell[:, None]).astype(
-            np.int64
-        )
-        reach = 2 * (
-            grid.width - 1 + DRIFT
-        )  # to the nodes beyond a crack, and from them to those who see them
-        corner, mark = self._around(reach, reach)
-        cell -= corner[:, None]
-        ny, nx = mark.shape
-        inside = np.flatnonzero((cell[0] >= 0) & (cell[1] >= 0) & (cell[0] < nx) & (cell[1] < ny))
-        particle = inside[mark[cell[1, inside], cell[0, inside]]].astype(np.uint64)
+        self.segments = allocate_segments(self.points.get())
+        self._find_segments()
+        near, far = self._reach + 2 * SLACK, 2.0 * self._reach + 2 * SLACK
+        wide = hash_segments(self.segments, math.ceil(far))
+        away = np.empty(X.shape[1])
+        find_distances(X, self._origin, 1.0 / grid.cell, self.segments, wide, away)
+        self.hash = hash_segments(self.segments, math.ceil(near))
+        particle = np.flatnonzero(away <= far).astype(np.uint64)
         c, m, d = len(particle), grid.width**grid.dimensions, grid.dimensions
         self.candidates = Candidates(
             particle=particle,
             ranges=first_rows(particle, self._order.chunks),
+            close=away[particle] <= near,
             seen=np.zeros(c, dtype=np.uint8),
             corner=np.zeros(c, dtype=np.uint64),
             S=np.zeros((c, m)),
@@ -368,23 +436,23 @@ class CrackSides:
             segment=np.zeros((c, m, 2), dtype=np.int32),
             side=np.zeros((c, m), dtype=np.uint8),
         )
-        self._version = self._order.version
+        longest = int(np.diff(self.hash.first).max(initial=0))
+        self._kept = np.zeros((CHUNKS, longest), dtype=np.int64)
+        self.entries = Entries(
+            np.zeros(len(self.nodes.node) + 1, dtype=np.int64),
+            np.zeros(c * m, dtype=np.int32),
+            np.zeros(c * m, dtype=np.int32),
+        )
+        self._version, self._listed_at, self.drift = self._order.version, self._order.drift, 0.0
 
-    def _make_room(self) -> None:
+    def _make_room(self, most: int) -> None:
         self._clear()
-        most, room = self._most, self.candidates.S.size
         self.nodes = self.nodes._replace(
             node=np.zeros(most, dtype=np.int64),
             crack=np.zeros((most, 2), dtype=np.int64),
             third=np.zeros(most, dtype=np.uint8),
         )
-        self.entries = Entries(
-            np.zeros(most + 1, dtype=np.int64),
-            np.zeros(room, dtype=np.int32),
-            np.zeros(room, dtype=np.int32),
-        )
-        longest = int(np.diff(self.hash.first).max(initial=0))
-        self._kept = np.zeros((CHUNKS, longest), dtype=np.int64)
+        self.entries = self.entries._replace(first=np.zeros(most + 1, dtype=np.int64))
 
     def _clear(self) -> None:
         self.nodes.slot_of_node[self.nodes.node[: self.count]] = -1
@@ -394,18 +462,24 @@ class CrackSides:
         """Find the sides of this step; ``F`` (nF, N) are the deformation gradients that its stencils are built from."""
         if self._version != self._order.version:  # a run that goes on from a checkpoint
             self.sorted()
+        elif max(self.drift, self._order.drift - self._listed_at) > SLACK:
+            self._list_candidates()
         self._clear()
-        p, stencil, parallel = transfer.particles, transfer.stencil, transfer.parallel
-        self.segments = self._find_segments()
-        arguments = (
-            transfer.shape.parameters, transfer.geometry, transfer.across, p.X, F, p.size, stencil, self.candidates,
-        )  # fmt: skip
-        find_crossings[parallel](*arguments, p.body, self._cuts, self.segments, self.hash, self._kept)
-        self.count = name_nodes(self.candidates, stencil.offsets, self.nodes)
+        self._find_segments()
+        p, c, stencil = transfer.particles, self.candidates, transfer.stencil
+        operator = (transfer.shape.parameters, transfer.geometry, transfer.across, p.X, F, p.size, stencil)
+        find_crossings[transfer.parallel](
+            *operator,
+            np.int64(self._reach * UNIT),
+            c,
+            p.body,
+            self._cuts,
+            self.segments,
+            self.hash,
+            self._kept,
+        )
+        self.count = find_sides(*operator, self._reach, c, self.nodes, self.entries)
         if self.count == 0:
             return None
-        find_sides[parallel](*arguments, self.nodes)
-        list_entries(self.candidates, stencil.offsets, self.nodes, self.count, self.entries)
-        c = self.candidates
         rows = np.flatnonzero(c.side.any(axis=1))
         return make_cut(transfer, c.particle[rows], c.corner[rows], c.S[rows], c.G[rows], c.side[rows])

@@ -1,0 +1,58 @@
+"""The points of all cracks side by side, as compiled code takes them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from mpmcli.cracks.chain import Chain
+
+Array = np.ndarray
+
+
+class Points(NamedTuple):
+    """The points of all chains, crack after crack.
+
+    first : (cracks + 1,) first point of each crack, and the end
+    tips : (cracks, 2) whether start and end are tips
+    X : (2, n) points of the planes [length]
+    faces, velocity : (2, 2, n) points above and below, and their velocities [length], [velocity]
+    """
+
+    first: Array
+    tips: Array
+    X: Array
+    faces: Array
+    velocity: Array
+
+
+class AllPoints:
+    """Holds the points of all chains, whose arrays are parts of it.
+
+    Parameters
+    ----------
+    chains : of all cracks
+    """
+
+    def __init__(self, chains: list[Chain]):
+        self._chains = chains
+        self._now = self._gather()
+
+    def get(self) -> Points:
+        """Return the points; gathered anew if a chain has arrays of its own since it grew or was set back."""
+        if any(chain.X.base is not self._now.X for chain in self._chains):
+            self._now = self._gather()
+        return self._now
+
+    def _gather(self) -> Points:
+        chains = self._chains
+        first = np.cumsum([0, *(chain.count for chain in chains)])
+        X, faces, velocity = (
+            np.concatenate([getattr(chain, name) for chain in chains], axis=-1)
+            for name in ("X", "faces", "velocity")
+        )
+        for chain in chains:
+            mine = slice(first[chain.index], first[chain.index + 1])
+            chain.X, chain.faces, chain.velocity = X[:, mine], faces[..., mine], velocity[..., mine]
+        return Points(first, np.array([chain.tips for chain in chains]), X, faces, velocity)
