@@ -91,8 +91,8 @@ def divide(corners: Array, longest: float) -> Array:
     points = [corners[0]]
     for a, b in itertools.pairwise(corners):
         count = max(1, math.ceil(float(np.hypot(*(b - a))) / longest * (1.0 - 1e-9)))
-        steps = np.arange(1, count + 1)[:, None]
-        points += list(((count - steps) * a + steps * b) / count)
+        steps = np.arange(1, count)[:, None]
+        points += [*(((count - steps) * a + steps * b) / count), b]
     return np.array(points).T
 
 
