@@ -42,7 +42,9 @@ def write(folder: Path = FOLDER) -> list[Path]:
         "reference.md": reference(),
         "shapes.md": shapes(),
         "particle_quantities.md": quantities("particle"),
-        "global_quantities.md": quantities("global", "material", "body", "reaction", "heat", "pair", "field"),
+        "global_quantities.md": quantities(
+            "global", "material", "body", "reaction", "heat", "pair", "field", "crack", "tip"
+        ),
         "grid_quantities.md": grid_fields(),
     }
     for name, text in pages.items():

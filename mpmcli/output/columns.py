@@ -10,6 +10,7 @@ from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output import (  # noqa: F401  (they fill the registry)
     contact_quantities,
+    crack_quantities,
     global_quantities,
     heat_quantities,
     interface_quantities,
@@ -21,7 +22,7 @@ from mpmcli.output.snapshot import Snapshot
 DEFAULT = "default"
 """The word for "the columns that this scene has by itself" in a list of columns."""
 
-NAMED = ("reaction", "heat", "pair", "field")
+NAMED = ("reaction", "heat", "pair", "field", "crack", "tip")
 """Places whose quantities are computed by name."""
 PLACES = ("global", "material", "body", *NAMED)
 """Places whose quantities are columns."""
@@ -158,7 +159,7 @@ def resolve_columns(
         if name in by_alias:
             chosen |= {column.name: column for column in by_alias[name]}
         elif name not in ("step", "time", "dt"):
-            text = unknown_name(name, "column of this scene", by_alias)
+            text = unknown_column(name, by_alias, context)
             problems.append(Problem(path=f"{path}.{index}", message=text, code="unknown_column"))
     if problems:
         raise SceneError(problems)
@@ -170,6 +171,17 @@ def unknown_name(name: str, noun: str, names: Iterable[str]) -> str:
     known = list(names)
     shown = list(dict.fromkeys(alias.split("[")[0] for alias in known))
     return f"'{name}' is not a {noun}{did_you_mean(name, known)} (allowed: {listing(shown)})"
+
+
+def unknown_column(name: str, names: Iterable[str], context: Context) -> str:
+    """Why a name is no column of a scene: what its cracks lack for it, or the nearest name."""
+    base, _, owner = name.removesuffix("]").partition("[")
+    for quantity in QUANTITIES.at("crack", "tip"):
+        if base in (quantity.name, f"{quantity.name}_x", f"{quantity.name}_y"):
+            words = crack_quantities.why_missing(quantity, owner, context)
+            if words:
+                return f"'{name}' {words}"
+    return unknown_name(name, "column of this scene", names)
 
 
 def fields_of(context: Context) -> dict[str, Quantity]:

@@ -14,14 +14,18 @@ LOG = "run.log"
 LOCK = ".mpmcli.lock"
 GLOBALS = "globals.csv"
 FAILED = "failed.vtu"
+FAILED_CRACKS = "failed_cracks.vtp"
+CRACK_EVENTS = "cracks/events.csv"
 CHECKPOINT = "checkpoint.npz"
 CHECKPOINT_PREVIOUS = "checkpoint_prev.npz"
 CHECKPOINT_DAMAGED = "checkpoint_damaged.npz"
 CHECKPOINTS = (CHECKPOINT, CHECKPOINT_PREVIOUS, CHECKPOINT_DAMAGED)
-OWNED = (GLOBALS, MANIFEST, LOG, FAILED, "particles.pvd", "grid.pvd", *CHECKPOINTS)
+PVD = ("particles.pvd", "grid.pvd", "cracks.pvd")
+OWNED = (GLOBALS, MANIFEST, LOG, FAILED, FAILED_CRACKS, CRACK_EVENTS, *PVD, *CHECKPOINTS)
 SERIES = {
     "particles": re.compile(r"particles_\d{6,}\.vtu(\.part)?"),
     "grid": re.compile(r"grid_\d{6,}\.vtu(\.part)?"),
+    "cracks": re.compile(r".+_\d{6,}\.vtp(\.part)?"),
 }
 
 PLOTS = "plots"

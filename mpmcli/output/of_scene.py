@@ -10,6 +10,7 @@ from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.state import State
 from mpmcli.output.columns import resolve_columns, resolve_fields
 from mpmcli.output.contact_quantities import pair_name
+from mpmcli.output.crack_probes import resolve_crack_probe
 from mpmcli.output.probes import resolve_grid_fields, resolve_pair
 from mpmcli.output.quantities import Context
 from mpmcli.scene.fields import law_table, owners_of_fields, velocity_fields
@@ -63,7 +64,19 @@ def context_of(scene: Any, state: State | None = None) -> Context:
         rigid_bodies=tuple(body.name for body in scene.bodies if body.material in rigid_materials),
         rigid_materials=rigid_materials,
         **contact,
+        **_cracks_of(scene),
     )
+
+
+def _cracks_of(scene: Any) -> dict[str, Any]:
+    """What a ``Context`` says about cracks; nothing in scenes without them."""
+    if not scene.cracks:
+        return {}
+    ends = [(crack, key) for crack in scene.cracks for key in ("start", "end")]
+    return {
+        "cracks": tuple(crack.name for crack in scene.cracks),
+        "tips": tuple(f"{crack.name}:{key}" for crack, key in ends if getattr(crack.ends, key) == "tip"),
+    }
 
 
 def _contact_of(scene: Any, rigid_materials: tuple[str, ...]) -> dict[str, Any]:
@@ -120,6 +133,8 @@ def check_output(scene: Any) -> None:
             collect(resolve_fields, probe.columns, context, path)
         elif probe.kind == "pair":
             collect(resolve_pair, probe.between, probe.columns, context, f"probes.{index}")
+        elif probe.kind in ("crack_tip", "crack_opening"):
+            collect(resolve_crack_probe, probe, context, f"probes.{index}")
         else:
             collect(resolve_grid_fields, probe.columns, context, path)
     if problems:

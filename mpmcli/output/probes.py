@@ -1,4 +1,4 @@
-"""Probes: one table each, of a particle, of a point of the grid, or of two velocity fields."""
+"""Probes: one table each, of a particle, of a point of the grid, of two velocity fields, or of a crack."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.state import GridView, State
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.columns import resolve_fields, unknown_name
-from mpmcli.output.quantities import AXES, QUANTITIES, Context, Quantity
+from mpmcli.output.quantities import AXES, QUANTITIES, Context, Quantity, columns_of
 from mpmcli.output.snapshot import Snapshot
 
 
@@ -26,6 +26,22 @@ class Probe(Protocol):
 
     def look(self, snapshot: Snapshot) -> list[float]:
         """The numbers of its columns."""
+
+
+class Profile(Protocol):
+    """A probe with several rows at a time."""
+
+    name: str
+    columns: list[str]
+    dimensions: list[str]
+
+    def rows(self, snapshot: Snapshot) -> list[list[float]]:
+        """The numbers of its columns, row by row."""
+
+
+def rows_of(probe: Probe | Profile, snapshot: Snapshot) -> list[list[float]]:
+    """What a probe adds to its table."""
+    return probe.rows(snapshot) if hasattr(probe, "rows") else [probe.look(snapshot)]
 
 
 class ParticleProbe:
@@ -128,17 +144,6 @@ class PairProbe:
             sign = self.sign if quantity.rank == "vector" else 1.0
             numbers += [sign * number for number in values.tolist()]
         return numbers
-
-
-def columns_of(quantities: Iterable[Quantity], context: Context) -> tuple[list[str], list[str]]:
-    """Return the columns of quantities of one thing, and their dimensions."""
-    columns: list[str] = []
-    dimensions: list[str] = []
-    for quantity in quantities:
-        rows = quantity.rows(context)
-        columns += [f"{quantity.name}_{row}" for row in rows] or [quantity.name]
-        dimensions += [quantity.dimension] * max(1, len(rows))
-    return columns, dimensions
 
 
 @dataclass(frozen=True)
@@ -323,8 +328,8 @@ def resolve_pair(
     return pair, ways[pair], [there[name] for name in dict.fromkeys(names)]
 
 
-def make_probe(model: Any, state: State, context: Context, path: str) -> Probe:
-    """A probe from its words in the scene (``kind: particle``, ``point`` or ``pair``).
+def make_probe(model: Any, state: State, context: Context, path: str) -> Probe | Profile:
+    """A probe from its words in the scene.
 
     Raises
     ------
@@ -339,4 +344,8 @@ def make_probe(model: Any, state: State, context: Context, path: str) -> Probe:
     if model.kind == "pair":
         pair, sign, quantities = resolve_pair(model.between, model.columns, context, path)
         return PairProbe(model.name, pair, sign, quantities, context)
+    if model.kind in ("crack_tip", "crack_opening"):
+        from mpmcli.output.crack_probes import make_crack_probe
+
+        return make_crack_probe(model, context, path)
     return PointProbe(model.name, model.at, resolve_grid_fields(model.columns, context, f"{path}.columns"))

@@ -9,7 +9,7 @@ body has the name of a material and a quantity lives on both, the column in brac
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -28,7 +28,10 @@ class Context:
     ``history`` the history variables of all materials; ``extra`` further columns by name. ``velocity_fields`` are
     several only where there is contact; ``field_of`` says which one a name stands for, ``pairs`` (``"left|right"``)
     which of them can meet. ``interfaces`` are the pairs that have an interface law, ``cohesive`` those whose damage is
-    remembered. ``has_normals``: contact knows directions and areas; ``creates_momentum``: it may violate the balance
+    remembered. ``cracks`` are names, ``tips`` their ends in material (``"main:end"``), ``growing`` those that may grow;
+    ``has_fracture``: fracture quantities are known at tips.
+
+    ``has_normals``: contact knows directions and areas; ``creates_momentum``: it may violate the balance
     of momentum.
     """
 
@@ -53,6 +56,10 @@ class Context:
     pairs: tuple[str, ...] = ()
     interfaces: tuple[str, ...] = ()
     cohesive: tuple[str, ...] = ()
+    cracks: tuple[str, ...] = ()
+    tips: tuple[str, ...] = ()
+    growing: tuple[str, ...] = ()
+    has_fracture: bool = False
     has_normals: bool = False
     creates_momentum: bool = False
 
@@ -80,6 +87,8 @@ class Context:
             "heat": self.heated_by,
             "pair": self.pairs,
             "field": self.velocity_fields,
+            "crack": self.cracks,
+            "tip": self.tips,
         }.get(where, ())
 
 
@@ -93,7 +102,7 @@ class Quantity:
     dimension : physical dimension (``"energy"``, ``"pressure"``, ``"1"``, …), which the scene's units label
     rank : ``scalar``, ``vector``, ``tensor`` (symmetric) or ``gradient`` (nine components)
     where : ``particle``, ``global``, ``body``, ``material``, ``reaction``, ``heat`` (its sources),
-        ``pair`` or ``field`` (of velocity)
+        ``pair`` or ``field`` (of velocity), ``crack`` or ``tip`` (of one)
     compute : function of a ``Snapshot``. Particles give (N,) or (rows, N); globals a number or (rows,);
         bodies and materials (groups,) or (rows, groups); the others a dict from name to a number or (rows,)
     exists, is_default : functions of a ``Context``: whether the scene has it, and has it without being asked
@@ -129,6 +138,17 @@ class Quantity:
     def names(self, context: Context) -> tuple[str, ...]:
         """The names in brackets of its columns."""
         return context.owners(self.where) if self.owners is None else self.owners(context)
+
+
+def columns_of(quantities: Iterable[Quantity], context: Context) -> tuple[list[str], list[str]]:
+    """Return the columns of quantities of one thing, and their dimensions."""
+    columns: list[str] = []
+    dimensions: list[str] = []
+    for quantity in quantities:
+        rows = quantity.rows(context)
+        columns += [f"{quantity.name}_{row}" for row in rows] or [quantity.name]
+        dimensions += [quantity.dimension] * max(1, len(rows))
+    return columns, dimensions
 
 
 class Quantities:

@@ -11,11 +11,11 @@ import numpy as np
 from mpmcli.core.errors import ArchiveError
 from mpmcli.core.state import State
 from mpmcli.output.columns import evaluate, resolve_columns, resolve_fields
-from mpmcli.output.files import FAILED, GLOBALS, cannot_write, make_folder
+from mpmcli.output.files import FAILED, FAILED_CRACKS, GLOBALS, cannot_write, make_folder
 from mpmcli.output.global_quantities import EnergyBalance
 from mpmcli.output.manifest import Manifest
 from mpmcli.output.of_scene import context_of
-from mpmcli.output.probes import GRID_FIELDS, Probe, make_probe, resolve_grid_fields
+from mpmcli.output.probes import GRID_FIELDS, Probe, Profile, make_probe, resolve_grid_fields, rows_of
 from mpmcli.output.quantities import Quantity
 from mpmcli.output.schedule import Schedule
 from mpmcli.output.snapshot import Snapshot
@@ -73,6 +73,8 @@ class Recorder:
             self._add_probes(scene, loaded.units, units, probes)
             self._add_particles(scene, loaded.units, units)
             self._add_grid(scene, loaded.units, units)
+            if scene.cracks:
+                self._add_cracks(scene, loaded.units, units, state)
         except ArchiveError:
             for part in self._parts:
                 part.close()
@@ -117,7 +119,7 @@ class Recorder:
         self._parts.append(_TablePart("globals", Schedule(asked.every), record, table))
 
     def _add_probes(
-        self, scene: Any, labels: Any, units: dict[str, dict[str, str]], probes: list[Probe]
+        self, scene: Any, labels: Any, units: dict[str, dict[str, str]], probes: list[Probe | Profile]
     ) -> None:
         asked = scene.archive.globals
         for model, probe in zip(scene.probes, probes, strict=True):
@@ -129,8 +131,9 @@ class Recorder:
             units[file] = {name: labels.label(dimension) for name, dimension in pairs}
             every = model.every or (asked.every if asked else scene.time.end)
 
-            def record(snapshot: Snapshot, table: Table = table, probe: Probe = probe) -> None:
-                table.write([snapshot.state.step, snapshot.state.time, *probe.look(snapshot)])
+            def record(snapshot: Snapshot, table: Table = table, probe: Probe | Profile = probe) -> None:
+                for numbers in rows_of(probe, snapshot):
+                    table.write([snapshot.state.step, snapshot.state.time, *numbers])
 
             self._parts.append(_TablePart(part, Schedule(every), record, table))
 
@@ -144,14 +147,14 @@ class Recorder:
         fields = resolve_fields([*ALWAYS, *asked.fields], self.context)
         writer = VtuWriter(asked.precision, asked.compression)
         series = Series(self.directory, "particles", self._times("particles"))
-        self.frames = len(series.entries)
+        self.frames = len(series.times)
         units["particles"] = _units_of_fields(fields, labels)
 
         def record(snapshot: Snapshot) -> None:
             path = series.next_path()
             write_particles(writer, path, snapshot, fields)
-            series.add(snapshot.state.time, path)
-            self.frames = len(series.entries)
+            series.add(snapshot.state.time)
+            self.frames = len(series.times)
 
         self._parts.append(_SeriesPart("particles", Schedule(asked.every), record, series))
 
@@ -172,9 +175,27 @@ class Recorder:
             if snapshot.has_grid:
                 path = series.next_path()
                 write_grid(writer, path, snapshot, fields)
-                series.add(snapshot.state.time, path)
+                series.add(snapshot.state.time)
 
         self._parts.append(_SeriesPart("grid", Schedule(asked.every), record, series))
+
+    def _add_cracks(self, scene: Any, labels: Any, units: dict[str, dict[str, str]], state: State) -> None:
+        asked = scene.archive.cracks
+        if asked is None:
+            return
+        from mpmcli.output.crack_files import DIMENSIONS, write_cracks
+        from mpmcli.output.vtu import Series
+
+        names = [crack.name for crack in scene.cracks]
+        series = Series(self.directory, "cracks", self._times("cracks"), names, "vtp")
+        units["cracks"] = {name: labels.label(dimension) for name, dimension in DIMENSIONS.items()}
+
+        def record(snapshot: Snapshot) -> None:
+            for path, chain in zip(series.next_paths(), snapshot.cracks.chains, strict=True):
+                write_cracks(path, snapshot.state.time, [chain])
+            series.add(snapshot.state.time)
+
+        self._parts.append(_SeriesPart("cracks", Schedule(asked.every), record, series))
 
     def _position(self, part: str) -> tuple[int, int] | None:
         """Where the table of a part goes on, or None for a new one."""
@@ -206,10 +227,11 @@ class Recorder:
         self.balance.largest = float(memory["largest_energy"])
         for part in self._parts:
             part.recall(memory, float(memory["time"]))
-        try:
-            (self.directory / FAILED).unlink(missing_ok=True)
-        except OSError as error:
-            raise cannot_write(self.directory / FAILED, error) from error
+        for name in (FAILED, FAILED_CRACKS):
+            try:
+                (self.directory / name).unlink(missing_ok=True)
+            except OSError as error:
+                raise cannot_write(self.directory / name, error) from error
 
     def due(self, state: State) -> bool:
         """Whether anything is to be written of this state."""
@@ -225,7 +247,7 @@ class Recorder:
                 part.schedule.advance(state.time)
 
     def write_failed(self, state: State) -> Path:
-        """Write ``failed.vtu``: all particles of the last state that there is, in double precision."""
+        """Write ``failed.vtu``: all particles of the last state that there is, in double precision; and its cracks."""
         from mpmcli.output.vtu import VtuWriter, write_particles
 
         path = self.directory / FAILED
@@ -234,6 +256,10 @@ class Recorder:
         fields = resolve_fields([*ALWAYS, *displacement, *FAILED_FIELDS, *heat], self.context)
         with np.errstate(all="ignore"):
             write_particles(VtuWriter("float64"), path, Snapshot(state), fields)
+            if state.cracks is not None:
+                from mpmcli.output.crack_files import write_cracks
+
+                write_cracks(self.directory / FAILED_CRACKS, state.time, state.cracks.chains)
         return path
 
     def close(self, reason: str, **facts: Any) -> None:

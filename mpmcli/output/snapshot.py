@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmcli.core.analysis import STRESS_COMPONENTS, Axisymmetric
 from mpmcli.core.chunks import sums_of_chunks
-from mpmcli.core.state import State
+from mpmcli.core.state import CracksView, State, TipValues
 
 Array = np.ndarray
 
@@ -35,6 +35,7 @@ class Snapshot:
         self.dimensions = state.analysis.dimensions
         self.full_ring = state.full_ring
         self.energy_error = energy_error
+        self._tips: dict[tuple[int, int], TipValues] = {}
 
     @cached_property
     def order(self) -> Array:
@@ -59,6 +60,19 @@ class Snapshot:
         """Heat capacity per particle, of the full ring, 0 in rigid bodies, shape (N,) [energy/temperature]."""
         c = [model.specific_heat or 0.0 for model in self.state.material_models]
         return self.mass * np.array(c)[self.particles.material]
+
+    @property
+    def cracks(self) -> CracksView:
+        """Cracks of the state."""
+        if self.state.cracks is None:
+            raise ValueError("the state has no cracks")
+        return self.state.cracks
+
+    def at_tip(self, crack: int, end: int) -> TipValues:
+        """Fracture quantities at the start (0) or end (-1) of a crack, found once."""
+        if (crack, end) not in self._tips:
+            self._tips[crack, end] = self.cracks.tip(crack, end)
+        return self._tips[crack, end]
 
     @cached_property
     def J(self) -> Array:

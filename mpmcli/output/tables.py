@@ -19,8 +19,13 @@ from mpmcli.core.errors import ArchiveError
 from mpmcli.output.files import cannot_write
 
 
-def format_number(value: float | int) -> str:
-    """Return an integer as it is, NaN as an empty field, other numbers with 17 digits, which keep all bits."""
+def format_cell(value: float | int | str) -> str:
+    """Return an integer as it is, NaN as an empty field, other numbers with 17 digits, which keep all bits.
+
+    Text is quoted where it needs to be.
+    """
+    if isinstance(value, str):
+        return _quoted(value)
     if isinstance(value, int):
         return str(value)
     return "" if math.isnan(value) else f"{value:.17g}"
@@ -83,11 +88,11 @@ class Table:
         except OSError as error:
             raise cannot_write(self.path, error) from error
 
-    def write(self, numbers: Sequence[float | int]) -> None:
+    def write(self, cells: Sequence[float | int | str]) -> None:
         """Add one row."""
-        if len(numbers) != len(self.columns):
-            raise ValueError(f"{self.path.name} has {len(self.columns)} columns, the row {len(numbers)}")
-        self._write(format_number(number) for number in numbers)
+        if len(cells) != len(self.columns):
+            raise ValueError(f"{self.path.name} has {len(self.columns)} columns, the row {len(cells)}")
+        self._write(format_cell(cell) for cell in cells)
 
     def _write(self, cells: Iterable[str]) -> None:
         try:

@@ -94,7 +94,7 @@ class VtuWriter:
         if connectivity is None:
             connectivity = np.arange(len(points), dtype=np.int64)[:, None]
         cells, corners = connectivity.shape
-        body = _Body(self.compression)
+        body = Body(self.compression)
         stamp = body.add("TimeValue", np.array([time])).replace("/>", ' NumberOfTuples="1"/>')
         lines = [
             '<?xml version="1.0"?>',
@@ -116,7 +116,7 @@ class VtuWriter:
             "</UnstructuredGrid>",
             '<AppendedData encoding="raw">',
         ]
-        _save(path, [("\n".join(lines) + "\n_").encode(), *body.pieces, b"\n</AppendedData>\n</VTKFile>\n"])
+        save(path, [("\n".join(lines) + "\n_").encode(), *body.pieces, b"\n</AppendedData>\n</VTKFile>\n"])
 
     def _ready(self, values: np.ndarray) -> np.ndarray:
         """Values as they stand in the file."""
@@ -127,7 +127,7 @@ class VtuWriter:
             return np.add(values, 0.0, dtype=self.type, casting="same_kind", order="C")
 
 
-class _Body:
+class Body:
     """The arrays behind the header, in the order in which they are added."""
 
     def __init__(self, compression: str):
@@ -146,7 +146,7 @@ class _Body:
         return element
 
 
-def _save(path: Path, pieces: list[Any]) -> None:
+def save(path: Path, pieces: list[Any]) -> None:
     """Write pieces of bytes to a file, which appears when it is whole."""
     partial = path.with_name(path.name + ".part")
     try:
@@ -212,25 +212,31 @@ class Series:
     ----------
     times
         Times of the files of an earlier run to go on from; those that follow are removed.
+    members
+        Names of the files of one time, if they are several or have another name than the folder.
+    ending
+        That of the files.
     """
 
-    def __init__(self, directory: Path, name: str, times: Sequence[float] | None = None):
+    def __init__(
+        self,
+        directory: Path,
+        name: str,
+        times: Sequence[float] | None = None,
+        members: Sequence[str] = (),
+        ending: str = "vtu",
+    ):
         self.directory, self.name = directory, name
-        self.entries: list[tuple[float, str]] = []
+        self.members, self.ending = tuple(members) or (name,), ending
+        self.times: list[float] = []
         make_folder(directory / name)
         if times is not None:
-            for time in times:
-                self.entries.append((float(time), self._relative(self.next_path())))
+            self.times = [float(time) for time in times]
             self._remove_others()
             self._list()
 
-    @property
-    def times(self) -> list[float]:
-        """Times of the files so far."""
-        return [time for time, _ in self.entries]
-
     def _remove_others(self) -> None:
-        kept = {self.directory / file for _, file in self.entries}
+        kept = {path for count in range(len(self.times)) for path in self._paths(count)}
         try:
             for path in (self.directory / self.name).iterdir():
                 if SERIES[self.name].fullmatch(path.name) and path not in kept:
@@ -238,22 +244,29 @@ class Series:
         except OSError as error:
             raise cannot_write(self.directory / self.name, error) from error
 
-    def _relative(self, path: Path) -> str:
-        return path.relative_to(self.directory).as_posix()
+    def _paths(self, count: int) -> list[Path]:
+        folder = self.directory / self.name
+        return [folder / f"{member}_{count:06d}.{self.ending}" for member in self.members]
+
+    def next_paths(self) -> list[Path]:
+        """Paths of the next files, in the order of the members."""
+        return self._paths(len(self.times))
 
     def next_path(self) -> Path:
-        """Path of the next file."""
-        return self.directory / self.name / f"{self.name}_{len(self.entries):06d}.vtu"
+        """Path of the next file of a series with one member."""
+        (path,) = self.next_paths()
+        return path
 
-    def add(self, time: float, path: Path) -> None:
-        """List a file that has been written."""
-        self.entries.append((time, self._relative(path)))
+    def add(self, time: float) -> None:
+        """List the next files, which have been written."""
+        self.times.append(time)
         self._list()
 
     def _list(self) -> None:
         lines = [
-            f'    <DataSet timestep="{when:.17g}" part="0" file="{escape(file)}"/>'
-            for when, file in self.entries
+            f'    <DataSet timestep="{time:.17g}" part="{part}" file="{escape(f"{self.name}/{path.name}")}"/>'
+            for count, time in enumerate(self.times)
+            for part, path in enumerate(self._paths(count))
         ]
         text = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">\n'
         text += "  <Collection>\n" + "\n".join(lines) + "\n  </Collection>\n</VTKFile>\n"

@@ -17,7 +17,7 @@ from mpmcli.output.manifest import read_manifest
 LOGGER = logging.getLogger("mpmcli")
 
 MAY_CHANGE = re.compile(
-    r"title|time\.(end|max_steps)|archive\.(particles|globals|grid)\.every|probes\.[^.]+\.every|archive\.checkpoint(\..*)?"
+    r"title|time\.(end|max_steps)|archive\.(particles|globals|grid|cracks)\.every|probes\.[^.]+\.every|archive\.checkpoint(\..*)?"
 )
 """Keys of a scene that a resumed run may have other values of."""
 MOST_LISTED = 20

@@ -79,6 +79,13 @@ class GridArchive(Model):
     """Quantities of the nodes to write."""
 
 
+class CrackArchive(Model):
+    """Files of the cracks: the plane and both faces of each."""
+
+    every: PositiveTime
+    """Time between files."""
+
+
 class CheckpointArchive(Model):
     """When the state is saved from which a run can be resumed.
 
@@ -105,6 +112,8 @@ class Archive(Model):
     """The table of quantities of the whole scene."""
     grid: GridArchive | None = None
     """Files of the grid."""
+    cracks: CrackArchive | None = None
+    """Files of the cracks."""
     checkpoint: CheckpointArchive | None = None
     """The state from which a run can be resumed."""
 
@@ -154,7 +163,37 @@ class PairProbe(Model):
     """Time between rows; without it that of ``archive.globals``."""
 
 
-Probe = Annotated[ParticleProbe | PointProbe | PairProbe, Field(discriminator="kind")]
+class CrackTipProbe(Model):
+    """A table of what happens at the tip of a crack."""
+
+    kind: Literal["crack_tip"]
+    name: Name
+    """Name of the probe, and of its table."""
+    crack: Name
+    """Name of the crack."""
+    end: Literal["start", "end"] = "end"
+    """Which of its ends, where its path starts or where it ends."""
+    columns: Annotated[tuple[Column, ...], Field(min_length=1)] = ("position", "length")
+    """Quantities of the tip to write."""
+    every: PositiveTime | None = None
+    """Time between rows; without it that of ``archive.globals``."""
+
+
+class CrackOpeningProbe(Model):
+    """A table of the opening along a crack: at every time a row per point, from the start of its path on."""
+
+    kind: Literal["crack_opening"]
+    name: Name
+    """Name of the probe, and of its table."""
+    crack: Name
+    """Name of the crack."""
+    every: PositiveTime | None = None
+    """Time between rows; without it that of ``archive.globals``."""
+
+
+Probe = Annotated[
+    ParticleProbe | PointProbe | PairProbe | CrackTipProbe | CrackOpeningProbe, Field(discriminator="kind")
+]
 
 
 def shows(archive: Archive, probes: Iterable[Any], field: str) -> bool:

@@ -244,6 +244,8 @@ def _check_probes(parts: Parts, dimensions: int, root: Node, report: Report) -> 
             _check_count(report, f"{path}.near", probe.near, dimensions)
         elif probe.kind == "pair":
             continue  # which fields there are is known when the scene is whole
+        elif probe.kind in ("crack_tip", "crack_opening"):
+            _check_reference(report, f"{path}.crack", probe.crack, names_of(root, "cracks"), "crack")
         elif _check_count(report, f"{path}.at", probe.at, dimensions) and parts.grid is not None:
             ends = zip(parts.grid.lower, probe.at, parts.grid.upper, strict=False)
             if not all(low <= x <= high for low, x, high in ends):

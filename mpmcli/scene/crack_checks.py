@@ -35,12 +35,18 @@ IN_PLANE = 1e-6
 def check_cracks(parts: Parts, root: Node) -> list[Problem]:
     """Everything that cracks have against the rest of a scene, apart from where its particles are."""
     problems: list[Problem] = []
-    node = root.value.get("cracks")
-    if node is None or not node.is_sequence or not node.value:
-        return problems
 
     def report(path: str, message: str, code: str = "invalid", severity: str = "error") -> None:
         problems.append(locate(root, path, message, code, severity))
+
+    node = root.value.get("cracks")
+    if node is None or node.value is None or (node.is_sequence and not node.value):
+        if parts.archive is not None and parts.archive.cracks is not None:
+            words = "has no effect, because the scene has no 'cracks'"
+            report("archive.cracks", words, "no_effect", "warning")
+        return problems
+    if not node.is_sequence:
+        return problems
 
     _check_analysis(parts, root, report)
     _check_bodies(root, node, report)

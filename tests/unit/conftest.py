@@ -51,7 +51,7 @@ def write_archives(directory: Path, d: int, fields: tuple[str, ...], count: int)
         always = [("id", np.arange(number), ()), ("body", owner, ()), ("material", owner, ())]
         path = series.next_path()
         VtuWriter().write(path, time, X, [*always, *((name, *arrays[name]) for name in fields)])
-        series.add(time, path)
+        series.add(time)
 
 
 def write_table(path: Path, columns: dict[str, Any]) -> None:

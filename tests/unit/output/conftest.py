@@ -102,6 +102,7 @@ def make_loaded(tmp_path):
                 SimpleNamespace(name="right", material="steel"),
             ],
             contact=None,
+            cracks=(),
             heat=None,
             has_temperature=False,
             conditions_on=lambda quantity: [SimpleNamespace(name="base")] * (quantity == "velocity"),

@@ -11,12 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mpmcli.core.errors import ArchiveError
-from mpmcli.output.tables import Table, format_number, read_numbers, read_table
+from mpmcli.output.tables import Table, format_cell, read_numbers, read_table
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_numbers_come_back_with_the_same_bits(number):
-    assert float(format_number(number)).hex() == number.hex()
+    assert float(format_cell(number)).hex() == number.hex()
 
 
 def test_pandas_reads_a_table(tmp_path):

@@ -176,7 +176,7 @@ def test_series_lists_every_file_once_with_its_time(make_state, tmp_path):
     for time in (0.0, 0.1, 0.30000000000000004):
         path = series.next_path()
         write_particles(VtuWriter(), path, Snapshot(make_state(time=time)), fields("plane_strain"))
-        series.add(time, path)
+        series.add(time)
     entries = ElementTree.parse(tmp_path / "particles.pvd").findall(".//DataSet")
     assert [entry.get("file") for entry in entries] == [f"particles/particles_{i:06d}.vtu" for i in range(3)]
     assert [float(entry.get("timestep")) for entry in entries] == [0.0, 0.1, 0.30000000000000004]

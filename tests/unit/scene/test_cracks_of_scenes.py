@@ -161,3 +161,9 @@ def test_a_wavy_path_of_thousands_of_points(tmp_path: Any, monkeypatch: pytest.M
     assert codes("{kind: file, file: wave.csv}") == []
     assert codes("{kind: file, file: wave.csv, scale: 1.01}") == []
     assert codes("{kind: file, file: wave.csv, scale: 100}") == ["outside"]
+
+
+def test_files_of_cracks_without_cracks(problems_with: Any) -> None:
+    [found] = problems_with(("archive:\n", "archive:\n  cracks: {every: 0.1}\n"))
+    assert (found.path, found.severity) == ("archive.cracks", "warning")
+    assert "the scene has no 'cracks'" in found.message

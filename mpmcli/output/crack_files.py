@@ -1,0 +1,87 @@
+"""VTP files of cracks: the plane of a crack and its two faces as polylines, with what is known at their points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpmcli.output.vtu import Body, save
+
+Array = np.ndarray
+
+PLANE, ABOVE, BELOW = 0, 1, 2
+"""Which of its lines a point belongs to, in the array ``face``."""
+BETWEEN, TIP, MOUTH = 0, 1, 2
+"""What a point of the chain is, in the array ``state``."""
+DIMENSIONS = {
+    "Points": "length",
+    "opening_normal": "length",
+    "opening_tangential": "length",
+    "distance": "length",
+    "face": "1",
+    "state": "1",
+    "crack": "1",
+}
+"""Physical dimensions of the arrays."""
+
+
+def write_cracks(path: Path, time: float, chains: Sequence[Any]) -> None:
+    """Write chains, three polylines each, in the order plane, above, below.
+
+    Parameters
+    ----------
+    path
+        The file, which appears when it is whole.
+    time
+        Time of the state, as field data ``TimeValue``.
+    chains
+        Those of some cracks, ``cracks.chain.Chain``.
+    """
+    parts = [_arrays_of(chain) for chain in chains]
+    arrays = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    points = arrays.pop("Points")
+    ends = np.cumsum(np.repeat([chain.count for chain in chains], 3), dtype=np.int64)
+    body = Body("none")
+    stamp = body.add("TimeValue", np.array([time])).replace("/>", ' NumberOfTuples="1"/>')
+    lines = [
+        '<?xml version="1.0"?>',
+        '<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
+        "<PolyData>",
+        f"<FieldData>{stamp}</FieldData>",
+        f'<Piece NumberOfPoints="{len(points)}" NumberOfVerts="0" NumberOfLines="{len(ends)}" NumberOfStrips="0" '
+        'NumberOfPolys="0">',
+        "<PointData>",
+        *(body.add(escape(name), values) for name, values in arrays.items()),
+        "</PointData>",
+        f"<Points>{body.add('Points', points)}</Points>",
+        "<Lines>",
+        body.add("connectivity", np.arange(len(points), dtype=np.int64)),
+        body.add("offsets", ends),
+        "</Lines>",
+        "</Piece>",
+        "</PolyData>",
+        '<AppendedData encoding="raw">',
+    ]
+    save(path, [("\n".join(lines) + "\n_").encode(), *body.pieces, b"\n</AppendedData>\n</VTKFile>\n"])
+
+
+def _arrays_of(chain: Any) -> dict[str, Array]:
+    """Arrays of the three lines of a chain, one after the other."""
+    count = chain.count
+    points = np.zeros((3 * count, 3))
+    points[:, :2] = np.concatenate([chain.X, *chain.faces], axis=1).T
+    state = np.full(count, BETWEEN, dtype=np.int32)
+    state[[0, -1]] = [TIP if is_tip else MOUTH for is_tip in chain.tips]
+    normal, tangential = chain.openings
+    distance = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(chain.X, axis=1)))])
+    along = {"opening_normal": normal, "opening_tangential": tangential, "distance": distance, "state": state}
+    return {
+        "Points": points,
+        "face": np.repeat(np.array([PLANE, ABOVE, BELOW], dtype=np.int32), count),
+        "crack": np.full(3 * count, chain.index, dtype=np.int32),
+        **{name: np.tile(values, 3) for name, values in along.items()},
+    }

@@ -1,0 +1,123 @@
+"""Probes of cracks: a table of a tip, and one of the opening along a crack."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.cracks.chain import segment_lengths
+from mpmcli.output.columns import unknown_name
+from mpmcli.output.crack_quantities import AtTips, why_missing
+from mpmcli.output.quantities import QUANTITIES, Context, Quantity, columns_of
+from mpmcli.output.snapshot import Snapshot
+
+SHORT = {"position": "tip", "length": "crack_length", "speed": "tip_speed"}
+"""Words of a probe for quantities that have longer names in tables of many cracks."""
+
+
+class CrackTipProbe:
+    """Follows the tip of a crack.
+
+    Parameters
+    ----------
+    tip
+        Its name in columns, ``"main:end"``.
+    quantities
+        Those of the tip and of its crack, by the names of their columns.
+    """
+
+    def __init__(self, name: str, tip: str, quantities: dict[str, Quantity], context: Context):
+        self.name, self.tip = name, tip
+        self.quantities = quantities
+        self.columns, self.dimensions = [], []
+        for column, quantity in quantities.items():
+            names, dimensions = columns_of([quantity], context)
+            self.columns += [column + each.removeprefix(quantity.name) for each in names]
+            self.dimensions += dimensions
+
+    def look(self, snapshot: Snapshot) -> list[float]:
+        """The numbers of its columns."""
+        row: list[float] = []
+        for quantity in self.quantities.values():
+            values = quantity.compute(snapshot)
+            owner = self.tip if isinstance(values, AtTips) else self.tip.rpartition(":")[0]
+            row += np.atleast_1d(values[owner]).tolist()
+        return row
+
+
+class CrackOpeningProbe:
+    """Reads the opening of the faces at all points of a crack."""
+
+    def __init__(self, name: str, crack: str):
+        self.name, self.crack = name, crack
+        self.columns = ["point", "distance", "x", "y", "opening_normal", "opening_tangential"]
+        self.dimensions = ["1", *(["length"] * 5)]
+
+    def rows(self, snapshot: Snapshot) -> list[list[float]]:
+        """A row per point, from the start of the crack on; ``distance`` is that from its start along the plane."""
+        chain = next(chain for chain in snapshot.cracks.chains if chain.name == self.crack)
+        distance = np.concatenate([[0.0], np.cumsum(segment_lengths(chain.X))])
+        numbers = np.stack([np.arange(1.0, chain.count + 1.0), distance, *chain.X, *chain.openings])
+        found: list[list[float]] = numbers.T.tolist()
+        return found
+
+
+def resolve_crack_probe(model: Any, context: Context, path: str) -> dict[str, Quantity]:
+    """Return the quantities of a probe of a tip by the names of their columns; none for an opening.
+
+    Raises
+    ------
+    SceneError
+        If there is no such crack or tip, or a column is unknown.
+    """
+    if model.crack not in context.cracks:
+        hint = did_you_mean(model.crack, context.cracks)
+        hint = hint or (f" ({listing(context.cracks)})" if context.cracks else "")
+        words = f"there is no crack '{model.crack}'{hint}"
+        raise SceneError([Problem(f"{path}.crack", words, code="unknown_reference")])
+    if model.kind == "crack_opening":
+        return {}
+    tip = f"{model.crack}:{model.end}"
+    if tip not in context.tips:
+        others = [each for each in context.tips if each.startswith(f"{model.crack}:")]
+        words = f"the {model.end} of '{model.crack}' is a mouth, not a tip"
+        words += (
+            f"; its tip is at its {others[0].rpartition(':')[2]}" if others else ", and so is its other end"
+        )
+        raise SceneError([Problem(f"{path}.end", words, code="no_tip")])
+    return _quantities(model.columns, tip, context, path)
+
+
+def _quantities(names: Iterable[str], tip: str, context: Context, path: str) -> dict[str, Quantity]:
+    there = {q.name: q for q in QUANTITIES.at("crack", "tip")}
+    there = {short: there[name] for short, name in SHORT.items() if name in there} | there
+    mine = {name: q for name, q in there.items() if q.exists(context) and _belongs(tip, q, context)}
+    found: dict[str, Quantity] = {}
+    problems = []
+    for index, name in enumerate(names):
+        if name in mine:
+            found.setdefault(name, mine[name])
+            continue
+        lack = why_missing(there[name], tip, context) if name in there else ""
+        words = f"'{name}' {lack}" if lack else unknown_name(name, "column of this tip", mine)
+        problems.append(Problem(f"{path}.columns.{index}", words, code="unknown_column"))
+    if problems:
+        raise SceneError(problems)
+    return found
+
+
+def _belongs(tip: str, quantity: Quantity, context: Context) -> bool:
+    owner = tip if quantity.where == "tip" else tip.rpartition(":")[0]
+    return owner in quantity.names(context)
+
+
+def make_crack_probe(model: Any, context: Context, path: str) -> CrackTipProbe | CrackOpeningProbe:
+    """A probe of a crack from its words in the scene."""
+    quantities = resolve_crack_probe(model, context, path)
+    if model.kind == "crack_opening":
+        return CrackOpeningProbe(model.name, model.crack)
+    return CrackTipProbe(model.name, f"{model.crack}:{model.end}", quantities, context)
