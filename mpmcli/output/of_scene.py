@@ -76,6 +76,7 @@ def _cracks_of(scene: Any) -> dict[str, Any]:
     return {
         "cracks": tuple(crack.name for crack in scene.cracks),
         "tips": tuple(f"{crack.name}:{key}" for crack, key in ends if getattr(crack.ends, key) == "tip"),
+        "has_fracture": scene.fracture is not None,
     }
 
 

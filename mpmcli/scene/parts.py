@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 from mpmcli.scene.context import Context
 from mpmcli.scene.models import Scene
 
-SINGLE = ("analysis", "grid", "method", "time", "archive", "contact", "heat")
+SINGLE = ("analysis", "grid", "method", "time", "archive", "contact", "heat", "fracture")
 LISTS = ("bodies", "cracks", "boundary", "loads", "probes")
 
 
@@ -29,6 +29,7 @@ class Parts:
     archive: Any = None
     contact: Any = None
     heat: Any = None
+    fracture: Any = None
     materials: dict[str, Any] = field(default_factory=dict)
     bodies: list[tuple[int, Any]] = field(default_factory=list)
     cracks: list[tuple[int, Any]] = field(default_factory=list)

@@ -103,6 +103,7 @@ def make_loaded(tmp_path):
             ],
             contact=None,
             cracks=(),
+            fracture=None,
             heat=None,
             has_temperature=False,
             conditions_on=lambda quantity: [SimpleNamespace(name="base")] * (quantity == "velocity"),

@@ -71,6 +71,8 @@ def loaded(tmp_path):
         materials={"rubber": SimpleNamespace(kind="neo_hookean", history=(), properties=frozenset())},
         bodies=[SimpleNamespace(name="block", material="rubber")],
         contact=None,
+        cracks=(),
+        fracture=None,
         heat=None,
         has_temperature=False,
         conditions_on=lambda quantity: [],
