@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from copy import deepcopy
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -123,6 +124,7 @@ class CracksView:
     nodes, third : nodes whose particles lie on several sides; where a third crack was left out
     all_third : the latter, summed up over all steps so far
     tip : function of a crack's index and of 0 (start) or -1 (end) giving ``TipValues``
+    particle_side : function giving the side on which each particle lies of the node that it feeds most, (N,)
     events : what happened so far: rows of time, crack, end, event, x, y, J, K_I, K_II, length
     """
 
@@ -133,7 +135,12 @@ class CracksView:
     third: int = 0
     all_third: int = 0
     tip: Callable[[int, int], TipValues] = lambda crack, end: TipValues(np.nan, np.nan, np.nan)
+    particle_side: Callable[[], np.ndarray] = lambda: np.zeros(0, dtype=np.int32)
     events: list[tuple[Any, ...]] = field(default_factory=list)
+
+    def copy(self) -> CracksView:
+        """Return the same with chains that keep their places."""
+        return replace(self, chains=deepcopy(self.chains))
 
 
 @dataclass

@@ -49,13 +49,15 @@ class Cracks:
         cuts[:, list(s.state.rigid)] = False
         if particles.X0 is None:
             particles.X0 = particles.X.copy()
-        self._particles, self._order = particles, s.order
+        self._particles, self._order, self._grid = particles, s.order, grid
         self.sides = CrackSides(self.chains, cuts, s.order, grid, s.plan.shape.follows_deformation)
         s.transfer.sights = self.sides
         s.transfer.sort()
         mirror = None if s.conditions is None or s.conditions.images is None else s.conditions.images.mirror
         n = len(models)
         self.view = CracksView(chains=self.chains, force=np.zeros((n, 2)), released=np.zeros(n))
+        self._transfer = s.transfer
+        self.view.particle_side = self._particle_sides
         self.faces = FaceContact(
             [model.faces.law for model in models], self.sides, np.array(s.plan.rigid_fields, dtype=bool), grid,
             particles, s.conditions, mirror, s.state.work, s.parallel, isinstance(s.plan.analysis, Axisymmetric),
@@ -72,6 +74,16 @@ class Cracks:
         )
         self._drift = 0.0
         self._version = s.order.version
+
+    def _particle_sides(self) -> Array:
+        """Side on which each particle lies of the node that it feeds most (N,)."""
+        cut, sides = self._transfer.cut, np.zeros(self._particles.count, dtype=np.int32)
+        if cut is not None and len(cut.mask) != len(sides):
+            return np.full_like(sides, -1)
+        if cut is not None:
+            dof = cut.dof[np.arange(len(cut.particle)), cut.S.argmax(axis=1)]
+            sides[cut.particle] = self._grid.side_of(dof)
+        return sides
 
     def account(self, step: Step, v: Array) -> None:
         """Sum up what faces did in the step."""

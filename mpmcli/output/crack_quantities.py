@@ -52,7 +52,7 @@ def _of_tips(find: Callable[[Snapshot, int, int], Any]) -> Callable[[Snapshot], 
 
 def _value(name: str) -> Callable[[Snapshot], AtTips]:
     assert name in TipValues._fields
-    return _of_tips(lambda snapshot, crack, end: getattr(snapshot.at_tip(crack, end), name))
+    return _of_tips(lambda snapshot, crack, end: getattr(snapshot.cracks.tip(crack, end), name))
 
 
 def _has_cracks(context: Context) -> bool:
@@ -191,5 +191,17 @@ QUANTITIES.add(
         "number of nodes at which a third crack was left out in the last step",
         exists=_has_cracks,
         is_default=lambda context: len(context.cracks) > 2,
+    ),
+    Quantity(
+        "crack_side",
+        "s",
+        "1",
+        "scalar",
+        "particle",
+        lambda s: s.cracks.particle_side(),
+        "side on which a particle lies of the node that it feeds most: 0 where no crack lies between them, 1 beyond "
+        "the first crack of the node, 2 beyond its second, 3 beyond both; −1 in the step in which particles leave the "
+        "grid",
+        exists=_has_cracks,
     ),
 )

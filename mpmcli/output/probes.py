@@ -158,6 +158,7 @@ class GridField:
     among : another field, which is zero where this one has no value; empty for sums, which are of the full ring
     of_contact : exists only in scenes where contact knows normals
     of_interface : exists only in scenes with an interface law
+    sides : exists only where nodes may have so many sides
     """
 
     dimension: str
@@ -166,6 +167,7 @@ class GridField:
     among: str = ""
     of_contact: bool = False
     of_interface: bool = False
+    sides: int = 1
 
 
 def _of_contact(dimension: str, is_vector: bool, description: str) -> GridField:
@@ -176,6 +178,18 @@ def _of_interface(dimension: str, is_vector: bool, description: str) -> GridFiel
     return GridField(dimension, is_vector, description, among="interface_is_there", of_interface=True)
 
 
+def _of_side(side: int) -> dict[str, GridField]:
+    words = f"on side {side} of the node, {WHERE[side]}"
+    sides = 4 if side > 1 else 2
+    return {
+        f"mass_side_{side}": GridField("mass", False, f"mass {words}", sides=sides),
+        f"velocity_side_{side}": GridField(
+            "velocity", True, f"velocity {words}", among=f"mass_side_{side}", sides=sides
+        ),
+    }
+
+
+WHERE = ("its own", "beyond its first crack", "beyond its second crack", "beyond both of its cracks")
 GRID_FIELDS = {
     "mass": GridField("mass", False, "mass"),
     "momentum": GridField("momentum", True, "momentum"),
@@ -205,6 +219,7 @@ GRID_FIELDS = {
     "interface_damage": _of_interface(
         "1", False, "share of its stiffness that the interface has lost; 1: broken, 0 without an interface"
     ),
+    **{name: entry for side in range(4) for name, entry in _of_side(side).items()},
 }
 """Nodal fields by name; rigid bodies are in none of them but those of contact."""
 
@@ -214,7 +229,9 @@ def grid_fields(context: Context) -> dict[str, GridField]:
     return {
         name: entry
         for name, entry in GRID_FIELDS.items()
-        if (context.has_normals or not entry.of_contact) and (context.interfaces or not entry.of_interface)
+        if (context.has_normals or not entry.of_contact)
+        and (context.interfaces or not entry.of_interface)
+        and context.sides >= entry.sides
     }
 
 

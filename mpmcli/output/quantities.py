@@ -64,6 +64,11 @@ class Context:
     creates_momentum: bool = False
 
     @property
+    def sides(self) -> int:
+        """How many sides of cracks a node may have."""
+        return (1, 2, 4)[min(len(self.cracks), 2)]
+
+    @property
     def has_contact(self) -> bool:
         """Whether several velocity fields can meet."""
         return len(self.velocity_fields) > 1

@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmcli.core.analysis import STRESS_COMPONENTS, Axisymmetric
 from mpmcli.core.chunks import sums_of_chunks
-from mpmcli.core.state import CracksView, State, TipValues
+from mpmcli.core.state import CracksView, State
 
 Array = np.ndarray
 
@@ -35,7 +35,6 @@ class Snapshot:
         self.dimensions = state.analysis.dimensions
         self.full_ring = state.full_ring
         self.energy_error = energy_error
-        self._tips: dict[tuple[int, int], TipValues] = {}
 
     @cached_property
     def order(self) -> Array:
@@ -67,12 +66,6 @@ class Snapshot:
         if self.state.cracks is None:
             raise ValueError("the state has no cracks")
         return self.state.cracks
-
-    def at_tip(self, crack: int, end: int) -> TipValues:
-        """Fracture quantities at the start (0) or end (-1) of a crack, found once."""
-        if (crack, end) not in self._tips:
-            self._tips[crack, end] = self.cracks.tip(crack, end)
-        return self._tips[crack, end]
 
     @cached_property
     def J(self) -> Array:

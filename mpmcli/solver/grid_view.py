@@ -29,7 +29,7 @@ def view_of_grid(grid: Grid, v: Array, rigid_fields: tuple[bool, ...]) -> GridVi
         momentum = summed(np.where(grid.mp[:, :1] > 0.0, grid.mp[:, :1] * v, 0.0))
         return np.divide(momentum, m, out=np.zeros_like(momentum), where=m > 0.0)
 
-    return GridView(
+    view = GridView(
         lower=grid.lower,
         cell=grid.cell,
         nodes=tuple(int(n) for n in grid.cells + 1),
@@ -40,6 +40,33 @@ def view_of_grid(grid: Grid, v: Array, rigid_fields: tuple[bool, ...]) -> GridVi
             "velocity": velocity,
         },
     )
+    for side in range(grid.sides if grid.sides > 1 else 0):
+        view.fields.update(_fields_of_side(grid, v, side, deformable))
+    return view
+
+
+def _fields_of_side(
+    grid: Grid, v: Array, side: int, deformable: Array | None
+) -> dict[str, Callable[[], Array]]:
+    """Mass and velocity on one side of the user's nodes, of all velocity fields but rigid ones."""
+    inside = grid.interior()
+
+    def summed() -> Array:
+        """Mass and momentum (n, 1 + d)."""
+        dofs = grid.active[grid.side_of(grid.active) == side]
+        if deformable is not None:
+            dofs = dofs[deformable[grid.field_of(dofs)]]
+        m = grid.mp[dofs, :1]
+        total = np.zeros((grid.node_count, 1 + grid.dimensions))
+        np.add.at(total, grid.node_of(dofs), np.hstack([m, np.where(m > 0.0, m * v[dofs], 0.0)]))
+        return total[inside]
+
+    def velocity() -> Array:
+        total = summed()
+        m = total[:, :1]
+        return np.divide(total[:, 1:], m, out=np.zeros_like(total[:, 1:]), where=m > 0.0)
+
+    return {f"mass_side_{side}": lambda: summed()[:, 0], f"velocity_side_{side}": velocity}
 
 
 def show_on_grid(view: GridView, grid: Grid, fields: Mapping[str, Callable[[], Array]]) -> None:

@@ -237,6 +237,7 @@ class Simulation(Parts):
             reactions=dict(self.state.reactions),
             extra=dict(self.state.extra),
             grid=None,
+            cracks=self.state.cracks and self.state.cracks.copy(),
         )
 
     def state_arrays(self) -> dict[str, Any]:
