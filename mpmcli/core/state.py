@@ -121,6 +121,7 @@ class CracksView:
     chains : the chain of points of each crack, ``cracks.chain.Chain``
     force : (cracks, 2) force on the matter above each crack from that below [force]
     released : energy that growth has released so far, of each crack [energy]
+    interface_energy : energy that springs between the faces of each crack store [energy]
     nodes, third : nodes whose particles lie on several sides; where a third crack was left out
     all_third : the latter, summed up over all steps so far
     tip : function of a crack's index and of 0 (start) or -1 (end) giving ``TipValues``
@@ -131,6 +132,7 @@ class CracksView:
     chains: list[Any]
     force: np.ndarray
     released: np.ndarray
+    interface_energy: np.ndarray
     nodes: int = 0
     third: int = 0
     all_third: int = 0

@@ -55,13 +55,15 @@ class Cracks:
         s.transfer.sort()
         mirror = None if s.conditions is None or s.conditions.images is None else s.conditions.images.mirror
         n = len(models)
-        self.view = CracksView(chains=self.chains, force=np.zeros((n, 2)), released=np.zeros(n))
+        self.view = CracksView(
+            chains=self.chains, force=np.zeros((n, 2)), released=np.zeros(n), interface_energy=np.zeros(n)
+        )
         self._transfer = s.transfer
         self.view.particle_side = self._particle_sides
         self.faces = FaceContact(
             [model.faces.law for model in models], self.sides, np.array(s.plan.rigid_fields, dtype=bool), grid,
-            particles, s.conditions, mirror, s.state.work, s.parallel, isinstance(s.plan.analysis, Axisymmetric),
-            self.view,
+            particles, s.conditions, mirror, s.state.work, s.plan.update, s.parallel,
+            isinstance(s.plan.analysis, Axisymmetric), self.view,
         )  # fmt: skip
         self.tips = None
         if scene.fracture is not None:
@@ -120,6 +122,7 @@ class Cracks:
         return kept | {
             "force": view.force,
             "released": view.released,
+            "interface_energy": view.interface_energy,
             "all_third": view.all_third,
             "drift": self._drift,
         }
@@ -129,5 +132,6 @@ class Cracks:
         for chain in self.chains:
             start = f"{chain.index}."
             chain.recall({n.removeprefix(start): v for n, v in memory.items() if n.startswith(start)})
-        self.view.force[:], self.view.released[:] = memory["force"], memory["released"]
+        for name in ("force", "released", "interface_energy"):
+            getattr(self.view, name)[:] = memory[name]
         self.view.all_third, self._drift = int(memory["all_third"]), float(memory["drift"])

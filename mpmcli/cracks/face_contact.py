@@ -13,6 +13,7 @@ from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
 from mpmcli.core.state import CracksView
 from mpmcli.core.step import Step
+from mpmcli.core.variants import StrainUpdate
 from mpmcli.cracks.face_contacts import FaceContacts
 from mpmcli.cracks.sides import CrackSides
 
@@ -20,14 +21,17 @@ Array = np.ndarray
 
 
 @inline
-def tally(axes, count, fields, faces, geometry, rows, after, weight, force):
+def tally(axes, count, fields, faces, geometry, rows, after, weight, springs, force):
     """Sum up a step: adds the impulses on the matter above to ``force`` (cracks, 2), and returns the friction work.
 
-    ``after`` (k, 2) are the relative velocities that the impulses leave, ``weight`` (k,) shares of real particles.
+    ``after`` (k, 2) are the relative velocities that the impulses leave, ``weight`` (k,) shares of real particles,
+    ``springs`` (laws,) laws without friction.
     """
     work = 0.0
     for k in range(count):
-        rows.friction[k] = slip_work(axes, geometry.normal[k], rows.net[k], rows.slip[k], after[k])
+        rows.friction[k] = 0.0
+        if not springs[fields.law[k]]:
+            rows.friction[k] = slip_work(axes, geometry.normal[k], rows.net[k], rows.slip[k], after[k])
         work += weight[k] * rows.friction[k]
         for a in range(len(axes)):
             force[faces.crack[k], a] -= weight[k] * rows.net[k, a]
@@ -43,6 +47,7 @@ class FaceContact(ContactImpulses):
     sides : of the step
     rigid : (fields,) whether a field belongs to a rigid body
     grid, particles, conditions, mirror, work : of the simulation
+    update : strain update of the step
     parallel : run the parallel version of kernels
     ring : the analysis is axisymmetric
     view : what output sees
@@ -50,28 +55,48 @@ class FaceContact(ContactImpulses):
 
     def __init__(
         self, models: list[Any], sides: CrackSides, rigid: Array, grid: Grid, particles: Particles, conditions: Any,
-        mirror: Any, work: dict[str, float], parallel: bool, ring: bool, view: CracksView,
+        mirror: Any, work: dict[str, float], update: StrainUpdate, parallel: bool, ring: bool, view: CracksView,
     ):  # fmt: skip
         self.contacts = FaceContacts(sides, np.arange(len(models)), models, rigid, grid, particles, ring)
         super().__init__(self.contacts, models, range(len(models)), Ways(), grid, conditions)
         self._particles, self._mirror, self._work = particles, mirror, work
         self._runs_parallel, self._view = parallel, view
+        self._springs = np.array([model.is_interface for model in models])
         work.setdefault("contact_work", 0.0)
+        if self._springs.any():
+            from mpmcli.cracks.face_interfaces import FaceInterfaces
+
+            self.interfaces = FaceInterfaces(models, self.contacts, grid, work, update, view)
 
     def find(self, step: Step) -> int:
         """Find the pairs of sides in contact."""
-        return self.contacts.find(self._particles.F, self._runs_parallel)
+        count = self.contacts.find(self._particles.F, self._runs_parallel)
+        if self.interfaces is not None and count > 0:
+            self.interfaces.find()
+        return count
 
     def account(self, step: Step, v: Array) -> None:
         """Sum up forces and friction work of the step."""
         c, view = self.contacts, self._view
         view.force[:] = 0.0
+        view.interface_energy[:] = 0.0
         if c.count == 0:
             return
         after = self._close_impulses(step, v)
         alpha = c.fields.alpha[: c.count]
         weight = np.ones(c.count) if self._mirror is None else self._mirror.share_of(alpha)
         self._work["contact_work"] += tally(
-            self._axes, c.count, c.fields, c.faces, c.geometry, c.rows, after, weight, view.force
+            self._axes,
+            c.count,
+            c.fields,
+            c.faces,
+            c.geometry,
+            c.rows,
+            after,
+            weight,
+            self._springs,
+            view.force,
         )
+        if self.interfaces is not None:
+            self.interfaces.close(after, weight, step.dt)
         view.force /= step.dt

@@ -1,0 +1,107 @@
+"""Imperfect interfaces between the faces of cracks: springs across the jump of displacement."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mpmcli.contact.impulses import Place
+from mpmcli.core.grid import Grid
+from mpmcli.core.state import CracksView
+from mpmcli.core.variants import StrainUpdate
+from mpmcli.cracks.face_contacts import FaceContacts
+from mpmcli.interfaces import impulses
+from mpmcli.interfaces.base import HISTORY
+from mpmcli.interfaces.jump import JumpRows, Sides, open_areas
+
+Array = np.ndarray
+
+AXES = (0.0, 0.0)
+
+
+class FaceInterfaces:
+    """Interface laws of cracks, as ``interfaces.interfaces.Interfaces`` are those of bodies.
+
+    They are springs without memory: what softens and fails has its history on the points of a chain (``tractions``).
+
+    Parameters
+    ----------
+    models : laws of the cracks, one each
+    contacts : the pairs of sides
+    grid : of the simulation
+    work : accumulated energies by name, to which they add theirs
+    update : strain update of the step, whose velocities their work is found with
+    view : what output sees
+    """
+
+    def __init__(
+        self, models: list[Any], contacts: FaceContacts, grid: Grid, work: dict[str, float], update: StrainUpdate,
+        view: CracksView,
+    ):  # fmt: skip
+        self._contacts, self._grid, self._work, self._view = contacts, grid, work, view
+        self.of_law = np.array([model.is_interface for model in models])
+        self._laws = {int(i): models[i].parameters() for i in np.flatnonzero(self.of_law)}
+        self._closed = {i: models[i].closed_law.parameters() for i in self._laws}
+        nothing = np.zeros((0, 0), dtype=np.int64)
+        self._sides = Sides(self.of_law, nothing, nothing)
+        self._acts = False
+        self._rows: JumpRows | None = None
+        # momenta that are extrapolated again are nearer to those of the start of the step than to updated ones
+        self._late = 0.0 if update.again else update.last
+        work.setdefault("interface_work", 0.0)
+
+    @property
+    def _jumps(self) -> JumpRows:
+        """Rows beside those of the contacts, whose jumps they share."""
+        jump = self._contacts.faces.jump
+        if self._rows is None or self._rows.jump is not jump:
+            room = len(jump)
+            numbers = {name: np.zeros(room) for name in ("work", "stored", "spent", "broke", "opening")}
+            self._rows = JumpRows(
+                jump=jump, end=np.zeros((room, 2)), force=np.zeros((room, 2)), **numbers,
+                history=np.zeros((room, HISTORY)), now=np.zeros((room, 2)), sums=np.zeros((room, 0)),
+            )  # fmt: skip
+        return self._rows
+
+    def find(self) -> None:
+        """Areas of the step, which neither shrink where faces open nor grow where they are pressed."""
+        c = self._contacts
+        self._acts = False
+        open_areas[False](AXES, self._sides, c.count, c.fields, c.table, c.lattice, c.geometry, self._jumps)
+
+    def forces_known(self, known: bool) -> None:
+        """From now on in the step interfaces do all that they do (momenta are updated), or hold perfect directions."""
+        self._acts = known
+
+    def find_impulses(self, which: int, here: Place, v: Array) -> None:
+        """Impulses of the contacts of law ``which``, of the stage of ``here``."""
+        c, grid = self._contacts, self._grid
+        impulses.find_jump_impulses[False](
+            self._laws[which], self._closed[which], AXES, which, c.count, c.fields, c.table, c.geometry, c.rows,
+            self._jumps, here, self._acts, False, grid.mp, grid.f, v,
+        )  # fmt: skip
+
+    def find_pair_impulses(
+        self, which: int, here: Place, chosen: Array, coupled: bool
+    ) -> tuple[float, float]:
+        """Impulses of the pairs of law ``which`` at nodes where a side has several bodies."""
+        c, grid = self._contacts, self._grid
+        found: tuple[float, float] = impulses.find_pair_impulses(
+            self._laws[which], self._closed[which], AXES, which, c.count, c.fields, c.begin, chosen, coupled, c.table,
+            c.geometry, c.rows, self._jumps, here, self._acts, False, grid.mp, grid.f,
+        )  # fmt: skip
+        return found
+
+    def close(self, after: Array, weight: Array, dt: float) -> None:
+        """Account for a step; ``after`` (k, 2) are the relative velocities at its end, ``weight`` (k,) real shares."""
+        c, j, view = self._contacts, self._jumps, self._view
+        for which, law in self._laws.items():
+            impulses.close_step[False](
+                law, AXES, which, c.count, c.fields, c.table, c.geometry, c.rows, j, after, dt, self._late,
+                self._grid.mp,
+            )  # fmt: skip
+        sums = np.zeros((5, len(view.interface_energy)))
+        impulses.sum_up[False](self._sides, c.count, c.fields, weight, c.faces.crack, np.inf, j, sums)
+        self._work["interface_work"] += float(sums[0].sum())
+        view.interface_energy[:] = sums[1]

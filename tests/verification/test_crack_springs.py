@@ -1,0 +1,86 @@
+"""Springs between the faces of a crack: impact of two bars across them, against the closed form (L1)."""
+
+from __future__ import annotations
+
+import exact_interfaces as exact
+import numpy as np
+import pytest
+from interface_runs import PASSAGE, transfer
+
+from mpmcli.output.global_quantities import EnergyBalance
+from mpmcli.output.snapshot import Snapshot
+
+pytestmark = pytest.mark.slow
+
+BARS = """
+version: 1
+constants: {D: 125, v: 1, cell: 0.25, shift: 0}
+analysis: {kind: plane_strain}
+grid: {lower: ["-20 - 2*cell", "-2*cell"], upper: ["20 + 2*cell", "4*cell"], cell: "cell"}
+method: {shape: ugimp, update: usl, transfer: {kind: fmpm, order: 2}}
+materials:
+  bar: {kind: linear_elastic, density: 1e-3, E: 1000, nu: 0}
+bodies:
+  - name: left
+    material: bar
+    region: {kind: box, lower: ["-20 + shift*cell", 0], upper: ["shift*cell", "2*cell"]}
+    velocity: ["v", 0]
+  - {name: right, material: bar, region: {kind: box, lower: ["shift*cell", 0], upper: ["20 + shift*cell", "2*cell"]}}
+cracks:
+  - name: joint
+    path: {kind: points, points: [["shift*cell", "-1*cell"], ["shift*cell", "3*cell"]]}
+    ends: {start: mouth, end: mouth}
+    faces: {law: {kind: linear_interface, normal: "D", tangential: "D"}}
+time: {end: 0.0399, courant: 0.2}
+"""
+ASKED = {125: 0.003, 1000: 0.008, 4000: 0.010}
+"""Largest deviation of the mean speed of the second bar over the impact speed, by stiffness [MPa/mm]."""
+
+
+def impact(start, *sets):
+    """Time, mean speed of the second bar and energy of the interface after every step, and the energy error."""
+    run = start(BARS, *sets)
+    view, balance = run.simulation.state.cracks, EnergyBalance()
+    balance.update(Snapshot(run.simulation.state))
+
+    def look(run):
+        p = run.particles
+        right = p.body == 1
+        energy = view.interface_energy[0] / (2.0 * run.simulation.grid.cell[0])
+        return run.time, float(np.average(p.V[0][right], weights=p.mass[right])), energy
+
+    rows = np.array(run.to(0.0399, look)).T
+    return rows, balance.update(Snapshot(run.simulation.state))
+
+
+@pytest.mark.parametrize("shift", [0, 0.37])
+@pytest.mark.parametrize("D", list(ASKED))
+@pytest.mark.parametrize("method", ["FLIP", "FMPM(2)", "FMPM(4)"])
+def test_the_second_bar_moves_as_in_the_closed_form(start, method, D, shift):
+    (t, speed, energy), error = impact(
+        start, f"constants.D={D}", f"constants.shift={shift}", transfer(method)
+    )
+    assert np.abs(speed - exact.impact_speed(t, D, PASSAGE)).max() < ASKED[D]
+    plateau = (t > 0.02) & (t < 0.036)
+    assert energy[plateau].mean() == pytest.approx(exact.impact_energy(D), rel=0.006)
+    assert abs(error) < 0.012  # as with two bodies: the front is smeared
+
+
+@pytest.mark.parametrize(
+    ("law", "D"),
+    [
+        ("{kind: bilinear_interface, compression: 125, tension: 1, tangential: 1}", 125),
+        ("{kind: bilinear_interface, compression: perfect, tension: 1, tangential: 1}", np.inf),
+        ("{kind: morse_interface, stiffness: 125, peak: 1000, tangential: 1}", 125),
+    ],
+)
+def test_every_law_of_springs_acts_on_faces(start, law, D):
+    (t, speed, _), _ = impact(start, f"cracks.0.faces.law={law}")
+    assert np.abs(speed - exact.impact_speed(t, D, PASSAGE)).max() < 0.01
+
+
+def test_pulling_opens_the_springs(start):
+    (t, speed, energy), _ = impact(start, "constants.v=-1")
+    assert np.abs(speed + exact.impact_speed(t, 125, PASSAGE)).max() < 0.003
+    plateau = (t > 0.02) & (t < 0.036)
+    assert energy[plateau].mean() == pytest.approx(exact.impact_energy(125), rel=0.006)
