@@ -14,6 +14,7 @@ from mpmcli.core.step import Step
 from mpmcli.cracks.chain import make_chain
 from mpmcli.cracks.face_contact import FaceContact
 from mpmcli.cracks.motion import FaceMotion
+from mpmcli.cracks.point_forces import PointForces
 from mpmcli.cracks.sides import CrackSides
 
 Array = np.ndarray
@@ -55,27 +56,45 @@ class Cracks:
         s.transfer.sort()
         mirror = None if s.conditions is None or s.conditions.images is None else s.conditions.images.mirror
         n = len(models)
+        ring, rigid = isinstance(s.plan.analysis, Axisymmetric), np.array(s.plan.rigid_fields, dtype=bool)
         self.view = CracksView(
             chains=self.chains, force=np.zeros((n, 2)), released=np.zeros(n), interface_energy=np.zeros(n)
         )
         self._transfer = s.transfer
         self.view.particle_side = self._particle_sides
         self.faces = FaceContact(
-            [model.faces.law for model in models], self.sides, np.array(s.plan.rigid_fields, dtype=bool), grid,
-            particles, s.conditions, mirror, s.state.work, s.plan.update, s.parallel,
-            isinstance(s.plan.analysis, Axisymmetric), self.view,
+            [model.faces.law for model in models], self.sides, rigid, grid, particles, s.conditions, mirror,
+            s.state.work, s.plan.update, s.parallel, ring, self.view,
         )  # fmt: skip
+        self._make_forces = lambda chain: PointForces(
+            chain, self.sides, self.faces.contacts.lattice, rigid, grid
+        )
         self.tips = None
         if scene.fracture is not None:
             from mpmcli.cracks.tips import Tips, thickness_of
 
             self.tips = Tips(scene.fracture, self.chains, s.state, cell, thickness_of(scene))
             self.view.tip = self.tips.values
+        self.pressures = None
+        if any(model.pressure is not None for model in models):
+            from mpmcli.cracks.pressure import Pressures
+
+            X, half = particles.X, np.broadcast_to(s.transfer.reach, particles.X.shape)
+            cut = [cuts[k, particles.body] for k in range(n)]
+            self.pressures = Pressures(
+                models, self.chains, self._make_forces, [(X[:, its], half[:, its]) for its in cut],
+                None if ring else float(getattr(scene.analysis, "thickness", 1.0)), s.state.work,
+            )  # fmt: skip
         self._motion = FaceMotion(
             self.sides, self.sides.points, self.faces.contacts.lattice, [model.moves for model in models]
         )
         self._drift = 0.0
         self._version = s.order.version
+
+    def add_forces(self, step: Step, f: Array) -> None:
+        """Task 2: add what acts on the points of chains to nodal forces (dofs, 2)."""
+        if self.pressures is not None:
+            self.pressures.add_to(f, step.time)
 
     def _particle_sides(self) -> Array:
         """Side on which each particle lies of the node that it feeds most (N,)."""
@@ -90,6 +109,8 @@ class Cracks:
     def account(self, step: Step, v: Array) -> None:
         """Sum up what faces did in the step."""
         self.faces.account(step, v)
+        if self.pressures is not None:
+            self.pressures.account(step, v)
         if self.tips is not None:
             self.tips.note_velocities(step.dt)
         view, nodes, count = self.view, self.sides.nodes, self.sides.count

@@ -7,7 +7,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from mpmcli.contact.laws import LAWS
-from mpmcli.core.model import Model, Quantity
+from mpmcli.core.expressions import Expression
+from mpmcli.core.model import Model, Quantity, Varying
 from mpmcli.core.registry import OneOf
 from mpmcli.cracks.paths import PATHS
 
@@ -52,5 +53,7 @@ class Crack(Model):
     """Names of the bodies that it cuts; all that deform if left out."""
     faces: Faces = Field(default_factory=Faces)
     """What its faces do to each other."""
+    pressure: Annotated[Expression, Varying("pressure", ("x", "y", "t"))] | None = None
+    """Pressure in the crack on both faces, a number or an expression of x, y and t; none if left out."""
     moves: Literal["average", "mass", "fixed"] = "average"
     """How the plane between the faces moves: in their middle, with the mass of both sides, or not at all."""

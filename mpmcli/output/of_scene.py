@@ -42,7 +42,8 @@ def context_of(scene: Any, state: State | None = None) -> Context:
         "boundary_work": bool(scene.conditions_on("velocity"))
         or scene.domain.on_exit != "error"
         or bool(contact.get("rigid_fields")),
-        "external_work": bool(scene.loads_on("velocity")),
+        "external_work": bool(scene.loads_on("velocity"))
+        or any(crack.pressure is not None for crack in scene.cracks),
         "contact_work": bool(contact),
         "bath_heat": scene.heat is not None and not scene.is_adiabatic,
     }

@@ -182,6 +182,8 @@ class _Tasks:
             s.transfer.internal_forces(tau, s.grid.f, None if s.heat is None else s.heat.to_conduct())
         if s.loads is not None:
             s.loads.add_to(s.grid.f)
+        if s.cracks is not None:
+            s.cracks.add_forces(step, s.grid.f)
         s.velocity.complete(s.grid.f, step.dt)
 
     def update_momenta(self, step: Step) -> None:

@@ -1,0 +1,156 @@
+"""Forces on the points of chains, as forces on the matter of either side."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mpmcli.core.compiled.kernel import inline
+from mpmcli.core.dofs import dof_of
+from mpmcli.core.grid import Grid
+from mpmcli.cracks.chain import Chain
+from mpmcli.cracks.crossing import BITS, crosses, whole
+from mpmcli.cracks.motion import ABOVE, BESIDE, sides_at
+from mpmcli.cracks.sides import CrackSides
+
+Array = np.ndarray
+
+CORNERS = 4
+"""Nodes around a point."""
+
+
+class ForceRows(NamedTuple):
+    """Forces on degrees of freedom, one each per point of a chain, face, node around it and field, (n,) or (n, 2).
+
+    dof : −1 where there is no matter
+    force : [force], per radian in axisymmetric analyses
+    """
+
+    dof: Array
+    force: Array
+
+
+@inline
+def sees(px, py, x, y, cell, segments, table):
+    """Whether no crack lies between a point and a node (x, y); ``cell`` of the hash is near."""
+    at = table.first[cell]
+    while at < table.first[cell + 1]:
+        which, times = segments.crack[table.segment[at]], 0
+        while at < table.first[cell + 1] and segments.crack[table.segment[at]] == which:
+            s = table.segment[at]
+            at += 1
+            if crosses(segments.ax[s], segments.ay[s], segments.bx[s], segments.by[s], px, py, x, y):
+                times += 1
+        if times % 2 == 1:
+            return False
+    return True
+
+
+@inline
+def share_out(plane, normal, faces, force, nodes, segments, table, lattice, rigid, node_count, mp, rows):
+    """Write the forces (2, 2, P) on both faces of a chain into ``rows``: to the nodes of each side by N_i m_i.
+
+    Returns how many faces have no matter around them. ``plane``, ``normal`` and ``faces`` as in
+    ``motion.face_velocities``; masses from ``mp`` (dofs, 1 + d).
+    """
+    fields, points = rigid.shape[0], plane.shape[1]
+    alone, at = 0, 0
+    for k in range(points):
+        px = np.int64(np.floor((plane[0, k] - lattice.origin[0]) / lattice.cell[0]))
+        py = np.int64(np.floor((plane[1, k] - lattice.origin[1]) / lattice.cell[1]))
+        row, column = py - table.low[1], px - table.low[0]
+        cell = np.int64(-1)
+        if row >= 0 and column >= 0 and row < table.place.shape[0] and column < table.place.shape[1]:
+            cell = np.int64(table.place[row, column])
+        for face in range(2):
+            begin, total = at, 0.0
+            sign = 1.0 if face == ABOVE else -1.0
+            sx = whole(plane[0, k], lattice.origin[0], 1.0 / lattice.cell[0]) + np.int64(
+                sign * BESIDE * normal[0, k]
+            )
+            sy = whole(plane[1, k], lattice.origin[1], 1.0 / lattice.cell[1]) + np.int64(
+                sign * BESIDE * normal[1, k]
+            )
+            x = (faces[face, 0, k] - lattice.origin[0]) / lattice.cell[0]
+            y = (faces[face, 1, k] - lattice.origin[1]) / lattice.cell[1]
+            cx, cy = np.int64(np.floor(x)), np.int64(np.floor(y))
+            for j in range(CORNERS):
+                nx, ny = cx + j % 2, cy + j // 2
+                inside = nx >= 0 and ny >= 0 and nx < lattice.shape[0] and ny < lattice.shape[1] and cell >= 0
+                node = ny * lattice.shape[0] + nx
+                N, side = (1.0 - abs(x - nx)) * (1.0 - abs(y - ny)), np.int64(0)
+                if inside:
+                    slot = nodes.slot_of_node[node]
+                    if slot >= 0:
+                        side = sides_at(
+                            sx, sy, nx << BITS, ny << BITS, cell, segments, table, nodes.crack[slot]
+                        )
+                    else:  # all particles that it sees are on its own side: is the face, too?
+                        inside = sees(sx, sy, nx << BITS, ny << BITS, cell, segments, table)
+                for field in range(fields):
+                    rows.dof[at] = -1
+                    rows.force[at, 0] = 0.0
+                    if inside and not rigid[field]:
+                        i = dof_of(node, field, side, node_count, fields)
+                        if mp[i, 0] > 0.0 and N > 0.0:
+                            rows.dof[at] = i
+                            rows.force[at, 0] = N * mp[i, 0]
+                            total += N * mp[i, 0]
+                    at += 1
+            if total <= 0.0:
+                alone += 1
+            for r in range(begin, at):
+                share = rows.force[r, 0] / total if total > 0.0 else 0.0
+                rows.force[r, 0], rows.force[r, 1] = share * force[face, 0, k], share * force[face, 1, k]
+    return alone
+
+
+class PointForces:
+    """Forces on the points of one chain in a step, and the work that they do.
+
+    Parameters
+    ----------
+    chain : the chain
+    sides : of the step
+    lattice : of the grid (``face_contacts.Lattice``)
+    rigid : (fields,) whether a field belongs to a rigid body
+    grid : of the simulation
+
+    Attributes
+    ----------
+    force : (2, 2, P) on the matter above and below, as given last [force]
+    alone : how many faces had no matter around them
+    """
+
+    def __init__(self, chain: Chain, sides: CrackSides, lattice: Any, rigid: Array, grid: Grid):
+        self.chain = chain
+        self._sides, self._lattice, self._rigid, self._grid = sides, lattice, rigid, grid
+        self._rows = ForceRows(np.zeros(0, dtype=np.int64), np.zeros((0, 2)))
+        self._dof = np.zeros(0, dtype=np.int64)
+        self._force = np.zeros((0, 2))
+        self._power = 0.0
+        self.force = np.zeros((2, 2, 0))
+        self.alone = 0
+
+    def add_to(self, f: Array, force: Array) -> None:
+        """Add forces (2, 2, P) on both faces to nodal forces (dofs, 2)."""
+        chain, sides, grid = self.chain, self._sides, self._grid
+        self.force = force
+        room = 2 * CORNERS * len(self._rigid) * chain.count
+        if len(self._rows.dof) < room:
+            self._rows = ForceRows(np.zeros(room, dtype=np.int64), np.zeros((room, 2)))
+        tangent = chain.tangents()
+        self.alone = share_out(
+            chain.X, np.stack([-tangent[1], tangent[0]]), chain.faces, force, sides.nodes, sides.segments, sides.hash,
+            self._lattice, self._rigid, grid.node_count, grid.mp, self._rows,
+        )  # fmt: skip
+        met = np.flatnonzero(self._rows.dof[:room] >= 0)
+        self._dof, self._force = self._rows.dof[met], self._rows.force[met]
+        np.add.at(f, self._dof, self._force)
+        mp = grid.mp[self._dof]
+        self._power = float((self._force * mp[:, 1:] / mp[:, :1]).sum())
+
+    def work(self, v: Array, dt: float) -> float:
+        """Return the work of the step, with the mean of the velocities before and after it, ``v`` (dofs, 2)."""
+        return 0.5 * dt * (self._power + float((self._force * v[self._dof]).sum()))
