@@ -22,6 +22,7 @@ class Chain:
     ----------
     name, index : of the crack
     tips : whether its start and its end are tips, else they are mouths
+    joined : whether they are neither, since they have met another crack
     X : (2, P) points of the plane between the faces [length]
     faces : (2, 2, P) points of the face above and of that below [length]
     velocity : (2, 2, P) their velocities [velocity]
@@ -30,6 +31,7 @@ class Chain:
 
     def __init__(self, name: str, index: int, X: Array, tips: tuple[bool, bool]):
         self.name, self.index, self.tips = name, index, tips
+        self.joined = (False, False)
         self.X = np.array(X, dtype=np.float64)
         self.faces = np.stack([self.X, self.X])
         self.velocity = np.zeros_like(self.faces)
@@ -65,17 +67,42 @@ class Chain:
         way = self.X[:, end] - self.X[:, inner]
         return np.asarray(way / np.linalg.norm(way))
 
+    def extend(self, end: int, points: Array) -> None:
+        """Add points (2, n) beyond ``START`` or ``END``, which go away from it; they are closed and move as the tip."""
+        n, last = points.shape[1], self.X[:, end]
+        lengths = segment_lengths(np.column_stack([last, points]))
+        velocity = np.repeat(self.velocity[:, :, [end]], n, axis=2)
+        faces = np.stack([points, points])
+        if end == START:
+            points, faces, lengths = points[:, ::-1], faces[:, :, ::-1], lengths[::-1]
+        self.X = _joined(end, self.X, points)
+        self.faces = _joined(end, self.faces, faces)
+        self.velocity = _joined(end, self.velocity, velocity)
+        self.length0 = _joined(end, self.length0, lengths)
+
+    def close_tip(self, end: int, joined: bool) -> None:
+        """Let a tip be one no more: a mouth, or the place where the crack has ``joined`` another one."""
+        at = range(2)[end]
+        self.X = self.X.copy()  # so that those who hold the points of all chains gather them anew
+        self.tips = tuple(tip and k != at for k, tip in enumerate(self.tips))  # type: ignore[assignment]
+        self.joined = tuple(was or (joined and k == at) for k, was in enumerate(self.joined))  # type: ignore[assignment]
+
     def memory(self) -> dict[str, Any]:
         """What a checkpoint keeps of it."""
         kept = ("X", "faces", "velocity", "length0")
-        return {name: getattr(self, name) for name in kept} | {"tips": np.array(self.tips)}
+        return {name: getattr(self, name) for name in kept} | {"tips": np.array([self.tips, self.joined])}
 
     def recall(self, memory: Mapping[str, Array]) -> None:
         """Take it back."""
         for name in ("X", "faces", "velocity", "length0"):
             setattr(self, name, memory[name])
-        start, end = memory["tips"].tolist()
-        self.tips = (start, end)
+        (start, end), (joined, ended) = memory["tips"].tolist()
+        self.tips, self.joined = (start, end), (joined, ended)
+
+
+def _joined(end: int, old: Array, new: Array) -> Array:
+    """Arrays one after the other along their last axis, in the order of the chain."""
+    return np.concatenate([new, old] if end == START else [old, new], axis=-1)
 
 
 def segment_lengths(X: Array) -> Array:

@@ -69,7 +69,7 @@ class Cracks:
         self._make_forces = lambda chain: PointForces(
             chain, self.sides, self.faces.contacts.lattice, rigid, grid
         )
-        self.tips = None
+        self.tips = self.growth = None
         if scene.fracture is not None:
             from mpmcli.cracks.tips import Tips, thickness_of
 
@@ -85,6 +85,10 @@ class Cracks:
                 models, self.chains, self._make_forces, [(X[:, its], half[:, its]) for its in cut],
                 None if ring else float(getattr(scene.analysis, "thickness", 1.0)), s.state.work,
             )  # fmt: skip
+        if self.tips is not None and any(model.growth is not None for model in models):
+            from mpmcli.cracks.growth import CrackGrowth
+
+            self.growth = CrackGrowth(models, self.tips, cuts, s, self.view)
         self._motion = FaceMotion(
             self.sides, self.sides.points, self.faces.contacts.lattice, [model.moves for model in models]
         )
@@ -140,6 +144,8 @@ class Cracks:
         """What it remembers from step to step."""
         view = self.view
         kept = {f"{chain.index}.{name}": v for chain in self.chains for name, v in chain.memory().items()}
+        if self.growth is not None:
+            kept |= self.growth.memory()
         return kept | {
             "force": view.force,
             "released": view.released,
@@ -156,3 +162,5 @@ class Cracks:
         for name in ("force", "released", "interface_energy"):
             getattr(self.view, name)[:] = memory[name]
         self.view.all_third, self._drift = int(memory["all_third"]), float(memory["drift"])
+        if self.growth is not None:
+            self.growth.recall(memory)

@@ -67,7 +67,7 @@ def crosses(ax: Any, ay: Any, bx: Any, by: Any, px: Any, py: Any, x: Any, y: Any
 
 def allocate_segments(points: Points) -> Segments:
     """Make room for the segments of chains, with one more behind each mouth."""
-    count = np.diff(points.first) - 1 + np.count_nonzero(~points.tips, axis=1)
+    count = np.diff(points.first) - 1 + np.count_nonzero(points.mouths, axis=1)
     n = int(count.sum())
     whole_numbers = {name: np.zeros(n, dtype=np.int64) for name in ("ax", "ay", "bx", "by", "along")}
     crack = np.repeat(np.arange(len(count)), count)
@@ -101,7 +101,7 @@ def find_segments(points, beyond, origin, cell, segments):
                 inner, outer = begin + 1, begin
             else:
                 inner, outer = end - 1, end
-            if (k == begin - 1 and points.tips[crack, 0]) or (k == end and points.tips[crack, 1]):
+            if (k == begin - 1 and not points.mouths[crack, 0]) or (k == end and not points.mouths[crack, 1]):
                 continue
             if begin <= k < end:
                 put_segment(segments, s, X[0, k], X[1, k], X[0, k + 1], X[1, k + 1], origin, cell)

@@ -28,6 +28,9 @@ class Fracture(Model):
     energies: Literal["work", "elastic"] = "work"
     """Strain energy: work that the stress has done, or that of linear elasticity, ½σ:ε."""
 
+    every: Annotated[float, Quantity("time", ge=0)] = 0.0
+    """Time between checks of growth; 0 for a check in every step."""
+
     @field_validator("outer")
     @classmethod
     def _ring_of_a_cell(cls, outer: float, info: ValidationInfo) -> float:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from mpmcli.contact.laws import LAWS
 from mpmcli.core.expressions import Expression
 from mpmcli.core.model import Model, Quantity, Varying
 from mpmcli.core.registry import OneOf
+from mpmcli.cracks.growth_model import Growth
 from mpmcli.cracks.paths import PATHS
 
 Name = Annotated[str, Field(min_length=1, max_length=80)]
@@ -57,3 +58,12 @@ class Crack(Model):
     """Pressure in the crack on both faces, a number or an expression of x, y and t; none if left out."""
     moves: Literal["average", "mass", "fixed"] = "average"
     """How the plane between the faces moves: in their middle, with the mass of both sides, or not at all."""
+    growth: Growth | None = None
+    """Growth of its tips; none if left out."""
+
+    @model_validator(mode="after")
+    def _tips_grow(self) -> Self:
+        for end in ("start", "end"):
+            if self.growth is not None and getattr(self.growth, end) and getattr(self.ends, end) == "mouth":
+                raise ValueError(f"growth.{end} needs a tip, but the {end} of crack '{self.name}' is a mouth")
+        return self

@@ -15,13 +15,14 @@ class Points(NamedTuple):
     """The points of all chains, crack after crack.
 
     first : (cracks + 1,) first point of each crack, and the end
-    tips : (cracks, 2) whether start and end are tips
+    tips, mouths : (cracks, 2) whether start and end are tips, are mouths
     X : (2, n) points of the planes [length]
     faces, velocity : (2, 2, n) points above and below, and their velocities [length], [velocity]
     """
 
     first: Array
     tips: Array
+    mouths: Array
     X: Array
     faces: Array
     velocity: Array
@@ -55,4 +56,5 @@ class AllPoints:
         for chain in chains:
             mine = slice(first[chain.index], first[chain.index + 1])
             chain.X, chain.faces, chain.velocity = X[:, mine], faces[..., mine], velocity[..., mine]
-        return Points(first, np.array([chain.tips for chain in chains]), X, faces, velocity)
+        tips, joined = (np.array([getattr(chain, name) for chain in chains]) for name in ("tips", "joined"))
+        return Points(first, tips, ~(tips | joined), X, faces, velocity)

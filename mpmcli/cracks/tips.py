@@ -10,7 +10,7 @@ from mpmcli.core.analysis import PlaneStress
 from mpmcli.core.state import State, TipValues
 from mpmcli.cracks.chain import Chain
 from mpmcli.cracks.fracture import Fracture
-from mpmcli.cracks.integrals.base import Frame, Matter, matter_near
+from mpmcli.cracks.integrals.base import Frame, matter_near
 from mpmcli.cracks.integrals.domain import energy_release_rate
 from mpmcli.cracks.integrals.elastic import PlaneElasticity, has_plane_elasticity, plane_elasticity
 from mpmcli.cracks.integrals.modes import modes_by_interaction, modes_by_opening
@@ -34,8 +34,8 @@ class Tips:
 
     def __init__(self, model: Fracture, chains: list[Chain], state: State, cell: float, thickness: float):
         self.model, self._chains, self._state = model, chains, state
-        self._inner, self._outer = model.inner * cell, model.outer * cell
-        self._thickness = thickness
+        self.inner, self.outer = model.inner * cell, model.outer * cell
+        self.thickness = thickness
         self._found: dict[tuple[int, int], TipValues] = {}
         self._step = -1
         self._before: tuple[Array, Array, float] | None = None
@@ -59,10 +59,15 @@ class Tips:
             self._found[crack, end] = self._find(self._chains[crack], end)
         return self._found[crack, end]
 
-    def elasticity(self, matter: Matter, near: Array) -> PlaneElasticity | None:
-        """Return the constants of the material that is nearest to a tip; None where it has no K."""
-        nearest = near[int(np.argmin(matter.r))]
-        model = self._state.material_models[self._state.particles.material[nearest]]
+    def elasticity(self, chain: Chain, end: int) -> PlaneElasticity | None:
+        """Return the constants of the material nearest to a tip; None where it has no K."""
+        p = self._state.particles
+        x, y = chain.X[:, end]
+        nearest = int(np.argmin((p.X[0] - x) ** 2 + (p.X[1] - y) ** 2))
+        return self._elasticity_of(nearest)
+
+    def _elasticity_of(self, particle: int) -> PlaneElasticity | None:
+        model = self._state.material_models[self._state.particles.material[particle]]
         if not has_plane_elasticity(model):
             return None
         return plane_elasticity(model, isinstance(self._state.analysis, PlaneStress))
@@ -73,18 +78,18 @@ class Tips:
         state = self._state
         frame = frame_of(chain, end)
         matter, near = matter_near(
-            state.particles, state.analysis, frame, self._outer, self._thickness,
+            state.particles, state.analysis, frame, self.outer, self.thickness,
             acceleration=self._acceleration(), rigid=state.rigid, elastic=self.model.energies == "elastic",
         )  # fmt: skip
         if not near.size:
             return UNKNOWN
-        J = energy_release_rate(matter, self._inner, self._outer)
-        elasticity = self.elasticity(matter, near)
+        J = energy_release_rate(matter, self.inner, self.outer)
+        elasticity = self._elasticity_of(int(near[np.argmin(matter.r)]))
         if elasticity is None:
             return TipValues(J, NAN, NAN)
         if self.model.modes == "opening":
             return TipValues(J, *modes_by_opening(J, *opening_behind(chain, end), elasticity))
-        return TipValues(J, *modes_by_interaction(matter, self._inner, self._outer, elasticity))
+        return TipValues(J, *modes_by_interaction(matter, self.inner, self.outer, elasticity))
 
     def _acceleration(self) -> Array | None:
         """Accelerations (2, N) in the last step; None where inertia does not count."""

@@ -44,7 +44,7 @@ def tasks_of(plan: Plan, s: Parts) -> list[Task]:
     """Return the tasks of a step with this plan, in order; nothing else says what a step does."""
     do = _Tasks(s)
     conditions, loads, contact, heat = s.conditions, s.loads, s.contact, s.heat
-    faces = None if s.cracks is None else s.cracks.faces
+    faces, growth = (None, None) if s.cracks is None else (s.cracks.faces, s.cracks.growth)
     first, last, again = plan.update.first > 0.0, plan.update.last > 0.0, plan.update.again
     tasks = [
         Task("1", "extrapolate mass and momentum", do.extrapolate),
@@ -72,6 +72,7 @@ def tasks_of(plan: Plan, s: Parts) -> list[Task]:
         again and Task("4.c", f"velocities again{do.loop_in_words(plan)}", do.find_strain_velocities),
         last and Task("5", "strain and stress", do.update_last_stress),
         Task("6", "time, speeds and exits", do.finish),
+        growth and Task("6", "growth of cracks", growth.grow, True),
     ]  # fmt: skip
     return [task for task in tasks if task]
 

@@ -1,0 +1,244 @@
+"""Growth of cracks: tips that meet their criterion get new points (Nairn 2003, 6)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.analysis import Axisymmetric
+from mpmcli.core.errors import SimulationError
+from mpmcli.core.state import CracksView, TipValues
+from mpmcli.core.step import Step
+from mpmcli.cracks.chain import END, START, Chain
+from mpmcli.cracks.meeting import Meeting, first_meeting
+from mpmcli.cracks.tip_state import TipState
+from mpmcli.cracks.tips import Tips, opening_behind
+
+Array = np.ndarray
+
+LONGEST = 0.7
+"""Cells: longer increments are divided."""
+JOINS = 0.25
+"""Cells from another crack at which a tip joins it."""
+ROUNDS = 10.0
+"""A tip that has not grown for as long as a wave takes to cross its ring so many times is arrested."""
+
+
+class GrowingTip:
+    """A tip that may grow.
+
+    Attributes
+    ----------
+    chain, end, model : crack, ``START`` or ``END``, and what the scene says
+    cuts : (bodies,) whether the crack cuts a body
+    angle0 : direction at the start of the run [rad]
+    last, started, speed : when it grew last, when it began to run at a given speed, its speed; nan before
+    runs : whether it grew and is not arrested
+    """
+
+    def __init__(self, chain: Chain, end: int, model: Any, cuts: Array):
+        self.chain, self.end, self.model, self.cuts = chain, end, model, cuts
+        self.direction = model.way
+        self.angle0 = angle_of(chain.direction(end))
+        self.last = self.started = self.speed = math.nan
+        self.runs = False
+
+    @property
+    def name(self) -> str:
+        """``main:end``."""
+        return f"{self.chain.name}:{self.word}"
+
+    @property
+    def word(self) -> str:
+        """Which end it is."""
+        return "start" if self.end == START else "end"
+
+
+class CrackGrowth:
+    """Lets the tips of all cracks grow.
+
+    Parameters
+    ----------
+    models : of all cracks
+    tips : their fracture quantities
+    cuts : (cracks, bodies) whether a crack cuts a body
+    s : the simulation
+    view : what output sees
+    """
+
+    def __init__(self, models: Any, tips: Tips, cuts: Array, s: Any, view: CracksView):
+        self._s, self._tips, self._view = s, tips, view
+        self._cell = float(s.grid.cell.min())
+        self._every, self._next = tips.model.every, 0.0
+        chains = view.chains
+        self.growing = [
+            GrowingTip(chain, end, model, cuts[chain.index])
+            for chain, crack in zip(chains, models, strict=True)
+            if crack.growth is not None
+            for end, model in ((START, crack.growth.start), (END, crack.growth.end))
+            if model is not None
+        ]
+
+    def grow(self, step: Step) -> None:
+        """Check the tips at the end of a step, and let those grow that meet their criterion."""
+        time = self._s.state.time
+        if time < self._next - 1e-6 * self._s.state.dt:
+            return
+        if self._every > 0.0:
+            self._next = self._every * (math.floor(time / self._every * (1.0 + 1e-9)) + 1.0)
+        for tip in self.growing:
+            if tip.chain.tips[tip.end]:
+                self._check(tip, time)
+
+    def _check(self, tip: GrowingTip, time: float) -> None:
+        criterion, longest = tip.model.criterion, tip.model.max_length
+        values = self._values(tip) if self._asks(tip) else TipValues(math.nan, math.nan, math.nan)
+        state = self._state(tip, time, values)
+        if math.isnan(tip.started) and hasattr(criterion, "sets_in") and criterion.sets_in(state):
+            tip.started = time
+            state = state._replace(started=time)
+        demand = criterion.demand(state)
+        if not demand >= 1.0 or (longest is not None and tip.chain.length >= longest * (1.0 - 1e-9)):
+            self._rest(tip, time, values)
+            return
+        moment = criterion.moment(state)
+        if criterion.needs and time - tip.last < self._response():
+            return
+        if tip.model.speed is not None and not math.isnan(tip.last):
+            earliest, round_off = tip.last + state.increment / tip.model.speed.max, 1e-6 * self._s.state.dt
+            if time < earliest - round_off:
+                return
+            if time - earliest <= self._s.state.dt + round_off:  # it waited: no delay adds up
+                moment = earliest
+        if math.isnan(values.J):
+            values = self._values(tip)
+            state = self._state(tip, time, values)
+        self._extend(tip, state, values, moment)
+
+    def _response(self) -> float:
+        """Time that a tip waits after an increment, before it is checked again.
+
+        Static integrals know of an increment when waves have crossed the ring; until then they would let the tip run
+        on. Those with inertia hold in between, too.
+        """
+        return self._tips.outer / self._s.wave_speed if self._tips.model.terms == 1 else 0.0
+
+    def _asks(self, tip: GrowingTip) -> bool:
+        """Whether numbers must be found to know if the tip grows."""
+        criterion = tip.model.criterion
+        waits = math.isnan(tip.started) and getattr(criterion, "J_c", None) is not None
+        return bool(criterion.needs or tip.direction.needs or waits)
+
+    def _values(self, tip: GrowingTip) -> TipValues:
+        values = self._tips.values(tip.chain.index, tip.end)
+        if not math.isfinite(values.J):
+            x, y = tip.chain.X[:, tip.end]
+            raise SimulationError(
+                f"the energy release rate of tip '{tip.name}' at ({x:.6g}, {y:.6g}) is {values.J} at time "
+                f"{self._s.state.time:.6g}. Its ring may have left the matter; use a smaller fracture.outer"
+            )
+        return values
+
+    def _state(self, tip: GrowingTip, time: float, values: TipValues) -> TipState:
+        chain, increment = tip.chain, tip.model.increment * self._cell
+        opening, slip = opening_behind(chain, tip.end)
+        since = math.inf if math.isnan(tip.last) else max(time - tip.last, self._s.state.dt)
+        return TipState(
+            time=time, length=chain.length, speed=increment / since, J=values.J, K_I=values.K_I, K_II=values.K_II,
+            elasticity=self._tips.elasticity(chain, tip.end), opening=opening, slip=slip,
+            angle=angle_of(chain.direction(tip.end)), angle0=tip.angle0, last=tip.last, started=tip.started,
+            increment=increment,
+        )  # fmt: skip
+
+    def _rest(self, tip: GrowingTip, time: float, values: TipValues) -> None:
+        """Note that a tip does not grow."""
+        crossing = 2.0 * self._tips.outer / self._s.wave_speed
+        if tip.runs and time - tip.last > ROUNDS * crossing:
+            tip.runs, tip.speed = False, 0.0
+            self._log(tip, "arrest", values)
+
+    def _extend(self, tip: GrowingTip, state: TipState, values: TipValues, moment: float) -> None:
+        """Add points to the chain of a tip."""
+        chain, end = tip.chain, tip.end
+        angle = state.angle + tip.direction.angle(state)
+        place = chain.X[:, end].copy()
+        goal = place + state.increment * np.array([math.cos(angle), math.sin(angle)])
+        meeting = first_meeting(
+            place, goal, [c.X for c in self._view.chains if c is not chain], JOINS * self._cell
+        )
+        event = "growth"
+        if meeting is not None:
+            goal, event = beyond(place, meeting, self._cell), "joined"
+        elif not self._is_in_matter(tip, goal):
+            event = "mouth"
+        length = float(np.hypot(*(goal - place)))
+        if length > 0.0:
+            parts = math.ceil(length / (LONGEST * self._cell) * (1.0 - 1e-12))
+            chain.extend(end, place[:, None] + (goal - place)[:, None] * np.arange(1, parts + 1) / parts)
+            self._s.order.drift = np.inf
+        if event != "growth":
+            chain.close_tip(end, joined=event == "joined")
+        self._view.released[chain.index] += values.J * length * self._breadth(place, goal)
+        tip.speed = 0.0 if math.isnan(tip.last) else length / max(moment - tip.last, 1e-300)
+        tip.last, tip.runs = moment, event == "growth"
+        self._log(tip, event, values)
+
+    def _breadth(self, place: Array, goal: Array) -> float:
+        """Area of new crack over its length: the thickness, or the mean radius."""
+        if isinstance(self._s.plan.analysis, Axisymmetric):
+            return float(0.5 * (place[0] + goal[0]))
+        return self._tips.thickness
+
+    def _is_in_matter(self, tip: GrowingTip, x: Array) -> bool:
+        """Whether a particle of the bodies that the crack cuts covers a place, with half as much again."""
+        p = self._s.particles
+        dx, dy = np.abs(p.X[0] - x[0]), np.abs(p.X[1] - x[1])
+        near = np.flatnonzero((dx < 2.0 * self._cell) & (dy < 2.0 * self._cell))
+        near = near[tip.cuts[p.body[near]]]
+        F, size = p.F[:, near], 1.5 * p.size[:, near]
+        wide = np.abs(F[0]) * size[0] + np.abs(F[1]) * size[1]
+        high = np.abs(F[2]) * size[0] + np.abs(F[3]) * size[1]
+        return bool(np.any((dx[near] <= wide) & (dy[near] <= high)))
+
+    def _log(self, tip: GrowingTip, event: str, values: TipValues) -> None:
+        x, y = tip.chain.X[:, tip.end]
+        self._view.events.append(
+            (
+                self._s.state.time,
+                tip.chain.name,
+                tip.word,
+                event,
+                float(x),
+                float(y),
+                *values,
+                tip.chain.length,
+            )
+        )
+
+    # ------------------------------------------------------------------ from one step to the next
+
+    def memory(self) -> dict[str, Any]:
+        """What it remembers from step to step."""
+        rows = [[tip.last, tip.started, tip.speed, float(tip.runs)] for tip in self.growing]
+        return {"growth": np.array(rows), "next_check": self._next}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Remember it again."""
+        self._next = float(memory["next_check"])
+        for tip, (last, started, speed, runs) in zip(self.growing, memory["growth"].tolist(), strict=True):
+            tip.last, tip.started, tip.speed, tip.runs = last, started, speed, bool(runs)
+
+
+def angle_of(way: Array) -> float:
+    """Angle of a vector (2,) from the x axis [rad]."""
+    return math.atan2(way[1], way[0])
+
+
+def beyond(place: Array, meeting: Meeting, cell: float) -> Array:
+    """Return the end of a crack that joins another one: a thousandth of a cell past it, so that no sight slips by."""
+    way = meeting.point - place
+    length = float(np.hypot(*way))
+    return place if length == 0.0 else meeting.point + way * (1e-3 * cell / length)

@@ -1,0 +1,57 @@
+"""What a scene says of the growth of a crack."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Self
+
+from pydantic import model_validator
+
+from mpmcli.core.model import Model, PositiveLength, Quantity
+from mpmcli.core.registry import OneOf
+from mpmcli.cracks.criteria import CRITERIA
+from mpmcli.cracks.directions import DIRECTIONS
+
+
+class SpeedLimit(Model):
+    """Limit of the speed of a tip."""
+
+    max: Annotated[float, Quantity("velocity", gt=0)]
+    """Largest speed; growth that would be faster waits."""
+
+
+class TipGrowth(Model):
+    """When, where and how far a tip grows."""
+
+    criterion: Annotated[Any, OneOf(CRITERIA)]
+    """When the tip grows."""
+    direction: Annotated[Any, OneOf(DIRECTIONS)] | None = None
+    """Where it grows to; by default `hoop` with criteria of stress intensity factors, else `self_similar`."""
+    increment: Annotated[float, Quantity("1", gt=0, le=4)] = 0.5
+    """Length by which it grows at once, in cells."""
+    max_length: PositiveLength | None = None
+    """Length of the crack from which on it does not grow; any if left out."""
+    speed: SpeedLimit | None = None
+    """Limit of the speed of the tip; none if left out."""
+
+    @property
+    def way(self) -> Any:
+        """The direction, also where it is left out."""
+        if self.direction is not None:
+            return self.direction
+        kind = self.criterion.direction
+        return DIRECTIONS[kind].model_validate({"kind": kind})
+
+
+class Growth(Model):
+    """Growth of the tips of a crack."""
+
+    start: TipGrowth | None = None
+    """Growth of the tip at its start; none if left out."""
+    end: TipGrowth | None = None
+    """Growth of the tip at its end; none if left out."""
+
+    @model_validator(mode="after")
+    def _one_at_least(self) -> Self:
+        if self.start is None and self.end is None:
+            raise ValueError("give start, end, or both")
+        return self
