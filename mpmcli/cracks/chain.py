@@ -11,6 +11,8 @@ import numpy as np
 
 Array = np.ndarray
 
+ABOVE, BELOW = 0, 1
+"""Places of the faces."""
 START, END = 0, -1
 """Places of the ends in a chain."""
 

@@ -122,7 +122,7 @@ class Cracks:
         view.all_third += view.third
 
     def move(self, step: Step, X: Array) -> None:
-        """Move the chains with the matter, which is at ``X`` (2, N) and has the velocities of the end of the step."""
+        """Move the chains with the matter, which is at ``X`` (2, N) now."""
         if self._version != self._order.version:
             self._version, self._drift = self._order.version, 0.0
         farthest, crack, point = self._motion.move(self._particles, X, step.dt)

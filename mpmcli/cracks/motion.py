@@ -23,8 +23,11 @@ WAYS = {"average": AVERAGE, "mass": MASS, "fixed": FIXED}
 
 
 @inline
-def sum_motion(count, candidates, entries, mass, X, V, L, nodes, lattice, out):
-    """Mass, momentum at the node and Σ S m L of each side of every crack node, into ``out`` (slots, 4, 7)."""
+def sum_motion(count, candidates, entries, mass, X, L, dt, nodes, lattice, out):
+    """Mass, momentum at the node and Σ S m L of each side of every crack node, into ``out`` (slots, 4, 7).
+
+    Momenta are those of the motion of the step, to ``X`` (2, N): the velocities that FLIP carries may differ from it.
+    """
     for slot in range(count):
         for side in range(out.shape[1]):
             for a in range(7):
@@ -35,10 +38,11 @@ def sum_motion(count, candidates, entries, mass, X, V, L, nodes, lattice, out):
             q, j = entries.row[at], entries.column[at]
             p = candidates.particle[q]
             w, total = candidates.S[q, j] * mass[p], out[slot, candidates.side[q, j]]
-            dx, dy = x - X[0, p], y - X[1, p]
+            was_x, was_y = candidates.place[q, 0], candidates.place[q, 1]
+            dx, dy = x - was_x, y - was_y
             total[0] += w
-            total[1] += w * (V[0, p] + L[0, p] * dx + L[1, p] * dy)
-            total[2] += w * (V[1, p] + L[2, p] * dx + L[3, p] * dy)
+            total[1] += w * ((X[0, p] - was_x) / dt + L[0, p] * dx + L[1, p] * dy)
+            total[2] += w * ((X[1, p] - was_y) / dt + L[2, p] * dx + L[3, p] * dy)
             for a in range(4):
                 total[3 + a] += w * L[a, p]
 
@@ -134,7 +138,7 @@ def move_point(k, begin, end, at_tip, way, dt, points, sums, nodes, segments, ta
         if at_tip:  # faces part behind a tip, not at it
             new[0, a] = new[1, a] = common
         for face in range(2):
-            step = 0.5 * dt * (new[face, a] + points.velocity[face, a, k])
+            step = dt * new[face, a]
             if not abs(step) / lattice.cell[a] <= farthest:
                 farthest = abs(step) / lattice.cell[a]
             points.faces[face, a, k] += step
@@ -148,13 +152,13 @@ def move_point(k, begin, end, at_tip, way, dt, points, sums, nodes, segments, ta
 
 @inline
 def move_points(
-    count, candidates, entries, mass, X, V, L, nodes, segments, table, lattice, ways, dt, points, sums, worst
+    count, candidates, entries, mass, X, L, nodes, segments, table, lattice, ways, dt, points, sums, worst
 ):
     """Move all points for a step; ``worst`` (2,) receives crack and point that went farthest; returns how far [cells].
 
     A distance that is no number counts as the farthest.
     """
-    sum_motion(count, candidates, entries, mass, X, V, L, nodes, lattice, sums)
+    sum_motion(count, candidates, entries, mass, X, L, dt, nodes, lattice, sums)
     farthest = 0.0
     for crack in range(len(points.first) - 1):
         begin, end = points.first[crack], points.first[crack + 1]
@@ -187,7 +191,7 @@ class FaceMotion:
         self._worst = np.zeros(2, dtype=np.int64)
 
     def move(self, p: Any, X: Array, dt: float) -> tuple[float, int, int]:
-        """Move all chains by a step, with particles ``p`` that are at ``X`` (2, N) and have velocities of its end.
+        """Move all chains by a step, after which the particles ``p`` are at ``X`` (2, N).
 
         Returns the farthest that a face went [cells], and the crack and the point that did.
         """
@@ -195,7 +199,7 @@ class FaceMotion:
         if len(self._sums) < sides.count:
             self._sums = np.zeros((2 * sides.count, 4, 7))
         farthest = move_points(
-            sides.count, sides.candidates, sides.entries, p.mass, X, p.V, p.L, sides.nodes, sides.segments, sides.hash,
+            sides.count, sides.candidates, sides.entries, p.mass, X, p.L, sides.nodes, sides.segments, sides.hash,
             self._lattice, self._ways, dt, self._points.get(), self._sums, self._worst,
         )  # fmt: skip
         crack, point = self._worst.tolist()

@@ -9,9 +9,9 @@ import numpy as np
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.dofs import dof_of
 from mpmcli.core.grid import Grid
-from mpmcli.cracks.chain import Chain
+from mpmcli.cracks.chain import ABOVE, Chain
 from mpmcli.cracks.crossing import BITS, crosses, whole
-from mpmcli.cracks.motion import ABOVE, BESIDE, sides_at
+from mpmcli.cracks.motion import BESIDE, sides_at
 from mpmcli.cracks.sides import CrackSides
 
 Array = np.ndarray

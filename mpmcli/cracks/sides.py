@@ -50,6 +50,7 @@ class Candidates(NamedTuple):
     close : (c,) whether a crack may part it from nodes
     seen : (c,) ``NEAR`` where the rest is known
     corner : (c,) first node of the stencil, unsigned
+    place : (c, 2) position at the start of the step [length]
     S, G : (c, m), (c, 2 m) shape function values and gradients
     number : (c, m) how many cracks lie between particle and node
     crack, segment : (c, m, 2) the two of lowest index, and the segment that is crossed
@@ -61,6 +62,7 @@ class Candidates(NamedTuple):
     close: Array
     seen: Array
     corner: Array
+    place: Array
     S: Array
     G: Array
     number: Array
@@ -245,6 +247,8 @@ def find_sides(shape, grid, across, X, F, size, stencil, reach, candidates, node
     for q in range(len(candidates.particle)):
         p, offsets = candidates.particle[q], stencil.offsets
         side, number = candidates.side[q], candidates.number[q]
+        for a in range(2):
+            candidates.place[q, a] = X[a, p]
         for j in range(offsets.shape[0]):
             side[j] = 0
         if candidates.seen[q] == NEAR:
@@ -429,6 +433,7 @@ class CrackSides:
             close=away[particle] <= near,
             seen=np.zeros(c, dtype=np.uint8),
             corner=np.zeros(c, dtype=np.uint64),
+            place=np.zeros((c, d)),
             S=np.zeros((c, m)),
             G=np.zeros((c, d * m)),
             number=np.zeros((c, m), dtype=np.uint8),

@@ -52,7 +52,10 @@ class World:
         p = block()
         state = State(PlaneStrain(), p, ["block"], ["m"], [SimpleNamespace(properties=frozenset())], dt=DT)
         self.view = CracksView(
-            chains=chains, force=np.zeros((len(chains), 2)), released=np.zeros(len(chains))
+            chains=chains,
+            force=np.zeros((len(chains), 2)),
+            released=np.zeros(len(chains)),
+            interface_energy=np.zeros(len(chains)),
         )
         self.s = SimpleNamespace(
             state=state, particles=p, grid=SimpleNamespace(cell=np.array([CELL, CELL])), wave_speed=61.0,
