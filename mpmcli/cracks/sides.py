@@ -459,6 +459,15 @@ class CrackSides:
         )
         self.entries = self.entries._replace(first=np.zeros(most + 1, dtype=np.int64))
 
+    def part_all(self) -> None:
+        """Let the first crack part all candidates from the first node of their stencils, in a step that is not run."""
+        c, grid = self.candidates, self._grid
+        cell = np.floor((self._order.particles.X - self._origin[:, None]) / grid.cell[:, None]).astype(
+            np.uint64
+        )
+        c.corner[:] = np.array(grid.stride, dtype=np.uint64) @ cell[:, c.particle]
+        c.seen[:], c.number[:, 0], c.S[:, 0] = NEAR, 1, 1.0
+
     def _clear(self) -> None:
         self.nodes.slot_of_node[self.nodes.node[: self.count]] = -1
         self.count = 0

@@ -43,6 +43,8 @@ class StandIn(Simulation):
         chosen = np.concatenate(few)
         arrays = {name: np.ascontiguousarray(array[..., chosen]) for name, array in p.arrays().items()}
         place = p.X[:, max(few, key=len)]
+        if self._original.cracks is not None:  # and on a crack
+            place = np.repeat(self._original.cracks.chains[0].X[:, :1], FEW, axis=1)
         arrays["X"] = np.ascontiguousarray(np.concatenate([place[:, : len(rows)] for rows in few], axis=1))
         arrays["id"] = np.arange(len(chosen))
         self.particles = replace(p, **arrays)
@@ -63,6 +65,8 @@ class StandIn(Simulation):
             original = self._original.contact
             if original is not None and math.isfinite(original.parallel_from):
                 bounds.append(0)
+        if self.cracks is not None:
+            self.cracks.sides.part_all()
         found: list[tuple[Task, list[Call]]] = []
         with np.errstate(all="ignore"):
             for plan in [self.plan, self.plan.of_flip()] if self.plan.is_periodic else [self.plan]:

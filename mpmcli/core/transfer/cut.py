@@ -70,15 +70,13 @@ def first_rows(particle: Array, ranges: Array) -> Array:
     return np.searchsorted(particle, ranges).astype(np.uint64)
 
 
-def make_cut(transfer: Any, particle: Array, corner: Array, S: Array, G: Array, side: Array) -> Cut | None:
-    """Make rows of the particles (c,), by ascending place, that see nodes on other sides; None without any.
+def make_cut(transfer: Any, particle: Array, corner: Array, S: Array, G: Array, side: Array) -> Cut:
+    """Make rows of the particles (c,), by ascending place, that see nodes on other sides.
 
     ``side`` (c, m) is that of each node of their stencils.
 
     The other arrays are those of ``Cut``.
     """
-    if len(particle) == 0:
-        return None
     p, grid, order = transfer.particles, transfer.grid, transfer.order
     node = corner[:, None] + transfer.stencil.offsets
     field = p.velocity_field[particle].astype(np.uint64)[:, None]
