@@ -27,6 +27,19 @@ DIMENSIONS = {
     "crack": "1",
 }
 """Physical dimensions of the arrays."""
+EVENTS = {
+    "time": "time",
+    "crack": "",
+    "end": "",
+    "event": "",
+    "x": "length",
+    "y": "length",
+    "J": "energy/area",
+    "K_I": "pressure*length^0.5",
+    "K_II": "pressure*length^0.5",
+    "length": "length",
+}
+"""Columns of the table of events, and their physical dimensions; none of text."""
 
 
 def write_cracks(path: Path, time: float, chains: Sequence[Any]) -> None:

@@ -78,7 +78,15 @@ def _cracks_of(scene: Any) -> dict[str, Any]:
         "cracks": tuple(crack.name for crack in scene.cracks),
         "tips": tuple(f"{crack.name}:{key}" for crack, key in ends if getattr(crack.ends, key) == "tip"),
         "has_fracture": scene.fracture is not None,
+        "growing": tuple(f"{crack.name}:{key}" for crack, key in ends if _grows(crack, key)),
+        "has_crack_events": any(_grows(crack, key) for crack, key in ends),
     }
+
+
+def _grows(crack: Any, end: str) -> bool:
+    """Whether an end of a crack of the scene is a tip that may grow."""
+    growth = getattr(crack, "growth", None)
+    return getattr(growth, end, None) is not None
 
 
 def _contact_of(scene: Any, rigid_materials: tuple[str, ...]) -> dict[str, Any]:

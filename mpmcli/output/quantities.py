@@ -29,7 +29,7 @@ class Context:
     several only where there is contact; ``field_of`` says which one a name stands for, ``pairs`` (``"left|right"``)
     which of them can meet. ``interfaces`` are the pairs that have an interface law, ``cohesive`` those whose damage is
     remembered. ``cracks`` are names, ``tips`` their ends in material (``"main:end"``), ``growing`` those that may grow;
-    ``has_fracture``: fracture quantities are known at tips.
+    ``has_fracture``: fracture quantities are known at tips; ``has_crack_events``: cracks may grow or break.
 
     ``has_normals``: contact knows directions and areas; ``creates_momentum``: it may violate the balance
     of momentum.
@@ -60,6 +60,7 @@ class Context:
     tips: tuple[str, ...] = ()
     growing: tuple[str, ...] = ()
     has_fracture: bool = False
+    has_crack_events: bool = False
     has_normals: bool = False
     creates_momentum: bool = False
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ import numpy as np
 from mpmcli.core.errors import ArchiveError
 from mpmcli.core.state import State
 from mpmcli.output.columns import evaluate, resolve_columns, resolve_fields
-from mpmcli.output.files import FAILED, FAILED_CRACKS, GLOBALS, cannot_write, make_folder
+from mpmcli.output.files import CRACK_EVENTS, FAILED, FAILED_CRACKS, GLOBALS, cannot_write, make_folder
 from mpmcli.output.global_quantities import EnergyBalance
 from mpmcli.output.manifest import Manifest
 from mpmcli.output.of_scene import context_of
@@ -74,7 +75,8 @@ class Recorder:
             self._add_particles(scene, loaded.units, units)
             self._add_grid(scene, loaded.units, units)
             if scene.cracks:
-                self._add_cracks(scene, loaded.units, units, state)
+                self._add_cracks(scene, loaded.units, units)
+                self._add_events(scene, loaded.units, units, state)
         except ArchiveError:
             for part in self._parts:
                 part.close()
@@ -179,7 +181,7 @@ class Recorder:
 
         self._parts.append(_SeriesPart("grid", Schedule(asked.every), record, series))
 
-    def _add_cracks(self, scene: Any, labels: Any, units: dict[str, dict[str, str]], state: State) -> None:
+    def _add_cracks(self, scene: Any, labels: Any, units: dict[str, dict[str, str]]) -> None:
         asked = scene.archive.cracks
         if asked is None:
             return
@@ -196,6 +198,18 @@ class Recorder:
             series.add(snapshot.state.time)
 
         self._parts.append(_SeriesPart("cracks", Schedule(asked.every), record, series))
+
+    def _add_events(self, scene: Any, labels: Any, units: dict[str, dict[str, str]], state: State) -> None:
+        if not self.context.has_crack_events:
+            return
+        from mpmcli.output.crack_files import EVENTS
+
+        make_folder(self.directory / "cracks")
+        table = Table(self.directory / CRACK_EVENTS, list(EVENTS), self._position("cracks.events"))
+        units[CRACK_EVENTS] = {
+            name: labels.label(dimension) for name, dimension in EVENTS.items() if dimension
+        }
+        self._parts.append(_EventsPart("cracks.events", table, state))
 
     def _position(self, part: str) -> tuple[int, int] | None:
         """Where the table of a part goes on, or None for a new one."""
@@ -235,13 +249,13 @@ class Recorder:
 
     def due(self, state: State) -> bool:
         """Whether anything is to be written of this state."""
-        return any(part.schedule.is_due(state.time) for part in self._parts)
+        return any(part.is_due(state) for part in self._parts)
 
     def record(self, state: State, everything: bool = False) -> None:
         """Write what is due of this state, or ``everything``; nothing is written twice of one step."""
         snapshot = Snapshot(state)
         for part in self._parts:
-            if part.last_step != state.step and (everything or part.schedule.is_due(state.time)):
+            if part.last_step != state.step and (everything or part.is_due(state)):
                 part.record(snapshot)
                 part.last_step = state.step
                 part.schedule.advance(state.time)
@@ -275,6 +289,10 @@ class _Part:
     def __init__(self, name: str, schedule: Schedule, record: Callable[[Snapshot], None]):
         self.name, self.schedule, self.record = name, schedule, record
         self.last_step: int | None = None
+
+    def is_due(self, state: State) -> bool:
+        """Whether it is to be written of this state."""
+        return self.schedule.is_due(state.time)
 
     def memory(self) -> dict[str, Any]:
         """What a checkpoint keeps of it."""
@@ -315,6 +333,29 @@ class _TablePart(_Part):
         """What a checkpoint keeps of it: also how far the table is, for good."""
         self._table.sync()
         return super().memory() | {"position": np.array(self._table.position, dtype=np.int64)}
+
+
+class _EventsPart(_TablePart):
+    """What happened to cracks, as it happens.
+
+    A run that goes on may start with an empty list of events, or with those that were written before.
+    """
+
+    def __init__(self, name: str, table: Table, state: State):
+        super().__init__(name, Schedule(math.inf), self._write, table)
+        self._written = _events_of(state)
+
+    def is_due(self, state: State) -> bool:
+        return _events_of(state) > self._written
+
+    def _write(self, snapshot: Snapshot) -> None:
+        for event in snapshot.cracks.events[self._written :]:
+            self._table.write(event)
+        self._written = _events_of(snapshot.state)
+
+
+def _events_of(state: State) -> int:
+    return 0 if state.cracks is None else len(state.cracks.events)
 
 
 class _SeriesPart(_Part):

@@ -44,10 +44,16 @@ def check_cracks(parts: Parts, root: Node) -> list[Problem]:
         if parts.archive is not None and parts.archive.cracks is not None:
             words = "has no effect, because the scene has no 'cracks'"
             report("archive.cracks", words, "no_effect", "warning")
+        if parts.fracture is not None:
+            report("fracture", "needs the tip of a crack, but the scene has no 'cracks'", "no_tip")
         return problems
     if not node.is_sequence:
         return problems
 
+    cracks = [crack for _, crack in parts.cracks]
+    has_tips = len(cracks) < len(node.value) or any(True for crack in cracks for _ in tips_of(crack))
+    if parts.fracture is not None and not has_tips:
+        report("fracture", "needs the tip of a crack, but all ends of cracks are mouths", "no_tip")
     _check_analysis(parts, root, report)
     _check_bodies(root, node, report)
     is_plane = parts.analysis is None or ANALYSES[parts.analysis.kind]().dimensions == 2

@@ -179,7 +179,12 @@ def check_start(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
         from mpmcli.scene.crack_places import check_places
 
         check_places(scene, filled)
-    return check_touch(scene, filled)
+    found = check_touch(scene, filled)
+    if scene.fracture is not None:
+        from mpmcli.scene.fracture_checks import check_tips
+
+        found += check_tips(scene, filled)
+    return found
 
 
 def stair_stepped_faces(scene: Any, filled: Sequence[BodyParticles]) -> Iterator[Problem]:

@@ -286,6 +286,53 @@ def test_recorder_writes_a_series_of_each_crack_and_goes_on_from_it(make_cracked
     assert (folder / "cracks.pvd").read_text() == listed
 
 
+class Growing(Named):
+    """A crack whose tips may grow."""
+
+    growth = type("Growth", (), {"start": None, "end": object()})
+
+
+def test_events_are_written_as_they_happen_and_cut_back_with_a_checkpoint(
+    make_cracked, make_loaded, tmp_path
+):
+    loaded = make_loaded({})
+    loaded.scene.cracks = (Growing('ma,in"', "mouth", "tip"), Growing("side", "tip", "tip"))
+    states = [make_cracked(step=step, time=0.1 * step) for step in range(6)]
+    events = []
+    for state in states:
+        if state.step in (2, 3, 5):
+            events.append(
+                (0.1 * state.step, 'ma,in"', "end", "growth", 1.0, 2.0, 3.0, float("nan"), 0.0, 4.5)
+            )
+        state.cracks.events = list(events)
+    recorder = Recorder(loaded, tmp_path / "out", states[0])
+    memory = None
+    for state in states[1:]:
+        assert recorder.due(state) == (state.step in (2, 3, 5))
+        if recorder.due(state):
+            recorder.record(state)
+        if state.step == 3:
+            memory = recorder.memory(state)
+    recorder.close("finished")
+    path = tmp_path / "out" / "cracks" / "events.csv"
+    header, rows = read_table(path)
+    assert header == ["time", "crack", "end", "event", "x", "y", "J", "K_I", "K_II", "length"]
+    assert len(rows) == 3
+    assert rows[0][1:8] == ['ma,in"', "end", "growth", "1", "2", "3", ""]
+    before = path.read_bytes()
+    assert recorder.manifest.contents["units"]["cracks/events.csv"]["J"] == "[energy/area]"
+    for remembered in (events[:2], []):  # a simulation may or may not remember what was written
+        for state in states[3:]:
+            state.cracks.events = remembered + (events[2:] if state.step == 5 else [])
+        resumed = Recorder(loaded, tmp_path / "out", states[3], memory=memory)
+        assert path.read_bytes().count(b"\n") == 3
+        for state in states[4:]:
+            if resumed.due(state):
+                resumed.record(state)
+        resumed.close("finished")
+        assert path.read_bytes() == before
+
+
 def test_a_failed_run_leaves_its_cracks(make_cracked, make_loaded, tmp_path):
     loaded = make_loaded({})
     loaded.scene.cracks = (Named("main", "mouth", "tip"), Named("side", "tip", "tip"))

@@ -167,3 +167,60 @@ def test_files_of_cracks_without_cracks(problems_with: Any) -> None:
     [found] = problems_with(("archive:\n", "archive:\n  cracks: {every: 0.1}\n"))
     assert (found.path, found.severity) == ("archive.cracks", "warning")
     assert "the scene has no 'cracks'" in found.message
+
+
+DOMAIN = "fracture: {{inner: 2, outer: {outer}}}\n"
+
+
+@pytest.mark.parametrize(
+    ("path", "outer", "words"),
+    [
+        ("[[-11, 0], [2, 0]]", 8, ""),
+        (
+            "[[-11, 0], [2, 0]]",
+            8.1,
+            "the tip 'main:end' at [2, 0] reaches the border of the matter, 8 cells away",
+        ),
+        (
+            "[[-11, 0], [2, 3.5]]",
+            7,
+            "6.5 cells away, and its energy release rate is less accurate; use at most 6.5",
+        ),
+        (
+            "[[-11, 0], [8.5, 0]]",
+            6,
+            "1.5 cells away, and its energy release rate is less accurate; the largest that",
+        ),
+    ],
+)
+def test_domains_that_reach_the_border(path: str, outer: float, words: str) -> None:
+    found = problems(path, more=DOMAIN.format(outer=outer))
+    assert bool(found) == bool(words)
+    for problem in found:
+        assert (problem.path, problem.severity, problem.code) == ("fracture.outer", "warning", "domain")
+        assert words in problem.message
+
+
+def test_domains_that_reach_other_tips_materials_and_holes() -> None:
+    other = "  - {name: other, path: {kind: points, points: [[4, 3], [4, -3]]}}\n"
+    found = problems("[[-11, 0], [1, 0]]", more=other + DOMAIN.format(outer=4.5))
+    assert ["reaches the tip 'main:end'" in problem.message for problem in found] == [False, True, True]
+    assert "the tip 'main:end' at [1, 0] reaches the tip 'other:end', 4.24 cells away" in found[0].message
+    hole = "{kind: difference, region: " + BOX + ", subtract: [{kind: disk, center: [6.5, 0], radius: 1.5}]}"
+    assert problems("[[-11, 0], [2, 0]]", region=hole, more=DOMAIN.format(outer=2.9)) != []
+    assert problems("[[-11, 0], [1.9, 0]]", region=hole, more=DOMAIN.format(outer=3)) == []
+    # the other half is of another material
+    halves = "{kind: box, lower: [-10, -10], upper: [6, 10]}}\n  - {name: right, material: soft, region: "
+    halves += "{kind: box, lower: [6, -10], upper: [10, 10]}"
+    soft = "materials:\n  soft: {{kind: linear_elastic, density: 1.5e-3, E: 1, nu: 0.33}}\n"
+    text = SCENE.replace("materials:\n", soft).format(
+        path="{kind: points, points: [[-11, 0], [2, 0]]}", ends="{start: mouth}", region=halves,
+        more=DOMAIN.format(outer=4.5), left=-20, analysis="plane_strain",
+    )  # fmt: skip
+    [found_here] = check_filling(load_scene(text).scene)
+    assert "reaches another material, 4 cells away" in found_here.message
+
+
+def test_faces_of_cracks_are_no_border() -> None:
+    through = "  - {name: other, path: {kind: points, points: [[3, -12], [3, 12]]}, ends: {start: mouth, end: mouth}}\n"
+    assert problems("[[-11, 0], [2, 0]]", more=through + DOMAIN.format(outer=6)) == []

@@ -1,0 +1,148 @@
+"""What is near the tips of cracks at the start: domains of energy release rates, and materials."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.cracks.integrals.elastic import has_plane_elasticity
+from mpmcli.geometry.bodies import BodyParticles
+from mpmcli.geometry.domains import in_a_domain
+from mpmcli.scene.crack_checks import tips_of, words_of
+from mpmcli.scene.crack_places import ROUND_OFF
+
+Array = np.ndarray
+
+
+class Tip(NamedTuple):
+    """A tip at the start: its crack, the key of its end, and its place (2,) [length]."""
+
+    crack: Any
+    key: str
+    place: Array
+
+    @property
+    def name(self) -> str:
+        """``main:end``."""
+        return f"{self.crack.name}:{self.key}"
+
+
+class Near(NamedTuple):
+    """Particles around a tip: positions and half sizes (2, n) [length], indices of materials (n,)."""
+
+    X: Array
+    half: Array
+    material: Array
+
+
+def check_tips(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
+    """Refuse criteria that the material at a tip cannot meet; warn of domains that reach what they should not.
+
+    Raises
+    ------
+    SceneError
+        With the material.
+    """
+    tips = [Tip(crack, key, place) for crack in scene.cracks for key, place in tips_of(crack)]
+    errors, warnings = [], []
+    for tip in tips:
+        near = _near(tip.place, scene, filled)
+        errors += list(_without_modes(tip, near, scene))
+        reached = _first_reached(tip, near, tips, scene)
+        if reached is not None:
+            warnings.append(reached)
+    if errors:
+        raise SceneError(errors)
+    return warnings
+
+
+def _near(place: Array, scene: Any, filled: Sequence[BodyParticles]) -> Near:
+    """Return the particles of deformable bodies in the domain of a tip, and a little beyond."""
+    names = list(scene.materials)
+    reach = (scene.fracture.outer + 2.0) * min(scene.grid.cell)
+    parts = []
+    for body, particles in zip(scene.bodies, filled, strict=True):
+        if scene.materials[body.material].kind == "rigid":
+            continue
+        near = (np.abs(particles.X - place[:, None]) <= reach).all(axis=0)
+        half = np.broadcast_to(particles.reach, particles.X.shape)[:, near]
+        parts.append((particles.X[:, near], half, np.full(near.sum(), names.index(body.material))))
+    X, half, material = zip(*parts, strict=True)
+    return Near(np.concatenate(X, axis=1), np.concatenate(half, axis=1), np.concatenate(material))
+
+
+def _without_modes(tip: Tip, near: Near, scene: Any) -> Iterator[Problem]:
+    """Growth by stress intensity factors needs a material that has them."""
+    growth = getattr(getattr(tip.crack, "growth", None), tip.key, None)
+    if growth is None or not near.material.size:
+        return
+    name = list(scene.materials)[near.material[_distance(near, tip.place).argmin()]]
+    model = scene.materials[name]
+    if has_plane_elasticity(model):
+        return
+    for key, chosen in (("criterion", growth.criterion), ("direction", growth.way)):
+        if "K" in chosen.needs:
+            words = (
+                f"'{chosen.kind}' needs stress intensity factors, which the material '{name}' ({model.kind}) at the "
+                "tip does not have; use an isotropic elastic material, or the criterion 'energy_release_rate' with the "
+                "direction 'self_similar'"
+            )
+            yield Problem(f"cracks.{tip.crack.name}.growth.{tip.key}.{key}", words, code="material")
+            return
+
+
+def _first_reached(tip: Tip, near: Near, tips: Sequence[Tip], scene: Any) -> Problem | None:
+    """Warn if the domain of a tip reaches the surface of the bodies, another material or another tip."""
+    cell = min(scene.grid.cell)
+    outer = scene.fracture.outer * cell
+    distances = [
+        (float(np.hypot(*(other.place - tip.place))), f"the tip '{other.name}'")
+        for other in tips
+        if other is not tip
+    ]
+    distances.append((_to_surface(near, tip.place, cell), "the border of the matter"))
+    of_particle = _distance(near, tip.place)
+    if of_particle.size:
+        others = of_particle[near.material != near.material[of_particle.argmin()]]
+        distances.append((float(others.min(initial=np.inf)), "another material"))
+    distance, what = min(distances)
+    if distance >= outer * (1.0 - ROUND_OFF):
+        return None
+    fits = np.floor(distance / cell * 10.0 + ROUND_OFF) / 10.0
+    advice = (
+        f"use at most {fits:g}" if fits >= scene.fracture.inner + 1.0
+        else f"the largest that fits is {fits:g}, with a smaller 'inner' or smaller cells"
+    )  # fmt: skip
+    words = (
+        f"the domain of the tip '{tip.name}' at {words_of(tip.place)} reaches {what}, {distance / cell:.3g} cells "
+        f"away, and its energy release rate is less accurate; {advice}"
+    )
+    return Problem("fracture.outer", words, code="domain", severity="warning")
+
+
+def _distance(near: Near, place: Array) -> Array:
+    """Distances (n,) from a place to the domains of particles."""
+    gap = np.maximum(np.abs(near.X - place[:, None]) - near.half, 0.0)
+    return np.asarray(np.hypot(gap[0], gap[1]))
+
+
+def _to_surface(near: Near, place: Array, cell: float) -> float:
+    """Return the distance from a place to the nearest side of a particle without matter beyond it."""
+    if not near.X.size:
+        return 0.0
+    margin = 1e-3 * cell
+    found = np.inf
+    for axis, side in itertools.product(range(2), (-1.0, 1.0)):
+        beyond = near.X.copy()
+        beyond[axis] += side * (near.half[axis] + margin)
+        bare = ~in_a_domain(beyond, near.X, near.half)
+        level = near.X[axis, bare] + side * near.half[axis, bare]
+        across = 1 - axis
+        gap = np.maximum(np.abs(near.X[across, bare] - place[across]) - near.half[across, bare], 0.0)
+        distance = np.hypot(level - place[axis], gap)
+        found = min(found, float(distance.min(initial=np.inf)))
+    return found
