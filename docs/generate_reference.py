@@ -28,6 +28,8 @@ NOUNS = {
     "separation": "Contact separation",
     "law": "Contact law",
     "path": "Path of a crack",
+    "criterion": "Growth criterion",
+    "direction": "Growth direction",
 }
 """What the alternatives below a key are called in headings."""
 

@@ -18,6 +18,8 @@ KINDS = (
     "laws",
     "cohesive_shapes",
     "paths",
+    "criteria",
+    "directions",
     "transfers",
     "heat_transfers",
     "updates",

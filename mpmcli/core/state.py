@@ -125,6 +125,7 @@ class CracksView:
     nodes, third : nodes whose particles lie on several sides; where a third crack was left out
     all_third : the latter, summed up over all steps so far
     tip : function of a crack's index and of 0 (start) or -1 (end) giving ``TipValues``
+    speed : function of the same giving the speed of a tip that grows; 0 where it rests [velocity]
     particle_side : function giving the side on which each particle lies of the node that it feeds most, (N,)
     events : what happened so far: rows of time, crack, end, event, x, y, J, K_I, K_II, length
     """
@@ -137,6 +138,7 @@ class CracksView:
     third: int = 0
     all_third: int = 0
     tip: Callable[[int, int], TipValues] = lambda crack, end: TipValues(np.nan, np.nan, np.nan)
+    speed: Callable[[int, int], float] = lambda crack, end: 0.0
     particle_side: Callable[[], np.ndarray] = lambda: np.zeros(0, dtype=np.int32)
     events: list[tuple[Any, ...]] = field(default_factory=list)
 

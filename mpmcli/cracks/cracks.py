@@ -89,6 +89,7 @@ class Cracks:
             from mpmcli.cracks.growth import CrackGrowth
 
             self.growth = CrackGrowth(models, self.tips, cuts, s, self.view)
+            self.view.speed = self.growth.speed
         self._motion = FaceMotion(
             self.sides, self.sides.points, self.faces.contacts.lattice, [model.moves for model in models]
         )

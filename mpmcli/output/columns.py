@@ -22,7 +22,8 @@ from mpmcli.output.snapshot import Snapshot
 DEFAULT = "default"
 """The word for "the columns that this scene has by itself" in a list of columns."""
 
-NAMED = ("reaction", "heat", "pair", "field", "crack", "tip")
+OF_CRACKS = ("crack", "tip")
+NAMED = ("reaction", "heat", "pair", "field", *OF_CRACKS)
 """Places whose quantities are computed by name."""
 PLACES = ("global", "material", "body", *NAMED)
 """Places whose quantities are columns."""
@@ -176,8 +177,13 @@ def unknown_name(name: str, noun: str, names: Iterable[str]) -> str:
 def unknown_column(name: str, names: Iterable[str], context: Context) -> str:
     """Why a name is no column of a scene: what its cracks lack for it, or the nearest name."""
     base, _, owner = name.removesuffix("]").partition("[")
-    for quantity in QUANTITIES.at("crack", "tip"):
-        if base in (quantity.name, f"{quantity.name}_x", f"{quantity.name}_y"):
+    elsewhere = {quantity.name for quantity in QUANTITIES.at(*PLACES[: -len(OF_CRACKS)])}
+    for quantity in QUANTITIES.at(*OF_CRACKS):
+        if quantity.name not in elsewhere and base in (
+            quantity.name,
+            f"{quantity.name}_x",
+            f"{quantity.name}_y",
+        ):
             words = crack_quantities.why_missing(quantity, owner, context)
             if words:
                 return f"'{name}' {words}"

@@ -37,12 +37,25 @@ def _total(name: str) -> Callable[[Snapshot], float]:
     return lambda snapshot: float(getattr(_view(snapshot), name).sum()) * snapshot.full_ring
 
 
+def _total_energy(snapshot: Snapshot) -> float:
+    """That of bodies in contact and of the faces of cracks."""
+    contact, cracks = snapshot.state.contact, snapshot.state.cracks
+    energy = 0.0 if cracks is None else float(cracks.interface_energy.sum())
+    if contact is not None and contact.interfaces is not None:
+        energy += float(contact.interfaces.energy.sum())
+    return energy * snapshot.full_ring
+
+
 def _particle_damage(snapshot: Snapshot) -> np.ndarray:
     return _view(snapshot).particle_damage()
 
 
 def _exists(context: Context) -> bool:
     return bool(context.interfaces)
+
+
+def _exists_anywhere(context: Context) -> bool:
+    return bool(context.interfaces or context.crack_interfaces)
 
 
 def _some_break(context: Context) -> bool:
@@ -72,9 +85,9 @@ QUANTITIES.add(
         "energy",
         "scalar",
         "global",
-        _total("energy"),
+        _total_energy,
         "energy stored in interfaces",
-        exists=_exists,
+        exists=_exists_anywhere,
     ),
     Quantity(
         "interface_work",
@@ -85,7 +98,7 @@ QUANTITIES.add(
         lambda s: s.state.work["interface_work"] * s.full_ring,
         "energy that interfaces have taken out of the bodies; interface_energy, cohesive_work and the numerical loss "
         "are its parts",
-        exists=_exists,
+        exists=_exists_anywhere,
     ),
     Quantity(
         "cohesive_work",

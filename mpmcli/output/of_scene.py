@@ -44,7 +44,7 @@ def context_of(scene: Any, state: State | None = None) -> Context:
         or bool(contact.get("rigid_fields")),
         "external_work": bool(scene.loads_on("velocity"))
         or any(crack.pressure is not None for crack in scene.cracks),
-        "contact_work": bool(contact),
+        "contact_work": bool(contact) or bool(scene.cracks),
         "bath_heat": scene.heat is not None and not scene.is_adiabatic,
     }
     names = [name for name, used in work.items() if used]
@@ -77,6 +77,7 @@ def _cracks_of(scene: Any) -> dict[str, Any]:
     return {
         "cracks": tuple(crack.name for crack in scene.cracks),
         "tips": tuple(f"{crack.name}:{key}" for crack, key in ends if getattr(crack.ends, key) == "tip"),
+        "crack_interfaces": tuple(crack.name for crack in scene.cracks if crack.faces.law.is_interface),
         "has_fracture": scene.fracture is not None,
         "growing": tuple(f"{crack.name}:{key}" for crack, key in ends if _grows(crack, key)),
         "has_crack_events": any(_grows(crack, key) for crack, key in ends),
@@ -85,8 +86,7 @@ def _cracks_of(scene: Any) -> dict[str, Any]:
 
 def _grows(crack: Any, end: str) -> bool:
     """Whether an end of a crack of the scene is a tip that may grow."""
-    growth = getattr(crack, "growth", None)
-    return getattr(growth, end, None) is not None
+    return crack.growth is not None and getattr(crack.growth, end) is not None
 
 
 def _contact_of(scene: Any, rigid_materials: tuple[str, ...]) -> dict[str, Any]:

@@ -28,7 +28,9 @@ class Context:
     ``history`` the history variables of all materials; ``extra`` further columns by name. ``velocity_fields`` are
     several only where there is contact; ``field_of`` says which one a name stands for, ``pairs`` (``"left|right"``)
     which of them can meet. ``interfaces`` are the pairs that have an interface law, ``cohesive`` those whose damage is
-    remembered. ``cracks`` are names, ``tips`` their ends in material (``"main:end"``), ``growing`` those that may grow;
+    remembered. ``cracks`` are names, ``tips`` their ends in material (``"main:end"``), ``growing`` those that may grow,
+    ``crack_interfaces`` cracks with springs between their faces.
+
     ``has_fracture``: fracture quantities are known at tips; ``has_crack_events``: cracks may grow or break.
 
     ``has_normals``: contact knows directions and areas; ``creates_momentum``: it may violate the balance
@@ -59,6 +61,7 @@ class Context:
     cracks: tuple[str, ...] = ()
     tips: tuple[str, ...] = ()
     growing: tuple[str, ...] = ()
+    crack_interfaces: tuple[str, ...] = ()
     has_fracture: bool = False
     has_crack_events: bool = False
     has_normals: bool = False

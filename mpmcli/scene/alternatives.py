@@ -7,6 +7,8 @@ from mpmcli.contact.laws import LAWS
 from mpmcli.contact.normals import NORMALS
 from mpmcli.contact.separation import SEPARATIONS
 from mpmcli.core.registry import Registry
+from mpmcli.cracks.criteria import CRITERIA
+from mpmcli.cracks.directions import DIRECTIONS
 from mpmcli.cracks.paths import PATHS
 from mpmcli.geometry import REGIONS
 from mpmcli.materials import MATERIALS
@@ -20,5 +22,7 @@ ALTERNATIVES: dict[str, Registry] = {
     "separations": SEPARATIONS,
     "laws": LAWS,
     "paths": PATHS,
+    "criteria": CRITERIA,
+    "directions": DIRECTIONS,
 }
 """The registries by the words of ``mpmcli list``."""

@@ -60,6 +60,7 @@ def check_cracks(parts: Parts, root: Node) -> list[Problem]:
     for index, crack in parts.cracks:
         path = label(root, "cracks", index)
         _check_law(crack, path, report)
+        _check_growth(crack, path, root, report)
         if is_plane and parts.grid is not None and parts.grid.dimensions == 2:
             _check_path(crack, path, parts, report)
     if is_plane and parts.grid is not None and parts.grid.dimensions == 2:
@@ -133,6 +134,18 @@ def _check_law(crack: Any, path: str, report: Report) -> None:
     elif getattr(law, "bonded", None) is not None:
         words = "has no meaning on the faces of a crack, which the law joins everywhere; remove this key"
         report(f"{path}.faces.law.bonded", words, "combination")
+
+
+def _check_growth(crack: Any, path: str, root: Node, report: Report) -> None:
+    if crack.growth is None:
+        return
+    fracture = root.value.get("fracture")
+    if fracture is None or fracture.value is None:
+        words = "needs the section 'fracture', which says how the energy release rate is found (fracture: {})"
+        report(f"{path}.growth", words, "missing")
+    if crack.faces.law.kind == "perfect":
+        words = "the law 'perfect' holds the faces together, so that growth has no effect; use another law"
+        report(f"{path}.faces.law", words, "combination")
 
 
 def _check_path(crack: Any, path: str, parts: Parts, report: Report) -> None:

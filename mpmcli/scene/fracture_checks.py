@@ -77,7 +77,7 @@ def _near(place: Array, scene: Any, filled: Sequence[BodyParticles]) -> Near:
 
 def _without_modes(tip: Tip, near: Near, scene: Any) -> Iterator[Problem]:
     """Growth by stress intensity factors needs a material that has them."""
-    growth = getattr(getattr(tip.crack, "growth", None), tip.key, None)
+    growth = None if tip.crack.growth is None else getattr(tip.crack.growth, tip.key)
     if growth is None or not near.material.size:
         return
     name = list(scene.materials)[near.material[_distance(near, tip.place).argmin()]]

@@ -28,6 +28,8 @@ _NOUNS = {
     "boundary": "boundary condition",
     "loads": "load",
     "path": "path",
+    "criterion": "growth criterion",
+    "direction": "growth direction",
     "probes": "probe",
     "analysis": "analysis",
     "transfer": "transfer",

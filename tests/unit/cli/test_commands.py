@@ -252,6 +252,8 @@ def test_list(kind: str, capsys: pytest.CaptureFixture[str]) -> None:
         "laws": "interface law: tractions across a jump of displacement",
         "cohesive_shapes": "exponential: ",
         "paths": "polyline of a VTP file",
+        "criteria": "maximum_hoop_stress: ",
+        "directions": "self_similar: ",
         "transfers": "fmpm",
         "heat_transfers": "fmpm",
         "updates": "usavg+",

@@ -12,6 +12,8 @@ from mpmcli.boundary import CONDITIONS, LOADS
 from mpmcli.contact.laws import LAWS
 from mpmcli.contact.normals import NORMALS
 from mpmcli.contact.separation import SEPARATIONS
+from mpmcli.cracks.criteria import CRITERIA
+from mpmcli.cracks.directions import DIRECTIONS
 from mpmcli.cracks.paths import PATHS
 from mpmcli.geometry import REGIONS
 from mpmcli.materials import MATERIALS
@@ -36,7 +38,7 @@ def test_every_top_level_key_has_a_row(pages):
         assert f"| `{name}` |" in pages["reference.md"]
 
 
-REGISTRIES = [MATERIALS, REGIONS, CONDITIONS, LOADS, NORMALS, SEPARATIONS, LAWS, PATHS]
+REGISTRIES = [MATERIALS, REGIONS, CONDITIONS, LOADS, NORMALS, SEPARATIONS, LAWS, PATHS, CRITERIA, DIRECTIONS]
 
 
 @pytest.mark.parametrize("registry", REGISTRIES, ids=lambda r: r.noun)

@@ -49,9 +49,13 @@ def make_cracked(make_state, asked):
             return TipValues(1.0 + crack, 10.0 + end, -5.0)
 
         state = make_state(kind, **changes)
-        state.cracks = CracksView(
-            [main, side], np.array([[1.0, 2.0], [0.0, 0.0]]), np.array([0.0, 0.5]), 7, 1, 9, tip
+        force, released, energy = (
+            np.array([[1.0, 2.0], [0.0, 0.0]]),
+            np.array([0.0, 0.5]),
+            np.array([0.25, 0.0]),
         )
+        state.cracks = CracksView([main, side], force, released, energy, 7, 1, 9, tip)
+        state.cracks.speed = lambda crack, end: 0.5 + end
         return state
 
     return make
@@ -65,8 +69,17 @@ def table_of(state, names, context: Context) -> dict[str, float]:
 @pytest.mark.parametrize("kind", ["plane_strain", "axisymmetric"])
 def test_columns_of_cracks(make_cracked, kind):
     ring = 2.0 * np.pi if kind == "axisymmetric" else 1.0
-    names = ["crack_length", "crack_force", "tip", "crack_nodes", "third_cracks", "released_energy"]
-    table = table_of(make_cracked(kind), names, context_for(kind, growing=("side:end", "side:start")))
+    names = [
+        "crack_length",
+        "crack_force",
+        "tip",
+        "crack_nodes",
+        "third_cracks",
+        "released_energy",
+        "tip_speed",
+    ]
+    context = context_for(kind, growing=("side:end", "side:start"), crack_interfaces=("main",))
+    table = table_of(make_cracked(kind), [*names, "interface_energy"], context)
     assert table == pytest.approx(
         {
             "crack_length[main]": 4.0,
@@ -82,6 +95,10 @@ def test_columns_of_cracks(make_cracked, kind):
             "tip_y[side:start]": 2.0,
             "tip_x[side:end]": 0.0,
             "tip_y[side:end]": 2.5,
+            "tip_speed[side:start]": 0.5,
+            "tip_speed[side:end]": -0.5,
+            "interface_energy": 0.25 * ring,
+            "interface_energy[main]": 0.25 * ring,
             "crack_nodes": 7.0,
             "third_cracks": 1.0,
         }
@@ -252,8 +269,11 @@ def test_files_hold_the_plane_and_both_faces(make_cracked, tmp_path):
 class Named:
     """What a recorder reads of the cracks of a scene."""
 
+    growth = None
+
     def __init__(self, name: str, start: str, end: str):
         self.name = name
+        self.pressure, self.faces = None, type("Faces", (), {"law": type("Law", (), {"is_interface": False})})
         self.ends = type("Ends", (), {"start": start, "end": end})
 
 
