@@ -17,6 +17,8 @@ Array = np.ndarray
 
 BESIDE = float(1 << (BITS - 10))
 """How far from the plane a face sees: a thousandth of a cell, in units of positions."""
+WIDEST = 2
+"""Cells around a point in which its face looks for matter: the next nodes of a tip may have no further sides."""
 AVERAGE, MASS, FIXED = 0, 1, 2
 WAYS = {"average": AVERAGE, "mass": MASS, "fixed": FIXED}
 """How planes move: ``moves`` of a crack."""
@@ -67,9 +69,9 @@ def sides_at(px, py, x, y, cell, segments, table, crack):
 def face_velocity(plane, normal, face, sums, nodes, segments, table, lattice, out):
     """Velocity of a point ``face`` (2,) of a face into ``out`` (2,); returns the mass that it comes from, 0 if none.
 
-    It is the mean of what the sides of the four nodes around tell of the point, from their velocities and gradients:
-    exact for affine motion, whichever nodes there are. ``plane`` (2,) is the point of the plane beside it, ``normal``
-    (2,) points from the plane to the face.
+    It is the mean of what the sides of the four nodes around tell of the point, or of the next ones, from their
+    velocities and gradients: exact for affine motion, whichever nodes there are. ``plane`` (2,) is the point of the
+    plane beside it, ``normal`` (2,) points from the plane to the face.
     """
     cx = np.int64(np.floor((plane[0] - lattice.origin[0]) / lattice.cell[0]))
     cy = np.int64(np.floor((plane[1] - lattice.origin[1]) / lattice.cell[1]))
@@ -83,22 +85,30 @@ def face_velocity(plane, normal, face, sums, nodes, segments, table, lattice, ou
     px = whole(plane[0], lattice.origin[0], 1.0 / lattice.cell[0]) + np.int64(BESIDE * normal[0])
     py = whole(plane[1], lattice.origin[1], 1.0 / lattice.cell[1]) + np.int64(BESIDE * normal[1])
     total, mass = 0.0, 0.0
-    for j in range(4):
-        nx, ny = cx + j % 2, cy + j // 2
-        slot = nodes.slot_of_node[ny * lattice.shape[0] + nx]
-        if slot < 0:
-            continue
-        here = sums[slot, sides_at(px, py, nx << BITS, ny << BITS, cell, segments, table, nodes.crack[slot])]
-        m = here[0]
-        if m <= 0.0:
-            continue
-        dx = face[0] - lattice.origin[0] - nx * lattice.cell[0]
-        dy = face[1] - lattice.origin[1] - ny * lattice.cell[1]
-        N = max(1.0 - abs(dx) / lattice.cell[0], 0.0) * max(1.0 - abs(dy) / lattice.cell[1], 0.0)
-        out[0] += N * (here[1] + here[3] * dx + here[4] * dy) / m
-        out[1] += N * (here[2] + here[5] * dx + here[6] * dy) / m
-        mass += N * m
-        total += N
+    for reach in range(1, WIDEST + 1):
+        for j in range(4 * reach * reach):
+            nx, ny = cx + 1 - reach + j % (2 * reach), cy + 1 - reach + j // (2 * reach)
+            if nx < 0 or ny < 0 or nx >= lattice.shape[0] or ny >= lattice.shape[1]:
+                continue
+            slot = nodes.slot_of_node[ny * lattice.shape[0] + nx]
+            if slot < 0:
+                continue
+            here = sums[
+                slot, sides_at(px, py, nx << BITS, ny << BITS, cell, segments, table, nodes.crack[slot])
+            ]
+            m = here[0]
+            if m <= 0.0:
+                continue
+            dx = face[0] - lattice.origin[0] - nx * lattice.cell[0]
+            dy = face[1] - lattice.origin[1] - ny * lattice.cell[1]
+            N = max(1.0 - abs(dx) / (reach * lattice.cell[0]), 0.0)
+            N *= max(1.0 - abs(dy) / (reach * lattice.cell[1]), 0.0)
+            out[0] += N * (here[1] + here[3] * dx + here[4] * dy) / m
+            out[1] += N * (here[2] + here[5] * dx + here[6] * dy) / m
+            mass += N * m
+            total += N
+        if total > 0.0:
+            break
     for a in range(2):
         out[a] = out[a] / total if total > 0.0 else 0.0
     return mass
