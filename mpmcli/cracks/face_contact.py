@@ -43,7 +43,7 @@ class FaceContact(ContactImpulses):
 
     Parameters
     ----------
-    models : laws of the cracks, one each
+    laws : of the cracks, one each
     sides : of the step
     rigid : (fields,) whether a field belongs to a rigid body
     grid, particles, conditions, mirror, work : of the simulation
@@ -54,10 +54,15 @@ class FaceContact(ContactImpulses):
     """
 
     def __init__(
-        self, models: list[Any], sides: CrackSides, rigid: Array, grid: Grid, particles: Particles, conditions: Any,
+        self, laws: list[Any], sides: CrackSides, rigid: Array, grid: Grid, particles: Particles, conditions: Any,
         mirror: Any, work: dict[str, float], update: StrainUpdate, parallel: bool, ring: bool, view: CracksView,
     ):  # fmt: skip
-        self.contacts = FaceContacts(sides, np.arange(len(models)), models, rigid, grid, particles, ring)
+        models: list[Any] = []
+        for law in laws:
+            if law not in models:
+                models.append(law)
+        of_crack = np.array([models.index(law) for law in laws])
+        self.contacts = FaceContacts(sides, of_crack, models, rigid, grid, particles, ring)
         super().__init__(self.contacts, models, range(len(models)), Ways(), grid, conditions)
         self._particles, self._mirror, self._work = particles, mirror, work
         self._runs_parallel, self._view = parallel, view
