@@ -84,8 +84,10 @@ class CrackGrowth:
 
     def speed(self, crack: int, end: int) -> float:
         """Return the speed of a tip; 0 before it has grown twice, and where it rests [velocity]."""
-        found = (tip.speed for tip in self.growing if (tip.chain.index, tip.end) == (crack, end))
-        return float(np.nan_to_num(next(found, 0.0)))
+        for tip in self.growing:
+            if (tip.chain.index, tip.end) == (crack, end) and tip.runs:
+                return 0.0 if math.isnan(tip.speed) else tip.speed
+        return 0.0
 
     def grow(self, step: Step) -> None:
         """Check the tips at the end of a step, and let those grow that meet their criterion."""

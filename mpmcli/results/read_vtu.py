@@ -1,4 +1,4 @@
-"""Reading an archive of particles: VTU files with raw appended data, as ``output/vtu.py`` (and vtk) write them."""
+"""Reading archives: VTU and VTP files with raw appended data, as ``output/vtu.py`` (and vtk) write them."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from mpmcli.output.appended import NUMPY_TYPES, Damaged, unpacked
 Array = np.ndarray
 
 _APPENDED = re.compile(rb"<AppendedData\s+encoding\s*=\s*[\"']raw[\"']\s*>\s*_")
+KINDS = ("UnstructuredGrid", "PolyData")
+"""Kinds of data sets that mpmcli writes."""
 WORDS = {"UInt64": "<u8", "UInt32": "<u4"}
 
 
@@ -44,7 +46,8 @@ class Vtu:
         self._data = memoryview(content)[found.end() :]
         self._word = WORDS.get(root.get("header_type", "UInt32"), "")
         self._compressor = root.get("compressor", "")
-        pieces = root.findall("UnstructuredGrid/Piece")
+        kind = root.get("type", "")
+        pieces = root.findall(f"{kind}/Piece") if kind in KINDS else []
         if len(pieces) != 1 or not self._word or root.get("byte_order") != "LittleEndian":
             raise Damaged("not a file of mpmcli")
         piece = pieces[0]
@@ -63,7 +66,7 @@ class Vtu:
                     element.get(f"ComponentName{k}", str(k)).upper() for k in range(values.shape[1])
                 )
         self.time = float("nan")
-        for element in root.findall("UnstructuredGrid/FieldData/DataArray"):
+        for element in root.findall(f"{kind}/FieldData/DataArray"):
             if element.get("Name") == "TimeValue":
                 self.time = float(self._array(element, 1).reshape(-1)[0])
 

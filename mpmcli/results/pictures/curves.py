@@ -13,6 +13,7 @@ import numpy as np
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.columns import QUANTITIES
 from mpmcli.output.files import GLOBALS
+from mpmcli.results.pictures.cracks import is_profile
 from mpmcli.results.pictures.drawing import new_figure, shorten, space_ticks, write_title
 from mpmcli.results.pictures.errors import PictureError
 from mpmcli.results.reading import Results, Table, unit_in_brackets
@@ -41,6 +42,18 @@ SUBJECTS: dict[str, tuple[str, ...]] = {
         "interface_area",
         "broken_area",
         "interface_lost",
+    ),
+    "cracks": (
+        "crack_length",
+        "J",
+        "K_I",
+        "K_II",
+        "tip",
+        "tip_speed",
+        "released_energy",
+        "crack_force",
+        "crack_nodes",
+        "third_cracks",
     ),
     "motion": ("center", "velocity", "largest_speed"),
     "steps": ("dt", "smallest_J", "mass"),
@@ -178,7 +191,7 @@ def abscissa(results: Results, name: str) -> Abscissa:
 
 
 def _tables(results: Results) -> list[Table]:
-    return [results.table(name) for name in results.table_names()]
+    return [table for name in results.table_names() if not is_profile(table := results.table(name))]
 
 
 def _no_column(name: str, tables: Sequence[Table]) -> PictureError:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.results.pictures.cracks import CrackLayer
 from mpmcli.results.pictures.drawing import new_figure, shorten, space_ticks, write_title
 from mpmcli.results.pictures.extent import Extent, color_range, is_rigid
 from mpmcli.results.pictures.quantities import GROUPS, Coloring, domains_of, find_coloring, unit_of
@@ -195,10 +196,15 @@ class PlanePicture(ParticlePicture):
         self.axes.set(xlabel=self._length(self.plane[0]), ylabel=self._length(self.plane[1]))
         palette.explain(self.figure, self.axes, is_wide)
         self._domains = polygons_of(self.axes)
+        self._cracks = CrackLayer(results, self.axes) if self.plane == (0, 1) else None
 
     def update(self, frame: Frame) -> None:
         polygons, owners = self._polygons(frame, self._note_lost(frame))
         show_polygons(self._domains, polygons, self.palette.colors(frame)[owners])
+        if self._cracks is not None:
+            self._cracks.update(frame.time)
+            if self._cracks.note:
+                self._note(self._cracks.note)
         self._set_time(frame)
 
     def _polygons(self, frame: Frame, kept: Array) -> tuple[Array, Array]:

@@ -12,7 +12,9 @@ import numpy as np
 from mpmcli.core.errors import ArchiveError
 from mpmcli.core.suggest import did_you_mean
 from mpmcli.output.files import GLOBALS, PLOTS
+from mpmcli.results.crack_results import growth_of_tips
 from mpmcli.results.pictures.animation import KINDS, MOST_FRAMES, check_writer, write_animation
+from mpmcli.results.pictures.cracks import draw_growth, draw_opening, is_profile
 from mpmcli.results.pictures.curves import (
     ENERGIES,
     SUBJECTS,
@@ -32,8 +34,8 @@ from mpmcli.results.pictures.quantities import DEFAULTS, DEFAULTS_ON_A_LINE, Col
 from mpmcli.results.pictures.space import VIEWS, SectionPicture, SpacePicture, place_of_section
 from mpmcli.results.reading import Frame, Results
 
-PARTICLES, PROBES, ALL = "particles", "probes", "all"
-WHAT = (*SUBJECTS, PROBES, PARTICLES, ALL)
+GROWTH, PARTICLES, PROBES, ALL = "growth", "particles", "probes", "all"
+WHAT = (*SUBJECTS, GROWTH, PROBES, PARTICLES, ALL)
 """What pictures can be of."""
 FILES = (*FORMATS, *(f".{kind}" for kind in KINDS), ".py")
 """Endings by which the name of a file is told from that of a folder."""
@@ -160,15 +162,32 @@ def _jobs(results: Results, request: Request) -> Iterator[tuple[str, str, Draw]]
     for subject in SUBJECTS:
         if subject in what:
             yield subject, ".png", curves(subject_panels(results, subject))
+    if GROWTH in what:
+        yield GROWTH, ".png", _saved(lambda: draw_growth(results))
     if PROBES in what:
         for name in results.table_names():
             if name != GLOBALS:
                 probe = Path(name).stem
-                yield f"probe_{probe}", ".png", curves(probe_panels(results, name))
+                yield f"probe_{probe}", ".png", _probe(results, name, curves)
     if request.columns:
         yield "columns", ".png", curves(column_panels(results, request.columns))
     if PARTICLES in what:
         yield PARTICLES, f".{request.animate or 'png'}", _particles(results, request)
+
+
+def _saved(make: Callable[[], Any]) -> Draw:
+    def draw(path: Path) -> list[str]:
+        save(make(), path)
+        return []
+
+    return draw
+
+
+def _probe(results: Results, name: str, curves: Callable[[list[Panel]], Draw]) -> Draw:
+    table = results.table(name)
+    if is_profile(table):
+        return _saved(lambda: draw_opening(table, results))
+    return curves(probe_panels(results, name))
 
 
 def _what(results: Results, request: Request) -> list[str]:
@@ -195,6 +214,7 @@ def _existing(results: Results) -> list[str]:
         except PictureError:
             continue
         found.append(subject)
+    found += [GROWTH] * bool(growth_of_tips(results.directory))
     found += [PROBES] * any(name != GLOBALS for name in results.table_names())
     return found + [PARTICLES] * results.has_particles
 
