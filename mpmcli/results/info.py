@@ -9,7 +9,9 @@ from typing import Any
 
 from mpmcli.core.errors import ArchiveError
 from mpmcli.output.checkpoint import read_checkpoint
-from mpmcli.output.files import CHECKPOINTS, FAILED, GLOBALS, SERIES, owned_files
+from mpmcli.output.crack_report import in_words as crack_in_words
+from mpmcli.output.crack_report import third_in_words
+from mpmcli.output.files import CHECKPOINTS, CRACK_EVENTS, FAILED, GLOBALS, SERIES, owned_files
 from mpmcli.output.interface_report import in_words, lost_in_words
 from mpmcli.output.manifest import read_manifest
 from mpmcli.output.tables import read_table
@@ -39,11 +41,11 @@ def describe(path: Path | str) -> str:
         raise ArchiveError(f"{path} does not exist")
     if path.suffix == ".csv":
         return "\n".join(_of_table(path, {}))
-    if path.suffix == ".vtu":
+    if path.suffix in (".vtu", ".vtp"):
         return "\n".join(_of_vtu(path, {}))
     if path.suffix == ".npz":
         return "\n".join(_of_checkpoint(path))
-    raise ArchiveError(f"{path} is neither a results folder nor a .csv, .vtu or .npz file")
+    raise ArchiveError(f"{path} is neither a results folder nor a .csv, .vtu, .vtp or .npz file")
 
 
 def _of_folder(directory: Path) -> Iterator[str]:
@@ -57,7 +59,8 @@ def _of_folder(directory: Path) -> Iterator[str]:
     for name in SERIES:
         pvd = directory / f"{name}.pvd"
         times = _times_of(pvd) if pvd.exists() else []
-        files = sorted(path for path in owned_files(directory) if path.parent.name == name)
+        files = [path for path in owned_files(directory) if path.parent.name == name]
+        files = sorted(path for path in files if SERIES[name].fullmatch(path.name))
         if files:
             size = sum(path.stat().st_size for path in files)
             span = f", time {times[0]:g} to {times[-1]:g}" if times else ""
@@ -68,7 +71,7 @@ def _of_folder(directory: Path) -> Iterator[str]:
             yield _checkpoint_in_short(directory / name)
     if (directory / FAILED).exists():
         yield f"{FAILED}: the last state before the run failed"
-    tables = [directory / GLOBALS, *sorted((directory / "probes").glob("*.csv"))]
+    tables = [directory / GLOBALS, directory / CRACK_EVENTS, *sorted((directory / "probes").glob("*.csv"))]
     for path in tables:
         if path.exists():
             name = path.relative_to(directory).as_posix()
@@ -104,6 +107,12 @@ def _of_manifest(contents: dict[str, Any]) -> Iterator[str]:
         yield in_words(run["interfaces"], next((columns[name] for name in ENERGIES if name in columns), ""))
         if run["interfaces"]["lost"]:
             yield f"warning: {lost_in_words(run['interfaces']['lost'])}"
+    columns = contents.get("units", {})
+    length = columns.get("cracks", {}).get("Points", columns.get("particles", {}).get("Points", ""))
+    energy = columns.get(GLOBALS, {}).get("kinetic_energy", "")
+    yield from (crack_in_words(crack, length, energy) for crack in run.get("cracks", []))
+    if run.get("third_cracks"):
+        yield f"warning: {third_in_words(run['third_cracks'])}"
 
 
 def _of_table(path: Path, units: dict[str, str]) -> Iterator[str]:

@@ -15,6 +15,7 @@ from mpmcli.core.errors import ArchiveError, SimulationError
 from mpmcli.core.state import State
 from mpmcli.output import manifest
 from mpmcli.output.checkpoint import Checkpoint, write_checkpoint
+from mpmcli.output.crack_report import crack_facts, third_in_words
 from mpmcli.output.files import FAILED
 from mpmcli.output.interface_report import in_words, interface_facts, lost_in_words
 from mpmcli.output.recorder import Recorder
@@ -127,6 +128,7 @@ class RunLoop:
         outcome = self._outcome(code, ended)
         self._report_contacts()
         self._report_interfaces()
+        self._report_cracks()
         self._summarise(outcome)
         return outcome
 
@@ -247,6 +249,7 @@ class RunLoop:
             thread_layer=manifest.thread_layer(),
             **self._contacts(),
             **interface_facts(self.simulation.state, self.recorder.balance.largest),
+            **crack_facts(self.simulation.state),
             energy_error=self.recorder.energy_error,
         )
 
@@ -299,6 +302,11 @@ class RunLoop:
         LOGGER.info("%s", in_words(facts["interfaces"], self.loaded.units.label("energy")))
         if lost := facts["interfaces"]["lost"]:
             LOGGER.warning("%s", lost_in_words(lost))
+
+    def _report_cracks(self) -> None:
+        """Tell of nodes at which a crack was left out, once."""
+        if third := crack_facts(self.simulation.state).get("third_cracks"):
+            LOGGER.warning("%s", third_in_words(third))
 
     def _summarise(self, outcome: Outcome) -> None:
         speed = self._nanoseconds()

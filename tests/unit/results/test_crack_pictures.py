@@ -128,7 +128,7 @@ def test_all_pictures(cracked):
 def test_damaged_files_of_cracks(cracked):
     path = cracked / "cracks" / "side_000002.vtp"
     path.write_bytes(path.read_bytes()[:300])
-    with pytest.raises(ArchiveError, match="side_000002.vtp"):
+    with pytest.raises(ArchiveError, match=r"side_000002\.vtp"):
         crack_files(cracked).at(1.0)
     (cracked / "cracks.pvd").write_text("<nothing")
     with pytest.raises(ArchiveError, match=r"cannot read .*cracks\.pvd"):
