@@ -8,6 +8,7 @@ import numpy as np
 
 from mpmcli.core.analysis import Analysis, PlaneStrain, PlaneStress
 from mpmcli.core.particles import Particles
+from mpmcli.cracks.chain import Chain
 from mpmcli.cracks.integrals.base import Frame
 from mpmcli.cracks.integrals.elastic import PlaneElasticity, mixed, strain_of, tip_field
 from mpmcli.materials import MATERIALS
@@ -20,7 +21,11 @@ PLANE_STRAIN = PlaneStrain()
 
 @dataclass
 class Plate:
-    """Particles, four per cell of size ``cell``, around a tip; ``turn`` is a rotation of all of it afterwards."""
+    """Particles, four per cell of size ``cell``, around a tip.
+
+    ``T`` is a stress along the crack on top, ``pressed`` are 22 and 12 of another one, ``turn`` is a rotation of all of
+    it afterwards.
+    """
 
     K_I: float
     K_II: float
@@ -32,6 +37,7 @@ class Plate:
     cell: float = 0.1
     thickness: float = 2.0
     T: float = 0.0
+    pressed: tuple[float, float] = (0.0, 0.0)
 
     @property
     def frame(self) -> Frame:
@@ -55,7 +61,8 @@ class Plate:
         ahead = np.array([[c, s], [-s, c]])
         x = ahead @ (X - np.array(self.tip)[:, None])
         stress, slope = tip_field(x, self.K_I, self.K_II, self.elasticity)
-        stress[0] += self.T
+        stress += np.array([[self.T], [self.pressed[0]], [self.pressed[1]]])
+        slope[1] += self.pressed[1] / (2.0 * self.elasticity.shear)  # without rotation
         strain = strain_of(stress, self.elasticity)
         slope[0] = strain[0]
         gradient = np.array([[slope[0], 2.0 * strain[2] - slope[1]], [slope[1], strain[1]]])
@@ -72,6 +79,18 @@ class Plate:
         p.tau[:] = np.stack([sigma[0, 0], sigma[1, 1], np.zeros(count) + szz, sigma[0, 1]]) * J
         p.stress_work[:] = 0.5 * mixed(stress, strain) * vol0 * J
         return p
+
+    def crack(self, points: int = 20) -> Chain:
+        """Return a crack that ends in the tip, in segments of half a cell; its faces are where the field has them."""
+        r = 0.5 * self.cell * np.arange(points)[::-1]
+        size = 8.0 * np.sqrt(r / (2.0 * np.pi)) / self.elasticity.modulus
+        jump = np.stack([self.K_II * size, self.K_I * size])
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        out = rotation(self.turn) @ np.array([[c, -s], [s, c]])
+        X = self.frame.point[:, None] + out @ np.stack([-r, 0.0 * r])
+        chain = Chain("main", 0, X, (False, True))
+        chain.faces += 0.5 * np.stack([out @ jump, -(out @ jump)])
+        return chain
 
 
 def rotation(angle: float) -> np.ndarray:

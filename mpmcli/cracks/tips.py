@@ -10,9 +10,19 @@ from mpmcli.core.analysis import PlaneStress
 from mpmcli.core.state import State, TipValues
 from mpmcli.cracks.chain import Chain
 from mpmcli.cracks.fracture import Fracture
-from mpmcli.cracks.integrals.base import Frame, matter_near
+from mpmcli.cracks.integrals.base import Frame, Matter, matter_near
 from mpmcli.cracks.integrals.domain import energy_release_rate
 from mpmcli.cracks.integrals.elastic import PlaneElasticity, has_plane_elasticity, plane_elasticity
+from mpmcli.cracks.integrals.faces import (
+    REACH,
+    Crack,
+    angles_beside,
+    bends,
+    faces_of,
+    must_be_found,
+    side_of,
+    together,
+)
 from mpmcli.cracks.integrals.modes import modes_by_interaction, modes_by_opening
 
 Array = np.ndarray
@@ -26,14 +36,22 @@ class Tips:
     Parameters
     ----------
     model : what the scene says
-    chains : of all cracks
+    chains, laws : of all cracks
     state : of the simulation
     cell : smallest side of a cell [length]
     thickness : across the plane; 1 around an axis [length]
     """
 
-    def __init__(self, model: Fracture, chains: list[Chain], state: State, cell: float, thickness: float):
-        self.model, self._chains, self._state = model, chains, state
+    def __init__(
+        self,
+        model: Fracture,
+        chains: list[Chain],
+        laws: list[Any],
+        state: State,
+        cell: float,
+        thickness: float,
+    ):
+        self.model, self._chains, self._laws, self._state, self._cell = model, chains, laws, state, cell
         self.inner, self.outer = model.inner * cell, model.outer * cell
         self.thickness = thickness
         self._found: dict[tuple[int, int], TipValues] = {}
@@ -75,21 +93,40 @@ class Tips:
     def _find(self, chain: Chain, end: int) -> TipValues:
         if not chain.tips[end]:
             return UNKNOWN
-        state = self._state
         frame = frame_of(chain, end)
-        matter, near = matter_near(
-            state.particles, state.analysis, frame, self.outer, self.thickness,
-            acceleration=self._acceleration(), rigid=state.rigid, elastic=self.model.energies == "elastic",
-        )  # fmt: skip
+        own = self._seen(chain, frame, end)
+        cracks = [own, *(self._seen(other, frame, None) for other in self._chains if other is not chain)]
+        counted = [crack for crack in cracks if must_be_found(crack, self.outer, self._cell)]
+        matter, near = self._matter(frame, self.outer + (REACH * self._cell if counted else 0.0))
         if not near.size:
             return UNKNOWN
-        J = energy_release_rate(matter, self.inner, self.outer)
         elasticity = self._elasticity_of(int(near[np.argmin(matter.r)]))
+        modulus = None if elasticity is None else elasticity.modulus
+        found = [faces_of(crack, own, matter, self.outer, self._cell, modulus) for crack in counted]
+        faces = together([each for each in found if each is not None])
+        J = energy_release_rate(matter, self.inner, self.outer, faces)
         if elasticity is None:
             return TipValues(J, NAN, NAN)
         if self.model.modes == "opening":
             return TipValues(J, *modes_by_opening(J, *opening_behind(chain, end), elasticity))
-        return TipValues(J, *modes_by_interaction(matter, self.inner, self.outer, elasticity))
+        angle = None
+        if bends(own, self.outer, self._cell):
+            angle = angles_beside(own, matter.x, side_of(own, matter.x)[0])
+        return TipValues(J, *modes_by_interaction(matter, self.inner, self.outer, elasticity, angle, faces))
+
+    def _matter(self, frame: Frame, radius: float) -> tuple[Matter, Array]:
+        state = self._state
+        return matter_near(
+            state.particles, state.analysis, frame, radius, self.thickness,
+            acceleration=self._acceleration(), rigid=state.rigid, elastic=self.model.energies == "elastic",
+        )  # fmt: skip
+
+    def _seen(self, chain: Chain, frame: Frame, end: int | None) -> Crack:
+        """A crack in the frame of a tip."""
+        law = self._laws[chain.index]
+        plane, jump = frame.turn(chain.X - frame.point[:, None]), frame.turn(chain.faces[0] - chain.faces[1])
+        holds = law.is_interface or law.kind == "perfect"
+        return Crack(plane, jump, holds, law.skipped, grip_of(law), end)
 
     def _acceleration(self) -> Array | None:
         """Accelerations (2, N) in the last step; None where inertia does not count."""
@@ -121,6 +158,15 @@ def opening_behind(chain: Chain, end: int) -> tuple[float, float]:
     normal, tangential = chain.openings
     weight /= weight.sum()
     return float(weight @ normal[at]), float(weight @ tangential[at])
+
+
+def grip_of(law: Any) -> float | None:
+    """Return the largest share of the pressure that a contact law transmits along faces, where it has one."""
+    if law.kind == "frictionless":
+        return 0.0
+    if law.kind != "coulomb":
+        return None
+    return float(law.friction if law.static_friction is None else law.static_friction)
 
 
 def thickness_of(scene: Any) -> float:

@@ -6,7 +6,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mpmcli.cracks.chain import START
+from mpmcli.cracks.integrals.base import Matter
+
 Array = np.ndarray
+
+STRAIGHT = 0.02
+"""Segments that turn from e₁ by less, in radians, are straight."""
+BENT = 0.02
+"""Cells by which a crack may leave the line behind its tip and still be straight."""
+NEAREST = 2.0
+"""Cells from the tip within which tractions are those of the rest of the ring."""
+REACH = 1.5
+"""Cells from which particles tell of a face."""
 
 
 class Faces(NamedTuple):
@@ -30,3 +42,179 @@ class Faces(NamedTuple):
     stress: Array
     energy: Array
     angle: Array
+
+
+class Crack(NamedTuple):
+    """A crack in the frame of a tip, as integrals see it.
+
+    plane : (2, P) its points from start to end, from the tip [length]
+    jump : (2, P) displacement of the face above relative to that below [length]
+    holds : whether its law transmits tension, so that faces that part have tractions, too
+    passes : whether its faces pass each other freely
+    grip : largest traction along the crack over that across it, where it is known
+    end : ``START`` or ``END``, of which the tip is one; None for another crack
+    """
+
+    plane: Array
+    jump: Array
+    holds: bool
+    passes: bool
+    grip: float | None
+    end: int | None
+
+    @property
+    def way(self) -> Array:
+        """Unit vectors (2, P − 1) along the segments, from start to end."""
+        step = np.diff(self.plane, axis=1)
+        return np.asarray(step / np.hypot(*step))
+
+    @property
+    def left(self) -> float:
+        """1 if the face above is the one on the left of e₁, −1 if it is that on the right."""
+        return 1.0 if self.end != START else -1.0
+
+
+def must_be_found(crack: Crack, outer: float, cell: float) -> bool:
+    """Whether faces of a crack within ``outer`` of the tip may count: bent ones, closed ones, those of other cracks."""
+    plane, way = crack.plane, crack.way
+    middle = 0.5 * (plane[:, 1:] + plane[:, :-1])
+    near = np.hypot(*middle) < outer
+    if crack.end is None or crack.holds:
+        return bool(near.any())
+    opening, slip = _opening(crack)
+    closed = (opening < 0.1 * np.abs(slip) + 0.01 * cell) & (not crack.passes)
+    return bool((near & (closed | (np.abs(way[1]) > STRAIGHT))).any())
+
+
+def _opening(crack: Crack) -> tuple[Array, Array]:
+    """Opening and slip of the segments (P − 1,) [length]."""
+    jump, way = 0.5 * (crack.jump[:, 1:] + crack.jump[:, :-1]), crack.way
+    return way[0] * jump[1] - way[1] * jump[0], (way * jump).sum(axis=0)
+
+
+def side_of(crack: Crack, x: Array) -> tuple[Array, Array]:
+    """Tell on which side of a crack points (2, n) lie, 1 above and −1 below; and whether they lie beyond an end."""
+    a, step = crack.plane[:, :-1, None], np.diff(crack.plane, axis=1)[:, :, None]
+    way = x[:, None, :] - a
+    along = (way * step).sum(axis=0) / (step**2).sum(axis=0)
+    rest = way - np.clip(along, 0.0, 1.0) * step
+    away = (rest**2).sum(axis=0)
+    across = (step[0] * way[1] - step[1] * way[0]) / np.hypot(*step)
+    # where two segments are as near, at a kink, that one tells the side whose line is farther
+    least = away.min(axis=0)
+    tied = away <= least + 1e-12 * (1.0 + least)
+    nearest = np.argmax(np.where(tied, np.abs(across), -1.0), axis=0)
+    column = np.arange(x.shape[1])
+    last = step.shape[1] - 1
+    beyond = ((nearest == 0) & (along[0] < 0.0)) | ((nearest == last) & (along[last] > 1.0))
+    return np.where(across[nearest, column] >= 0.0, 1.0, -1.0), beyond
+
+
+def angles_beside(crack: Crack, x: Array, side: Array) -> Array:
+    """Angles from e₁ of points behind a tip, (n,): those on the left of the crack between 0 and 2π [rad]."""
+    angle, left = np.arctan2(x[1], x[0]), side * crack.left > 0.0
+    behind = np.abs(angle) > 0.5 * np.pi
+    angle = np.where(behind & left & (angle < 0.0), angle + 2.0 * np.pi, angle)
+    return np.where(behind & ~left & (angle > 0.0), angle - 2.0 * np.pi, angle)
+
+
+def bends(crack: Crack, outer: float, cell: float) -> bool:
+    """Whether a crack leaves the line behind its tip by so much that particles lie between."""
+    near = np.hypot(*crack.plane) < outer
+    near[1:] |= near[:-1].copy()
+    near[:-1] |= near[1:].copy()
+    return bool(np.any(np.abs(crack.plane[1, near]) > BENT * cell))
+
+
+def faces_of(
+    crack: Crack, own: Crack, matter: Matter, outer: float, cell: float, modulus: float | None
+) -> Faces | None:
+    """Return the faces of a crack within ``outer`` of a tip, with what the matter beside them tells; None without.
+
+    Stress, slope and energy at a face are those that the particles within 1.5 cells on its side lead to, by least
+    squares with linear functions. Faces in contact, and those whose law holds, transmit the mean of both stresses.
+    Faces are in contact where that mean presses and they are not open: their opening is below a tenth of their slip,
+    and of the strain of a cell under that pressure. ``own`` is the crack of the tip.
+    """
+    plane = crack.plane
+    middle, step = 0.5 * (plane[:, 1:] + plane[:, :-1]), np.diff(plane, axis=1)
+    k = np.flatnonzero(np.hypot(*middle) < outer)
+    if not k.size:
+        return None
+    way, length = crack.way[:, k], np.hypot(*step[:, k])
+    normal = np.stack([-way[1], way[0]])
+    energy = matter.energy
+    if matter.velocity is not None:
+        energy = energy + 0.5 * matter.mass / matter.volume * (matter.velocity**2).sum(axis=0)
+    fields = np.concatenate([matter.stress, matter.slope, energy[None]])
+    found = np.zeros((2, 6, k.size))
+    side, beyond = side_of(crack, matter.x)
+    for at, sign in enumerate((1.0, -1.0)):
+        mine = (side == sign) & ~beyond
+        found[at] = at_points(middle[:, k], matter.x[:, mine], fields[:, mine], REACH * cell)
+    stress, slope, energies = found[:, :3], found[:, 3:5].copy(), found[:, 5]
+    opening, slip = (each[k] for each in _opening(crack))
+    pressure, shear = _tractions(stress.mean(axis=0), normal)
+    allowed = 1e-3 * cell if modulus is None else np.maximum(pressure, 0.0) * cell / modulus
+    closed = (pressure > 0.0) & (opening <= 0.1 * (np.abs(slip) + allowed)) & (not crack.passes)
+    # what the points of the chain tell of the jump is better than what particles tell, but along the chain only
+    known = way[0] * np.diff(crack.jump, axis=1)[:, k] / length
+    jump = np.where(np.abs(normal[0]) < 0.5, known, slope[0] - slope[1])
+    if not crack.holds:
+        jump = jump - closed * (jump * normal).sum(axis=0) * normal
+        if crack.end is not None:
+            pressure, shear = _extrapolated(pressure, shear, closed, np.hypot(*middle[:, k]), NEAREST * cell)
+    if crack.grip is not None:
+        shear = np.clip(shear, -crack.grip * np.abs(pressure), crack.grip * np.abs(pressure))
+    traction = (closed | crack.holds) * (pressure * normal + shear * way)
+    slope = slope.mean(axis=0) + 0.5 * jump * np.array([1.0, -1.0])[:, None, None]
+    x = middle[:, k]
+    if crack.end is not None:
+        near, far = np.hypot(*plane[:, k]), np.hypot(*plane[:, k + 1])
+        x = x * (0.25 * (np.sqrt(near) + np.sqrt(far)) ** 2 / np.hypot(*x))
+        angle = np.stack([angles_beside(own, x, np.full(k.size, s)) for s in (1.0, -1.0)])
+    else:
+        angle = np.stack([angles_beside(own, x, side_of(own, x)[0])] * 2)
+    area = length
+    if matter.ring is not None:
+        area = length * (matter.ring.tip + matter.ring.outward * x[0] - matter.ring.across * x[1])
+    return Faces(x, normal, area, traction, slope, stress, energies, angle)
+
+
+def _tractions(stress: Array, normal: Array) -> tuple[Array, Array]:
+    """Traction (k,) of a stress (3, k) on the face above: along the normal, and along the crack."""
+    (s11, s22, s12), (n1, n2) = stress, normal
+    across, along = -(s11 * n1 + s12 * n2), -(s12 * n1 + s22 * n2)
+    return across * n1 + along * n2, across * n2 - along * n1
+
+
+def _extrapolated(
+    pressure: Array, shear: Array, closed: Array, r: Array, least: float
+) -> tuple[Array, Array]:
+    """Take the tractions nearest to the tip, where particles ahead disturb them, as the mean of those farther away."""
+    far = closed & (r >= least)
+    if not far.any():
+        return pressure, shear
+    near = closed & (r < least)
+    return np.where(near, pressure[far].mean(), pressure), np.where(near, shear[far].mean(), shear)
+
+
+def together(faces: list[Faces]) -> Faces | None:
+    """All faces in one; None without any."""
+    if not faces:
+        return None
+    return Faces(*(np.concatenate(arrays, axis=-1) for arrays in zip(*faces, strict=True)))
+
+
+def at_points(points: Array, x: Array, fields: Array, reach: float) -> Array:
+    """Values (q, k) of fields (q, n) known at ``x`` (2, n), at points (2, k), by linear least squares within reach."""
+    way = (x[:, None, :] - points[:, :, None]) / reach
+    weight = np.maximum(1.0 - np.hypot(*way), 0.0) ** 2
+    basis = np.stack([np.ones_like(weight), *way])
+    normal = np.einsum("ikn,kn,jkn->kij", basis, weight, basis)
+    right = np.einsum("ikn,kn,qn->kiq", basis, weight, fields)
+    few = 1e-3 * normal[:, 0, 0] + 1e-300  # so few particles, or all in a line: their mean
+    normal[:, 1, 1] += few
+    normal[:, 2, 2] += few
+    normal[:, 0, 0] += 1e-300
+    return np.asarray(np.linalg.solve(normal, right)[:, 0].T)

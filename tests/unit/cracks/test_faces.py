@@ -1,0 +1,175 @@
+"""Faces within the ring of a tip: which side matter is on, what particles tell of faces, tractions, bends."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tip_fields import STEEL, Plate
+
+from mpmcli.contact.laws import LAWS
+from mpmcli.core.state import State
+from mpmcli.cracks.chain import END, START, Chain
+from mpmcli.cracks.fracture import Fracture
+from mpmcli.cracks.integrals.elastic import plane_elasticity
+from mpmcli.cracks.integrals.faces import (
+    Crack,
+    angles_beside,
+    at_points,
+    bends,
+    must_be_found,
+    side_of,
+)
+from mpmcli.cracks.tips import Tips
+
+CELL = 0.1
+STRAIN = plane_elasticity(STEEL, plane_stress=False)
+SMOOTH = {"kind": "frictionless"}
+STRAIGHT = np.array([[-3.0, -2.0, -1.0, 0.0], [0.0] * 4])
+KINKED = np.array([[-2.0, -1.0, 0.0], [-1.0, 0.0, 0.0]])
+
+
+def seen(plane=STRAIGHT, jump=(0.0, 0.0), holds=False, passes=False, grip=0.0, end=END):
+    return Crack(plane, np.array(jump)[:, None] * np.ones(plane.shape[1]), holds, passes, grip, end)
+
+
+def tips_of(plate, law, *chains, **fracture):
+    laws = [LAWS[law["kind"]].model_validate(law)] * (1 + len(chains))
+    p = plate.particles(12)
+    state = State(plate.analysis, p, ["plate"], ["steel"], [STEEL])
+    return Tips(Fracture(**fracture), [plate.crack(), *chains], laws, state, CELL, plate.thickness)
+
+
+def test_sides_of_a_kinked_crack():
+    x = np.array(
+        [[-1.5, -1.5, -0.5, -0.5, -1.2, -0.8, 0.3, -2.5], [0.0, -0.6, 0.1, -0.1, 0.3, -0.3, 0.1, -1.3]]
+    )
+    side, beyond = side_of(seen(KINKED), x)
+    assert side[:6].tolist() == [1, -1, 1, -1, 1, -1]
+    assert beyond.tolist() == [False] * 6 + [True, True]
+
+
+@given(st.floats(-4.0, 1.0), st.floats(-2.0, 2.0))
+def test_sides_do_not_depend_on_how_a_line_is_divided(x, y):
+    point = np.array([[x], [y]])
+    one, many = seen(STRAIGHT[:, [0, -1]]), seen(STRAIGHT)
+    assert side_of(one, point) == side_of(many, point)
+
+
+def test_angles_go_on_beyond_a_straight_line():
+    x = np.array([[-1.5, -1.5, 1.0, -1.0], [-0.4, -0.6, -0.4, 0.2]])
+    angle = angles_beside(seen(KINKED), x, np.array([1.0, -1.0, -1.0, 1.0]))
+    assert angle[0] == pytest.approx(np.arctan2(-0.4, -1.5) + 2 * np.pi)
+    assert angle[1:] == pytest.approx(np.arctan2(x[1, 1:], x[0, 1:]))
+    # at a start, what lies above the crack lies on the right of the tip
+    backwards = angles_beside(seen(-KINKED[:, ::-1], end=START), x[:, :1], np.array([1.0]))
+    assert backwards == pytest.approx(np.arctan2(-0.4, -1.5))
+    assert bends(seen(KINKED), 2.0, CELL)
+    assert not bends(seen(STRAIGHT), 2.0, CELL)
+    assert not bends(seen(np.array([[-9.0, -8.0, -1.0, 0.0], [1.0, 0.0, 0.0, 0.0]])), 2.0, CELL)
+
+
+def test_values_at_faces_are_exact_for_linear_fields():
+    rng = np.random.default_rng(1)
+    x = rng.uniform(-1, 1, (2, 200))
+    fields = np.stack([1.0 + 2.0 * x[0] - x[1], 3.0 * x[1]])
+    points = np.array([[0.0, 0.4], [0.1, -0.3]])
+    found = at_points(points, x, fields, 0.6)
+    assert found == pytest.approx(np.stack([1.0 + 2.0 * points[0] - points[1], 3.0 * points[1]]), abs=2e-3)
+    assert not at_points(points + 9.0, x, fields, 0.6).any()  # no matter
+
+
+def test_open_straight_faces_are_not_looked_for():
+    assert not must_be_found(seen(jump=(0.0, 0.1)), 2.0, CELL)
+    assert must_be_found(seen(jump=(0.1, 0.0)), 2.0, CELL)
+    assert not must_be_found(seen(jump=(0.1, 0.0), passes=True), 2.0, CELL)
+    assert must_be_found(seen(jump=(0.0, 0.1), holds=True), 2.0, CELL)
+    assert must_be_found(seen(KINKED, jump=(0.0, 0.1)), 2.0, CELL)
+    assert must_be_found(seen(STRAIGHT + 0.5, jump=(0.0, 0.1), end=None), 2.0, CELL)
+    assert not must_be_found(seen(STRAIGHT + 5.0, jump=(0.0, 0.1), end=None), 2.0, CELL)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, 2.5, -1.9])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_closed_faces_that_rub(angle, friction):
+    """Mode II and a pressure across the crack with the friction that it leads to: K_II and J are those of the slip."""
+    law = {"kind": "coulomb", "friction": friction} if friction else SMOOTH
+    plate = Plate(0.0, -1e-3, STRAIN, tip=(0.01, 0.02), angle=angle, pressed=(-2e-3, -2e-3 * friction))
+    tips = tips_of(plate, law)
+    J, K_I, K_II = tips._find(tips._chains[0], END)
+    assert K_I == pytest.approx(0.0, abs=3e-5)
+    assert K_II == pytest.approx(-1e-3, rel=0.03)
+    assert J == pytest.approx(1e-6 / STRAIN.modulus, rel=0.05)
+    free = tips_of(plate, {"kind": "none"})
+    without = free._find(free._chains[0], END)
+    assert abs(without.K_I) > 1e-3
+    assert not friction or without.J > 1.5 * J
+
+
+def test_open_faces_have_no_tractions():
+    plate = Plate(1e-3, 2e-4, STRAIN, tip=(0.01, 0.02), angle=0.3)
+    for law in (SMOOTH, {"kind": "none"}):
+        tips = tips_of(plate, law)
+        J, K_I, K_II = tips._find(tips._chains[0], END)
+        assert (K_I, K_II) == pytest.approx((1e-3, 2e-4), abs=1e-5)
+        assert J == pytest.approx(1.04e-6 / STRAIN.modulus, rel=0.01)
+
+
+def test_a_turned_plate_has_the_same_faces():
+    found = []
+    for turn in (0.0, 1.2):
+        plate = Plate(0.0, -1e-3, STRAIN, tip=(0.01, 0.02), angle=0.4, turn=turn, pressed=(-2e-3, 0.0))
+        tips = tips_of(plate, SMOOTH)
+        found.append(tips._find(tips._chains[0], END))
+    assert found[1] == pytest.approx(found[0], rel=1e-6, abs=1e-9)
+
+
+def test_a_crack_nearby_that_parts_nothing_changes_nothing():
+    """Another crack through a smooth part of the field: its faces add what they take away."""
+    plate = Plate(1e-3, 5e-4, STRAIN, tip=(0.0, 0.0))
+    across = Chain("other", 1, np.array([[0.35, 0.4, 0.45], [-0.3, 0.0, 0.3]]), (True, True))
+    alone, beside = (
+        tips_of(plate, {"kind": "perfect"}),
+        None,
+    )
+    beside = tips_of(plate, {"kind": "perfect"}, across)
+    first, second = (tips._find(tips._chains[0], END) for tips in (alone, beside))
+    assert second == pytest.approx(first, rel=0.02)
+
+
+def test_values_are_found_once_in_a_step_and_not_at_mouths():
+    tips = tips_of(Plate(1e-3, 0.0, STRAIN), SMOOTH)
+    calls = []
+    find = tips._find
+    tips._find = lambda chain, end: calls.append(end) or find(chain, end)
+    first = tips.values(0, END)
+    assert tips.values(0, END) is first
+    assert len(calls) == 1
+    assert np.isnan(tips.values(0, START)).all()
+    tips._state.step += 1
+    tips.values(0, END)
+    assert calls == [END, START, END]
+
+
+def test_modes_by_the_opening():
+    plate = Plate(6e-4, -8e-4, STRAIN, tip=(0.01, 0.02), angle=0.4)
+    tips = tips_of(plate, SMOOTH, modes="opening")
+    _, K_I, K_II = tips._find(tips._chains[0], END)
+    assert (K_I, K_II) == pytest.approx((6e-4, -8e-4), rel=0.01)
+
+
+def test_accelerations_are_those_of_the_last_step():
+    tips = tips_of(Plate(1e-3, 0.0, STRAIN), SMOOTH, terms=2)
+    p = tips._state.particles
+    assert not tips._acceleration().any()
+    p.V[:] = 1.0
+    tips.note_velocities(0.5)
+    p.V[:] = p.id * 0.5 + 1.0
+    assert tips._acceleration() == pytest.approx(np.tile(p.id * 1.0, (2, 1)))
+    p.keep(p.id % 3 == 1)
+    assert tips._acceleration() == pytest.approx(np.tile(p.id * 1.0, (2, 1)))
+
+
+def test_particles_far_away_give_nothing():
+    tips = tips_of(Plate(1e-3, 0.0, STRAIN), SMOOTH)
+    tips._chains[0].X += 99.0
+    assert np.isnan(tips.values(0, END)).all()
