@@ -73,8 +73,7 @@ class Cracks:
         if scene.fracture is not None:
             from mpmcli.cracks.tips import Tips, thickness_of
 
-            laws = [model.faces.law for model in models]
-            self.tips = Tips(scene.fracture, self.chains, laws, s.state, cell, thickness_of(scene))
+            self.tips = Tips(scene.fracture, self.chains, models, s.state, cell, thickness_of(scene))
             self.view.tip = self.tips.values
         self.pressures = None
         if any(model.pressure is not None for model in models):

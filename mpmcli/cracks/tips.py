@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -36,7 +37,7 @@ class Tips:
     Parameters
     ----------
     model : what the scene says
-    chains, laws : of all cracks
+    chains, models : of all cracks, and what the scene says of them
     state : of the simulation
     cell : smallest side of a cell [length]
     thickness : across the plane; 1 around an axis [length]
@@ -46,12 +47,12 @@ class Tips:
         self,
         model: Fracture,
         chains: list[Chain],
-        laws: list[Any],
+        models: Sequence[Any],
         state: State,
         cell: float,
         thickness: float,
     ):
-        self.model, self._chains, self._laws, self._state, self._cell = model, chains, laws, state, cell
+        self.model, self._chains, self._models, self._state, self._cell = model, chains, models, state, cell
         self.inner, self.outer = model.inner * cell, model.outer * cell
         self.thickness = thickness
         self._found: dict[tuple[int, int], TipValues] = {}
@@ -123,10 +124,14 @@ class Tips:
 
     def _seen(self, chain: Chain, frame: Frame, end: int | None) -> Crack:
         """A crack in the frame of a tip."""
-        law = self._laws[chain.index]
+        model = self._models[chain.index]
+        law, pressure = model.faces.law, None
         plane, jump = frame.turn(chain.X - frame.point[:, None]), frame.turn(chain.faces[0] - chain.faces[1])
+        if model.pressure is not None:
+            x, y = 0.5 * (chain.X[:, 1:] + chain.X[:, :-1])
+            pressure = model.pressure(x, y, t=self._state.time)
         holds = law.is_interface or law.kind == "perfect"
-        return Crack(plane, jump, holds, law.skipped, grip_of(law), end)
+        return Crack(plane, jump, holds, law.skipped, grip_of(law), pressure, end)
 
     def _acceleration(self) -> Array | None:
         """Accelerations (2, N) in the last step; None where inertia does not count."""

@@ -52,6 +52,7 @@ class Crack(NamedTuple):
     holds : whether its law transmits tension, so that faces that part have tractions, too
     passes : whether its faces pass each other freely
     grip : largest traction along the crack over that across it, where it is known
+    pressure : (P − 1,) pressure in the crack on its faces, by segment; None without [pressure]
     end : ``START`` or ``END``, of which the tip is one; None for another crack
     """
 
@@ -60,6 +61,7 @@ class Crack(NamedTuple):
     holds: bool
     passes: bool
     grip: float | None
+    pressure: Array | None
     end: int | None
 
     @property
@@ -79,7 +81,7 @@ def must_be_found(crack: Crack, outer: float, cell: float) -> bool:
     plane, way = crack.plane, crack.way
     middle = 0.5 * (plane[:, 1:] + plane[:, :-1])
     near = np.hypot(*middle) < outer
-    if crack.end is None or crack.holds:
+    if crack.end is None or crack.holds or crack.pressure is not None:
         return bool(near.any())
     opening, slip = _opening(crack)
     closed = (opening < 0.1 * np.abs(slip) + 0.01 * cell) & (not crack.passes)
@@ -134,7 +136,8 @@ def faces_of(
     Stress, slope and energy at a face are those that the particles within 1.5 cells on its side lead to, by least
     squares with linear functions. Faces in contact, and those whose law holds, transmit the mean of both stresses.
     Faces are in contact where that mean presses and they are not open: their opening is below a tenth of their slip,
-    and of the strain of a cell under that pressure. ``own`` is the crack of the tip.
+    and of the strain of a cell under that pressure. The others carry the pressure in the crack. ``own`` is the crack of
+    the tip.
     """
     plane = crack.plane
     middle, step = 0.5 * (plane[:, 1:] + plane[:, :-1]), np.diff(plane, axis=1)
@@ -166,7 +169,9 @@ def faces_of(
             pressure, shear = _extrapolated(pressure, shear, closed, np.hypot(*middle[:, k]), NEAREST * cell)
     if crack.grip is not None:
         shear = np.clip(shear, -crack.grip * np.abs(pressure), crack.grip * np.abs(pressure))
-    traction = (closed | crack.holds) * (pressure * normal + shear * way)
+    touching = closed | crack.holds
+    within = 0.0 if crack.pressure is None else crack.pressure[k]
+    traction = np.where(touching, pressure, within) * normal + touching * shear * way
     slope = slope.mean(axis=0) + 0.5 * jump * np.array([1.0, -1.0])[:, None, None]
     x = middle[:, k]
     if crack.end is not None:

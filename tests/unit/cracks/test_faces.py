@@ -1,5 +1,7 @@
 """Faces within the ring of a tip: which side matter is on, what particles tell of faces, tractions, bends."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,6 +9,7 @@ from hypothesis import strategies as st
 from tip_fields import STEEL, Plate
 
 from mpmcli.contact.laws import LAWS
+from mpmcli.core.expressions import parse
 from mpmcli.core.state import State
 from mpmcli.cracks.chain import END, START, Chain
 from mpmcli.cracks.fracture import Fracture
@@ -28,15 +31,16 @@ STRAIGHT = np.array([[-3.0, -2.0, -1.0, 0.0], [0.0] * 4])
 KINKED = np.array([[-2.0, -1.0, 0.0], [-1.0, 0.0, 0.0]])
 
 
-def seen(plane=STRAIGHT, jump=(0.0, 0.0), holds=False, passes=False, grip=0.0, end=END):
-    return Crack(plane, np.array(jump)[:, None] * np.ones(plane.shape[1]), holds, passes, grip, end)
+def seen(plane=STRAIGHT, jump=(0.0, 0.0), holds=False, passes=False, grip=0.0, pressure=None, end=END):
+    return Crack(plane, np.array(jump)[:, None] * np.ones(plane.shape[1]), holds, passes, grip, pressure, end)
 
 
-def tips_of(plate, law, *chains, **fracture):
-    laws = [LAWS[law["kind"]].model_validate(law)] * (1 + len(chains))
+def tips_of(plate, law, *chains, pressure=None, **fracture):
+    faces = SimpleNamespace(law=LAWS[law["kind"]].model_validate(law))
+    models = [SimpleNamespace(faces=faces, pressure=pressure)] * (1 + len(chains))
     p = plate.particles(12)
     state = State(plate.analysis, p, ["plate"], ["steel"], [STEEL])
-    return Tips(Fracture(**fracture), [plate.crack(), *chains], laws, state, CELL, plate.thickness)
+    return Tips(Fracture(**fracture), [plate.crack(), *chains], models, state, CELL, plate.thickness)
 
 
 def test_sides_of_a_kinked_crack():
@@ -112,6 +116,17 @@ def test_open_faces_have_no_tractions():
         J, K_I, K_II = tips._find(tips._chains[0], END)
         assert (K_I, K_II) == pytest.approx((1e-3, 2e-4), abs=1e-5)
         assert J == pytest.approx(1.04e-6 / STRAIN.modulus, rel=0.01)
+
+
+@pytest.mark.parametrize("angle", [0.0, 2.5])
+def test_pressure_in_an_open_crack(angle):
+    plate = Plate(1e-3, 2e-4, STRAIN, tip=(0.01, 0.02), angle=angle, pressed=(-2e-3, 0.0))
+    tips = tips_of(plate, SMOOTH, pressure=parse("2e-3*(t < 1)", {}, ("x", "y", "t")))
+    J, K_I, K_II = tips._find(tips._chains[0], END)
+    assert (K_I, K_II) == pytest.approx((1e-3, 2e-4), abs=1e-5)
+    assert J == pytest.approx(1.04e-6 / STRAIN.modulus, rel=0.01)
+    tips._state.time = 2.0
+    assert tips._find(tips._chains[0], END).K_I < 0.0
 
 
 def test_a_turned_plate_has_the_same_faces():

@@ -62,8 +62,7 @@ class World:
             state=state, particles=p, grid=SimpleNamespace(cell=np.array([CELL, CELL])), wave_speed=61.0,
             order=SimpleNamespace(drift=0.0), plan=SimpleNamespace(analysis=PlaneStrain()),
         )  # fmt: skip
-        laws = [m.faces.law for m in models]
-        tips = Tips(Fracture(**fracture), chains, laws, state, CELL, thickness)
+        tips = Tips(Fracture(**fracture), chains, models, state, CELL, thickness)
         tips._find = lambda chain, end: self.values
         self.growth = CrackGrowth(models, tips, np.ones((len(chains), 1), dtype=bool), self.s, self.view)
 
