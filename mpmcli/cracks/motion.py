@@ -15,8 +15,8 @@ from mpmcli.cracks.sides import CrackSides
 
 Array = np.ndarray
 
-BESIDE = float(1 << (BITS - 10))
-"""How far from the plane a face sees: a thousandth of a cell, in units of positions."""
+BESIDE = 2.0**-10
+"""How far from the plane a face is when it looks at nodes [cells]."""
 WIDEST = 2
 """Cells around a point in which its face looks for matter: the next nodes of a tip may have no further sides."""
 AVERAGE, MASS, FIXED = 0, 1, 2
@@ -73,8 +73,13 @@ def face_velocity(plane, normal, face, sums, nodes, segments, table, lattice, ou
     velocities and gradients: exact for affine motion, whichever nodes there are. ``plane`` (2,) is the point of the
     plane beside it, ``normal`` (2,) points from the plane to the face.
     """
-    cx = np.int64(np.floor((plane[0] - lattice.origin[0]) / lattice.cell[0]))
-    cy = np.int64(np.floor((plane[1] - lattice.origin[1]) / lattice.cell[1]))
+    # it looks from its own side of the plane, wherever the faces have gone
+    tiny_x, tiny_y = BESIDE * lattice.cell[0] * normal[0], BESIDE * lattice.cell[1] * normal[1]
+    away = (face[0] - plane[0]) * normal[0] + (face[1] - plane[1]) * normal[1]
+    back = min(away, 0.0)
+    x, y = face[0] - back * normal[0] + tiny_x, face[1] - back * normal[1] + tiny_y
+    cx = np.int64(np.floor((face[0] - lattice.origin[0]) / lattice.cell[0]))
+    cy = np.int64(np.floor((face[1] - lattice.origin[1]) / lattice.cell[1]))
     out[0] = out[1] = 0.0
     row, column = cy - table.low[1], cx - table.low[0]
     if row < 0 or column < 0 or row >= table.place.shape[0] or column >= table.place.shape[1]:
@@ -82,8 +87,8 @@ def face_velocity(plane, normal, face, sums, nodes, segments, table, lattice, ou
     cell = table.place[row, column]
     if cell < 0:
         return 0.0
-    px = whole(plane[0], lattice.origin[0], 1.0 / lattice.cell[0]) + np.int64(BESIDE * normal[0])
-    py = whole(plane[1], lattice.origin[1], 1.0 / lattice.cell[1]) + np.int64(BESIDE * normal[1])
+    px = whole(x, lattice.origin[0], 1.0 / lattice.cell[0])
+    py = whole(y, lattice.origin[1], 1.0 / lattice.cell[1])
     total, mass = 0.0, 0.0
     for reach in range(1, WIDEST + 1):
         for j in range(4 * reach * reach):
@@ -115,13 +120,16 @@ def face_velocity(plane, normal, face, sums, nodes, segments, table, lattice, ou
 
 
 @compiled_too
-def move_point(k, begin, end, at_tip, way, dt, points, sums, nodes, segments, table, lattice):
-    """Move point ``k`` of the chain from ``begin`` to ``end`` for a step; returns how far a face went [cells]."""
-    before, after = max(k - 1, begin), min(k + 1, end - 1)
-    tx, ty = points.X[0, after] - points.X[0, before], points.X[1, after] - points.X[1, before]
+def move_point(k, before, end, at_tip, way, dt, points, sums, nodes, segments, table, lattice, new):
+    """Move point ``k`` of a chain for a step; returns how far a face went [cells].
+
+    ``before`` (2,) is where the one before it was, ``end`` the end of the chain, ``new`` (2, 2) scratch.
+    """
+    after = min(k + 1, end - 1)
+    tx, ty = points.X[0, after] - before[0], points.X[1, after] - before[1]
     size = math.sqrt(tx * tx + ty * ty)
     plane = (points.X[0, k], points.X[1, k])
-    new, left = np.empty((2, 2)), (-ty / size, tx / size)
+    left = (-ty / size, tx / size)
     above = face_velocity(
         plane,
         left,
@@ -162,21 +170,40 @@ def move_point(k, begin, end, at_tip, way, dt, points, sums, nodes, segments, ta
 
 @inline
 def move_points(
-    count, candidates, entries, mass, X, L, nodes, segments, table, lattice, ways, dt, points, sums, worst
+    count,
+    candidates,
+    entries,
+    mass,
+    X,
+    L,
+    nodes,
+    segments,
+    table,
+    lattice,
+    ways,
+    dt,
+    points,
+    sums,
+    new,
+    worst,
 ):
-    """Move all points for a step; ``worst`` (2,) receives crack and point that went farthest; returns how far [cells].
+    """Move all points for a step; returns how far a face went [cells].
 
-    A distance that is no number counts as the farthest.
+    ``new`` (2, 2) is scratch, ``worst`` (2,) receives the crack and the point that went farthest. A distance that is
+    no number counts as the farthest.
     """
     sum_motion(count, candidates, entries, mass, X, L, dt, nodes, lattice, sums)
     farthest = 0.0
     for crack in range(len(points.first) - 1):
         begin, end = points.first[crack], points.first[crack + 1]
+        before = (points.X[0, begin], points.X[1, begin])
         for k in range(begin, end):
+            here = (points.X[0, k], points.X[1, k])
             at_tip = (k == begin and points.tips[crack, 0]) or (k == end - 1 and points.tips[crack, 1])
             went = move_point(
-                k, begin, end, at_tip, ways[crack], dt, points, sums, nodes, segments, table, lattice
+                k, before, end, at_tip, ways[crack], dt, points, sums, nodes, segments, table, lattice, new
             )
+            before = here
             if not went <= farthest:
                 farthest = went
                 worst[0], worst[1] = crack, k - begin
@@ -198,6 +225,7 @@ class FaceMotion:
         self._sides, self._points, self._lattice = sides, points, lattice
         self._ways = np.array([WAYS[way] for way in moves], dtype=np.int64)
         self._sums = np.zeros((0, 4, 7))
+        self._new = np.zeros((2, 2))
         self._worst = np.zeros(2, dtype=np.int64)
 
     def move(self, p: Any, X: Array, dt: float) -> tuple[float, int, int]:
@@ -210,7 +238,7 @@ class FaceMotion:
             self._sums = np.zeros((2 * sides.count, 4, 7))
         farthest = move_points(
             sides.count, sides.candidates, sides.entries, p.mass, X, p.L, sides.nodes, sides.segments, sides.hash,
-            self._lattice, self._ways, dt, self._points.get(), self._sums, self._worst,
+            self._lattice, self._ways, dt, self._points.get(), self._sums, self._new, self._worst,
         )  # fmt: skip
         crack, point = self._worst.tolist()
         return float(farthest), crack, point

@@ -10,7 +10,7 @@ from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.dofs import dof_of
 from mpmcli.core.grid import Grid
 from mpmcli.cracks.chain import ABOVE, Chain
-from mpmcli.cracks.crossing import BITS, crosses, whole
+from mpmcli.cracks.crossing import BITS, UNIT, crosses, whole
 from mpmcli.cracks.motion import BESIDE, sides_at
 from mpmcli.cracks.sides import CrackSides
 
@@ -67,10 +67,10 @@ def share_out(plane, normal, faces, force, nodes, segments, table, lattice, rigi
             begin, total = at, 0.0
             sign = 1.0 if face == ABOVE else -1.0
             sx = whole(plane[0, k], lattice.origin[0], 1.0 / lattice.cell[0]) + np.int64(
-                sign * BESIDE * normal[0, k]
+                sign * BESIDE * UNIT * normal[0, k]
             )
             sy = whole(plane[1, k], lattice.origin[1], 1.0 / lattice.cell[1]) + np.int64(
-                sign * BESIDE * normal[1, k]
+                sign * BESIDE * UNIT * normal[1, k]
             )
             x = (faces[face, 0, k] - lattice.origin[0]) / lattice.cell[0]
             y = (faces[face, 1, k] - lattice.origin[1]) / lattice.cell[1]
