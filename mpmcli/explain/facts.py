@@ -9,6 +9,7 @@ import numpy as np
 from mpmcli.contact.choice import ContactChoice
 from mpmcli.core.compiled.runtime import available_threads
 from mpmcli.core.transfer.stencil import kept_as
+from mpmcli.explain.cracks import crack_facts
 from mpmcli.explain.heat import cost_of_heat, heat_facts
 from mpmcli.explain.interfaces import interface_facts
 from mpmcli.explain.redundant import find_questions, find_redundant
@@ -78,7 +79,11 @@ def explain(
     if plan.stores_weights:
         kept = kept_as(plan.shape.parameters).columns(grid.width, grid.dimensions)
         particle_bytes += particles.count * 8 * (1 + kept)
-    grid_bytes = sum(array.nbytes for array in dense.values())
+    # of further sides only what cracks touch is ever used
+    used = grid.used_dofs / grid.dof_count
+    grid_bytes = sum(
+        int(array.nbytes * (used if len(array) == grid.dof_count else 1.0)) for array in dense.values()
+    )
     share = 1.0 + PASS_SHARE * (plan.order - 1)
     if foreseen is not None:
         share += cost_of_heat(scene, foreseen, PASS_SHARE)
@@ -97,6 +102,7 @@ def explain(
         "shape": scene.method.shape,
         "contact": contact.facts(simulation.order),
         "interfaces": interface_facts(scene, simulation, contact, dt, all_kernels),
+        "cracks": crack_facts(scene, simulation),
         "heat": {} if foreseen is None else heat_facts(scene, simulation, foreseen, kernels),
         "tasks": list(kernels),
         "not_modelled": left_out(plan, contact),
@@ -140,5 +146,6 @@ def left_out(plan: Plan, contact: ContactChoice) -> list[str]:
         "damping": not (plan.particle_damping or plan.grid_damping),
         "artificial viscosity": plan.viscosity is None,
         "heat conduction": plan.heat is None,
+        "cracks: sides of nodes, faces": plan.sides == 1,
     }
     return [name for name, is_absent in absent.items() if is_absent]

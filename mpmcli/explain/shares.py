@@ -26,6 +26,7 @@ PARTS = {
     "conditions": "boundary conditions",
     "loads": "loads",
     "heat": "heat conduction",
+    "cracks": "cracks",
     "rigid": "rigid bodies",
 }
 """Parts of a simulation whose share is found, within the tasks."""

@@ -6,6 +6,7 @@ import textwrap
 from typing import Any
 
 from mpmcli.core.suggest import listing
+from mpmcli.explain.cracks import cracks_in_words
 from mpmcli.explain.heat import heat_in_words
 from mpmcli.explain.interfaces import interfaces_in_words
 
@@ -31,6 +32,7 @@ def as_text(facts: dict[str, Any]) -> str:
         f"if all nodes are active ({', '.join(facts['arrays'])}); {size:.1f} MiB in total",
         f"time step  {facts['time_step']:.4g} at the start: {_courant_in_words(facts)}",
         *interfaces_in_words(facts["interfaces"]),
+        *cracks_in_words(facts["cracks"]),
         *heat_in_words(facts["heat"]),
         f"run        about {facts['steps']} steps, {_time_in_words(facts)}",
         *_measured_in_words(facts["measured"]),
