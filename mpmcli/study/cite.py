@@ -42,6 +42,12 @@ MATERIALS = {
     ("j2_plastic", None): ("simo1992",),
 }
 """Materials by kind and split."""
+GROWTH = {
+    "maximum_hoop_stress": ("erdogan1963",),
+    "hoop": ("erdogan1963",),
+    "strain_energy_density": ("sih1974",),
+}
+"""Criteria and directions of growth."""
 HARDENINGS = {"johnson_cook": ("johnson1983",)}
 
 _KEYS = re.compile(r"\[([a-z]+(?:19|20)\d\d[a-z]*)(?=[\],])")
@@ -93,6 +99,7 @@ def uses(scene: Any) -> Iterator[tuple[str, str]]:
     for kind, load in {load.kind: load for load in scene.loads}.items():
         yield from _of_model(load, f"the load {kind}")
     yield from _of_contact(scene)
+    yield from _of_cracks(scene)
     used = {body.material for body in scene.bodies}
     for name, material in scene.materials.items():
         if name in used:
@@ -148,6 +155,36 @@ def _of_contact(scene: Any) -> Iterator[tuple[str, str]]:
         yield from _of_model(law, f"the {'interface' if law.is_interface else 'contact'} law {law.kind}")
     others = ("normal", "separation", "law", "pairs")
     yield from _of_fields(contact, "contact", others if has_interfaces else (*others, "interface"))
+
+
+def _of_cracks(scene: Any) -> Iterator[tuple[str, str]]:
+    if not scene.cracks:
+        return
+    yield "nairn2003", "explicit cracks, whose sides have velocity fields of their own"
+    yield "nairn2023notes", "cracks that share nodes, contact of their faces"
+    for law in {crack.faces.law.kind: crack.faces.law for crack in scene.cracks}.values():
+        if law.is_interface:
+            yield "nairn2007", "springs between the faces of cracks"
+        yield from _of_model(law, f"the law {law.kind} of crack faces")
+    for crack in scene.cracks:
+        yield from _of_fields(crack, "cracks", ("name", "path", "ends", "cuts", "faces", "growth"))
+        yield from _of_growth(crack.growth)
+    if scene.fracture is not None:
+        yield "rice1968", "the energy release rate"
+        yield "guo2004", "energy release rates and stress intensity factors in the material point method"
+        yield "shih1986", "the energy release rate as an integral over a domain"
+        if scene.fracture.modes == "interaction":
+            yield "yau1980", "stress intensity factors by interaction integrals"
+        yield from _of_model(scene.fracture, "fracture quantities")
+
+
+def _of_growth(growth: Any) -> Iterator[tuple[str, str]]:
+    for tip in (growth.start, growth.end) if growth is not None else ():
+        if tip is not None:
+            for words, model in (("criterion", tip.criterion), ("direction", tip.way)):
+                said = f"the growth {words} {model.kind}"
+                yield from ((key, said) for key in GROWTH.get(model.kind, ()))
+                yield from _of_model(model, said)
 
 
 def _of_material(material: Any) -> Iterator[tuple[str, str]]:

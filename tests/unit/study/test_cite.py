@@ -144,3 +144,41 @@ def test_reference_of_a_plugin_is_told():
         model_fields: dict = {}
 
     assert list(cite._of_model(Plugin(), "the law x")) == [("Somebody (1999)", "the law x")]
+
+
+CRACK = "{name: a, path: {kind: points, points: [[1, 2], [3, 2]]}"
+GROWS = "growth: {end: {criterion: {kind: maximum_hoop_stress, K_Ic: 1}}}"
+
+
+@pytest.mark.parametrize(
+    ("changes", "added", "absent"),
+    [
+        ((f"cracks=[{CRACK}}}]",), {"nairn2003": "explicit cracks"}, {"rice1968", "guo2004", "nairn2007"}),
+        (
+            (f"cracks=[{CRACK}}}]", "fracture={}"),
+            {
+                "rice1968": "the energy release rate",
+                "guo2004": "energy release rates",
+                "yau1980": "interaction",
+            },
+            {"erdogan1963"},
+        ),
+        ((f"cracks=[{CRACK}}}]", "fracture={modes: opening}"), {"shih1986": "over a domain"}, {"yau1980"}),
+        (
+            (f"cracks=[{CRACK}, {GROWS}}}]", "fracture={}"),
+            {"erdogan1963": "the growth criterion maximum_hoop_stress; the growth direction hoop"},
+            {"sih1974"},
+        ),
+        (
+            (f"cracks=[{CRACK}, faces: {{law: {{kind: linear_interface, normal: 1, tangential: 1}}}}}}]",),
+            {"nairn2007": "springs between the faces of cracks"},
+            set(),
+        ),
+    ],
+)
+def test_cracks(changes, added, absent):
+    found, _ = keys(*changes)
+    assert {key: words for key, words in added.items() if words not in found.get(key, "")} == {}
+    assert not absent & set(found)
+    plain, _ = keys()
+    assert "nairn2003" not in plain
