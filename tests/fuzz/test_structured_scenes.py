@@ -290,6 +290,84 @@ def load_of_heat(dice: Dice, d: int) -> dict[str, Any]:
     )
 
 
+def crack(dice: Dice, scene: dict[str, Any], name: str) -> dict[str, Any]:
+    """A crack through the first body, into it or within it, which may grow."""
+    place = scene["bodies"][0]["region"]
+    middle = np.array(place.get("center", [0.0, 0.0]))
+    half = place.get("radius", 0.0)
+    low, high = (
+        np.array(place.get(key, middle + side * half)) for key, side in (("lower", -1), ("upper", 1))
+    )
+    points = low + (high - low) * dice.rng.uniform(0.15, 0.85, (dice.one_of([2, 2, 3]), 2))
+    ends = {"start": dice.one_of(["tip", "mouth", "mouth"]), "end": dice.one_of(["tip", "tip", "mouth"])}
+    axis = dice.one_of([0, 1])
+    points = points[np.argsort(points[:, axis])]
+    points[:, axis] = np.linspace(points[0, axis], points[-1, axis] + 0.3, len(points))
+    if ends["start"] == "mouth":
+        points[0, axis] = low[axis] - dice.one_of([0.0, 0.3])
+    if ends["end"] == "mouth":
+        points[-1, axis] = high[axis] + dice.one_of([0.0, 0.3])
+    without_memory = [kind for kind in LAWS if kind not in ("cohesive", "adhesion_friction")]
+    kind = dice.one_of(LAWS if dice.rarely(0.05) else without_memory)
+    keys: dict[str, Any] = {
+        "name": name,
+        "ends": ends,
+        "faces": {"law": {"kind": kind} | examples.LAWS[kind][0]},
+    }
+    keys["path"] = {"kind": "points", "points": np.round(points, 6).tolist()}
+    if dice.rarely(0.1):
+        keys["path"] = {"kind": "arc", "center": points[0].tolist(), "radius": dice.number(0.3, 2)}
+        keys["path"] |= {"from": dice.number(-180, 180), "to": dice.number(-180, 180)}
+    keys["spacing"] = dice.one_of([0.1, 0.1, 0.25, 0.5, 2])
+    if dice.rarely():
+        keys["pressure"] = dice.one_of([dice.size(), "x*t", "-1"])
+    if dice.rarely(0.3):
+        keys["moves"] = dice.one_of(["average", "mass", "fixed"])
+    if dice.rarely():
+        keys["cuts"] = [scene["bodies"][0]["name"]]
+    tips = [end for end, what in ends.items() if what == "tip"]
+    if tips and dice.rarely(0.5):
+        keys["growth"] = {dice.one_of(tips): growth(dice)}
+    return keys
+
+
+def growth(dice: Dice) -> dict[str, Any]:
+    """When a tip grows, and where to."""
+    kind = dice.one_of(examples.CRITERIA)
+    keys: dict[str, Any] = {"criterion": {"kind": kind} | examples.CRITERIA[kind]}
+    if dice.rarely(0.5):
+        way = dice.one_of(examples.DIRECTIONS)
+        keys["direction"] = {"kind": way} | examples.DIRECTIONS[way]
+    if dice.rarely():
+        keys["increment"] = dice.one_of([0.1, 1, 3])
+    if dice.rarely():
+        keys["max_length"] = dice.number(0.1, 4)
+    if dice.rarely():
+        keys["speed"] = {"max": dice.size()}
+    return keys
+
+
+def break_apart(dice: Dice, scene: dict[str, Any]) -> None:
+    """Put cracks into a scene in the plane, with what can be asked of them."""
+    scene["cracks"] = [crack(dice, scene, f"k{i}") for i in range(dice.one_of([1, 1, 1, 2, 3]))]
+    ends = [
+        (each["name"], end) for each in scene["cracks"] for end, what in each["ends"].items() if what == "tip"
+    ]
+    columns = ["default", "crack_length", "crack_force", "third_cracks"]
+    if ends and (dice.rarely(0.6) or any("growth" in each for each in scene["cracks"])):
+        scene["fracture"] = {"inner": dice.one_of([1, 2]), "outer": dice.one_of([3, 6])}
+        scene["fracture"] |= {"terms": dice.one_of([1, 2]), "modes": dice.one_of(["interaction", "opening"])}
+        columns += ["J", "K_I", "K_II", "tip"]
+    scene["archive"]["globals"]["columns"] = columns
+    if dice.rarely(0.5):
+        scene["archive"] |= {"cracks": {"every": 1e5}, "particles": {"every": 1e5, "fields": ["crack_side"]}}
+        scene["archive"]["grid"] = {"every": 1e5, "fields": ["mass_side_0", "velocity_side_1"]}
+    if dice.rarely(0.5):
+        probes = [{"name": "gap", "kind": "crack_opening", "crack": "k0"}]
+        probes += [{"name": "tip", "kind": "crack_tip", "crack": name, "end": end} for name, end in ends[:1]]
+        scene["probes"] = [*scene.get("probes", ()), *probes]
+
+
 def structured_scene(seed: int) -> dict[str, Any]:
     """A scene of 2 to some 50 particles per body, built at random from what exists."""
     dice = Dice(seed)
@@ -347,6 +425,8 @@ def structured_scene(seed: int) -> dict[str, Any]:
         }]  # fmt: skip
     if dice.rarely(0.5):
         warm_up(dice, scene, d)
+    elif d == 2 and dice.rarely(0.6):
+        break_apart(dice, scene)
     return scene
 
 
@@ -354,6 +434,8 @@ def unfinished_numbers(results: Path) -> list[str]:
     """Tables that hold a number which is not finite; an empty field is a mean over nothing."""
     found = []
     for path in results.rglob("*.csv"):
+        if path.name == "events.csv":  # has words
+            continue
         header, *rows = path.read_text(encoding="utf-8").splitlines()
         for row in rows:
             for name, word in zip(header.split(","), row.split(","), strict=True):
