@@ -64,7 +64,7 @@ class Cracks:
         self.view.particle_side = self._particle_sides
         self.faces = FaceContact(
             [model.faces.law for model in models], self.sides, rigid, grid, particles, s.conditions, mirror,
-            s.state.work, s.plan.update, s.parallel, ring, self.view,
+            s.state.work, s.plan.update, ring, self.view,
         )  # fmt: skip
         self._make_forces = lambda chain: PointForces(
             chain, self.sides, self.faces.contacts.lattice, rigid, grid

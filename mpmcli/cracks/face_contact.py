@@ -48,14 +48,13 @@ class FaceContact(ContactImpulses):
     rigid : (fields,) whether a field belongs to a rigid body
     grid, particles, conditions, mirror, work : of the simulation
     update : strain update of the step
-    parallel : run the parallel version of kernels
     ring : the analysis is axisymmetric
     view : what output sees
     """
 
     def __init__(
         self, laws: list[Any], sides: CrackSides, rigid: Array, grid: Grid, particles: Particles, conditions: Any,
-        mirror: Any, work: dict[str, float], update: StrainUpdate, parallel: bool, ring: bool, view: CracksView,
+        mirror: Any, work: dict[str, float], update: StrainUpdate, ring: bool, view: CracksView,
     ):  # fmt: skip
         models: list[Any] = []
         for law in laws:
@@ -65,7 +64,7 @@ class FaceContact(ContactImpulses):
         self.contacts = FaceContacts(sides, of_crack, models, rigid, grid, particles, ring)
         super().__init__(self.contacts, models, range(len(models)), Ways(), grid, conditions)
         self._particles, self._mirror, self._work = particles, mirror, work
-        self._runs_parallel, self._view = parallel, view
+        self._view = view
         self._springs = np.array([model.is_interface for model in models])
         work.setdefault("contact_work", 0.0)
         if self._springs.any():
@@ -75,7 +74,7 @@ class FaceContact(ContactImpulses):
 
     def find(self, step: Step) -> int:
         """Find the pairs of sides in contact."""
-        count = self.contacts.find(self._particles.F, self._runs_parallel)
+        count = self.contacts.find(self._particles.F)
         if self.interfaces is not None and count > 0:
             self.interfaces.find()
         return count

@@ -10,6 +10,7 @@ from mpmcli.contact.area import contact_area, perpendicular_size
 from mpmcli.contact.fields_in_contact import FieldsInContact, NodeTable, put_contact
 from mpmcli.contact.geometry import Geometry, unsure
 from mpmcli.contact.impulses import ImpulseRows
+from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.dofs import dof_of, field_of, side_of
 from mpmcli.core.grid import Grid
@@ -74,7 +75,7 @@ class Lattice(NamedTuple):
     ring: bool
 
 
-@inline
+@compiled_too
 def find_planes(count, candidates, entries, nodes, segments, lattice, matter, planes):
     """Normals and places of the cracks of every crack node, from the lines of sight that cross them (Nairn 2023)."""
     normal, distance, above = planes.normal, planes.distance, planes.above
@@ -114,7 +115,7 @@ def find_planes(count, candidates, entries, nodes, segments, lattice, matter, pl
             above[slot, bit] = which_side
 
 
-@inline
+@compiled_too
 def list_faces(
     nodes, count, planes, laws, skipped, screened, rigid, node_count, mp, dof, first, m, faces, begin
 ):
@@ -169,16 +170,7 @@ def list_faces(
     return k
 
 
-@inline
-def most_faces(nodes, count, fields):
-    """Upper bound of the number of pairs at these nodes."""
-    most = 0
-    for slot in range(count):
-        most += (4 if nodes.crack[slot, 1] >= 0 else 1) * fields * fields
-    return most
-
-
-@inline
+@compiled_too
 def find_face_geometry(
     axes,
     count,
@@ -258,6 +250,26 @@ def find_face_geometry(
         status[k] = 0
 
 
+@inline
+def find_faces(
+    nodes, count, candidates, entries, segments, lattice, matter, planes, laws, skipped, screened, rigid, node_count,
+    mp, dof, first, m, faces, begin, geometry,
+):  # fmt: skip
+    """Find the pairs of sides in contact and their geometry; returns how many.
+
+    One call for all of it: to hand so many arrays over takes longer than the work on a few nodes.
+    """
+    find_planes(count, candidates, entries, nodes, segments, lattice, matter, planes)
+    found = list_faces(
+        nodes, count, planes, laws, skipped, screened, rigid, node_count, mp, dof, first, m, faces, begin
+    )
+    find_face_geometry(
+        (0.0, 0.0), found, m, faces, nodes, node_count, rigid.shape[0], candidates, entries, lattice, matter, planes,
+        geometry,
+    )  # fmt: skip
+    return found
+
+
 class FaceContacts:
     """The pairs of sides in contact in a step, as ``contact.contact_impulses.FoundContacts``.
 
@@ -322,27 +334,18 @@ class FaceContacts:
         numbers = {name: np.zeros(room) for name in ("separation_now", "push", "drive", "friction")}
         self.rows = ImpulseRows(**vectors, **numbers, state=np.zeros(room, dtype=np.int64))
 
-    def find(self, F: Array, parallel: bool) -> int:
+    def find(self, F: Array) -> int:
         """Find the pairs and their geometry; ``F`` (nF, N) are the particles' own. Returns how many."""
         sides, p, grid = self._sides, self._particles, self._grid
         self.count, count = 0, sides.count
         if count == 0:
             return 0
-        self._make_room(count, most_faces(sides.nodes, count, len(self._rigid)))
+        self._make_room(count, count * (1 if grid.sides == 2 else SIDES) * len(self._rigid) ** 2)
         matter = Matter(p.X, p.X0, F, p.vol0, p.mass, p.velocity_field)
-        find_planes(
-            count,
-            sides.candidates,
-            sides.entries,
-            sides.nodes,
-            sides.segments,
-            self.lattice,
-            matter,
-            self.planes,
-        )
-        self.count = list_faces(
-            sides.nodes, count, self.planes, self._laws, self._skipped, self._screened, self._rigid,
-            grid.node_count, grid.mp, self._dof, self._first, self.fields, self.faces, self.begin,
+        self.count = find_faces(
+            sides.nodes, count, sides.candidates, sides.entries, sides.segments, self.lattice, matter, self.planes,
+            self._laws, self._skipped, self._screened, self._rigid, grid.node_count, grid.mp, self._dof, self._first,
+            self.fields, self.faces, self.begin, self.geometry,
         )  # fmt: skip
         first = self._first[: count + 1]
         self.table = NodeTable(
@@ -350,8 +353,4 @@ class FaceContacts:
         )
         self.stages = 1 + int(self.fields.stage[: self.count].max(initial=0))
         self.has_pairs = bool(self.fields.pair[: self.count].any())
-        find_face_geometry(
-            (0.0, 0.0), self.count, self.fields, self.faces, sides.nodes, grid.node_count, grid.fields,
-            sides.candidates, sides.entries, self.lattice, matter, self.planes, self.geometry,
-        )  # fmt: skip
         return self.count
