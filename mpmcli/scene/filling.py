@@ -45,7 +45,7 @@ def check_memory(scene: Any) -> None:
     grid, pad = scene.grid, ghost_layers(scene)
     fields = len(velocity_fields(scene)[0])
     nodes = math.prod(cells + 1.0 + 2 * pad for cells in grid.cells)
-    needed = nodes * fields * NUMBERS_PER_NODE[grid.dimensions] * 8
+    needed = (nodes + _nodes_of_cracks(scene)) * fields * NUMBERS_PER_NODE[grid.dimensions] * 8
     if scene.heat is not None:
         transfer = scene.heat.transfer
         takes_changes = transfer.kind == "flip" or transfer.every_steps is not None
@@ -59,6 +59,16 @@ def check_memory(scene: Any) -> None:
             f"{there / 1e9:.3g} GB are available; use larger cells or a smaller grid"
         )
         raise SceneError([Problem("grid.cell", words, code="memory")])
+
+
+def _nodes_of_cracks(scene: Any) -> float:
+    """Return how many further sides of nodes cracks make use of at most; only these take memory."""
+    if not scene.cracks:
+        return 0.0
+    across = 2 * SHAPES[scene.method.shape].width + 1
+    corners = (crack.path.corners() for crack in scene.cracks)
+    cells = sum(float(np.hypot(*np.diff(each, axis=0).T).sum()) for each in corners) / min(scene.grid.cell)
+    return (1 if len(scene.cracks) == 1 else 3) * across * (cells + len(scene.cracks) * across)
 
 
 def section_of(scene: Any) -> float:

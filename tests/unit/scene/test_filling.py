@@ -195,3 +195,26 @@ def test_heat_through_a_stair_stepped_face_is_warned_of(sets, warned):
     check_start(loaded)
     found = [(problem.path, problem.code) for problem in loaded.warnings]
     assert found == [("loads.lamp.on", "stair_stepped")] * warned
+
+
+def test_memory_counts_further_sides_only_beside_cracks(monkeypatch):
+    """A crack of ten cells adds some hundreds of nodes, whatever the size of the grid."""
+    crack = "cracks: [{name: main, path: {kind: points, points: [[1.2, 2], [2.8, 2]]}}]\n"
+    text = scene_with(BODY)
+    needed = []
+    for scene in (
+        text,
+        text + crack,
+        text + crack.replace("]}}]", "]}}, {name: b, path: {kind: points, points: [[2, 1.2], [2, 2.8]]}}]"),
+    ):
+        for room in range(1, 10**6, 1000):
+            monkeypatch.setattr(filling, "available_memory", lambda room=room: float(room))
+            try:
+                filling.check_memory(load_scene(scene).scene)
+            except SceneError:
+                continue
+            needed.append(room)
+            break
+    plain, one, two = needed
+    assert 0 < one - plain < 500 * 9 * 8
+    assert two > one

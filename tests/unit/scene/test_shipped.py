@@ -37,7 +37,7 @@ def test_names_are_unique_over_both_folders():
 
 
 def test_all_kinds_of_first_problems_have_a_template():
-    wanted = {"block_impact", "contact", "taylor_bar", "dam_break", "mesh_3d", "indentation"}
+    wanted = {"block_impact", "contact", "taylor_bar", "dam_break", "mesh_3d", "indentation", "crack"}
     assert wanted <= set(TEMPLATES)
 
 
@@ -172,6 +172,7 @@ def bounced(results: Results, axis: str) -> float:
 SHOWN = {  # template: what its end shows, within which bounds
     "block_impact": (lambda r: r["stress_work"].max() / r["kinetic_energy"][0], 0.5, 1.0),
     "contact": (slid, 0.97, 1.0),
+    "crack": (lambda r: r["crack_length[main]"][-1], 15.0, 21.0),  # of 22 mm to the other side
     "indentation": (hardness, 2.8, 4.0),  # Tabor: 3; contact starts before the surfaces meet, which adds area
     "mesh_3d": (lambda r: bounced(r, "z"), -1.0, -0.02),
     "simple": (lambda r: bounced(r, "y"), -1.0, -0.5),
