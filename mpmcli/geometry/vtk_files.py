@@ -92,6 +92,8 @@ def _check_claims(content: bytes) -> None:
     word = word.newbyteorder(">" if _attribute(header, "byte_order") == "BigEndian" else "<")
     is_text = _attribute(appended.partition(b">")[0], "encoding") == "base64"
     appended = appended.partition(b"_")[2]
+    closed = appended.rfind(b"</AppendedData")
+    appended = appended[:closed] if closed >= 0 else appended  # the last array may be empty
     offsets = [len(appended)]
     for attributes, inline in _ARRAY.findall(header):
         if _attribute(attributes, "format") == "binary":

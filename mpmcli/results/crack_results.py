@@ -20,8 +20,12 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class CrackLines:
-    """A crack at one time: points of its plane and of both faces (P, 3), tips (T, 3) [length]."""
+    """A crack at one time: points of its plane and of both faces (P, 3), tips (T, 3) [length].
 
+    ``number`` is its place in the scene, from 0.
+    """
+
+    number: int
     plane: Array
     above: Array
     below: Array
@@ -66,7 +70,7 @@ def read_cracks(path: Path) -> Iterator[CrackLines]:
     for index in np.unique(crack):
         plane, above, below = (held.points[(crack == index) & (face == f)] for f in (PLANE, ABOVE, BELOW))
         tips = held.points[(crack == index) & (face == PLANE) & (state == TIP)]
-        yield CrackLines(plane, above, below, tips)
+        yield CrackLines(int(index), plane, above, below, tips)
 
 
 def _held(path: Path) -> Vtu:

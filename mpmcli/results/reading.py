@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from mpmcli.output.files import FAILED, GLOBALS, owned_files
 from mpmcli.output.manifest import read_manifest
 from mpmcli.output.tables import read_numbers, read_table
 from mpmcli.results.notebook import html_of_error, html_of_facts, html_of_table
+
+if TYPE_CHECKING:
+    from mpmcli.results.crack_results import CrackLines
 
 Array = np.ndarray
 
@@ -230,6 +233,21 @@ class Results:
             If there are no archives, or one cannot be read.
         """
         return self.frame(self.path_of(-1) if time is None else self.path_at(time))
+
+    def cracks(self, time: float | None = None) -> list[CrackLines]:
+        """Planes and faces of all cracks at the time nearest to ``time`` that has files of them, or at the last one.
+
+        Raises
+        ------
+        ArchiveError
+            If there are no files of cracks, or one cannot be read.
+        """
+        from mpmcli.results.crack_results import crack_files
+
+        files = crack_files(self.directory)
+        if files is None:
+            raise ArchiveError(f"{self.directory} has no files of cracks; add archive.cracks to the scene")
+        return files.at(max(files.times) if time is None else time)[1]
 
     @cached_property
     def scene(self) -> dict[str, Any]:

@@ -24,7 +24,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from vtkmodules.vtkFiltersCore import vtkTriangleFilter
-from vtkmodules.vtkFiltersSources import vtkSphereSource
+from vtkmodules.vtkFiltersSources import vtkLineSource, vtkSphereSource
 from vtkmodules.vtkIOGeometry import vtkSTLWriter
 from vtkmodules.vtkIOPLY import vtkPLYWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
@@ -104,6 +104,24 @@ def table(path: Path) -> None:
     path.write_text("# points\nx,y,volume\n" + "".join(f"{x:.6g},{y:.6g},0.05\n" for x, y in rows))
 
 
+def path_table(path: Path) -> None:
+    """Points along a crack as text."""
+    rows = [f"{x:.6g},{0.1 * x * x:.6g},1\n" for x in np.linspace(-1.5, 1.5, 20)]
+    path.write_text("# a crack\nx,y,note\n" + "".join(rows))
+
+
+def polyline(path: Path) -> None:
+    """A polyline along a crack."""
+    source = vtkLineSource()
+    source.SetPoint1(-1.5, 0.1, 0.0)
+    source.SetPoint2(1.5, 0.2, 0.0)
+    source.SetResolution(12)
+    writer = vtkXMLPolyDataWriter()
+    writer.SetInputConnection(source.GetOutputPort())
+    writer.SetFileName(str(path))
+    writer.Write()
+
+
 def obj(path: Path) -> None:
     """A tetrahedron's surface as text."""
     path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2//1 3//1 4//1\nf 3 1 -1\n")
@@ -112,6 +130,12 @@ def obj(path: Path) -> None:
 MESH = "{{kind: mesh, file: {}, open: allow}}"
 PICTURE = "{{kind: bitmap, file: {}, levels: [0, 127], size: [2, 2]}}"
 POINTS = "{{kind: points, file: {}}}"
+BOX = "{{kind: box, lower: [-1, -1], upper: [1, 1]}}"
+CRACK = BOX + (
+    "}}]\ncracks: [{{name: c, path: {{kind: file, file: {}}}, ends: {{start: mouth, end: mouth}}}}]\n"
+    "probes: [{{name: p, kind: particle, body: b, near: [0, 0]"
+)
+"""The region of a body, and a crack through it behind it."""
 INPUTS: dict[str, tuple[Callable[[Path], None], str, dict[str, str]]] = {
     "grey.png": (picture("L"), PICTURE, PLANE),
     "palette.png": (picture("P"), PICTURE, PLANE),
@@ -136,6 +160,8 @@ INPUTS: dict[str, tuple[Callable[[Path], None], str, dict[str, str]]] = {
     "volume.vtu": (hexahedra, MESH, SPACE),
     "points.vtu": (point_cloud, POINTS, PLANE),
     "points.csv": (table, POINTS, PLANE),
+    "path.csv": (path_table, CRACK, PLANE),
+    "path.vtp": (polyline, CRACK, PLANE),
 }
 
 NUMBERS = [b"0", b"-1", b"9" * 12, b"9" * 400, b"1e999", b"nan", b"2147483648", b"0x7f", b"", b"4294967295"]
@@ -265,9 +291,19 @@ grid: {lower: [-2, -2], upper: [2, 2], cell: 0.5}
 method: {transfer: {kind: fmpm, order: 2}}
 materials: {m: {kind: neo_hookean, density: 1, E: 10, nu: 0.3}}
 bodies: [{name: b, material: m, region: {kind: box, lower: [-1, -1], upper: [1, 1]}, velocity: [x, 0]}]
-probes: [{name: middle, kind: particle, body: b, near: [0, 0], every: 0.1}]
+cracks:
+  - name: c
+    path: {kind: points, points: [[0.1, -1.5], [0.1, 0.1]]}
+    ends: {start: mouth}
+    growth: {end: {criterion: {kind: steady_speed, speed: 1}}}
+fracture: {inner: 0.5, outer: 1.5}
+probes:
+  - {name: middle, kind: particle, body: b, near: [0, 0], every: 0.1}
+  - {name: gap, kind: crack_opening, crack: c, every: 0.1}
 time: {end: 0.5, courant: 0.3}
-archive: {particles: {every: 0.1}, globals: {every: 0.05}, grid: {every: 0.25}, checkpoint: {every: 0.2}}
+archive:
+  {particles: {every: 0.1}, cracks: {every: 0.25}, globals: {every: 0.05}, grid: {every: 0.25},
+   checkpoint: {every: 0.2}}
 """
 
 
@@ -287,12 +323,12 @@ def damage_results(folder: Path, cases: int, seed: int) -> None:
         shutil.copytree(whole, broken)
         path = broken / name
         path.write_bytes(damaged(path.read_bytes(), rng))
-        if path.suffix in (".vtu", ".csv", ".npz"):
+        if path.suffix in (".vtu", ".vtp", ".csv", ".npz"):
             damages.take(["info", str(path)], {0, 5}, path)
         damages.take(["info", str(broken)], {0, 5}, path)
         damages.take(["compare", str(whole), str(broken)], {0, 1, 5}, path)
         if path.suffix != ".npz":
-            damages.take(["plot", str(broken), "--what", "energies,particles"], {0, 2, 5}, path)
+            damages.take(["plot", str(broken), "--what", "energies,particles,growth,probes"], {0, 2, 5}, path)
         if path.suffix in (".npz", ".json", ".csv"):
             damages.take(["resume", str(broken)], {0, 3, 5}, path)
     damages.end()

@@ -37,7 +37,7 @@ colors.ApplyPreset({preset!r}, True)
 colors.RescaleTransferFunction({low!r}, {high!r})  # 1 to 99 % of the particles at this time
 colors.AutomaticRescaleRangeMode = "Never"
 shown.SetScalarBarVisibility(view, True)
-bar = GetScalarBar(colors, view)
+{cracks}bar = GetScalarBar(colors, view)
 bar.Title = {label!r}
 bar.ComponentTitle = {component!r}
 
@@ -55,6 +55,13 @@ CALCULATOR = """\
 particles = Calculator(registrationName={name!r}, Input=particles)
 particles.ResultArrayName = {name!r}
 particles.Function = {formula!r}
+"""
+CRACKS = """\
+cracks = PVDReader(registrationName={name!r}, FileName={pvd!r})
+lines = Show(cracks, view)
+ColorBy(lines, None)
+lines.DiffuseColor = [0.0, 0.0, 0.0]
+lines.LineWidth = 2.0
 """
 OVERLAP = 1.25
 """Radius of flat discs over half a particle: they cover the plane, or nearly."""
@@ -93,7 +100,9 @@ def paraview_script(
     names = results.names(GROUPS[coloring.name]) if coloring.is_group else []
     _, up, towards = directions(view if d == 3 else "xy")
     source = CALCULATOR.format(name=array, formula=coloring.formula) if coloring.formula else ""
+    pvd = results.directory / "cracks.pvd"
     return SCRIPT.format(
+        cracks=CRACKS.format(name="cracks", pvd=str(pvd.resolve())) if pvd.exists() else "",
         title=_in_docstring(results.title),
         script=PARAVIEW,
         name=results.directory.resolve().name,

@@ -84,6 +84,25 @@ def test_a_polyline_in_its_own_order(folder: Path) -> None:
     assert "damaged or not a VTP file" in refused("file", file="bad.vtp")
 
 
+@pytest.mark.parametrize("mode", ["Ascii", "Binary", "Appended"])
+@pytest.mark.parametrize("compressor", ["None", "ZLib", "LZ4"])
+def test_a_polyline_as_vtk_writes_it(mode: str, compressor: str) -> None:
+    """Empty arrays of polygons stand behind the lines."""
+    from vtkmodules.vtkFiltersSources import vtkLineSource
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+    source, writer = vtkLineSource(), vtkXMLPolyDataWriter()
+    source.SetPoint1(-2.0, 0.25, 0.0)
+    source.SetPoint2(2.0, 0.25, 0.0)
+    source.SetResolution(4)
+    writer.SetInputConnection(source.GetOutputPort())
+    writer.SetFileName("line.vtp")
+    getattr(writer, f"SetDataModeTo{mode}")()
+    getattr(writer, f"SetCompressorTypeTo{compressor}")()
+    writer.Write()
+    assert path("file", file="line.vtp").corners().tolist() == [[x, 0.25] for x in (-2, -1, 0, 1, 2)]
+
+
 FAULTS = [
     ([[0, 0]], "at least 2 points are needed, not 1"),
     ([[0, 0], [1, 1], [1, 1], [2, 1]], "point 3: the point [1, 1] repeats the one before"),

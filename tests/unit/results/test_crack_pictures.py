@@ -65,6 +65,16 @@ def test_lines_at_the_nearest_time(cracked):
     assert main.plane[:, :2].tolist() == [[0, 1], [1, 1], [2, 1]]
     assert main.tips[:, :2].tolist() == [[2, 1]]
     assert side.above[:, 1].tolist() == [2, 2, 2]
+    assert [each.number for each in Results(cracked).cracks(0.5)] == [0, 1]
+    assert Results(cracked).cracks()[0].above[:, 1] == pytest.approx(1.1)
+
+
+def test_paraview_shows_them_too(cracked, make_results):
+    paths, _ = plot(cracked, Request(paraview=True))
+    assert "cracks.pvd" in paths[0].read_text()
+    compile(paths[0].read_text(), "script", "exec")
+    paths, _ = plot(make_results(2, name="plain"), Request(paraview=True))
+    assert "cracks" not in paths[0].read_text()
 
 
 def test_cracks_of_a_failed_run_come_last(cracked):
@@ -90,6 +100,8 @@ def test_a_layer_follows_time_and_says_when_it_cannot(cracked):
 def test_results_without_cracks_have_no_lines(make_results):
     directory = make_results(2)
     assert crack_files(directory) is None
+    with pytest.raises(ArchiveError, match=r"add archive\.cracks to the scene"):
+        Results(directory).cracks()
     assert growth_of_tips(directory) == []
     axes = new_figure(3, 3).add_subplot()
     CrackLayer(Results(directory), axes).update(0.0)
