@@ -162,7 +162,10 @@ def _along(lines: Any, path: Path) -> list[int]:
         [lines.GetCell(k).GetPointId(place) for place in range(lines.GetCell(k).GetNumberOfPoints())]
         for k in range(lines.GetNumberOfCells())
     ]
-    if lines.GetNumberOfLines() != len(pieces) or not pieces:
+    count = lines.GetNumberOfPoints()
+    if not all(0 <= point < count for piece in pieces for point in piece):
+        raise ValueError(f"'{path.name}' is damaged or not a VTP file")
+    if lines.GetNumberOfLines() != len(pieces) or not pieces or not all(pieces):
         raise ValueError(f"'{path.name}' must hold a polyline and nothing else")
     order = pieces[0]
     for number, piece in enumerate(pieces[1:], 2):

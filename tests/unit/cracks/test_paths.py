@@ -176,3 +176,8 @@ time: {end: 1}
     assert list(before.file_digests) == ["crack.csv"]
     (folder / "crack.csv").write_text(TABLE.replace("4,3", "4,2"))
     assert load_scene(folder / "scene.yaml").hash != before.hash
+
+
+def test_a_polyline_without_points_is_refused(folder: Path) -> None:
+    (folder / "empty.vtp").write_text(vtp([[0.0, 0.0], [1.0, 0.0]], []))
+    assert "must hold a polyline and nothing else" in refused("file", file="empty.vtp")
