@@ -27,6 +27,7 @@ class ContactChoice:
     particles_per_axis : least number of a body's particles per cell and axis
     thickness : of a plane analysis, area of a 1D one, else 1
     needs_area : areas of contact are needed whatever the laws
+    whole_fields : for each field, whether no crack cuts it; None without cracks
 
     Attributes
     ----------
@@ -44,10 +45,12 @@ class ContactChoice:
     def __init__(
         self, model: Any, fields: list[str], rigid_fields: Sequence[bool], laws: list[Any], table: Array,
         has_loop: bool, particles_per_axis: int = 1, thickness: float = 1.0, needs_area: bool = False,
+        whole_fields: Sequence[bool] | None = None,
     ):  # fmt: skip
         self.model = model
         self.fields, self.rigid_fields = fields, list(rigid_fields)
         self.laws, self.table = laws, table
+        self.whole_fields = None if whole_fields is None else np.array(whole_fields)
         self.particles_per_axis, self.thickness = particles_per_axis, thickness
         self.exists = len(fields) > 1
         self.used = sorted({int(i) for i in table.ravel() if i >= 0})
@@ -74,7 +77,7 @@ class ContactChoice:
         """Allocate the arrays over all nodes that contact asks for, by name."""
         arrays: dict[str, Array] = {}
         if self.exists:
-            arrays["slot_of_node"] = np.full(grid.node_count, -1, dtype=np.int32)
+            arrays["slot_of_node"] = np.full(grid.sides * grid.node_count, -1, dtype=np.int32)
             if self.knows_normals and getattr(self.model.normal, "reuse", False):
                 arrays["guesses"] = np.zeros((grid.dof_count, grid.dimensions))
         return arrays

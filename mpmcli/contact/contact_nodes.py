@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcli.core.compiled.compiler import compiled_as
 from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.core.dofs import node_of
 from mpmcli.core.grid import Grid, unfold
@@ -29,7 +30,10 @@ NEAREST = 8
 
 
 class Candidates(NamedTuple):
-    """Nodes that two fields may reach before the next sort, and particles that may reach such nodes."""
+    """Nodes that two fields may reach before the next sort, and particles that may reach such nodes.
+
+    Every side of a node counts as a node of its own, side · node_count + node.
+    """
 
     node: Array
     """(c,) node indices, ascending."""
@@ -79,15 +83,19 @@ class NearParticles(NamedTuple):
     G: Array
 
 
-def find_candidates(order: CellOrder, grid: Grid, images: int = 0) -> Candidates:
+def find_candidates(order: CellOrder, grid: Grid, images: int = 0, whole: Array | None = None) -> Candidates:
     """List candidates after a sort (``grid.active`` holds the degrees of freedom that particles may touch).
 
-    ``images`` is the number of mirror images of a particle.
+    ``images`` is the number of mirror images of a particle, ``whole`` (fields,) says which fields no crack cuts: they
+    meet every side of the others. None without cracks.
     """
-    n = grid.node_count
-    by_node = np.argsort(node_of(grid.active, n), kind="stable")  # fields stay in their order
-    dof = grid.active[by_node]
+    n, dof = grid.node_count, grid.active
     at = node_of(dof, n)
+    if whole is not None:
+        at = at + n * grid.side_of(dof)
+        dof, at = _with_whole_fields(dof, at, grid, whole)
+    by_node = np.argsort(at, kind="stable")  # fields stay in their order
+    dof, at = dof[by_node], at[by_node]
     start = np.flatnonzero(np.diff(at, prepend=-1))
     node, fields = at[start], np.diff(start, append=len(at))
     shared = fields > 1
@@ -102,8 +110,23 @@ def find_candidates(order: CellOrder, grid: Grid, images: int = 0) -> Candidates
         dof=dof[keep],
         particle=particle,
         bands=bands.astype(np.uint64),
-        rooms=bands[:-1].astype(np.int64) * most_near(grid, images),
+        rooms=bands[:-1].astype(np.int64) * most_near(grid, images + grid.sides - 1),
     )
+
+
+def _with_whole_fields(dof: Array, at: Array, grid: Grid, whole: Array) -> tuple[Array, Array]:
+    """Let the fields that no crack cuts be at all sides of their nodes, which only others have."""
+    mine = np.flatnonzero(whole[grid.field_of(dof)])
+    kept = ~whole[grid.field_of(dof)] | (at < grid.node_count)
+    sides = np.unique(at[kept & (at >= grid.node_count)])
+    there = [
+        (dof[m], place)
+        for m in mine[at[mine] < grid.node_count]
+        for place in at[m] + grid.node_count * np.arange(1, grid.sides)
+        if place in sides
+    ]
+    more = np.array(there, dtype=np.int64).reshape(-1, 2)
+    return np.concatenate([dof[kept], more[:, 0]]), np.concatenate([at[kept], more[:, 1]])
 
 
 def most_near(grid: Grid, images: int) -> int:
@@ -200,11 +223,98 @@ def may_see(geometry, width, shape_of_grid, slot_of_node, X, p):
     return False
 
 
+class Parted(NamedTuple):
+    """What contact knows of cracks.
+
+    particle : (C,) particles that they part from nodes, ascending, unsigned
+    side : (C, m) side of each node of their stencils on which they are
+    whole : (N,) whether no crack cuts the field of a particle
+    sides : sides that a node may have
+    node_count : nodes of the grid
+    """
+
+    particle: Array
+    side: Array
+    whole: Array
+    sides: int
+    node_count: int
+
+
+def row_of_particle(parted: Any, p: Any) -> Any:
+    """Row of particle ``p`` among those that cracks part from nodes, −1 if it is none; −1 without cracks."""
+    at = np.searchsorted(parted.particle, p)
+    return at if at < len(parted.particle) and parted.particle[at] == p else -1
+
+
+@compiled_as(row_of_particle)
+def _(parted, p):
+    if str(parted) == "none":
+        return lambda parted, p: -1
+
+    def find(parted, p):
+        low, high = 0, parted.particle.shape[0]
+        while low < high:
+            middle = (low + high) // 2
+            if parted.particle[middle] < p:
+                low = middle + 1
+            else:
+                high = middle
+        return low if low < parted.particle.shape[0] and parted.particle[low] == p else -1
+
+    return find
+
+
+def place_of_side(parted: Any, row: Any, a: Any) -> Any:
+    """What is added to a node for its side on which the particle of a row is."""
+    return 0 if row < 0 else np.int64(parted.side[row, a]) * parted.node_count
+
+
+@compiled_as(place_of_side)
+def _(parted, row, a):
+    if str(parted) == "none":
+        return lambda parted, row, a: 0
+    return lambda parted, row, a: (
+        np.int64(parted.side[row, a]) * parted.node_count if row >= 0 else np.int64(0)
+    )
+
+
+def link_other_sides(
+    parted: Any, p: Any, i: Any, slot_of_node: Any, near: Any, at: Any, S: Any, G: Any, a: Any, m: Any
+) -> Any:
+    """Append a particle that no crack cuts to the lists of the other sides of node ``i``; returns the next place."""
+    if parted is not None and parted.whole[p]:
+        for side in range(1, parted.sides):
+            slot = slot_of_node[i + side * parted.node_count]
+            if slot >= 0:
+                link(near, slot, at, np.int64(p), 0, S, G, a, m)
+                at += 1
+    return at
+
+
+@compiled_as(link_other_sides)
+def _(parted, p, i, slot_of_node, near, at, S, G, a, m):
+    if str(parted) == "none":
+        return lambda parted, p, i, slot_of_node, near, at, S, G, a, m: at
+
+    def link_all(parted, p, i, slot_of_node, near, at, S, G, a, m):
+        if parted.whole[p]:
+            for side in range(1, parted.sides):
+                slot = slot_of_node[i + side * parted.node_count]
+                if slot >= 0:
+                    link(near, slot, at, np.int64(p), 0, S, G, a, m)
+                    at += 1
+        return at
+
+    return link_all
+
+
 @kernel
 def find_near_particles(
-    shape, grid, across, stencil, candidates, images, slot_of_node, shape_of_grid, X, F, size, near
+    shape, grid, across, stencil, candidates, images, slot_of_node, shape_of_grid, X, F, size, near, parted
 ):
     """Link the candidate particles into the lists of the contact nodes that they are near.
+
+    ``parted`` says which particles cracks part from nodes, ``Parted``, or is None.
 
     The lists must be empty on entry. Bands of one colour never see the same node, nor do their mirror images unless
     planes exist: with planes the caller runs the serial version.
@@ -214,13 +324,13 @@ def find_near_particles(
         for half in prange((bands_count + 1 - colour) // 2):
             find_near_in_band(
                 shape, grid, across, stencil, candidates, images, slot_of_node, shape_of_grid, X, F, size, near,
-                np.uint64(2 * half + colour),
+                parted, np.uint64(2 * half + colour),
             )  # fmt: skip
 
 
 @inline
 def find_near_in_band(
-    shape, grid, across, stencil, candidates, images, slot_of_node, shape_of_grid, X, F, size, near, b
+    shape, grid, across, stencil, candidates, images, slot_of_node, shape_of_grid, X, F, size, near, parted, b
 ):
     """``find_near_particles`` for the particles of band ``b``."""
     geometry = unfold(grid)
@@ -229,13 +339,18 @@ def find_near_in_band(
     at = candidates.rooms[b]
     for j in range(candidates.bands[b], candidates.bands[b + np.uint64(1)]):
         p = np.uint64(candidates.particle[j])
-        if count == 0 and not may_see(geometry, len(across), shape_of_grid, slot_of_node, X, p):
+        if (
+            parted is None
+            and count == 0
+            and not may_see(geometry, len(across), shape_of_grid, slot_of_node, X, p)
+        ):
             continue
         base = fill(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
         begin, largest, nearest = at, 0.0, np.int64(-1)
+        row = row_of_particle(parted, p)
         for a in range(offsets.shape[0]):
             if S[a] > SEEN or (S[a] > 0.0 and is_seen(S, a, len(across), len(geometry.stride))):
-                i = np.int64(base + offsets[a])
+                i = np.int64(base + offsets[a]) + place_of_side(parted, row, a)
                 slot = slot_of_node[i]
                 if slot >= 0:
                     if S[a] > largest:
@@ -249,6 +364,7 @@ def find_near_in_band(
                         if slot >= 0:
                             link(near, slot, at, np.int64(p), images.flag[image], S, G, a, offsets.shape[0])
                             at += 1
+                at = link_other_sides(parted, p, i, slot_of_node, near, at, S, G, a, offsets.shape[0])
         if nearest >= begin:
             near.flag[nearest] |= NEAREST
 
@@ -276,7 +392,8 @@ class ContactNodes:
     ----------
     order, grid : of the simulation
     planes : (axis, line of nodes) of each symmetry plane
-    slot_of_node : (n,) −1 everywhere; says which contact node each node is
+    slot_of_node : (sides · n,) −1 everywhere; says which contact node each side of a node is
+    whole : (fields,) fields that no crack cuts, or None without cracks
 
     Attributes
     ----------
@@ -286,9 +403,12 @@ class ContactNodes:
     near : the particles near them
     """
 
-    def __init__(self, order: CellOrder, grid: Grid, planes: list[tuple[int, int]], slot_of_node: Array):
+    def __init__(
+        self, order: CellOrder, grid: Grid, planes: list[tuple[int, int]], slot_of_node: Array,
+        whole: Array | None = None,
+    ):  # fmt: skip
         self._order, self._grid = order, grid
-        self._slot_of_node = slot_of_node
+        self._slot_of_node, self._whole = slot_of_node, whole
         self._version = -1
         self.candidates = NONE
         self._shape = np.array(grid.shape, dtype=np.int64)
@@ -319,13 +439,13 @@ class ContactNodes:
         """List the candidates after a sort, and make room for what they may see."""
         self._slot_of_node[self.candidates.node] = -1
         images = len(self.images.flag)
-        self.candidates = c = find_candidates(self._order, self._grid, images)
+        self.candidates = c = find_candidates(self._order, self._grid, images, self._whole)
         self._version = self._order.version
         self._node = np.zeros(len(c.node), dtype=np.int64)
         self._first = np.zeros(len(c.node) + 1, dtype=np.int64)
         self._dof = np.zeros(len(c.dof), dtype=np.int64)
         # untouched room costs nothing: entries are written one after another from the start of each band's room
-        room = len(c.particle) * most_near(self._grid, images)
+        room = len(c.particle) * most_near(self._grid, images + self._grid.sides - 1)
         d = self._grid.dimensions
         self.near = NearParticles(
             head=np.zeros(len(c.node), dtype=np.int64),
@@ -347,15 +467,16 @@ class ContactNodes:
         return self._count
 
     def find_near(
-        self, shape: Any, across: Any, stencil: Any, X: Array, F: Array, size: Array, parallel: bool
-    ) -> None:
+        self, shape: Any, across: Any, stencil: Any, X: Array, F: Array, size: Array, parallel: bool,
+        parted: Parted | None = None,
+    ) -> None:  # fmt: skip
         """Find the particles that the contact nodes see, with the stencils of this step."""
         s, images = self.near, self.images
         s.head[: self._count] = -1
         s.number[: self._count] = 0
         find_near_particles[parallel and len(images.flag) == 0](
             shape, self._grid.geometry, across, stencil, self.candidates, images, self._slot_of_node, self._shape,
-            X, F, size, s,
+            X, F, size, s, parted,
         )  # fmt: skip
 
 

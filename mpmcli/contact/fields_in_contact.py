@@ -71,7 +71,7 @@ class FieldsInContact(NamedTuple):
 class NodeTable(NamedTuple):
     """Contact nodes of a step, and the velocity fields that meet at each.
 
-    node : (slots,) node indices
+    node : (slots,) node indices; side · node_count + node on further sides
     first : (slots + 1,) where the entries of each node begin
     dof : (entries,) degrees of freedom with mass
     volume : (entries, at least) volume Ω of each field at its node [volume]
@@ -191,6 +191,11 @@ def list_contacts(rules, nodes, mp, m, begin):
                 m.rigid[k] = True
                 m.alone[k] = True
                 k += 1
+        side = nodes.node[slot] // nodes.node_count
+        if side > 0:  # what no crack cuts meets one side after the other
+            for row in range(begin[slot], k):
+                if not m.pair[row]:
+                    m.stage[row] += side
     begin[slots] = k
     return k
 

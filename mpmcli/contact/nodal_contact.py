@@ -12,7 +12,7 @@ from mpmcli.contact import overlap
 from mpmcli.contact.account import ContactAccount
 from mpmcli.contact.choice import ContactChoice
 from mpmcli.contact.contact_impulses import ContactImpulses, Ways
-from mpmcli.contact.contact_nodes import ContactNodes
+from mpmcli.contact.contact_nodes import ContactNodes, Parted
 from mpmcli.contact.contacts import Contacts
 from mpmcli.contact.direction import DirectionWatch
 from mpmcli.contact.fields_in_contact import Rules
@@ -79,7 +79,9 @@ class NodalContact(ContactImpulses):
         self._ring = isinstance(transfer.analysis, Axisymmetric)
         self._nodal = choice.nodal_arrays(grid)
         self._guesses = self._nodal.get("guesses")
-        self.nodes = ContactNodes(order, grid, self._planes(), self._nodal["slot_of_node"])
+        self.nodes = ContactNodes(
+            order, grid, self._planes(), self._nodal["slot_of_node"], choice.whole_fields
+        )
         self.contacts = Contacts(self.nodes, self._rules, grid.node_count, d)
         ways = Ways(model.increments, model.once, model.displacement_only, self._rules.coupled)
         super().__init__(self.contacts, choice.laws, choice.used, ways, grid, conditions)
@@ -130,8 +132,9 @@ class NodalContact(ContactImpulses):
             transfer, parallel = self._transfer, self._runs_parallel
             matter = Matter(p.velocity_field, p.X, transfer.domain_F, p.size, p.vol0, p.mass, p.X0, p.bond)
             self.nodes.find_near(
-                transfer.shape.parameters, transfer.across, transfer.stencil, p.X, matter.F, p.size, parallel
-            )
+                transfer.shape.parameters, transfer.across, transfer.stencil, p.X, matter.F, p.size, parallel,
+                self._parted(),
+            )  # fmt: skip
             c.sum_volumes(matter, parallel)
         c.find_fields(mp)
         if c.count == 0:
@@ -146,6 +149,14 @@ class NodalContact(ContactImpulses):
         if self.interfaces is not None:
             self.interfaces.find(matter, self._around, parallel)
         return c.count
+
+    def _parted(self) -> Parted | None:
+        """Which particles cracks part from nodes in this step."""
+        cut, whole, grid = self._transfer.cut, self.choice.whole_fields, self._grid
+        if cut is None or whole is None:
+            return None
+        side = grid.side_of(cut.dof.astype(np.int64))
+        return Parted(cut.particle, side, whole[self._particles.velocity_field], grid.sides, grid.node_count)
 
     def after_update(self, step: Step) -> None:
         """Task 3.a: p⁺ += Δp⁽²⁾, which is also a force."""

@@ -56,7 +56,8 @@ class Cracks:
         s.transfer.sort()
         mirror = None if s.conditions is None or s.conditions.images is None else s.conditions.images.mirror
         n = len(models)
-        ring, rigid = isinstance(s.plan.analysis, Axisymmetric), np.array(s.plan.rigid_fields, dtype=bool)
+        ring = isinstance(s.plan.analysis, Axisymmetric)
+        rigid = np.array(s.plan.rigid_fields, dtype=bool) | ~_cut_fields(cuts, s.plan)
         self.view = CracksView(
             chains=self.chains, force=np.zeros((n, 2)), released=np.zeros(n), interface_energy=np.zeros(n)
         )
@@ -165,3 +166,10 @@ class Cracks:
         self.view.all_third, self._drift = int(memory["all_third"]), float(memory["drift"])
         if self.growth is not None:
             self.growth.recall(memory)
+
+
+def _cut_fields(cuts: Array, plan: Any) -> Array:
+    """(fields,) whether some crack cuts a body of a velocity field; ``cuts`` (cracks, bodies)."""
+    found = np.zeros(len(plan.fields), dtype=bool)
+    found[np.array(plan.field_of_body)[cuts.any(axis=0)]] = True
+    return found

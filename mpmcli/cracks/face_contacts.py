@@ -116,13 +116,23 @@ def find_planes(count, candidates, entries, nodes, segments, lattice, matter, pl
 
 
 @compiled_too
+def has_mass(dof, first, end, wanted):
+    """Whether a degree of freedom is among those with mass."""
+    found = False
+    for e in range(first, end):
+        found = found or dof[e] == wanted
+    return found
+
+
+@compiled_too
 def list_faces(
     nodes, count, planes, laws, skipped, screened, rigid, node_count, mp, dof, first, m, faces, begin
 ):
     """Write the pairs of sides in contact at the crack nodes into ``m`` and ``faces``; returns their number.
 
     ``laws`` (cracks,) is the law of each crack, ``dof`` and ``first`` receive the degrees of freedom with mass.
-    Where two cracks meet, or a side has matter of several fields, each pair is one, and all of them are coupled.
+    A field meets itself across a crack; where it has no matter beyond, it meets the others there. Where two cracks
+    meet, or a side has matter of several fields, all pairs of the node are coupled.
     """
     fields = rigid.shape[0]
     entries, k = 0, 0
@@ -154,6 +164,12 @@ def list_faces(
                         side_of(dof[other], node_count, fields),
                     )
                     if mine ^ theirs != 1 << bit:
+                        continue
+                    stride = (1 << bit) * fields * node_count
+                    if dof[other] - dof[e] != stride and (
+                        has_mass(dof, first[slot], entries, dof[e] + stride)
+                        or has_mass(dof, first[slot], entries, dof[other] - stride)
+                    ):
                         continue
                     share = mp[dof[e], 0] / (mp[dof[e], 0] + mp[dof[other], 0])
                     if screened[law] and (share < LIGHT or share > 1.0 - LIGHT):

@@ -118,7 +118,19 @@ def choose_contact(scene: Any, plan: Plan) -> ContactChoice:
         particles_per_axis=min(min(np.ravel(body.particles_per_axis)) for body in scene.bodies),
         thickness=section_of(scene),
         needs_area=exchanges_by_area(scene, plan.fields),
+        whole_fields=_fields_without_cracks(scene, plan) if scene.cracks else None,
     )
+
+
+def _fields_without_cracks(scene: Any, plan: Plan) -> list[bool]:
+    """Whether each velocity field has no body that a crack may cut."""
+    whole = [True] * len(plan.fields)
+    for body, field in zip(scene.bodies, plan.field_of_body, strict=True):
+        if scene.materials[body.material].kind != "rigid":
+            whole[field] &= all(
+                crack.cuts is not None and body.name not in crack.cuts for crack in scene.cracks
+            )
+    return whole
 
 
 def rigid_bodies_of(scene: Any) -> tuple[int, ...]:
