@@ -185,6 +185,13 @@ def check_time_step(loaded: LoadedScene) -> None:
 
         for warning in warnings_of_interfaces(loaded.scene):
             _add_warning(loaded, warning)
+    if loaded.scene.cracks:
+        from mpmcli.stability.interfaces import check_tractions
+
+        try:
+            check_tractions(loaded.scene)
+        except SceneError as error:
+            raise loaded.locate(error) from None
     if loaded.scene.heat is not None:
         from mpmcli.stability.heat import warnings_of_heat
 

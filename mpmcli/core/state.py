@@ -121,7 +121,8 @@ class CracksView:
     chains : the chain of points of each crack, ``cracks.chain.Chain``
     force : (cracks, 2) force on the matter above each crack from that below [force]
     released : energy that growth has released so far, of each crack [energy]
-    interface_energy : energy that springs between the faces of each crack store [energy]
+    interface_energy : energy that springs and tractions between the faces of each crack store [energy]
+    cohesive_work, debonded_length : energy spent by tractions, length along which they failed; both so far
     nodes, third : nodes whose particles lie on several sides; where a third crack was left out
     all_third : the latter, summed up over all steps so far
     tip : function of a crack's index and of 0 (start) or -1 (end) giving ``TipValues``
@@ -133,7 +134,7 @@ class CracksView:
     chains: list[Any]
     force: np.ndarray
     released: np.ndarray
-    interface_energy: np.ndarray
+    interface_energy: np.ndarray = field(default_factory=lambda: np.zeros(0))
     nodes: int = 0
     third: int = 0
     all_third: int = 0
@@ -141,6 +142,8 @@ class CracksView:
     speed: Callable[[int, int], float] = lambda crack, end: 0.0
     particle_side: Callable[[], np.ndarray] = lambda: np.zeros(0, dtype=np.int32)
     events: list[tuple[Any, ...]] = field(default_factory=list)
+    cohesive_work: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    debonded_length: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def copy(self) -> CracksView:
         """Return the same with chains that keep their places."""

@@ -29,6 +29,7 @@ class Chain:
     faces : (2, 2, P) points of the face above and of that below [length]
     velocity : (2, 2, P) their velocities [velocity]
     length0 : (P − 1,) lengths of the segments when they came into being [length]
+    numbers : what else the points carry, by name, (…, P); 0 of new points
     """
 
     def __init__(self, name: str, index: int, X: Array, tips: tuple[bool, bool]):
@@ -38,6 +39,7 @@ class Chain:
         self.faces = np.stack([self.X, self.X])
         self.velocity = np.zeros_like(self.faces)
         self.length0 = segment_lengths(self.X)
+        self.numbers: dict[str, Array] = {}
 
     @property
     def count(self) -> int:
@@ -81,6 +83,8 @@ class Chain:
         self.faces = _joined(end, self.faces, faces)
         self.velocity = _joined(end, self.velocity, velocity)
         self.length0 = _joined(end, self.length0, lengths)
+        for name, old in self.numbers.items():
+            self.numbers[name] = _joined(end, old, np.zeros((*old.shape[:-1], n), dtype=old.dtype))
 
     def close_tip(self, end: int, joined: bool) -> None:
         """Let a tip be one no more: a mouth, or the place where the crack has ``joined`` another one."""
@@ -92,12 +96,17 @@ class Chain:
     def memory(self) -> dict[str, Any]:
         """What a checkpoint keeps of it."""
         kept = ("X", "faces", "velocity", "length0")
-        return {name: getattr(self, name) for name in kept} | {"tips": np.array([self.tips, self.joined])}
+        own = {f"numbers.{name}": values for name, values in self.numbers.items()}
+        return (
+            {name: getattr(self, name) for name in kept} | {"tips": np.array([self.tips, self.joined])} | own
+        )
 
     def recall(self, memory: Mapping[str, Array]) -> None:
         """Take it back."""
         for name in ("X", "faces", "velocity", "length0"):
             setattr(self, name, memory[name])
+        for name in self.numbers:
+            self.numbers[name] = memory[f"numbers.{name}"]
         (start, end), (joined, ended) = memory["tips"].tolist()
         self.tips, self.joined = (start, end), (joined, ended)
 
@@ -125,7 +134,25 @@ def divide(corners: Array, longest: float) -> Array:
     return np.array(points).T
 
 
+def carries_tractions(model: Any) -> bool:
+    """Whether points of a crack of the scene may carry tractions."""
+    return bool(model.traction)
+
+
+def with_point(corners: Array, length: float) -> Array:
+    """Polyline (n, 2) with a further corner at a length along it, if it is that long and has none there."""
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])
+    if not 0.0 < length < way[-1] or np.abs(way - length).min() <= 1e-9 * way[-1]:
+        return corners
+    place = [np.interp(length, way, corners[:, a]) for a in range(2)]
+    return np.insert(corners, int(np.searchsorted(way, length)), place, axis=0)
+
+
 def make_chain(model: Any, index: int, cell: float) -> Chain:
     """Return the chain of a scene's crack on a grid whose smallest cell side is ``cell``."""
-    points = divide(model.path.corners(), model.spacing * cell)
+    corners = model.path.corners()
+    for part in model.traction:
+        for length in part.along or ():
+            corners = with_point(corners, length)
+    points = divide(corners, model.spacing * cell)
     return Chain(model.name, index, points, (model.ends.start == "tip", model.ends.end == "tip"))

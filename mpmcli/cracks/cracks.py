@@ -11,7 +11,7 @@ from mpmcli.core.analysis import Axisymmetric
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.state import CracksView
 from mpmcli.core.step import Step
-from mpmcli.cracks.chain import make_chain
+from mpmcli.cracks.chain import carries_tractions, make_chain
 from mpmcli.cracks.face_contact import FaceContact
 from mpmcli.cracks.motion import FaceMotion
 from mpmcli.cracks.point_forces import PointForces
@@ -19,6 +19,8 @@ from mpmcli.cracks.sides import CrackSides
 
 Array = np.ndarray
 
+ACCOUNTS = ("force", "released", "interface_energy", "cohesive_work", "debonded_length")
+"""What the view keeps of every crack."""
 FARTHEST = 0.5
 """Cells that a face may move in a step."""
 STALE = 0.9
@@ -58,9 +60,9 @@ class Cracks:
         n = len(models)
         ring = isinstance(s.plan.analysis, Axisymmetric)
         rigid = np.array(s.plan.rigid_fields, dtype=bool) | ~_cut_fields(cuts, s.plan)
-        self.view = CracksView(
-            chains=self.chains, force=np.zeros((n, 2)), released=np.zeros(n), interface_energy=np.zeros(n)
-        )
+        self.view = CracksView(self.chains, force=np.zeros((n, 2)), released=np.zeros(n))
+        for name in ACCOUNTS[2:]:
+            setattr(self.view, name, np.zeros(n))
         self._transfer = s.transfer
         self.view.particle_side = self._particle_sides
         self.faces = FaceContact(
@@ -76,16 +78,23 @@ class Cracks:
 
             self.tips = Tips(scene.fracture, self.chains, models, s.state, cell, thickness_of(scene))
             self.view.tip = self.tips.values
-        self.pressures = None
-        if any(model.pressure is not None for model in models):
-            from mpmcli.cracks.pressure import Pressures
-
+        self.pressures = self.tractions = None
+        loaded = any(model.pressure is not None for model in models)
+        carrying = any(carries_tractions(model) for model in models)
+        if loaded or carrying:
             X, half = particles.X, np.broadcast_to(s.transfer.reach, particles.X.shape)
-            cut = [cuts[k, particles.body] for k in range(n)]
-            self.pressures = Pressures(
-                models, self.chains, self._make_forces, [(X[:, its], half[:, its]) for its in cut],
-                None if ring else float(getattr(scene.analysis, "thickness", 1.0)), s.state.work,
-            )  # fmt: skip
+            parted = [cuts[k, particles.body] for k in range(n)]
+            matter = [(X[:, its], half[:, its]) for its in parted]
+            breadth = None if ring else float(getattr(scene.analysis, "thickness", 1.0))
+            shared = models, self.chains, self._make_forces, matter, breadth, s.state.work
+            if loaded:
+                from mpmcli.cracks.pressure import Pressures
+
+                self.pressures = Pressures(*shared)
+            if carrying:
+                from mpmcli.cracks.tractions import Tractions
+
+                self.tractions = Tractions(*shared, self.view)
         if self.tips is not None and any(model.growth is not None for model in models):
             from mpmcli.cracks.growth import CrackGrowth
 
@@ -101,6 +110,8 @@ class Cracks:
         """Task 2: add what acts on the points of chains to nodal forces (dofs, 2)."""
         if self.pressures is not None:
             self.pressures.add_to(f, step.time)
+        if self.tractions is not None:
+            self.tractions.add_to(f)
 
     def _particle_sides(self) -> Array:
         """Side on which each particle lies of the node that it feeds most (N,)."""
@@ -117,6 +128,8 @@ class Cracks:
         self.faces.account(step, v)
         if self.pressures is not None:
             self.pressures.account(step, v)
+        if self.tractions is not None:
+            self.tractions.account(step, v)
         if self.tips is not None:
             self.tips.note_velocities(step.dt)
         view, nodes, count = self.view, self.sides.nodes, self.sides.count
@@ -135,6 +148,8 @@ class Cracks:
                 f"a face of crack '{chain.name}' moved by {farthest:.3g} cells in one step, at point {point + 1}, "
                 f"({x:.6g}, {y:.6g}), time {step.time:.6g}. Its matter is torn off, or the time step is too long"
             )
+        if self.tractions is not None:
+            self.tractions.remember(step.time + step.dt)
         self._drift += farthest
         self.sides.drift += farthest
         if self._drift > STALE:
@@ -149,9 +164,7 @@ class Cracks:
         if self.growth is not None:
             kept |= self.growth.memory()
         return kept | {
-            "force": view.force,
-            "released": view.released,
-            "interface_energy": view.interface_energy,
+            **{name: getattr(view, name) for name in ACCOUNTS},
             "all_third": view.all_third,
             "drift": self._drift,
         }
@@ -161,7 +174,7 @@ class Cracks:
         for chain in self.chains:
             start = f"{chain.index}."
             chain.recall({n.removeprefix(start): v for n, v in memory.items() if n.startswith(start)})
-        for name in ("force", "released", "interface_energy"):
+        for name in ACCOUNTS:
             getattr(self.view, name)[:] = memory[name]
         self.view.all_third, self._drift = int(memory["all_third"]), float(memory["drift"])
         if self.growth is not None:

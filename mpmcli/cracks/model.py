@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from mpmcli.contact.laws import LAWS
 from mpmcli.core.expressions import Expression
-from mpmcli.core.model import Model, Quantity, Varying
+from mpmcli.core.model import Length, Model, Quantity, Varying
 from mpmcli.core.registry import OneOf
 from mpmcli.cracks.growth_model import Growth
 from mpmcli.cracks.paths import PATHS
@@ -39,6 +40,50 @@ class Faces(Model):
     """How the distance of the faces is found: from the jump of displacement, so that faces are closed at the start."""
 
 
+def of_points(law: Any) -> Any:
+    """Refuse laws that points of a crack cannot have."""
+    if law.kind != "cohesive":
+        raise ValueError(
+            f"points of a crack take a law of kind 'cohesive', not '{law.kind}', which faces may have"
+        )
+    for key in ("closed", "bonded"):
+        if key in law.model_fields_set:
+            raise ValueError(
+                f"leave out '{key}': contact of the faces is 'faces.law', and 'along' says where it holds"
+            )
+    return law
+
+
+class Traction(Model):
+    """A traction between the faces on the points of a crack, which softens and fails."""
+
+    along: tuple[Length, Length] | None = None
+    """From where to where along the path, lengths from its start; all of it if left out."""
+    law: Annotated[Any, OneOf(LAWS), AfterValidator(of_points)]
+    """A cohesive law; closed faces are in contact by ``faces.law``."""
+
+    @model_validator(mode="after")
+    def _from_to(self) -> Self:
+        if self.along is not None and not 0.0 <= self.along[0] < self.along[1]:
+            raise ValueError(
+                "along: two lengths from the start of the path are needed, the second one larger"
+            )
+        return self
+
+
+class OneOrSeveral:
+    """In the schema: one alone stands for a list of it."""
+
+    def __get_pydantic_json_schema__(self, core_schema: Any, handler: Any) -> Any:
+        """Either."""
+        several = handler(core_schema)
+        return {"anyOf": [several["items"], several]}
+
+
+def _as_list(value: Any) -> Any:
+    return (value,) if isinstance(value, Mapping) else value
+
+
 class Crack(Model):
     """A crack: a chain of massless points that parts the matter on both of its sides."""
 
@@ -54,6 +99,8 @@ class Crack(Model):
     """Names of the bodies that it cuts; all that deform if left out."""
     faces: Faces = Field(default_factory=Faces)
     """What its faces do to each other."""
+    traction: Annotated[tuple[Traction, ...], BeforeValidator(_as_list), OneOrSeveral()] = ()
+    """Tractions between the faces, one or a list; none if left out."""
     pressure: Annotated[Expression, Varying("pressure", ("x", "y", "t"))] | None = None
     """Pressure in the crack on both faces, a number or an expression of x, y and t; none if left out."""
     moves: Literal["average", "mass", "fixed"] = "average"

@@ -87,13 +87,17 @@ def normal_areas(chain: Chain, dry: tuple[float, float] = (0.0, 0.0)) -> Array:
     Of the segments at the ends as many do not count as ``dry`` says.
     """
     way = np.diff(chain.X, axis=1)
-    count = way.shape[1]
-    j = np.arange(count)
-    first = np.clip(dry[0] - j, 0.0, 1.0)
-    last = 1.0 - np.clip(dry[1] - (count - 1 - j), 0.0, 1.0)
-    share, middle = np.maximum(last - first, 0.0), 0.5 * (first + last)
+    share, middle = inner_shares(way.shape[1], dry)
     normal = np.stack([-way[1], way[0]]) * share
     areas = np.zeros_like(chain.X)
     areas[:, :-1] += normal * (1.0 - middle)
     areas[:, 1:] += normal * middle
     return areas
+
+
+def inner_shares(count: int, dry: tuple[float, float]) -> tuple[Array, Array]:
+    """Return which share of each of so many segments (n,) counts, and where in it the middle of that lies, 0 to 1."""
+    j = np.arange(count)
+    first = np.clip(dry[0] - j, 0.0, 1.0)
+    last = 1.0 - np.clip(dry[1] - (count - 1 - j), 0.0, 1.0)
+    return np.maximum(last - first, 0.0), 0.5 * (first + last)

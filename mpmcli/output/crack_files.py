@@ -22,11 +22,15 @@ DIMENSIONS = {
     "opening_normal": "length",
     "opening_tangential": "length",
     "distance": "length",
+    "damage": "1",
+    "traction": "pressure",
     "face": "1",
     "state": "1",
     "crack": "1",
 }
 """Physical dimensions of the arrays."""
+OF_TRACTIONS = ("damage", "traction")
+"""Those that files have where points carry tractions."""
 EVENTS = {
     "time": "time",
     "crack": "",
@@ -54,7 +58,8 @@ def write_cracks(path: Path, time: float, chains: Sequence[Any]) -> None:
     chains
         Those of some cracks, ``cracks.chain.Chain``.
     """
-    parts = [_arrays_of(chain) for chain in chains]
+    carries = any(chain.numbers for chain in chains)
+    parts = [_arrays_of(chain, carries) for chain in chains]
     arrays = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     points = arrays.pop("Points")
     ends = np.cumsum(np.repeat([chain.count for chain in chains], 3), dtype=np.int64)
@@ -82,8 +87,8 @@ def write_cracks(path: Path, time: float, chains: Sequence[Any]) -> None:
     save(path, [("\n".join(lines) + "\n_").encode(), *body.pieces, b"\n</AppendedData>\n</VTKFile>\n"])
 
 
-def _arrays_of(chain: Any) -> dict[str, Array]:
-    """Arrays of the three lines of a chain, one after the other."""
+def _arrays_of(chain: Any, carries: bool) -> dict[str, Array]:
+    """Arrays of the three lines of a chain, one after the other; ``carries``: with those of tractions."""
     count = chain.count
     points = np.zeros((3 * count, 3))
     points[:, :2] = np.concatenate([chain.X, *chain.faces], axis=1).T
@@ -92,9 +97,13 @@ def _arrays_of(chain: Any) -> dict[str, Array]:
     normal, tangential = chain.openings
     distance = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(chain.X, axis=1)))])
     along = {"opening_normal": normal, "opening_tangential": tangential, "distance": distance, "state": state}
+    if carries:
+        along["damage"] = chain.numbers.get("damage", np.zeros(count))
+        along["traction"] = np.zeros((count, 3))
+        along["traction"][:, :2] = chain.numbers.get("traction", np.zeros((2, count))).T
     return {
         "Points": points,
         "face": np.repeat(np.array([PLANE, ABOVE, BELOW], dtype=np.int32), count),
         "crack": np.full(3 * count, chain.index, dtype=np.int32),
-        **{name: np.tile(values, 3) for name, values in along.items()},
+        **{name: np.concatenate([values, values, values]) for name, values in along.items()},
     }

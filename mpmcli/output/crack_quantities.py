@@ -75,6 +75,14 @@ def _grow_few(context: Context) -> bool:
     return 0 < len(context.growing) <= MOST_CRACKS
 
 
+def _has_tractions(context: Context) -> bool:
+    return bool(context.crack_tractions)
+
+
+def _with_tractions(context: Context) -> tuple[str, ...]:
+    return context.crack_tractions
+
+
 def why_missing(quantity: Quantity, owner: str, context: Context) -> str:
     """Say what a scene lacks for a quantity of its cracks, of one ``owner`` or of all (``""``); nothing if none."""
     if not context.cracks:
@@ -87,9 +95,11 @@ def why_missing(quantity: Quantity, owner: str, context: Context) -> str:
         return f"needs the tip of a crack, and the {end} of '{crack}' is a mouth"
     if quantity.exists(context):
         return ""
-    return (
-        "needs the section 'fracture'" if quantity.exists is _has_fracture else "needs a crack with 'growth'"
-    )
+    needed: dict[Any, str] = {
+        _has_fracture: "the section 'fracture'",
+        _has_tractions: "a crack with 'traction'",
+    }
+    return "needs " + needed.get(quantity.exists, "a crack with 'growth'")
 
 
 QUANTITIES.add(
@@ -191,10 +201,32 @@ QUANTITIES.add(
         "scalar",
         "crack",
         _of_cracks(lambda s, index: float(s.cracks.interface_energy[index]) * s.full_ring),
-        "energy stored in the springs between the faces of a crack",
+        "energy stored in the springs and tractions between the faces of a crack",
         exists=lambda context: bool(context.crack_interfaces),
         is_default=never,
         owners=lambda context: context.crack_interfaces,
+    ),
+    Quantity(
+        "cohesive_work",
+        "D_i",
+        "energy",
+        "scalar",
+        "crack",
+        _of_cracks(lambda s, index: float(s.cracks.cohesive_work[index]) * s.full_ring),
+        "energy spent by the tractions on the points of a crack, accumulated",
+        exists=_has_tractions,
+        owners=_with_tractions,
+    ),
+    Quantity(
+        "debonded_length",
+        "a_d",
+        "length",
+        "scalar",
+        "crack",
+        _of_cracks(lambda s, index: float(s.cracks.debonded_length[index])),
+        "length of a crack along which tractions have failed so far",
+        exists=_has_tractions,
+        owners=_with_tractions,
     ),
     Quantity(
         "crack_nodes",

@@ -8,6 +8,7 @@ from typing import Any
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.state import State
+from mpmcli.cracks.chain import carries_tractions
 from mpmcli.output.columns import resolve_columns, resolve_fields
 from mpmcli.output.contact_quantities import pair_name
 from mpmcli.output.crack_probes import resolve_crack_probe
@@ -77,10 +78,14 @@ def _cracks_of(scene: Any) -> dict[str, Any]:
     return {
         "cracks": tuple(crack.name for crack in scene.cracks),
         "tips": tuple(f"{crack.name}:{key}" for crack, key in ends if getattr(crack.ends, key) == "tip"),
-        "crack_interfaces": tuple(crack.name for crack in scene.cracks if crack.faces.law.is_interface),
+        "crack_interfaces": tuple(
+            crack.name for crack in scene.cracks if crack.faces.law.is_interface or carries_tractions(crack)
+        ),
+        "crack_tractions": tuple(crack.name for crack in scene.cracks if carries_tractions(crack)),
         "has_fracture": scene.fracture is not None,
         "growing": tuple(f"{crack.name}:{key}" for crack, key in ends if _grows(crack, key)),
-        "has_crack_events": any(_grows(crack, key) for crack, key in ends),
+        "has_crack_events": any(_grows(crack, key) for crack, key in ends)
+        or any(carries_tractions(crack) for crack in scene.cracks),
     }
 
 

@@ -29,7 +29,8 @@ class Context:
     several only where there is contact; ``field_of`` says which one a name stands for, ``pairs`` (``"left|right"``)
     which of them can meet. ``interfaces`` are the pairs that have an interface law, ``cohesive`` those whose damage is
     remembered. ``cracks`` are names, ``tips`` their ends in material (``"main:end"``), ``growing`` those that may grow,
-    ``crack_interfaces`` cracks with springs between their faces.
+    ``crack_interfaces`` cracks with springs or tractions between their faces, ``crack_tractions`` with the
+    latter.
 
     ``has_fracture``: fracture quantities are known at tips; ``has_crack_events``: cracks may grow or break.
 
@@ -62,6 +63,7 @@ class Context:
     tips: tuple[str, ...] = ()
     growing: tuple[str, ...] = ()
     crack_interfaces: tuple[str, ...] = ()
+    crack_tractions: tuple[str, ...] = ()
     has_fracture: bool = False
     has_crack_events: bool = False
     has_normals: bool = False

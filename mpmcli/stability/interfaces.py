@@ -17,6 +17,7 @@ from mpmcli.scene.interface_checks import Joint, joints_of
 from mpmcli.stability.models import largest_wave_speed
 from mpmcli.stability.scene_limit import chosen_courant
 from mpmcli.stability.speeds import largest_speed
+from mpmcli.stability.tractions import limits_of_tractions
 
 DIRECTIONS = ("normal", "tangential")
 LARGEST_PHI = 1.0
@@ -101,6 +102,36 @@ def warnings_of_interfaces(scene: Any) -> list[Problem]:
                 key, Problem(key if has_key else path, words, code="unstable", severity="warning")
             )
     return list(found.values())
+
+
+def check_tractions(scene: Any) -> None:
+    """Refuse time steps that are too long for tractions on the points of cracks.
+
+    Raises
+    ------
+    SceneError
+        With the step that works.
+    """
+    dt, problems = first_step(scene), []
+    for limit in limits_of_tractions(scene):
+        if dt > limit.step:
+            shorter = f"time.step: {rounded_down(limit.step):g}"
+            if (courant := chosen_courant(scene)) is not None:
+                shorter = f"time.courant: {rounded_down(courant * limit.step / dt):g}, or {shorter}"
+            words = (
+                f"the time step, {dt:.3g}, is too long for this traction, whose slope is {limit.slope:.3g} at most: "
+                f"tractions on points need steps of at most {limit.step:.3g}. Use {shorter}, a lower strength or a "
+                "larger peak"
+            )
+            problems.append(Problem(limit.path, words, code="unstable"))
+    if problems:
+        raise SceneError(problems)
+
+
+def rounded_down(number: float) -> float:
+    """Two digits of a number, not more than it."""
+    size = 10.0 ** (math.floor(math.log10(number)) - 1)
+    return math.floor(number / size * (1.0 + 1e-12)) * size
 
 
 def first_step(scene: Any) -> float:

@@ -20,6 +20,7 @@ from mpmcli.scene.method import MAX_COURANT
 from mpmcli.stability.growth import is_stable
 from mpmcli.stability.models import Model, NoKnownLimit, largest_wave_speed, models_of, scheme_of
 from mpmcli.stability.speeds import largest_speed
+from mpmcli.stability.tractions import limits_of_tractions
 
 SAFETY = 0.95
 """The stable Courant number of a scene over the least known limit."""
@@ -61,6 +62,10 @@ def stable_courant(scene: Any) -> StableCourant:
         because = f"body '{model.body}', {model.because}"
     if limit < LOWEST:
         raise NoKnownLimit(f"{because}, is unstable at {LOWEST:g} already")
+    for traction in limits_of_tractions(scene):
+        allowed = courant_of_step(scene, traction.step) / SAFETY
+        if allowed < limit:
+            limit, because = allowed, f"the tractions of crack '{traction.crack}' are stiff"
     return StableCourant(math.floor(SAFETY * limit * 10**DIGITS + 1e-6) / 10**DIGITS, because)
 
 
