@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
 from mpmcli.core.suggest import listing
+from mpmcli.scene.crack_checks import zones_of
 from mpmcli.shapes import SHAPES
 from mpmcli.solver.simulation import Simulation
 
@@ -39,6 +41,11 @@ def crack_facts(scene: Any, simulation: Simulation) -> dict[str, Any]:
                 "ends": ["tip" if is_tip else "mouth" for is_tip in chain.tips],
                 "law": model.faces.law.kind,
                 "grows": model.growth is not None,
+                "zone_cells": {
+                    key: zone / max(scene.grid.cell)
+                    for key, zone in zones_of(model, scene.bodies, scene.materials, scene.analysis.kind)
+                    if math.isfinite(zone)
+                },
             }
             for chain, model in zip(cracks.chains, scene.cracks, strict=True)
         ],
@@ -147,6 +154,8 @@ def cracks_in_words(facts: dict[str, Any]) -> list[str]:
 def _crack_in_words(crack: dict[str, Any]) -> str:
     start, end = crack["ends"]
     growth = ", grows" if crack["grows"] else ""
+    if crack["zone_cells"]:
+        growth += f", smallest process zone {min(crack['zone_cells'].values()):.3g} cells"
     return (
         f"{crack['name']}: {crack['points']} points, length {crack['length']:.4g}, from a {start} to a {end}, faces "
         f"{crack['law']}{growth}"

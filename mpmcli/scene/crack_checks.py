@@ -15,6 +15,7 @@ from mpmcli.core.errors import Problem
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.scene.checks import Report, label, names_of
 from mpmcli.scene.contact_checks import read_fields
+from mpmcli.scene.interface_checks import FEWEST_CELLS, plane_modulus, process_zone, resistances
 from mpmcli.scene.parts import Parts
 from mpmcli.scene.report import locate
 from mpmcli.scene.tree import Node
@@ -63,6 +64,8 @@ def check_cracks(parts: Parts, root: Node) -> list[Problem]:
         _check_growth(crack, path, root, report)
         if is_plane and parts.grid is not None and parts.grid.dimensions == 2:
             _check_path(crack, path, parts, report)
+            if parts.analysis is not None:
+                _check_zones(crack, path, parts, report)
     if is_plane and parts.grid is not None and parts.grid.dimensions == 2:
         _check_tips(parts, root, report)
     return problems
@@ -126,14 +129,39 @@ def _check_bodies(root: Node, cracks: Node, report: Report) -> None:
 def _check_law(crack: Any, path: str, report: Report) -> None:
     law = crack.faces.law
     if getattr(law, "keeps_history", False) or law.adhesive:
+        points = "as 'traction' of the crack, or " if law.is_interface and hasattr(crack, "traction") else ""
         words = (
             f"'{law.kind}' remembers what its faces went through, which faces of cracks do not; use a law without a "
-            "memory, such as 'coulomb' or 'linear_interface', or this law between two bodies (contact.pairs)"
+            f"memory, such as 'coulomb' or 'linear_interface', or this law {points}between two bodies (contact.pairs)"
         )
         report(f"{path}.faces.law", words, "combination")
     elif getattr(law, "bonded", None) is not None:
         words = "has no meaning on the faces of a crack, which the law joins everywhere; remove this key"
         report(f"{path}.faces.law.bonded", words, "combination")
+
+
+def zones_of(crack: Any, bodies: Any, materials: Any, analysis: str) -> Iterator[tuple[str, float]]:
+    """Key and process zone E'G/σ² of each mode of the tractions of a crack, in the softest material [length]."""
+    cut = [body.material for body in bodies if crack.cuts is None or body.name in crack.cuts]
+    models = [materials[name] for name in cut if name in materials and materials[name].kind != "rigid"]
+    modulus = min((plane_modulus(model, analysis) for model in models), default=math.inf)
+    for index, part in enumerate(getattr(crack, "traction", ())):
+        for mode, resistance in resistances(part.law):
+            yield f"traction.{index}.law.{mode}", process_zone(modulus, resistance)
+
+
+def _check_zones(crack: Any, path: str, parts: Parts, report: Report) -> None:
+    """Warn of process zones of few cells."""
+    cell = max(parts.grid.cell)
+    for key, zone in zones_of(
+        crack, [body for _, body in parts.bodies], parts.materials, parts.analysis.kind
+    ):
+        if zone < FEWEST_CELLS * cell:
+            words = (
+                f"the process zone E'G/σ² is {zone:.3g} long, {zone / cell:.2g} cells; use cells of at most "
+                f"{zone / FEWEST_CELLS:.3g} ({FEWEST_CELLS:g} cells per zone), or less strength"
+            )
+            report(f"{path}.{key}", words, "resolution", "warning")
 
 
 def _check_growth(crack: Any, path: str, root: Node, report: Report) -> None:

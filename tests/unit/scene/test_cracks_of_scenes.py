@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from mpmcli.contact.laws import LAWS
 from mpmcli.core.errors import Problem, SceneError
+from mpmcli.scene.crack_checks import zones_of
 from mpmcli.scene.filling import check_filling
 from mpmcli.scene.loader import load_scene
 
@@ -224,3 +227,26 @@ def test_domains_that_reach_other_tips_materials_and_holes() -> None:
 def test_faces_of_cracks_are_no_border() -> None:
     through = "  - {name: other, path: {kind: points, points: [[3, -12], [3, 12]]}, ends: {start: mouth, end: mouth}}\n"
     assert problems("[[-11, 0], [2, 0]]", more=through + DOMAIN.format(outer=6)) == []
+
+
+def test_process_zones_of_tractions() -> None:
+    """E'G/σ² = 1000/(1 − 0.33²)·0.2/5² = 8.98 in opening, and with the strength of slip 4.49."""
+    law = LAWS["cohesive"].model_validate(
+        {
+            "kind": "cohesive",
+            "normal": {"shape": "triangular", "strength": 5, "toughness": 0.2},
+            "tangential": {"shape": "triangular", "strength": 10, "toughness": 0.4},
+        }
+    )
+    scene = load_scene(SCENE.format(
+        path="{kind: points, points: [[-11, 0], [2, 0]]}", ends="{start: mouth}", region=BOX, more="", left=-20,
+        analysis="plane_strain",
+    )).scene  # fmt: skip
+    crack = SimpleNamespace(cuts=None, traction=(SimpleNamespace(law=law),))
+    zones = dict(zones_of(crack, scene.bodies, scene.materials, "plane_strain"))
+    E = 1000 / (1 - 0.33**2)
+    assert zones == {
+        "traction.0.law.normal": pytest.approx(E * 0.2 / 25),
+        "traction.0.law.tangential": pytest.approx(E * 0.4 / 100),
+    }
+    assert dict(zones_of(scene.cracks[0], scene.bodies, scene.materials, "plane_strain")) == {}
