@@ -69,7 +69,7 @@ class Chain:
         """Return the unit vector (2,) in which the last segment at ``START`` or ``END`` points out of the chain."""
         inner = 1 if end == START else -2
         way = self.X[:, end] - self.X[:, inner]
-        return np.asarray(way / np.linalg.norm(way))
+        return np.asarray(way / math.hypot(*way))
 
     def extend(self, end: int, points: Array) -> None:
         """Add points (2, n) beyond ``START`` or ``END``, which go away from it; they are closed and move as the tip."""

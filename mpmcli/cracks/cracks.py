@@ -123,6 +123,11 @@ class Cracks:
             sides[cut.particle] = self._grid.side_of(dof)
         return sides
 
+    def rehearse(self) -> None:
+        """Call what only some steps call."""
+        if self.tips is not None:
+            self.tips.rehearse()
+
     def account(self, step: Step, v: Array) -> None:
         """Sum up what faces did in the step."""
         self.faces.account(step, v)

@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmcli.core.analysis import PlaneStress
 from mpmcli.core.state import State, TipValues
-from mpmcli.cracks.chain import Chain
+from mpmcli.cracks.chain import START, Chain
 from mpmcli.cracks.fracture import Fracture
 from mpmcli.cracks.integrals.base import Frame, Matter, matter_near
 from mpmcli.cracks.integrals.domain import energy_release_rate
@@ -114,6 +114,17 @@ class Tips:
         if bends(own, self.outer, self._cell):
             angle = angles_beside(own, matter.x, side_of(own, matter.x)[0])
         return TipValues(J, *modes_by_interaction(matter, self.inner, self.outer, elasticity, angle, faces))
+
+    def rehearse(self) -> None:
+        """Call all that numbers of tips may call, at the first particle, wherever tips are."""
+        frame = Frame(self._state.particles.X[:, 0].copy(), np.array([1.0, 0.0]))
+        own = self._seen(self._chains[0], frame, START)._replace(plane=np.array([[-self._cell, 0.0], [0.0, 0.0]]))
+        own = own._replace(jump=np.zeros((2, 2)), pressure=None)
+        matter, _ = self._matter(frame, self.outer)
+        faces = faces_of(own, own, matter, self.outer, self._cell, None)
+        energy_release_rate(matter, self.inner, self.outer, faces)
+        angle = angles_beside(own, matter.x, side_of(own, matter.x)[0])
+        modes_by_interaction(matter, self.inner, self.outer, PlaneElasticity(1.0, 2.0), angle, faces)
 
     def _matter(self, frame: Frame, radius: float) -> tuple[Matter, Array]:
         state = self._state

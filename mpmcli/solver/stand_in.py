@@ -101,6 +101,8 @@ class StandIn(Simulation):
         calls = [call for _, of_task in self.calls_of_tasks() for call in of_task]
         if self.conditions is not None:
             calls += recorded(self.conditions.rehearse)
+        if self.cracks is not None:
+            calls += recorded(self.cracks.rehearse)
         calls += recorded(self.stress.energy_density)
         return list(dict.fromkeys(calls))
 

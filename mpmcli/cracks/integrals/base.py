@@ -1,12 +1,15 @@
-"""Matter around a tip in the frame of the tip, and the weights of integrals over it (Nairn 2026, chapter 3)."""
+"""Matter around a tip in the frame of the tip, and the weight of integrals over it (Nairn 2026, chapter 3)."""
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from mpmcli.core.analysis import Analysis, Axisymmetric
+from mpmcli.core.compiled.compiler import compiled_too
+from mpmcli.core.compiled.kernel import inline
 
 Array = np.ndarray
 
@@ -27,39 +30,12 @@ class Frame(NamedTuple):
         return np.stack([c * x + s * y, c * y - s * x])
 
 
-class Matter(NamedTuple):
-    """Particles around a tip, in its frame; n of them.
-
-    x : (2, n) position from the tip [length]
-    r : (n,) distance from the tip [length]
-    volume : (n,) current volume per thickness, or per radian [area] or [volume]
-    slope : (2, n) u_1,1 and u_2,1 [-]
-    stress : (3, n) Cauchy stress 11, 22, 12 [pressure]
-    energy : (n,) work of the stress per current volume [pressure]
-    mass : (n,) mass per thickness or per radian
-    velocity, acceleration, rate : (2, n) v, a and v_j,1; None unless inertia counts
-    ring : terms of the hoop direction; None in the plane
-    """
-
-    x: Array
-    r: Array
-    volume: Array
-    slope: Array
-    stress: Array
-    energy: Array
-    mass: Array
-    velocity: Array | None = None
-    acceleration: Array | None = None
-    rate: Array | None = None
-    ring: Ring | None = None
-
-
 class Ring(NamedTuple):
-    """What the hoop direction of axisymmetric matter adds.
+    """What the hoop direction of axisymmetric matter adds; arrays of length 0 in the plane.
 
     stress, strain : (n,) Cauchy stress and u_r/r [pressure], [-]
     radius : (n,) distance from the axis [length]
-    tip : radius of the tip [length]
+    tip : radius of the tip, 1 in the plane [length]
     outward, across : component of e₁ along the radius and along the axis
     """
 
@@ -71,15 +47,49 @@ class Ring(NamedTuple):
     across: float
 
 
-class Weight(NamedTuple):
-    """Weight q of a domain: 1 near the tip, 0 from the outer radius on.
+NO_RING = Ring(np.zeros(0), np.zeros(0), np.zeros(0), 1.0, 0.0, 0.0)
+NO_VECTORS = np.zeros((2, 0))
 
-    q : (n,) values
-    slope : (2, n) q,_1 and q,_2 [1/length]
+
+class Matter(NamedTuple):
+    """Particles around a tip, in its frame; n of them.
+
+    x : (2, n) position from the tip [length]
+    r : (n,) distance from the tip [length]
+    volume : (n,) current volume per thickness, or per radian [area] or [volume]
+    slope : (2, n) u_1,1 and u_2,1 [-]
+    stress : (3, n) Cauchy stress 11, 22, 12 [pressure]
+    energy : (n,) work of the stress per current volume [pressure]
+    mass : (n,) mass per thickness or per radian
+    velocity, acceleration, rate : (2, n) v, a and v_j,1; (2, 0) where inertia does not count
+    ring : terms of the hoop direction
     """
 
-    q: Array
+    x: Array
+    r: Array
+    volume: Array
     slope: Array
+    stress: Array
+    energy: Array
+    mass: Array
+    velocity: Array = NO_VECTORS
+    acceleration: Array = NO_VECTORS
+    rate: Array = NO_VECTORS
+    ring: Ring = NO_RING
+
+    @property
+    def moves(self) -> bool:
+        """Whether inertia counts."""
+        return self.velocity.shape[1] > 0
+
+    @property
+    def is_ring(self) -> bool:
+        """Whether it lies around an axis."""
+        return self.ring.radius.shape[0] > 0
+
+
+ROOM = 2000
+"""Particles for which there is room at first."""
 
 
 def matter_near(
@@ -96,7 +106,7 @@ def matter_near(
     """Return the matter within ``radius`` of a tip, and the places (n,) of its particles in memory.
 
     The displacement gradient is ∇u = I − R̄ F⁻¹, where R̄ is the mean rotation of that matter, so that a body that
-    turns as a whole has none.
+    turns as a whole has none; around an axis R̄ = I.
 
     Parameters
     ----------
@@ -106,74 +116,124 @@ def matter_near(
     rigid : indices of bodies that do not count
     elastic : take the energy as ½σ:ε instead of the accumulated work of the stress
     """
-    p = particles
-    dx, dy = p.X[0] - frame.point[0], p.X[1] - frame.point[1]
-    near = np.flatnonzero(dx * dx + dy * dy < radius * radius)
-    if rigid:
-        near = near[~np.isin(p.body[near], rigid)]
-    x = frame.turn(np.stack([dx[near], dy[near]]))
-    F = p.F[:, near]
-    vol0 = p.vol0[near] / thickness
-    axisymmetric = isinstance(analysis, Axisymmetric)
-    area_ratio = F[0] * F[3] - F[1] * F[2]
-    J = area_ratio * F[4]
-    gradient = _displacement_gradient(F, area_ratio, vol0, axisymmetric)
-    u = turn_tensor(frame, gradient)
-    sxx, syy, szz, sxy = p.tau[:, near] / J
-    stress = turn_tensor(frame, np.stack([sxx, sxy, sxy, syy]))[[0, 3, 1]]
-    hoop = 1.0 - 1.0 / F[4]
-    if elastic:
-        energy = 0.5 * (stress[0] * u[0] + stress[1] * u[3] + stress[2] * (u[1] + u[2]) + szz * hoop)
-    else:
-        energy = p.stress_work[near] / (thickness * vol0 * J)
-    found = Matter(x, np.hypot(*x), vol0 * J, u[[0, 2]], stress, energy, p.mass[near] / thickness)
-    if axisymmetric:
-        ring = Ring(szz, hoop, p.X[0, near], float(frame.point[0]), *map(float, frame.ahead))
-        found = found._replace(ring=ring)
-    if acceleration is not None:
-        found = found._replace(
-            velocity=frame.turn(p.V[:, near]),
-            acceleration=frame.turn(acceleration[:, near]),
-            rate=turn_tensor(frame, p.L[:4, near])[[0, 2]],
-        )
-    return found, near
-
-
-def _displacement_gradient(F: Array, area_ratio: Array, weight: Array, axisymmetric: bool) -> Array:
-    """Components xx, xy, yx, yy of I − R̄ F⁻¹, (4, n); bodies of revolution do not turn."""
-    c, s = 1.0, 0.0
-    if not axisymmetric and F.size:
-        along, across = weight @ (F[0] + F[3]), weight @ (F[2] - F[1])
-        size = np.hypot(along, across)
-        c, s = along / size, across / size
-    ixx, ixy, iyx, iyy = F[3] / area_ratio, -F[1] / area_ratio, -F[2] / area_ratio, F[0] / area_ratio
-    return np.stack(
-        [1.0 - (c * ixx - s * iyx), s * iyy - c * ixy, -(s * ixx + c * iyx), 1.0 - (s * ixy + c * iyy)]
+    p, is_ring, moves = particles, isinstance(analysis, Axisymmetric), acceleration is not None
+    (x, y), (c, s) = frame.point.tolist(), frame.ahead.tolist()
+    skipped = np.array(rigid, dtype=np.int64)
+    near, sums = np.empty(ROOM, dtype=np.int64), np.zeros(2)
+    n = find_near(p.X, p.F, p.vol0, p.body, skipped, x, y, radius * radius, near, sums)
+    if n > len(near):
+        near = np.empty(n, dtype=np.int64)
+        find_near(p.X, p.F, p.vol0, p.body, skipped, x, y, radius * radius, near, sums)
+    near = near[:n]
+    size = math.hypot(*sums)
+    turn = (1.0, 0.0) if is_ring or size == 0.0 else (float(sums[0] / size), float(sums[1] / size))
+    out = np.empty((11 + 3 * is_ring + 6 * moves, n))
+    gather(
+        near,
+        p.X,
+        p.F,
+        p.tau,
+        p.vol0,
+        p.mass,
+        p.stress_work,
+        x,
+        y,
+        c,
+        s,
+        *turn,
+        thickness,
+        elastic,
+        is_ring,
+        out,
     )
+    ring, motion = NO_RING, (NO_VECTORS, NO_VECTORS, NO_VECTORS)
+    if is_ring:
+        ring = Ring(out[11], out[12], out[13], x, c, s)
+    if moves:
+        motion = out[-6:-4], out[-4:-2], out[-2:]
+        gather_motion(near, p.V, acceleration, p.L, c, s, *motion)
+    return Matter(out[:2], out[2], out[3], out[4:6], out[6:9], out[9], out[10], *motion, ring), near
 
 
-def turn_tensor(frame: Frame, tensor: Array) -> Array:
-    """Components 11, 12, 21, 22 in the frame of tensors (4, n) with xx, xy, yx, yy."""
-    c, s = frame.ahead
-    xx, xy, yx, yy = tensor
-    cc, cs, ss = c * c, c * s, s * s
-    return np.stack(
-        [
-            cc * xx + cs * (xy + yx) + ss * yy,
-            cc * xy + cs * (yy - xx) - ss * yx,
-            cc * yx + cs * (yy - xx) - ss * xy,
-            ss * xx - cs * (xy + yx) + cc * yy,
-        ]
-    )
+@inline
+def find_near(X, F, vol0, body, skipped, x, y, square, near, sums):
+    """List the particles nearer to (x, y) than the root of ``square``, but for those of the bodies ``skipped``.
+
+    Returns how many there are, of which ``near`` receives as many as it holds; ``sums`` (2,) receives cosine and sine
+    of their mean rotation, times a size.
+    """
+    n = 0
+    sums[0] = sums[1] = 0.0
+    for p in range(X.shape[1]):
+        dx, dy = X[0, p] - x, X[1, p] - y
+        if dx * dx + dy * dy < square:
+            counts = True
+            for k in range(skipped.shape[0]):
+                counts = counts and body[p] != skipped[k]
+            if counts:
+                if n < near.shape[0]:
+                    near[n] = p
+                n += 1
+                sums[0] += vol0[p] * (F[0, p] + F[3, p])
+                sums[1] += vol0[p] * (F[2, p] - F[1, p])
+    return n
 
 
-def weigh(x: Array, r: Array, inner: float, outer: float) -> Weight:
-    """Return the weight at points (2, n) at distances ``r`` (n,) from the tip.
+@inline
+def gather(near, X, F, tau, vol0, mass, work, x, y, c, s, c_turn, s_turn, thickness, elastic, is_ring, out):
+    """Write what ``Matter`` holds of the particles ``near`` (n,) into the rows of ``out``.
+
+    (c, s) is e₁; ``c_turn`` and ``s_turn`` are cosine and sine of the mean rotation.
+    """
+    for k in range(near.shape[0]):
+        p = near[k]
+        dx, dy = X[0, p] - x, X[1, p] - y
+        out[0, k], out[1, k] = c * dx + s * dy, c * dy - s * dx
+        out[2, k] = math.sqrt(dx * dx + dy * dy)
+        xx, xy, yx, yy = F[0, p], F[1, p], F[2, p], F[3, p]
+        area = xx * yy - xy * yx
+        J = area * F[4, p]
+        volume = vol0[p] * J / thickness
+        gxx = 1.0 - (c_turn * yy + s_turn * yx) / area
+        gxy = (c_turn * xy + s_turn * xx) / area
+        gyx = (c_turn * yx - s_turn * yy) / area
+        gyy = 1.0 - (c_turn * xx - s_turn * xy) / area
+        out[3, k] = volume
+        out[4, k] = c * c * gxx + c * s * (gxy + gyx) + s * s * gyy
+        out[5, k] = c * c * gyx + c * s * (gyy - gxx) - s * s * gxy
+        txx, tyy, tzz, txy = tau[0, p] / J, tau[1, p] / J, tau[2, p] / J, tau[3, p] / J
+        out[6, k] = c * c * txx + 2.0 * c * s * txy + s * s * tyy
+        out[7, k] = s * s * txx - 2.0 * c * s * txy + c * c * tyy
+        out[8, k] = c * s * (tyy - txx) + (c * c - s * s) * txy
+        hoop = 1.0 - 1.0 / F[4, p]
+        if elastic:
+            out[9, k] = 0.5 * (txx * gxx + tyy * gyy + txy * (gxy + gyx) + tzz * hoop)
+        else:
+            out[9, k] = work[p] / (thickness * volume)
+        out[10, k] = mass[p] / thickness
+        if is_ring:
+            out[11, k], out[12, k], out[13, k] = tzz, hoop, X[0, p]
+
+
+@inline
+def gather_motion(near, V, A, L, c, s, velocity, acceleration, rate):
+    """Write v, a and v_j,1 of the particles ``near`` (n,) in the frame of e₁ = (c, s), (2, n) each."""
+    for k in range(near.shape[0]):
+        p = near[k]
+        velocity[0, k], velocity[1, k] = c * V[0, p] + s * V[1, p], c * V[1, p] - s * V[0, p]
+        acceleration[0, k], acceleration[1, k] = c * A[0, p] + s * A[1, p], c * A[1, p] - s * A[0, p]
+        xx, xy, yx, yy = L[0, p], L[1, p], L[2, p], L[3, p]
+        rate[0, k] = c * c * xx + c * s * (xy + yx) + s * s * yy
+        rate[1, k] = c * c * yx + c * s * (yy - xx) - s * s * xy
+
+
+@compiled_too
+def weight_at(r: Any, inner: Any, outer: Any) -> Any:
+    """Return the weight q at a distance from the tip, and −dq/dr.
 
     It falls from ``inner`` to ``outer`` by 1 − t²(3 − 2t). A straight fall has kinks that particles integrate badly:
     J of a Williams field on four particles per cell then scatters by 2.0 % between two and six cells, with this weight
     by 0.3 %.
     """
-    t = np.clip((r - inner) / (outer - inner), 0.0, 1.0)
-    fall = 6.0 * t * (1.0 - t) / (outer - inner)
-    return Weight(1.0 - t * t * (3.0 - 2.0 * t), -fall / np.maximum(r, 1e-300) * x)
+    t = min(max((r - inner) / (outer - inner), 0.0), 1.0)
+    return 1.0 - t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t) / (outer - inner)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmcli.cracks.integrals.base import Matter, Weight, weigh
+from mpmcli.core.compiled.kernel import inline
+from mpmcli.cracks.integrals.base import Matter, weight_at
 from mpmcli.cracks.integrals.faces import Faces
 
 Array = np.ndarray
@@ -19,33 +20,41 @@ def energy_release_rate(matter: Matter, inner: float, outer: float, faces: Faces
     matter has accelerations. The last term counts faces of this and of other cracks; it vanishes on free faces along
     e₁. Around an axis Σ V (σ_θθ u_r/r − W) q/r e₁·e_r comes on top, all over the radius of the tip.
     """
-    m = matter
-    q = weigh(m.x, m.r, inner, outer)
-    J = integral_over(m, q)
+    J = sum_over_matter(matter, inner, outer)
     if faces is not None:
         jump = faces.slope[0] - faces.slope[1]
         work = (faces.traction * jump).sum(axis=0)
         work += (faces.energy[0] - faces.energy[1]) * faces.normal[0]
         J -= float(work @ (faces.area * weight_of_faces(faces, inner, outer)))
-    return J if m.ring is None else J / m.ring.tip
+    return float(J / matter.ring.tip)
 
 
 def weight_of_faces(faces: Faces, inner: float, outer: float) -> Array:
     """Weight of the pieces (k,)."""
-    return weigh(faces.x, (faces.x**2).sum(axis=0) ** 0.5, inner, outer).q
+    return np.array([weight_at(r, inner, outer)[0] for r in np.hypot(*faces.x).tolist()])
 
 
-def integral_over(matter: Matter, weight: Weight) -> float:
-    """Return the sums over particles."""
-    m, (q, (q1, q2)) = matter, weight
-    (s11, s22, s12), (u11, u21) = m.stress, m.slope
-    W = m.energy
-    if m.velocity is not None:
-        W = W + 0.5 * m.mass / m.volume * (m.velocity**2).sum(axis=0)
-    density = (s11 * u11 + s12 * u21 - W) * q1 + (s12 * u11 + s22 * u21) * q2
-    if m.ring is not None:
-        density += (m.ring.stress * m.ring.strain - W) * q / m.ring.radius * m.ring.outward
-    J = m.volume @ density
-    if m.velocity is not None and m.acceleration is not None and m.rate is not None:
-        J += m.mass @ (((m.acceleration * m.slope).sum(axis=0) - (m.velocity * m.rate).sum(axis=0)) * q)
-    return float(J)
+@inline
+def sum_over_matter(m, inner, outer):
+    """Return the sums over particles of ``energy_release_rate``."""
+    moves, is_ring = m.velocity.shape[1] > 0, m.ring.radius.shape[0] > 0
+    J = 0.0
+    for k in range(m.r.shape[0]):
+        q, fall = weight_at(m.r[k], inner, outer)
+        if q == 0.0:
+            continue
+        part = -fall / max(m.r[k], 1e-300)
+        q1, q2 = part * m.x[0, k], part * m.x[1, k]
+        s11, s22, s12 = m.stress[0, k], m.stress[1, k], m.stress[2, k]
+        u11, u21 = m.slope[0, k], m.slope[1, k]
+        W = m.energy[k]
+        if moves:
+            v1, v2 = m.velocity[0, k], m.velocity[1, k]
+            W += 0.5 * m.mass[k] / m.volume[k] * (v1 * v1 + v2 * v2)
+            work = m.acceleration[0, k] * u11 + m.acceleration[1, k] * u21
+            J += m.mass[k] * q * (work - v1 * m.rate[0, k] - v2 * m.rate[1, k])
+        density = (s11 * u11 + s12 * u21 - W) * q1 + (s12 * u11 + s22 * u21) * q2
+        if is_ring:
+            density += (m.ring.stress[k] * m.ring.strain[k] - W) * q / m.ring.radius[k] * m.ring.outward
+        J += m.volume[k] * density
+    return J

@@ -6,6 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcli.core.compiled.compiler import compiled_too
+
 Array = np.ndarray
 
 
@@ -56,18 +58,26 @@ def tip_field(
     ``angle`` (n,) is that from e₁, by default between −π and π; beyond them lies what a crack that is not straight
     leaves on the other side.
     """
-    if angle is None:
-        angle = np.arctan2(x[1], x[0])
-    z = x[0] + 1j * x[1]
-    half = 0.5 * np.exp(-0.5j * angle) / np.sqrt(2.0 * np.pi * np.abs(z))
-    phi = (K_I - 1j * K_II) * half
-    phi_z = -phi / (2.0 * z)
-    psi = (K_I + 1j * K_II) * half - phi - z * phi_z
+    at = np.arctan2(x[1], x[0])
+    half = 0.5 * np.exp(-0.5j * (at if angle is None else angle)) / np.sqrt(2.0 * np.pi * np.hypot(*x))
+    one, two = (np.stack(field_of_mode(half, np.exp(2j * at), mode, elasticity.kappa)) for mode in (1, 2))
+    field = K_I * one + K_II * two
+    return TipField(field[:3], field[3:] / (2.0 * elasticity.shear))
+
+
+@compiled_too
+def field_of_mode(half: Any, twice: Any, mode: Any, kappa: Any) -> Any:
+    """Return stresses 11, 22, 12 and 2G times u_1,1 and u_2,1 of a tip with K = 1 in mode 1 or 2.
+
+    ``half`` is exp(−iθ/2)/(2√(2πr)), ``twice`` is exp(2iθ) of the place; one point or many.
+    """
+    phi = half if mode == 1 else -1j * half
+    psi = 0.5 * phi if mode == 1 else -1.5 * phi  # derivatives of the potentials of Kolosov
+    deviator = 2.0 * psi - phi * twice.conjugate()
+    slope = kappa * phi - (phi + psi).conjugate() + 0.5 * phi.conjugate() * twice
     total = 4.0 * phi.real
-    deviator = 2.0 * (np.conj(z) * phi_z + psi)
-    stress = np.stack([0.5 * (total - deviator.real), 0.5 * (total + deviator.real), 0.5 * deviator.imag])
-    u_1 = elasticity.kappa * phi - np.conj(phi + psi) - z * np.conj(phi_z)
-    return TipField(stress, np.stack([u_1.real, u_1.imag]) / (2.0 * elasticity.shear))
+    s11, s22 = 0.5 * (total - deviator.real), 0.5 * (total + deviator.real)
+    return s11, s22, 0.5 * deviator.imag, slope.real, slope.imag
 
 
 def strain_of(stress: Array, elasticity: PlaneElasticity) -> Array:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.cracks.chain import START
 from mpmcli.cracks.integrals.base import Matter
 
@@ -96,20 +98,32 @@ def _opening(crack: Crack) -> tuple[Array, Array]:
 
 def side_of(crack: Crack, x: Array) -> tuple[Array, Array]:
     """Tell on which side of a crack points (2, n) lie, 1 above and −1 below; and whether they lie beyond an end."""
-    a, step = crack.plane[:, :-1, None], np.diff(crack.plane, axis=1)[:, :, None]
-    way = x[:, None, :] - a
-    along = (way * step).sum(axis=0) / (step**2).sum(axis=0)
-    rest = way - np.clip(along, 0.0, 1.0) * step
-    away = (rest**2).sum(axis=0)
-    across = (step[0] * way[1] - step[1] * way[0]) / np.hypot(*step)
-    # where two segments are as near, at a kink, that one tells the side whose line is farther
-    least = away.min(axis=0)
-    tied = away <= least + 1e-12 * (1.0 + least)
-    nearest = np.argmax(np.where(tied, np.abs(across), -1.0), axis=0)
-    column = np.arange(x.shape[1])
-    last = step.shape[1] - 1
-    beyond = ((nearest == 0) & (along[0] < 0.0)) | ((nearest == last) & (along[last] > 1.0))
-    return np.where(across[nearest, column] >= 0.0, 1.0, -1.0), beyond
+    side, beyond = np.empty(x.shape[1]), np.empty(x.shape[1], dtype=np.bool_)
+    find_sides(crack.plane, x, side, beyond)
+    return side, beyond
+
+
+@inline
+def find_sides(plane, x, side, beyond):
+    """Write ``side_of`` for points ``x`` (2, n) and a chain (2, P); both are (n,)."""
+    last = plane.shape[1] - 2
+    for i in range(x.shape[1]):
+        least, farthest = 1e300, -1.0
+        for k in range(last + 1):
+            wx, wy = plane[0, k + 1] - plane[0, k], plane[1, k + 1] - plane[1, k]
+            dx, dy = x[0, i] - plane[0, k], x[1, i] - plane[1, k]
+            square = wx * wx + wy * wy
+            along = (dx * wx + dy * wy) / square
+            part = min(max(along, 0.0), 1.0)
+            rx, ry = dx - part * wx, dy - part * wy
+            away = rx * rx + ry * ry
+            across = (wx * dy - wy * dx) / math.sqrt(square)
+            # of two segments that are as near, at a kink, the one whose line is farther tells the side
+            tie = 1e-12 * (square + away)
+            if away < least - tie or (away <= least + tie and abs(across) > farthest):
+                farthest, side[i] = abs(across), 1.0 if across >= 0.0 else -1.0
+                beyond[i] = (k == 0 and along < 0.0) or (k == last and along > 1.0)
+            least = min(least, away)
 
 
 def angles_beside(crack: Crack, x: Array, side: Array) -> Array:
@@ -147,14 +161,21 @@ def faces_of(
     way, length = crack.way[:, k], np.hypot(*step[:, k])
     normal = np.stack([-way[1], way[0]])
     energy = matter.energy
-    if matter.velocity is not None:
+    if matter.moves:
         energy = energy + 0.5 * matter.mass / matter.volume * (matter.velocity**2).sum(axis=0)
     fields = np.concatenate([matter.stress, matter.slope, energy[None]])
-    found = np.zeros((2, 6, k.size))
+    found = np.empty((2, len(fields), k.size))
     side, beyond = side_of(crack, matter.x)
-    for at, sign in enumerate((1.0, -1.0)):
-        mine = (side == sign) & ~beyond
-        found[at] = at_points(middle[:, k], matter.x[:, mine], fields[:, mine], REACH * cell)
+    side[beyond] = 0.0
+    fit_at_faces(
+        np.ascontiguousarray(middle[:, k]),
+        matter.x,
+        side,
+        fields,
+        REACH * cell,
+        np.empty((3, 3 + len(fields))),
+        found,
+    )
     stress, slope, energies = found[:, :3], found[:, 3:5].copy(), found[:, 5]
     opening, slip = (each[k] for each in _opening(crack))
     pressure, shear = _tractions(stress.mean(axis=0), normal)
@@ -181,7 +202,7 @@ def faces_of(
     else:
         angle = np.stack([angles_beside(own, x, side_of(own, x)[0])] * 2)
     area = length
-    if matter.ring is not None:
+    if matter.is_ring:
         area = length * (matter.ring.tip + matter.ring.outward * x[0] - matter.ring.across * x[1])
     return Faces(x, normal, area, traction, slope, stress, energies, angle)
 
@@ -211,15 +232,39 @@ def together(faces: list[Faces]) -> Faces | None:
     return Faces(*(np.concatenate(arrays, axis=-1) for arrays in zip(*faces, strict=True)))
 
 
-def at_points(points: Array, x: Array, fields: Array, reach: float) -> Array:
-    """Values (q, k) of fields (q, n) known at ``x`` (2, n), at points (2, k), by linear least squares within reach."""
-    way = (x[:, None, :] - points[:, :, None]) / reach
-    weight = np.maximum(1.0 - np.hypot(*way), 0.0) ** 2
-    basis = np.stack([np.ones_like(weight), *way])
-    normal = np.einsum("ikn,kn,jkn->kij", basis, weight, basis)
-    right = np.einsum("ikn,kn,qn->kiq", basis, weight, fields)
-    few = 1e-3 * normal[:, 0, 0] + 1e-300  # so few particles, or all in a line: their mean
-    normal[:, 1, 1] += few
-    normal[:, 2, 2] += few
-    normal[:, 0, 0] += 1e-300
-    return np.asarray(np.linalg.solve(normal, right)[:, 0].T)
+@inline
+def fit_at_faces(points, x, side, fields, reach, sums, out):
+    """Write values of fields (q, n) at points (2, k) on side 1 and on side −1 into ``out`` (2, q, k).
+
+    ``x`` (2, n) are the places at which they are known, ``side`` (n,) where these are. Weighted linear least squares
+    over those within reach; 0 without any. ``sums`` (3, 3 + q) is scratch.
+    """
+    q = fields.shape[0]
+    for at in range(2):
+        for k in range(points.shape[1]):
+            sums[:, :] = 0.0
+            for i in range(x.shape[1]):
+                dx, dy = (x[0, i] - points[0, k]) / reach, (x[1, i] - points[1, k]) / reach
+                square = dx * dx + dy * dy
+                if side[i] != 1.0 - 2.0 * at or square >= 1.0:
+                    continue
+                weight = (1.0 - math.sqrt(square)) ** 2
+                for a in range(3):
+                    part = weight * (1.0 if a == 0 else (dx if a == 1 else dy))
+                    sums[a, 0] += part
+                    sums[a, 1] += part * dx
+                    sums[a, 2] += part * dy
+                    for f in range(q):
+                        sums[a, 3 + f] += part * fields[f, i]
+            few = 1e-3 * sums[0, 0]  # so few particles, or all in a line: their mean
+            sums[1, 1] += few
+            sums[2, 2] += few
+            c0 = sums[1, 1] * sums[2, 2] - sums[1, 2] * sums[2, 1]
+            c1 = sums[0, 2] * sums[2, 1] - sums[0, 1] * sums[2, 2]
+            c2 = sums[0, 1] * sums[1, 2] - sums[0, 2] * sums[1, 1]
+            determinant = c0 * sums[0, 0] + c1 * sums[1, 0] + c2 * sums[2, 0]
+            for f in range(q):
+                out[at, f, k] = 0.0
+                if determinant > 0.0:
+                    value = c0 * sums[0, 3 + f] + c1 * sums[1, 3 + f] + c2 * sums[2, 3 + f]
+                    out[at, f, k] = value / determinant

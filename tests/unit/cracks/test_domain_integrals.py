@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from tip_fields import STEEL, Plate
 
 from mpmcli.core.analysis import PlaneStrain, PlaneStress
-from mpmcli.cracks.integrals.base import Frame, Matter, Ring, matter_near, turn_tensor, weigh
+from mpmcli.cracks.integrals.base import NO_RING, NO_VECTORS, Frame, Matter, Ring, matter_near, weight_at
 from mpmcli.cracks.integrals.domain import energy_release_rate
 from mpmcli.cracks.integrals.elastic import (
     PlaneElasticity,
@@ -20,6 +20,7 @@ from mpmcli.cracks.integrals.faces import Faces
 from mpmcli.cracks.integrals.modes import modes_by_interaction, modes_by_opening
 from mpmcli.materials import MATERIALS
 
+pytestmark = pytest.mark.usefixtures("python_and_compiled")
 CELL = 0.1
 STRAIN = plane_elasticity(STEEL, plane_stress=False)
 angles = st.floats(-np.pi, np.pi)
@@ -44,7 +45,7 @@ def test_factors_and_energy_for_all_directions_places_and_mixtures(angle, tip, m
 
 
 @given(angles, angles, st.booleans())
-def test_aturn_tensor_plate_has_the_same(turn, angle, elastic):
+def test_a_turned_plate_has_the_same(turn, angle, elastic):
     J, K_I, K_II = found(
         Plate(6e-4, -8e-4, STRAIN, tip=(0.01, 0.03), angle=angle, turn=turn), elastic=elastic
     )
@@ -83,15 +84,13 @@ def test_half_the_cell_halves_the_error_at_least():
 
 def test_rigid_rotation_gives_nothing():
     plate = Plate(0.0, 0.0, STRAIN, tip=(0.01, 0.02), angle=0.4, turn=2.1)
-    assert found(plate) == pytest.approx((0.0, 0.0, 0.0), abs=1e-15)
+    assert found(plate) == pytest.approx((0.0, 0.0, 0.0), abs=1e-14)
 
 
 def test_weights_fall_from_one_to_nothing():
-    r = np.array([0.0, 2.0, 4.0, 6.0, 9.0])
-    q, slope = weigh(np.stack([r, 0.0 * r]), r, 2.0, 6.0)
-    assert q == pytest.approx([1.0, 1.0, 0.5, 0.0, 0.0])
-    assert slope[0] == pytest.approx([0.0, 0.0, -0.375, 0.0, 0.0])
-    assert not slope[1].any()
+    found = np.array([weight_at(r, 2.0, 6.0) for r in (0.0, 2.0, 4.0, 6.0, 9.0)])
+    assert found[:, 0] == pytest.approx([1.0, 1.0, 0.5, 0.0, 0.0])
+    assert found[:, 1] == pytest.approx([0.0, 0.0, 0.375, 0.0, 0.0])
 
 
 def test_rigid_bodies_do_not_count():
@@ -174,7 +173,7 @@ def test_inertia_balances_a_field_in_motion():
         rate=np.stack([rate, nothing]),
     )  # fmt: skip
     assert abs(energy_release_rate(moving, 0.3, 0.9)) < 1e-4
-    at_rest = moving._replace(velocity=None, acceleration=None, rate=None)
+    at_rest = moving._replace(velocity=NO_VECTORS, acceleration=NO_VECTORS, rate=NO_VECTORS)
     assert abs(energy_release_rate(at_rest, 0.3, 0.9)) > 0.5
 
 
@@ -200,6 +199,12 @@ def test_faces_that_transmit_tractions_count():
     assert energy_release_rate(matter, 0.3, 0.9, faces) == pytest.approx(0.0, abs=2e-3 * abs(without))
 
 
+def in_frame(frame, xx, yy):
+    """Components 11, 12, 21, 22 of tensors with xx and yy only."""
+    c, s = frame.ahead
+    return np.stack([c * c * xx + s * s * yy, c * s * (yy - xx), c * s * (yy - xx), s * s * xx + c * c * yy])
+
+
 @pytest.mark.parametrize("angle", [0.0, 0.7, 2.0, np.pi])
 def test_smooth_matter_around_an_axis_has_no_tip(angle):
     """A thick ring under pressure (Lamé): u_r = A r + B/r, ε_zz = C; nothing is singular."""
@@ -213,13 +218,11 @@ def test_smooth_matter_around_an_axis_has_no_tip(angle):
     def ring_at(x):
         radius = tip + ahead[0] * x[0] - ahead[1] * x[1]
         rr, hoop, trace, nothing = A - B / radius**2, A + B / radius**2, 2.0 * A + C, np.zeros(x.shape[1])
-        stress = np.stack(
-            [2.0 * G * rr + lame * trace, nothing, nothing, nothing + 2.0 * G * C + lame * trace]
-        )
-        slope = turn_tensor(frame, np.stack([rr, nothing, nothing, nothing + C]))[[0, 2]]
+        s_r, s_z = 2.0 * G * rr + lame * trace, nothing + 2.0 * G * C + lame * trace
+        stress = in_frame(frame, s_r, s_z)[[0, 3, 1]]
+        slope = in_frame(frame, rr, nothing + C)[[0, 2]]
         s_hoop = 2.0 * G * hoop + lame * trace
-        energy = 0.5 * (stress[0] * rr + stress[3] * C + s_hoop * hoop)
-        stress = turn_tensor(frame, stress)[[0, 3, 1]]
+        energy = 0.5 * (s_r * rr + s_z * C + s_hoop * hoop)
         return radius, stress, slope, energy, Ring(s_hoop, hoop, radius, tip, *ahead)
 
     radius, stress, slope, energy, ring = ring_at(x)
@@ -236,7 +239,7 @@ def test_smooth_matter_around_an_axis_has_no_tip(angle):
     size = np.abs(stress).max()
     assert abs(energy_release_rate(matter, 0.3, 0.9)) < 2e-4 * energy.max()
     assert np.abs(modes_by_interaction(matter, 0.3, 0.9, STRAIN, faces=faces)).max() < 0.01 * size
-    flat = matter._replace(volume=matter.volume / tip, ring=None)
+    flat = matter._replace(volume=matter.volume / tip, ring=NO_RING)
     flat_faces = faces._replace(area=faces.area / tip)
     assert abs(energy_release_rate(flat, 0.3, 0.9)) > 0.005 * energy.max()
     assert np.abs(modes_by_interaction(flat, 0.3, 0.9, STRAIN, faces=flat_faces)).max() > 0.03 * size

@@ -17,13 +17,14 @@ from mpmcli.cracks.integrals.elastic import plane_elasticity
 from mpmcli.cracks.integrals.faces import (
     Crack,
     angles_beside,
-    at_points,
     bends,
+    fit_at_faces,
     must_be_found,
     side_of,
 )
 from mpmcli.cracks.tips import Tips
 
+pytestmark = pytest.mark.usefixtures("python_and_compiled")
 CELL = 0.1
 STRAIN = plane_elasticity(STEEL, plane_stress=False)
 SMOOTH = {"kind": "frictionless"}
@@ -77,9 +78,13 @@ def test_values_at_faces_are_exact_for_linear_fields():
     x = rng.uniform(-1, 1, (2, 200))
     fields = np.stack([1.0 + 2.0 * x[0] - x[1], 3.0 * x[1]])
     points = np.array([[0.0, 0.4], [0.1, -0.3]])
-    found = at_points(points, x, fields, 0.6)
-    assert found == pytest.approx(np.stack([1.0 + 2.0 * points[0] - points[1], 3.0 * points[1]]), abs=2e-3)
-    assert not at_points(points + 9.0, x, fields, 0.6).any()  # no matter
+    side, found = np.where(x[0] + x[1] > 0.1, 1.0, -1.0), np.empty((2, 2, 2))
+    exact = np.stack([1.0 + 2.0 * points[0] - points[1], 3.0 * points[1]])
+    fit_at_faces(points, x, side, fields, 0.6, np.empty((3, 5)), found)
+    assert found[0] == pytest.approx(exact, abs=0.012)
+    assert found[1] == pytest.approx(exact, abs=0.012)
+    fit_at_faces(points + 9.0, x, side, fields, 0.6, np.empty((3, 5)), found)  # no matter
+    assert not found.any()
 
 
 def test_open_straight_faces_are_not_looked_for():
