@@ -76,7 +76,7 @@ class Cracks:
         if scene.fracture is not None:
             from mpmcli.cracks.tips import Tips, thickness_of
 
-            self.tips = Tips(scene.fracture, self.chains, models, s.state, cell, thickness_of(scene))
+            self.tips = Tips(scene.fracture, self.chains, models, s.state, grid, thickness_of(scene))
             self.view.tip = self.tips.values
         self.pressures = self.tractions = None
         loaded = any(model.pressure is not None for model in models)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import ValidationInfo, field_validator
+from pydantic import Field, ValidationInfo, field_validator
 
 from mpmcli.core.model import Model, Quantity
 
@@ -15,8 +15,13 @@ class Fracture(Model):
     They are found only where a column, a probe or a criterion of growth asks, and never change the motion.
     """
 
-    integral: Literal["domain"] = "domain"
-    """What the energy release rate is found by: an integral over the particles of a ring around the tip."""
+    integral: Literal["domain", "contour"] = "domain"
+    """What J is found by: an integral over the particles of a ring around the tip, or along a rectangle of nodes.
+
+    Stress intensity factors by interaction are always found by the ring.
+    """
+    size: Annotated[int, Field(ge=1, le=100)] | None = None
+    """Half the size of the rectangle of `contour`, in cells; 3 if left out."""
     inner: Annotated[float, Quantity("1", gt=0, le=100)] = 2.0
     """Radius of the ring inside, in cells."""
     outer: Annotated[float, Quantity("1", gt=0, le=200)] = 6.0
@@ -38,3 +43,15 @@ class Fracture(Model):
         if outer < inner + 1.0:
             raise ValueError(f"must be at least one cell more than inner, {inner:g}, but is {outer:g}")
         return outer
+
+    @field_validator("size")
+    @classmethod
+    def _of_a_contour(cls, size: int | None, info: ValidationInfo) -> int | None:
+        if size is not None and info.data.get("integral") == "domain":
+            raise ValueError("belongs to 'integral: contour'; the ring of a domain has inner and outer")
+        return size
+
+    @property
+    def half(self) -> int:
+        """``size``, also where it is left out."""
+        return 3 if self.size is None else self.size

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,11 +13,13 @@ from mpmcli.core.state import State, TipValues
 from mpmcli.cracks.chain import START, Chain
 from mpmcli.cracks.fracture import Fracture
 from mpmcli.cracks.integrals.base import Frame, Matter, matter_near
+from mpmcli.cracks.integrals.contour import contour_around, energy_release_rate_by_contour
 from mpmcli.cracks.integrals.domain import energy_release_rate
 from mpmcli.cracks.integrals.elastic import PlaneElasticity, has_plane_elasticity, plane_elasticity
 from mpmcli.cracks.integrals.faces import (
     REACH,
     Crack,
+    Faces,
     angles_beside,
     bends,
     faces_of,
@@ -39,7 +42,7 @@ class Tips:
     model : what the scene says
     chains, models : of all cracks, and what the scene says of them
     state : of the simulation
-    cell : smallest side of a cell [length]
+    grid : whose nodes contours run along
     thickness : across the plane; 1 around an axis [length]
     """
 
@@ -49,11 +52,15 @@ class Tips:
         chains: list[Chain],
         models: Sequence[Any],
         state: State,
-        cell: float,
+        grid: Any,
         thickness: float,
     ):
-        self.model, self._chains, self._models, self._state, self._cell = model, chains, models, state, cell
+        self.model, self._chains, self._models, self._state, self._grid = model, chains, models, state, grid
+        self._cell = cell = float(grid.cell.min())
         self.inner, self.outer = model.inner * cell, model.outer * cell
+        self._far = self.outer
+        if model.integral == "contour":
+            self._far = max(self.outer, (model.half + 0.5) * math.hypot(*grid.cell))
         self.thickness = thickness
         self._found: dict[tuple[int, int], TipValues] = {}
         self._step = -1
@@ -97,15 +104,18 @@ class Tips:
         frame = frame_of(chain, end)
         own = self._seen(chain, frame, end)
         cracks = [own, *(self._seen(other, frame, None) for other in self._chains if other is not chain)]
-        counted = [crack for crack in cracks if must_be_found(crack, self.outer, self._cell)]
-        matter, near = self._matter(frame, self.outer + (REACH * self._cell if counted else 0.0))
+        counted = [crack for crack in cracks if must_be_found(crack, self._far, self._cell)]
+        has_edge = bool(counted) or self.model.integral == "contour"
+        matter, near = self._matter(
+            frame, self._far + (REACH * float(self._grid.cell.max()) if has_edge else 0.0)
+        )
         if not near.size:
             return UNKNOWN
         elasticity = self._elasticity_of(int(near[np.argmin(matter.r)]))
         modulus = None if elasticity is None else elasticity.modulus
-        found = [faces_of(crack, own, matter, self.outer, self._cell, modulus) for crack in counted]
+        found = [faces_of(crack, own, matter, self._far, self._cell, modulus) for crack in counted]
         faces = together([each for each in found if each is not None])
-        J = energy_release_rate(matter, self.inner, self.outer, faces)
+        J = self._energy_release_rate(frame, matter, cracks, faces)
         if elasticity is None:
             return TipValues(J, NAN, NAN)
         if self.model.modes == "opening":
@@ -115,14 +125,24 @@ class Tips:
             angle = angles_beside(own, matter.x, side_of(own, matter.x)[0])
         return TipValues(J, *modes_by_interaction(matter, self.inner, self.outer, elasticity, angle, faces))
 
+    def _energy_release_rate(
+        self, frame: Frame, matter: Matter, cracks: list[Crack], faces: Faces | None
+    ) -> float:
+        if self.model.integral == "domain":
+            return energy_release_rate(matter, self.inner, self.outer, faces)
+        contour = contour_around(frame, self._grid.lower, self._grid.cell, self.model.half)
+        return energy_release_rate_by_contour(matter, contour, cracks, faces)
+
     def rehearse(self) -> None:
         """Call all that numbers of tips may call, at the first particle, wherever tips are."""
         frame = Frame(self._state.particles.X[:, 0].copy(), np.array([1.0, 0.0]))
-        own = self._seen(self._chains[0], frame, START)._replace(plane=np.array([[-self._cell, 0.0], [0.0, 0.0]]))
+        own = self._seen(self._chains[0], frame, START)._replace(
+            plane=np.array([[-self._cell, 0.0], [0.0, 0.0]])
+        )
         own = own._replace(jump=np.zeros((2, 2)), pressure=None)
         matter, _ = self._matter(frame, self.outer)
         faces = faces_of(own, own, matter, self.outer, self._cell, None)
-        energy_release_rate(matter, self.inner, self.outer, faces)
+        self._energy_release_rate(frame, matter, [own], faces)
         angle = angles_beside(own, matter.x, side_of(own, matter.x)[0])
         modes_by_interaction(matter, self.inner, self.outer, PlaneElasticity(1.0, 2.0), angle, faces)
 

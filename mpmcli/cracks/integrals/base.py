@@ -83,6 +83,13 @@ class Matter(NamedTuple):
         return self.velocity.shape[1] > 0
 
     @property
+    def whole_energy(self) -> Array:
+        """Energy per current volume (n,), with that of motion where inertia counts [pressure]."""
+        if not self.moves:
+            return self.energy
+        return np.asarray(self.energy + 0.5 * self.mass / self.volume * (self.velocity**2).sum(axis=0))
+
+    @property
     def is_ring(self) -> bool:
         """Whether it lies around an axis."""
         return self.ring.radius.shape[0] > 0

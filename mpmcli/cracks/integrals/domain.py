@@ -22,11 +22,14 @@ def energy_release_rate(matter: Matter, inner: float, outer: float, faces: Faces
     """
     J = sum_over_matter(matter, inner, outer)
     if faces is not None:
-        jump = faces.slope[0] - faces.slope[1]
-        work = (faces.traction * jump).sum(axis=0)
-        work += (faces.energy[0] - faces.energy[1]) * faces.normal[0]
-        J -= float(work @ (faces.area * weight_of_faces(faces, inner, outer)))
+        J -= float(face_terms(faces) @ (faces.area * weight_of_faces(faces, inner, outer)))
     return float(J / matter.ring.tip)
+
+
+def face_terms(faces: Faces) -> Array:
+    """T_j ⟦u_j,1⟧ + ⟦W⟧ n₁ of the pieces (k,)."""
+    work = (faces.traction * (faces.slope[0] - faces.slope[1])).sum(axis=0)
+    return np.asarray(work + (faces.energy[0] - faces.energy[1]) * faces.normal[0])
 
 
 def weight_of_faces(faces: Faces, inner: float, outer: float) -> Array:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.cracks.chain import START
 from mpmcli.cracks.integrals.base import Matter
@@ -160,10 +161,7 @@ def faces_of(
         return None
     way, length = crack.way[:, k], np.hypot(*step[:, k])
     normal = np.stack([-way[1], way[0]])
-    energy = matter.energy
-    if matter.moves:
-        energy = energy + 0.5 * matter.mass / matter.volume * (matter.velocity**2).sum(axis=0)
-    fields = np.concatenate([matter.stress, matter.slope, energy[None]])
+    fields = np.concatenate([matter.stress, matter.slope, matter.whole_energy[None]])
     found = np.empty((2, len(fields), k.size))
     side, beyond = side_of(crack, matter.x)
     side[beyond] = 0.0
@@ -239,32 +237,38 @@ def fit_at_faces(points, x, side, fields, reach, sums, out):
     ``x`` (2, n) are the places at which they are known, ``side`` (n,) where these are. Weighted linear least squares
     over those within reach; 0 without any. ``sums`` (3, 3 + q) is scratch.
     """
-    q = fields.shape[0]
     for at in range(2):
         for k in range(points.shape[1]):
             sums[:, :] = 0.0
             for i in range(x.shape[1]):
                 dx, dy = (x[0, i] - points[0, k]) / reach, (x[1, i] - points[1, k]) / reach
-                square = dx * dx + dy * dy
-                if side[i] != 1.0 - 2.0 * at or square >= 1.0:
-                    continue
-                weight = (1.0 - math.sqrt(square)) ** 2
-                for a in range(3):
-                    part = weight * (1.0 if a == 0 else (dx if a == 1 else dy))
-                    sums[a, 0] += part
-                    sums[a, 1] += part * dx
-                    sums[a, 2] += part * dy
-                    for f in range(q):
-                        sums[a, 3 + f] += part * fields[f, i]
-            few = 1e-3 * sums[0, 0]  # so few particles, or all in a line: their mean
-            sums[1, 1] += few
-            sums[2, 2] += few
-            c0 = sums[1, 1] * sums[2, 2] - sums[1, 2] * sums[2, 1]
-            c1 = sums[0, 2] * sums[2, 1] - sums[0, 1] * sums[2, 2]
-            c2 = sums[0, 1] * sums[1, 2] - sums[0, 2] * sums[1, 1]
-            determinant = c0 * sums[0, 0] + c1 * sums[1, 0] + c2 * sums[2, 0]
-            for f in range(q):
-                out[at, f, k] = 0.0
-                if determinant > 0.0:
-                    value = c0 * sums[0, 3 + f] + c1 * sums[1, 3 + f] + c2 * sums[2, 3 + f]
-                    out[at, f, k] = value / determinant
+                if side[i] == 1.0 - 2.0 * at and dx * dx + dy * dy < 1.0:
+                    add_to_fit(sums, dx, dy, fields, i)
+            for f in range(fields.shape[0]):
+                out[at, f, k] = fitted(sums, f)
+
+
+@compiled_too
+def add_to_fit(sums: Any, dx: Any, dy: Any, fields: Any, i: Any) -> None:
+    """Add column ``i`` of fields (q, n), known at (dx, dy) within a radius of 1, to the sums (3, 3 + q) of a fit."""
+    weight = (1.0 - math.sqrt(dx * dx + dy * dy)) ** 2
+    for a in range(3):
+        part = weight * (1.0 if a == 0 else (dx if a == 1 else dy))
+        sums[a, 0] += part
+        sums[a, 1] += part * dx
+        sums[a, 2] += part * dy
+        for f in range(fields.shape[0]):
+            sums[a, 3 + f] += part * fields[f, i]
+
+
+@compiled_too
+def fitted(sums: Any, f: Any) -> Any:
+    """Return the value of field ``f`` at the middle; of few places, or places in a line, nearly the mean."""
+    s11, s22 = 1e-3 * sums[0, 0] + sums[1, 1], 1e-3 * sums[0, 0] + sums[2, 2]
+    c0 = s11 * s22 - sums[1, 2] * sums[2, 1]
+    c1 = sums[0, 2] * sums[2, 1] - sums[0, 1] * s22
+    c2 = sums[0, 1] * sums[1, 2] - sums[0, 2] * s11
+    determinant = c0 * sums[0, 0] + c1 * sums[1, 0] + c2 * sums[2, 0]
+    if determinant <= 0.0:
+        return 0.0
+    return (c0 * sums[0, 3 + f] + c1 * sums[1, 3 + f] + c2 * sums[2, 3 + f]) / determinant

@@ -59,10 +59,11 @@ class World:
             interface_energy=np.zeros(len(chains)),
         )
         self.s = SimpleNamespace(
-            state=state, particles=p, grid=SimpleNamespace(cell=np.array([CELL, CELL])), wave_speed=61.0,
+            state=state, particles=p, wave_speed=61.0,
+            grid=SimpleNamespace(cell=np.array([CELL, CELL]), lower=np.zeros(2)),
             order=SimpleNamespace(drift=0.0), plan=SimpleNamespace(analysis=PlaneStrain()),
         )  # fmt: skip
-        tips = Tips(Fracture(**fracture), chains, models, state, CELL, thickness)
+        tips = Tips(Fracture(**fracture), chains, models, state, self.s.grid, thickness)
         tips._find = lambda chain, end: self.values
         self.growth = CrackGrowth(models, tips, np.ones((len(chains), 1), dtype=bool), self.s, self.view)
 
