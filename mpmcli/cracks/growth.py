@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from mpmcli.core.state import CracksView, TipValues
 from mpmcli.core.step import Step
 from mpmcli.cracks.chain import END, START, Chain
 from mpmcli.cracks.meeting import Meeting, first_meeting
+from mpmcli.cracks.release import GradualRelease, hold_new_segments
 from mpmcli.cracks.tip_state import TipState
 from mpmcli.cracks.tips import Tips, opening_behind
 
@@ -81,6 +82,12 @@ class CrackGrowth:
             for end, model in ((START, crack.growth.start), (END, crack.growth.end))
             if model is not None
         ]
+
+    def held_by(self, make: Callable[[Chain], Any], work: dict[str, float]) -> GradualRelease | None:
+        """Return what holds new segments; None if all are free at once."""
+        chains = {t.chain.index: t.chain for t in self.growing if t.model.release == "gradual"}
+        breadth = None if isinstance(self._s.plan.analysis, Axisymmetric) else self._tips.thickness
+        return GradualRelease(list(chains.values()), make, breadth, work) if chains else None
 
     def speed(self, crack: int, end: int) -> float:
         """Return the speed of a tip; 0 before it has grown twice, and where it rests [velocity]."""
@@ -182,10 +189,13 @@ class CrackGrowth:
         elif not self._is_in_matter(tip, goal):
             event = "mouth"
         length = float(np.hypot(*(goal - place)))
+        traction = self._tips.traction_ahead(chain, end) if tip.model.release == "gradual" else None
         if length > 0.0:
             parts = math.ceil(length / (LONGEST * self._cell) * (1.0 - 1e-12))
             chain.extend(end, place[:, None] + (goal - place)[:, None] * np.arange(1, parts + 1) / parts)
             self._s.order.drift = np.inf
+            if traction is not None:
+                hold_new_segments(chain, end, parts, values.J, traction)
         if event != "growth":
             chain.close_tip(end, joined=event == "joined")
         self._view.released[chain.index] += values.J * length * self._breadth(place, goal)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import model_validator
 
@@ -28,6 +28,8 @@ class TipGrowth(Model):
     """Where it grows to; by default `hoop` with criteria of stress intensity factors, else `self_similar`."""
     increment: Annotated[float, Quantity("1", gt=0, le=4)] = 0.5
     """Length by which it grows at once, in cells."""
+    release: Literal["sudden", "gradual"] = "sudden"
+    """Whether new faces are free at once, or held by tractions that fall while they open and take the energy J."""
     max_length: PositiveLength | None = None
     """Length of the crack from which on it does not grow; any if left out."""
     speed: SpeedLimit | None = None

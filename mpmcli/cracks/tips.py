@@ -98,6 +98,16 @@ class Tips:
             return None
         return plane_elasticity(model, isinstance(self._state.analysis, PlaneStress))
 
+    def traction_ahead(self, chain: Chain, end: int) -> tuple[float, float]:
+        """Return the mean traction across and along a crack in the cell ahead of its tip; none across if it presses."""
+        matter, _ = self._matter(frame_of(chain, end), self._cell)
+        ahead = matter.x[0] > 0.5 * matter.r
+        volume = matter.volume[ahead]
+        if not volume.size:
+            return 0.0, 0.0
+        _, across, along = (matter.stress[:, ahead] * volume).sum(axis=1) / volume.sum()
+        return max(float(across), 0.0), float(along)
+
     def _find(self, chain: Chain, end: int) -> TipValues:
         if not chain.tips[end]:
             return UNKNOWN

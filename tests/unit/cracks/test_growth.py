@@ -18,6 +18,7 @@ from mpmcli.cracks.model import Crack
 from mpmcli.cracks.points import AllPoints
 from mpmcli.cracks.tips import Tips, opening_behind
 
+pytestmark = pytest.mark.usefixtures("python_and_compiled")
 CELL, DT = 0.1, 0.01
 GRIFFITH = {"kind": "energy_release_rate", "J_c": 1.0}
 
@@ -259,3 +260,22 @@ def test_the_first_of_several_cracks_is_met():
     meeting = first_meeting(np.zeros(2), np.array([1.0, 0.0]), planes, 0.1)
     assert meeting is not None
     assert meeting.point == pytest.approx([0.4, 0.0])
+
+
+def test_gradual_release_holds_what_has_grown():
+    world = World(crack(**grows(release="gradual", increment=2.0)), terms=2)
+    chain = world.view.chains[0]
+    world.growth._tips.traction_ahead = lambda chain, end: (4.0, 3.0)
+    assert world.growth.held_by(lambda chain: None, {}) is not None
+    world.step()
+    assert chain.numbers["hold"][0] == pytest.approx([0.0] + [0.2 / 3] * 3 + [0.0])
+    assert World(crack(**grows())).growth.held_by(lambda chain: None, {}) is None
+
+
+def test_traction_ahead_of_a_tip():
+    world = World(crack(**grows(release="gradual")))
+    world.s.particles.tau[:] = np.array([[1.0], [2.0], [0.0], [0.5]])
+    for end in (START, END):
+        assert world.growth._tips.traction_ahead(world.view.chains[0], end) == pytest.approx((2.0, 0.5))
+    world.s.particles.tau[1] = -2.0
+    assert world.growth._tips.traction_ahead(world.view.chains[0], END) == pytest.approx((0.0, 0.5))
