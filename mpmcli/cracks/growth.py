@@ -138,7 +138,8 @@ class CrackGrowth:
         Static integrals know of an increment when waves have crossed the ring; until then they would let the tip run
         on. Those with inertia hold in between, too.
         """
-        return self._tips.outer / self._s.wave_speed if self._tips.model.terms == 1 else 0.0
+        static = self._tips.model.terms == 1 and self._s.wave_speed > 0.0
+        return self._tips.outer / self._s.wave_speed if static else 0.0
 
     def _asks(self, tip: GrowingTip) -> bool:
         """Whether numbers must be found to know if the tip grows."""

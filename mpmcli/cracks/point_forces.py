@@ -141,8 +141,11 @@ class PointForces:
         if len(self._rows.dof) < room:
             self._rows = ForceRows(np.zeros(room, dtype=np.int64), np.zeros((room, 2)))
         tangent = chain.tangents()
+        X, faces, force = (
+            np.ascontiguousarray(array) for array in (chain.X, chain.faces, force)
+        )  # whoever holds them
         self.alone = share_out(
-            chain.X, np.stack([-tangent[1], tangent[0]]), chain.faces, force, sides.nodes, sides.segments, sides.hash,
+            X, np.stack([-tangent[1], tangent[0]]), faces, force, sides.nodes, sides.segments, sides.hash,
             self._lattice, self._rigid, grid.node_count, grid.mp, self._rows,
         )  # fmt: skip
         met = np.flatnonzero(self._rows.dof[:room] >= 0)
