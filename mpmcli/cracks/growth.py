@@ -163,7 +163,7 @@ class CrackGrowth:
         since = math.inf if math.isnan(tip.last) else max(time - tip.last, self._s.state.dt)
         return TipState(
             time=time, length=chain.length, speed=increment / since, J=values.J, K_I=values.K_I, K_II=values.K_II,
-            elasticity=self._tips.elasticity(chain, tip.end), opening=opening, slip=slip,
+            elasticity=self._tips.elasticity(chain.index, tip.end), opening=opening, slip=slip,
             angle=angle_of(chain.direction(tip.end)), angle0=tip.angle0, last=tip.last, started=tip.started,
             increment=increment,
         )  # fmt: skip

@@ -61,8 +61,10 @@ class Tips:
         self._far = self.outer
         if model.integral == "contour":
             self._far = max(self.outer, (model.half + 0.5) * math.hypot(*grid.cell))
+        self._reach = self._far + REACH * float(grid.cell.max())
         self.thickness = thickness
         self._found: dict[tuple[int, int], TipValues] = {}
+        self._materials: dict[tuple[int, int], PlaneElasticity | None] = {}
         self._step = -1
         self._before: tuple[Array, Array, float] | None = None
 
@@ -80,17 +82,15 @@ class Tips:
         """Return J, K_I and K_II of the tip of a crack at ``START`` or ``END``; nan at a mouth."""
         if self._step != self._state.step:
             self._found.clear()
+            self._materials.clear()
             self._step = self._state.step
         if (crack, end) not in self._found:
             self._found[crack, end] = self._find(self._chains[crack], end)
         return self._found[crack, end]
 
-    def elasticity(self, chain: Chain, end: int) -> PlaneElasticity | None:
-        """Return the constants of the material nearest to a tip; None where it has no K."""
-        p = self._state.particles
-        x, y = chain.X[:, end]
-        nearest = int(np.argmin((p.X[0] - x) ** 2 + (p.X[1] - y) ** 2))
-        return self._elasticity_of(nearest)
+    def elasticity(self, crack: int, end: int) -> PlaneElasticity | None:
+        """Return the constants of the material at a tip whose ``values`` are known; None where it has no K."""
+        return self._materials.get((crack, end))
 
     def _elasticity_of(self, particle: int) -> PlaneElasticity | None:
         model = self._state.material_models[self._state.particles.material[particle]]
@@ -113,15 +113,14 @@ class Tips:
             return UNKNOWN
         frame = frame_of(chain, end)
         own = self._seen(chain, frame, end)
-        cracks = [own, *(self._seen(other, frame, None) for other in self._chains if other is not chain)]
+        cracks = [own, *(self._seen(other, frame, None) for other in self._others_near(chain, frame))]
         counted = [crack for crack in cracks if must_be_found(crack, self._far, self._cell)]
         has_edge = bool(counted) or self.model.integral == "contour"
-        matter, near = self._matter(
-            frame, self._far + (REACH * float(self._grid.cell.max()) if has_edge else 0.0)
-        )
+        matter, near = self._matter(frame, self._reach if has_edge else self._far)
         if not near.size:
             return UNKNOWN
         elasticity = self._elasticity_of(int(near[np.argmin(matter.r)]))
+        self._materials[chain.index, end] = elasticity
         modulus = None if elasticity is None else elasticity.modulus
         found = [faces_of(crack, own, matter, self._far, self._cell, modulus) for crack in counted]
         faces = together([each for each in found if each is not None])
@@ -163,13 +162,26 @@ class Tips:
             acceleration=self._acceleration(), rigid=state.rigid, elastic=self.model.energies == "elastic",
         )  # fmt: skip
 
+    def _others_near(self, chain: Chain, frame: Frame) -> list[Chain]:
+        """Other chains of which a point may lie within reach of a tip."""
+        if len(self._chains) == 1:
+            return []
+        points = np.concatenate([each.X for each in self._chains], axis=1) - frame.point[:, None]
+        near = np.abs(points).max(axis=0) < self._reach + max(float(c.length0.max()) for c in self._chains)
+        owner = np.repeat(np.arange(len(self._chains)), [each.count for each in self._chains])
+        return [self._chains[k] for k in np.unique(owner[near]).tolist() if k != chain.index]
+
     def _seen(self, chain: Chain, frame: Frame, end: int | None) -> Crack:
-        """A crack in the frame of a tip."""
+        """The part of a crack near a tip, in the frame of the tip."""
         model = self._models[chain.index]
         law, pressure = model.faces.law, None
-        plane, jump = frame.turn(chain.X - frame.point[:, None]), frame.turn(chain.faces[0] - chain.faces[1])
+        away = np.abs(chain.X - frame.point[:, None]).max(axis=0)
+        near = np.flatnonzero(away < self._reach + 2.0 * chain.length0.max())
+        first, last = (max(near[0] - 1, 0), near[-1] + 2) if near.size else (0, 2)
+        X, faces = chain.X[:, first:last], chain.faces[:, :, first:last]
+        plane, jump = frame.turn(X - frame.point[:, None]), frame.turn(faces[0] - faces[1])
         if model.pressure is not None:
-            x, y = 0.5 * (chain.X[:, 1:] + chain.X[:, :-1])
+            x, y = 0.5 * (X[:, 1:] + X[:, :-1])
             pressure = model.pressure(x, y, t=self._state.time)
         holds = law.is_interface or law.kind == "perfect"
         return Crack(plane, jump, holds, law.skipped, grip_of(law), pressure, end)
