@@ -13,8 +13,11 @@ from mpmcli.cracks.chain import START, Chain
 Array = np.ndarray
 
 AREA, NORMAL, TANGENTIAL, REACH, WIDEST = range(5)
-"""Rows of ``Chain.numbers["hold"]``: length of the segment that a point holds [length], traction at its birth on the matter below
-across and along the crack [pressure], opening at which it is gone, and largest opening so far [length]."""
+"""Rows of ``Chain.numbers["hold"]``.
+
+They are the length of the segment that a point holds [length], the traction at its birth on the matter below, across
+and along the crack [pressure], the opening at which it is gone, and the largest opening so far [length].
+"""
 
 
 class GradualRelease:
