@@ -148,6 +148,23 @@ GALLERY = (
         ),
     ),
     Shown(
+        "edge_crack",
+        "A crack in a plate",
+        (),
+        (
+            Drawn(
+                "edge_crack_stress",
+                ("--color", "stress_yy"),
+                "Stress along the load around the tip of an edge crack, whose faces are drawn.",
+            ),
+            Drawn(
+                "edge_crack_factors",
+                ("--column", "K_I*,K_II*"),
+                "Stress intensity factors over time; the load rises until 0.2 ms.",
+            ),
+        ),
+    ),
+    Shown(
         "dam_break",
         "Dam break",
         (),

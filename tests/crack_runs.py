@@ -37,3 +37,27 @@ def largest_openings(run: Any, crack: int = 0) -> Array:
     """Largest opening and largest slip of a crack [cells], (2,)."""
     cell = run.simulation.grid.cell[0]
     return np.array([np.abs(opening).max() / cell for opening in chain(run, crack).openings])
+
+
+def tip(run: Any, crack: int = 0, end: int = -1, ring: tuple[float, float] | None = None) -> Any:
+    """J, K_I and K_II of a tip, over a ring of other radii if given [cells]."""
+    tips = run.simulation.cracks.tips
+    if ring is not None:
+        cell = run.simulation.grid.cell[0]
+        tips.inner, tips.outer = ring[0] * cell, ring[1] * cell
+        tips._found.clear()
+    return tips.values(crack, end)
+
+
+MODULUS = 1000.0 / (1.0 - 0.33**2)
+"""E' of all scenes with static cracks [MPa]."""
+CENTRE = 1.1862 * np.sqrt(5.0 * np.pi)
+"""K_I of ``centre_crack.yaml`` (Tada, Paris and Irwin) [MPa √mm]."""
+EDGE = 2.8266 * np.sqrt(5.0 * np.pi)
+"""K_I of ``edge_crack.yaml``."""
+INCLINED = 0.5 * np.sqrt(3.0 * np.pi)
+"""K_I and K_II of ``inclined_crack.yaml`` in an infinite plate."""
+CROSS = 0.8636 * np.sqrt(3.0 * np.pi)
+"""K_I of ``crossing_cracks.yaml`` under biaxial tension in an infinite plate."""
+PENNY = 2.0 * np.sqrt(4.0 / np.pi)
+"""K_I of ``penny_crack.yaml`` in an infinite body."""
