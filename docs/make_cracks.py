@@ -1,8 +1,9 @@
 """Draw what the verification of explicit cracks shows.
 
-    python docs/make_cracks.py [path | cantilever | strip]
+    python docs/make_cracks.py [path | bending | cantilever | strip]
 
-``path``: growth of the crack of ``inputs/inclined_crack.yaml``; ``cantilever``: load and opening of
+``path``: growth of the crack of ``inputs/inclined_crack.yaml``; ``bending``: that of
+``inputs/three_point_bending_growth.yaml``; ``cantilever``: load and opening of
 ``inputs/double_cantilever.yaml``; ``strip``: J of the crack that runs through ``inputs/strip_running_crack.yaml``.
 One to three minutes each; writes to ``docs/images``.
 """
@@ -120,7 +121,23 @@ def draw_strip() -> None:
     write(figure, axes, "cracks_strip")
 
 
-MAKE = {"path": draw_path, "cantilever": draw_cantilever, "strip": draw_strip}
+def draw_bending() -> None:
+    """Draw the crack of an eccentrically notched beam, with cells of 2 and 1 mm."""
+    figure, axes = new_figure(6.0, 3.6)
+    for number, cell in enumerate((2, 1)):
+        run = start("three_point_bending_growth.yaml", f"constants.cell={cell}")
+        run.to(0.8)
+        X = run.simulation.cracks.chains[0].X
+        axes.plot(*X, f"C{number}.-", lw=1, ms=3, label=f"cell {cell} mm")
+        print(cell, np.round(X.T, 2).tolist(), flush=True)
+    axes.plot([0.0], [20.0], "kv", ms=8, label="load")
+    axes.plot([-36.0], [0.0], "k^", ms=8, label="support")
+    axes.plot([-40, 5, 5, -40, -40], [0, 0, 20, 20, 0], color="0.6", lw=0.8)
+    axes.set(xlabel="x [mm]", ylabel="y [mm]", aspect="equal")
+    write(figure, axes, "cracks_bending")
+
+
+MAKE = {"path": draw_path, "bending": draw_bending, "cantilever": draw_cantilever, "strip": draw_strip}
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
