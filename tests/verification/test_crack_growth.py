@@ -76,3 +76,17 @@ def test_a_crack_that_runs_through_a_strip_releases_its_energy(start, speed):
         assert chain(run).X[0, -1] == pytest.approx(20.0 + 32.0, abs=1.5)
     assert found[1] == pytest.approx(1.0, abs=0.08)
     assert found[2] == pytest.approx(1.0, abs=0.15)
+
+
+def test_a_crack_from_an_eccentric_notch_turns_towards_the_load(start):
+    """Paths with cells of 2 and 1 mm lie within a coarse cell of each other."""
+    paths = []
+    for cell in (2, 1):
+        run = start("three_point_bending_growth.yaml", f"constants.cell={cell}")
+        run.to(0.8)
+        paths.append(chain(run).X)
+        assert paths[-1][1, -1] > 13.0
+    heights = np.linspace(6.0, 13.0, 15)
+    coarse, fine = (np.interp(heights, X[1], X[0]) for X in paths)
+    assert np.abs(coarse - fine).max() < 2.0
+    assert fine[-1] - fine[0] > 3.0
