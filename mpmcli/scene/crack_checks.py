@@ -64,6 +64,7 @@ def check_cracks(parts: Parts, root: Node) -> list[Problem]:
         _check_growth(crack, path, root, report)
         if is_plane and parts.grid is not None and parts.grid.dimensions == 2:
             _check_path(crack, path, parts, report)
+            _check_along(crack, path, report)
             if parts.analysis is not None:
                 _check_zones(crack, path, parts, report)
     if is_plane and parts.grid is not None and parts.grid.dimensions == 2:
@@ -129,7 +130,7 @@ def _check_bodies(root: Node, cracks: Node, report: Report) -> None:
 def _check_law(crack: Any, path: str, report: Report) -> None:
     law = crack.faces.law
     if getattr(law, "keeps_history", False) or law.adhesive:
-        points = "as 'traction' of the crack, or " if law.is_interface and hasattr(crack, "traction") else ""
+        points = "as 'traction' of the crack, or " if law.is_interface else ""
         words = (
             f"'{law.kind}' remembers what its faces went through, which faces of cracks do not; use a law without a "
             f"memory, such as 'coulomb' or 'linear_interface', or this law {points}between two bodies (contact.pairs)"
@@ -140,12 +141,27 @@ def _check_law(crack: Any, path: str, report: Report) -> None:
         report(f"{path}.faces.law.bonded", words, "combination")
 
 
+def _check_along(crack: Any, path: str, report: Report) -> None:
+    """Tractions begin somewhere on the path."""
+    length = float(np.hypot(*np.diff(crack.path.corners(), axis=0).T).sum())
+    for index, part in enumerate(crack.traction):
+        if part.along is None:
+            continue
+        where = f"{path}.traction.{index}.along"
+        if part.along[0] >= length:
+            words = f"the path is {length:.4g} long, and [{part.along[0]:g}, {part.along[1]:g}] lies beyond its end"
+            report(where, words, "outside")
+        elif part.along[1] > length * (1.0 + 1e-9) and crack.growth is None:
+            words = f"ends beyond the path, which is {length:.4g} long"
+            report(where, words, "outside", "warning")
+
+
 def zones_of(crack: Any, bodies: Any, materials: Any, analysis: str) -> Iterator[tuple[str, float]]:
     """Key and process zone E'G/σ² of each mode of the tractions of a crack, in the softest material [length]."""
     cut = [body.material for body in bodies if crack.cuts is None or body.name in crack.cuts]
     models = [materials[name] for name in cut if name in materials and materials[name].kind != "rigid"]
     modulus = min((plane_modulus(model, analysis) for model in models), default=math.inf)
-    for index, part in enumerate(getattr(crack, "traction", ())):
+    for index, part in enumerate(crack.traction):
         for mode, resistance in resistances(part.law):
             yield f"traction.{index}.law.{mode}", process_zone(modulus, resistance)
 

@@ -250,3 +250,32 @@ def test_process_zones_of_tractions() -> None:
         "traction.0.law.tangential": pytest.approx(E * 0.4 / 100),
     }
     assert dict(zones_of(scene.cracks[0], scene.bodies, scene.materials, "plane_strain")) == {}
+
+
+TRACTION = (
+    "    traction: {{along: [{along}], law: {{kind: cohesive, normal: {{shape: triangular, strength: {strength}, "
+    "toughness: 0.2}}, tangential: {{shape: triangular, strength: 5, toughness: 0.4}}}}}}\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("along", "strength", "found"),
+    [
+        ("1, 5", 5, []),
+        (
+            "1, 5",
+            9,
+            [("cracks.main.traction.0.law.normal", "2.77 long, 2.8 cells; use cells of at most 0.693")],
+        ),
+        ("9, 20", 5, [("cracks.main.traction.0.along", "ends beyond the path, which is 13 long")]),
+    ],
+)
+def test_tractions_on_points(along: str, strength: float, found: list[tuple[str, str]]) -> None:
+    more = TRACTION.format(along=along, strength=strength)
+    text = SCENE.format(
+        path="{kind: points, points: [[-11, 0], [2, 0]]}", ends="{start: mouth}", region=BOX, more=more, left=-20,
+        analysis="plane_strain",
+    )  # fmt: skip
+    warnings = [problem for problem in load_scene(text).warnings if "traction" in problem.path]
+    assert [(w.path, w.severity) for w in warnings] == [(path, "warning") for path, _ in found]
+    assert all(words in w.message for w, (_, words) in zip(warnings, found, strict=True))
