@@ -321,6 +321,8 @@ def crack(dice: Dice, scene: dict[str, Any], name: str) -> dict[str, Any]:
     keys["spacing"] = dice.one_of([0.1, 0.1, 0.25, 0.5, 2])
     if dice.rarely():
         keys["pressure"] = dice.one_of([dice.size(), "x*t", "-1"])
+    if dice.rarely():
+        keys["traction"] = {"law": {"kind": "cohesive"} | examples.LAWS["cohesive"][0]}
     if dice.rarely(0.3):
         keys["moves"] = dice.one_of(["average", "mass", "fixed"])
     if dice.rarely():
