@@ -136,7 +136,7 @@ def divide(corners: Array, longest: float) -> Array:
 
 def carries_tractions(model: Any) -> bool:
     """Whether points of a crack of the scene may carry tractions."""
-    return bool(model.traction)
+    return bool(model.traction) or (model.growth is not None and model.growth.leaves_tractions)
 
 
 def with_point(corners: Array, length: float) -> Array:

@@ -72,7 +72,7 @@ class Cracks:
         self._make_forces = lambda chain: PointForces(
             chain, self.sides, self.faces.contacts.lattice, rigid, grid
         )
-        self.tips = self.growth = self.release = None
+        self.tips = self.growth = None
         if scene.fracture is not None:
             from mpmcli.cracks.tips import Tips, thickness_of
 
@@ -98,9 +98,8 @@ class Cracks:
         if self.tips is not None and any(model.growth is not None for model in models):
             from mpmcli.cracks.growth import CrackGrowth
 
-            self.growth = CrackGrowth(models, self.tips, cuts, s, self.view)
+            self.growth = CrackGrowth(models, self.tips, cuts, s, self.view, self.tractions)
             self.view.speed = self.growth.speed
-            self.release = self.growth.held_by(self._make_forces, s.state.work)
         self._motion = FaceMotion(
             self.sides, self.sides.points, self.faces.contacts.lattice, [model.moves for model in models]
         )
@@ -113,8 +112,6 @@ class Cracks:
             self.pressures.add_to(f, step.time)
         if self.tractions is not None:
             self.tractions.add_to(f)
-        if self.release is not None:
-            self.release.add_to(f)
 
     def _particle_sides(self) -> Array:
         """Side on which each particle lies of the node that it feeds most (N,)."""
@@ -130,8 +127,6 @@ class Cracks:
         """Call what only some steps call."""
         if self.tips is not None:
             self.tips.rehearse()
-        if self.release is not None:
-            self.release.rehearse(self._grid.f)
 
     def account(self, step: Step, v: Array) -> None:
         """Sum up what faces did in the step."""
@@ -140,8 +135,6 @@ class Cracks:
             self.pressures.account(step, v)
         if self.tractions is not None:
             self.tractions.account(step, v)
-        if self.release is not None:
-            self.release.account(step, v)
         if self.tips is not None:
             self.tips.note_velocities(step.dt)
         view, nodes, count = self.view, self.sides.nodes, self.sides.count

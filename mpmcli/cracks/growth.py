@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,6 @@ from mpmcli.core.state import CracksView, TipValues
 from mpmcli.core.step import Step
 from mpmcli.cracks.chain import END, START, Chain
 from mpmcli.cracks.meeting import Meeting, first_meeting
-from mpmcli.cracks.release import GradualRelease, hold_new_segments
 from mpmcli.cracks.tip_state import TipState
 from mpmcli.cracks.tips import Tips, opening_behind
 
@@ -68,10 +67,11 @@ class CrackGrowth:
     cuts : (cracks, bodies) whether a crack cuts a body
     s : the simulation
     view : what output sees
+    tractions : on the points of cracks, which hold what is released gradually; None without
     """
 
-    def __init__(self, models: Any, tips: Tips, cuts: Array, s: Any, view: CracksView):
-        self._s, self._tips, self._view = s, tips, view
+    def __init__(self, models: Any, tips: Tips, cuts: Array, s: Any, view: CracksView, tractions: Any = None):
+        self._s, self._tips, self._view, self._tractions = s, tips, view, tractions
         self._cell = float(s.grid.cell.min())
         self._every, self._next = tips.model.every, 0.0
         chains = view.chains
@@ -82,12 +82,6 @@ class CrackGrowth:
             for end, model in ((START, crack.growth.start), (END, crack.growth.end))
             if model is not None
         ]
-
-    def held_by(self, make: Callable[[Chain], Any], work: dict[str, float]) -> GradualRelease | None:
-        """Return what holds new segments; None if all are free at once."""
-        chains = {t.chain.index: t.chain for t in self.growing if t.model.release == "gradual"}
-        breadth = None if isinstance(self._s.plan.analysis, Axisymmetric) else self._tips.thickness
-        return GradualRelease(list(chains.values()), make, breadth, work) if chains else None
 
     def speed(self, crack: int, end: int) -> float:
         """Return the speed of a tip; 0 before it has grown twice, and where it rests [velocity]."""
@@ -190,13 +184,15 @@ class CrackGrowth:
         elif not self._is_in_matter(tip, goal):
             event = "mouth"
         length = float(np.hypot(*(goal - place)))
-        traction = self._tips.traction_ahead(chain, end) if tip.model.release == "gradual" else None
+        pull = self._tips.pull_ahead(chain, end) if tip.model.release == "gradual" else None
         if length > 0.0:
             parts = math.ceil(length / (LONGEST * self._cell) * (1.0 - 1e-12))
             chain.extend(end, place[:, None] + (goal - place)[:, None] * np.arange(1, parts + 1) / parts)
             self._s.order.drift = np.inf
-            if traction is not None:
-                hold_new_segments(chain, end, parts, values.J, traction)
+            if pull is not None and self._tractions is not None:
+                size = float(np.hypot(*pull))
+                if size > 0.0 and values.J > 0.0:  # with the point that was the tip, which opens from now on
+                    self._tractions.hold(chain, end, parts + 1, pull, 2.0 * values.J / size)
         if event != "growth":
             chain.close_tip(end, joined=event == "joined")
         self._view.released[chain.index] += values.J * length * self._breadth(place, goal)

@@ -52,6 +52,12 @@ class Growth(Model):
     end: TipGrowth | None = None
     """Growth of the tip at its end; none if left out."""
 
+    @property
+    def leaves_tractions(self) -> bool:
+        """Whether new points carry tractions."""
+        ends = [end for end in (self.start, self.end) if end is not None]
+        return any(end.release == "gradual" for end in ends)
+
     @model_validator(mode="after")
     def _one_at_least(self) -> Self:
         if self.start is None and self.end is None:

@@ -98,15 +98,18 @@ class Tips:
             return None
         return plane_elasticity(model, isinstance(self._state.analysis, PlaneStress))
 
-    def traction_ahead(self, chain: Chain, end: int) -> tuple[float, float]:
-        """Return the mean traction across and along a crack in the cell ahead of its tip; none across if it presses."""
-        matter, _ = self._matter(frame_of(chain, end), self._cell)
+    def pull_ahead(self, chain: Chain, end: int) -> Array:
+        """Return the mean traction (2,) in the cell ahead of a tip on the matter above the crack; none that presses."""
+        frame = frame_of(chain, end)
+        matter, _ = self._matter(frame, self._cell)
         ahead = matter.x[0] > 0.5 * matter.r
         volume = matter.volume[ahead]
         if not volume.size:
-            return 0.0, 0.0
+            return np.zeros(2)
         _, across, along = (matter.stress[:, ahead] * volume).sum(axis=1) / volume.sum()
-        return max(float(across), 0.0), float(along)
+        (c, s), opens = frame.ahead, max(float(across), 0.0)
+        pull = -np.array([c * along - s * opens, s * along + c * opens])  # on the matter to the left of e₁
+        return pull if end != START else -pull
 
     def _find(self, chain: Chain, end: int) -> TipValues:
         if not chain.tips[end]:
@@ -183,8 +186,13 @@ class Tips:
         if model.pressure is not None:
             x, y = 0.5 * (X[:, 1:] + X[:, :-1])
             pressure = model.pressure(x, y, t=self._state.time)
+        given = None
+        if model.traction:
+            numbers = chain.numbers
+            at_points = (numbers["traction"] * (numbers["law"] > 0))[:, first:last]
+            given = frame.turn(0.5 * (at_points[:, 1:] + at_points[:, :-1]))
         holds = law.is_interface or law.kind == "perfect"
-        return Crack(plane, jump, holds, law.skipped, grip_of(law), pressure, end)
+        return Crack(plane, jump, holds, law.skipped, grip_of(law), pressure, given, end)
 
     def _acceleration(self) -> Array | None:
         """Accelerations (2, N) in the last step; None where inertia does not count."""

@@ -29,7 +29,7 @@ def J_of(integral, K_I, K_II, **plate):
     law = LAWS["frictionless"].model_validate({"kind": "frictionless"})
     grid = SimpleNamespace(lower=np.array([-1.2, -1.2]), cell=np.array([CELL, CELL]))
     state = State(plate.analysis, plate.particles(12), ["plate"], ["steel"], [STEEL])
-    models = [SimpleNamespace(faces=SimpleNamespace(law=law), pressure=None)]
+    models = [SimpleNamespace(faces=SimpleNamespace(law=law), pressure=None, traction=())]
     tips = Tips(Fracture(integral=integral), [plate.crack()], models, state, grid, plate.thickness)
     return tips.values(0, END).J
 

@@ -56,6 +56,7 @@ class Crack(NamedTuple):
     passes : whether its faces pass each other freely
     grip : largest traction along the crack over that across it, where it is known
     pressure : (P − 1,) pressure in the crack on its faces, by segment; None without [pressure]
+    given : (2, P − 1) other tractions on the face above, by segment; None without [pressure]
     end : ``START`` or ``END``, of which the tip is one; None for another crack
     """
 
@@ -65,6 +66,7 @@ class Crack(NamedTuple):
     passes: bool
     grip: float | None
     pressure: Array | None
+    given: Array | None
     end: int | None
 
     @property
@@ -84,7 +86,7 @@ def must_be_found(crack: Crack, outer: float, cell: float) -> bool:
     plane, way = crack.plane, crack.way
     middle = 0.5 * (plane[:, 1:] + plane[:, :-1])
     near = np.hypot(*middle) < outer
-    if crack.end is None or crack.holds or crack.pressure is not None:
+    if crack.end is None or crack.holds or crack.pressure is not None or crack.given is not None:
         return bool(near.any())
     opening, slip = _opening(crack)
     closed = (opening < 0.1 * np.abs(slip) + 0.01 * cell) & (not crack.passes)
@@ -151,7 +153,7 @@ def faces_of(
     Stress, slope and energy at a face are those that the particles within 1.5 cells on its side lead to, by least
     squares with linear functions. Faces in contact, and those whose law holds, transmit the mean of both stresses.
     Faces are in contact where that mean presses and they are not open: their opening is below a tenth of their slip,
-    and of the strain of a cell under that pressure. The others carry the pressure in the crack. ``own`` is the crack of
+    and of the strain of a cell under that pressure. The others carry what is given. ``own`` is the crack of
     the tip.
     """
     plane = crack.plane
@@ -191,6 +193,8 @@ def faces_of(
     touching = closed | crack.holds
     within = 0.0 if crack.pressure is None else crack.pressure[k]
     traction = np.where(touching, pressure, within) * normal + touching * shear * way
+    if crack.given is not None:
+        traction += np.where(touching, 0.0, crack.given[:, k])
     slope = slope.mean(axis=0) + 0.5 * jump * np.array([1.0, -1.0])[:, None, None]
     x = middle[:, k]
     if crack.end is not None:

@@ -32,13 +32,17 @@ STRAIGHT = np.array([[-3.0, -2.0, -1.0, 0.0], [0.0] * 4])
 KINKED = np.array([[-2.0, -1.0, 0.0], [-1.0, 0.0, 0.0]])
 
 
-def seen(plane=STRAIGHT, jump=(0.0, 0.0), holds=False, passes=False, grip=0.0, pressure=None, end=END):
-    return Crack(plane, np.array(jump)[:, None] * np.ones(plane.shape[1]), holds, passes, grip, pressure, end)
+def seen(
+    plane=STRAIGHT, jump=(0.0, 0.0), holds=False, passes=False, grip=0.0, pressure=None, given=None, end=END
+):
+    return Crack(
+        plane, np.array(jump)[:, None] * np.ones(plane.shape[1]), holds, passes, grip, pressure, given, end
+    )
 
 
-def tips_of(plate, law, *chains, pressure=None, **fracture):
+def tips_of(plate, law, *chains, pressure=None, traction=(), **fracture):
     faces = SimpleNamespace(law=LAWS[law["kind"]].model_validate(law))
-    models = [SimpleNamespace(faces=faces, pressure=pressure)] * (1 + len(chains))
+    models = [SimpleNamespace(faces=faces, pressure=pressure, traction=traction)] * (1 + len(chains))
     p = plate.particles(12)
     grid = SimpleNamespace(lower=np.array([-1.2, -1.2]), cell=np.array([CELL, CELL]))
     state = State(plate.analysis, p, ["plate"], ["steel"], [STEEL])
@@ -148,6 +152,21 @@ def test_contours(angle, size):
     pressed = Plate(0.0, -1e-3, STRAIN, tip=(0.013, 0.028), angle=angle, pressed=(-2e-3, -6e-4))
     tips = tips_of(pressed, {"kind": "coulomb", "friction": 0.3}, integral="contour", size=size)
     assert tips._find(tips._chains[0], END).J == pytest.approx(1e-6 / STRAIN.modulus, rel=allowed)
+
+
+def test_tractions_on_points_of_an_open_crack():
+    """As pressure, but a traction that the points carry: it pulls where pressure presses."""
+    plate = Plate(1e-3, 2e-4, STRAIN, tip=(0.01, 0.02), angle=0.7, pressed=(2e-3, 1e-3))
+    tips = tips_of(plate, SMOOTH, traction=("cohesive",))
+    chain = tips._chains[0]
+    c, s = np.cos(0.7), np.sin(0.7)
+    pull = -np.array([c * 1e-3 - s * 2e-3, s * 1e-3 + c * 2e-3])[:, None] * np.ones(chain.count)
+    chain.numbers |= {"traction": pull, "law": np.ones(chain.count, dtype=np.int64)}
+    J, K_I, K_II = tips._find(chain, END)
+    assert (K_I, K_II) == pytest.approx((1e-3, 2e-4), abs=1.5e-5)
+    assert J == pytest.approx(1.04e-6 / STRAIN.modulus, rel=0.015)
+    chain.numbers["law"][:] = 0  # a gradual release is part of the growth that J is for
+    assert tips._find(chain, END).K_I > 1.2e-3
 
 
 def test_a_turned_plate_has_the_same_faces():

@@ -262,20 +262,21 @@ def test_the_first_of_several_cracks_is_met():
     assert meeting.point == pytest.approx([0.4, 0.0])
 
 
-def test_gradual_release_holds_what_has_grown():
-    world = World(crack(**grows(release="gradual", increment=2.0)), terms=2)
-    chain = world.view.chains[0]
-    world.growth._tips.traction_ahead = lambda chain, end: (4.0, 3.0)
-    assert world.growth.held_by(lambda chain: None, {}) is not None
+@pytest.mark.parametrize("end", ["start", "end"])
+def test_gradual_release_holds_new_points_and_the_one_that_was_the_tip(end):
+    world = World(crack(**grows(end, release="gradual", increment=2.0)), terms=2)
+    world.s.particles.tau[:] = np.array([[1.0], [3.0], [0.0], [4.0]])  # J = 1, |T| = 5
+    held = []
+    world.growth._tractions = SimpleNamespace(hold=lambda *given: held.append(given))
     world.step()
-    assert chain.numbers["hold"][0] == pytest.approx([0.0] + [0.2 / 3] * 3 + [0.0])
-    assert World(crack(**grows())).growth.held_by(lambda chain: None, {}) is None
+    (chain, at, count, pull, opening), *more = held
+    assert not more
+    assert (chain.count, at, count) == (5, START if end == "start" else END, 4)
+    assert pull == pytest.approx([-4.0, -3.0])  # on the matter above
+    assert opening == pytest.approx(2.0 / 5.0)
 
 
-def test_traction_ahead_of_a_tip():
+def test_matter_that_presses_is_not_held_across():
     world = World(crack(**grows(release="gradual")))
-    world.s.particles.tau[:] = np.array([[1.0], [2.0], [0.0], [0.5]])
-    for end in (START, END):
-        assert world.growth._tips.traction_ahead(world.view.chains[0], end) == pytest.approx((2.0, 0.5))
-    world.s.particles.tau[1] = -2.0
-    assert world.growth._tips.traction_ahead(world.view.chains[0], END) == pytest.approx((0.0, 0.5))
+    world.s.particles.tau[:] = np.array([[1.0], [-2.0], [0.0], [0.5]])
+    assert world.growth._tips.pull_ahead(world.view.chains[0], END) == pytest.approx([-0.5, 0.0])

@@ -317,7 +317,7 @@ def test_recorder_writes_a_series_of_each_crack_and_goes_on_from_it(make_cracked
 class Growing(Named):
     """A crack whose tips may grow."""
 
-    growth = type("Growth", (), {"start": None, "end": object()})
+    growth = type("Growth", (), {"start": None, "end": object(), "leaves_tractions": False})
 
 
 def test_events_are_written_as_they_happen_and_cut_back_with_a_checkpoint(
