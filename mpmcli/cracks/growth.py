@@ -37,6 +37,7 @@ class GrowingTip:
     angle0 : direction at the start of the run [rad]
     last, started, speed : when it grew last, when it began to run at a given speed, its speed; nan before
     runs : whether it grew and is not arrested
+    law : number of the law of tractions on new points, 0 without
     """
 
     def __init__(self, chain: Chain, end: int, model: Any, cuts: Array):
@@ -45,6 +46,7 @@ class GrowingTip:
         self.angle0 = angle_of(chain.direction(end))
         self.last = self.started = self.speed = math.nan
         self.runs = False
+        self.law = 0
 
     @property
     def name(self) -> str:
@@ -82,6 +84,10 @@ class CrackGrowth:
             for end, model in ((START, crack.growth.start), (END, crack.growth.end))
             if model is not None
         ]
+
+        for tip in self.growing:
+            if tip.model.traction is not None and tractions is not None:
+                tip.law = tractions.add_law(tip.model.traction)
 
     def speed(self, crack: int, end: int) -> float:
         """Return the speed of a tip; 0 before it has grown twice, and where it rests [velocity]."""
@@ -189,6 +195,8 @@ class CrackGrowth:
             parts = math.ceil(length / (LONGEST * self._cell) * (1.0 - 1e-12))
             chain.extend(end, place[:, None] + (goal - place)[:, None] * np.arange(1, parts + 1) / parts)
             self._s.order.drift = np.inf
+            if tip.law and self._tractions is not None:
+                self._tractions.bind(chain, end, parts, tip.law)
             if pull is not None and self._tractions is not None:
                 size = float(np.hypot(*pull))
                 if size > 0.0 and values.J > 0.0:  # with the point that was the tip, which opens from now on

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import model_validator
+from pydantic import AfterValidator, model_validator
 
+from mpmcli.contact.laws import LAWS
 from mpmcli.core.model import Model, PositiveLength, Quantity
 from mpmcli.core.registry import OneOf
 from mpmcli.cracks.criteria import CRITERIA
 from mpmcli.cracks.directions import DIRECTIONS
+from mpmcli.cracks.point_laws import of_points
 
 
 class SpeedLimit(Model):
@@ -30,10 +32,20 @@ class TipGrowth(Model):
     """Length by which it grows at once, in cells."""
     release: Literal["sudden", "gradual"] = "sudden"
     """Whether new faces are free at once, or held by tractions that fall while they open and take the energy J."""
+    traction: Annotated[Any, OneOf(LAWS), AfterValidator(of_points)] | None = None
+    """Cohesive law of the points that growth adds, which bridge the crack behind its tip; none if left out."""
     max_length: PositiveLength | None = None
     """Length of the crack from which on it does not grow; any if left out."""
     speed: SpeedLimit | None = None
     """Limit of the speed of the tip; none if left out."""
+
+    @model_validator(mode="after")
+    def _one_traction(self) -> Self:
+        if self.traction is not None and self.release == "gradual":
+            raise ValueError(
+                "release 'gradual' has tractions of its own; leave out traction, or use 'sudden'"
+            )
+        return self
 
     @property
     def way(self) -> Any:
@@ -56,7 +68,7 @@ class Growth(Model):
     def leaves_tractions(self) -> bool:
         """Whether new points carry tractions."""
         ends = [end for end in (self.start, self.end) if end is not None]
-        return any(end.release == "gradual" for end in ends)
+        return any(end.release == "gradual" or end.traction is not None for end in ends)
 
     @model_validator(mode="after")
     def _one_at_least(self) -> Self:

@@ -13,6 +13,7 @@ from mpmcli.core.model import Length, Model, Quantity, Varying
 from mpmcli.core.registry import OneOf
 from mpmcli.cracks.growth_model import Growth
 from mpmcli.cracks.paths import PATHS
+from mpmcli.cracks.point_laws import of_points
 
 Name = Annotated[str, Field(min_length=1, max_length=80)]
 End = Literal["tip", "mouth"]
@@ -38,20 +39,6 @@ class Faces(Model):
     """Contact law, or law of an interface whose directions are springs."""
     separation: Literal["displacement"] = "displacement"
     """How the distance of the faces is found: from the jump of displacement, so that faces are closed at the start."""
-
-
-def of_points(law: Any) -> Any:
-    """Refuse laws that points of a crack cannot have."""
-    if law.kind != "cohesive":
-        raise ValueError(
-            f"points of a crack take a law of kind 'cohesive', not '{law.kind}', which faces may have"
-        )
-    for key in ("closed", "bonded"):
-        if key in law.model_fields_set:
-            raise ValueError(
-                f"leave out '{key}': contact of the faces is 'faces.law', and 'along' says where it holds"
-            )
-    return law
 
 
 class Traction(Model):

@@ -57,7 +57,10 @@ def limits_of_tractions(scene: Any) -> list[TractionLimit]:
 def laws_of_points(crack: Any) -> list[tuple[str, Any]]:
     """Return the laws of the points of a crack of the scene, with their keys."""
     several = len(crack.traction) > 1
-    return [
+    found = [
         (f"traction.{index}.law" if several else "traction.law", part.law)
         for index, part in enumerate(crack.traction)
     ]
+    ends = {} if crack.growth is None else {"start": crack.growth.start, "end": crack.growth.end}
+    left = {key: end.traction for key, end in ends.items() if end is not None and end.traction is not None}
+    return found + [(f"growth.{key}.traction", law) for key, law in left.items()]

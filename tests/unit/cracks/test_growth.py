@@ -10,16 +10,18 @@ from mpmcli.core.analysis import PlaneStrain
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.particles import Particles
 from mpmcli.core.state import CracksView, State, TipValues
-from mpmcli.cracks.chain import END, START, Chain
+from mpmcli.cracks.chain import END, START, Chain, carries_tractions
 from mpmcli.cracks.fracture import Fracture
 from mpmcli.cracks.growth import CrackGrowth
 from mpmcli.cracks.meeting import first_meeting
 from mpmcli.cracks.model import Crack
 from mpmcli.cracks.points import AllPoints
 from mpmcli.cracks.tips import Tips, opening_behind
+from mpmcli.stability.tractions import laws_of_points
 
 pytestmark = pytest.mark.usefixtures("python_and_compiled")
 CELL, DT = 0.1, 0.01
+MODES = ("normal", "tangential")
 GRIFFITH = {"kind": "energy_release_rate", "J_c": 1.0}
 
 
@@ -44,7 +46,7 @@ def block(size=(4.0, 2.0)):
 class World:
     """Cracks in a block whose tips have the J, K_I and K_II that a test gives them."""
 
-    def __init__(self, *cracks, thickness=2.0, **fracture):
+    def __init__(self, *cracks, thickness=2.0, tractions=None, **fracture):
         self.values = TipValues(1.0, 1.0, 0.0)
         models = [Crack.model_validate(c) for c in cracks]
         chains = [
@@ -66,7 +68,9 @@ class World:
         )  # fmt: skip
         tips = Tips(Fracture(**fracture), chains, models, state, self.s.grid, thickness)
         tips._find = lambda chain, end: self.values
-        self.growth = CrackGrowth(models, tips, np.ones((len(chains), 1), dtype=bool), self.s, self.view)
+        self.growth = CrackGrowth(
+            models, tips, np.ones((len(chains), 1), dtype=bool), self.s, self.view, tractions
+        )
 
     def step(self, count=1):
         for _ in range(count):
@@ -274,6 +278,26 @@ def test_gradual_release_holds_new_points_and_the_one_that_was_the_tip(end):
     assert (chain.count, at, count) == (5, START if end == "start" else END, 4)
     assert pull == pytest.approx([-4.0, -3.0])  # on the matter above
     assert opening == pytest.approx(2.0 / 5.0)
+
+
+def test_growth_leaves_tractions_behind():
+    law = {"kind": "cohesive"} | {
+        mode: {"shape": "triangular", "strength": 1, "toughness": 1} for mode in MODES
+    }
+    model = Crack.model_validate(crack(**grows(traction=law)))
+    assert carries_tractions(model)
+    assert [key for key, _ in laws_of_points(model)] == ["growth.end.traction"]
+    with pytest.raises(ValidationError, match="release 'gradual' has tractions of its own"):
+        Crack.model_validate(crack(**grows(traction=law, release="gradual")))
+    with pytest.raises(
+        ValidationError, match="points of a crack take a law of kind 'cohesive', not 'coulomb'"
+    ):
+        Crack.model_validate(crack(**grows(traction={"kind": "coulomb", "friction": 0.1})))
+    bound = []
+    tractions = SimpleNamespace(add_law=lambda model: 3, bind=lambda *given: bound.append(given))
+    world = World(crack(**grows(traction=law, increment=2.0)), tractions=tractions, terms=2)
+    world.step()
+    assert bound == [(world.view.chains[0], END, 3, 3)]
 
 
 def test_matter_that_presses_is_not_held_across():
