@@ -51,7 +51,12 @@ def sum_motion(count, candidates, entries, mass, X, L, dt, nodes, lattice, out):
 
 @compiled_too
 def sides_at(px, py, x, y, cell, segments, table, crack):
-    """Side of a node (x, y), whose cracks are ``crack`` (2,), on which a point is; ``cell`` of the hash is near."""
+    """Side of a node (x, y), whose cracks are ``crack`` (2,), on which a point is; ``cell`` of the hash is near.
+
+    −1 where a crack parts the point from a node that has no cracks: its matter is none of the point's.
+    """
+    if cell < 0:  # no crack is near
+        return 0
     side, at = 0, table.first[cell]
     while at < table.first[cell + 1]:
         which, times = segments.crack[table.segment[at]], 0
@@ -61,6 +66,8 @@ def sides_at(px, py, x, y, cell, segments, table, crack):
             if crosses(segments.ax[s], segments.ay[s], segments.bx[s], segments.by[s], px, py, x, y):
                 times += 1
         if times % 2 == 1:
+            if crack[0] < 0:
+                return -1
             side += 1 if which == crack[0] else (2 if which == crack[1] else 0)
     return side
 
@@ -81,12 +88,9 @@ def face_velocity(plane, normal, face, sums, nodes, segments, table, lattice, ou
     cx = np.int64(np.floor((face[0] - lattice.origin[0]) / lattice.cell[0]))
     cy = np.int64(np.floor((face[1] - lattice.origin[1]) / lattice.cell[1]))
     out[0] = out[1] = 0.0
-    row, column = cy - table.low[1], cx - table.low[0]
-    if row < 0 or column < 0 or row >= table.place.shape[0] or column >= table.place.shape[1]:
-        return 0.0
-    cell = table.place[row, column]
-    if cell < 0:
-        return 0.0
+    row, column, cell = cy - table.low[1], cx - table.low[0], np.int64(-1)
+    if row >= 0 and column >= 0 and row < table.place.shape[0] and column < table.place.shape[1]:
+        cell = np.int64(table.place[row, column])
     px = whole(x, lattice.origin[0], 1.0 / lattice.cell[0])
     py = whole(y, lattice.origin[1], 1.0 / lattice.cell[1])
     total, mass = 0.0, 0.0
@@ -98,9 +102,10 @@ def face_velocity(plane, normal, face, sums, nodes, segments, table, lattice, ou
             slot = nodes.slot_of_node[ny * lattice.shape[0] + nx]
             if slot < 0:
                 continue
-            here = sums[
-                slot, sides_at(px, py, nx << BITS, ny << BITS, cell, segments, table, nodes.crack[slot])
-            ]
+            side = sides_at(px, py, nx << BITS, ny << BITS, cell, segments, table, nodes.crack[slot])
+            if side < 0:
+                continue
+            here = sums[slot, side]
             m = here[0]
             if m <= 0.0:
                 continue
@@ -234,10 +239,10 @@ class FaceMotion:
         Returns the farthest that a face went [cells], and the crack and the point that did.
         """
         sides = self._sides
-        if len(self._sums) < sides.count:
-            self._sums = np.zeros((2 * sides.count, 4, 7))
+        if len(self._sums) < sides.listed:
+            self._sums = np.zeros((2 * sides.listed, 4, 7))
         farthest = move_points(
-            sides.count, sides.candidates, sides.entries, p.mass, X, p.L, sides.nodes, sides.segments, sides.hash,
+            sides.listed, sides.candidates, sides.entries, p.mass, X, p.L, sides.nodes, sides.segments, sides.hash,
             self._lattice, self._ways, dt, self._points.get(), self._sums, self._new, self._worst,
         )  # fmt: skip
         crack, point = self._worst.tolist()

@@ -86,6 +86,7 @@ def share_out(plane, normal, faces, force, nodes, segments, table, lattice, rigi
                         side = sides_at(
                             sx, sy, nx << BITS, ny << BITS, cell, segments, table, nodes.crack[slot]
                         )
+                        inside = side >= 0
                     else:  # all particles that it sees are on its own side: is the face, too?
                         inside = sees(sx, sy, nx << BITS, ny << BITS, cell, segments, table)
                 for field in range(fields):

@@ -30,7 +30,7 @@ from mpmcli.cracks.crossing import (
     is_left,
     whole,
 )
-from mpmcli.cracks.points import AllPoints
+from mpmcli.cracks.points import AllPoints, Points
 
 Array = np.ndarray
 
@@ -72,7 +72,7 @@ class Candidates(NamedTuple):
 
 
 class CrackNodes(NamedTuple):
-    """Nodes whose particles lie on several sides.
+    """Nodes whose particles lie on several sides, and after them other nodes around faces.
 
     slot_of_node : (n,) place in the following arrays, −1 elsewhere
     node : (slots, at least) nodes
@@ -237,13 +237,18 @@ def sees_crack_node(geometry, reach, X, p, nodes):
 
 
 @inline
-def find_sides(shape, grid, across, X, F, size, stencil, reach, candidates, nodes, entries):
-    """Name the crack nodes, find the sides of all candidates and list their entries; returns the number of nodes.
+def find_sides(
+    shape, grid, across, X, F, size, stencil, reach, candidates, nodes, entries, points, origin, cell, counts
+):
+    """Name the crack nodes, find the sides of all candidates and list their entries.
+
+    ``counts`` (2,) receives the number of crack nodes, and of those with the others around faces.
 
     Nodes are few and each counts on those before it: serial. ``reach`` is how far particles see [cells].
     """
-    count = name_nodes(candidates, stencil.offsets, nodes)
     geometry = unfold(grid)
+    counts[0] = name_nodes(candidates, stencil.offsets, nodes)
+    counts[1] = name_face_nodes(points, origin, cell, np.int64(geometry.stride[1]), nodes, counts[0])
     for q in range(len(candidates.particle)):
         p, offsets = candidates.particle[q], stencil.offsets
         side, number = candidates.side[q], candidates.number[q]
@@ -277,8 +282,7 @@ def find_sides(shape, grid, across, X, F, size, stencil, reach, candidates, node
             )
             for j in range(offsets.shape[0]):
                 number[j] = 0
-    list_entries(candidates, stencil.offsets, nodes, count, entries)
-    return count
+    list_entries(candidates, stencil.offsets, nodes, counts[1], entries)
 
 
 @inline
@@ -304,6 +308,31 @@ def find_distances(X, origin, inverse_cell, segments, table, away):
             dy = max(min(ay, by) - y, y - max(ay, by))
             nearest = min(nearest, max(dx, dy))
         away[p] = nearest / UNIT
+
+
+@inline
+def name_face_nodes(points, origin, cell, columns, nodes, count):
+    """List the nodes around the faces, too, after the ``count`` crack nodes; returns how many there are then.
+
+    Faces that have parted by more than particles see stay with their matter by these.
+    """
+    rows = len(nodes.slot_of_node) // columns
+    for face in range(2):
+        for k in range(points.X.shape[1]):
+            x = np.int64(np.floor((points.faces[face, 0, k] - origin[0]) / cell[0]))
+            y = np.int64(np.floor((points.faces[face, 1, k] - origin[1]) / cell[1]))
+            for j in range(4):
+                column, row = x + j % 2, y + j // 2
+                if column < 0 or row < 0 or column >= columns or row >= rows:
+                    continue
+                i = row * columns + column
+                if nodes.slot_of_node[i] < 0:
+                    nodes.slot_of_node[i] = count
+                    nodes.node[count] = i
+                    nodes.crack[count, 0] = nodes.crack[count, 1] = -1
+                    nodes.third[count] = 0
+                    count += 1
+    return count
 
 
 class Entries(NamedTuple):
@@ -358,8 +387,7 @@ class CrackSides:
     Attributes
     ----------
     points : of all chains
-    candidates, nodes, entries : of the step; the first ``count`` crack nodes are valid
-    count : number of crack nodes
+    candidates, nodes, entries : of the step
     segments, hash : of the chains in the step
     drift : how far points have moved since the candidates were listed, at most [cells]
     """
@@ -369,7 +397,7 @@ class CrackSides:
         self._order, self._grid, self._follows = order, grid, follows
         self.points = AllPoints(chains)
         self._origin = grid.lower - grid.pad * grid.cell
-        self.count = 0
+        self._counts = np.zeros(2, dtype=np.int64)
         self.drift = 0.0
         self._version, self._listed_at = -1, 0.0
         self.segments: Segments
@@ -382,6 +410,16 @@ class CrackSides:
         self.hash: Hash
 
     @property
+    def count(self) -> int:
+        """Number of crack nodes: the first ones of ``nodes``."""
+        return int(self._counts[0])
+
+    @property
+    def listed(self) -> int:
+        """Number of all nodes that ``nodes`` and ``entries`` list."""
+        return int(self._counts[1])
+
+    @property
     def _reach(self) -> float:
         """How far a particle sees along an axis [cells]."""
         w = self._grid.width
@@ -392,7 +430,7 @@ class CrackSides:
         grid, w = self._grid, self._grid.width
         self._list_candidates()
         corner, mark = self._around(w - 2 + DRIFT, w - 1 + DRIFT)
-        self._make_room(int(np.count_nonzero(mark)))
+        self._make_room(int(np.count_nonzero(mark)) + 8 * self.points.get().X.shape[1])
         rows, columns = np.nonzero(mark)
         x, y = columns + corner[0], rows + corner[1]
         inside = (x >= 0) & (y >= 0) & (x < grid.shape[0]) & (y < grid.shape[1])
@@ -409,21 +447,32 @@ class CrackSides:
             mark = spread
         return cells.low - below, mark
 
-    def _find_segments(self) -> None:
-        find_segments(
-            self.points.get(), (self._grid.width + 2) * float(self._grid.cell.max()), self._origin, self._grid.cell,
-            self.segments,
-        )  # fmt: skip
+    def _find_segments(self, points: Points, segments: Segments) -> None:
+        beyond = (self._grid.width + 2) * float(self._grid.cell.max())
+        find_segments(points, beyond, self._origin, self._grid.cell, segments)
+
+    def _distances(self, X: Array, segments: Segments, far: float) -> Array:
+        """How far particles are from segments (N,), where it is not more than ``far`` [cells]."""
+        away = np.empty(X.shape[1])
+        table = hash_segments(segments, math.ceil(far))
+        find_distances(X, self._origin, 1.0 / self._grid.cell, segments, table, away)
+        return away
 
     def _list_candidates(self) -> None:
         """List the particles near cracks, and the segments near each cell."""
         grid, X = self._grid, self._order.particles.X
         self.segments = allocate_segments(self.points.get())
-        self._find_segments()
+        self._find_segments(self.points.get(), self.segments)
         near, far = self._reach + 2 * SLACK, 2.0 * self._reach + 2 * SLACK
-        wide = hash_segments(self.segments, math.ceil(far))
-        away = np.empty(X.shape[1])
-        find_distances(X, self._origin, 1.0 / grid.cell, self.segments, wide, away)
+        away = self._distances(X, self.segments, far)
+        points = self.points.get()
+        if (
+            np.abs(points.faces - points.X) > SLACK * grid.cell[:, None]
+        ).any():  # to stay with the matter of each
+            for face in range(2):
+                of_face = allocate_segments(points)
+                self._find_segments(points._replace(X=points.faces[face]), of_face)
+                away = np.minimum(away, self._distances(X, of_face, far))
         self.hash = hash_segments(self.segments, math.ceil(near))
         particle = np.flatnonzero(away <= far).astype(np.uint64)
         c, m, d = len(particle), grid.width**grid.dimensions, grid.dimensions
@@ -469,8 +518,8 @@ class CrackSides:
         c.seen[:], c.number[:, 0], c.S[:, 0] = NEAR, 1, 1.0
 
     def _clear(self) -> None:
-        self.nodes.slot_of_node[self.nodes.node[: self.count]] = -1
-        self.count = 0
+        self.nodes.slot_of_node[self.nodes.node[: self._counts[1]]] = -1
+        self._counts[:] = 0
 
     def find_cut(self, transfer: Any, F: Array) -> Cut | None:
         """Find the sides of this step; ``F`` (nF, N) are the deformation gradients that its stencils are built from."""
@@ -479,7 +528,7 @@ class CrackSides:
         elif max(self.drift, self._order.drift - self._listed_at) > SLACK:
             self._list_candidates()
         self._clear()
-        self._find_segments()
+        self._find_segments(self.points.get(), self.segments)
         p, c, stencil = transfer.particles, self.candidates, transfer.stencil
         operator = (transfer.shape.parameters, transfer.geometry, transfer.across, p.X, F, p.size, stencil)
         find_crossings[transfer.parallel](
@@ -492,7 +541,10 @@ class CrackSides:
             self.hash,
             self._kept,
         )
-        self.count = find_sides(*operator, self._reach, c, self.nodes, self.entries)
+        find_sides(
+            *operator, self._reach, c, self.nodes, self.entries, self.points.get(), self._origin, self._grid.cell,
+            self._counts,
+        )  # fmt: skip
         if self.count == 0:
             return None
         rows = np.flatnonzero(c.side.any(axis=1))
