@@ -9,9 +9,9 @@ import numpy as np
 
 from mpmcli.contact import impulses
 from mpmcli.contact.choice import ContactChoice
-from mpmcli.contact.contact_nodes import NEAREST
 from mpmcli.contact.contacts import Contacts
 from mpmcli.contact.laws.impulse import BROKEN
+from mpmcli.contact.near_particles import NEAREST
 from mpmcli.contact.normals.base import NOT_CONVERGED
 from mpmcli.contact.separation.base import APART
 from mpmcli.core.contacts import ContactRows

@@ -12,7 +12,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcli.core.compiled.compiler import compiled_as
+from mpmcli.contact.near_particles import (
+    IMAGE_BITS,
+    NEAREST,
+    NearParticles,
+    Parted,
+    link,
+    link_other_sides,
+    place_of_side,
+    row_of_particle,
+)
 from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.core.dofs import node_of
 from mpmcli.core.grid import Grid, unfold
@@ -20,13 +29,6 @@ from mpmcli.core.order import CellOrder, locate_cells, or_shifted
 from mpmcli.core.transfer.stencil import SEEN, fill, is_seen
 
 Array = np.ndarray
-
-IMAGE_BITS = 4
-"""Flags of a particle near a node: bits 0 to 2 say which axes its mirror image turns; from this bit on follows the
-image."""
-
-NEAREST = 8
-"""Flag of a particle near the contact node at which its shape function is largest."""
 
 
 class Candidates(NamedTuple):
@@ -63,24 +65,6 @@ class Images(NamedTuple):
     """(images, d) index of the mirroring line of nodes along each axis, −1 where the image is not turned."""
     flag: Array
     """(images,) bit a is set if axis a is turned; from bit 4 on the number of the image, counted from 1."""
-
-
-class NearParticles(NamedTuple):
-    """NearParticles of particles and nodes, linked by node.
-
-    head, number : (slots,) last entry of each contact node (−1: none) and how many it has
-    next : (room,) the entry before it in its list
-    particle, flag, S : (room,)
-    G : (room, d)
-    """
-
-    head: Array
-    number: Array
-    next: Array
-    particle: Array
-    flag: Array
-    S: Array
-    G: Array
 
 
 def find_candidates(order: CellOrder, grid: Grid, images: int = 0, whole: Array | None = None) -> Candidates:
@@ -186,19 +170,6 @@ def select_nodes(candidates, mp, slot_of_node, node, first, dof):
 
 
 @inline
-def link(near, slot, at, p, flag, S, G, a, m):
-    """Append an entry to the list of a contact node."""
-    near.particle[at] = p
-    near.flag[at] = flag
-    near.S[at] = S[a]
-    for axis in range(near.G.shape[1]):
-        near.G[at, axis] = G[axis * m + a]
-    near.next[at] = near.head[slot]
-    near.head[slot] = at
-    near.number[slot] += 1
-
-
-@inline
 def reach_along(geometry, width, shape_of_grid, X, p, axis):
     """First and last node along an axis that particle ``p`` may see, wherever it lies in its cell."""
     if axis >= len(geometry.stride):
@@ -221,91 +192,6 @@ def may_see(geometry, width, shape_of_grid, slot_of_node, X, p):
                 if slot_of_node[row + i] >= 0:
                     return True
     return False
-
-
-class Parted(NamedTuple):
-    """What contact knows of cracks.
-
-    particle : (C,) particles that they part from nodes, ascending, unsigned
-    side : (C, m) side of each node of their stencils on which they are
-    whole : (N,) whether no crack cuts the field of a particle
-    sides : sides that a node may have
-    node_count : nodes of the grid
-    """
-
-    particle: Array
-    side: Array
-    whole: Array
-    sides: int
-    node_count: int
-
-
-def row_of_particle(parted: Any, p: Any) -> Any:
-    """Row of particle ``p`` among those that cracks part from nodes, −1 if it is none; −1 without cracks."""
-    at = np.searchsorted(parted.particle, p)
-    return at if at < len(parted.particle) and parted.particle[at] == p else -1
-
-
-@compiled_as(row_of_particle)
-def _(parted, p):
-    if str(parted) == "none":
-        return lambda parted, p: -1
-
-    def find(parted, p):
-        low, high = 0, parted.particle.shape[0]
-        while low < high:
-            middle = (low + high) // 2
-            if parted.particle[middle] < p:
-                low = middle + 1
-            else:
-                high = middle
-        return low if low < parted.particle.shape[0] and parted.particle[low] == p else -1
-
-    return find
-
-
-def place_of_side(parted: Any, row: Any, a: Any) -> Any:
-    """What is added to a node for its side on which the particle of a row is."""
-    return 0 if row < 0 else np.int64(parted.side[row, a]) * parted.node_count
-
-
-@compiled_as(place_of_side)
-def _(parted, row, a):
-    if str(parted) == "none":
-        return lambda parted, row, a: 0
-    return lambda parted, row, a: (
-        np.int64(parted.side[row, a]) * parted.node_count if row >= 0 else np.int64(0)
-    )
-
-
-def link_other_sides(
-    parted: Any, p: Any, i: Any, slot_of_node: Any, near: Any, at: Any, S: Any, G: Any, a: Any, m: Any
-) -> Any:
-    """Append a particle that no crack cuts to the lists of the other sides of node ``i``; returns the next place."""
-    if parted is not None and parted.whole[p]:
-        for side in range(1, parted.sides):
-            slot = slot_of_node[i + side * parted.node_count]
-            if slot >= 0:
-                link(near, slot, at, np.int64(p), 0, S, G, a, m)
-                at += 1
-    return at
-
-
-@compiled_as(link_other_sides)
-def _(parted, p, i, slot_of_node, near, at, S, G, a, m):
-    if str(parted) == "none":
-        return lambda parted, p, i, slot_of_node, near, at, S, G, a, m: at
-
-    def link_all(parted, p, i, slot_of_node, near, at, S, G, a, m):
-        if parted.whole[p]:
-            for side in range(1, parted.sides):
-                slot = slot_of_node[i + side * parted.node_count]
-                if slot >= 0:
-                    link(near, slot, at, np.int64(p), 0, S, G, a, m)
-                    at += 1
-        return at
-
-    return link_all
 
 
 @kernel

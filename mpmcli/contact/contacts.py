@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from mpmcli.contact.contact_nodes import ContactNodes
-from mpmcli.contact.fields_in_contact import FieldsInContact, NodeTable, Rules, list_contacts, most_contacts
-from mpmcli.contact.geometry import Geometry, Matter, Surroundings, find_geometry, sum_volumes
-from mpmcli.contact.impulses import ImpulseRows
+from mpmcli.contact.fields_in_contact import NodeTable, Rules, allocate_fields, list_contacts, most_contacts
+from mpmcli.contact.geometry import Matter, Surroundings, allocate_geometry, find_geometry, sum_volumes
+from mpmcli.contact.impulses import allocate_rows
 from mpmcli.contact.neighbours import Neighbours, allocate_several
 
 Array = np.ndarray
@@ -58,20 +58,9 @@ class Contacts:
         room = max(room, 2 * self._room)
         d = self._dimensions
         self._room = room
-        integers = {name: np.zeros(room, dtype=np.int64) for name in FieldsInContact._fields}
-        flags = {name: np.zeros(room, dtype=bool) for name in ("rigid", "alone", "pair", "both")}
-        self.fields = FieldsInContact(**(integers | flags | {"order": np.zeros(room)}))
-        self.geometry = Geometry(
-            normal=np.zeros((room, d)),
-            separation=np.zeros(room),
-            distances=np.zeros((room, 2)),
-            area=np.zeros(room),
-            bond=np.zeros(room),
-            status=np.zeros(room, dtype=np.int64),
-        )
-        vectors = {name: np.zeros((room, d)) for name in ImpulseRows._fields[:8]}
-        numbers = {name: np.zeros(room) for name in ("separation_now", "push", "drive", "friction")}
-        self.rows = ImpulseRows(**vectors, **numbers, state=np.zeros(room, dtype=np.int64))
+        self.fields = allocate_fields(room)
+        self.geometry = allocate_geometry(room, d)
+        self.rows = allocate_rows(room, d)
 
     def _tabulate(self) -> NodeTable:
         c = self.nodes

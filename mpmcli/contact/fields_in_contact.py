@@ -68,6 +68,13 @@ class FieldsInContact(NamedTuple):
     order: Array
 
 
+def allocate_fields(room: int) -> FieldsInContact:
+    """Make room for pairs of fields."""
+    integers = {name: np.zeros(room, dtype=np.int64) for name in FieldsInContact._fields}
+    flags = {name: np.zeros(room, dtype=bool) for name in ("rigid", "alone", "pair", "both")}
+    return FieldsInContact(**(integers | flags | {"order": np.zeros(room)}))
+
+
 class NodeTable(NamedTuple):
     """Contact nodes of a step, and the velocity fields that meet at each.
 

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.contact.area import contact_area, perpendicular_size
-from mpmcli.contact.contact_nodes import IMAGE_BITS
 from mpmcli.contact.fields_in_contact import field_at
+from mpmcli.contact.near_particles import IMAGE_BITS
 from mpmcli.contact.neighbours import Neighbours
 from mpmcli.contact.normals.base import find_normal
 from mpmcli.contact.separation.base import find_separation
@@ -42,6 +42,18 @@ class Geometry(NamedTuple):
     area: Array
     bond: Array
     status: Array
+
+
+def allocate_geometry(room: int, dimensions: int) -> Geometry:
+    """Make room for the geometry of contacts."""
+    return Geometry(
+        normal=np.zeros((room, dimensions)),
+        separation=np.zeros(room),
+        distances=np.zeros((room, 2)),
+        area=np.zeros(room),
+        bond=np.zeros(room),
+        status=np.zeros(room, dtype=np.int64),
+    )
 
 
 class Surroundings(NamedTuple):

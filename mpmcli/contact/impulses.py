@@ -45,6 +45,13 @@ class ImpulseRows(NamedTuple):
     state: Array
 
 
+def allocate_rows(room: int, dimensions: int) -> ImpulseRows:
+    """Make room for the impulses of contacts."""
+    vectors = {name: np.zeros((room, dimensions)) for name in ImpulseRows._fields[:8]}
+    numbers = {name: np.zeros(room) for name in ("separation_now", "push", "drive", "friction")}
+    return ImpulseRows(**vectors, **numbers, state=np.zeros(room, dtype=np.int64))
+
+
 class Place(NamedTuple):
     """Where in the step contact acts: flags say which arrays count, so that one compiled version serves all places.
 

@@ -12,11 +12,12 @@ from mpmcli.contact import overlap
 from mpmcli.contact.account import ContactAccount
 from mpmcli.contact.choice import ContactChoice
 from mpmcli.contact.contact_impulses import ContactImpulses, Ways
-from mpmcli.contact.contact_nodes import ContactNodes, Parted
+from mpmcli.contact.contact_nodes import ContactNodes
 from mpmcli.contact.contacts import Contacts
 from mpmcli.contact.direction import DirectionWatch
 from mpmcli.contact.fields_in_contact import Rules
 from mpmcli.contact.geometry import Matter, Surroundings
+from mpmcli.contact.near_particles import Parted
 from mpmcli.core.analysis import Axisymmetric
 from mpmcli.core.contacts import ContactRows
 from mpmcli.core.order import CellOrder

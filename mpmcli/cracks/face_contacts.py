@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.contact.area import contact_area, perpendicular_size
-from mpmcli.contact.fields_in_contact import FieldsInContact, NodeTable, put_contact
-from mpmcli.contact.geometry import Geometry, unsure
-from mpmcli.contact.impulses import ImpulseRows
+from mpmcli.contact.fields_in_contact import NodeTable, allocate_fields, put_contact
+from mpmcli.contact.geometry import allocate_geometry, unsure
+from mpmcli.contact.impulses import allocate_rows
 from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.dofs import dof_of, field_of, side_of
@@ -329,26 +329,15 @@ class FaceContacts:
         if room <= self._room:
             return
         self._room = room = max(room, 2 * self._room)
-        integers = {name: np.zeros(room, dtype=np.int64) for name in FieldsInContact._fields}
-        flags = {name: np.zeros(room, dtype=bool) for name in ("rigid", "alone", "pair", "both")}
-        self.fields = FieldsInContact(**(integers | flags | {"order": np.zeros(room)}))
+        self.fields = allocate_fields(room)
         self.faces = Faces(
             np.zeros(room, dtype=np.int64),
             np.zeros(room, dtype=np.int64),
             np.zeros((room, d)),
             np.zeros((room, 8)),
         )
-        self.geometry = Geometry(
-            normal=np.zeros((room, d)),
-            separation=np.zeros(room),
-            distances=np.zeros((room, 2)),
-            area=np.zeros(room),
-            bond=np.zeros(room),
-            status=np.zeros(room, dtype=np.int64),
-        )
-        vectors = {name: np.zeros((room, d)) for name in ImpulseRows._fields[:8]}
-        numbers = {name: np.zeros(room) for name in ("separation_now", "push", "drive", "friction")}
-        self.rows = ImpulseRows(**vectors, **numbers, state=np.zeros(room, dtype=np.int64))
+        self.geometry = allocate_geometry(room, d)
+        self.rows = allocate_rows(room, d)
 
     def find(self, F: Array) -> int:
         """Find the pairs and their geometry; ``F`` (nF, N) are the particles' own. Returns how many."""

@@ -10,11 +10,14 @@ from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.dofs import dof_of
 from mpmcli.core.grid import Grid
 from mpmcli.cracks.chain import ABOVE, Chain
-from mpmcli.cracks.crossing import BITS, UNIT, crosses, whole
+from mpmcli.cracks.crossing import BITS, UNIT, whole
 from mpmcli.cracks.motion import BESIDE, sides_at
 from mpmcli.cracks.sides import CrackSides
 
 Array = np.ndarray
+
+WITHOUT = (-1, -1)
+"""Cracks of a node that has none."""
 
 CORNERS = 4
 """Nodes around a point."""
@@ -29,22 +32,6 @@ class ForceRows(NamedTuple):
 
     dof: Array
     force: Array
-
-
-@inline
-def sees(px, py, x, y, cell, segments, table):
-    """Whether no crack lies between a point and a node (x, y); ``cell`` of the hash is near."""
-    at = table.first[cell]
-    while at < table.first[cell + 1]:
-        which, times = segments.crack[table.segment[at]], 0
-        while at < table.first[cell + 1] and segments.crack[table.segment[at]] == which:
-            s = table.segment[at]
-            at += 1
-            if crosses(segments.ax[s], segments.ay[s], segments.bx[s], segments.by[s], px, py, x, y):
-                times += 1
-        if times % 2 == 1:
-            return False
-    return True
 
 
 @inline
@@ -88,7 +75,7 @@ def share_out(plane, normal, faces, force, nodes, segments, table, lattice, rigi
                         )
                         inside = side >= 0
                     else:  # all particles that it sees are on its own side: is the face, too?
-                        inside = sees(sx, sy, nx << BITS, ny << BITS, cell, segments, table)
+                        inside = sides_at(sx, sy, nx << BITS, ny << BITS, cell, segments, table, WITHOUT) == 0
                 for field in range(fields):
                     rows.dof[at] = -1
                     rows.force[at, 0] = 0.0

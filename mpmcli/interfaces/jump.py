@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmcli.contact.area import SMALLEST, perpendicular_size
-from mpmcli.contact.contact_nodes import IMAGE_BITS, NEAREST
 from mpmcli.contact.fields_in_contact import field_at
+from mpmcli.contact.near_particles import IMAGE_BITS, NEAREST
 from mpmcli.contact.separation.base import UNKNOWN
 from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.core.particles import determinant_of_particle
