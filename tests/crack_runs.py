@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.cracks.tips import REACH
+
 Array = np.ndarray
 
 
@@ -45,6 +47,7 @@ def tip(run: Any, crack: int = 0, end: int = -1, ring: tuple[float, float] | Non
     if ring is not None:
         cell = run.simulation.grid.cell[0]
         tips.inner, tips.outer = ring[0] * cell, ring[1] * cell
+        tips._far, tips._reach = tips.outer, tips.outer + REACH * cell
         tips._found.clear()
     return tips.values(crack, end)
 

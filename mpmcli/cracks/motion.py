@@ -94,13 +94,14 @@ def face_velocity(plane, normal, face, sums, nodes, segments, table, lattice, ou
     px = whole(x, lattice.origin[0], 1.0 / lattice.cell[0])
     py = whole(y, lattice.origin[1], 1.0 / lattice.cell[1])
     total, mass = 0.0, 0.0
-    for reach in range(1, WIDEST + 1):
+    for turn in range(WIDEST + 1):  # crack nodes first: then others, which see matter of one face alone
+        reach = max(turn, 1)
         for j in range(4 * reach * reach):
             nx, ny = cx + 1 - reach + j % (2 * reach), cy + 1 - reach + j // (2 * reach)
             if nx < 0 or ny < 0 or nx >= lattice.shape[0] or ny >= lattice.shape[1]:
                 continue
             slot = nodes.slot_of_node[ny * lattice.shape[0] + nx]
-            if slot < 0:
+            if slot < 0 or (turn == 0 and nodes.crack[slot, 0] < 0):
                 continue
             side = sides_at(px, py, nx << BITS, ny << BITS, cell, segments, table, nodes.crack[slot])
             if side < 0:
