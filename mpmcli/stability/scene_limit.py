@@ -29,7 +29,7 @@ RESOLUTION = 0.0025
 DIGITS = 3
 """Of the stable Courant number, rounded down: what is shown is what counts."""
 LOWEST = 0.02
-"""Smallest limit that is searched for."""
+"""Smallest limit that is searched for; a body much slower than the fastest one is stable below it."""
 START = round(0.5 / RESOLUTION)
 """Where searches begin."""
 
@@ -89,7 +89,8 @@ def _least_limit(scene: Any, models: list[Model], most: float) -> tuple[float, M
         for model in models:
 
             def holds(number: int, model: Model = model) -> bool:
-                return is_stable(model.lattice, scheme, number * RESOLUTION / model.scale, model.speed)
+                courant = number * RESOLUTION / model.scale
+                return courant < LOWEST or is_stable(model.lattice, scheme, courant, model.speed)
 
             if least >= lowest and not holds(least):
                 found = model

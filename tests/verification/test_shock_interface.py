@@ -8,6 +8,7 @@ import pytest
 CELL, INTERFACE, PISTON, FRONT = 0.25, 40.0, 1840.0, 7253.0
 SHORT, LONG = 2.177e-3, 3.48e-3
 FRICTIONLESS = "contact.law={kind: frictionless}"
+XPIC = "{kind: xpic, order: 5}"
 
 
 class Pressure:
@@ -62,7 +63,7 @@ def test_shock_passes_an_interface(start):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("transfer", ["{kind: flip}", *map(fmpm, (1, 2, 4, 8, 16))])
+@pytest.mark.parametrize("transfer", ["{kind: flip}", XPIC, *map(fmpm, (1, 2, 4, 8, 16))])
 def test_perfect_interface_is_none(start, transfer):
     """To 1e-10 of the plateau (measured: 1e-13)."""
     one = bar(start, transfer, LONG, "contact=null")
@@ -91,10 +92,7 @@ def test_evolving_shows(start):
 
 @pytest.mark.slow
 def test_xpic_needs_the_contact_term(start):
-    """XPIC(5): with the term of Eq. 37 the plateau is that of one field, and the deviation 5 times smaller."""
-    xpic = "{kind: xpic, order: 5}"
-    one = bar(start, xpic, LONG, "contact=null")
-    two = bar(start, xpic, LONG)
+    """XPIC(5): without the term of Eq. 37 the pressure at the interface oscillates (measured: 32 % of the plateau)."""
+    one = bar(start, XPIC, LONG, "contact=null")
     without = bar(start, "{kind: xpic, order: 5, contact_correction: false}", LONG)
-    assert two.height == pytest.approx(one.height, rel=0.005)
-    assert largest_difference(without, one, 10) > 5 * largest_difference(two, one, 10)
+    assert 0.1 < largest_difference(without, one, 10) < 0.5

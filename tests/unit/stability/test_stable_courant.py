@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 import pytest
@@ -237,6 +238,14 @@ def test_the_body_with_the_fastest_waves_sets_the_step():
     for model in models_of(soft):
         both[model.body] = model.scale
     assert both == {"grains": 1.0, "matrix": pytest.approx(2.236, abs=0.001)}
+
+
+def test_a_body_much_slower_than_the_fastest_one_is_not_followed_through_millions_of_steps():
+    """It would cross one cell in 1e8 of them; the answer takes milliseconds."""
+    scene = scene_of("heat_two_materials", "materials.right.E=1e-9")
+    started = perf_counter()
+    assert stable_courant(scene).courant == stable_courant(scene_of("heat_two_materials")).courant
+    assert perf_counter() - started < 10.0
 
 
 def test_artificial_viscosity_lowers_the_limit():
