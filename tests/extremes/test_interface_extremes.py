@@ -26,6 +26,7 @@ def is_finite(run: JoinedRun) -> bool:
     return all(np.isfinite(getattr(run.s.particles, name)).all() for name in ("X", "V", "F", "tau"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("transfer", TRANSFERS, ids=IDS)
 @pytest.mark.parametrize("ratio", [1e6, 1e-6])
 @pytest.mark.parametrize("what", ["density", "E"])
@@ -72,7 +73,10 @@ def test_any_stiffness(stiffness, transfer):
 
 @pytest.mark.parametrize("transfer", TRANSFERS, ids=IDS)
 @pytest.mark.parametrize("law", [JOINT, PEEL], ids=["linear", "cohesive"])
-@pytest.mark.parametrize("share", [0.1, 1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize(
+    "share",
+    [pytest.param(0.1, marks=pytest.mark.slow), 1e-3, pytest.param(1e-6, marks=pytest.mark.slow), 1e-9],
+)
 def test_nodes_of_small_mass_ratio(share, law, transfer):
     """The interface lies so near to the next row of nodes that one side hardly reaches it."""
     grid = {"lower": [-12 - share, -12], "upper": [12 - share, 12], "cell": 1}

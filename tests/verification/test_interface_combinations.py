@@ -73,7 +73,6 @@ QUICK = {
     ("usl", "xpic2"),
     ("usl", "fmpm4"),
     ("usavg+", "fmpm2_gradient"),
-    ("usf", "fmpm_dynamic"),
 }
 
 

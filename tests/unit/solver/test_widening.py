@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 
-@pytest.mark.parametrize("update", ["usl", "usf"])
+@pytest.mark.parametrize("update", ["usl", pytest.param("usf", marks=pytest.mark.slow)])
 def test_stencils_widen_as_particles_stretch(update, bar):
     """The bar is drawn out; mass and momentum stay those of the particles, the run goes on as before."""
     run = bar(method__update=update, boundary=[], method__transfer={"kind": "fmpm", "order": 2})
