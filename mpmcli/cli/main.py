@@ -21,6 +21,7 @@ COMMANDS = {
     "schema": "Print the JSON Schema of scenes.",
     "list": "List the available materials, loads, … with their parameters.",
     "new": "Print or write a scene to start from.",
+    "import": "Translate an input file of another program into a scene.",
     "compare": "Compare two tables or results folders.",
     "info": "Report the contents of a results folder.",
     "plot": "Draw the tables and particles of a results folder.",

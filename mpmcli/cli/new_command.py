@@ -9,9 +9,6 @@ import click
 from mpmcli.cli.completion import offering, scenes
 from mpmcli.core.suggest import did_you_mean
 
-OURS = '"title": "Scene of mpmcli"'
-"""In every JSON Schema that mpmcli writes."""
-
 
 @click.command("new")
 @click.argument("name", default="simple", shell_complete=offering(scenes))
@@ -58,9 +55,8 @@ def listed() -> str:
 
 def write(name: str, output: Path) -> None:
     """Write a scene, the files that it reads, and its JSON Schema."""
-    from mpmcli.cli.files import write_or_print
+    from mpmcli.cli.files import write_or_print, write_schema_beside
     from mpmcli.core.errors import ArchiveError
-    from mpmcli.scene.schema import schema_text
     from mpmcli.scene.shipped import SCHEMA, companions, scene_text
 
     needed = {output.with_name(file.name): file.read_bytes() for file in companions(name)}
@@ -74,10 +70,6 @@ def write(name: str, output: Path) -> None:
     write_or_print(scene_text(name), output, overwrite=False)
     for path, contents in needed.items():
         path.write_bytes(contents)
-    schema = output.with_name(SCHEMA)
-    if schema.exists() and OURS not in schema.read_text(encoding="utf-8", errors="replace"):
-        click.echo(f"{schema} exists and is not a schema of mpmcli; use another folder", err=True)
-    else:
-        write_or_print(schema_text(), schema, overwrite=True)
+    write_schema_beside(output)
     beside = ", ".join((*(path.name for path in needed), SCHEMA))
     click.echo(f"wrote {output} (and {beside} beside it); next: mpmcli run {output}")

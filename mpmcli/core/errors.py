@@ -39,7 +39,7 @@ class Problem:
     def __str__(self) -> str:
         place = self.file or "scene"
         if self.line is not None:
-            place += f":{self.line}:{self.column}"
+            place += f":{self.line}" if self.column is None else f":{self.line}:{self.column}"
         mark = "" if self.severity == "error" else f"{self.severity}: "
         return f"{place}  {self.path:<28} {mark}{self.message}"
 

@@ -1,0 +1,116 @@
+"""``mpmcli import PROGRAM FILE``."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from mpmcli.core.errors import Problem
+    from mpmcli.importers.base import Translation
+
+PROGRAMS = ("cbgeo", "nairnmpm")
+
+
+@click.command("import")
+@click.argument("program", type=click.Choice(PROGRAMS), metavar="{cbgeo|nairnmpm}")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("-o", "--output", metavar="SCENE", type=click.Path(path_type=Path), help="Write to a file.")
+@click.option(
+    "--partial",
+    is_flag=True,
+    help="Write the scene without the commands that are not supported, as comments.",
+)
+@click.option("--overwrite", is_flag=True, help="Replace files that exist.")
+def command(program: str, file: Path, output: Path | None, partial: bool, overwrite: bool) -> int:
+    """Translate FILE, an input file of CB-Geo MPM (JSON) or NairnMPM (XML), into a scene.
+
+    Every command of FILE is translated, ignored with a reason, or an error with its line. The exit code is 3 if FILE
+    is not valid or has commands that are not supported. Without -o, the scene is printed.
+    """
+    from mpmcli.core.errors import SceneError
+    from mpmcli.importers.base import importer
+    from mpmcli.importers.scene_text import write
+
+    translation = importer(program).translate(file, partial)
+    if problems := translation.problems(partial):
+        if not translation.errors:
+            click.echo("use --partial to write the scene without these commands", err=True)
+        raise SceneError(problems)
+    text = write(translation)
+    found = _validated(text, translation, output)
+    if output is None:
+        click.echo(text, nl=False)
+        for name in translation.files:
+            click.echo(f"this scene needs {name}; use -o SCENE to write both files", err=True)
+    else:
+        _write(text, translation, output, overwrite)
+    _report(translation, found, output)
+    wrong = any(problem.severity == "error" for problem in found)
+    return SceneError.exit_code if wrong and not partial else 0
+
+
+def _validated(text: str, translation: Translation, output: Path | None) -> list[Problem]:
+    """What ``mpmcli validate`` says of the scene."""
+    from mpmcli.cli.options import SceneChanges, check_start, check_time_step, load_checked
+    from mpmcli.core.errors import SceneError
+
+    nothing = SceneChanges(sets=(), defines=(), allow_outside_files=False)
+    with tempfile.TemporaryDirectory() as folder:
+        scene = Path(folder) / (output.name if output else "scene.yaml")
+        scene.write_text(text, encoding="utf-8")
+        for name, contents in translation.files.items():
+            _save(scene.with_name(name), contents)
+        try:
+            loaded = load_checked(str(scene), nothing)
+            check_start(loaded)
+            check_time_step(loaded)
+            found = loaded.warnings
+        except SceneError as error:
+            found = error.problems
+        return [replace(problem, file=str(output or "scene")) for problem in found]
+
+
+def _write(text: str, translation: Translation, output: Path, overwrite: bool) -> None:
+    from mpmcli.cli.files import write_or_print, write_schema_beside
+    from mpmcli.core.errors import ArchiveError
+
+    beside = {output.with_name(name): contents for name, contents in translation.files.items()}
+    for path, contents in beside.items():
+        if path.exists() and not overwrite and path.read_bytes() != _bytes(contents):
+            raise ArchiveError(f"{path} already exists; use another folder, or --overwrite")
+    write_or_print(text, output, overwrite)
+    for path, contents in beside.items():
+        _save(path, contents)
+    write_schema_beside(output)
+
+
+def _report(translation: Translation, found: list[Problem], output: Path | None) -> None:
+    """Say on stderr what became of commands, and what is wrong with the scene."""
+    for kind in ("changed", "ignored", "not_supported"):
+        for note in translation.of_kind(kind):  # type: ignore[arg-type]
+            click.echo(f"{note.file or translation.source}  {kind.replace('_', ' ')}: {note}", err=True)
+    for problem in found:
+        click.echo(str(problem), err=True)
+    if output is not None:
+        names = "".join(f" and {name}" for name in translation.files)
+        wrong = any(problem.severity == "error" for problem in found)
+        following = "correct the scene, then" if wrong else "next:"
+        click.echo(f"wrote {output}{names}; {following} mpmcli run {output}")
+
+
+def _bytes(contents: str | bytes) -> bytes:
+    return contents.encode("utf-8") if isinstance(contents, str) else contents
+
+
+def _save(path: Path, contents: str | bytes) -> None:
+    from mpmcli.core.errors import ArchiveError
+
+    try:
+        path.write_bytes(_bytes(contents))
+    except OSError as error:
+        raise ArchiveError(f"{path} cannot be written: {error.strerror}") from None

@@ -1,0 +1,1 @@
+"""Translation of input files of other programs into scenes."""

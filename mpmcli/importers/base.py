@@ -1,0 +1,142 @@
+"""A translation: the scene as data, what is noted about the source, and the table of importers.
+
+Each importer is a package with a function ``translate(path, partial) -> Translation``.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal, Protocol
+
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.core.files import NoPlainFile, TooLarge, read_plain
+
+IMPORTERS = {
+    "cbgeo": "mpmcli.importers.cbgeo",
+    "nairnmpm": "mpmcli.importers.nairnmpm",
+}
+"""Module of each importer, by the name of its program on the command line."""
+
+MAX_SOURCE = 50_000_000
+"""Bytes of one source file."""
+
+NoteKind = Literal["ignored", "changed", "not_supported"]
+KeyPath = tuple[str | int, ...]
+
+
+class Expression(str):
+    """Text of a scene that is an expression; it is written in quotes."""
+
+    __slots__ = ()
+
+
+@dataclass(frozen=True)
+class Note:
+    """What became of a command of the source that the scene does not express in the same way.
+
+    ``changed``: translated, with another meaning or default, which ``words`` explain. ``ignored``: without effect on
+    the motion (archiving, display). ``not_supported``: the scene lacks it.
+    """
+
+    kind: NoteKind
+    line: int | None
+    command: str
+    words: str
+    file: str | None = None
+
+    def __str__(self) -> str:
+        place = f"line {self.line}: " if self.line is not None else ""
+        return f"{place}{self.command}: {self.words}"
+
+
+@dataclass
+class Translation:
+    """The scene in the order of writing, with comments, notes, the files that it needs beside it, and errors.
+
+    ``files`` maps names, without folders, to contents. ``errors`` are faults of the source; with an error there is no
+    scene.
+    """
+
+    source: Path
+    program: str
+    scene: dict[str, Any] = field(default_factory=dict)
+    notes: list[Note] = field(default_factory=list)
+    comments: dict[KeyPath, str] = field(default_factory=dict)
+    files: dict[str, str | bytes] = field(default_factory=dict)
+    errors: list[Problem] = field(default_factory=list)
+
+    def comment(self, path: Sequence[str | int], words: str) -> None:
+        """Attach a comment to a key of the scene: names of keys and indices of list members.
+
+        A second comment at the same place is added to the first.
+        """
+        key = tuple(path)
+        before = self.comments.get(key)
+        self.comments[key] = f"{before}; {words}" if before else words
+
+    def note(
+        self, kind: NoteKind, line: int | None, command: str, words: str, file: str | None = None
+    ) -> None:
+        """Add a note, once."""
+        note = Note(kind, line, command, words, file)
+        if note not in self.notes:
+            self.notes.append(note)
+
+    def of_kind(self, kind: NoteKind) -> list[Note]:
+        """The notes of one kind, by file and line."""
+        found = [note for note in self.notes if note.kind == kind]
+        return sorted(found, key=lambda note: (note.file or "", note.line or 0))
+
+    def error(self, line: int | None, command: str, words: str, file: str | None = None) -> None:
+        """Add a fault of the source, once."""
+        problem = Problem(command, words, file or str(self.source), line, code="source")
+        if problem not in self.errors:
+            self.errors.append(problem)
+
+    def problems(self, partial: bool) -> list[Problem]:
+        """Faults of the source and, unless the scene may be partial, what is not supported, by file and line."""
+        lacking = [] if partial else self.of_kind("not_supported")
+        found = [
+            Problem(
+                note.command,
+                f"not supported: {note.words}",
+                note.file or str(self.source),
+                note.line,
+                code="not_supported",
+            )
+            for note in lacking
+        ]
+        return sorted([*self.errors, *found], key=lambda problem: (problem.file or "", problem.line or 0))
+
+
+class Importer(Protocol):
+    """What the package of an importer offers."""
+
+    def translate(self, path: Path, partial: bool) -> Translation:
+        """Translate a source; faults and commands that are not supported are kept in the translation.
+
+        With ``partial``, unsupported commands may leave gaps in the scene.
+        """
+        ...
+
+
+def importer(program: str) -> Importer:
+    """The importer of a program, imported now."""
+    module: Importer = importlib.import_module(IMPORTERS[program])  # type: ignore[assignment]
+    return module
+
+
+def read_source(path: Path) -> bytes:
+    """The bytes of a source file, of at most ``MAX_SOURCE``."""
+    try:
+        return read_plain(path, MAX_SOURCE)
+    except TooLarge:
+        words = f"the file is larger than {MAX_SOURCE // 1_000_000} MB"
+    except NoPlainFile:
+        words = "not a plain file"
+    except OSError as error:
+        words = f"the file cannot be read: {error.strerror or error}"
+    raise SceneError([Problem("", words, str(path), code="source")])

@@ -1,0 +1,5 @@
+"""NairnMPM's XML command files as scenes."""
+
+from mpmcli.importers.nairnmpm.translate import translate
+
+__all__ = ["translate"]
