@@ -73,6 +73,9 @@ def introduction() -> str:
         '(`"1 GPa"`; the scene must declare its `units`) or an expression of the `constants` (`2*R`). Values that',
         "may vary are expressions of `x`, `y`, `z` or `t`, as stated in their meaning. Expressions may contain",
         f"`+ - * / **`, comparisons (1 if true, 0 if false), `pi` and `{' '.join(FUNCTIONS)}`.",
+        "`interpolate(t, t0, v0, t1, v1)` is linear between points and constant beyond them. In values that may vary,",
+        '`interpolate(t, "file.csv")` reads the points from a file beside the scene: two columns under a line with',
+        "their names, increasing arguments, plain numbers in the units of the scene.",
         "`mpmcli schema` prints the JSON Schema for editors.",
     ]
     return "\n".join(lines)

@@ -15,6 +15,8 @@ The constant is ``pi``. Functions:
 ``ramp(t, t0, t1)``                  0 before t0, 1 after t1, linear between; a step at t0 if t1 = t0
 ``box(t, t0, t1)``                   1 where t0 ≤ t < t1, else 0
 ``where(condition, a, b)``           a where the condition is not 0, else b
+``interpolate(t, t0, v0, t1, v1…)``  linear between the points, constant before the first and after the last
+``interpolate(t, "file.csv")``       the same with the points of a file, in values that may vary
 ===================================  =================================================================
 """
 
@@ -24,12 +26,13 @@ import ast
 import math
 import types
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import reduce
 from typing import Any
 
 import numpy as np
 
+from mpmcli.core.expression_functions import CONSTANTS, FUNCTIONS, ReadTable, Table, interpolate, make_table
 from mpmcli.core.suggest import did_you_mean
 
 VARIABLES = ("x", "y", "z", "t")
@@ -38,46 +41,6 @@ MAX_DEPTH = 60
 MAX_EXPONENT = 1000.0
 
 
-def _ramp(t: Any, t0: Any, t1: Any) -> Any:
-    width = np.subtract(t1, t0)
-    rising = np.clip(np.subtract(t, t0) / np.where(width == 0, 1.0, width), 0.0, 1.0)
-    return np.where(width == 0, np.greater_equal(t, t0) * 1.0, rising)
-
-
-def _box(t: Any, t0: Any, t1: Any) -> Any:
-    return np.greater_equal(t, t0) * np.less(t, t1) * 1.0
-
-
-_erf = np.vectorize(math.erf, otypes=[np.float64])
-
-# name: (function, least number of arguments, largest number)
-FUNCTIONS: dict[str, tuple[Callable[..., Any], int, int]] = {
-    "sin": (np.sin, 1, 1),
-    "cos": (np.cos, 1, 1),
-    "tan": (np.tan, 1, 1),
-    "asin": (np.arcsin, 1, 1),
-    "acos": (np.arccos, 1, 1),
-    "atan": (np.arctan, 1, 1),
-    "atan2": (np.arctan2, 2, 2),
-    "sinh": (np.sinh, 1, 1),
-    "cosh": (np.cosh, 1, 1),
-    "tanh": (np.tanh, 1, 1),
-    "exp": (np.exp, 1, 1),
-    "log": (np.log, 1, 1),
-    "log10": (np.log10, 1, 1),
-    "sqrt": (np.sqrt, 1, 1),
-    "abs": (np.abs, 1, 1),
-    "sign": (np.sign, 1, 1),
-    "min": (lambda *args: reduce(np.minimum, args), 2, 50),
-    "max": (lambda *args: reduce(np.maximum, args), 2, 50),
-    "floor": (np.floor, 1, 1),
-    "ceil": (np.ceil, 1, 1),
-    "erf": (_erf, 1, 1),
-    "ramp": (_ramp, 3, 3),
-    "box": (_box, 3, 3),
-    "where": (lambda condition, a, b: np.where(np.not_equal(condition, 0), a, b), 3, 3),
-}
-CONSTANTS = {"pi": math.pi}
 RESERVED = frozenset(FUNCTIONS) | frozenset(CONSTANTS) | frozenset(VARIABLES)
 
 _COMPARE: dict[type[ast.cmpop], str] = {
@@ -91,6 +54,7 @@ _COMPARE: dict[type[ast.cmpop], str] = {
 _SCOPE: dict[str, Any] = {"__builtins__": {}, "_float": np.float64}
 _SCOPE |= {f"_{name}": entry[0] for name, entry in FUNCTIONS.items()}
 _SCOPE |= {f"_{name}": getattr(np, name) for name in _COMPARE.values()}
+_SCOPE["_interpolate"] = interpolate
 _OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
 
 
@@ -105,20 +69,27 @@ class Expression:
         Those of x, y, z, t that occur in it.
     """
 
-    __slots__ = ("_code", "_constants", "_value", "source", "variables")
+    __slots__ = ("_code", "_constants", "_files", "_tables", "_value", "source", "variables")
     source: str
     variables: frozenset[str]
     _constants: tuple[tuple[str, float], ...]
+    _tables: dict[str, Table]
+    _files: dict[str, Table]
     _code: types.CodeType | None
     _value: float | None
 
-    def __init__(self, source: str, constants: Mapping[str, float], variables: tuple[str, ...]):
-        builder = _Builder(constants, variables)
+    def __init__(
+        self, source: str, constants: Mapping[str, float], variables: tuple[str, ...],
+        read_table: ReadTable | None = None,
+    ):  # fmt: skip
+        builder = _Builder(constants, variables, read_table)
         tree = ast.Expression(builder.build(_syntax(source)))
         put = object.__setattr__
         put(self, "source", source)
         put(self, "variables", frozenset(builder.used_variables))
         put(self, "_constants", tuple(sorted(builder.used_constants.items())))
+        put(self, "_tables", builder.tables)
+        put(self, "_files", builder.files)
         put(self, "_code", compile(ast.fix_missing_locations(tree), "<expression>", "eval"))
         put(self, "_value", None)
         if not self.variables:
@@ -136,6 +107,8 @@ class Expression:
         number, put = float(value), object.__setattr__
         for name, content in (("source", repr(number)), ("variables", frozenset()), ("_constants", ())):
             put(made, name, content)
+        for name in ("_tables", "_files"):
+            put(made, name, {})
         put(made, "_code", None)
         put(made, "_value", number)
         return made
@@ -162,7 +135,7 @@ class Expression:
         used = {f"_{name}": np.asarray(arguments[name], dtype=np.float64)[()] for name in self.variables}
         assert self._code is not None  # of a plain number, whose value is known
         with np.errstate(all="ignore"):
-            return eval(self._code, _SCOPE, used)
+            return eval(self._code, _SCOPE, used | self._tables)
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError("an expression cannot be changed")
@@ -171,7 +144,8 @@ class Expression:
         raise AttributeError("an expression cannot be changed")
 
     def _identity(self) -> tuple[Any, ...]:
-        return self.source, self._constants, tuple(sorted(self.variables))
+        files = tuple((name, table.tobytes()) for name, table in sorted(self._files.items()))
+        return self.source, self._constants, tuple(sorted(self.variables)), files
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Expression) and self._identity() == other._identity()
@@ -180,7 +154,8 @@ class Expression:
         return hash(self._identity())
 
     def __reduce__(self) -> Any:
-        return Expression, (self.source, dict(self._constants), tuple(sorted(self.variables)))
+        files = self._files.__getitem__ if self._files else None
+        return Expression, (self.source, dict(self._constants), tuple(sorted(self.variables)), files)
 
     def __copy__(self) -> Expression:
         return self
@@ -207,7 +182,9 @@ class Expression:
         )
 
 
-def parse(text: str, constants: Mapping[str, float], variables: tuple[str, ...]) -> Expression:
+def parse(
+    text: str, constants: Mapping[str, float], variables: tuple[str, ...], read_table: ReadTable | None = None
+) -> Expression:
     """Read an expression.
 
     Parameters
@@ -218,6 +195,8 @@ def parse(text: str, constants: Mapping[str, float], variables: tuple[str, ...])
         Names with values.
     variables : tuple of str
         Those of x, y, z, t that may occur, and others of the value.
+    read_table : callable, optional
+        Gives the table (2, n) of a file by its name; without it no file may be named.
 
     Raises
     ------
@@ -225,7 +204,7 @@ def parse(text: str, constants: Mapping[str, float], variables: tuple[str, ...])
         With words for the user: bad syntax, an unknown name, anything that is not arithmetic, a constant
         expression that is not finite.
     """
-    return Expression(text, constants, variables)
+    return Expression(text, constants, variables, read_table)
 
 
 def _syntax(text: str) -> ast.expr:
@@ -251,11 +230,16 @@ def _syntax(text: str) -> ast.expr:
 class _Builder:
     """Builds a new tree from the allowed kinds of node, with constants replaced by their values."""
 
-    def __init__(self, constants: Mapping[str, float], variables: tuple[str, ...]):
+    def __init__(
+        self, constants: Mapping[str, float], variables: tuple[str, ...], read_table: ReadTable | None
+    ):
         self.constants = constants
         self.variables = variables
         self.used_variables: set[str] = set()
         self.used_constants: dict[str, float] = {}
+        self.tables: dict[str, Table] = {}
+        self.files: dict[str, Table] = {}
+        self._read_table = read_table
 
     def build(self, node: ast.expr, depth: int = 0) -> ast.expr:
         if depth > MAX_DEPTH:
@@ -322,7 +306,34 @@ class _Builder:
         if not least <= len(node.args) <= most:
             needed = str(least) if least == most else f"{least} or more"
             raise ValueError(f"'{name}' needs {needed} argument{'s' * (needed != '1')}, not {len(node.args)}")
+        if name == "interpolate":
+            return self._interpolate(node.args, depth)
         return _call(f"_{name}", [self.build(argument, depth + 1) for argument in node.args])
+
+    def _interpolate(self, arguments: list[ast.expr], depth: int) -> ast.expr:
+        """The points of a function, as a file or as numbers, become a table beside the code."""
+        at, *points = arguments
+        name = f"_table{len(self.tables)}"
+        if isinstance(points[0], ast.Constant) and isinstance(points[0].value, str):
+            if len(points) > 1:
+                raise ValueError("'interpolate' takes a file, or pairs of numbers, not both")
+            if self._read_table is None:
+                raise ValueError(
+                    "no file may be named here; give pairs of numbers: interpolate(t, t0, v0, t1, v1)"
+                )
+            file = points[0].value
+            self.tables[name] = self.files[file] = self._read_table(file)
+        else:
+            self.tables[name] = make_table([self._number_of(point, depth) for point in points])
+        return _call("_interpolate", [self.build(at, depth + 1), ast.Name(name, ast.Load())])
+
+    def _number_of(self, point: ast.expr, depth: int) -> float:
+        value = _fold(self.build(point, depth + 1))
+        if value is None:
+            raise ValueError(
+                f"the points of 'interpolate' must be numbers, but '{ast.unparse(point)}' varies"
+            )
+        return float(value)
 
 
 def _literal(value: float) -> ast.expr:
@@ -348,18 +359,15 @@ def _number(value: Any) -> ast.expr:
 
 def _check_power(base: ast.expr, exponent: ast.expr) -> None:
     """Refuse powers of plain numbers that are without bound, such as ``9**9**9``."""
-    try:
-        power = float(_fold(exponent))
-    except ValueError:
-        return
-    if abs(power) > MAX_EXPONENT:
+    power = _fold(exponent)
+    if power is not None and abs(power) > MAX_EXPONENT:
         raise ValueError(f"the exponent {power:g} is too large; at most {MAX_EXPONENT:g} is allowed")
 
 
 def _fold(tree: ast.expr) -> Any:
-    """The value of a built tree without variables; ValueError if there are any."""
+    """The value of a built tree without variables and tables; None if there are any."""
     if any(isinstance(n, ast.Name) and n.id not in _SCOPE for n in ast.walk(tree)):
-        raise ValueError
+        return None
     code = compile(ast.fix_missing_locations(ast.Expression(tree)), "<expression>", "eval")
     with np.errstate(all="ignore"):
         return eval(code, _SCOPE, {})

@@ -151,7 +151,7 @@ def _resolve_field(dimension: str, variables: tuple[str, ...]) -> Any:
             return parse(value, constants={}, variables=variables)
         if has_unit(value):
             return Expression.constant(resolver.number(value, dimension))
-        return parse(value, constants=resolver.constants, variables=variables)
+        return parse(value, resolver.constants, variables, getattr(resolver, "table", None))
 
     return resolve
 

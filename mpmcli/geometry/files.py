@@ -52,9 +52,13 @@ def stamp_of(path: Path) -> tuple[int, int]:
 
 
 def _find(name: str, info: ValidationInfo) -> SceneFile:
-    """Resolve and check a name; ``info.context`` may say ``base_directory``, ``allow_outside_files``."""
-    base = Path(getattr(info.context, "base_directory", None) or Path.cwd()).resolve()
-    confined = info.context is not None and not getattr(info.context, "allow_outside_files", False)
+    return find_file(name, info.context)
+
+
+def find_file(name: str, context: Any) -> SceneFile:
+    """Resolve and check a name; ``context`` may say ``base_directory``, ``allow_outside_files``."""
+    base = Path(getattr(context, "base_directory", None) or Path.cwd()).resolve()
+    confined = context is not None and not getattr(context, "allow_outside_files", False)
     if "\0" in name:
         raise ValueError("a file name must not contain a zero byte")
     try:

@@ -73,7 +73,7 @@ def _read_version(path: Path, stamp: tuple[int, int], noun: str, ending: str, mo
     found = path.suffix.lower()
     if found not in (".csv", ending):
         raise ValueError(f"'{path.name}' has an unknown ending (allowed: .csv, {ending})")
-    columns = _from_csv(path, noun, most) if found == ".csv" else Columns(_from_vtk(path))
+    columns = columns_of_csv(path, noun, most) if found == ".csv" else Columns(_from_vtk(path))
     columns.noun = noun
     if "x" not in columns:
         raise ValueError(f"'{path.name}' has no column x; its columns are {listing(columns) or 'none'}")
@@ -84,7 +84,7 @@ def _read_version(path: Path, stamp: tuple[int, int], noun: str, ending: str, mo
     return columns
 
 
-def _from_csv(path: Path, noun: str, most: int) -> Columns:
+def columns_of_csv(path: Path, noun: str, most: int) -> Columns:
     """Columns of numbers under a line of names; lines that begin with # are left out."""
     try:
         text = io.StringIO(read_file(path).decode("utf-8-sig"), newline="")

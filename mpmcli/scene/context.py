@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import TypeAdapter
 
+from mpmcli.core.expression_functions import Table
 from mpmcli.core.expressions import parse
 from mpmcli.core.model import has_unit
 from mpmcli.core.registry import OneOf
@@ -23,6 +24,7 @@ class Context:
     constants : values of its constants by name
     base_directory : folder of the scene, where the files that it names are looked for
     allow_outside_files : whether it may name files outside that folder
+    function_files : names of the files that its expressions read
     """
 
     def __init__(
@@ -36,6 +38,7 @@ class Context:
         self.constants = constants
         self.base_directory = base_directory or Path.cwd()
         self.allow_outside_files = allow_outside_files
+        self.function_files: set[str] = set()
 
     def number(self, text: str, dimension: str) -> float:
         """The value of text in the scene's units.
@@ -59,6 +62,15 @@ class Context:
                     raise ValueError(f"'{text}' needs an operator: write {parts[0]}*{parts[1]}") from None
                 raise error
         return float(parse(text, constants=self.constants, variables=())())
+
+    def table(self, name: str) -> Table:
+        """The points (2, n) of a function in a file; ValueError with words for the user."""
+        from mpmcli.geometry.files import find_file
+        from mpmcli.geometry.function_files import read_function
+
+        path = find_file(name, self).path
+        self.function_files.add(name)
+        return read_function(path)
 
     def region(self, value: Any) -> Any:
         """A region model made from a scene's mapping."""

@@ -47,6 +47,7 @@ class LoadedScene:
     warnings : what is doubtful
     overrides : the options ``--set`` and ``-D`` that changed it
     allow_outside_files : whether it may name files outside its folder
+    function_files : names of the files that its expressions read
     """
 
     scene: Scene
@@ -57,6 +58,7 @@ class LoadedScene:
     overrides: dict[str, list[str]] = field(default_factory=dict)
     root: Node | None = None
     allow_outside_files: bool = False
+    function_files: frozenset[str] = frozenset()
 
     def resolved(self, *, with_defaults: bool = True) -> dict[str, Any]:
         """The whole scene, numbers in the scene's units; ready for JSON."""
@@ -77,7 +79,8 @@ class LoadedScene:
         base = self.path.parent if self.path is not None else Path.cwd()
         digests = {}
         named = [body.region for body in self.scene.bodies] + [crack.path for crack in self.scene.cracks]
-        for name in sorted({str(name) for each in named for name in each.files()}):
+        of_parts = {str(name) for each in named for name in each.files()}
+        for name in sorted(of_parts | self.function_files):
             with (base / name).open("rb") as file:
                 digests[name] = hashlib.file_digest(file, "sha256").hexdigest()
         return digests
@@ -164,8 +167,9 @@ def _load(
     check_plugins(scene)
     overrides = {"set": list(sets), "define": list(defines)}
     return LoadedScene(
-        scene, path, context.units, context.constants, problems, overrides, root, allow_outside_files
-    )
+        scene, path, context.units, context.constants, problems, overrides, root, allow_outside_files,
+        frozenset(context.function_files),
+    )  # fmt: skip
 
 
 def scene_error(problems: list[Problem]) -> SceneError:

@@ -44,6 +44,8 @@ XYZT = ("x", "y", "z", "t")
         ("ramp(2, 2, 2) + ramp(1.9, 2, 2)", 1.0),
         ("box(0, 0, 1) + box(1, 0, 1) + box(0.5, 0, 1)", 2.0),
         ("where(1 < 2, 5, 6)", 5.0),
+        ("interpolate(1, 0, a, 4, 2*b)", 3.0),
+        ("interpolate(-1, 0, 2, 4, 6) + interpolate(9, 0, 2, 4, 6)", 8.0),
         ("(1 < 2)*3 + (2 <= 1)*9", 3.0),
         ("(0 < 1 < 2) + (0 < 3 < 2)", 1.0),
         ("(1 == 1) + (1 != 1) + (1 >= 2) + (3 > 2)", 2.0),
@@ -58,7 +60,7 @@ def test_constant_value(text: str, expected: float) -> None:
 
 def test_all_functions_of_the_reference_exist() -> None:
     names = "sin cos tan asin acos atan atan2 sinh cosh tanh exp log log10 sqrt abs sign min max floor ceil"
-    assert set(FUNCTIONS) == {*names.split(), "erf", "ramp", "box", "where"}
+    assert set(FUNCTIONS) == {*names.split(), "erf", "ramp", "box", "interpolate", "where"}
 
 
 @pytest.mark.parametrize(
@@ -75,6 +77,13 @@ def test_all_functions_of_the_reference_exist() -> None:
         ("min(1)", "needs 2 or more arguments, not 1"),
         ("log(1, base=2)", "plain arguments"),
         ("min(*x)", "plain arguments"),
+        ("interpolate(t, 0)", "pairs of numbers"),
+        ("interpolate(t, 0, 1, 2)", "pairs of numbers"),
+        ("interpolate(t, 0, x)", "must be numbers, but 'x' varies"),
+        ("interpolate(t, 0, 1, 0, 2)", "must increase, but 0 follows 0"),
+        ("interpolate(t, 0, 1/0)", "not finite"),
+        ("interpolate(t, 'file.csv')", "no file may be named here"),
+        ("interpolate('file.csv', t)", "must be numbers, but 't' varies"),
         ("2^3", "write powers as **"),
         ("5 % 3", "an operator"),
         ("5 // 3", "an operator"),
@@ -144,6 +153,17 @@ def test_undefined_values_are_not_finite_and_give_no_warning() -> None:
     assert not np.isfinite(values[:2]).any()
     assert values[2] == 1.0
     assert parse("1/t", {}, XYZT)(t=0.0) == math.inf
+
+
+def test_a_file_is_part_of_an_expression() -> None:
+    files = {"a.csv": np.array([[0.0, 2.0], [1.0, 5.0]]), "b.csv": np.array([[0.0, 2.0], [1.0, 6.0]])}
+    a = parse("interpolate(t, 'a.csv')*x", {}, XYZT, files.__getitem__)
+    np.testing.assert_array_equal(a(np.array([1.0, 2.0]), t=1.0), [3.0, 6.0])
+    assert a.variables == {"x", "t"}
+    assert pickle.loads(pickle.dumps(a)) == a == copy.deepcopy(a)
+    assert pickle.loads(pickle.dumps(a))(1.0, t=0.5) == a(1.0, t=0.5) == 2.0
+    assert parse("interpolate(t, 'a.csv')*x", {}, XYZT, lambda name: files["b.csv"]) != a
+    assert parse("interpolate(1, 'a.csv')", {}, (), files.__getitem__)() == 3.0
 
 
 def test_identity_and_copies() -> None:
