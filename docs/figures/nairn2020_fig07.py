@@ -47,11 +47,11 @@ FIGURE = Figure(
 A piston at 1840 m/s compresses a nickel bar of two bodies with a perfect interface. The pressures are those near the
 interface soon after the front has passed to the left. The bar is one row of cells high.
 
-As published: two fields equal one bar if XPIC(5) contains the contact correction at the start of the step (Eq. 37 of the
-paper). Without this term the pressure oscillates at the interface, here by 26 % of the plateau; the author calls the
-oscillations large, without a number.
+As published: two fields equal one bar if XPIC(5) contains the contact correction at the start of the step (Eq. 37 of
+the paper). Without this term the pressure oscillates at the interface, here by 26 % of the plateau; the author calls
+the oscillations large, without a number.
 
 Differences: with the term, the two bodies equal one bar to round-off (2e-13 of the plateau), the author shows a small
-difference at the interface. Here bodies that are bonded for good have one velocity after every pass of the series of XPIC.
+difference at the interface. Here bodies that are bonded for good have one velocity after every pass of the filter.
 """,
 )

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar, NamedTuple
 
+import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator
 
 from mpmcli.core.compiled.dispatch import generic
@@ -65,6 +66,19 @@ class Matter(Model):
     def initial_wave_speed(self, analysis: str) -> float:
         """Speed of the fastest wave at rest [velocity]: see the Courant number in the reference."""
         raise TypeError(f"{type(self).__name__} gives no wave speed")
+
+
+def keeps_strain(model: Matter) -> bool:
+    """Return whether the history of a material has its elastic strain, so that F may start at the identity."""
+    return "elastic_xx" in model.history
+
+
+def history_at_start(model: Matter, count: int) -> np.ndarray:
+    """Return the history (rows, count) of particles of a material at the start; one row of zeros where it has none."""
+    H = np.zeros((max(1, len(model.history)), count))
+    for row, name in enumerate(model.history):
+        H[row] = model.initial_history().get(name, 0.0)
+    return H
 
 
 def _three(value: Any) -> Any:

@@ -16,7 +16,13 @@ import numpy as np
 from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.kernel import Compiled, inline
 from mpmcli.core.exponentials import exponential_1d, logarithm
-from mpmcli.materials.base import absorb_heat, bulk_slope, dissipated_heat, isentropic_growth
+from mpmcli.materials.base import (
+    absorb_heat,
+    bulk_slope,
+    dissipated_heat,
+    history_at_start,
+    isentropic_growth,
+)
 from mpmcli.materials.components import (
     close_gradient,
     frees_width,
@@ -379,9 +385,7 @@ def coupled_wave_speed(model: Any, analysis: str, adiabatic: bool) -> float:
     if not adiabatic or capacity is None or model.expansion == 0.0:
         return speed
     m = model.parameters(analysis, adiabatic)
-    history = np.zeros((len(model.history), 1))
-    for row, name in enumerate(model.history):
-        history[row] = model.initial_history().get(name, 0.0)
+    history = history_at_start(model, 1)
     identity = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
     gamma = 3.0 * model.expansion / capacity * bulk_slope(m, identity, history, 0)
     return float(np.sqrt(speed**2 + gamma**2 * capacity * model.T0))

@@ -19,6 +19,7 @@ from mpmcli.geometry.bodies import BodyParticles
 from mpmcli.geometry.faces import surface_faces
 from mpmcli.geometry.fill import fill_bodies, places_to_test
 from mpmcli.scene.fields import velocity_fields
+from mpmcli.scene.initial_stress import check_stress
 from mpmcli.scene.interface_checks import check_touch
 from mpmcli.shapes import SHAPES
 
@@ -172,6 +173,9 @@ def check_filling(scene: Any) -> list[Problem]:
         if body.temperature is not None
         for problem in start_temperature(body, particles.X, scene.has_temperature)[1]
     ]
+    for body, particles in zip(scene.bodies, filled, strict=True):
+        if body.stress is not None:
+            problems += check_stress(scene, body, particles.X)
     if problems:
         raise SceneError(problems)
     return [*stair_stepped_faces(scene, filled), *check_start(scene, filled)]

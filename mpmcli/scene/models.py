@@ -22,6 +22,7 @@ from mpmcli.materials import MATERIALS
 from mpmcli.materials.thermal import has_temperature
 from mpmcli.scene.archive import Archive, Probe
 from mpmcli.scene.heat import Heat
+from mpmcli.scene.initial_stress import InitialStress
 from mpmcli.scene.method import Method, TimeSpan
 from mpmcli.scene.values import CellSize, Name, ParticlesPerAxis, Point, TemperatureField, VelocityField
 
@@ -153,6 +154,8 @@ class Body(Model):
     """
     temperature: TemperatureField | None = None
     """Initial temperature, for materials that track it."""
+    stress: InitialStress | None = None
+    """Stress at the start; without it there is none but what the material has at rest."""
     overlap: Literal["error", "replace", "keep"] = "error"
     """What happens where an earlier body is already: error, replace it, or keep it."""
     field: Name | None = None

@@ -37,6 +37,12 @@ class Parts:
     loads: list[tuple[int, Any]] = field(default_factory=list)
     probes: list[tuple[int, Any]] = field(default_factory=list)
 
+    @property
+    def has_jumps(self) -> bool:
+        """Whether displacement jumps between fields or faces are measured: at cracks and interfaces."""
+        laws = [] if self.contact is None else [self.contact.law, *(pair.law for pair in self.contact.pairs)]
+        return bool(self.cracks) or any(law.is_interface for law in laws)
+
     @classmethod
     def of(cls, scene: Scene) -> Parts:
         """All parts of a valid scene."""

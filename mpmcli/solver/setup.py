@@ -15,7 +15,7 @@ from mpmcli.core.particles import Particles
 from mpmcli.geometry.bodies import BodyParticles
 from mpmcli.geometry.fill import fill_bodies
 from mpmcli.geometry.report import body_report, report_table
-from mpmcli.materials.base import needs_increment
+from mpmcli.materials.base import history_at_start, needs_increment
 from mpmcli.scene.fields import exchanges_by_area, law_table
 from mpmcli.scene.filling import (
     check_memory,
@@ -75,13 +75,17 @@ def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[
         artificial_viscosity=plan.viscosity is not None,
     )
     for m, model in enumerate(models):
-        for row, name in enumerate(model.history):
-            particles.H[row, material == m] = model.initial_history().get(name, 0.0)
+        if model.history:
+            particles.H[: len(model.history), material == m] = history_at_start(model, 1)
     if plan.has_temperature:
         _allocate_temperatures(particles, models, plan)
     _set_initial_fields(scene, plan, particles, models)
     if plan.velocity_gradient:
         _set_initial_gradients(scene, particles)
+    if any(body.stress is not None for body in scene.bodies):
+        from mpmcli.solver.initial_stress import set_initial_stress
+
+        set_initial_stress(scene, plan, particles, models)
     if plan.heat is not None:
         from mpmcli.solver.heat import allocate_particles
 

@@ -96,7 +96,7 @@ class Simulation(Parts):
         self._make_parts(scene, turns)
         self.particle_speed = float(np.sqrt(np.square(self.particles.V).sum(axis=0).max()))
         self.make_tasks()
-        if self.stress.starts_with_stress:
+        if self.stress.starts_with_stress or any(body.stress is not None for body in scene.bodies):
             self.stress.update(self.particles.L, 0.0)
 
     def _make_parts(self, scene: Any, turns: Array | None) -> None:

@@ -1,0 +1,172 @@
+"""Stress of bodies at the start: given by its components, or by the weight of the ground above."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from mpmcli.boundary.velocity import check_variables
+from mpmcli.core.analysis import ANALYSES, STRESS_COMPONENTS
+from mpmcli.core.errors import Problem
+from mpmcli.core.expressions import Expression
+from mpmcli.core.model import Model, Quantity, Varying
+from mpmcli.materials.base import history_at_start, keeps_strain
+
+Array = np.ndarray
+
+COMPONENTS = STRESS_COMPONENTS[3]
+FREE = {"plane_stress": ("zz",), "uniaxial_stress": ("yy", "zz")}
+"""Components that an analysis holds at zero."""
+MET = 1e-9
+"""Share of the largest stress by which a material may miss it."""
+SAMPLE = 40
+"""Particles per body whose stress ``validate`` tries."""
+
+StressField = Annotated[Expression, Varying("pressure", ("x", "y", "z"))]
+LengthField = Annotated[Expression, Varying("length", ("x", "y", "z"))]
+
+
+class StressComponents(Model):
+    """Cauchy stress by its components; those that are left out are zero."""
+
+    kind: Literal["components"]
+    xx: StressField | None = None
+    """Normal stress along x, positive in tension."""
+    yy: StressField | None = None
+    """Normal stress along y."""
+    zz: StressField | None = None
+    """Normal stress along z."""
+    xy: StressField | None = None
+    """Shear stress in the plane of x and y."""
+    yz: StressField | None = None
+    """Shear stress in the plane of y and z."""
+    xz: StressField | None = None
+    """Shear stress in the plane of x and z."""
+
+
+class Geostatic(Model):
+    """Stress of ground at rest under its own weight: vertical −(q + ρg·depth), horizontal K0 times that.
+
+    Gravity and its direction are those of the loads of kind ``gravity`` at the start, ρ is the density of the body's
+    own material; above the surface there is no stress.
+    """
+
+    kind: Literal["geostatic"]
+    K0: Annotated[float, Quantity("1", ge=0, le=10)]
+    """Horizontal over vertical stress."""
+    surface: LengthField
+    """Coordinate of the ground's surface along gravity, a number or an expression of the other coordinates."""
+    surcharge: Annotated[float, Quantity("pressure", ge=0)] = 0.0
+    """Pressure q at the surface."""
+
+
+InitialStress = Annotated[StressComponents | Geostatic, Field(discriminator="kind")]
+
+
+def gravity_at_start(loads: Iterable[Any], dimensions: int) -> Array:
+    """Return the acceleration of all loads of kind ``gravity`` at time zero, (d,) [acceleration]."""
+    total = np.zeros(dimensions)
+    for load in loads:
+        if load.kind == "gravity" and len(load.acceleration) == dimensions:
+            total += np.array(load.uniform_acceleration(0.0), dtype=np.float64)
+    return total
+
+
+def stress_problems(
+    body: Any, material: Any, analysis: str, loads: Sequence[Any], has_jumps: bool
+) -> list[tuple[str, str]]:
+    """What is wrong with the words of a body's stress: pairs of key and message.
+
+    ``has_jumps``: the scene has cracks or interfaces, whose jumps are measured from the undeformed state.
+    """
+    asked = body.stress
+    if material is not None and material.kind == "rigid":
+        return [("", "a rigid body has no stress")]
+    if material is not None and has_jumps and not keeps_strain(material):
+        words = f"with cracks or interfaces, a body of '{material.kind}' cannot start with stress"
+        return [("", f"{words}: its elastic strain is part of the deformation gradient")]
+    d = ANALYSES[analysis]().dimensions
+    free = FREE.get(analysis, ())
+    if isinstance(asked, Geostatic):
+        found = check_variables(".surface", asked.surface, d)
+        if np.count_nonzero(gravity_at_start(loads, d)) != 1:
+            found.append(("", "needs gravity along one axis of the grid (a load of kind gravity)"))
+        if free and asked.K0 > 0.0:
+            found.append((".K0", f"lateral stresses are zero in the analysis '{analysis}': K0 must be 0"))
+        return found
+    found = []
+    for name in COMPONENTS:
+        value = getattr(asked, name)
+        if value is None:
+            continue
+        if name not in STRESS_COMPONENTS[d]:
+            found.append((f".{name}", f"this component does not exist in the analysis '{analysis}'"))
+        elif name in free:
+            found.append((f".{name}", f"this component is zero in the analysis '{analysis}'"))
+        found += check_variables(f".{name}", value, d)
+    return found
+
+
+def start_stress(scene: Any, body: Any, X: Array) -> tuple[Array, list[Problem]]:
+    """Return the Cauchy stress (6, n) of a body at points X (d, n) at the start, and what is wrong with it."""
+    asked, found = body.stress, []
+    stress = np.zeros((6, X.shape[1]))
+    place = dict(zip("xyz", X, strict=False))
+    if isinstance(asked, Geostatic):
+        gravity = gravity_at_start(scene.loads, len(X))
+        axis = int(np.flatnonzero(gravity)[0])
+        depth = (asked.surface(**place) - X[axis]) * -np.sign(gravity[axis])
+        density = scene.materials[body.material].density
+        vertical = -(asked.surcharge + density * abs(gravity[axis]) * depth) * (depth >= 0.0)
+        free = FREE.get(scene.analysis.kind, ())
+        for k in range(3):
+            if COMPONENTS[k] not in free:
+                stress[k] = vertical if k == axis else asked.K0 * vertical
+        if not np.all(np.isfinite(stress)):
+            found.append(Problem(f"bodies.{body.name}.stress.surface", "it is not finite", code="not_finite"))
+        return stress, found
+    for k, name in enumerate(COMPONENTS):
+        value = getattr(asked, name)
+        if value is None:
+            continue
+        stress[k] = value(**place)
+        if not np.all(np.isfinite(stress[k])):
+            words = f"the stress '{value.source}' is not finite at some particles"
+            found.append(Problem(f"bodies.{body.name}.stress.{name}", words, code="not_finite"))
+    return stress, found
+
+
+def unmet(body: Any, X: Array, stress: Array, missed: Array) -> list[Problem]:
+    """The problem, if any, that a material has not the stress (6, n) that it is asked for at points X (d, n)."""
+    wrong = np.flatnonzero(~(missed <= MET))
+    if not len(wrong):
+        return []
+    worst = wrong[np.argmax(missed[wrong])]
+    at = ", ".join(f"{x:.4g}" for x in X[:, worst])
+    parts = ", ".join(
+        f"{name} {stress[k, worst]:.4g}" for k, name in enumerate(COMPONENTS) if stress[k, worst]
+    )
+    words = (
+        f"the material '{body.material}' cannot have this stress at rest: at ({at}), where it is {parts or '0'}; it "
+        "is beyond yielding, or not a pressure in a fluid"
+    )
+    return [Problem(f"bodies.{body.name}.stress", words, code="stress")]
+
+
+def check_stress(scene: Any, body: Any, X: Array) -> list[Problem]:
+    """Find out whether a body's material can have its stress, at those of the points X (d, n) where it is extreme."""
+    from mpmcli.materials.initial_stress import find_stretches
+
+    stress, found = start_stress(scene, body, X)
+    if found or X.shape[1] == 0:
+        return found
+    extremes = {int(f(row)) for row in (*stress, stress[:3].sum(axis=0)) for f in (np.argmin, np.argmax)}
+    chosen = np.array(sorted(extremes)[:SAMPLE])
+    model = scene.materials[body.material]
+    m = model.parameters(scene.analysis.kind, scene.is_adiabatic)
+    H = history_at_start(model, len(chosen))
+    _, missed = find_stretches(m, H, stress[:, chosen], keeps_strain(model), None)
+    return unmet(body, X[:, chosen], stress[:, chosen], missed)

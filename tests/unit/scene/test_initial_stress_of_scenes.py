@@ -1,0 +1,67 @@
+"""What scenes say about stress at the start."""
+
+from __future__ import annotations
+
+import pytest
+
+from mpmcli.core.errors import SceneError
+from mpmcli.scene.filling import check_filling
+from mpmcli.scene.loader import load_scene
+
+SCENE = """
+version: 1
+analysis: {{kind: {analysis}}}
+grid: {{lower: [0, 0], upper: [2, 3], cell: 0.5}}
+materials:
+  soil: {material}
+bodies:
+  - name: column
+    material: soil
+    region: {{kind: box, lower: [0, 0], upper: [2, 2]}}
+    stress: {stress}
+loads: {loads}
+method: {{transfer: {{kind: flip}}}}
+time: {{end: 1, courant: 0.4}}
+"""
+ELASTIC = "{kind: linear_elastic, E: 1000, nu: 0.25, density: 1}"
+METAL = "{kind: j2_plastic, E: 1000, nu: 0.25, density: 1, hardening: {kind: linear, yield_stress: 0.1}}"
+WEIGHT = "[{name: weight, kind: gravity, acceleration: [0, -10]}]"
+GEOSTATIC = "{kind: geostatic, K0: 0.5, surface: 2}"
+
+
+@pytest.fixture
+def checked(tmp_path):
+    """Function that reads a scene and fills it."""
+
+    def check(stress, analysis="plane_strain", material=ELASTIC, loads="[]"):
+        path = tmp_path / "scene.yaml"
+        path.write_text(SCENE.format(stress=stress, analysis=analysis, material=material, loads=loads))
+        check_filling(load_scene(path).scene)
+
+    return check
+
+
+def test_stress_that_fits_is_accepted(checked):
+    checked(GEOSTATIC, loads=WEIGHT)
+    checked("{kind: components, xx: -x, yy: -3, zz: 1, xy: y/10}")
+    checked("{kind: components, xx: 1}", "plane_stress")
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"stress": GEOSTATIC}, "needs gravity along one axis of the grid"),
+        ({"stress": GEOSTATIC, "loads": WEIGHT, "analysis": "plane_stress"}, "K0 must be 0"),
+        ({"stress": "{kind: components, xz: 1}"}, "stress.xz .*does not exist in the analysis 'plane_strain'"),
+        ({"stress": "{kind: components, zz: 1}", "analysis": "plane_stress"}, "is zero in the analysis 'plane_stress'"),
+        ({"stress": "{kind: components, xx: z}"}, "'z' does not exist in this analysis"),
+        ({"stress": "{kind: components, xx: 1/(x - 0.125)}"}, "not finite"),
+        ({"stress": "{kind: components, xx: -1}", "material": METAL}, "cannot have this stress at rest: at .0.125"),
+        ({"stress": "{kind: components, xx: -1}", "material": "{kind: tait_fluid, density: 1, K: 100}"}, "cannot have"),
+        ({"stress": "{kind: components, xx: -1}", "material": "{kind: rigid}"}, "a rigid body has no stress"),
+        ({"stress": "{kind: components, xx: -1e4}"}, "cannot have this stress"),
+    ],
+)  # fmt: skip
+def test_stress_that_does_not_fit_is_refused_in_words(checked, keys, words):
+    with pytest.raises(SceneError, match=words):
+        checked(**keys)

@@ -1,0 +1,37 @@
+"""Ground that starts with the stress of its weight stays at rest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+HEIGHT, WEIGHT, K0 = 4.0, 2000.0 * 9.81, 3.0 / 7.0
+FALL = 0.01
+"""Speed [m/s]; without stress at the start the column reaches 0.45 m/s."""
+
+MATERIALS = {
+    "linear_elastic": "{kind: linear_elastic, E: 10 MPa, nu: 0.3, density: rho}",
+    "neo_hookean": "{kind: neo_hookean, E: 10 MPa, nu: 0.3, density: rho}",
+    "j2_plastic": "{kind: j2_plastic, E: 10 MPa, nu: 0.3, density: rho, hardening: {kind: linear, yield_stress: 1 MPa}}",
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("transfer", ["{kind: flip}", "{kind: fmpm, order: 4}"])
+@pytest.mark.parametrize("material", list(MATERIALS))
+def test_a_column_at_rest_stays_at_rest(start, material, transfer):
+    """For a period of its first mode: no stress is off by more than a row of particles weighs; nothing moves."""
+    sets = (f"materials.soil={MATERIALS[material]}", f"method.transfer={transfer}")
+    simulation = start("geostatic_column.yaml", *sets).simulation
+    particles, largest, fastest = simulation.particles, 0.0, 0.0
+    exact = -WEIGHT * (HEIGHT - particles.X[1])
+    J = particles.determinant()
+    np.testing.assert_allclose(particles.tau[1] / J, exact, rtol=1e-10)
+    np.testing.assert_allclose(particles.tau[0] / J, K0 * exact, rtol=1e-10)
+    np.testing.assert_allclose(particles.mass.sum(), 2000.0 * 8.0, rtol=1e-12)
+    while simulation.time < 0.4:
+        simulation.step()
+        off = np.abs(particles.tau[1] / particles.determinant() + WEIGHT * (HEIGHT - particles.X[1])).max()
+        largest, fastest = max(largest, off), max(fastest, simulation.particle_speed)
+    assert largest < WEIGHT * 0.125 * 1.1
+    assert fastest < FALL
