@@ -8,10 +8,10 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
+from mpmcli.core.angles import Angle
 from mpmcli.core.model import Model, PositiveLength
 from mpmcli.core.registry import Registry
 from mpmcli.geometry.polygon import first_crossing
-from mpmcli.geometry.rotation import Angle
 from mpmcli.geometry.vectors import Count, Point2
 
 Array = np.ndarray

@@ -20,10 +20,12 @@ from mpmcli.core.model import Density, Model, Quantity
 from mpmcli.core.registry import Registry
 
 KINDS = {
+    "drucker_prager": "drucker_prager",
     "ideal_gas": "ideal_gas",
     "j2_plastic": "j2_plastic",
     "linear_elastic": "linear_elastic",
     "mie_gruneisen": "mie_gruneisen",
+    "mohr_coulomb": "mohr_coulomb",
     "neo_hookean": "neo_hookean",
     "rigid": "rigid",
     "tait_fluid": "tait_fluid",

@@ -50,6 +50,8 @@ def search_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) 
             step = 1e-3 if f < 0.0 else -1e-3
         elif rise > 0.0:
             step = -f * (x - x0) * (x - x0) / rise
+        elif low > -20.0 and high < 20.0:
+            step = 0.5 * (low + high) - x  # on a plateau, as at a tensile strength
         else:
             step = 0.1 if f < 0.0 else -0.1
         x0, f0 = x, f

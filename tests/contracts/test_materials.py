@@ -223,7 +223,13 @@ def particles_of(model, name, count=5):
     return analysis, p
 
 
-@pytest.mark.parametrize("kind", list(MATERIALS))
+QUICK = {"ideal_gas", "j2_plastic", "linear_elastic", "mie_gruneisen", "neo_hookean", "rigid", "tait_fluid"}
+"""Kinds that other quick tests compile too."""
+
+
+@pytest.mark.parametrize(
+    "kind", [kind if kind in QUICK else pytest.param(kind, marks=pytest.mark.slow) for kind in MATERIALS]
+)
 def test_compiled_and_plain_python_agree_and_every_row_is_written(kind, plain_python):
     model = next(m for m in MODELS if m.kind == kind)
     m = model.parameters("plane_strain", True)

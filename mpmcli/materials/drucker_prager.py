@@ -1,0 +1,97 @@
+"""Drucker–Prager plasticity: the smooth cone that replaces the pyramid of Mohr and Coulomb."""
+
+from __future__ import annotations
+
+import math
+from collections import namedtuple
+from typing import Any, Literal, NamedTuple
+
+from mpmcli.core.compiled.kernel import inline
+from mpmcli.core.exponentials import exponential_symmetric
+from mpmcli.materials.base import MATERIALS, kirchhoff_stress
+from mpmcli.materials.friction_angle import (
+    STRAIN,
+    FrictionalModel,
+    FrictionalPart,
+    keep_plastic,
+    registered,
+    strength_at,
+)
+from mpmcli.materials.hencky import double_contraction, keep_tensor, split_strain, trial_tensor
+
+MATCHES = {"outer": 0, "inner": 1, "plane_strain": 2}
+"""Number of each match, as the functions take it."""
+
+
+@MATERIALS.register
+class DruckerPrager(FrictionalModel):
+    """Drucker–Prager: √J₂ ≤ B − A τₘ, J₂ = ½ dev τ : dev τ, and the mean stress τₘ at most the tensile strength.
+
+    A and B follow from cohesion and friction. Hencky elasticity, and an exact return to the cone, the cut-off or where
+    they meet. Plastic flow follows the angle of dilation; at the cut-off it is associated.
+    """
+
+    kind: Literal["drucker_prager"]
+    match: Literal["outer", "inner", "plane_strain"]
+    """Where it has the strength of Mohr and Coulomb: in triaxial compression, triaxial extension, or plane strain."""
+
+    def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
+        """Moduli, strengths, and the number of the match."""
+        return Prager(*self.frictional_parameters(analysis), MATCHES[self.match])
+
+
+Prager = registered(namedtuple("Prager", (*FrictionalPart._fields, "match")))  # type: ignore[misc]
+
+
+@inline
+def cone_of(match: int, s: float, d: float) -> Any:
+    """Slope A of the cone, slope a of its plastic potential, and B/(c cos φ), by the sines of friction and dilation."""
+    root = math.sqrt(3.0)
+    if match == 0:
+        r = 2.0 * root / (3.0 - s)
+        return r * s, 2.0 * root * d / (3.0 - d), r
+    if match == 1:
+        r = 2.0 * root / (3.0 + s)
+        return r * s, 2.0 * root * d / (3.0 + d), r
+    # without plastic strain along z: τ_zz = τₘ - ⅔a √J₂
+    a = d / math.sqrt(1.0 + d * d / 3.0)
+    r = 1.0 / (math.sqrt(1.0 - a * a / 3.0) + a * s / 3.0)
+    return r * s, a, r
+
+
+@kirchhoff_stress.register(Prager)
+def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
+    b = trial_tensor(dF, H, p)
+    trace, e = split_strain(b)
+    K, G = m.bulk, m.shear
+    trial, mean = G * math.sqrt(2.0 * double_contraction(e)), K * trace
+    c, s, d, limit = strength_at(m, H[STRAIN, p])
+    A, a, r = cone_of(m.match, s, d)
+    B = r * c * math.sqrt(1.0 - s * s)
+    shear, normal = trial, mean
+    excess = trial + A * mean - B
+    if excess > 0.0:
+        g = excess / (G + K * A * a)
+        shear, normal = max(0.0, trial - G * g), mean - K * a * g
+        if normal > limit:
+            normal = limit
+            shear = min(trial, max(0.0, B - A * limit))
+    elif mean > limit:
+        normal = limit
+    scale = shear / trial if shear < trial else 1.0
+    if commit:
+        strain, work = 0.0, 0.0
+        if shear < trial or normal < mean:
+            strain = (trial - shear) / (math.sqrt(3.0) * G)
+            work = shear * (trial - shear) / G + normal * (mean - normal) / K
+            third = normal / (3.0 * K)
+            b = exponential_symmetric(
+                (
+                    2.0 * (scale * e[0] + third), 2.0 * (scale * e[1] + third), 2.0 * (scale * e[2] + third),
+                    2.0 * scale * e[3], 2.0 * scale * e[4], 2.0 * scale * e[5],
+                )
+            )  # fmt: skip
+        keep_plastic(H, p, strain, work)
+        keep_tensor(H, p, b)
+    g = 2.0 * G * scale
+    return normal + g * e[0], normal + g * e[1], normal + g * e[2], g * e[3], g * e[4], g * e[5]

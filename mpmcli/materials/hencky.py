@@ -1,0 +1,70 @@
+"""Hencky elasticity with the elastic left Cauchy–Green tensor in the history: what plastic solids share.
+
+The rows hold bᵉ − I. A step takes bᵉ to dF bᵉ dFᵀ; a return mapping then shortens ε = ½ ln bᵉ.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mpmcli.core.compiled.kernel import inline
+from mpmcli.core.exponentials import log_symmetric, logarithm
+from mpmcli.core.tensors import push_forward
+
+ELASTIC = tuple(f"elastic_{component}" for component in ("xx", "yy", "zz", "xy", "yz", "xz"))
+"""Names of the first six rows of the history."""
+
+
+@inline
+def elastic_tensor(H: Any, p: Any) -> Any:
+    """bᵉ of particle ``p``, 6-tuple."""
+    return 1.0 + H[0, p], 1.0 + H[1, p], 1.0 + H[2, p], H[3, p], H[4, p], H[5, p]
+
+
+@inline
+def trial_tensor(dF: Any, H: Any, p: Any) -> Any:
+    """dF bᵉ dFᵀ: bᵉ of particle ``p`` after an elastic step."""
+    return push_forward(dF, elastic_tensor(H, p))
+
+
+@inline
+def keep_tensor(H: Any, p: Any, b: Any) -> Any:
+    """Write bᵉ of particle ``p``."""
+    H[0, p], H[1, p], H[2, p] = b[0] - 1.0, b[1] - 1.0, b[2] - 1.0
+    H[3, p], H[4, p], H[5, p] = b[3], b[4], b[5]
+
+
+@inline
+def split_strain(b: Any) -> Any:
+    """Trace of ε = ½ ln b, and its deviator, 6-tuple."""
+    e = log_symmetric(b)
+    mean = (e[0] + e[1] + e[2]) / 3.0
+    deviator = (
+        0.5 * (e[0] - mean), 0.5 * (e[1] - mean), 0.5 * (e[2] - mean), 0.5 * e[3], 0.5 * e[4], 0.5 * e[5]
+    )  # fmt: skip
+    return 1.5 * mean, deviator
+
+
+@inline
+def double_contraction(a: Any) -> float:
+    """a:a of a symmetric tensor."""
+    return (
+        a[0] * a[0] + a[1] * a[1] + a[2] * a[2] + 2.0 * (a[3] * a[3] + a[4] * a[4] + a[5] * a[5])
+    )  # fmt: skip
+
+
+@inline
+def elastic_volume(H: Any, p: Any) -> float:
+    """tr ε = ½ ln det bᵉ of particle ``p``."""
+    b = elastic_tensor(H, p)
+    determinant = (
+        b[0] * (b[1] * b[2] - b[4] * b[4]) - b[3] * (b[3] * b[2] - b[4] * b[5]) + b[5] * (b[3] * b[4] - b[1] * b[5])
+    )  # fmt: skip
+    return 0.5 * logarithm(determinant)
+
+
+@inline
+def hencky_energy(bulk: float, shear: float, H: Any, p: Any) -> float:
+    """½K tr²ε + G dev ε : dev ε of particle ``p`` [pressure]."""
+    trace, deviator = split_strain(elastic_tensor(H, p))
+    return 0.5 * bulk * trace * trace + shear * double_contraction(deviator)

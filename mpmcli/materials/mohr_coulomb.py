@@ -1,0 +1,132 @@
+"""Mohr–Coulomb plasticity of soils and rock, with dilation, tension cut-off and softening."""
+
+from __future__ import annotations
+
+import math
+from collections import namedtuple
+from typing import Any, Literal, NamedTuple
+
+from mpmcli.core.compiled.kernel import inline
+from mpmcli.core.exponentials import exponential_1d
+from mpmcli.materials.base import MATERIALS, kirchhoff_stress
+from mpmcli.materials.friction_angle import (
+    STRAIN,
+    FrictionalModel,
+    FrictionalPart,
+    keep_plastic,
+    registered,
+    strength_at,
+)
+from mpmcli.materials.hencky import keep_tensor, trial_tensor
+from mpmcli.materials.principal import from_principal, principal_strains
+
+
+@MATERIALS.register
+class MohrCoulomb(FrictionalModel):
+    """Mohr–Coulomb: τ₁ − τ₃ ≤ 2c cos φ − (τ₁ + τ₃) sin φ, and τ₁ at most the tensile strength (Rankine).
+
+    Hencky elasticity, and an exact return in principal stresses to the plane, its edges and the apex (Clausen,
+    Damkilde and Andersen 2006). Plastic flow follows the angle of dilation; at the tension cut-off it is associated.
+    """
+
+    kind: Literal["mohr_coulomb"]
+
+    def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
+        """Moduli and strengths."""
+        return Coulomb(*self.frictional_parameters(analysis))
+
+
+Coulomb = registered(namedtuple("Coulomb", FrictionalPart._fields))  # type: ignore[misc]
+
+
+@inline
+def return_to_cut_off(x: float, y: float, z: float, limit: float, lame: float, G: float) -> Any:
+    """Principal stresses x ≥ y ≥ z returned to x ≤ ``limit``, with associated flow."""
+    g = (x - limit) / (lame + 2.0 * G)
+    if y - lame * g <= limit:
+        return limit, y - lame * g, z - lame * g
+    g = (0.5 * (x + y) - limit) / (lame + G)
+    return limit, limit, min(limit, z - lame * g)
+
+
+@inline
+def return_to_cone(
+    x: float, y: float, z: float, k: float, n: float, strength: float, lame: float, G: float
+) -> Any:
+    """Principal stresses x ≥ y ≥ z returned to kx − z = ``strength`` or its edges, along the flow nx − z.
+
+    Beyond the apex the result is out of order.
+    """
+    volume = lame * (n - 1.0)
+    g = (k * x - z - strength) / (k * (volume + 2.0 * G * n) - volume + 2.0 * G)
+    a, b, c = x - (volume + 2.0 * G * n) * g, y - volume * g, z - (volume - 2.0 * G) * g
+    if b > a:
+        a = 0.5 * (x + y)
+        g = (k * a - z - strength) / (k * (volume + G * n) - volume + 2.0 * G)
+        a -= (volume + G * n) * g
+        return a, a, z - (volume - 2.0 * G) * g
+    if b < c:
+        c = 0.5 * (y + z)
+        g = (k * x - c - strength) / (k * (volume + 2.0 * G * n) - volume + G)
+        c -= (volume - G) * g
+        return x - (volume + 2.0 * G * n) * g, c, c
+    return a, b, c
+
+
+@inline
+def return_principal(m: Any, stress: Any, alpha: float) -> Any:
+    """Principal stresses in descending order, returned to the yield surface at the plastic strain ``alpha``."""
+    x, y, z = stress
+    c, s, d, limit = strength_at(m, alpha)
+    k, n = (1.0 + s) / (1.0 - s), (1.0 + d) / (1.0 - d)
+    strength = 2.0 * c * math.sqrt(k)
+    G, lame = m.shear, m.bulk - 2.0 / 3.0 * m.shear
+    shears = k * x - z > strength
+    if shears:
+        u, v, w = return_to_cone(x, y, z, k, n, strength, lame, G)
+        if u <= limit:
+            return u, v, w
+    elif x <= limit:
+        return x, y, z
+    u, v, w = return_to_cut_off(x, y, z, limit, lame, G)
+    if k * u - w <= strength:
+        return u, v, w
+    # where both surfaces meet the strain along the middle axis stays, except in the corners
+    w = k * limit - strength
+    nu = 0.5 * lame / (lame + G)
+    v = y - nu * (x + z) + nu * (limit + w)
+    return limit, min(limit, max(w, v)), w
+
+
+@kirchhoff_stress.register(Coulomb)
+def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
+    b = trial_tensor(dF, H, p)
+    e, axes = principal_strains(b)
+    G = m.shear
+    mean = (m.bulk - 2.0 / 3.0 * G) * (e[0] + e[1] + e[2])
+    trial = (mean + 2.0 * G * e[0], mean + 2.0 * G * e[1], mean + 2.0 * G * e[2])
+    tau = return_principal(m, trial, H[STRAIN, p])
+    if commit:
+        dx, dy, dz = trial[0] - tau[0], trial[1] - tau[1], trial[2] - tau[2]
+        strain, work = 0.0, 0.0
+        if dx != 0.0 or dy != 0.0 or dz != 0.0:
+            # plastic strains: deviators of the stress drop over 2G, their mean over 3K
+            drop = (dx + dy + dz) / 3.0
+            more = drop / (3.0 * m.bulk) - drop / (2.0 * G)
+            dx, dy, dz = dx / (2.0 * G) + more, dy / (2.0 * G) + more, dz / (2.0 * G) + more
+            work = tau[0] * dx + tau[1] * dy + tau[2] * dz
+            third = (dx + dy + dz) / 3.0
+            strain = math.sqrt(
+                2.0 / 3.0 * ((dx - third) ** 2 + (dy - third) ** 2 + (dz - third) ** 2)
+            )  # fmt: skip
+            b = from_principal(
+                (
+                    exponential_1d(2.0 * (e[0] - dx)),
+                    exponential_1d(2.0 * (e[1] - dy)),
+                    exponential_1d(2.0 * (e[2] - dz)),
+                ),
+                axes,
+            )
+        keep_plastic(H, p, strain, work)
+        keep_tensor(H, p, b)
+    return from_principal(tau, axes)
