@@ -6,6 +6,21 @@ from typing import Any
 
 LINEAR = {"kind": "linear", "yield_stress": 0.02, "modulus": 0.3}
 COOK = {"kind": "johnson_cook", "A": 0.02, "B": 0.1, "n": 0.4, "C": 0.02, "Tm": 1500, "m": 1.1}
+HARDENINGS: list[dict[str, Any]] = [
+    {"kind": "power_law", "yield_stress": 0.02, "B": 0.1, "n": 0.4, "m": 0.02, "eps0_dot": 0.1},
+    {
+        "kind": "steinberg_cochran_guinan",
+        "yield_stress": 0.02,
+        "Y_max": 0.05,
+        "beta": 30,
+        "n": 0.4,
+        "A": 0.05,
+        "B": 1e-4,
+        "Tm": 1500,
+    },
+    {"kind": "swift", "yield_stress": 0.02, "eps0": 0.01, "n": 0.3, "m": 0.02, "eps0_dot": 0.1},
+    {"kind": "voce", "yield_stress": 0.02, "saturation": 0.06, "eps0": 0.05, "modulus": 0.1},
+]
 
 MATERIALS: dict[str, list[dict[str, Any]]] = {
     "linear_elastic": [{"E": 3, "nu": 0.3}, {"K": 2, "G": 1}, {"E": 2, "nu": 0}],
@@ -22,6 +37,7 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
     "j2_plastic": [
         {"E": 3, "nu": 0.3, "hardening": LINEAR},
         {"K": 2, "G": 1, "hardening": COOK, "heat_capacity": 1e-3},
+        *({"E": 3, "nu": 0.3, "hardening": law} for law in HARDENINGS),
     ],
     "mohr_coulomb": [
         {"E": 3, "nu": 0.3, "cohesion": 0.02, "friction": 30, "dilation": 10},

@@ -23,7 +23,14 @@ from mpmcli.materials.base import (
 )
 from mpmcli.materials.defaults import with_defaults, yes
 from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
-from mpmcli.materials.hardening import Hardening, JohnsonCook, Linear, flow_slope, flow_stress
+from mpmcli.materials.hardening import (
+    LAWS,
+    Hardening,
+    changes_stiffness,
+    flow_slope,
+    flow_stress,
+    stiffness_ratio,
+)
 
 # rows of the history array after the six of the elastic strain
 STRAIN, WORK, TEMPERATURE, HEAT = 6, 7, 8, 9
@@ -36,7 +43,8 @@ class J2Plastic(ElasticModel):
     The elastic left Cauchy–Green tensor bᵉ is the history. A step takes it to dF bᵉ dFᵀ; with the elastic
     strain ε = ½ ln bᵉ the stress is τ = K tr(ε) I + 2G dev ε, and where √(3/2)|dev τ| passes the flow stress
     Y, dev ε is scaled back so that it meets Y at the end of the step (radial return, exact in logarithmic
-    strain; Simo 1992). Adiabatic: the part χ of the plastic work heats the material.
+    strain; Simo 1992). A hardening law may multiply G and Y by one factor of J and T. Adiabatic: the part χ of the
+    plastic work heats the material.
     """
 
     history: ClassVar[tuple[str, ...]] = (
@@ -101,11 +109,12 @@ class ElasticPart(NamedTuple):
 
 
 # flat tuples, because numba's parallel loops take no tuple within a tuple
-J2Linear = namedtuple("J2Linear", (*ElasticPart._fields, *Linear._fields))  # type: ignore[misc]
-J2JohnsonCook = namedtuple("J2JohnsonCook", (*ElasticPart._fields, *JohnsonCook._fields))  # type: ignore[misc]
-
-J2_WITH: dict[type, Any] = {Linear: J2Linear, JohnsonCook: J2JohnsonCook}
+J2_WITH: dict[type, Any] = {
+    law: namedtuple(f"J2{law.__name__}", (*ElasticPart._fields, *law._fields), module=__name__)  # type: ignore[misc]
+    for law in LAWS
+}
 """The parameter tuple of the material for that of each hardening law."""
+globals().update({made.__name__: made for made in J2_WITH.values()})  # where the compiler's cache finds them
 
 
 @inline
@@ -134,6 +143,8 @@ for _law, _J2 in J2_WITH.items():
     needs_increment.register(_J2)(yes)
     flow_stress.register(_J2)(flow_stress.implementations[_law])
     flow_slope.register(_J2)(flow_slope.implementations[_law])
+    changes_stiffness.register(_J2)(changes_stiffness.implementations[_law])
+    stiffness_ratio.register(_J2)(stiffness_ratio.implementations[_law])
 
     @kirchhoff_stress.register(_J2)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
@@ -145,6 +156,7 @@ for _law, _J2 in J2_WITH.items():
         G = m.shear
         trial = G * math.sqrt(1.5 * (xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + yz * yz + xz * xz)))
         alpha, T = H[STRAIN, p], H[TEMPERATURE, p]
+        ratio, slope = stiffness_ratio(m, m.bulk, 1.5 * mean, T) if changes_stiffness(m) else (1.0, 0.0)
         if trial > flow_stress(m, alpha, 0.0, T):
             step = plastic_increment(m, trial, 3.0 * G, alpha, T, dt)
             r = 1.0 - 3.0 * G * step / trial
@@ -154,6 +166,8 @@ for _law, _J2 in J2_WITH.items():
                 rate = step / dt if dt > 0.0 else 0.0
                 end = trial - 3.0 * G * step
                 work = 0.5 * (min(end, flow_stress(m, alpha, rate, T)) + end) * step
+                if changes_stiffness(m):
+                    work *= ratio
                 H[STRAIN, p] = alpha + step
                 H[WORK, p] += work
                 H[TEMPERATURE, p] = T + m.heating * m.chi * work
@@ -162,6 +176,11 @@ for _law, _J2 in J2_WITH.items():
             H[0, p], H[1, p], H[2, p] = b[0] - 1.0, b[1] - 1.0, b[2] - 1.0
             H[3, p], H[4, p], H[5, p] = b[3], b[4], b[5]
         mean *= 1.5 * m.bulk
+        if changes_stiffness(m):
+            # the modulus depends on J, and so does the energy of the shape
+            squares = xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + yz * yz + xz * xz)
+            mean += 0.25 * G * slope * squares
+            G *= ratio
         return mean + G * xx, mean + G * yy, mean + G * zz, G * xy, G * yz, G * xz
 
     @absorb_work.register(_J2)
@@ -174,7 +193,10 @@ for _law, _J2 in J2_WITH.items():
         e = log_symmetric((1.0 + H[0, p], 1.0 + H[1, p], 1.0 + H[2, p], H[3, p], H[4, p], H[5, p]))
         trace = e[0] + e[1] + e[2]
         squares = e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + 2.0 * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5])
-        return 0.125 * m.bulk * trace * trace + 0.25 * m.shear * (squares - trace * trace / 3.0)
+        shear = m.shear
+        if changes_stiffness(m):
+            shear *= stiffness_ratio(m, m.bulk, 0.5 * trace, H[TEMPERATURE, p])[0]
+        return 0.125 * m.bulk * trace * trace + 0.25 * shear * (squares - trace * trace / 3.0)
 
     @bulk_speed_squared.register(_J2)
     def _(m: Any, F: Any, H: Any, p: Any) -> Any:
@@ -184,4 +206,7 @@ for _law, _J2 in J2_WITH.items():
     def _(m: Any, F: Any, H: Any, p: Any) -> Any:
         # ρ₀c² = K + 4G/3 - τ; of τ only the mean, since yielding bounds the rest
         stiffer = -m.bulk * min(0.0, logarithm(determinant(F)))
-        return m.lateral * (m.bulk + 4.0 / 3.0 * m.shear + stiffer) / m.density
+        shear = m.shear
+        if changes_stiffness(m):
+            shear *= max(1.0, stiffness_ratio(m, m.bulk, logarithm(determinant(F)), H[TEMPERATURE, p])[0])
+        return m.lateral * (m.bulk + 4.0 / 3.0 * shear + stiffer) / m.density

@@ -1,31 +1,15 @@
-"""Flow stress of metals against plastic strain, rate and temperature, chosen by ``kind``."""
+"""Johnson and Cook's flow stress."""
 
 from __future__ import annotations
 
 import math
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import Field
-
-from mpmcli.core.compiled.dispatch import generic
-from mpmcli.core.model import Model, PositivePressure, Quantity
+from mpmcli.core.model import PositivePressure, Quantity
+from mpmcli.materials.hardening.base import HardeningModel, flow_slope, flow_stress, of_constant_stiffness
 
 
-class LinearHardening(Model):
-    """Linear isotropic hardening: Y = yield_stress + modulus·α, α the equivalent plastic strain."""
-
-    kind: Literal["linear"]
-    yield_stress: PositivePressure
-    """Initial yield stress."""
-    modulus: Annotated[float, Quantity("pressure", ge=0)] = 0.0
-    """Slope of the flow stress against equivalent plastic strain; 0 is perfectly plastic."""
-
-    def parameters(self) -> Linear:
-        """The numbers of the law."""
-        return Linear(self.yield_stress, self.modulus)
-
-
-class JohnsonCookHardening(Model):
+class JohnsonCookHardening(HardeningModel):
     """Johnson–Cook: Y = (A + B αⁿ)(1 + C ln(α̇/eps0_dot))(1 − T*ᵐ), T* = (T − T0)/(Tm − T0).
 
     Rates below eps0_dot count as eps0_dot, temperatures below T0 as T0, and above Tm the flow stress is zero.
@@ -54,16 +38,7 @@ class JohnsonCookHardening(Model):
         return JohnsonCook(self.A, self.B, self.n, self.C, self.eps0_dot, self.Tm, self.T0, self.m)
 
 
-Hardening = Annotated[LinearHardening | JohnsonCookHardening, Field(discriminator="kind")]
-
-
-class Linear(NamedTuple):
-    """Numbers of linear hardening."""
-
-    yield_stress: float
-    modulus: float
-
-
+@of_constant_stiffness
 class JohnsonCook(NamedTuple):
     """Numbers of the Johnson–Cook law, as in the model."""
 
@@ -75,26 +50,6 @@ class JohnsonCook(NamedTuple):
     Tm: float
     T0: float
     m: float
-
-
-@generic
-def flow_stress(h: Any, alpha: Any, rate: Any, T: Any) -> Any:
-    """Flow stress Y(α, α̇, T) [pressure]."""
-
-
-@generic
-def flow_slope(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
-    """dY/dα of a step in which the rate is Δα/``dt`` [pressure]."""
-
-
-@flow_stress.register(Linear)
-def _(h: Any, alpha: Any, rate: Any, T: Any) -> Any:
-    return h.yield_stress + h.modulus * alpha
-
-
-@flow_slope.register(Linear)
-def _(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
-    return h.modulus
 
 
 @flow_stress.register(JohnsonCook)

@@ -1,0 +1,89 @@
+"""What a hardening law is: a pydantic model (the scene's words), a named tuple of numbers, and two functions.
+
+A new law is one new file here, and its row in ``hardening/__init__.py``. ``flow_stress`` and ``flow_slope`` are
+registered for the tuple's class. A law that changes the elastic moduli too registers ``changes_stiffness`` and
+``stiffness_ratio``.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, NamedTuple, TypeVar
+
+from mpmcli.core.compiled.dispatch import generic
+from mpmcli.core.compiled.kernel import inline
+from mpmcli.core.model import Model, Quantity
+
+Law = TypeVar("Law", bound=type)
+
+SMALLEST_STRAIN = 1e-12
+"""Slopes of powers are those at this plastic strain, or above it."""
+
+
+class HardeningModel(Model):
+    """Base of all hardening laws."""
+
+    def parameters(self) -> NamedTuple:
+        """The numbers of the law."""
+        raise TypeError(f"{type(self).__name__} gives no parameters")
+
+
+class RateModel(HardeningModel):
+    """Base of laws whose flow stress may grow with a power of the rate of plastic strain."""
+
+    m: Annotated[float, Quantity("1", ge=0)] = 0.0
+    """Exponent of the rate; 0 is independent of the rate."""
+    eps0_dot: Annotated[float, Quantity("rate", gt=0)] = 1.0
+    """Reference rate of plastic strain."""
+
+
+@generic
+def flow_stress(h: Any, alpha: Any, rate: Any, T: Any) -> Any:
+    """Flow stress Y(α, α̇, T) [pressure]; where the law changes the stiffness, over ``stiffness_ratio``."""
+
+
+@generic
+def flow_slope(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
+    """dY/dα of a step in which the rate is Δα/``dt`` [pressure]."""
+
+
+@generic
+def changes_stiffness(h: Any) -> Any:
+    """Whether shear modulus and flow stress change by a common factor."""
+
+
+@generic
+def stiffness_ratio(h: Any, bulk: Any, log_J: Any, T: Any) -> Any:
+    """Shear modulus over that at rest, and the derivative of this ratio by ln J; ``bulk`` is K [pressure]."""
+
+
+def keeps_stiffness(h: Any) -> Any:
+    """The moduli are constant."""
+    return False
+
+
+def whole(h: Any, bulk: Any, log_J: Any, T: Any) -> Any:
+    """The modulus at rest."""
+    return 1.0, 0.0
+
+
+def of_constant_stiffness(law: Law) -> Law:
+    """Class decorator of a law's tuple: the elastic moduli are constant."""
+    changes_stiffness.register(law)(keeps_stiffness)
+    stiffness_ratio.register(law)(whole)
+    return law
+
+
+@inline
+def rate_factor(h: Any, rate: float) -> float:
+    """Factor (α̇/ε̇₀)^m of the flow stress, at least 1; ``h`` has ``m`` and ``rate``."""
+    if h.m == 0.0 or rate <= h.rate:
+        return 1.0
+    return (rate / h.rate) ** h.m
+
+
+@inline
+def slope_with_rate(h: Any, static: float, slope: float, rate: float, dt: float) -> float:
+    """Slope of ``static``·``rate_factor`` in a step, where ``slope`` is that of ``static``."""
+    if h.m == 0.0 or rate <= h.rate:
+        return slope
+    return (slope + static * h.m / (rate * dt)) * (rate / h.rate) ** h.m

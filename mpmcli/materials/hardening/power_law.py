@@ -1,0 +1,57 @@
+"""Ludwik's power law with an optional power of the rate."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, NamedTuple
+
+from mpmcli.core.model import PositivePressure, Quantity
+from mpmcli.materials.hardening.base import (
+    SMALLEST_STRAIN,
+    RateModel,
+    flow_slope,
+    flow_stress,
+    of_constant_stiffness,
+    rate_factor,
+    slope_with_rate,
+)
+
+
+class PowerLawHardening(RateModel):
+    """Power law: Y = (yield_stress + B αⁿ)(α̇/eps0_dot)^m, α the equivalent plastic strain.
+
+    Rates below eps0_dot count as eps0_dot.
+    """
+
+    kind: Literal["power_law"]
+    yield_stress: PositivePressure
+    """Initial yield stress."""
+    B: Annotated[float, Quantity("pressure", ge=0)]
+    """Hardening coefficient."""
+    n: Annotated[float, Quantity("1", gt=0)]
+    """Hardening exponent."""
+
+    def parameters(self) -> PowerLaw:
+        """The numbers of the law."""
+        return PowerLaw(self.yield_stress, self.B, self.n, self.m, self.eps0_dot)
+
+
+@of_constant_stiffness
+class PowerLaw(NamedTuple):
+    """Numbers of the power law, as in the model."""
+
+    yield_stress: float
+    B: float
+    n: float
+    m: float
+    rate: float
+
+
+@flow_stress.register(PowerLaw)
+def _(h: Any, alpha: Any, rate: Any, T: Any) -> Any:
+    return (h.yield_stress + h.B * alpha**h.n) * rate_factor(h, rate)
+
+
+@flow_slope.register(PowerLaw)
+def _(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
+    slope = h.B * h.n * max(alpha, SMALLEST_STRAIN) ** (h.n - 1.0)
+    return slope_with_rate(h, h.yield_stress + h.B * alpha**h.n, slope, rate, dt)
