@@ -85,6 +85,9 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
 }
 """Of each kind of material, numbers of every sub-model (moduli of about 3, for densities of about 1)."""
 
+IN_PLANE_STRAIN: dict[str, int] = {"j2_plastic": 2}
+"""Kinds of which the examples from this one on are compiled for plane strain only, which saves time."""
+
 NORMALS: dict[str, dict[str, Any]] = {"specified": {"vector": [1, 0.2]}}
 SEPARATIONS: dict[str, dict[str, Any]] = {}
 """Keys that a normal or separation needs; those that need none are left out."""

@@ -135,6 +135,8 @@ SUPPORTED = [
     for name, words in MODELS.items()
     for analysis in ANALYSES
     if analysis in MATERIALS[words["kind"]].analyses and words["kind"] != "rigid"
+    if analysis == "plane_strain"
+    or int(name.rpartition("-")[2]) < examples.IN_PLANE_STRAIN.get(words["kind"], 99)
 ]
 
 
