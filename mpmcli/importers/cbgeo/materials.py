@@ -1,0 +1,194 @@
+"""Materials of the source by the names of mpmcli."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from mpmcli.importers.cbgeo.conditions import free_name
+from mpmcli.importers.cbgeo.source import (
+    Bingham,
+    LinearElastic,
+    Material,
+    ModifiedCamClay,
+    MohrCoulomb,
+    Newtonian,
+    OtherMaterial,
+    family,
+)
+from mpmcli.importers.cbgeo.work import Keys, Work
+from mpmcli.materials import MATERIALS
+
+NAMES = {
+    "LinearElastic": "elastic",
+    "Newtonian": "fluid",
+    "Bingham": "paste",
+    "MohrCoulomb": "soil",
+    "ModifiedCamClay": "clay",
+}
+"""What a material is called in the scene."""
+SMALL_STRAIN = (
+    "stress is that of logarithmic strain and turns with the material; CB-Geo adds increments of small strain"
+)
+MISSING = "this version of mpmcli has no such material"
+
+
+def add_materials(work: Work) -> dict[int, str]:
+    """Translate the materials that particles have; their names by their numbers."""
+    used = set(work.cloud.material.tolist())
+    names: dict[int, str] = {}
+    made = work.scene.setdefault("materials", {})
+    seen: set[int] = set()
+    for index, material in enumerate(work.given.source.materials):
+        keys: Keys = ("materials", index)
+        if material.id in seen:
+            work.fault((*keys, "id"), f"the material {material.id} is already defined")
+            continue
+        seen.add(material.id)
+        if material.id not in used:
+            work.note("ignored", keys, f"no particle has the material {material.id}")
+            continue
+        translated = _translate(work, material, keys)
+        if translated is not None:
+            names[material.id] = free_name(NAMES.get(family(material.type), "elastic"), made)
+            made[names[material.id]] = translated
+    for number in sorted(used - seen):
+        index = work.cloud.generator[(work.cloud.material == number).argmax()]
+        at = ("particles", int(index), "generator", "material_id")
+        work.fault(at, f"there is no material {number}")
+    return names
+
+
+def _translate(work: Work, material: Material, keys: Keys) -> dict[str, Any] | None:
+    if isinstance(material, OtherMaterial):
+        work.note("not_supported", (*keys, "type"), f"the material '{material.type}'")
+        return _stand_in(material)
+    made: dict[type[Material], Callable[[Work, Any, Keys], dict[str, Any] | None]] = {
+        LinearElastic: _elastic,
+        Newtonian: _newtonian,
+        Bingham: _bingham,
+        MohrCoulomb: _mohr_coulomb,
+        ModifiedCamClay: _cam_clay,
+    }
+    return made[type(material)](work, material, keys)
+
+
+def _stand_in(material: Material) -> dict[str, Any] | None:
+    """The elastic part of a material that is not supported, for scenes that may be partial."""
+    extra = material.model_extra or {}
+    numbers = {
+        "density": material.density,
+        "E": extra.get("youngs_modulus"),
+        "nu": extra.get("poisson_ratio"),
+    }
+    numbers |= {
+        ours: getattr(material, theirs)
+        for ours, theirs in (("E", "youngs_modulus"), ("nu", "poisson_ratio"))
+        if hasattr(material, theirs) and getattr(material, theirs) is not None
+    }
+    if not all(isinstance(number, int | float) for number in numbers.values()):
+        return None
+    return {"kind": "linear_elastic", **numbers}
+
+
+def _elastic(work: Work, given: LinearElastic, keys: Keys) -> dict[str, Any]:
+    work.note("changed", (*keys, "type"), SMALL_STRAIN)
+    return {
+        "kind": "linear_elastic",
+        "density": given.density,
+        "E": given.youngs_modulus,
+        "nu": given.poisson_ratio,
+    }
+
+
+def _newtonian(work: Work, given: Newtonian, keys: Keys) -> dict[str, Any] | None:
+    if given.incompressible:
+        work.note(
+            "not_supported",
+            (*keys, "incompressible"),
+            "incompressible fluids; every fluid has a bulk modulus",
+        )
+    if "newtonian" in MATERIALS:
+        return {
+            "kind": "newtonian", "density": given.density, "K": given.bulk_modulus, "viscosity": given.dynamic_viscosity
+        }  # fmt: skip
+    words = (
+        "the pressure follows Tait's equation; CB-Geo's, -K ln J, differs where volumes change by percents"
+    )
+    work.note("changed", (*keys, "type"), words)
+    made = {"kind": "tait_fluid", "density": given.density, "K": given.bulk_modulus}
+    return made | ({"viscosity": given.dynamic_viscosity} if given.dynamic_viscosity else {})
+
+
+def _bingham(work: Work, given: Bingham, keys: Keys) -> dict[str, Any] | None:
+    if given.incompressible:
+        work.note(
+            "not_supported",
+            (*keys, "incompressible"),
+            "incompressible fluids; every fluid has a bulk modulus",
+        )
+    if "bingham" not in MATERIALS:
+        work.note("not_supported", (*keys, "type"), MISSING)
+        return _stand_in(given)
+    return {
+        "kind": "bingham",
+        "density": given.density,
+        "K": given.youngs_modulus / (3 * (1 - 2 * given.poisson_ratio)),
+        "viscosity": given.mu,
+        "yield_stress": given.tau0,
+    }
+
+
+def _mohr_coulomb(work: Work, given: MohrCoulomb, keys: Keys) -> dict[str, Any] | None:
+    if "mohr_coulomb" not in MATERIALS:
+        work.note("not_supported", (*keys, "type"), MISSING)
+        return _stand_in(given)
+    made: dict[str, Any] = {
+        "kind": "mohr_coulomb",
+        "density": given.density,
+        "E": given.youngs_modulus,
+        "nu": given.poisson_ratio,
+        "cohesion": given.cohesion,
+        "friction": given.friction,
+        "dilation": given.dilation,
+        "tension": given.tension_cutoff,
+    }
+    softens = given.softening is not False and given.peak_pdstrain is not None
+    if softens and given.residual_pdstrain is not None:
+        residual = {
+            "cohesion": given.residual_cohesion,
+            "friction": given.residual_friction,
+            "dilation": given.residual_dilation,
+        }
+        changed = {
+            f"residual_{key}": value for key, value in residual.items() if value not in (None, made[key])
+        }
+        if changed:
+            made |= changed
+            made |= {"softening_start": given.peak_pdstrain, "softening_end": given.residual_pdstrain}
+    return made
+
+
+def _cam_clay(work: Work, given: ModifiedCamClay, keys: Keys) -> dict[str, Any] | None:
+    for option in ("three_invariants", "subloading", "bonding"):
+        if getattr(given, option):
+            work.note("not_supported", (*keys, option), "the plain model has neither of these extensions")
+    if "modified_cam_clay" not in MATERIALS:
+        work.note("not_supported", (*keys, "type"), MISSING)
+        return _stand_in(given)
+    e0 = (
+        given.e_ref
+        - given.lambda_ * math.log(given.pc0 / given.ocr / given.p_ref)
+        - given.kappa * math.log(given.ocr)
+    )
+    return {
+        "kind": "modified_cam_clay",
+        "density": given.density,
+        "M": given.m,
+        "lambda": given.lambda_,
+        "kappa": given.kappa,
+        "nu": given.poisson_ratio,
+        "p0": given.pc0,
+        "e0": e0,
+    }

@@ -1,0 +1,122 @@
+"""Method, time span and archive."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from mpmcli.importers.base import Expression
+from mpmcli.importers.cbgeo.mesh import CELL_TYPES
+from mpmcli.importers.cbgeo.work import Work
+from mpmcli.scene.method import Damping
+
+EXPLICIT = re.compile(r"MPMExplicit(USF|USL|MUSL)?([23])D\Z")
+UPDATES = {"usf": "usf", "usl": "usl", "musl": "usl+"}
+FIELDS = {
+    "displacements": "displacement",
+    "velocities": "velocity",
+    "stresses": "stress",
+    "strains": "strain",
+}
+STATES = {"pdstrain": "equivalent_plastic_strain", "pressure": "pressure"}
+
+
+def add_method(work: Work) -> None:
+    """Translate ``analysis``."""
+    given = work.given.source.analysis
+    kind = EXPLICIT.match(given.type)
+    if kind is None:
+        words = f"the analysis '{given.type}'; MPMExplicit2D and MPMExplicit3D are"
+        work.note("not_supported", ("analysis", "type"), words)
+    elif int(kind[2]) != work.grid.d:
+        cell = work.given.source.mesh.cell_type
+        work.fault(("analysis", "type"), f"'{given.type}' does not fit the {work.grid.d}D cells '{cell}'")
+    stress_update = (kind[1] or given.stress_update).lower() if kind else given.stress_update.lower()
+    update = UPDATES.get(stress_update)
+    if update is None:
+        work.note(
+            "not_supported", ("analysis", "stress_update"), f"'{given.stress_update}'; usf, usl and musl are"
+        )
+    method: dict[str, Any] = {
+        "shape": CELL_TYPES[work.given.source.mesh.cell_type][1],
+        "update": update or "usf",
+        "transfer": _transfer(work),
+    }
+    if given.pressure_smoothing:
+        method["volumetric"] = "averaged"
+        words = "volume changes and pressures are averaged with mpmcli's own method"
+        work.note("changed", ("analysis", "pressure_smoothing"), words)
+    _add_damping(work, method)
+    work.scene["method"] = method
+    if given.resume.resume:
+        words = "checkpoints of CB-Geo are not read; the scene starts at time 0"
+        work.note("not_supported", ("analysis", "resume", "resume"), words)
+
+
+def _transfer(work: Work) -> dict[str, Any]:
+    given = work.given.source.analysis.velocity_update
+    name = {True: "pic", False: "flip"}.get(given, given) if isinstance(given, bool) else given
+    words = "alpha 1: positions follow the new grid velocity, as in CB-Geo"
+    if name == "flip":
+        work.made.comment(("method", "transfer"), words)
+        return {"kind": "flip", "alpha": 1}
+    if name != "pic":
+        work.note(
+            "not_supported", ("analysis", "velocity_update"), f"'{name}'; true, false, pic and flip are"
+        )
+    else:
+        work.made.comment(("method", "transfer"), "velocity_update true is PIC; order 4 dissipates far less")
+    return {"kind": "fmpm", "order": 1, "alpha": 1}
+
+
+def _add_damping(work: Work, method: dict[str, Any]) -> None:
+    damping = work.given.source.analysis.damping
+    if damping is None or damping.damping_factor == 0.0:
+        return
+    if damping.type != "Cundall":
+        work.note(
+            "not_supported", ("analysis", "damping", "type"), f"damping of type '{damping.type}'; Cundall is"
+        )
+    elif "local" not in Damping.model_fields:
+        words = "local damping; this version of mpmcli has damping proportional to the velocity"
+        work.note("not_supported", ("analysis", "damping"), words)
+    else:
+        method["damping"] = {"local": damping.damping_factor}
+
+
+def add_time(work: Work) -> None:
+    """Translate the time step, the number of steps, and what happens to particles that leave the mesh."""
+    given = work.given.source.analysis
+    work.constant("dt", given.dt)
+    work.constant("steps", given.nsteps)
+    work.scene["time"] = {"end": Expression("steps*dt"), "step": Expression("dt")}
+    if not given.locate_particles:
+        work.scene["domain"] = {"on_exit": "delete"}
+
+
+def add_archive(work: Work) -> None:
+    """Translate ``post_processing``."""
+    given = work.given.source.post_processing
+    work.constant("output_steps", given.output_steps)
+    every = Expression("output_steps*dt")
+    particles: dict[str, Any] = {"every": every}
+    fields = [FIELDS[name] for name in given.vtk if name in FIELDS]
+    for name in given.vtk:
+        if name not in (*FIELDS, "geometry"):
+            work.note("ignored", ("post_processing", "vtk"), f"'{name}' is no quantity of mpmcli's archives")
+    states = []
+    for name in given.vtk_statevars:
+        if isinstance(name, str) and name in STATES:
+            states.append(STATES[name])
+        else:
+            shown = name if isinstance(name, str) else "variables by phase"
+            work.note(
+                "ignored", ("post_processing", "vtk_statevars"), f"'{shown}' is no quantity of archives here"
+            )
+    if states:
+        particles["fields"] = list(
+            dict.fromkeys([*(fields or ["displacement", "velocity", "stress"]), *states])
+        )
+    elif fields:
+        particles["fields"] = list(dict.fromkeys(fields))
+    work.scene["archive"] = {"particles": particles, "globals": {"every": every}}

@@ -1,0 +1,142 @@
+"""The translation of CB-Geo's main file and of the files that it names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mpmcli.core.errors import SceneError
+from mpmcli.importers.base import Translation
+from mpmcli.importers.cbgeo.bodies import add_bodies
+from mpmcli.importers.cbgeo.conditions import add_conditions
+from mpmcli.importers.cbgeo.loads import add_loads
+from mpmcli.importers.cbgeo.materials import add_materials
+from mpmcli.importers.cbgeo.mesh import CELL_TYPES, OTHER_CELLS, read_grid
+from mpmcli.importers.cbgeo.method import add_archive, add_method, add_time
+from mpmcli.importers.cbgeo.particles import read_cloud
+from mpmcli.importers.cbgeo.reading import Folder, Input, read_input
+from mpmcli.importers.cbgeo.work import Work, add_problems
+
+DEAD_KEYS = {
+    "set_id": "CB-Geo does not read it",
+    "porosity": "CB-Geo does not read it in this material",
+    "note": "CB-Geo does not read it",
+    "_comment": "CB-Geo does not read it",
+}
+"""Keys of published inputs that no version of the reader looks at."""
+IGNORED = {
+    ("mesh", "check_duplicates"): "nodes and particles at one place are always refused here",
+    ("mesh", "isoparametric"): "all cells are rectangles of one size",
+    ("mesh", "node_type"): "there is one type of node",
+    ("mesh", "particle_cells"): "where particles lie is found anew",
+    ("analysis", "uuid"): "names files of results; mpmcli run -o names a folder",
+    ("analysis", "nload_balance_steps"): "for several processes",
+    ("post_processing", "path"): "mpmcli run -o names a folder",
+}
+"""Keys without effect on the motion."""
+ORDER = (
+    "version", "title", "units", "constants", "analysis", "grid", "method", "materials", "bodies",
+    "boundary", "loads", "time", "domain", "archive",
+)  # fmt: skip
+"""Keys of the scene in the order of writing."""
+
+
+def translate(path: Path, partial: bool) -> Translation:
+    """Translate the main file of a source, often called mpm.json."""
+    made = Translation(path, "CB-Geo MPM")
+    given = read_input(path)
+    for line, key, hint in given.unknown_keys():
+        dead = DEAD_KEYS.get(key.rpartition(".")[2])
+        if dead is not None:
+            made.note("ignored", line, key, dead)
+        else:
+            made.note("not_supported", line, key, f"the key is not known{hint}")
+    work = _begun(given, made)
+    if work is None or made.errors:
+        return made
+    try:
+        _run(work)
+    except SceneError as error:
+        add_problems(made, error)
+    made.scene = {key: made.scene[key] for key in ORDER if made.scene.get(key)}
+    return made
+
+
+def _begun(given: Input, made: Translation) -> Work | None:
+    """The source's grid, sets and particles; None, with problems, if there are none."""
+    mesh = given.source.mesh
+    if mesh.cell_type not in CELL_TYPES:
+        words = OTHER_CELLS.get(mesh.cell_type)
+        line = given.line("mesh", "cell_type")
+        if words is None:
+            known = ", ".join(CELL_TYPES)
+            made.error(
+                line, "mesh.cell_type", f"'{mesh.cell_type}' is no type of cell that is known ({known})"
+            )
+        else:
+            made.error(line, "mesh.cell_type", f"not supported: {words}; the grid has rectangular cells")
+        return None
+    d = CELL_TYPES[mesh.cell_type][0]
+    if mesh.io_type != f"Ascii{d}D":
+        words = f"'{mesh.io_type}' does not fit the {d}D cells '{mesh.cell_type}'"
+        made.error(given.line("mesh", "io_type"), "mesh.io_type", words)
+        return None
+    folder = Folder(given)
+    try:
+        grid = read_grid(folder.table(mesh.mesh, (2, d, 3, 2**d), "mesh", "mesh"), d)
+        sets = folder.sets()
+        return Work(given, folder, made, grid, sets, read_cloud(given, folder, grid, sets))
+    except SceneError as error:
+        add_problems(made, error)
+        return None
+
+
+def _run(work: Work) -> None:
+    scene, given = work.scene, work.given
+    scene["version"] = 1
+    scene["title"] = given.source.title
+    scene["units"] = {"length": "m", "mass": "kg", "time": "s"}
+    work.made.comment(("units",), "CB-Geo takes any consistent units; these are those of its documentation")
+    scene["analysis"] = {"kind": "plane_strain" if work.grid.d == 2 else "3d"}
+    _add_grid(work)
+    add_method(work)
+    add_time(work)
+    add_archive(work)
+    bodies = add_bodies(work, add_materials(work))
+    add_conditions(work)
+    add_loads(work, bodies)
+    _note_ignored(work)
+
+
+def _add_grid(work: Work) -> None:
+    grid = work.grid
+    cell = grid.cell.tolist()
+    work.scene["grid"] = {
+        "lower": grid.lower.tolist(),
+        "upper": grid.upper.tolist(),
+        "cell": cell[0] if len(set(cell)) == 1 else cell,
+    }
+    if not grid.is_turned:
+        return
+    if grid.d == 2:
+        work.constant("turn", grid.angle)
+        how = f"by {grid.angle:g} degrees"
+        work.made.comment(("constants", "turn"), "degrees from x of CB-Geo's mesh file to x of this scene")
+    else:
+        rows = ", ".join("[" + ", ".join(f"{value:.6g}" for value in column) + "]" for column in grid.axes.T)
+        how = f"with axes along {rows}"
+    words = (
+        f"the regular grid is turned {how}; the scene lies in the grid's axes, and gravity is turned instead"
+    )
+    work.note("changed", ("mesh", "mesh"), words)
+
+
+def _note_ignored(work: Work) -> None:
+    for keys, words in IGNORED.items():
+        if work.given.has(*keys):
+            work.note("ignored", keys, words)
+    if work.given.has("analysis", "resume") and not work.given.source.analysis.resume.resume:
+        work.note("ignored", ("analysis", "resume"), "switched off in the source")
+    if work.given.has("material_sets") and not work.given.source.mesh.update_materials:
+        work.note(
+            "ignored", ("material_sets",), "without mesh.update_materials CB-Geo does not use them, either"
+        )

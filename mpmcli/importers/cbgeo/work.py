@@ -1,0 +1,153 @@
+"""What all parts of a translation share: the source, its grid, sets and particles, and the scene that is made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from mpmcli.core.errors import SceneError
+from mpmcli.importers.base import Expression, NoteKind, Translation
+from mpmcli.importers.cbgeo.mesh import RegularGrid
+from mpmcli.importers.cbgeo.particles import Cloud
+from mpmcli.importers.cbgeo.reading import Array, Folder, Input
+from mpmcli.importers.cbgeo.source import EntitySets, LinearFunction, SinFunction
+from mpmcli.importers.scene_text import number
+
+Keys = tuple[str | int, ...]
+MAX_INLINE = 8
+"""Points of a function that are written into an expression; more of them go to a file."""
+
+
+@dataclass
+class Work:
+    """A translation under way."""
+
+    given: Input
+    folder: Folder
+    made: Translation
+    grid: RegularGrid
+    sets: EntitySets
+    cloud: Cloud
+
+    @property
+    def scene(self) -> dict[str, Any]:
+        """The scene."""
+        return self.made.scene
+
+    def note(self, kind: NoteKind, keys: Keys, words: str) -> None:
+        """Add a note about a key of the source."""
+        self.made.note(kind, self.given.line(*keys), dotted(keys), words)
+
+    def fault(self, keys: Keys, words: str) -> None:
+        """Add a fault of the source."""
+        self.made.error(self.given.line(*keys), dotted(keys), words)
+
+    def refuse(self, error: SceneError) -> None:
+        """Keep the problems of an error with the others."""
+        add_problems(self.made, error)
+
+    def constant(self, name: str, value: float) -> None:
+        """Name a number."""
+        self.scene.setdefault("constants", {})[name] = value
+
+    def nodes_of(self, set_id: int | None, keys: Keys) -> Array | None:
+        """Numbers of the nodes of a set; −1 is all of them. A fault if there is no such set."""
+        import numpy as np
+
+        if set_id is None:
+            self.fault(keys, "'nset_id' is missing")
+            return None
+        if set_id == -1:
+            return np.arange(len(self.grid.nodes))
+        chosen = next((group for group in self.sets.node_sets if group.id == set_id), None)
+        if chosen is None or not chosen.set:
+            self.fault((*keys, "nset_id"), f"there is no node set {set_id}, or it is empty")
+            return None
+        if max(chosen.set) >= len(self.grid.nodes):
+            words = (
+                f"node {max(chosen.set)} of the set {set_id} does not exist ({len(self.grid.nodes)} nodes)"
+            )
+            self.fault((*keys, "nset_id"), words)
+            return None
+        return np.unique(np.array(chosen.set))
+
+    def axis(self, direction: int | None, keys: Keys) -> int | None:
+        """The axis of a constraint or load; a fault if it is missing or does not exist."""
+        if direction is None:
+            self.fault(keys, "'dir' is missing")
+        elif direction >= self.grid.d:
+            self.fault((*keys, "dir"), f"there is no axis {direction} in {self.grid.d}D")
+        else:
+            return direction
+        return None
+
+    def times(self, value: float, function_id: int | None, keys: Keys) -> float | Expression | None:
+        """A value times its function of time, as a number or an expression."""
+        if function_id is None or value == 0.0:
+            return value
+        functions = self.given.source.math_functions
+        at = next((i for i, function in enumerate(functions) if function.id == function_id), None)
+        if at is None:
+            self.fault((*keys, "math_function_id"), f"there is no math function {function_id}")
+            return None
+        function = functions[at]
+        if isinstance(function, SinFunction):
+            return self._sine(value, function)
+        if isinstance(function, LinearFunction):
+            return self._linear(value, function, ("math_functions", at))
+        words = f"functions of type '{function.type}'; Linear and Sin are"
+        self.note("not_supported", ("math_functions", at, "type"), words)
+        return None
+
+    def _sine(self, value: float, function: SinFunction) -> Expression:
+        shifted = "t" if function.x0 == 0 else f"(t - {plain(function.x0)})"
+        wave = f"{times_text(value)}sin({plain(function.a)}*{shifted})"
+        if function.xrange is not None:
+            wave += f"*(t >= {plain(function.xrange[0])})*(t <= {plain(function.xrange[1])})"
+        return Expression(wave)
+
+    def _linear(self, value: float, function: LinearFunction, keys: Keys) -> float | Expression | None:
+        x, f = function.xvalues, function.fxvalues
+        if len(x) != len(f):
+            self.fault(keys, f"'xvalues' has {len(x)} values and 'fxvalues' {len(f)}")
+            return None
+        back = next((i for i in range(1, len(x)) if x[i] <= x[i - 1]), None)
+        if back is not None:
+            self.fault(
+                (*keys, "xvalues"), f"the values must increase, but {x[back]:g} follows {x[back - 1]:g}"
+            )
+            return None
+        if all(member == f[0] for member in f):
+            return value * f[0]
+        if len(x) > MAX_INLINE:
+            name = f"function_{function.id}.csv"
+            rows = [f"{plain(a)},{plain(b)}" for a, b in zip(x, f, strict=True)]
+            self.made.files[name] = "\n".join(["t,value", *rows]) + "\n"
+            return Expression(f'{times_text(value)}interpolate(t, "{name}")')
+        last = max(i for i in range(1, len(x)) if f[i] != f[i - 1])  # constant from there on
+        if last == 1 and f[0] == 0.0:
+            return Expression(f"{times_text(value * f[1])}ramp(t, {plain(x[0])}, {plain(x[1])})")
+        pairs = ", ".join(
+            f"{plain(a)}, {plain(b)}" for a, b in zip(x[: last + 1], f[: last + 1], strict=True)
+        )
+        return Expression(f"{times_text(value)}interpolate(t, {pairs})")
+
+
+def add_problems(made: Translation, error: SceneError) -> None:
+    """Keep the problems of an error with those of the translation."""
+    made.errors += [problem for problem in error.problems if problem not in made.errors]
+
+
+def dotted(keys: Keys) -> str:
+    """A path of keys in words."""
+    return ".".join(map(str, keys))
+
+
+def plain(value: float) -> str:
+    """A number in an expression."""
+    return str(number(value))
+
+
+def times_text(value: float) -> str:
+    """A factor in front of a function."""
+    return {1.0: "", -1.0: "-"}.get(value, f"{plain(value)}*")
