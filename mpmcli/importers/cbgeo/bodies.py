@@ -7,10 +7,17 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.importers.base import Expression
+from mpmcli.importers.cbgeo.mesh import AXES, rounded
 from mpmcli.importers.cbgeo.particles import Filled, as_table, filled
 from mpmcli.importers.cbgeo.reading import Array
 from mpmcli.importers.cbgeo.source import OtherGenerator
-from mpmcli.importers.cbgeo.work import Work
+from mpmcli.importers.cbgeo.work import Work, plain
+
+COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
+"""Components of stress in the order of the source."""
+LINEAR = 1e-5
+"""How far stresses may lie from a linear field, in shares of the largest one: files have few digits."""
 
 
 @dataclass(frozen=True)
@@ -51,15 +58,50 @@ def add_bodies(work: Work, materials: dict[int, str]) -> list[Made]:
             body["region"] = {"kind": "points", "file": file}
             words = f"{len(members)} particles with the volumes that CB-Geo gives them"
             work.made.comment(("bodies", len(bodies)), words)
+        stress = _stress(work, members)
+        if stress is not None:
+            body["stress"] = stress
         if materials.get(material):
             bodies.append(body)
             found.append(Made(name, members, even))
-    _refuse_stress(work)
     return found
 
 
-def _refuse_stress(work: Work) -> None:
-    stress = work.cloud.stress
-    if stress is not None and stress.any():
-        words = "this version of mpmcli has no initial stress"
-        work.note("not_supported", ("mesh", "particles_stresses"), words)
+def _stress(work: Work, members: Array) -> dict[str, Any] | None:
+    """The stress of a body at the start, where each component is constant or linear in space; None without stress."""
+    if work.cloud.stress is None or not work.cloud.stress[members].any():
+        return None
+    stress = work.cloud.stress[members]
+    x = work.cloud.x[members]
+    largest = float(np.abs(stress).max())
+    made: dict[str, Any] = {"kind": "components"}
+    for name, values in zip(COMPONENTS, stress.T, strict=True):
+        field = _linear(x, values, LINEAR * largest)
+        if field is None:
+            words = f"initial stresses {name} that are neither constant nor linear in space"
+            work.note("not_supported", ("mesh", "particles_stresses"), words)
+            return None
+        if field != 0:
+            made[name] = field
+    return made
+
+
+def _linear(x: Array, values: Array, tolerance: float) -> float | Expression | None:
+    """A number, or an expression linear in x, y, z, that gives values (n,) at places (n, d); None if none does."""
+    if np.ptp(values) <= tolerance:
+        mean = float(rounded(values.mean()))
+        return mean if abs(mean) > tolerance else 0.0
+    matrix = np.c_[np.ones(len(x)), x - x.mean(axis=0)]
+    numbers = np.linalg.lstsq(matrix, values, rcond=None)[0]
+    if np.abs(matrix @ numbers - values).max() > tolerance:
+        return None
+    slopes = [
+        slope if abs(slope) * np.ptp(x[:, k]) > tolerance else 0.0 for k, slope in enumerate(numbers[1:])
+    ]
+    start = float(rounded(numbers[0] - np.dot(slopes, x.mean(axis=0))))
+    text = plain(start) if abs(start) > tolerance else ""
+    for axis, slope in zip(AXES, slopes, strict=False):
+        if slope:
+            factor = plain(float(rounded(np.array(abs(slope)))))
+            text += f"{' - ' if slope < 0 else ' + '}{factor}*{axis}"
+    return Expression(text.removeprefix(" + ").replace(" - ", "-", 1) if text.startswith(" ") else text)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -87,7 +88,7 @@ class RegularGrid:
         return rounded(self.lower + self.cell * index)
 
 
-def rounded(values: Array) -> Array:
+def rounded(values: Any) -> Array:
     """Numbers without the last digits that arithmetic leaves."""
     return np.vectorize(lambda value: float(f"{value:.11g}"), otypes=[float])(values) + 0.0
 

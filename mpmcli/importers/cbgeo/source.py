@@ -1,7 +1,6 @@
-"""The input of CB-Geo MPM as checked models: every key that its reader knows, and what each means.
+"""The input of CB-Geo MPM as checked models, by the readers of cb-geo/mpm and the pages of cb-geo/mpm-doc.
 
-Keys and meanings are those of the solvers and readers of cb-geo/mpm and of the pages in cb-geo/mpm-doc. Keys that
-no model has are kept, so that the importer can tell of each with its line.
+Keys that no model has are kept, so that the importer can tell of each with its line.
 """
 
 from __future__ import annotations
@@ -11,7 +10,6 @@ from typing import Annotated, Any, Literal
 from pydantic import AliasChoices, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
 MAX_STEPS = 10_000_000_000
-MAX_PER_AXIS = 10
 
 
 def _whole(value: Any) -> Any:
@@ -128,7 +126,7 @@ class GaussGenerator(Generator):
     """Particles at the Gauss points of cells."""
 
     type: Literal["gauss"]
-    nparticles_per_dir: Annotated[int, BeforeValidator(_whole), Field(ge=1, le=MAX_PER_AXIS)]
+    nparticles_per_dir: Annotated[int, BeforeValidator(_whole), Field(ge=1, le=10)]
     cset_id: Whole = -1
 
 
