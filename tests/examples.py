@@ -79,6 +79,10 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
             "softening_end": 0.1,
         },
     ],
+    "granular": [
+        {"E": 3, "nu": 0.3, "mu_s": 0.6, "mu_2": 0.9, "I0": 0.3, "grain_diameter": 0.1, "grain_density": 1.5},
+        {"K": 2, "G": 1, "mu_s": 0.7, "mu_2": 0.7, "grain_diameter": 0.1, "grain_density": 1.5},
+    ],
     "ideal_gas": [{"pressure": 0.7}],
     "tait_fluid": [{"K": 2}, {"K": 2, "viscosity": 0.1}, {"K": 2, "tension_limit": 0.05}],
     "rigid": [{}],

@@ -96,6 +96,7 @@ OTHER_WORDS = {
     "ellipse": "oval",
     "film": "convection robin newton_cooling",
     "fmpm": "pic",
+    "granular": "mu_i grains sand",
     "gravity": "weight",
     "heat_flux": "neumann",
     "heat_source": "source heating",

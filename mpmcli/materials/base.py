@@ -21,6 +21,7 @@ from mpmcli.core.registry import Registry
 
 KINDS = {
     "drucker_prager": "drucker_prager",
+    "granular": "granular",
     "ideal_gas": "ideal_gas",
     "j2_plastic": "j2_plastic",
     "linear_elastic": "linear_elastic",
@@ -46,8 +47,8 @@ class Matter(Model):
     history: ClassVar[tuple[str, ...]] = ()
     """Names of its history variables, in the order of their rows in ``Particles.H``."""
     properties: ClassVar[frozenset[str]] = frozenset()
-    """Any of ``hyperelastic``, ``isotropic``, ``stress_free_at_rest``, ``fluid``, ``rigid``, and ``equation_of_state``:
-    compression heats it, and heat changes its pressure, by its own law."""
+    """Any of ``hyperelastic``, ``isotropic``, ``stress_free_at_rest``, ``cohesionless`` (bears no tension), ``fluid``,
+    ``rigid``, and ``equation_of_state``: compression heats it, and heat changes its pressure, by its own law."""
 
     field: Annotated[str, Field(min_length=1, max_length=80)] | None = None
     """Name of its velocity field in contact of materials; materials that name the same one share it."""

@@ -10,14 +10,19 @@ from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_symmetric
 from mpmcli.materials.base import MATERIALS, kirchhoff_stress
 from mpmcli.materials.friction_angle import (
-    STRAIN,
     FrictionalModel,
     FrictionalPart,
-    keep_plastic,
-    registered,
     strength_at,
 )
-from mpmcli.materials.hencky import double_contraction, keep_tensor, split_strain, trial_tensor
+from mpmcli.materials.hencky import (
+    STRAIN,
+    double_contraction,
+    hencky_plastic,
+    keep_plastic,
+    keep_tensor,
+    split_strain,
+    trial_tensor,
+)
 
 MATCHES = {"outer": 0, "inner": 1, "plane_strain": 2}
 """Number of each match, as the functions take it."""
@@ -40,7 +45,7 @@ class DruckerPrager(FrictionalModel):
         return Prager(*self.frictional_parameters(analysis), MATCHES[self.match])
 
 
-Prager = registered(namedtuple("Prager", (*FrictionalPart._fields, "match")))  # type: ignore[misc]
+Prager = hencky_plastic(namedtuple("Prager", (*FrictionalPart._fields, "match")))  # type: ignore[misc]
 
 
 @inline

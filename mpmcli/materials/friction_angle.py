@@ -10,19 +10,8 @@ from pydantic import Field, model_validator
 from mpmcli.core.angles import Angle
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.model import Quantity
-from mpmcli.materials.base import (
-    bulk_speed_squared,
-    dissipated_heat,
-    needs_increment,
-    strain_energy,
-    wave_speed_squared,
-)
-from mpmcli.materials.defaults import with_defaults, yes
 from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
-from mpmcli.materials.hencky import ELASTIC, elastic_volume, hencky_energy
-
-STRAIN, WORK, LAST = 6, 7, 8
-"""Rows of the history after the six of the elastic strain."""
+from mpmcli.materials.hencky import HISTORY
 
 Strength = Annotated[float, Quantity("pressure", ge=0, lt=1e30)]
 AcuteAngle = Annotated[Angle, Field(ge=0, lt=90)]
@@ -35,12 +24,7 @@ class FrictionalModel(ElasticModel):
     belongs to the plastic strain at the start of a step.
     """
 
-    history: ClassVar[tuple[str, ...]] = (
-        *ELASTIC,
-        "equivalent_plastic_strain",
-        "plastic_work",
-        "plastic_work_of_step",
-    )
+    history: ClassVar[tuple[str, ...]] = HISTORY
     properties: ClassVar[frozenset[str]] = frozenset({"isotropic", "stress_free_at_rest"})
 
     cohesion: Strength = 0.0
@@ -149,37 +133,3 @@ def strength_at(m: Any, alpha: float) -> Any:
         s = math.sin(m.friction + part * m.more_friction)
         d = math.sin(m.dilation + part * m.more_dilation)
     return c, s, d, min(m.tension, c * math.sqrt(1.0 - s * s) / max(s, 1e-200))
-
-
-@inline
-def keep_plastic(H: Any, p: Any, strain: float, work: float) -> None:
-    """Add a step's equivalent plastic strain and plastic work."""
-    H[STRAIN, p] += strain
-    H[WORK, p] += work
-    H[LAST, p] = work
-
-
-def registered(parameters: type) -> type:
-    """Class decorator of the parameter tuple of a frictional law: all but its stress."""
-    with_defaults(parameters)
-    needs_increment.register(parameters)(yes)
-
-    @strain_energy.register(parameters)
-    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-        return hencky_energy(m.bulk, m.shear, H, p)
-
-    @dissipated_heat.register(parameters)
-    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
-        return H[LAST, p]
-
-    @bulk_speed_squared.register(parameters)
-    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-        return max(0.0, m.bulk * (1.0 - elastic_volume(H, p)) / m.density)
-
-    @wave_speed_squared.register(parameters)
-    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-        # ρ₀c² = K + 4G/3 - τ; of τ only the mean
-        stiffer = -m.bulk * min(0.0, elastic_volume(H, p))
-        return m.lateral * (m.bulk + 4.0 / 3.0 * m.shear + stiffer) / m.density
-
-    return parameters

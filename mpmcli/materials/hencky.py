@@ -1,6 +1,7 @@
-"""Hencky elasticity with the elastic left Cauchy–Green tensor in the history: what plastic solids share.
+"""Hencky elasticity with the elastic left Cauchy–Green tensor in the history: what soils share.
 
-The rows hold bᵉ − I. A step takes bᵉ to dF bᵉ dFᵀ; a return mapping then shortens ε = ½ ln bᵉ.
+The first rows hold bᵉ − I. A step takes bᵉ to dF bᵉ dFᵀ; a return mapping then shortens ε = ½ ln bᵉ. Three more rows
+count plastic strain and work.
 """
 
 from __future__ import annotations
@@ -10,9 +11,24 @@ from typing import Any
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import log_symmetric, logarithm
 from mpmcli.core.tensors import push_forward
+from mpmcli.materials.base import (
+    bulk_speed_squared,
+    dissipated_heat,
+    needs_increment,
+    strain_energy,
+    wave_speed_squared,
+)
+from mpmcli.materials.defaults import with_defaults, yes
 
-ELASTIC = tuple(f"elastic_{component}" for component in ("xx", "yy", "zz", "xy", "yz", "xz"))
-"""Names of the first six rows of the history."""
+HISTORY = (
+    *(f"elastic_{component}" for component in ("xx", "yy", "zz", "xy", "yz", "xz")),
+    "equivalent_plastic_strain",
+    "plastic_work",
+    "plastic_work_of_step",
+)
+"""Names of the first rows of the history."""
+STRAIN, WORK, LAST = 6, 7, 8
+"""The rows after those of the elastic strain."""
 
 
 @inline
@@ -68,3 +84,40 @@ def hencky_energy(bulk: float, shear: float, H: Any, p: Any) -> float:
     """½K tr²ε + G dev ε : dev ε of particle ``p`` [pressure]."""
     trace, deviator = split_strain(elastic_tensor(H, p))
     return 0.5 * bulk * trace * trace + shear * double_contraction(deviator)
+
+
+@inline
+def keep_plastic(H: Any, p: Any, strain: float, work: float) -> None:
+    """Add a step's equivalent plastic strain and plastic work."""
+    H[STRAIN, p] += strain
+    H[WORK, p] += work
+    H[LAST, p] = work
+
+
+def hencky_plastic(parameters: type) -> type:
+    """Class decorator of a parameter tuple with bulk, shear, density and lateral: all of a plastic law but its stress.
+
+    ``lateral`` is the wave stiffness of the analysis over that of uniaxial strain.
+    """
+    with_defaults(parameters)
+    needs_increment.register(parameters)(yes)
+
+    @strain_energy.register(parameters)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        return hencky_energy(m.bulk, m.shear, H, p)
+
+    @dissipated_heat.register(parameters)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+        return H[LAST, p]
+
+    @bulk_speed_squared.register(parameters)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        return max(0.0, m.bulk * (1.0 - elastic_volume(H, p)) / m.density)
+
+    @wave_speed_squared.register(parameters)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        # ρ₀c² = K + 4G/3 - τ; of τ only the mean
+        stiffer = -m.bulk * min(0.0, elastic_volume(H, p))
+        return m.lateral * (m.bulk + 4.0 / 3.0 * m.shear + stiffer) / m.density
+
+    return parameters

@@ -10,14 +10,11 @@ from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_1d
 from mpmcli.materials.base import MATERIALS, kirchhoff_stress
 from mpmcli.materials.friction_angle import (
-    STRAIN,
     FrictionalModel,
     FrictionalPart,
-    keep_plastic,
-    registered,
     strength_at,
 )
-from mpmcli.materials.hencky import keep_tensor, trial_tensor
+from mpmcli.materials.hencky import STRAIN, hencky_plastic, keep_plastic, keep_tensor, trial_tensor
 from mpmcli.materials.principal import from_principal, principal_strains
 
 
@@ -36,7 +33,7 @@ class MohrCoulomb(FrictionalModel):
         return Coulomb(*self.frictional_parameters(analysis))
 
 
-Coulomb = registered(namedtuple("Coulomb", FrictionalPart._fields))  # type: ignore[misc]
+Coulomb = hencky_plastic(namedtuple("Coulomb", FrictionalPart._fields))  # type: ignore[misc]
 
 
 @inline

@@ -37,6 +37,7 @@ TRANSFERS = {"flip": ("brackbill1986",), "fmpm": ("nairn2026",)}
 """References beside those of the models' docstrings."""
 MATERIALS = {
     ("mie_gruneisen", None): ("nairn2020",),
+    ("granular", None): ("dunatunga2015", "jop2006"),
     ("mohr_coulomb", None): ("clausen2006",),
     ("neo_hookean", "none"): ("nairn2026",),
     ("neo_hookean", "isochoric"): ("nairn2020",),

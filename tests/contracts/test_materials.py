@@ -74,7 +74,7 @@ def test_declares_known_analyses_and_properties(model):
     assert model.analyses
     assert model.analyses <= set(ANALYSES)
     assert model.properties <= {
-        "hyperelastic", "isotropic", "stress_free_at_rest", "fluid", "rigid", "equation_of_state",
+        "hyperelastic", "isotropic", "stress_free_at_rest", "cohesionless", "fluid", "rigid", "equation_of_state",
     }  # fmt: skip
     assert set(model.initial_history()) <= set(model.history)
     assert type(model).__doc__
@@ -141,7 +141,8 @@ def test_a_resting_fluid_has_no_shear_stress(model):
 
 @having("rigid", wanted=False)
 def test_compression_raises_the_pressure(model):
-    pressures = [-np.trace(stress(model, c * np.eye(3))) / 3 / c**3 for c in (1.05, 1.0, 0.95, 0.9)]
+    sizes = (1.0, 0.95, 0.9) if "cohesionless" in model.properties else (1.05, 1.0, 0.95, 0.9)
+    pressures = [-np.trace(stress(model, c * np.eye(3))) / 3 / c**3 for c in sizes]
     assert np.all(np.diff(pressures) > 0)
 
 
@@ -177,6 +178,8 @@ def test_wave_speed_is_the_slope_of_stress_against_strain(model):
     H = start(model)
 
     def slope(make):
+        if "cohesionless" in model.properties:
+            return (stress(model, make(0.0)) - stress(model, make(-h))) / h
         return (stress(model, make(h)) - stress(model, make(-h))) / (2 * h)
 
     along = slope(lambda x: np.diag([np.exp(x), 1, 1]))[0, 0] - stress(model, np.eye(3))[0, 0]

@@ -140,8 +140,23 @@ SUPPORTED = [
 ]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "analysis"), SUPPORTED)
+SEVERAL = {"ideal_gas", "j2_plastic", "linear_elastic", "mie_gruneisen", "neo_hookean", "tait_fluid"}
+"""Kinds that run in every analysis here; each analysis of another one takes 10 s to compile."""
+
+
+@pytest.mark.parametrize(
+    ("name", "analysis"),
+    [
+        pytest.param(
+            name,
+            analysis,
+            marks=pytest.mark.slow
+            if analysis == "plane_strain" or MODELS[name]["kind"] in SEVERAL
+            else pytest.mark.long,
+        )
+        for name, analysis in SUPPORTED
+    ],
+)
 def test_materials(hold_alike, name, analysis):
     method = {
         "shape": "ugimp",

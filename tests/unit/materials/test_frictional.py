@@ -11,7 +11,7 @@ from scipy.optimize import nnls
 from mpmcli.materials import MATERIALS
 from mpmcli.materials.base import kirchhoff_stress, strain_energy
 from mpmcli.materials.drucker_prager import cone_of
-from mpmcli.materials.friction_angle import LAST, STRAIN, WORK
+from mpmcli.materials.hencky import LAST, STRAIN, WORK
 from mpmcli.materials.mohr_coulomb import return_principal
 
 E, NU = 3.0, 0.3
