@@ -55,6 +55,10 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
             "softening_end": 0.1,
         },
     ],
+    "bingham": [
+        {"K": 2, "viscosity": 0.1, "yield_stress": 0.05},
+        {"K": 2, "G": 1, "viscosity": 0, "yield_stress": 0.02, "tension_limit": 0.1},
+    ],
     "drucker_prager": [
         {"E": 3, "nu": 0.3, "cohesion": 0.02, "friction": 30, "dilation": 10, "match": "outer"},
         {

@@ -87,6 +87,7 @@ OTHER_WORDS = {
     "upper": "max maximum to",
     "velocity": "v v0 initial_velocity speed",
     # kinds
+    "bingham": "slurry mud viscoplastic yield_stress_fluid",
     "bitmap": "image picture png",
     "box": "rectangle rect square cube cuboid block brick rectangular",
     "coulomb": "friction frictional amontons",

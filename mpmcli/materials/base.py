@@ -20,6 +20,7 @@ from mpmcli.core.model import Density, Model, Quantity
 from mpmcli.core.registry import Registry
 
 KINDS = {
+    "bingham": "bingham",
     "drucker_prager": "drucker_prager",
     "granular": "granular",
     "ideal_gas": "ideal_gas",

@@ -22,20 +22,11 @@ from mpmcli.materials.base import (
 from mpmcli.materials.defaults import with_defaults, yes
 
 
-@MATERIALS.register
-class TaitFluid(MaterialModel):
-    """Tait (Murnaghan) fluid: p = (K/n)(J^(−n) − 1), σ = −p I + 2μ dev D, D the rate of deformation.
-
-    Stored energy per initial volume: (K/n)(J^(1−n)/(n − 1) + J − n/(n − 1)). With ``tension_limit`` T, p is
-    at least −T: beyond the J_T where p = −T the pressure stays there, and the energy grows by T(J − J_T).
-    """
+class TaitModel(MaterialModel):
+    """Base of liquids with Tait's pressure p = (K/n)(J^(−n) − 1) and a viscosity."""
 
     analyses: ClassVar[frozenset[str]] = frozenset({"uniaxial_strain", "plane_strain", "axisymmetric", "3d"})
-    properties: ClassVar[frozenset[str]] = frozenset(
-        {"hyperelastic", "isotropic", "stress_free_at_rest", "fluid"}
-    )
 
-    kind: Literal["tait_fluid"]
     K: PositivePressure
     """Bulk modulus at rest."""
     exponent: Annotated[float, Quantity("1", gt=1)] = 7.0
@@ -45,13 +36,32 @@ class TaitFluid(MaterialModel):
     tension_limit: Annotated[float, Quantity("pressure", ge=0)] | None = None
     """Largest tension, so that the pressure is never less than its negative; 0 for liquids with a free surface."""
 
-    def parameters(self, analysis: str, adiabatic: bool) -> Tait:
+    def tait(self) -> Tait:
         """Modulus, exponent, viscosity, density; the largest tension and the J at which it is reached."""
         utmost = self.K / self.exponent  # which p = (K/n)(J^(-n) - 1) never passes
         limit = utmost if self.tension_limit is None else min(self.tension_limit, utmost)
         largest_J = (1.0 - limit / utmost) ** (-1.0 / self.exponent) if limit < utmost else math.inf
         numbers = (self.K, self.exponent, self.viscosity, self.density, limit, min(largest_J, 1e300))
         return Tait(*numbers)
+
+
+@MATERIALS.register
+class TaitFluid(TaitModel):
+    """Tait (Murnaghan) fluid: p = (K/n)(J^(−n) − 1), σ = −p I + 2μ dev D, D the rate of deformation.
+
+    Stored energy per initial volume: (K/n)(J^(1−n)/(n − 1) + J − n/(n − 1)). With ``tension_limit`` T, p is
+    at least −T: beyond the J_T where p = −T the pressure stays there, and the energy grows by T(J − J_T).
+    """
+
+    properties: ClassVar[frozenset[str]] = frozenset(
+        {"hyperelastic", "isotropic", "stress_free_at_rest", "fluid"}
+    )
+
+    kind: Literal["tait_fluid"]
+
+    def parameters(self, analysis: str, adiabatic: bool) -> Tait:
+        """The numbers of the pressure and the viscosity."""
+        return self.tait()
 
     def initial_wave_speed(self, analysis: str) -> float:
         """√(K/ρ) [velocity]."""
@@ -76,6 +86,21 @@ needs_increment.register(Tait)(yes)
 
 
 @inline
+def tait_mean(m: Any, J: float) -> float:
+    """Mean Kirchhoff stress −Jp [pressure]."""
+    mean = -m.bulk / m.exponent * (J * exponential_1d(-m.exponent * logarithm(J)) - J)
+    return min(mean, m.tension * J)
+
+
+@inline
+def tait_energy(m: Any, J: float) -> float:
+    """Stored energy per initial volume [pressure]."""
+    n, bounded = m.exponent, min(J, m.tension_J)
+    elastic = exponential_1d((1.0 - n) * logarithm(bounded)) / (n - 1.0) + bounded - n / (n - 1.0)
+    return m.bulk / n * elastic + m.tension * (J - bounded)
+
+
+@inline
 def deviator_of_rate(dF: Any) -> Any:
     """dev D Δt, with engineering shear strains: xx, yy, zz, 2xy, 2yz, 2xz."""
     # D Δt is the symmetric part of ln dF = E - E²/2 + …, E = dF - I
@@ -92,8 +117,7 @@ def deviator_of_rate(dF: Any) -> Any:
 @kirchhoff_stress.register(Tait)
 def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
     J = determinant(F)
-    mean = -m.bulk / m.exponent * (J * exponential_1d(-m.exponent * logarithm(J)) - J)
-    mean = min(mean, m.tension * J)
+    mean = tait_mean(m, J)
     if m.viscosity == 0.0 or dt == 0.0:
         return mean, mean, mean, 0.0, 0.0, 0.0
     xx, yy, zz, xy, yz, xz = deviator_of_rate(dF)
@@ -103,10 +127,7 @@ def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
 
 @strain_energy.register(Tait)
 def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    J = determinant(F)
-    n, bounded = m.exponent, min(J, m.tension_J)
-    elastic = exponential_1d((1.0 - n) * logarithm(bounded)) / (n - 1.0) + bounded - n / (n - 1.0)
-    return m.bulk / n * elastic + m.tension * (J - bounded)
+    return tait_energy(m, determinant(F))
 
 
 @dissipated_heat.register(Tait)
