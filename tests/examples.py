@@ -30,6 +30,7 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
         {"K": 2, "G": 1, "split": "isochoric"},
         {"K": 2, "G": 1, "split": "isochoric", "volumetric": "log"},
     ],
+    "mooney_rivlin": [{"G1": 0.7, "G2": 0.3, "K": 2}, {"G1": 0.7, "G2": 0.3, "K": 2, "volumetric": "log"}],
     "mie_gruneisen": [
         {"K": 2, "S1": 1.4, "gamma0": 2, "heat_capacity": 1e-3},
         {"C0": 1.5, "G": 1, "S1": 1.2, "S2": 0.1, "gamma0": 1.5, "heat_capacity": 1e-3},
@@ -93,7 +94,7 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
 }
 """Of each kind of material, numbers of every sub-model (moduli of about 3, for densities of about 1)."""
 
-IN_PLANE_STRAIN: dict[str, int] = {"j2_plastic": 2}
+IN_PLANE_STRAIN: dict[str, int] = {"j2_plastic": 2, "mooney_rivlin": 0}
 """Kinds of which the examples from this one on are compiled for plane strain only, which saves time."""
 
 NORMALS: dict[str, dict[str, Any]] = {"specified": {"vector": [1, 0.2]}}

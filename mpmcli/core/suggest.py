@@ -107,6 +107,7 @@ OTHER_WORDS = {
     "linear_elastic": "elastic hooke linear isotropic",
     "mesh": "stl obj surface",
     "mohr_coulomb": "mohrcoulomb soil rock",
+    "mooney_rivlin": "mooney rivlin",
     "neo_hookean": "hyperelastic rubber neohookean neohooke",
     "plane_strain": "2d planar plane",
     "power_law": "ludwik ludwig nonlinear",

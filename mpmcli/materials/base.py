@@ -28,6 +28,7 @@ KINDS = {
     "linear_elastic": "linear_elastic",
     "mie_gruneisen": "mie_gruneisen",
     "mohr_coulomb": "mohr_coulomb",
+    "mooney_rivlin": "mooney_rivlin",
     "neo_hookean": "neo_hookean",
     "rigid": "rigid",
     "tait_fluid": "tait_fluid",

@@ -64,11 +64,11 @@ def test_formula_and_slope(kind):
 @every
 def test_simple_shear_meets_the_flow_stress_and_accounts_for_the_work(kind):
     model = make(kind)
-    m, H, dt, size = model.parameters("3d", False), start(model), 0.01, 1e-3
+    m, H, dt, size = model.parameters("3d", False), start(model), 0.01, 4e-3
     dF = (1.0, size, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
     alpha, work = (model.history.index(n) for n in ("equivalent_plastic_strain", "plastic_work"))
     spent, tau = 0.0, (0.0,) * 6
-    for i in range(1, 201):
+    for i in range(1, 51):
         before, old = H[alpha, 0], tau
         F = (1.0, i * size, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
         tau = kirchhoff_stress(m, F, dF, H, 0, dt, True)
@@ -77,7 +77,7 @@ def test_simple_shear_meets_the_flow_stress_and_accounts_for_the_work(kind):
             rate = (H[alpha, 0] - before) / dt
             assert mises(tau) == pytest.approx(FORMULAS[kind](H[alpha, 0], rate), rel=1e-10)
     assert H[alpha, 0] == pytest.approx(0.2 / math.sqrt(3), rel=0.15)
-    assert spent == pytest.approx(H[work, 0] + strain_energy(m, F, H, 0), rel=2e-3)
+    assert spent == pytest.approx(H[work, 0] + strain_energy(m, F, H, 0), rel=1e-2)
 
 
 def test_pressure_and_heat_change_modulus_and_flow_stress_alike():

@@ -1,0 +1,105 @@
+"""One particle of a material under velocity gradients of our choice: the loop over particles, without a grid."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.analysis import ANALYSES
+from mpmcli.core.particles import Particles
+from mpmcli.materials import MATERIALS
+from mpmcli.materials.strain import block_count, stored_energy, update_strain_and_stress
+
+
+class MaterialPoint:
+    """A particle of initial volume 1.
+
+    Parameters
+    ----------
+    analysis : by name
+    words : of the material
+    adiabatic : heat stays where it arises
+    sizes : initial size of its domain along x, y and z
+    """
+
+    def __init__(
+        self,
+        analysis: str,
+        words: dict[str, Any],
+        adiabatic: bool = False,
+        sizes: tuple[float, float, float] = (1, 1, 1),
+    ):
+        self.model: Any = MATERIALS[words["kind"]].model_validate({"density": 1.0} | words)
+        self.analysis = ANALYSES[analysis]()
+        self.m = self.model.parameters(analysis, adiabatic)
+        d = self.analysis.dimensions
+        self.particles = p = Particles.at_rest(
+            self.analysis,
+            np.zeros((d, 1)),
+            np.ones((d, 1)),
+            np.ones(1),
+            np.full(1, self.model.density),
+            body=np.zeros(1),
+            material=np.zeros(1),
+            velocity_field=np.zeros(1),
+            history_rows=max(1, len(self.model.history)),
+        )
+        for row, name in enumerate(self.model.history):
+            p.H[row] = self.model.initial_history().get(name, 0.0)
+        for name, size in zip(getattr(self.model, "domain_sizes", ()), sizes, strict=False):
+            p.H[self.model.history.index(name)] = size
+        self._speed2 = np.zeros(block_count(1))
+        self._bad = np.zeros(block_count(1), dtype=np.int64)
+        self.time = 0.0
+
+    def step(self, dt: float, *L: float) -> np.ndarray:
+        """One step with a velocity gradient, all components or one of them; returns the Kirchhoff stress."""
+        p = self.particles
+        for row, value in enumerate(L):
+            p.L[row] = value
+        update_strain_and_stress[False](
+            self.analysis, self.m, 0, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material, p.stress_work, None, None,
+            dt, (0.0, math.inf), self._speed2, self._bad,
+        )  # fmt: skip
+        assert self._bad[0] == -1
+        self.time += dt
+        return self.tau
+
+    def steps(self, count: int, dt: float, *L: float) -> np.ndarray:
+        """Several of them."""
+        for _ in range(count):
+            self.step(dt, *L)
+        return self.tau
+
+    @property
+    def tau(self) -> np.ndarray:
+        """Kirchhoff stress, its stored components [pressure]."""
+        return self.particles.tau[:, 0].copy()
+
+    @property
+    def F(self) -> np.ndarray:
+        """Deformation gradient, its stored components."""
+        return self.particles.F[:, 0].copy()
+
+    @property
+    def J(self) -> float:
+        """Relative volume."""
+        return float(self.particles.determinant()[0])
+
+    @property
+    def work(self) -> float:
+        """Work of the stress [energy]."""
+        return float(self.particles.stress_work[0])
+
+    @property
+    def energy(self) -> float:
+        """Stored energy [energy]."""
+        p, out = self.particles, np.zeros(1)
+        stored_energy[False](self.analysis, self.m, 0, p.F, p.H, p.material, None, out)
+        return float(out[0])
+
+    def history(self, name: str) -> float:
+        """A history variable."""
+        return float(self.particles.H[self.model.history.index(name), 0])

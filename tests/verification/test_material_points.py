@@ -1,0 +1,122 @@
+"""One particle of each law against closed forms: tension, shear, cycles (docs/verification/materials.md)."""
+
+import math
+
+import numpy as np
+import pytest
+from material_point import MaterialPoint
+from scipy.optimize import brentq
+
+
+@pytest.fixture(autouse=True)
+def in_python(plain_python):
+    """Nothing is compiled; tests/contracts compare compiled code with Python."""
+    with plain_python():
+        yield
+
+
+# ---------------------------------------------------------------------- mooney_rivlin
+
+RUBBER = {"kind": "mooney_rivlin", "G1": 0.7, "G2": 0.3, "K": 1e4}
+
+
+@pytest.mark.parametrize("stretch", [0.5, 0.8, 1.5, 3.0])
+def test_mooney_rivlin_in_uniaxial_tension(stretch):
+    """σ = (G1 + G2/λ)(λ² − 1/λ) of the incompressible law; K is 10⁴ times the shear modulus."""
+    point = MaterialPoint("uniaxial_stress", RUBBER)
+    tau = point.steps(20, 0.05, math.log(stretch))
+    exact = (0.7 + 0.3 / stretch) * (stretch**2 - 1 / stretch)
+    assert tau[0] / point.J == pytest.approx(exact, rel=4e-4)
+    assert point.work == pytest.approx(point.energy, rel=6e-3)
+
+
+@pytest.mark.parametrize("stretch", [0.7, 1.5, 2.0])
+def test_mooney_rivlin_in_equibiaxial_tension(stretch):
+    """σ = G1(λ² − λ⁻⁴) + G2(λ⁴ − λ⁻²)."""
+    point = MaterialPoint("plane_stress", RUBBER)
+    rate = math.log(stretch)
+    tau = point.steps(20, 0.05, rate, 0.0, 0.0, rate)
+    exact = 0.7 * (stretch**2 - stretch**-4) + 0.3 * (stretch**4 - stretch**-2)
+    assert tau[:2] / point.J == pytest.approx([exact, exact], rel=2e-3)
+
+
+def test_mooney_rivlin_in_simple_shear():
+    """τ_xy = (G1 + G2)γ, σ_xx − σ_zz = G1 γ², σ_yy − σ_zz = −G2 γ²."""
+    point = MaterialPoint("plane_strain", RUBBER)
+    xx, yy, zz, xy = point.steps(20, 0.05, 0.0, 0.8, 0.0, 0.0)
+    assert xy == pytest.approx(0.8, rel=1e-12)
+    assert xx - zz == pytest.approx(0.7 * 0.64, rel=1e-9)
+    assert yy - zz == pytest.approx(-0.3 * 0.64, rel=1e-9)
+
+
+# ---------------------------------------------------------------------- hardening of j2_plastic
+
+METAL = {"kind": "j2_plastic", "E": 200.0, "nu": 0.3}
+SWIFT = {"kind": "swift", "yield_stress": 0.4, "eps0": 0.01, "n": 0.2}
+VOCE = {"kind": "voce", "yield_stress": 0.4, "saturation": 0.9, "eps0": 0.05, "modulus": 0.3}
+POWER = {"kind": "power_law", "yield_stress": 0.4, "B": 0.8, "n": 0.3}
+SCG = {"kind": "steinberg_cochran_guinan", "yield_stress": 0.4, "Y_max": 0.7, "beta": 36.0, "n": 0.45}
+RATE = {"m": 0.05, "eps0_dot": 0.001}
+CURVES = {
+    "swift": (SWIFT, lambda a: 0.4 * (1 + a / 0.01) ** 0.2),
+    "voce": (VOCE, lambda a: 0.4 + 0.5 * (1 - math.exp(-a / 0.05)) + 0.3 * a),
+    "power_law": (POWER, lambda a: 0.4 + 0.8 * a**0.3),
+    "steinberg_cochran_guinan": (SCG, lambda a: min(0.7, 0.4 * (1 + 36 * a) ** 0.45)),
+}
+
+
+def tension_curve(Y, strain, E=200.0):
+    """Kirchhoff stress where ε = τ/E + α and τ = Y(α)."""
+    alpha = brentq(lambda a: Y(a) / E + a - strain, 0, strain)
+    return Y(alpha), alpha
+
+
+@pytest.mark.parametrize("kind", list(CURVES))
+def test_tension_curves(kind):
+    law, Y = CURVES[kind]
+    point = MaterialPoint("uniaxial_stress", METAL | {"hardening": law})
+    for _ in range(4):
+        tau = point.steps(5, 0.01, 1.0)
+        stress, alpha = tension_curve(Y, point.time)
+        assert tau[0] == pytest.approx(stress, rel=1e-9)
+        assert point.history("equivalent_plastic_strain") == pytest.approx(alpha, rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["swift", "power_law"])
+def test_tension_at_a_rate(kind):
+    """Ten times the rate raises the flow stress by 10^m; the rate of plastic strain is nearly that of the strain."""
+    law, Y = CURVES[kind]
+    found = {}
+    for rate in (0.01, 0.1, 1e-4):
+        point = MaterialPoint("uniaxial_stress", METAL | {"hardening": law | RATE})
+        found[rate] = point.steps(20, 0.005 / rate, rate)[0], point.history("equivalent_plastic_strain")
+    for rate, (stress, alpha) in found.items():
+        assert stress == pytest.approx(Y(alpha) * max(1.0, rate / 0.001) ** 0.05, rel=1e-3)
+    assert found[0.1][0] / found[0.01][0] == pytest.approx(10**0.05, rel=2e-3)
+
+
+@pytest.mark.parametrize("kind", list(CURVES))
+def test_a_cycle_of_shear_hardens_isotropically(kind):
+    """√3 τ_xy = Y after each reversal; the work is dissipated but for what is stored."""
+    law, Y = CURVES[kind]
+    point = MaterialPoint("plane_strain", METAL | {"hardening": law})
+    for sign in (1, -1, 1):
+        point.steps(30, 2e-3, 0.0, sign * 0.5, sign * 0.5, 0.0)
+        alpha = point.history("equivalent_plastic_strain")
+        assert math.sqrt(3) * point.tau[3] == pytest.approx(sign * Y(alpha), rel=1e-9)
+    assert point.work == pytest.approx(point.history("plastic_work") + point.energy, rel=2e-2)
+
+
+def test_steinberg_cochran_guinan_under_pressure():
+    """Compressed by 5 %, then sheared: the flow stress grows by 1 + A p J^(1/3)."""
+    model = METAL | {"hardening": SCG | {"A": 0.02}}
+    point = MaterialPoint("3d", model)
+    rate = math.log(0.95) / 3
+    point.steps(20, 0.05, rate, 0, 0, 0, rate, 0, 0, 0, rate)
+    p = -200 / (3 * (1 - 2 * 0.3)) * math.log(0.95) / 0.95
+    ratio = 1 + 0.02 * p * 0.95 ** (1 / 3)
+    assert ratio > 1.15
+    tau = point.steps(60, 1e-3, 0, 0.5, 0, 0.5, 0, 0, 0, 0, 0)
+    Y = CURVES["steinberg_cochran_guinan"][1](point.history("equivalent_plastic_strain"))
+    assert math.sqrt(3) * tau[3] == pytest.approx(ratio * Y, rel=1e-6)
+    assert np.mean(tau[:3]) == pytest.approx(-p * 0.95, rel=1e-2)
