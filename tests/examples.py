@@ -21,6 +21,11 @@ HARDENINGS: list[dict[str, Any]] = [
     {"kind": "swift", "yield_stress": 0.02, "eps0": 0.01, "n": 0.3, "m": 0.02, "eps0_dot": 0.1},
     {"kind": "voce", "yield_stress": 0.02, "saturation": 0.06, "eps0": 0.05, "modulus": 0.1},
 ]
+ORTHOTROPIC = {
+    **{"E1": 3, "E2": 2, "E3": 1, "G12": 0.8, "G13": 0.6, "G23": 0.5},
+    **{"nu12": 0.3, "nu13": 0.25, "nu23": 0.35},
+}
+TRANSVERSE = {"E_axial": 3, "E_transverse": 1, "G_axial": 0.6, "nu_axial": 0.3, "nu_transverse": 0.4}
 
 MATERIALS: dict[str, list[dict[str, Any]]] = {
     "linear_elastic": [{"E": 3, "nu": 0.3}, {"K": 2, "G": 1}, {"E": 2, "nu": 0}],
@@ -89,8 +94,14 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
         {"K": 2, "G": 1, "mu_s": 0.7, "mu_2": 0.7, "grain_diameter": 0.1, "grain_density": 1.5},
     ],
     "ideal_gas": [{"pressure": 0.7}],
+    "orthotropic": [ORTHOTROPIC],
     "tait_fluid": [{"K": 2}, {"K": 2, "viscosity": 0.1}, {"K": 2, "tension_limit": 0.05}],
     "rigid": [{}],
+    "transversely_isotropic": [
+        {**TRANSVERSE, "axis": "x"},
+        {**TRANSVERSE, "axis": "y"},
+        {**TRANSVERSE, "axis": "z"},
+    ],
 }
 """Of each kind of material, numbers of every sub-model (moduli of about 3, for densities of about 1)."""
 

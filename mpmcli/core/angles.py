@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
 from mpmcli.core.expressions import parse
 from mpmcli.core.model import has_unit
 
-_IN_DEGREES = {
+IN_DEGREES = {
     "deg": 1.0,
     "degree": 1.0,
     "degrees": 1.0,
@@ -19,8 +19,8 @@ _IN_DEGREES = {
     "rad": 180 / math.pi,
     "radian": 180 / math.pi,
 }
-_IN_DEGREES["radians"] = _IN_DEGREES["rad"]
-_ANGLE = re.compile(r"(.*[\d\s.)])\s*(" + "|".join(sorted(_IN_DEGREES, key=len, reverse=True)) + r")\s*")
+IN_DEGREES["radians"] = IN_DEGREES["rad"]
+ANGLE = re.compile(r"(.*[\d\s.)])\s*(" + "|".join(sorted(IN_DEGREES, key=len, reverse=True)) + r")\s*")
 
 
 def _in_degrees(value: Any, info: ValidationInfo) -> Any:
@@ -28,8 +28,8 @@ def _in_degrees(value: Any, info: ValidationInfo) -> Any:
         raise ValueError("a number is needed, not true or false")
     if not isinstance(value, str):
         return value
-    match = _ANGLE.fullmatch(value)
-    text, factor = (match[1], _IN_DEGREES[match[2]]) if match else (value, 1.0)
+    match = ANGLE.fullmatch(value)
+    text, factor = (match[1], IN_DEGREES[match[2]]) if match else (value, 1.0)
     if has_unit(text):
         raise ValueError(
             f"'{value}' is not an angle; give degrees, or text with a unit such as '15 deg' or '0.3 rad'"

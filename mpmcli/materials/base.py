@@ -30,8 +30,10 @@ KINDS = {
     "mohr_coulomb": "mohr_coulomb",
     "mooney_rivlin": "mooney_rivlin",
     "neo_hookean": "neo_hookean",
+    "orthotropic": "orthotropic",
     "rigid": "rigid",
     "tait_fluid": "tait_fluid",
+    "transversely_isotropic": "transversely_isotropic",
 }
 """The module in this package of each kind."""
 
@@ -51,6 +53,10 @@ class Matter(Model):
     properties: ClassVar[frozenset[str]] = frozenset()
     """Any of ``hyperelastic``, ``isotropic``, ``stress_free_at_rest``, ``cohesionless`` (bears no tension), ``fluid``,
     ``rigid``, and ``equation_of_state``: compression heats it, and heat changes its pressure, by its own law."""
+
+    has_axes: ClassVar[bool] = False
+    """Whether it has material axes, which the ``axes`` of a body turn: then it has ``turned_history`` and
+    ``carried_axis``."""
 
     field: Annotated[str, Field(min_length=1, max_length=80)] | None = None
     """Name of its velocity field in contact of materials; materials that name the same one share it."""

@@ -198,7 +198,12 @@ def fields_of(context: Context) -> dict[str, Quantity]:
     return found
 
 
-HISTORY_DIMENSIONS = {"temperature": "temperature", "internal_energy": "pressure", "plastic_work": "pressure"}
+HISTORY_DIMENSIONS = {
+    "stiffening": "pressure",
+    "temperature": "temperature",
+    "internal_energy": "pressure",
+    "plastic_work": "pressure",
+}
 
 
 def _history(name: str) -> Quantity:

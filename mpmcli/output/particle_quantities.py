@@ -36,6 +36,12 @@ def _particle(
     return Quantity(name, symbol, dimension, rank, "particle", compute, text, **more)
 
 
+def _axis(s: Snapshot) -> np.ndarray:
+    from mpmcli.materials.axes import current_axis
+
+    return current_axis(s.particles, s.state.material_models)[: s.dimensions]
+
+
 QUANTITIES.add(
     _particle("id", "p", "1", "scalar", lambda s: s.particles.id, "identity, given at birth"),
     _particle(
@@ -83,6 +89,15 @@ QUANTITIES.add(
     ),
     _particle("strain", "ε", "1", "tensor", lambda s: s.strain, "logarithmic strain ½ ln(F Fᵀ)"),
     _particle("pressure", "p", "pressure", "scalar", lambda s: s.pressure, "−tr σ/3"),
+    _particle(
+        "axis_1",
+        "a₁",
+        "1",
+        "vector",
+        _axis,
+        "unit vector along material axis 1, which moves with the particle; 0 in isotropic materials",
+        exists=lambda context: any(name.startswith("axes_") for name in context.history),
+    ),
     _particle("von_mises", "σ_v", "pressure", "scalar", lambda s: s.von_mises, "von Mises stress √(3/2 s:s)"),
     _particle(
         "viscous_pressure",

@@ -16,6 +16,7 @@ from mpmcli.core.errors import Problem
 from mpmcli.core.expressions import Expression
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.geometry.fill import scale_hint
+from mpmcli.scene.axes import check_axes
 from mpmcli.scene.initial_stress import stress_problems
 from mpmcli.scene.lattice_checks import check_lattices
 from mpmcli.scene.parts import LISTS, Parts
@@ -154,6 +155,8 @@ def _check_bodies(parts: Parts, dimensions: int, root: Node, report: Report) -> 
         for axis, component in enumerate(body.velocity):
             for place, words in check_variables(f"velocity.{axis}", component, dimensions):
                 report(f"{path}.{place}", words, "axes")
+        for place, words in check_axes(body, parts.materials.get(body.material), dimensions):
+            report(f"{path}.{place}", words, "axes")
         if body.stress is not None:
             material, loads = parts.materials.get(body.material), [load for _, load in parts.loads]
             for place, words in stress_problems(body, material, parts.analysis.kind, loads, parts.has_jumps):

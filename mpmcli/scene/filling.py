@@ -18,6 +18,7 @@ from mpmcli.core.errors import Problem, SceneError
 from mpmcli.geometry.bodies import BodyParticles
 from mpmcli.geometry.faces import surface_faces
 from mpmcli.geometry.fill import fill_bodies, places_to_test
+from mpmcli.scene.axes import start_axes
 from mpmcli.scene.fields import velocity_fields
 from mpmcli.scene.initial_stress import check_stress
 from mpmcli.scene.interface_checks import check_touch
@@ -176,6 +177,12 @@ def check_filling(scene: Any) -> list[Problem]:
     for body, particles in zip(scene.bodies, filled, strict=True):
         if body.stress is not None:
             problems += check_stress(scene, body, particles.X)
+    problems += [
+        problem
+        for body, particles in zip(scene.bodies, filled, strict=True)
+        if body.axes is not None
+        for problem in start_axes(body, particles.X)[1]
+    ]
     if problems:
         raise SceneError(problems)
     return [*stair_stepped_faces(scene, filled), *check_start(scene, filled)]

@@ -14,6 +14,7 @@ from mpmcli.core.errors import Problem
 from mpmcli.core.expressions import Expression
 from mpmcli.core.model import Model, Quantity, Varying
 from mpmcli.materials.base import history_at_start, keeps_strain
+from mpmcli.scene.axes import turn_history
 
 Array = np.ndarray
 
@@ -168,5 +169,6 @@ def check_stress(scene: Any, body: Any, X: Array) -> list[Problem]:
     model = scene.materials[body.material]
     m = model.parameters(scene.analysis.kind, scene.is_adiabatic)
     H = history_at_start(model, len(chosen))
+    turn_history(body, model, X[:, chosen], H)
     _, missed = find_stretches(m, H, stress[:, chosen], keeps_strain(model), None)
     return unmet(body, X[:, chosen], stress[:, chosen], missed)

@@ -21,6 +21,7 @@ from mpmcli.geometry import REGIONS
 from mpmcli.materials import MATERIALS
 from mpmcli.materials.thermal import has_temperature
 from mpmcli.scene.archive import Archive, Probe
+from mpmcli.scene.axes import Axes
 from mpmcli.scene.heat import Heat
 from mpmcli.scene.initial_stress import InitialStress
 from mpmcli.scene.method import Method, TimeSpan
@@ -154,6 +155,12 @@ class Body(Model):
     """
     temperature: TemperatureField | None = None
     """Initial temperature, for materials that track it."""
+    axes: Axes | None = None
+    """Rotation of the material axes, for materials that have them: an angle about z in degrees, or `{angle, axis}`.
+
+    A list gives several rotations one after the other, all about directions fixed in space. Angles may be expressions
+    of x, y, z: with `atan2(y, x) rad`, axis 1 is radial and axis 2 tangential. `rotate` of the region leaves the axes.
+    """
     stress: InitialStress | None = None
     """Stress at the start; without it there is none but what the material has at rest."""
     overlap: Literal["error", "replace", "keep"] = "error"

@@ -16,6 +16,7 @@ from mpmcli.geometry.bodies import BodyParticles
 from mpmcli.geometry.fill import fill_bodies
 from mpmcli.geometry.report import body_report, report_table
 from mpmcli.materials.base import history_at_start, needs_increment
+from mpmcli.scene.axes import turn_history
 from mpmcli.scene.fields import exchanges_by_area, law_table
 from mpmcli.scene.filling import (
     check_memory,
@@ -182,7 +183,12 @@ def _set_initial_fields(scene: Any, plan: Plan, particles: Particles, models: li
         problems += found
         for axis, value in enumerate(values):
             particles.V[axis, mine] = value
-        history = models[particles.material[mine[0]]].history
+        model = models[particles.material[mine[0]]]
+        history = model.history
+        if body.axes is not None:
+            H = particles.H[:, mine]
+            problems += turn_history(body, model, particles.X[:, mine], H)
+            particles.H[:, mine] = H
         if body.temperature is None or (particles.T is None and "temperature" not in history):
             continue
         temperature, wrong = start_temperature(body, particles.X[:, mine], plan.has_temperature)

@@ -173,7 +173,7 @@ def test_wave_speed_starts_at_the_one_stated_and_never_falls_below(model):
 
 @every
 def test_wave_speed_is_the_slope_of_stress_against_strain(model):
-    """At rest: ρc² = dτ_xx/dε_xx at fixed width, ρc_b² = dτ_m/d(ln J)."""
+    """At rest: ρc² = dτ_xx/dε_xx at fixed width, or along y or z if larger, ρc_b² = dτ_m/d(ln J)."""
     m, h = model.parameters("3d", True), 1e-5
     H = start(model)
 
@@ -182,7 +182,9 @@ def test_wave_speed_is_the_slope_of_stress_against_strain(model):
             return (stress(model, make(0.0)) - stress(model, make(-h))) / h
         return (stress(model, make(h)) - stress(model, make(-h))) / (2 * h)
 
-    along = slope(lambda x: np.diag([np.exp(x), 1, 1]))[0, 0] - stress(model, np.eye(3))[0, 0]
+    axes = [np.diag(axis) for axis in np.eye(3)]
+    along = max((slope(lambda x, a=a: np.eye(3) + np.expm1(x) * a) * a).sum() for a in axes)
+    along -= stress(model, np.eye(3))[0, 0]
     assert wave_speed_squared(m, IDENTITY, H, 0) == pytest.approx(along / model.density, rel=1e-4)
     dilation = slope(lambda x: np.exp(x / 3) * np.eye(3))
     bulk = np.trace(dilation) / 3 - np.trace(stress(model, np.eye(3))) / 3
@@ -199,6 +201,8 @@ def test_lateral_stress_vanishes_where_the_analysis_says_so(model):
         F = np.array([[1 + x, 0.3 * x, 0], [0, 1 + 0.2 * x, 0], [0, 0, 1]])
         F[2, 2] = thickness_stretch(m, nine(F), nine(F), start(model), 0, 0.1)
         assert abs(stress(model, F, "plane_stress", dt=0.1)[2, 2]) < 1e-12
+        if "uniaxial_stress" not in model.analyses:
+            continue
         m = model.parameters("uniaxial_stress", True)
         F = np.diag([1 + x, 1.0, 1.0])
         F[1, 1] = F[2, 2] = lateral_stretch(m, nine(F), nine(F), start(model), 0, 0.1)
