@@ -143,7 +143,7 @@ def left_out(plan: Plan, contact: ContactChoice) -> list[str]:
         "averages of volume changes and pressures": not plan.averages_volume,
         "velocity conditions": not plan.has_conditions,
         "loads": not plan.has_loads,
-        "damping": not (plan.particle_damping or plan.grid_damping),
+        "damping": not plan.damping.takes_energy,
         "artificial viscosity": plan.viscosity is None,
         "heat conduction": plan.heat is None,
         "cracks: sides of nodes, faces": plan.sides == 1,

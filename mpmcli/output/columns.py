@@ -103,6 +103,7 @@ EXTRA = {
     "deleted_particles": "number of particles that have left the grid (domain.on_exit: delete)",
     "deleted_mass": "their mass",
     "deleted_heat": "the heat_inflow that they took with them",
+    "feedback_rate": "rate of feedback damping (method.damping.feedback)",
     "mean_order": "mean over all steps of the order that the transfer reached, 1 in steps of FLIP (transfers with "
     "dynamic, every_courant or every_steps)",
 }
@@ -115,7 +116,7 @@ def extra_quantities() -> list[Quantity]:
 
 
 def _extra(name: str) -> Quantity:
-    dimension = next((d for d in ("mass", "energy", "time") if name.endswith(d)), "1")
+    dimension = next((d for d in ("mass", "energy", "rate", "time") if name.endswith(d)), "1")
     if name.endswith("heat"):
         dimension = "energy"
     return Quantity(

@@ -24,7 +24,8 @@ def _extra_columns(scene: Any) -> tuple[str, ...]:
     transfer = scene.method.transfer
     chooses = any(getattr(transfer, key, None) for key in ("dynamic", "every_courant", "every_steps"))
     deleted = (*DELETED, "deleted_heat") if scene.heat is not None else DELETED
-    return deleted * (scene.domain.on_exit == "delete") + ("mean_order",) * chooses
+    feedback = ("feedback_rate",) * (scene.method.damping.feedback is not None)
+    return deleted * (scene.domain.on_exit == "delete") + ("mean_order",) * chooses + feedback
 
 
 def _sources_of_heat(scene: Any) -> list[str]:
@@ -39,7 +40,7 @@ def context_of(scene: Any, state: State | None = None) -> Context:
     rigid_materials = tuple(name for name, model in scene.materials.items() if model.kind == "rigid")
     contact = _contact_of(scene, rigid_materials)
     work = {
-        "damping_work": damping.particle > 0.0 or damping.grid > 0.0,
+        "damping_work": damping.takes_energy,
         "boundary_work": bool(scene.conditions_on("velocity"))
         or scene.domain.on_exit != "error"
         or bool(contact.get("rigid_fields")),

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, cast
 
 from pydantic import (
+    AfterValidator,
     BeforeValidator,
     Field,
     TypeAdapter,
@@ -14,9 +15,9 @@ from pydantic import (
     model_validator,
 )
 
-from mpmcli.core.model import Model, PositiveTime, Quantity
+from mpmcli.core.expressions import Expression
+from mpmcli.core.model import Model, PositiveTime, Quantity, Varying
 from mpmcli.core.suggest import did_you_mean
-from mpmcli.scene.values import Rate
 from mpmcli.shapes import SHAPES
 
 Alpha = Annotated[float, Quantity("1", ge=0, le=1)]
@@ -118,6 +119,17 @@ class Fmpm(Periodic):
     """Choose the order while running."""
 
 
+NOTHING = Expression.constant(0.0)
+
+
+def _not_negative(value: Expression) -> Expression:
+    if value.is_constant and value() < 0.0:
+        raise ValueError(f"{value()!r} is out of range: must be at least 0")
+    return value
+
+
+Rate = Annotated[Expression, Varying("1/time", ("t",)), AfterValidator(_not_negative)]
+
 Transfer = Annotated[Flip | Xpic | Fmpm, Field(discriminator="kind")]
 
 UPDATES = {
@@ -130,13 +142,52 @@ UPDATES = {
 """Strain updates by name."""
 
 
-class Damping(Model):
-    """Damping proportional to velocity."""
+class Feedback(Model):
+    """Damping at a rate α that grows while the kinetic energy K is above its target: dα/dt = 2·gain·(K − target)/mass.
 
-    particle: Rate = 0.0
-    """Damping of particle velocities."""
-    grid: Rate = 0.0
-    """Damping of grid velocities."""
+    The column ``feedback_rate`` shows α, which starts at 0 and never is negative.
+    """
+
+    damps: Literal["grid", "particle"] = "grid"
+    """Which velocities it damps."""
+    gain: Annotated[float, Quantity("1/area", gt=0)]
+    """How fast the rate changes."""
+    target: Annotated[Expression, Varying("energy", ("t",))] = cast(Any, 0.0)
+    """Kinetic energy of all bodies that is aimed at, a number or an expression of t."""
+    limit: Annotated[float, Quantity("1/time", gt=0)] | None = None
+    """Largest rate."""
+
+    model_config = {"validate_default": True}
+
+
+class Damping(Model):
+    """Damping of velocities: at a rate, by a share of the unbalanced force, or towards a kinetic energy."""
+
+    particle: Rate = cast(Any, 0.0)
+    """Damping of particle velocities, a number or an expression of t."""
+    grid: Rate = cast(Any, 0.0)
+    """Damping of grid velocities, a number or an expression of t."""
+    local: Annotated[Expression, Varying("1", ("t",)), AfterValidator(_not_negative)] | None = None
+    """Local damping [cundall1987]: share λ of the unbalanced force that acts against the velocity, also of t."""
+    feedback: Feedback | None = None
+    """Damping towards a kinetic energy."""
+
+    model_config = {"validate_default": True}
+
+    @property
+    def damps_grid(self) -> bool:
+        """Whether a rate damps grid velocities."""
+        return self.grid != NOTHING or (self.feedback is not None and self.feedback.damps == "grid")
+
+    @property
+    def damps_particles(self) -> bool:
+        """Whether a rate damps particle velocities."""
+        return self.particle != NOTHING or (self.feedback is not None and self.feedback.damps == "particle")
+
+    @property
+    def takes_energy(self) -> bool:
+        """Whether anything is damped."""
+        return self.damps_grid or self.damps_particles or self.local is not None
 
 
 class ArtificialViscosity(Model):

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
 from mpmcli.core.expressions import Expression, parse
-from mpmcli.core.model import Length, PositiveLength, Quantity, Varying
+from mpmcli.core.model import Length, PositiveLength, Varying
 
 Name = Annotated[str, Field(min_length=1, max_length=80)]
 """A name that the user chooses; which characters it may have is checked for all names together."""
@@ -17,7 +17,6 @@ Point = Annotated[tuple[Length, ...], Field(min_length=1, max_length=3)]
 
 VelocityField = Annotated[Expression, Varying("velocity")]
 TemperatureField = Annotated[Expression, Varying("temperature", ("x", "y", "z"))]
-Rate = Annotated[float, Quantity("1/time", ge=0)]
 
 MAX_PARTICLES_PER_AXIS = 100
 

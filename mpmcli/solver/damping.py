@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 import numpy as np
 
+from mpmcli.boundary.grid_conditions import GridConditions
 from mpmcli.boundary.images import Images
 from mpmcli.boundary.rigid import RigidBodies
 from mpmcli.core.chunks import CHUNKS
+from mpmcli.core.errors import SimulationError
+from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
 from mpmcli.core.state import State
+from mpmcli.core.step import Step
 
 Array = np.ndarray
 
@@ -18,28 +25,71 @@ class Damping:
 
     Parameters
     ----------
-    grid, particle : rates [1/time]
+    model : the scene's words (``scene.method.Damping``)
     state : receives the energy taken
     images : mirror images of particles, or None
 
     Attributes
     ----------
-    grid : (1,) rate of grid damping, or None
-    particle : rate of particle damping
-    of_nodes, of_particles : (chunks,) energy that each has taken in the step, or None
+    grid : (1,) rate of grid damping in this step, or None
+    particle : rate of particle damping in this step
+    of_nodes, of_particles, of_forces : (chunks,) energy that rates of nodes and particles, and local damping, have
+        taken in the step, or None
     rigid : the rigid bodies, which nothing damps, or None
     """
 
     rigid: RigidBodies | None = None
 
-    def __init__(self, grid: float, particle: float, state: State, images: Images | None):
-        self.grid: Array | None = np.array([grid]) if grid else None
-        self.particle = particle
-        self.of_nodes: Array | None = np.zeros(CHUNKS) if grid else None
-        self.of_particles: Array | None = np.zeros(CHUNKS) if particle else None
-        self._state, self._images = state, images
-        if grid or particle:
+    def __init__(self, model: Any, state: State, images: Images | None):
+        damped = model.feedback.damps if model.feedback is not None else ""
+        at_nodes, of_particles = bool(model.damps_grid), bool(model.damps_particles)
+        self.grid: Array | None = np.array([model.grid(t=0.0)]) if at_nodes else None
+        self.particle = float(model.particle(t=0.0))
+        self.of_nodes: Array | None = np.zeros(CHUNKS) if at_nodes else None
+        self.of_particles: Array | None = np.zeros(CHUNKS) if of_particles else None
+        self._local: Any = None
+        if model.local is not None:
+            from mpmcli.solver.local_damping import LocalDamping
+
+            self._local = LocalDamping()
+        self.of_forces: Array | None = None if self._local is None else self._local.taken
+        self._model, self._state, self._images = model, state, images
+        self._varies = not (model.grid.is_constant and model.particle.is_constant)
+        self._feedback: Any = None
+        self._damped_by_feedback = damped
+        if model.feedback is not None:
+            from mpmcli.solver.feedback import Feedback
+
+            self._feedback = Feedback(model.feedback, state)
+        if model.takes_energy:
             state.work["damping_work"] = 0.0
+
+    def prepare(self, step: Step) -> None:
+        """Find the rates of a step."""
+        if not self._varies and self._feedback is None:
+            return
+        rates = {name: self._value(name, step.time) for name in ("grid", "particle")}
+        if self._feedback is not None:
+            rates[self._damped_by_feedback] += self._feedback.next_rate(step.time, step.dt)
+        if self.grid is not None:
+            self.grid[0] = rates["grid"]
+        self.particle = rates["particle"]
+
+    def _value(self, name: str, time: float) -> float:
+        value = float(getattr(self._model, name)(t=time))
+        if not (math.isfinite(value) and value >= 0.0):
+            raise SimulationError(
+                f"method.damping.{name} is {value:g} at time {time:g}; it must be at least 0"
+            )
+        return value
+
+    def add_local(self, step: Step, grid: Grid, conditions: GridConditions | None, parallel: bool) -> None:
+        """Add local damping to the nodal forces."""
+        if self._local is not None:
+            rate = 0.0 if self.grid is None else float(self.grid[0])
+            self._local.add(
+                self._value("local", step.time), rate, step.dt, grid, conditions, self.rigid, parallel
+            )
 
     def leave_out_images(self, mp: Array, f: Array, dt: float) -> None:
         """Take what mirror images of particles lost out of what nodes lost."""
@@ -64,7 +114,6 @@ class Damping:
 
     def account(self) -> None:
         """Task 6: add the energy taken."""
-        if self.of_nodes is not None:
-            self._state.work["damping_work"] += float(self.of_nodes.sum())
-        if self.of_particles is not None:
-            self._state.work["damping_work"] += float(self.of_particles.sum())
+        for taken in (self.of_nodes, self.of_particles, self.of_forces):
+            if taken is not None:
+                self._state.work["damping_work"] += float(taken.sum())

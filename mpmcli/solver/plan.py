@@ -43,7 +43,7 @@ class Plan:
     order : k of FMPM(k), m of XPIC(m), 1 in FLIP
     alpha : of the position update
     velocity_conditions : how conditions enter the FMPM loop
-    particle_damping, grid_damping : rates
+    damping : the scene's words about damping
     viscosity : (linear, quadratic) coefficients of artificial viscosity, or None
     adiabatic : work heats the materials
     has_temperature : particles have a temperature beside the one that histories have
@@ -72,8 +72,7 @@ class Plan:
     order: int
     alpha: float
     velocity_conditions: str
-    particle_damping: float
-    grid_damping: float
+    damping: Any
     viscosity: tuple[float, float] | None
     adiabatic: bool
     has_temperature: bool
@@ -174,8 +173,7 @@ def make_plan(scene: Any) -> Plan:
         order=getattr(transfer, "order", 1),
         alpha=float(transfer.alpha),
         velocity_conditions=method.velocity_conditions,
-        particle_damping=float(method.damping.particle),
-        grid_damping=float(method.damping.grid),
+        damping=method.damping,
         viscosity=None if viscosity is None else (float(viscosity.linear), float(viscosity.quadratic)),
         adiabatic=scene.is_adiabatic,
         has_temperature=scene.has_temperature,

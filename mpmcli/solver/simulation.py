@@ -130,7 +130,7 @@ class Simulation(Parts):
         self.conditions = self._make_conditions(scene)
         images = None if self.conditions is None else self.conditions.images
         mirror = None if images is None else images.mirror
-        self.damping = Damping(plan.grid_damping, plan.particle_damping, state, images)
+        self.damping = Damping(plan.damping, state, images)
         self.averaging = None
         if plan.averages_volume:
             self.averaging = VolumeAveraging(plan.analysis, grid, particles, self.transfer, images)

@@ -191,6 +191,8 @@ class _Tasks:
         """Task 3."""
         s, damping = self._s, self._s.damping
         mp, f = s.grid.mp, s.grid.f
+        damping.prepare(step)
+        damping.add_local(step, s.grid, s.conditions, s.parallel)
         nodes.update_momenta[s.parallel](
             s.grid.active,
             s.grid.active_chunks,

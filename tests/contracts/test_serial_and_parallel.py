@@ -299,6 +299,13 @@ def test_updates_and_transfers(hold_alike, update, transfer):
     hold_alike(scene_of(method=method))
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("damps", ["grid", "particle"])
+def test_damping(hold_alike, damps):
+    damping = {"grid": "0.1*t", "local": "0.2 + t", "feedback": {"damps": damps, "gain": 0.1, "target": "t"}}
+    hold_alike(scene_of(method={"shape": "ugimp", "transfer": {"kind": "flip"}, "damping": damping}))
+
+
 def test_every_key_of_a_transfer_is_tried():
     assert set(Fmpm.model_fields) - {"alpha"} <= set().union(*TRANSFERS)
 

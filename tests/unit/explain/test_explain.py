@@ -177,7 +177,7 @@ SCENES = {
     "gradients of flip": {"method__transfer": {"kind": "flip"} | GRADIENT},
     "gravity": {"loads": GRAVITY},
     "mirror": {"loads": GRAVITY, "boundary": [{"name": "x", "kind": "symmetry", "plane": {"axis": "x", "at": -10}}]},
-    "damping": {"method__damping": {"grid": 0.1, "particle": 0.1}},
+    "damping": {"method__damping": {"grid": 0.1, "particle": 0.1, "local": 0.1}},
     "first and last": {"method__update": "usavg+"},
     "averaged": {"method__volumetric": "averaged"},
     "contact": {"contact": {"law": {"kind": "coulomb", "friction": 0.3}}, "method__transfer": FMPM},

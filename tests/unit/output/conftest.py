@@ -11,6 +11,7 @@ from mpmcli.core.analysis import ANALYSES, F_COMPONENTS
 from mpmcli.core.particles import Particles
 from mpmcli.core.state import GridView, State
 from mpmcli.scene.archive import Archive
+from mpmcli.scene.method import Damping
 
 
 @pytest.fixture
@@ -109,7 +110,7 @@ def make_loaded(tmp_path):
             conditions_on=lambda quantity: [SimpleNamespace(name="base")] * (quantity == "velocity"),
             loads_on=lambda quantity: [],
             method=SimpleNamespace(
-                damping=SimpleNamespace(particle=0.0, grid=0.0),
+                damping=Damping(),
                 artificial_viscosity=None,
                 transfer=SimpleNamespace(),
             ),

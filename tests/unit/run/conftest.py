@@ -11,6 +11,7 @@ from mpmcli.core.analysis import PlaneStrain
 from mpmcli.core.particles import Particles
 from mpmcli.core.state import State
 from mpmcli.scene.archive import Archive
+from mpmcli.scene.method import Damping
 
 
 class FakeSimulation:
@@ -78,7 +79,7 @@ def loaded(tmp_path):
         conditions_on=lambda quantity: [],
         loads_on=lambda quantity: [],
         method=SimpleNamespace(
-            damping=SimpleNamespace(particle=0.0, grid=0.0),
+            damping=Damping(),
             artificial_viscosity=None,
             shape="lcpdi",
             update="usl",

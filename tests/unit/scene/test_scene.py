@@ -35,7 +35,7 @@ def test_defaults(loaded: LoadedScene) -> None:
     transfer = scene.method.transfer
     assert (transfer.kind, transfer.order, transfer.alpha) == ("fmpm", 4, 0.5)
     assert scene.method.velocity_conditions == "incremental"
-    assert (scene.method.damping.particle, scene.method.damping.grid) == (0.0, 0.0)
+    assert (scene.method.damping.particle(), scene.method.damping.grid()) == (0.0, 0.0)
     assert scene.method.artificial_viscosity is None
     assert (scene.time.courant, scene.time.step, scene.time.max_steps) == (0.2, None, None)
     assert scene.domain.on_exit == "error"

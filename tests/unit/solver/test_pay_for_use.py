@@ -160,7 +160,9 @@ def arrays_of(run) -> set[str]:
     """Names of the arrays that exist, but for those of the grid itself."""
     s = run.simulation
     damping = {
-        f"damping.{name}" for name in ("of_nodes", "of_particles") if getattr(s.damping, name) is not None
+        f"damping.{name}"
+        for name in ("of_forces", "of_nodes", "of_particles")
+        if getattr(s.damping, name) is not None
     }
     found = set(s.nodal_arrays()) | damping | ({"X_new"} if s.arrays.X_new is not None else set())
     return found - {"grid.mp", "grid.f"}
@@ -175,6 +177,7 @@ NEEDS = [
     ({"method__update": "usf"}, set()),
     ({"method__damping": {"grid": 0.1}}, {"damping.of_nodes"}),
     ({"method__damping": {"particle": 0.1}}, {"damping.of_particles"}),
+    ({"method__damping": {"local": 0.1}}, {"damping.of_forces"}),
     ({"loads": [{"name": "g", "kind": "gravity", "acceleration": [0, -1]}]}, {"p_start", "loads.force"}),
 ]
 
