@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from mpmcli.boundary import impose
 from mpmcli.boundary.base import Array, ConditionModel, Holder, Nodes, SurfaceNodes
+from mpmcli.boundary.clocks import Clock, ClockedHolder
 from mpmcli.boundary.impose import Entries
 from mpmcli.boundary.mirror import Mirror
 from mpmcli.boundary.orthogonal import orthogonalise
@@ -33,6 +34,8 @@ class VelocityConditions:
         The kind of analysis; axisymmetric ones hold v_r = 0 on the axis by themselves.
     surface_nodes
         ``(body, Face) -> node indices`` that surface particles see now; only for conditions on body surfaces.
+    clocks
+        Those of conditions that events act on, by name.
 
     Attributes
     ----------
@@ -48,11 +51,17 @@ class VelocityConditions:
         grid: Nodes,
         analysis: Analysis,
         surface_nodes: SurfaceNodes | None = None,
+        clocks: Mapping[str, Clock] | None = None,
     ):
         self.names = [condition.name for condition in conditions]
         self._grid = grid
         self._dimensions = analysis.dimensions
         self._holders: list[Holder] = [condition.holder(grid, surface_nodes) for condition in conditions]
+        if clocks:
+            self._holders = [
+                ClockedHolder(holder, clocks[name]) if name in clocks else holder
+                for name, holder in zip(self.names, self._holders, strict=True)
+            ]
         if isinstance(analysis, Axisymmetric) and grid.lower[0] == 0.0:
             self._holders.append(axis_condition().holder(grid, None))
         planes = [(owner, h) for owner, h in enumerate(self._holders) if isinstance(h, SymmetryHolder)]

@@ -12,6 +12,7 @@ from mpmcli.cracks.chain import carries_tractions
 from mpmcli.output.columns import resolve_columns, resolve_fields
 from mpmcli.output.contact_quantities import pair_name
 from mpmcli.output.crack_probes import resolve_crack_probe
+from mpmcli.output.criteria import check_conditions
 from mpmcli.output.probes import resolve_grid_fields, resolve_pair
 from mpmcli.output.quantities import Context
 from mpmcli.scene.fields import law_table, owners_of_fields, velocity_fields
@@ -136,6 +137,7 @@ def check_output(scene: Any) -> None:
         except SceneError as error:
             problems.extend(error.problems)
 
+    collect(check_conditions, scene, context)
     archive = scene.archive
     if archive.globals is not None:
         collect(resolve_columns, archive.globals.columns, context)

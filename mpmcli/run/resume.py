@@ -17,7 +17,7 @@ from mpmcli.output.manifest import read_manifest
 LOGGER = logging.getLogger("mpmcli")
 
 MAY_CHANGE = re.compile(
-    r"title|time\.(end|max_steps)|archive\.(particles|globals|grid|cracks)\.every|probes\.[^.]+\.every|archive\.checkpoint(\..*)?"
+    r"title|time\.(end|max_steps|stop_when(\..*)?)|archive\.(particles|globals|grid|cracks)\.every|probes\.[^.]+\.every|archive\.checkpoint(\..*)?"
 )
 """Keys of a scene that a resumed run may have other values of."""
 MOST_LISTED = 20
@@ -81,7 +81,8 @@ def header_facts(loaded: Any, state: Any) -> dict[str, Any]:
 def refuse_changes(loaded: Any, checkpoint: Checkpoint) -> None:
     """Raise SceneError if the scene is not the checkpoint's in more than what may change.
 
-    End time, archive intervals, checkpoint periods and the title may; so may constants that only these depend on.
+    End time and criterion, archive intervals, checkpoint periods and the title may; so may constants that only these
+    depend on.
     """
     header = checkpoint.header
     if header["mpmcli"] != VERSION:

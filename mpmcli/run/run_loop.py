@@ -69,6 +69,11 @@ class RunLoop:
             loaded, directory, simulation.state, facts, checkpoint.part("output") if checkpoint else None
         )
         self.watch = EnergyWatch(simulation, loaded.scene)
+        self.events: Any = None
+        if loaded.scene.events or loaded.scene.time.stop_when is not None:
+            from mpmcli.run.events import Events
+
+            self.events = Events(loaded.scene, self.recorder.context, simulation)
         asked = loaded.scene.archive.checkpoint
         self.saved_step: int | None = None
         self.is_saved = asked is not None  # signals and the wall limit save in any case
@@ -79,6 +84,8 @@ class RunLoop:
         if checkpoint is not None:
             simulation.restore(checkpoint.part("simulation"))
             self.watch.recall(checkpoint.part("watch"))
+            if self.events is not None:
+                self.events.recall(checkpoint.part("events"))
             self.saved_step = checkpoint.step
             self.next_save.advance(checkpoint.time)
             LOGGER.info(
@@ -143,7 +150,7 @@ class RunLoop:
             if not self._is_over() and interrupts.received is None:
                 # this step may load much, and there is nothing to lose yet: stop at once if asked
                 interrupts.is_patient = False
-                simulation.step()
+                self._step()
                 interrupts.is_patient = True
                 self._record()
                 self._save_if_due()
@@ -159,7 +166,7 @@ class RunLoop:
                         STOPPED_EARLY,
                         f"stopped after {duration_in_words(max_walltime)} of wall-clock time",
                     )
-                simulation.step()
+                self._step()
                 self.step_seconds += clock() - before - (compiled() - compiled_before)
                 self.counted_steps += 1
                 self.watch.look()
@@ -167,10 +174,17 @@ class RunLoop:
                     self._record()
                 self._save_if_due()
                 self.progress.update(simulation.state, recorder.energy_error)
-        return 0, "finished"
+        return 0, (self.events is not None and self.events.ended) or "finished"
+
+    def _step(self) -> None:
+        self.simulation.step()
+        if self.events is not None:
+            self.events.look()
 
     def _is_over(self) -> bool:
         state = self.simulation.state
+        if self.events is not None and self.events.ended:
+            return True
         return is_over(state.step, state.time, self.end, self.max_steps)
 
     def _save_if_due(self) -> None:
@@ -188,6 +202,8 @@ class RunLoop:
         arrays = {f"simulation.{name}": array for name, array in self.simulation.state_arrays().items()}
         arrays |= {f"output.{name}": array for name, array in output.items()}
         arrays |= {f"watch.{name}": array for name, array in self.watch.memory().items()}
+        if self.events is not None:
+            arrays |= {f"events.{name}": array for name, array in self.events.memory().items()}
         write_checkpoint(self.directory, arrays, header_facts(self.loaded, state))
         self.saved_step = state.step
         self.next_save.advance(state.time)
@@ -248,6 +264,7 @@ class RunLoop:
             peak_memory_bytes=manifest.peak_memory(),
             thread_layer=manifest.thread_layer(),
             **self._contacts(),
+            **({} if self.events is None else self.events.facts()),
             **interface_facts(self.simulation.state, self.recorder.balance.largest),
             **crack_facts(self.simulation.state),
             energy_error=self.recorder.energy_error,

@@ -17,6 +17,7 @@ from mpmcli.core.expressions import Expression
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.geometry.fill import scale_hint
 from mpmcli.scene.axes import check_axes
+from mpmcli.scene.event_checks import check_events
 from mpmcli.scene.initial_stress import stress_problems
 from mpmcli.scene.lattice_checks import check_lattices
 from mpmcli.scene.parts import LISTS, Parts
@@ -53,6 +54,7 @@ def check(parts: Parts, root: Node) -> list[Problem]:
         for key in ("boundary", "loads"):
             _check_conditions(getattr(parts, key), key, parts, dimensions, root, report)
         _check_probes(parts, dimensions, root, report)
+    check_events(parts, root, report)
     _check_start(parts, root, report)
     check_times(parts, root, report)
     _check_effects(parts, report)

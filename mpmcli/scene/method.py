@@ -18,6 +18,7 @@ from pydantic import (
 from mpmcli.core.expressions import Expression
 from mpmcli.core.model import Model, PositiveTime, Quantity, Varying
 from mpmcli.core.suggest import did_you_mean
+from mpmcli.scene.events import When
 from mpmcli.shapes import SHAPES
 
 Alpha = Annotated[float, Quantity("1", ge=0, le=1)]
@@ -251,6 +252,8 @@ class TimeSpan(Model):
     """A fixed time step, instead of a Courant number."""
     max_steps: int | None = Field(default=None, ge=1, le=10_000_000_000)
     """The run ends after this many steps at the latest."""
+    stop_when: When | None = None
+    """The run ends when this comes true: an expression of columns, such as `kinetic_energy < 1e-3*stress_work`."""
 
     @model_validator(mode="before")
     @classmethod

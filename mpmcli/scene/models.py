@@ -22,6 +22,7 @@ from mpmcli.materials import MATERIALS
 from mpmcli.materials.thermal import has_temperature
 from mpmcli.scene.archive import Archive, Probe
 from mpmcli.scene.axes import Axes
+from mpmcli.scene.events import Event
 from mpmcli.scene.heat import Heat
 from mpmcli.scene.initial_stress import InitialStress
 from mpmcli.scene.method import Method, TimeSpan
@@ -227,6 +228,8 @@ class Scene(Model):
     """Length of the run, and its time step."""
     domain: Domain = Domain()
     """The space of the simulation."""
+    events: tuple[Event, ...] | None = None
+    """What happens when criteria in terms of results come true."""
     probes: tuple[Probe, ...] = ()
     """Tables that follow a particle or a point."""
     archive: Archive = Archive()

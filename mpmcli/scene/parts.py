@@ -12,7 +12,7 @@ from mpmcli.scene.context import Context
 from mpmcli.scene.models import Scene
 
 SINGLE = ("analysis", "grid", "method", "time", "archive", "contact", "heat", "fracture")
-LISTS = ("bodies", "cracks", "boundary", "loads", "probes")
+LISTS = ("bodies", "cracks", "boundary", "loads", "events", "probes")
 
 
 @dataclass
@@ -35,6 +35,7 @@ class Parts:
     cracks: list[tuple[int, Any]] = field(default_factory=list)
     boundary: list[tuple[int, Any]] = field(default_factory=list)
     loads: list[tuple[int, Any]] = field(default_factory=list)
+    events: list[tuple[int, Any]] = field(default_factory=list)
     probes: list[tuple[int, Any]] = field(default_factory=list)
 
     @property
@@ -47,7 +48,7 @@ class Parts:
     def of(cls, scene: Scene) -> Parts:
         """All parts of a valid scene."""
         single = {key: getattr(scene, key) for key in SINGLE}
-        lists = {key: list(enumerate(getattr(scene, key))) for key in LISTS}
+        lists = {key: list(enumerate(getattr(scene, key) or ())) for key in LISTS}
         return cls(**single, materials=dict(scene.materials), **lists)
 
     @classmethod

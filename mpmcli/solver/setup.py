@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from mpmcli.boundary.clocks import Clock, ClockedLoad, ClockedVelocity, Clocks
 from mpmcli.contact.choice import ContactChoice
 from mpmcli.core.analysis import Axisymmetric
 from mpmcli.core.errors import SceneError
@@ -17,6 +20,7 @@ from mpmcli.geometry.fill import fill_bodies
 from mpmcli.geometry.report import body_report, report_table
 from mpmcli.materials.base import history_at_start, needs_increment
 from mpmcli.scene.axes import turn_history
+from mpmcli.scene.event_checks import clocked
 from mpmcli.scene.fields import exchanges_by_area, law_table
 from mpmcli.scene.filling import (
     check_memory,
@@ -125,6 +129,38 @@ def choose_contact(scene: Any, plan: Plan) -> ContactChoice:
         needs_area=exchanges_by_area(scene, plan.fields),
         whole_fields=_fields_without_cracks(scene, plan) if scene.cracks else None,
     )
+
+
+def make_clocks(scene: Any) -> Clocks:
+    """Make the clocks of what events act on."""
+    turning = [event for event in scene.events or () if event.do != "stop"]
+    if not turning:
+        return Clocks()
+    boundary, loads, bodies = (enumerate(each) for each in (scene.boundary, scene.loads, scene.bodies))
+    names = [name for name, _ in clocked(boundary, loads, bodies, scene.materials)]
+    if all(event.to is not None for event in turning):
+        names = [name for name in names if any(name in event.to for event in turning)]
+    return Clocks((name, Clock()) for name in names)
+
+
+def loads_by_clocks(scene: Any, clocks: Clocks) -> list[Any]:
+    """Return the loads of a scene, which may go by clocks."""
+    loads = scene.loads_on("velocity")
+    return [ClockedLoad(load, clocks[load.name]) if load.name in clocks else load for load in loads]
+
+
+def bodies_by_clocks(scene: Any, clocks: Clocks) -> Sequence[Any]:
+    """Return the bodies of a scene; rigid ones may go by clocks."""
+    if not any(body.name in clocks for body in scene.bodies):
+        return tuple(scene.bodies)
+    return [
+        SimpleNamespace(
+            name=body.name, velocity=[ClockedVelocity(each, clocks[body.name]) for each in body.velocity]
+        )
+        if body.name in clocks
+        else body
+        for body in scene.bodies
+    ]
 
 
 def _fields_without_cracks(scene: Any, plan: Plan) -> list[bool]:

@@ -127,6 +127,7 @@ class Simulation(Parts):
             stores_weights=plan.stores_weights,
             turns=turns,
         )
+        self.clocks = setup.make_clocks(scene)
         self.conditions = self._make_conditions(scene)
         images = None if self.conditions is None else self.conditions.images
         mirror = None if images is None else images.mirror
@@ -137,7 +138,12 @@ class Simulation(Parts):
         self.rigid = self.loads = self.contact = self.heat = None
         if state.rigid:
             self.rigid = RigidBodies(
-                scene.bodies, state.rigid, plan.fields, plan.field_of_body, self.order, mirror
+                setup.bodies_by_clocks(scene, self.clocks),
+                state.rigid,
+                plan.fields,
+                plan.field_of_body,
+                self.order,
+                mirror,
             )
             self.damping.rigid = self.rigid
         if plan.has_loads:
@@ -260,6 +266,7 @@ class Simulation(Parts):
             "order": self.order,
             "grid": self.grid,
             "surface": continuation.Surfaces(self._surface_identities),
+            **({"clocks": self.clocks} if self.clocks else {}),
             **{name: part for name in parts if hasattr(part := getattr(self, name), "memory")},
             "particles": self.particles,
         }
@@ -323,14 +330,16 @@ class Simulation(Parts):
         if not self.plan.has_conditions:
             return None
         models = scene.conditions_on("velocity")
-        conditions = VelocityConditions(models, self.grid, self.plan.analysis, self._surface_nodes)
+        conditions = VelocityConditions(
+            models, self.grid, self.plan.analysis, self._surface_nodes, self.clocks
+        )
         self._may_wait = {condition.name for condition in models if condition.may_wait(self.grid)}
         return GridConditions(conditions, self.grid, self.plan.rigid_fields)
 
     def _make_loads(self, scene: Any, has_mirror: bool) -> Loads:
         rigid = self.rigid
         return Loads(
-            scene.loads_on("velocity"),
+            setup.loads_by_clocks(scene, self.clocks),
             particles=self.particles,
             grid=self.grid,
             order=self.order,

@@ -86,9 +86,10 @@ def loaded(tmp_path):
             volumetric="local",
             transfer=SimpleNamespace(kind="flip", dynamic=None),
         ),
-        time=SimpleNamespace(end=1.0, courant=0.5, max_steps=None),
+        time=SimpleNamespace(end=1.0, courant=0.5, max_steps=None, stop_when=None),
         domain=SimpleNamespace(on_exit="error"),
         archive=Archive.model_validate({"particles": {"every": 0.5}, "globals": {"every": 0.1}}),
+        events=None,
         probes=(),
     )
     return SimpleNamespace(
