@@ -100,17 +100,15 @@ def find_candidates(order: CellOrder, grid: Grid, images: int = 0, whole: Array 
 
 def _with_whole_fields(dof: Array, at: Array, grid: Grid, whole: Array) -> tuple[Array, Array]:
     """Let the fields that no crack cuts be at all sides of their nodes, which only others have."""
-    mine = np.flatnonzero(whole[grid.field_of(dof)])
-    kept = ~whole[grid.field_of(dof)] | (at < grid.node_count)
-    sides = np.unique(at[kept & (at >= grid.node_count)])
-    there = [
-        (dof[m], place)
-        for m in mine[at[mine] < grid.node_count]
-        for place in at[m] + grid.node_count * np.arange(1, grid.sides)
-        if place in sides
-    ]
-    more = np.array(there, dtype=np.int64).reshape(-1, 2)
-    return np.concatenate([dof[kept], more[:, 0]]), np.concatenate([at[kept], more[:, 1]])
+    is_whole = whole[grid.field_of(dof)]
+    kept = ~is_whole | (at < grid.node_count)
+    mine = np.flatnonzero(is_whole & (at < grid.node_count))
+    place = at[mine, None] + grid.node_count * np.arange(1, grid.sides)
+    there = np.isin(place, at[kept & (at >= grid.node_count)])
+    return (
+        np.concatenate([dof[kept], dof[mine[np.nonzero(there)[0]]]]),
+        np.concatenate([at[kept], place[there]]),
+    )
 
 
 def most_near(grid: Grid, images: int) -> int:

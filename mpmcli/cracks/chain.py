@@ -65,6 +65,11 @@ class Chain:
         way[:, -1] = self.X[:, -1] - self.X[:, -2]
         return way / np.linalg.norm(way, axis=0)
 
+    def normals(self) -> Array:
+        """Return unit normals (2, P), which point to the face above."""
+        x, y = self.tangents()
+        return np.stack([-y, x])
+
     def direction(self, end: int) -> Array:
         """Return the unit vector (2,) in which the last segment at ``START`` or ``END`` points out of the chain."""
         inner = 1 if end == START else -2

@@ -150,3 +150,28 @@ def hash_segments(segments: Segments, reach: int) -> Hash:
     place = np.full(nx * ny, -1, dtype=np.int64)
     place[cells] = np.arange(len(cells))
     return Hash(corner, place.reshape(ny, nx), np.append(first, len(order)).astype(np.int64), segment[order])
+
+
+@inline
+def find_distances(X, origin, inverse_cell, segments, table, away):
+    """How far particles are from the boxes around segments, along the axis where it is more, into ``away`` (N,).
+
+    In cells; infinite where the hash lists no segment near.
+    """
+    for p in range(X.shape[1]):
+        away[p] = np.inf
+        x, y = whole(X[0, p], origin[0], inverse_cell[0]), whole(X[1, p], origin[1], inverse_cell[1])
+        row, column = (y >> BITS) - table.low[1], (x >> BITS) - table.low[0]
+        if row < 0 or column < 0 or row >= table.place.shape[0] or column >= table.place.shape[1]:
+            continue
+        cell = table.place[row, column]
+        if cell < 0:
+            continue
+        nearest = np.int64(1) << 62
+        for at in range(table.first[cell], table.first[cell + 1]):
+            s = table.segment[at]
+            ax, ay, bx, by = segments.ax[s], segments.ay[s], segments.bx[s], segments.by[s]
+            dx = max(min(ax, bx) - x, x - max(ax, bx))
+            dy = max(min(ay, by) - y, y - max(ay, by))
+            nearest = min(nearest, max(dx, dy))
+        away[p] = nearest / UNIT

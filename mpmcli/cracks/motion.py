@@ -17,8 +17,6 @@ Array = np.ndarray
 
 BESIDE = 2.0**-10
 """How far from the plane a face is when it looks at nodes [cells]."""
-WIDEST = 2
-"""Cells around a point in which its face looks for matter: the next nodes of a tip may have no further sides."""
 AVERAGE, MASS, FIXED = 0, 1, 2
 WAYS = {"average": AVERAGE, "mass": MASS, "fixed": FIXED}
 """How planes move: ``moves`` of a crack."""
@@ -76,7 +74,7 @@ def sides_at(px, py, x, y, cell, segments, table, crack):
 def face_velocity(plane, normal, face, sums, nodes, segments, table, lattice, out):
     """Velocity of a point ``face`` (2,) of a face into ``out`` (2,); returns the mass that it comes from, 0 if none.
 
-    It is the mean of what the sides of the four nodes around tell of the point, or of the next ones, from their
+    It is the mean of what the sides of the four nodes around tell of the point, from their
     velocities and gradients: exact for affine motion, whichever nodes there are. ``plane`` (2,) is the point of the
     plane beside it, ``normal`` (2,) points from the plane to the face.
     """
@@ -94,10 +92,9 @@ def face_velocity(plane, normal, face, sums, nodes, segments, table, lattice, ou
     px = whole(x, lattice.origin[0], 1.0 / lattice.cell[0])
     py = whole(y, lattice.origin[1], 1.0 / lattice.cell[1])
     total, mass = 0.0, 0.0
-    for turn in range(WIDEST + 1):  # crack nodes first: then others, which see matter of one face alone
-        reach = max(turn, 1)
-        for j in range(4 * reach * reach):
-            nx, ny = cx + 1 - reach + j % (2 * reach), cy + 1 - reach + j // (2 * reach)
+    for turn in range(2):  # crack nodes first: then others, which see matter of one face alone
+        for j in range(4):
+            nx, ny = cx + j % 2, cy + j // 2
             if nx < 0 or ny < 0 or nx >= lattice.shape[0] or ny >= lattice.shape[1]:
                 continue
             slot = nodes.slot_of_node[ny * lattice.shape[0] + nx]
@@ -112,8 +109,7 @@ def face_velocity(plane, normal, face, sums, nodes, segments, table, lattice, ou
                 continue
             dx = face[0] - lattice.origin[0] - nx * lattice.cell[0]
             dy = face[1] - lattice.origin[1] - ny * lattice.cell[1]
-            N = max(1.0 - abs(dx) / (reach * lattice.cell[0]), 0.0)
-            N *= max(1.0 - abs(dy) / (reach * lattice.cell[1]), 0.0)
+            N = max(1.0 - abs(dx) / lattice.cell[0], 0.0) * max(1.0 - abs(dy) / lattice.cell[1], 0.0)
             out[0] += N * (here[1] + here[3] * dx + here[4] * dy) / m
             out[1] += N * (here[2] + here[5] * dx + here[6] * dy) / m
             mass += N * m

@@ -16,9 +16,6 @@ from mpmcli.cracks.sides import CrackSides
 
 Array = np.ndarray
 
-WITHOUT = (-1, -1)
-"""Cracks of a node that has none."""
-
 CORNERS = 4
 """Nodes around a point."""
 
@@ -67,15 +64,10 @@ def share_out(plane, normal, faces, force, nodes, segments, table, lattice, rigi
                 inside = nx >= 0 and ny >= 0 and nx < lattice.shape[0] and ny < lattice.shape[1] and cell >= 0
                 node = ny * lattice.shape[0] + nx
                 N, side = (1.0 - abs(x - nx)) * (1.0 - abs(y - ny)), np.int64(0)
-                if inside:
-                    slot = nodes.slot_of_node[node]
-                    if slot >= 0:
-                        side = sides_at(
-                            sx, sy, nx << BITS, ny << BITS, cell, segments, table, nodes.crack[slot]
-                        )
-                        inside = side >= 0
-                    else:  # all particles that it sees are on its own side: is the face, too?
-                        inside = sides_at(sx, sy, nx << BITS, ny << BITS, cell, segments, table, WITHOUT) == 0
+                if inside:  # the nodes around faces are listed
+                    crack = nodes.crack[nodes.slot_of_node[node]]
+                    side = sides_at(sx, sy, nx << BITS, ny << BITS, cell, segments, table, crack)
+                    inside = side >= 0
                 for field in range(fields):
                     rows.dof[at] = -1
                     rows.force[at, 0] = 0.0
@@ -128,12 +120,11 @@ class PointForces:
         room = 2 * CORNERS * len(self._rigid) * chain.count
         if len(self._rows.dof) < room:
             self._rows = ForceRows(np.zeros(room, dtype=np.int64), np.zeros((room, 2)))
-        tangent = chain.tangents()
         X, faces, force = (
             np.ascontiguousarray(array) for array in (chain.X, chain.faces, force)
         )  # whoever holds them
         self.alone = share_out(
-            X, np.stack([-tangent[1], tangent[0]]), faces, force, sides.nodes, sides.segments, sides.hash,
+            X, chain.normals(), faces, force, sides.nodes, sides.segments, sides.hash,
             self._lattice, self._rigid, grid.node_count, grid.mp, self._rows,
         )  # fmt: skip
         met = np.flatnonzero(self._rows.dof[:room] >= 0)

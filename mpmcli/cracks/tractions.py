@@ -126,7 +126,7 @@ class Tractions:
         view = self._view
         for index, (forces, dry) in self._of.items():
             chain = forces.chain
-            numbers, normal, jump = chain.numbers, normals(chain), chain.faces[ABOVE] - chain.faces[BELOW]
+            numbers, normal, jump = chain.numbers, chain.normals(), chain.faces[ABOVE] - chain.faces[BELOW]
             was_broken = numbers["history"][BREAKS] > 0.5
             spent, stored = np.zeros(chain.count), np.zeros(chain.count)
             area = areas(chain, dry, self._breadth)
@@ -153,7 +153,7 @@ class Tractions:
     def _tractions(self, chain: Chain) -> Array:
         """Return tractions on the matter above (2, P) [pressure]."""
         numbers, jump = chain.numbers, chain.faces[ABOVE] - chain.faces[BELOW]
-        normal, found = normals(chain), np.zeros_like(chain.X)
+        normal, found = chain.normals(), np.zeros_like(chain.X)
         for which, law in enumerate(self._laws, start=1):
             find_tractions[False](law, AXES, which, numbers["law"], normal, jump, numbers["history"], found)
         release, most = numbers["release"], numbers["history"][MOST_NORMAL]
@@ -191,12 +191,6 @@ def covered(chain: Chain, along: tuple[float, float] | None) -> Array:
     way = np.concatenate([[0.0], np.cumsum(chain.length0)])
     margin = 1e-6 * float(chain.length0.min())
     return np.asarray((way >= along[0] - margin) & (way <= along[1] + margin))
-
-
-def normals(chain: Chain) -> Array:
-    """Return unit normals (2, P) of the points, from below to above."""
-    tangent = chain.tangents()
-    return np.stack([-tangent[1], tangent[0]])
 
 
 def areas(chain: Chain, dry: tuple[float, float], breadth: float | None) -> Array:

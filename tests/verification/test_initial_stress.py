@@ -12,7 +12,7 @@ FALL = 0.01
 MATERIALS = {
     "linear_elastic": "{kind: linear_elastic, E: 10 MPa, nu: 0.3, density: rho}",
     "neo_hookean": "{kind: neo_hookean, E: 10 MPa, nu: 0.3, density: rho}",
-    "j2_plastic": "{kind: j2_plastic, E: 10 MPa, nu: 0.3, density: rho, hardening: {kind: linear, yield_stress: 1 MPa}}",
+    "j2_plastic": "{kind: j2_plastic, E: 10 MPa, nu: 0.3, density: rho, hardening: {kind: linear, yield_stress: 1e6}}",
 }
 
 
