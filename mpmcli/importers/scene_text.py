@@ -15,8 +15,8 @@ from ruamel.yaml.scalarstring import DoubleQuotedScalarString
 from mpmcli.importers.base import Expression, KeyPath, Note, Translation
 
 WIDTH = 110
-_PLAIN = re.compile(r"[A-Za-z_][\w./\- ]*(?<! )\Z")
-_RESERVED = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
+_PLAIN = re.compile(r"[A-Za-z_][\w./+\- ]*(?<! )\Z")
+_RESERVED = {"true", "false", "null", "yes", "no", "on", "off"}
 _TITLES = {
     "changed": "Changed: these commands have another meaning or default here",
     "not_supported": "Not supported: these commands are missing in this scene",
@@ -116,6 +116,10 @@ class _Layout:
 
     def _fits(self, value: Any, path: KeyPath, used: int) -> bool:
         inside = any(len(at) > len(path) and at[: len(path)] == path for at in self.comments)
+        if len(path) == 1 and any(
+            isinstance(m, dict) for m in (value.values() if isinstance(value, dict) else value)
+        ):
+            return False
         return not inside and used + _length(self._flow(value)) <= WIDTH
 
     def _flow(self, value: Any) -> Any:
@@ -144,9 +148,9 @@ class _Layout:
 def _length(node: Any) -> int:
     """Columns of a node on one line, nearly."""
     if isinstance(node, dict):
-        return 2 + sum(len(str(key)) + 4 + _length(member) for key, member in node.items())
+        return max(2, sum(len(str(key)) + 4 + _length(member) for key, member in node.items()))
     if isinstance(node, list):
-        return 2 + sum(2 + _length(member) for member in node)
+        return max(2, sum(2 + _length(member) for member in node))
     if isinstance(node, DoubleQuotedScalarString):
         return len(node) + 2
     return len(str(node))

@@ -1,31 +1,105 @@
-"""The translation of a command file."""
+"""The translation of a command file: each part in the order of the scene, then what no part has read."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.importers.base import Translation, read_source
-from mpmcli.importers.nairnmpm.commands import CommandFile, parse
+from mpmcli.importers.nairnmpm import archive, conditions, contact, cracks, header, materials
+from mpmcli.importers.nairnmpm.bodies import Bodies
+from mpmcli.importers.nairnmpm.commands import Command, parse
+from mpmcli.importers.nairnmpm.grammar import check, unread
+from mpmcli.importers.nairnmpm.job import Job
+from mpmcli.importers.nairnmpm.values import settle
+
+_ORDER = (
+    "version",
+    "title",
+    "units",
+    "analysis",
+    "grid",
+    "method",
+    "heat",
+    "materials",
+    "bodies",
+    "contact",
+    "cracks",
+    "fracture",
+    "boundary",
+    "loads",
+    "time",
+    "domain",
+    "archive",
+)
+_NEEDED = ("Header", "MPMHeader", "Mesh", "MaterialPoints", "Material")
 
 
 def translate(path: Path, partial: bool) -> Translation:
     """Translate an XML command file of NairnMPM."""
-    source = parse(read_source(path), path)
+    contents = read_source(path)
+    if not contents.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
+        words = (
+            "not an XML file; scripts of NairnFEAMPM and NairnFEAMPMViz are not read: "
+            "run 'Interpret Commands' there, and translate the XML commands"
+        )
+        raise SceneError([Problem("", words, str(path), 1, code="source")])
+    source = parse(contents, path)
     if source.root.name != "JANFEAInput":
         words = f"the file begins with <{source.root.name}>; files of NairnMPM begin with <JANFEAInput>"
         raise SceneError([Problem("", words, str(path), source.root.line, code="source")])
-    translation = Translation(path, "NairnMPM")
-    _Translator(source, translation).run()
-    return translation
+    made = Translation(path, "NairnMPM")
+    check(source, made)
+    job = Job(source, made, {"version": 1})
+    blocks = {name: source.root.first(name) for name in _NEEDED}
+    for name, block in blocks.items():
+        if block is None:
+            made.error(source.root.line, "<JANFEAInput>", f"the command <{name}> is missing")
+    if any(block is None for block in blocks.values()) or made.errors:
+        return made
+    _translate(job, source.root, blocks)
+    return made
 
 
-class _Translator:
-    def __init__(self, source: CommandFile, made: Translation):
-        self.source = source
-        self.made = made
-
-    def run(self) -> None:
-        self.made.scene["version"] = 1
-        for block in self.source.root.children:
-            self.made.note("not_supported", block.line, block.name, "no counterpart")
+def _translate(job: Job, root: Command, blocks: dict[str, Any]) -> None:
+    root.handled = True
+    root.get("version")
+    head = blocks["MPMHeader"]
+    header.header(job, blocks["Header"])
+    symmetries = header.grid(job, blocks["Mesh"])
+    if not job.cell:
+        return
+    materials.number_materials(job, root)
+    job.scene["_cracks"] = any(child.name == "CrackList" for child in root.children)
+    job.heats = archive.temperatures_matter(job, root, head)
+    header.method(job, head)
+    archive.heat(job, root)
+    bodies = Bodies(job)
+    bodies.read(blocks["MaterialPoints"])
+    if not bodies.made and not job.made.errors:
+        job.made.error(blocks["MaterialPoints"].line, "<MaterialPoints>", "there is no body")
+    boundary = symmetries + contact.rigid(job, bodies)
+    cracks.cracks(job, root, head, bodies)
+    contact.contact(job, head, bodies)
+    job.scene["materials"] = materials.materials(job)
+    job.scene["bodies"] = bodies.made
+    for block in root.all("GridBCs"):
+        boundary += conditions.grid_conditions(job, block)
+    if boundary:
+        job.scene["boundary"] = boundary
+    loads = [entry for block in root.all("Gravity") for entry in conditions.gravity(job, block)]
+    for block in root.all("ParticleBCs"):
+        loads += conditions.particle_loads(job, block, bodies)
+    if loads:
+        job.scene["loads"] = loads
+    archive.tasks(job, root)
+    header.time(job, head)
+    archive.archive(job, head, [(str(body["name"]), str(body["material"])) for body in bodies.made])
+    header.display(job, head)
+    for block in root.all("Periodic"):
+        job.unsupported(block, "periodic boundaries")
+    for command, words in unread(root):
+        job.note("not_supported", command, words)
+    scene = {key: job.scene[key] for key in _ORDER if key in job.scene}
+    job.made.scene.update(settle(scene, job.source, job.made))

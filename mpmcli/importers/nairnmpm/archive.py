@@ -1,0 +1,277 @@
+"""What is archived, custom tasks, and heat."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mpmcli.importers.nairnmpm.commands import Command
+from mpmcli.importers.nairnmpm.job import Job
+from mpmcli.importers.nairnmpm.values import Value
+
+_FIELDS = {2: "velocity", 3: "stress", 4: "deformation_gradient", 8: "temperature"}
+"""Fields by their place in the text of MPMArchiveOrder."""
+_RESULTS = {
+    "velocity": "velocity",
+    "stress": "stress",
+    "strain": "deformation_gradient",
+    "plasticstrain": "deformation_gradient",
+    "temperature": "temperature",
+    "workenergy": "stress_work",
+    "strainenergy": "strain_energy",
+    "rotstrain": "deformation_gradient",
+}
+_GLOBALS = {
+    "kinetic energy": "kinetic_energy",
+    "grid kinetic energy": "kinetic_energy",
+    "strain energy": "strain_energy",
+    "work energy": "stress_work",
+    "potential energy": "strain_energy",
+    "plastic energy": "plastic_work",
+    "heat energy": "heat_inflow",
+    "thermal energy": "thermal_energy",
+    "interface energy": "interface_energy",
+    "friction work": "contact_work",
+}
+_OF_MATERIAL = {"s": "stress_", "e": "strain_", "vel": "velocity_", "disp": "center_", "temp": "temperature"}
+_TENSOR = {"xx", "yy", "zz", "xy", "xz", "yz"}
+
+
+def archive(job: Job, header: Command, names: list[tuple[str, str]]) -> None:
+    """The section of archives. ``names`` are the bodies and their materials."""
+    made: dict[str, Any] = {}
+    every = None
+    groups = list(header.all("ArchiveGroup"))
+    for inside in header.all("ArchiveTime"):
+        every = job.number(inside, None, "time")
+        inside.get("maxProps")
+    for inside in groups:
+        every = every or job.number(inside, "time", "time")
+        inside.get("maxProps")
+        if job.plain(inside, "start"):
+            job.changed(inside, "archives begin at time 0")
+        inside.get("start")
+    if len(groups) > 1:
+        job.changed(groups[1], "archives are written at the interval of the first group")
+    for inside in header.all("FirstArchiveTime"):
+        job.ignored(inside, "archives begin at time 0")
+    fields = _fields(job, header)
+    if every is not None and every.scaled > 0:
+        made["particles"] = {"every": every, "fields": fields}
+    wide = None
+    for inside in header.all("GlobalArchiveTime"):
+        wide = job.number(inside, None, "time")
+    columns = _tips(job, header)
+    if job.scene.get("cracks") and every is not None:
+        made["cracks"] = {"every": every}
+    for inside in header.all("GlobalArchive"):
+        column = _column(job, inside, names)
+        if column is not None and column not in columns:
+            columns.append(column)
+    if columns and wide is None:
+        wide = every
+    if wide is not None and wide.scaled > 0:
+        made["globals"] = {"every": wide}
+        if columns:
+            made["globals"]["columns"] = columns
+    job.scene["archive"] = made
+
+
+def _tips(job: Job, header: Command) -> list[str]:
+    """Columns of J and K of tips, which NairnMPM archives with its cracks."""
+    order = header.first("CrackArchiveOrder")
+    text = job.source.plain(order.text).strip() if order is not None else ""
+    results = {
+        (inside.attributes.get("result") or "").lower()
+        for inside in header.children
+        if inside.name == "MPMArchive"
+    }
+    quantities = ["J"] if text[2:3] == "Y" or "jintegral" in results else []
+    quantities += ["K_I", "K_II"] if text[3:4] == "Y" or "stressintensity" in results else []
+    tips = [
+        f"{crack['name']}:{end}"
+        for crack in job.scene.get("cracks", [])
+        for end in ("start", "end")
+        if crack.get("ends", {}).get(end, "tip") == "tip"
+    ]
+    return [f"{quantity}[{tip}]" for quantity in quantities for tip in tips]
+
+
+def _fields(job: Job, header: Command) -> list[str]:
+    found = ["displacement"]
+    order = header.first("MPMArchiveOrder")
+    if order is not None:
+        text = job.source.plain(order.text).strip()
+        found += [name for place, name in _FIELDS.items() if len(text) > place and text[place] == "Y"]
+    for inside in header.all("MPMArchive"):
+        result = (inside.get("result") or "").lower()
+        inside.get("setting")
+        if result in {"jintegral", "stressintensity"}:
+            continue
+        if result in _RESULTS:
+            found.append(_RESULTS[result])
+        else:
+            job.note("ignored", inside, f"the result {result} is not archived")
+    if len(found) == 1:
+        found += ["velocity", "stress", "deformation_gradient"]
+    fields = list(dict.fromkeys(found))
+    return [name for name in fields if name != "temperature" or job.heats]
+
+
+def _column(job: Job, command: Command, names: list[tuple[str, str]]) -> str | None:
+    kind = job.source.plain(command.get("type") or "").strip()
+    of = None
+    if any(word in command.attributes for word in ("matname", "mat", "material")):
+        number = command.attributes.get("mat") or command.attributes.get("material") or ""
+        plain = job.source.plain(number).strip()
+        if "matname" not in command.attributes and (plain.startswith("-") or plain == "0"):
+            for word in ("mat", "material"):
+                command.get(word)
+        else:
+            of = job.material(command)
+            if of is None:
+                return None
+    low = kind.lower()
+    rigid = [m.key for m in job.materials if m.used and m.is_rigid and m.direction == 8]
+    if low.startswith("contact") and low[7:] in job.axes and low[7:] and rigid and "contact" in job.scene:
+        return f"contact_force_{low[7:]}[{rigid[0]}]"
+    if low in _GLOBALS:
+        if of is not None:
+            job.note("changed", command, f"{_GLOBALS[low]} is that of all bodies")
+        return _GLOBALS[low]
+    keys = (
+        [of.key]
+        if of is not None and of.used
+        else [m.key for m in job.materials if m.used and not m.is_rigid][:1]
+    )
+    if not keys:
+        job.note("ignored", command, "its material is in no body")
+        return None
+    owners = {material for _, material in names}
+    for word, column in _OF_MATERIAL.items():
+        rest = low.removeprefix(word)
+        if rest == low and word != low:
+            continue
+        bodies = [body for body, material in names if material == keys[0]]
+        if word in {"s", "e"} and rest in _TENSOR and keys[0] in owners:
+            return f"{column}{rest}[{keys[0]}]"
+        if word == "vel" and rest in {"x", "y", "z"} and len(bodies) == 1:
+            return f"{column}{rest}[{bodies[0]}]"
+        if word == "temp" and rest in {"", "erature"} and job.heats:
+            return f"temperature[{keys[0]}]"
+    job.note("ignored", command, f"the quantity '{kind}' is not archived")
+    return None
+
+
+_PERIODIC = {
+    "FMPMOrder",
+    "XPICOrder",
+    "periodicTime",
+    "periodicCFL",
+    "periodicSteps",
+    "periodicTimeConduction",
+    "periodicCFLConduction",
+    "periodicStepsConduction",
+    "verbose",
+    "GridBCOption",
+}
+
+
+def tasks(job: Job, root: Command) -> None:
+    """Custom tasks that have a counterpart."""
+    for block in root.all("CustomTasks"):
+        for task in block.all("Schedule"):
+            name = task.get("name") or ""
+            if name == "PeriodicXPIC":
+                _periodic(job, task)
+            elif name in {"VTKArchive", "HistoryArchive"}:
+                job.ignored(task, f"{name}: archive.particles writes VTU files")
+            elif name == "AdjustTimeStep":
+                job.ignored(task, "AdjustTimeStep: steps follow the current wave speeds")
+            else:
+                job.unsupported(task, f"the custom task '{name}'")
+
+
+def _periodic(job: Job, task: Command) -> None:
+    found: dict[str, float] = {}
+    for parameter in task.all("Parameter"):
+        name = parameter.get("name") or ""
+        if name not in _PERIODIC:
+            job.unsupported(parameter, f"the parameter '{name}' of PeriodicXPIC")
+        elif name == "GridBCOption":
+            _grid_option(job, parameter)
+        else:
+            found[name] = job.plain(parameter, None)
+    kind = "fmpm" if "FMPMOrder" in found else "xpic"
+    made: dict[str, Any] = {
+        "kind": kind,
+        "order": max(1, round(found.get("FMPMOrder", found.get("XPICOrder", 2.0)))),
+    }
+    if found.get("periodicCFL", 0) > 0:
+        made["every_courant"] = Value(found["periodicCFL"])
+    elif found.get("periodicSteps", 0) > 1:
+        made["every_steps"] = round(found["periodicSteps"])
+    if found.get("periodicTime", 0) > 0:
+        job.note("not_supported", task, "periodicTime; every_courant and every_steps are")
+    method = job.scene["method"]
+    method["transfer"] = made
+    job.made.comments.pop(("method", "transfer"), None)
+    if "heat" in job.scene and found.get("periodicStepsConduction", 0) > 0:
+        steps = round(found["periodicStepsConduction"])
+        job.scene["heat"]["transfer"] = {"kind": "fmpm", "order": made["order"]} | (
+            {"every_steps": steps} if steps > 1 else {}
+        )
+
+
+def _grid_option(job: Job, parameter: Command) -> None:
+    option = job.source.plain(parameter.text).strip().lower()
+    if option in {"lumped", "velocity", "combined"}:
+        job.scene["method"]["velocity_conditions"] = option
+    else:
+        job.unsupported(parameter, f"GridBCOption '{option}'")
+
+
+def heat(job: Job, root: Command) -> None:
+    """Conduction and coupling."""
+    conducts = adiabatic = False
+    friction: bool | None = None
+    for block in root.all("Thermal"):
+        for inside in block.children:
+            inside.handled = True
+            if inside.name == "Conduction":
+                conducts = True
+            elif inside.name == "EnergyCoupling":
+                adiabatic = True
+            elif inside.name in {"ContactHeating", "FrictionalHeating"}:
+                friction = True
+            elif inside.name == "ContactHeatFlow":
+                job.unsupported(inside, "its conductances; heat.contact has one")
+            elif inside.name == "NoAVHeating":
+                job.ignored(inside, "there is no artificial viscosity")
+            else:
+                job.unsupported(inside, "no counterpart")
+    if conducts:
+        job.scene["heat"] = {"friction": bool(friction)}
+        job.scene["method"]["heating"] = "adiabatic" if adiabatic else "isothermal"
+    elif adiabatic:
+        job.scene["method"]["heating"] = "adiabatic"
+
+
+def temperatures_matter(job: Job, root: Command, header: Command) -> bool:
+    """Whether temperatures change, or are other than that without stress."""
+    reference = header.first("StressFreeTemp")
+    at_rest = job.number(reference, None) if reference is not None else None
+    if any(
+        inside.name in {"Conduction", "EnergyCoupling"}
+        for block in root.children
+        for inside in block.children
+    ):
+        job.scene["_reference"] = at_rest
+        return True
+    zero = at_rest.number if at_rest is not None else 0.0
+    for command in root.walk():
+        if command.name in {"Body", "mp"} and "temp" in command.attributes:
+            value = job.number(command, "temp")
+            if value is not None and value.number != zero:
+                job.scene["_reference"] = at_rest
+                return True
+    return False

@@ -1,0 +1,303 @@
+"""MaterialPoints: bodies, holes, pictures and lists of points."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+from mpmcli.importers.nairnmpm.commands import Command
+from mpmcli.importers.nairnmpm.job import Job, Material
+from mpmcli.importers.nairnmpm.shapes import NAMES, Box, limits, region
+from mpmcli.importers.nairnmpm.values import Value
+
+MAX_PICTURE = 50_000_000
+_ANISOTROPIC = {2, 3, 4, 15, 19, 21}
+
+
+class Bodies:
+    """The bodies of a scene, made in the order of the source."""
+
+    def __init__(self, job: Job):
+        self.job = job
+        self.made: list[dict[str, Any]] = []
+        self.materials: list[Material] = []
+        self.boxes: list[Box | None] = []
+        self.holes: list[dict[str, Any]] = []
+        self.thickness: Value | None = None
+
+    def read(self, block: Command) -> None:
+        """Make all bodies of the block."""
+        for command in block.children:
+            command.handled = True
+            if command.name == "Body":
+                self._body(command)
+            elif command.name == "Hole":
+                self.holes += [
+                    r for shape in command.all(*NAMES) if (r := region(self.job, shape)) is not None
+                ]
+            elif command.name == "BMP":
+                self._picture(command)
+            elif command.name == "PointList":
+                self._points(command)
+            elif command.name == "Membrane":
+                self.job.unsupported(command, "membranes")
+        self._name()
+
+    def _body(self, command: Command) -> None:
+        job = self.job
+        material = job.material(command)
+        regions = []
+        late = False
+        for inside in command.children:
+            if inside.name in NAMES:
+                inside.handled = True
+                regions.append(region(job, inside))
+            elif regions and inside.name != "Unrotate":
+                late = True
+        if late:
+            job.unsupported(command, "velocities or angles that change between the shapes of a body")
+        found = [r for r in regions if r is not None]
+        if material is None or not found:
+            if not regions:
+                job.note("ignored", command, "a body without a shape")
+                command.skip()
+            self._rest(command, material)
+            return
+        body: dict[str, Any] = {
+            "region": found[0] if len(found) == 1 else {"kind": "union", "regions": found}
+        }
+        velocity = self._velocity(command)
+        if velocity is not None:
+            body["velocity"] = velocity
+        self._temperature(command, body, job.number(command, "temp"))
+        self._thickness(command, material)
+        self._rest(command, material)
+        self._add(body, material)
+
+    def _velocity(self, command: Command) -> list[Any] | None:
+        job = self.job
+        parts: list[Any] = []
+        for axis, letter in enumerate("xyz"):
+            value: Any = job.number(command, f"v{letter}", "velocity")
+            for inside in command.all(f"vel0{letter.upper()}"):
+                value = job.formula(inside, inside.text, "velocity")
+            if axis < len(job.axes):
+                parts.append(value if value is not None else 0)
+        if any(not isinstance(part, Value) or part.number != 0 for part in parts if part != 0):
+            return [0 if isinstance(part, Value) and part.number == 0 else part for part in parts]
+        return None
+
+    def _temperature(self, command: Command, body: dict[str, Any], value: Value | None) -> None:
+        if value is not None and self.job.heats:
+            body["temperature"] = value
+        elif value is not None:
+            self.job.note("ignored", command, "attribute temp: no temperature changes in this file")
+
+    def _thickness(self, command: Command, material: Material) -> None:
+        job = self.job
+        value = job.number(command, "thick")
+        if value is None or not job.analysis.startswith("plane") or material.is_rigid:
+            return
+        if self.thickness is not None and abs(value.scaled - self.thickness.scaled) > 1e-12:
+            job.note(
+                "not_supported",
+                command,
+                f"thickness {value.number:g}, another than that of the bodies before",
+            )
+        elif value.scaled > 0:
+            self.thickness = value
+            job.scene["analysis"]["thickness"] = value
+
+    def _rest(self, command: Command, material: Material | None) -> None:
+        """What says something of axes, stresses and concentrations."""
+        job = self.job
+        angle = job.plain(command, "angle")
+        turned = [*command.all("RotateX", "RotateY", "RotateZ", "Unrotate")]
+        if material is not None and (angle or turned):
+            if material.kind in _ANISOTROPIC:
+                job.note("not_supported", command, "angles of material axes")
+            else:
+                job.note("ignored", command, "angles: the material is isotropic")
+        for name in ("conc", "wtconc", "rpm"):
+            if job.plain(command, name):
+                job.note("not_supported", command, f"attribute {name}")
+        for axes in ("XX", "YY", "ZZ", "XY", "YZ", "XZ"):
+            for inside in command.all(f"ss0{axes}"):
+                job.unsupported(inside, "initial stress of a body")
+
+    def _add(self, body: dict[str, Any], material: Material) -> None:
+        material.used = True
+        per_axis = self.job.scene.get("_particles_per_axis")
+        if per_axis not in {None, 2}:
+            body["particles_per_axis"] = per_axis
+        box = limits(body["region"])
+        if self.holes:
+            subtract = [hole for hole in self.holes if _meet(box, limits(hole))]
+            if subtract:
+                body["region"] = {"kind": "difference", "region": body["region"], "subtract": subtract}
+        if any(_meet(box, other) for other in self.boxes):
+            body["overlap"] = "keep"
+        self.made.append(body)
+        self.materials.append(material)
+        self.boxes.append(box)
+
+    # --------------------------------------------------------------- pictures
+
+    def _picture(self, command: Command) -> None:
+        job = self.job
+        name = job.source.plain(command.get("name") or "")
+        for attribute in ("angles", "anglesX", "anglesY", "anglesZ"):
+            if command.get(attribute) is not None:
+                job.note("not_supported", command, f"attribute {attribute}: a picture of angles")
+        base: dict[str, Any] = {"kind": "bitmap", "file": Path(name).name}
+        if job.analysis == "3d":
+            job.unsupported(command, "pictures in 3D")
+            return
+        self._size(command, base)
+        origin = command.first("Origin")
+        if origin is not None:
+            corner = [job.number(origin, letter) or 0 for letter in "xy"]
+            origin.get("z")
+            base["origin"] = corner
+            if (origin.get("flipped") or "").lower() in {"yes", "1"}:
+                base["flip"] = "vertical"
+        if not self._copy(command, name):
+            return
+        for level in command.all("Intensity"):
+            if "mat" not in level.attributes and "matname" not in level.attributes:
+                job.unsupported(level, "intensities that stand for angles")
+                continue
+            if level.attributes.get("mat", "").strip() == "0" and "matname" not in level.attributes:
+                level.skip()
+                continue
+            material = job.material(level)
+            values = [job.number(level, limit) for limit in ("imin", "imax")]
+            body: dict[str, Any] = {"region": {**base, "levels": values}}
+            self._level(level, body)
+            if material is not None and None not in values:
+                self._add(body, material)
+        for inside in command.all("RotateX", "RotateY", "RotateZ", "Unrotate"):
+            job.unsupported(inside, "angles of material axes")
+
+    def _size(self, command: Command, base: dict[str, Any]) -> None:
+        job = self.job
+        width, height = job.number(command, "width"), job.number(command, "height")
+        pixels = [v for v in (width, height) if v is not None and v.number < 0]
+        if pixels and len(pixels) == len([v for v in (width, height) if v is not None]):
+            base["pixel"] = [(v or pixels[0]).negative for v in (width, height)]
+        elif width is not None and height is not None and not pixels:
+            base["size"] = [width, height]
+        else:
+            job.note("not_supported", command, "a picture without both width and height")
+
+    def _level(self, level: Command, body: dict[str, Any]) -> None:
+        job = self.job
+        for inside in level.all("vel"):
+            parts = [job.number(inside, letter, "velocity") or 0 for letter in job.axes]
+            inside.get("z")
+            if any(isinstance(part, Value) and part.number != 0 for part in parts):
+                body["velocity"] = parts
+        for inside in level.all("Temperature"):
+            self._temperature(inside, body, job.number(inside, None))
+        for inside in level.all("Thickness", "Angle", "Concentration"):
+            job.unsupported(inside, "a value for one intensity")
+        for attribute in ("minAngle", "maxAngle"):
+            if level.get(attribute) is not None:
+                job.note("not_supported", level, f"attribute {attribute}")
+
+    def _copy(self, command: Command, name: str) -> bool:
+        """Take the picture into the files of the translation; False after an error."""
+        job = self.job
+        folder = job.made.source.resolve().parent
+        path = (folder / name).resolve()
+        if not path.is_relative_to(folder):
+            job.made.error(command.line, "<BMP>", f"the picture {name} lies outside the folder of the file")
+            return False
+        try:
+            from mpmcli.core.files import NoPlainFile, TooLarge, read_plain
+
+            contents = read_plain(path, MAX_PICTURE)
+        except (OSError, NoPlainFile, TooLarge, ValueError):
+            job.made.error(command.line, "<BMP>", f"the picture {name} cannot be read")
+            return False
+        job.made.files[Path(name).name] = contents
+        return True
+
+    # ----------------------------------------------------------------- points
+
+    def _points(self, command: Command) -> None:
+        job = self.job
+        groups: dict[tuple[int, tuple[float, ...]], list[list[float]]] = {}
+        for point in command.all("mp"):
+            material = job.material(point)
+            at, velocity = point.first("pt"), point.first("vel")
+            for name in ("elem", "thick", "angle"):
+                point.get(name)
+            for name in ("conc", "wtconc", "temp"):
+                if job.plain(point, name):
+                    job.note("not_supported", point, f"attribute {name} of single points")
+            for inside in point.all("mass"):
+                job.unsupported(inside, "masses of single points")
+            if at is None or material is None:
+                if at is None:
+                    job.made.error(point.line, "<mp>", "the command <pt> is missing")
+                continue
+            place = [job.number(at, letter) for letter in job.axes]
+            at.get("z")
+            speed = [job.number(velocity, letter, "velocity") if velocity else None for letter in job.axes]
+            if None in place:
+                continue
+            sizes = [job.plain(point, f"lp{letter}", 0.5) * job.cell[a] for a, letter in enumerate(job.axes)]
+            key = (job.materials.index(material), tuple(v.scaled if v else 0.0 for v in speed))
+            row = [v.scaled for v in place if v is not None] + [math.prod(sizes)]
+            groups.setdefault(key, []).append(row)
+        for number, ((index, speed_of), rows) in enumerate(groups.items(), start=1):
+            file = f"points_{number}.csv"
+            lines = [",".join((*job.axes, "volume"))]
+            lines += [",".join(f"{value:.12g}" for value in row) for row in rows]
+            job.made.files[file] = "\n".join(lines) + "\n"
+            body: dict[str, Any] = {"region": {"kind": "points", "file": file}}
+            if any(speed_of):
+                body["velocity"] = list(speed_of)
+            self._add(body, job.materials[index])
+
+    # ------------------------------------------------------------------ names
+
+    def _name(self) -> None:
+        """Name bodies by their materials and, where several have one, by their places."""
+        groups: dict[str, list[int]] = {}
+        for index, material in enumerate(self.materials):
+            groups.setdefault(material.key, []).append(index)
+        names: dict[int, str] = {}
+        for key, members in groups.items():
+            endings = _places([self.boxes[index] for index in members])
+            for index, ending in zip(members, endings, strict=True):
+                names[index] = f"{key}_{ending}" if ending else key
+        bodies = []
+        for index, body in enumerate(self.made):
+            bodies.append({"name": names[index], "material": self.materials[index].key, **body})
+        self.made = bodies
+
+
+def _meet(one: Box | None, other: Box | None) -> bool:
+    """Whether two boxes have more than a border in common."""
+    if one is None or other is None:
+        return True
+    pairs = zip(*one, *other, strict=True)
+    return all(max(a, c) < min(b, d) - 1e-9 * (abs(b) + abs(d)) for a, b, c, d in pairs)
+
+
+def _places(boxes: list[Box | None]) -> list[str]:
+    """Words for the places of bodies: left, right, lower, upper, front, back; or numbers."""
+    if len(boxes) == 1:
+        return [""]
+    words = (("left", "right"), ("lower", "upper"), ("back", "front"))
+    if len(boxes) == 2 and None not in boxes:
+        centers = [[0.5 * (a + b) for a, b in zip(*box, strict=True)] for box in boxes if box is not None]
+        gaps = [b - a for a, b in zip(*centers, strict=True)]
+        axis = max(range(len(gaps)), key=lambda a: abs(gaps[a]))
+        if abs(gaps[axis]) > 0:
+            pair = words[axis]
+            return list(pair) if gaps[axis] > 0 else [pair[1], pair[0]]
+    return [str(number) for number in range(1, len(boxes) + 1)]

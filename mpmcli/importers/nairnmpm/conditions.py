@@ -1,0 +1,267 @@
+"""GridBCs, ParticleBCs and Gravity as conditions and loads."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from mpmcli.importers.nairnmpm.bodies import Bodies
+from mpmcli.importers.nairnmpm.commands import CLOSE, OPEN, Command
+from mpmcli.importers.nairnmpm.job import Job
+from mpmcli.importers.nairnmpm.places import Where, where
+from mpmcli.importers.nairnmpm.shapes import NAMES
+from mpmcli.importers.nairnmpm.values import Formula, Value
+
+Made = dict[str, Any]
+_PLACES = ("BCLine", "BCArc", "BCBox", "BCShape", "LdRect")
+_DIRECTIONS = {1: 0, 2: 1, 3: 2, 12: 0, 13: 0, 23: 1, 123: 2}
+_FACES = {1: ("y", "lower"), 2: ("x", "upper"), 3: ("y", "upper"), 4: ("x", "lower")}
+
+
+def raw(value: Value) -> str:
+    """A number of the source within an expression, by its name if it has one."""
+    if value.name is not None:
+        text = f"{OPEN}{value.name}{CLOSE}"
+        return f"(-{text})" if value.sign < 0 else text
+    return f"{value.number:.12g}"
+
+
+def history(job: Job, command: Command, value: Value | None, quantity: str, waits: bool = True) -> Any:
+    """A value by its style: constant, linear in time, sine, cosine, function; None after an error or a note.
+
+    Without ``waits``, values cannot begin later than at time 0.
+    """
+    style, when, function = job.check_style(command)
+    later = when is not None and when.number > 0 and style in {1, 2, 6}
+    if later and not waits:
+        job.note("not_supported", command, "a condition that begins later than at time 0")
+        return None
+    factor = job.unit(quantity).factor
+    amount = value if value is not None else Value(0.0, job.unit(quantity))
+    start = raw(when) if when is not None else "0"
+    if style == 1:
+        return Formula(f"{raw(amount)}*(t >= {start})", factor) if later else amount
+    if style == 2:
+        return Formula(f"{raw(amount)}*max(0, t - {start})" if later else f"{raw(amount)}*t", factor)
+    if style in {3, 4}:
+        return Formula(f"{raw(amount)}*{'sin' if style == 3 else 'cos'}({start}*t)", factor)
+    if style == 6:
+        if not (function or "").strip():
+            job.made.error(command.line, f"<{command.name}>", "the attribute 'function' is missing")
+            return None
+        made = job.formula(command, str(function), quantity, f"(t - {start})" if later else "t")
+        if made is not None and later:
+            return Formula(f"({made.text})*(t >= {start})", factor)
+        return made
+    job.note("not_supported", command, "silent conditions" if style == 5 else f"style {style}")
+    return None
+
+
+def grid_conditions(job: Job, block: Command) -> list[Made]:
+    """Conditions on nodes."""
+    made: list[Made] = []
+    for inside in block.all("DisplacementBCs"):
+        job.unsupported(inside, "conditions on numbered nodes")
+    names: set[str] = set()
+    for number, shape in enumerate(block.all(*_PLACES), start=1):
+        place = where(job, shape, number)
+        on = place.nodes(job) if place is not None else None
+        if place is not None and on is None and not job.made.errors:
+            job.ignored(shape, "it has no node of the grid")
+            continue
+        for condition in shape.children:
+            if condition.name in NAMES:
+                continue
+            condition.handled = True
+            entry = _condition(job, condition)
+            if entry is not None and place is not None and on is not None:
+                several = sum(child.name in {"DisBC", "TempBC"} for child in shape.children) > 1
+                end = f"_{entry.get('direction', 'temperature')}" if several else ""
+                made.append(
+                    {"name": _name(f"{place.name}{end}", names), "kind": entry.pop("kind"), "on": on, **entry}
+                )
+    return made
+
+
+def _condition(job: Job, command: Command) -> Made | None:
+    if command.name == "DisBC":
+        code = round(job.plain(command, "dir"))
+        angles = [job.plain(command, name) for name in ("angle", "angle2")]
+        for name in ("id", "depth"):
+            command.get(name)
+        velocity = job.number(command, "vel", "velocity") or job.number(command, "disp", "velocity")
+        command.get("disp")
+        command.get("vel")
+        command.get("value")
+        axis = _DIRECTIONS.get(code)
+        if axis is None or (code > 10 and any(angles)):
+            job.unsupported(command, "a direction that is not along an axis")
+            return None
+        if axis >= len(job.axes):
+            job.made.error(command.line, "<DisBC>", f"there is no direction {code} in this analysis")
+            return None
+        value = history(job, command, velocity, "velocity", waits=False)
+        return None if value is None else {"kind": "velocity", "direction": job.axes[axis], "value": value}
+    if command.name == "TempBC":
+        value = history(job, command, job.number(command, "value"), "temperature", waits=False)
+        return None if value is None else {"kind": "temperature", "value": value}
+    job.unsupported(command, "no counterpart on nodes")
+    return None
+
+
+def particle_loads(job: Job, block: Command, bodies: Bodies) -> list[Made]:
+    """Loads on particles."""
+    made: list[Made] = []
+    names: set[str] = set()
+    for inside in block.all("LoadBCs"):
+        job.unsupported(inside, "loads on numbered particles")
+    for number, shape in enumerate(block.all(*_PLACES), start=1):
+        place = where(job, shape, number)
+        net = False
+        forces: list[list[Any]] = [[] for _ in job.axes]
+        for load in shape.children:
+            if load.name in NAMES:
+                continue
+            load.handled = True
+            if load.name in {"net", "perParticle"}:
+                net = load.name == "net"
+            elif load.name == "LoadBC":
+                _force(job, load, forces)
+            elif load.name in {"TractionBC", "HeatFluxBC"}:
+                entry = _on_face(job, load, place, bodies)
+                if entry is not None:
+                    name = _name(f"{entry['kind']}_{entry['on']['body']}", names)
+                    made.append({"name": name, **entry})
+            else:
+                job.unsupported(load, "no counterpart on particles")
+        if any(forces) and place is not None:
+            force = [_sum(parts) for parts in forces]
+            entry = {
+                "name": _name(f"load_{number}", names),
+                "kind": "particle_force",
+                "on": place.particles(),
+                "force": force,
+            }
+            if not net:
+                entry["per"] = "particle"
+            made.append(entry)
+    return made
+
+
+def _force(job: Job, load: Command, forces: list[list[Any]]) -> None:
+    axis = round(job.plain(load, "dir")) - 1
+    value = job.number(load, "load") or job.number(load, "value")
+    for name in ("load", "value", "stress"):
+        load.get(name)
+    if not 0 <= axis < len(job.axes):
+        job.made.error(load.line, "<LoadBC>", f"there is no direction {axis + 1} in this analysis")
+        return
+    found = history(job, load, value, "")
+    if found is None:
+        return
+    if isinstance(found, Formula) and re.search(r"\b[xyz]\b", found.text):
+        job.note("not_supported", load, "a force on particles that depends on their places")
+        return
+    forces[axis].append(found)
+
+
+def _sum(parts: list[Any]) -> Any:
+    """One expression for several forces along one axis."""
+    if not parts:
+        return 0
+    if len(parts) == 1:
+        return parts[0]
+    texts = [part.text if isinstance(part, Formula) else raw(part) for part in parts]
+    return Formula(re.sub(rf" \+ \(-({OPEN}\w+{CLOSE})\)\*", r" - \1*", " + ".join(texts)))
+
+
+def _on_face(job: Job, load: Command, place: Where | None, bodies: Bodies) -> Made | None:
+    code, face = round(job.plain(load, "dir")), round(job.plain(load, "face", 1.0))
+    heat = load.name == "HeatFluxBC"
+    quantity = "flux" if heat else ""
+    amount = (
+        job.number(load, "stress", quantity)
+        or job.number(load, "load", quantity)
+        or job.number(load, "value", quantity)
+    )
+    for name in ("load", "value", "stress"):
+        load.get(name)
+    value = history(job, load, amount, quantity)
+    if value is None or place is None:
+        return None
+    side = _FACES.get(face)
+    if job.analysis == "3d" or side is None or (heat and code != 1) or (not heat and code not in {1, 2, 11}):
+        job.note("not_supported", load, f"direction {code} on face {face} of particles")
+        return None
+    body = _whole_face(job, place, bodies, side)
+    if body is None:
+        job.note(
+            "not_supported", load, "faces of particles that are not a whole face of one rectangular body"
+        )
+        return None
+    on = {"body": body, "face": {"axis": side[0], "side": side[1]}}
+    if heat:
+        return {"kind": "heat_flux", "on": on, "flux": value}
+    if code == 11:
+        negative = value.negative if isinstance(value, Value) else Formula(f"-({value.text})", value.factor)
+        return {"kind": "traction", "on": on, "pressure": negative}
+    return {
+        "kind": "traction",
+        "on": on,
+        "traction": [value if axis == code - 1 else 0 for axis in range(len(job.axes))],
+    }
+
+
+def _whole_face(job: Job, place: Where, bodies: Bodies, side: tuple[str, str]) -> str | None:
+    """The rectangular body whose outermost row of particles at a side is in a box, and no more of it."""
+    if place.region is not None:
+        return None
+    axis, upper = "xy".index(side[0]), side[1] == "upper"
+    per_axis = job.scene.get("_particles_per_axis") or 2
+    for body, box in zip(bodies.made, bodies.boxes, strict=True):
+        if body["region"]["kind"] != "box" or box is None:
+            continue
+        spacing = [cell / per_axis for cell in job.cell]
+        edge = box[1][axis] if upper else box[0][axis]
+        sign = 1 if upper else -1
+        first, second = edge - 0.5 * sign * spacing[axis], edge - 1.5 * sign * spacing[axis]
+        across = 1 - axis
+        covers = (
+            place.lower[axis] <= first + job.tolerance
+            and place.upper[axis] >= first - job.tolerance
+            and not place.lower[axis] - job.tolerance <= second <= place.upper[axis] + job.tolerance
+            and place.lower[across] <= box[0][across] + 0.5 * spacing[across] + job.tolerance
+            and place.upper[across] >= box[1][across] - 0.5 * spacing[across] - job.tolerance
+        )
+        if covers:
+            return str(body["name"])
+    return None
+
+
+def gravity(job: Job, block: Command) -> list[Made]:
+    """Gravity, and body forces that depend on place and time."""
+    made: list[Made] = []
+    parts: list[Any] = [0] * len(job.axes)
+    fields: list[Any] = [0] * len(job.axes)
+    for axis, letter in enumerate("XYZ"):
+        for inside in block.all(f"Body{letter}Force"):
+            value = job.number(inside, None, "acceleration")
+            if value is not None and axis < len(job.axes):
+                parts[axis] = value if value.number else 0
+        for inside in block.all(f"GridBody{letter}Force"):
+            formula = job.formula(inside, inside.text, "acceleration")
+            if formula is not None and axis < len(job.axes):
+                fields[axis] = formula
+    if any(part != 0 for part in parts):
+        made.append({"name": "weight", "kind": "gravity", "acceleration": parts})
+    if any(part != 0 for part in fields):
+        made.append({"name": "body_force", "kind": "body_force", "acceleration": fields})
+    return made
+
+
+def _name(base: str, taken: set[str]) -> str:
+    name, count = base, 2
+    while name in taken:
+        name, count = f"{base}_{count}", count + 1
+    taken.add(name)
+    return name

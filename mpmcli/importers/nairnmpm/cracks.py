@@ -1,0 +1,255 @@
+"""Cracks, their faces, fracture quantities and growth."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from mpmcli.importers.nairnmpm.bodies import Bodies
+from mpmcli.importers.nairnmpm.commands import Command
+from mpmcli.importers.nairnmpm.contact import law
+from mpmcli.importers.nairnmpm.grammar import FRACTURE
+from mpmcli.importers.nairnmpm.job import Job, Material
+from mpmcli.importers.nairnmpm.values import Value
+
+Made = dict[str, Any]
+_MOVES = {"cm": "mass", "avg": "average"}
+_DIRECTIONS = {1: "self_similar", 2: "opening", 3: "opening_hoop", 4: "initial"}
+
+
+def cracks(job: Job, root: Command, header: Command, bodies: Bodies) -> None:
+    """The sections of cracks and of fracture."""
+    lists = list(root.all("CrackList"))
+    settings = header.first("Cracks")
+    if not lists:
+        if settings is not None:
+            job.ignored(settings, "there are no cracks in this file")
+        return
+    faces, moves = None, None
+    if settings is not None:
+        friction = settings.first("Friction")
+        faces = law(job, friction) if friction is not None else None
+        plane = settings.first("MovePlane")
+        if plane is not None:
+            moves = _MOVES.get((plane.get("type") or "avg").lower(), "average")
+            if (plane.get("prevent") or "no").lower() == "yes":
+                job.note("ignored", plane, "attribute prevent: planes of cracks do not cross here")
+        for inside in settings.all("ContactPosition", "CrackParticleSize"):
+            job.changed(inside, "faces of cracks are separated by displacements")
+        _fracture(job, settings.first("JContour"))
+    growth = _growth(job, settings, bodies)
+    made = []
+    for number, command in enumerate(lists, start=1):
+        crack = _crack(job, command, bodies, "crack" if len(lists) == 1 else f"crack_{number}")
+        if crack is None:
+            continue
+        own = any(
+            name in command.attributes for name in ("friction", "Dn", "Dnt", "Dnc", "Dt", "law", "lawname")
+        )
+        face_law = law(job, command) if own else faces
+        if face_law is not None and face_law["kind"] != "frictionless":
+            crack["faces"] = {"law": face_law}
+        if moves is not None and moves != "average":
+            crack["moves"] = moves
+        if (command.get("type") or "free") == "fixed":
+            crack["moves"] = "fixed"
+        ends = crack.get("ends", {})
+        grows = {end: dict(growth) for end in ("start", "end") if growth and ends.get(end, "tip") == "tip"}
+        if grows and growth is not None:
+            crack["growth"] = grows
+        made.append(crack)
+    if made:
+        job.scene["cracks"] = made
+
+
+def _fracture(job: Job, contour: Command | None) -> None:
+    if contour is None:
+        return
+    contour.get("type")
+    contour.get("gridenergy")
+    size, terms = round(job.plain(contour, "size", 2.0)), round(job.plain(contour, "terms", 1.0))
+    made: Made = {"integral": "contour", "size": max(1, size)}
+    if terms == 2:
+        made["terms"] = 2
+    job.scene["fracture"] = made
+
+
+def _growth(job: Job, settings: Command | None, bodies: Bodies) -> Made | None:
+    """Growth of tips: that of the only material with a criterion, or of all."""
+    commands: list[tuple[Command, Material | None]] = []
+    solid = set(map(id, bodies.materials))
+    materials = [m for m in job.materials if id(m) in solid and not m.is_rigid]
+    length = settings.first("PropagateLength") if settings is not None else None
+    if settings is not None:
+        commands += [(inside, None) for inside in settings.all("Propagate")]
+        for inside in settings.all("AltPropagate"):
+            job.unsupported(inside, "a second criterion of growth")
+    for material in materials:
+        commands += [(inside, material) for inside in material.command.all("Propagate")]
+        for inside in material.command.all("AltPropagate"):
+            job.unsupported(inside, "a second criterion of growth")
+    chosen = [row for row in commands if round(job.plain(row[0], "criterion")) != 0]
+    for command, _owner in commands:
+        for name in ("criterion", "direction", "traction"):
+            command.get(name)
+    if not chosen:
+        _skip_properties(job, materials)
+        return None
+    command, owner = chosen[-1]
+    chosen_of = owner or (materials[0] if materials else None)
+    if chosen_of is None:
+        return None
+    if len(chosen) > 1:
+        job.note("not_supported", command, "growth by several criteria")
+    if round(job.plain(command, "traction")) > 0:
+        job.note("not_supported", command, "traction laws on new faces of cracks")
+    criterion = _criterion(job, command, chosen_of)
+    _skip_properties(job, materials)
+    if criterion is None:
+        return None
+    made: Made = {"criterion": criterion}
+    direction = round(job.plain(command, "direction"))
+    if direction == 1:
+        made["direction"] = {"kind": "self_similar"}
+    elif direction > 1:
+        job.note("not_supported", command, f"direction {direction} of growth")
+    made["increment"] = (job.number(length, None) if length is not None else None) or 0.5
+    return made
+
+
+def _criterion(job: Job, command: Command, material: Material) -> Made | None:
+    code = round(job.plain(command, "criterion"))
+    properties = material.command
+    if code in {1, 4}:
+        K = job.property(properties, "KIc", "stress_intensity")
+        kind = "maximum_hoop_stress" if code == 1 else "strain_energy_density"
+        return {"kind": kind, "K_Ic": K} if K is not None else _missing(job, properties, "KIc")
+    if code == 7:
+        J = job.property(properties, "JIc", "energy_rate", shown=True)
+        return (
+            {"kind": "energy_release_rate", "J_c": J} if J is not None else _missing(job, properties, "JIc")
+        )
+    if code == 6:
+        made: Made = {"kind": "opening"}
+        for theirs, ours in (("delIc", "normal"), ("delIIc", "tangential")):
+            value = job.property(properties, theirs)
+            if value is not None and value.number > 0:
+                made[ours] = value
+        return made if len(made) > 1 else _missing(job, properties, "delIc")
+    job.note("not_supported", command, f"criterion {code} of growth")
+    return None
+
+
+def _missing(job: Job, command: Command, name: str) -> Made | None:
+    job.made.error(
+        command.line, "<Material>", f"the command <{name}> is missing, which the growth of cracks needs"
+    )
+    return None
+
+
+def _skip_properties(job: Job, materials: list[Material]) -> None:
+    for material in materials:
+        for inside in material.command.children:
+            if inside.name in FRACTURE and not inside.handled:
+                job.ignored(inside, "no criterion of growth uses it")
+
+
+def _crack(job: Job, command: Command, bodies: Bodies, name: str) -> Made | None:
+    points: list[list[Any]] = []
+    tips: list[int] = []
+    arc: Made | None = None
+    for inside in command.children:
+        inside.handled = True
+        if inside.name == "pt":
+            pair: list[Any] = [job.coordinate(inside, letter, axis) for axis, letter in enumerate("xy")]
+            inside.get("z")
+            _traction(job, inside)
+            if None in pair:
+                return None
+            points.append(pair)
+            tips.append(round(job.plain(inside, "tip", -1.0)))
+        elif inside.name == "Line":
+            _traction(job, inside)
+            job.plain(inside, "resolution", 1.0)
+            ends = [
+                [value for letter in "xy" if (value := job.number(inside, f"{letter}{end}")) is not None]
+                for end in ("min", "max")
+            ]
+            if any(len(pair) < 2 for pair in ends):
+                return None
+            numbers = [round(job.plain(inside, f"{end}_tip", -1.0)) for end in ("start", "end")]
+            joins = bool(points) and all(
+                abs(a.scaled - b.scaled) < job.tolerance for a, b in zip(points[-1], ends[0], strict=True)
+            )
+            points += ends[1:] if joins else ends
+            tips += numbers[1:] if joins else numbers
+        elif inside.name == "Circle":
+            _traction(job, inside)
+            arc, numbers = _arc(job, inside)
+            tips += numbers
+        elif inside.name == "Thickness":
+            job.ignored(inside, "the thickness of cracks is that of the analysis")
+        else:
+            job.unsupported(inside, "no counterpart in a crack")
+    if arc is not None and points:
+        job.unsupported(command, "a crack of arcs and lines")
+        return None
+    if arc is None and len(points) < 2:
+        job.made.error(command.line, "<CrackList>", "two points are needed at least")
+        return None
+    made: Made = {"name": name, "path": arc or {"kind": "points", "points": points}}
+    mouths = {end: "mouth" for end, tip in (("start", tips[0]), ("end", tips[-1])) if tip == -2}
+    if mouths:
+        made["ends"] = mouths
+        if arc is None:
+            _reach_surface(job, command, points, mouths, bodies)
+    return made
+
+
+def _traction(job: Job, command: Command) -> None:
+    """Laws of single segments."""
+    if command.get("matname") is not None or job.plain(command, "mat") > 0:
+        job.note("not_supported", command, "a traction law of a segment of a crack")
+
+
+def _arc(job: Job, command: Command) -> tuple[Made | None, list[int]]:
+    ends = {word: job.plain(command, word) for word in ("xmin", "xmax", "ymin", "ymax")}
+    job.plain(command, "resolution", 1.0)
+    half = [(ends["xmax"] - ends["xmin"]) / 2, (ends["ymax"] - ends["ymin"]) / 2]
+    tips = [round(job.plain(command, f"{end}_tip", -1.0)) for end in ("start", "end")]
+    angles = [job.plain(command, "start_angle", 0.0), job.plain(command, "end_angle", 360.0)]
+    if abs(half[0] - half[1]) > 1e-9 * max(map(abs, half)):
+        job.note("not_supported", command, "a crack along an ellipse")
+        return None, tips
+    center = [(ends["xmin"] + ends["xmax"]) / 2, (ends["ymin"] + ends["ymax"]) / 2]
+    return {"kind": "arc", "center": center, "radius": half[0], "from": angles[0], "to": angles[1]}, tips
+
+
+def _reach_surface(
+    job: Job, command: Command, points: list[list[Any]], mouths: dict[str, str], bodies: Bodies
+) -> None:
+    """Let a mouth that lies less than a cell within a body pass its surface, as a mouth must here."""
+    cell = min(job.cell)
+    for end in mouths:
+        tip, inner = (points[0], points[1]) if end == "start" else (points[-1], points[-2])
+        x, y = (float(v.scaled) for v in tip)
+        dx, dy = x - inner[0].scaled, y - inner[1].scaled
+        length = math.hypot(dx, dy)
+        if length == 0:
+            continue
+        for box in bodies.boxes:
+            if box is None or not all(a <= v <= b for v, a, b in zip((x, y), *box, strict=True)):
+                continue
+            gaps = [
+                ((b if d > 0 else a) - v) / d
+                for v, d, a, b in zip((x, y), (dx / length, dy / length), *box, strict=True)
+                if abs(d) > 1e-9
+            ]
+            gap = min(gaps)
+            if 0 <= gap < cell:
+                reach = gap + 0.25 * cell
+                tip[:] = [Value(x + reach * dx / length), Value(y + reach * dy / length)]
+                job.changed(
+                    command,
+                    f"the {end} of the crack is moved by {reach:g}, past the surface, as a mouth must be",
+                )

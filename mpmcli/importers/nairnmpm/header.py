@@ -1,0 +1,290 @@
+"""Header and MPMHeader: analysis, units, method, time, archives; and the grid."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mpmcli.importers.nairnmpm.commands import Command
+from mpmcli.importers.nairnmpm.job import Job
+from mpmcli.importers.nairnmpm.values import Value
+
+ANALYSES = {10: "plane_strain", 11: "plane_stress", 12: "3d", 13: "axisymmetric"}
+_SHAPES = {
+    "Dirac": "linear",
+    "Classic": "linear",
+    "0": "linear",
+    "uGIMP": "ugimp",
+    "GIMP": "ugimp",
+    "1": "ugimp",
+    "lCPDI": "lcpdi",
+    "CPDI": "lcpdi",
+    "2": "lcpdi",
+    "qCPDI": "qcpdi",
+    "3": "qcpdi",
+    "B2GIMP": "b2gimp",
+    "B2SPLINE": "bspline2",
+    "B2CPDI": "b2cpdi",
+    "Finite": "ugimp",
+}
+_UPDATES = {0: "usf", 2: "usavg", 3: "usl"}
+_DISPLAY = {
+    "ArchiveRoot": "mpmcli run -o names the folder of results",
+    "ProgSteps": "progress is displayed always",
+    "NeedsMechanics": "mechanics is always solved",
+}
+
+
+def header(job: Job, command: Command) -> None:
+    """Title, kind of analysis and units."""
+    units: dict[str, str] | None = {"length": "mm", "mass": "g", "time": "ms"}
+    for inside in command.all("Analysis"):
+        code = round(job.plain(inside, None))
+        if code in ANALYSES:
+            job.analysis = ANALYSES[code]
+        else:
+            job.unsupported(
+                inside,
+                f"analysis {code}; NairnMPM's are 10 to 13 (plane strain, plane stress, 3D, axisymmetric)",
+            )
+    for inside in command.all("ConsistentUnits"):
+        job.legacy = False
+        named = [inside.get(name) for name in ("length", "mass", "time")]
+        if any(named) and all(named):
+            replaced = {"sec": "s", "msec": "ms", "microns": "um"}
+            units = {
+                name: replaced.get(str(word), str(word))
+                for name, word in zip(("length", "mass", "time"), named, strict=True)
+            }
+        else:
+            units = None
+    for inside in command.all("DevelFlag"):
+        job.unsupported(inside, "a switch of developers")
+    description = command.first("Description")
+    lines = [line.strip() for line in description.text.splitlines() if line.strip()] if description else []
+    labels = {line.split(":", 1)[0].lower(): line.split(":", 1)[1].strip() for line in lines if ":" in line}
+    title = labels.get("problem") or labels.get("title") or (lines[0] if lines else "")
+    if title:
+        job.scene["title"] = job.source.plain(title)[:200]
+        rest = [line for line in lines if line != title and not line.endswith(f": {title}")]
+        if rest:
+            job.made.comment(["title"], job.source.plain(" / ".join(rest))[:1000])
+    if units is not None:
+        job.scene["units"] = units
+        if job.legacy:
+            job.made.comment(["units"], "forces N, stresses MPa, energies mJ, speeds m/s")
+    job.scene["analysis"] = {"kind": job.analysis}
+
+
+def grid(job: Job, mesh: Command) -> list[dict[str, Any]]:
+    """The grid; returns its symmetry planes as conditions."""
+    mesh.get("output")
+    for inside in mesh.all("NodeList", "ElementList"):
+        job.unsupported(inside, "a mesh of listed elements; only regular grids are")
+    found = mesh.first("Grid")
+    if found is None:
+        job.made.error(mesh.line, "<Mesh>", "the command <Grid> is missing")
+        return []
+    found.get("type")
+    found.get("style")
+    lower: list[Value] = []
+    upper: list[Value] = []
+    cells: list[Value] = []
+    symmetries: list[dict[str, Any]] = []
+    for axis, letter in enumerate(job.axes):
+        low, high = (job.number(found, f"{letter}{side}") for side in ("min", "max"))
+        name = ("Horiz", "Vert", "Depth")[axis]
+        along = found.first(name)
+        if along is None or low is None or high is None:
+            if along is None:
+                job.made.error(found.line, "<Grid>", f"the command <{name}> is missing")
+            return []
+        if low.scaled > high.scaled:
+            low, high = high, low
+        row = _axis(job, along, "xyz"[axis], low, high)
+        if row is None:
+            return []
+        low, high, cell = row
+        lower, upper, cells = [*lower, low], [*upper, high], [*cells, cell]
+        for side, attribute in (("lower", "symmin"), ("upper", "symmax")):
+            at = job.number(along, attribute)
+            if at is not None:
+                plane: dict[str, Any] = {"axis": letter, "at": at}
+                middle = 0.5 * (low.scaled + high.scaled)
+                if (at.scaled < middle) != (side == "lower") or at.scaled == middle:
+                    plane["side"] = side
+                symmetries.append({"name": f"symmetry_{letter}_{side}", "kind": "symmetry", "plane": plane})
+    for name in ("Depth",) if len(job.axes) == 2 else ():
+        for inside in found.all(name):
+            job.made.error(inside.line, "<Depth>", "belongs to analyses in 3D")
+    for attribute in ("zmin", "zmax") if len(job.axes) == 2 else ():
+        found.get(attribute)
+    job.lower, job.upper = [v.scaled for v in lower], [v.scaled for v in upper]
+    job.cell = [v.scaled for v in cells]
+    same = all(abs(size - job.cell[0]) <= 1e-9 * job.cell[0] for size in job.cell)
+    job.scene["grid"] = {"lower": lower, "upper": upper, "cell": cells[0] if same else cells}
+    thickness = job.number(found, "thickness")
+    if thickness is not None and job.analysis.startswith("plane"):
+        job.scene["analysis"]["thickness"] = thickness
+    return symmetries
+
+
+def _axis(
+    job: Job, along: Command, letter: str, low: Value, high: Value
+) -> tuple[Value, Value, Value] | None:
+    """Limits and cell along one axis, or None after an error."""
+    ratio = job.plain(along, f"r{letter}", 1.0)
+    if ratio != 1.0:
+        job.unsupported(along, f"cells whose size changes by the ratio {ratio:g}; only regular grids are")
+        return None
+    length = high.scaled - low.scaled
+    cell = job.number(along, "cellsize")
+    count = round(job.plain(along, f"n{letter}"))
+    if not length > 0:
+        job.made.error(along.line, f"<{along.name}>", f"the grid has no extent along {letter}")
+        return None
+    if cell is not None and cell.scaled > 0:
+        cells = length / cell.scaled
+        if cells > 1e6:
+            job.made.error(along.line, f"<{along.name}>", f"more than a million cells along {letter}")
+            return None
+        if abs(cells - round(cells)) > 1e-6:
+            whole = int(cells) + 1
+            high = Value(low.scaled + whole * cell.scaled)
+            job.changed(along, f"{letter} ends at {high.scaled:g}, after whole cells, as in NairnMPM")
+        return low, high, cell
+    if count < 1:
+        job.made.error(along.line, f"<{along.name}>", f"a positive cellsize or n{letter} is missing")
+        return None
+    return low, high, Value(length / count)
+
+
+def method(job: Job, command: Command) -> None:
+    """Shape functions, update of strains, transfer and damping."""
+    made: dict[str, Any] = {}
+    shape = command.first("GIMP")
+    if shape is not None:
+        word = shape.get("type") or "uGIMP"
+        if word in _SHAPES:
+            job.shape = _SHAPES[word]
+        else:
+            job.unsupported(shape, f"type '{word}'")
+    made["shape"] = job.shape
+    update = command.first("MPMMethod")
+    code = round(job.plain(update, None)) if update is not None else 2
+    if update is not None and code not in _UPDATES:
+        job.unsupported(update, f"method {code}; 0, 2 and 3 are USF, USAVG and USL")
+    skips = command.first("SkipPostExtrapolation") is not None
+    word = _UPDATES.get(code, "usavg")
+    made["update"] = word if skips or word == "usf" else f"{word}+"
+    made["transfer"] = {"kind": "flip"}
+    job.scene["method"] = made
+    job.made.comment(["method", "transfer"], "NairnMPM's default")
+    _damping(job, command, made)
+    for inside in command.all("XPIC"):
+        order = round(job.plain(inside, "order", 2.0))
+        made["transfer"] = {"kind": "xpic", "order": max(1, order)}
+    for inside in command.all("FractionFLIP"):
+        if job.plain(inside, None) != 1.0:
+            job.unsupported(inside, "a mixture of FLIP and PIC")
+    for inside in command.all("DefGradTerms"):
+        job.ignored(inside, "increments of deformation are exact exponentials")
+    for inside in command.all("ExtrapolateRigid"):
+        job.changed(inside, "rigid bodies prescribe the velocity of the nodes that they cover")
+    points = command.first("MatlPtsPerElement")
+    if points is not None:
+        _particles(job, points)
+
+
+def _particles(job: Job, points: Command) -> None:
+    count = round(job.plain(points, None))
+    per_axis = round(max(count, 1) ** (1 / len(job.axes)))
+    if per_axis ** len(job.axes) == count and 1 <= per_axis <= 100:
+        job.scene["_particles_per_axis"] = per_axis
+    else:
+        job.unsupported(points, f"{count} particles per cell, not the same number along each axis")
+
+
+def _damping(job: Job, command: Command, made: dict[str, Any]) -> None:
+    found: dict[str, Any] = {}
+    for name, key in (("Damping", "grid"), ("PDamping", "particle")):
+        for inside in command.all(name):
+            function = inside.get("function")
+            if inside.get("PIC") is not None and job.plain(inside, "PIC") != 0:
+                job.unsupported(inside, "PIC damping; use the transfer xpic")
+            elif function is not None:
+                found[key] = job.formula(inside, function, "frequency")
+            else:
+                rate = job.number(inside, None, "frequency")
+                if rate is not None and rate.number < 0:
+                    job.unsupported(inside, "a negative damping")
+                elif rate is not None and rate.number != 0:
+                    found[key] = rate
+    for inside in command.all("FeedbackDamping", "PFeedbackDamping"):
+        if job.plain(inside, None) == 0:
+            job.ignored(inside, "its gain is 0")
+        else:
+            job.unsupported(inside, "feedback damping with NairnMPM's gain")
+    found = {key: value for key, value in found.items() if value is not None}
+    if found:
+        made["damping"] = found
+
+
+def time(job: Job, command: Command) -> None:
+    """End and time step."""
+    end, step, cfl = None, None, None
+    where = command
+    for inside in command.all("Timing"):
+        end = job.number(inside, "max", "time") or end
+        step = job.number(inside, "step", "time") or step
+        cfl = job.number(inside, "CFL") or cfl
+        where = inside
+    for inside in command.all("MaxTime"):
+        end = job.number(inside, None, "time") or end
+    for inside in command.all("TimeStep"):
+        step = job.number(inside, None, "time") or step
+        where = inside
+    for inside in command.all("TimeFactor"):
+        cfl = job.number(inside, None) or cfl
+    for inside in command.all("TransTimeFactor", "RestartScaling"):
+        job.ignored(inside, "steps of conduction follow their own stability limit")
+    made: dict[str, Any] = {"end": end if end is not None else Value(1.0, job.unit("time"))}
+    if not made["end"].scaled > 0:
+        job.made.error(command.line, "<MaxTime>", "the end must be above 0")
+    made["courant"] = cfl if cfl is not None else 0.5
+    if cfl is None:
+        job.made.comment(["time"], "0.5 is NairnMPM's default")
+    if step is not None:
+        speed = max((material.speed for material in job.materials if material.used), default=0.0)
+        courant = cfl.number if cfl is not None else 0.5
+        limit = courant * min(job.cell) / speed if speed > 0 and job.cell else made["end"].scaled
+        if 0 < step.scaled < limit:
+            made = {"end": made["end"], "step": step}
+            job.made.comments.pop(("time",), None)
+        else:
+            job.note("ignored", where, "the step of the Courant number is smaller")
+    job.scene["time"] = made
+
+
+def display(job: Job, command: Command) -> None:
+    """Commands that change nothing but what is shown, and those that the scene lacks."""
+    if not job.scene.get("cracks"):
+        for inside in command.all("CrackArchiveOrder"):
+            job.ignored(inside, "there are no cracks in this file")
+    for name, words in _DISPLAY.items():
+        for inside in command.all(name):
+            job.ignored(inside, words)
+    for inside in command.all("LeaveLimit", "DeleteLimit"):
+        count = round(job.plain(inside, None))
+        if count > 1 or inside.name == "DeleteLimit":
+            job.scene["domain"] = {"on_exit": "delete"}
+            job.changed(inside, "particles that leave are deleted, however many")
+    for name in (
+        "TrackParticleSpin",
+        "TrackGradV",
+        "ExactTractions",
+        "PlusXPIC",
+        "Diffusion",
+        "Poroelasticity",
+    ):
+        for inside in command.all(name):
+            job.unsupported(inside, "no counterpart")

@@ -1,0 +1,225 @@
+"""What the parts of a translation share: the source, the scene being made, units, the grid, names, and notes."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+from mpmcli.importers.base import NoteKind, Translation
+from mpmcli.importers.nairnmpm import expressions
+from mpmcli.importers.nairnmpm.commands import Command, CommandFile
+from mpmcli.importers.nairnmpm.values import PLAIN, Formula, Unit, Value, read
+
+ROOT_OF_METER = 31.622776601683793
+"""Square root of 1 m in mm, of stress intensities."""
+
+LEGACY = {
+    "acceleration": Unit("mm/s^2", 1e-6),
+    "conductivity": Unit("W/(m K)", 1e-3),
+    "density": Unit("g/cm^3", 1e-3),
+    "energy_rate": Unit("J/m^2", 1e-3),
+    "expansion": Unit("1e-6/K", 1e-6),
+    "flux": Unit("W/m^2", 1e-6),
+    "frequency": Unit("1/s", 1e-3),
+    "stress_intensity": Unit("", ROOT_OF_METER),
+    "time": Unit("s", 1e3),
+    "velocity": Unit("mm/s", 1e-3),
+    "viscosity": Unit("cP", 1e-6),
+}
+"""Units of NairnMPM that are not those of a scene in mm, g and ms, where forces are N and stresses MPa."""
+_LENGTHS = {"m": 1e3, "cm": 10.0, "microns": 1e-3, "in": 25.4, "ft": 304.8}
+_TIMES = {"msec": 1e-3, "ms": 1e-3, "microsec": 1e-6, "us": 1e-6}
+_VELOCITIES = {"m/sec": 1e3, "mm/msec": 1e3, "cm/sec": 10.0, "in/sec": 25.4, "ft/sec": 304.8}
+
+
+@dataclass
+class Material:
+    """A material of the source: its name in the scene, and what the rest of the translation asks for."""
+
+    key: str
+    kind: int
+    command: Command
+    used: bool = False
+    speed: float = 0.0
+    """Wave speed in the scene's units, 0 if it is not known."""
+    direction: int = 0
+    """Directions in which a rigid material holds nodes: 1 x, 2 y, 4 z, their sums; 8: contact."""
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether its bodies are rigid."""
+        return self.kind in {11, 35}
+
+
+@dataclass
+class Job:
+    """One translation."""
+
+    source: CommandFile
+    made: Translation
+    scene: dict[str, Any] = field(default_factory=dict)
+    analysis: str = "plane_strain"
+    legacy: bool = True
+    lower: list[float] = field(default_factory=list)
+    upper: list[float] = field(default_factory=list)
+    cell: list[float] = field(default_factory=list)
+    materials: list[Material] = field(default_factory=list)
+    """In the order of NairnMPM's numbers."""
+    heats: bool = False
+    """Whether temperatures matter."""
+    shape: str = "linear"
+
+    @property
+    def axes(self) -> str:
+        """Names of the axes."""
+        return "xyz" if self.analysis == "3d" else "xy"
+
+    @property
+    def tolerance(self) -> float:
+        """A small length: the least difference between coordinates that matters."""
+        return 1e-6 * min(self.cell)
+
+    # ---------------------------------------------------------------- numbers
+
+    def unit(self, quantity: str) -> Unit:
+        """The unit of a quantity in the source."""
+        return LEGACY.get(quantity, PLAIN) if self.legacy else PLAIN
+
+    def number(
+        self, command: Command, attribute: str | None, quantity: str = "", shown: bool = False
+    ) -> Value | None:
+        """An attribute of a command, or its text, as a number; None if it is not there or is not a number."""
+        text = command.text if attribute is None else command.get(attribute)
+        if text is None or not text.strip():
+            return None
+        unit = self.unit(quantity)
+        if (units := command.attributes.get("units")) is not None:
+            command.get("units")
+            unit = self._with_units(command, units, quantity, unit)
+        try:
+            value = read(text, unit, shown, self.source)
+        except ValueError:
+            return None  # said by the check of the grammar
+        plain = self.source.plain(text).strip()
+        if plain and not re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", plain):
+            self.note("changed", command, f"'{plain[:40]}' is read as {value.number:g}, as NairnMPM does")
+        return value
+
+    def plain(self, command: Command, attribute: str | None, default: float = 0.0) -> float:
+        """An attribute of a command, or its text, as a number without a unit."""
+        value = self.number(command, attribute)
+        return default if value is None else value.number
+
+    def property(self, command: Command, name: str, quantity: str = "", shown: bool = False) -> Value | None:
+        """The number in a command inside this one."""
+        inside = command.first(name)
+        return None if inside is None else self.number(inside, None, quantity, shown)
+
+    def _with_units(self, command: Command, units: str, quantity: str, unit: Unit) -> Unit:
+        table = {"time": _TIMES, "velocity": _VELOCITIES}.get(quantity, _LENGTHS)
+        if units not in table:
+            return unit
+        factor = unit.factor * table[units]
+        if quantity == "time" and self.legacy:
+            return PLAIN if units in {"ms", "msec"} else Unit("", factor)
+        return Unit("", factor)
+
+    def formula(self, command: Command, text: str, quantity: str = "", time: str = "t") -> Formula | None:
+        """An expression of the source with the factor to the scene's unit, or None after an error."""
+        try:
+            made = expressions.translate(text, time, self.analysis == "axisymmetric")
+        except expressions.NotTranslated as error:
+            plain = self.source.plain(text).strip()
+            kind = "has no counterpart" in str(error) or "not a variable" in str(error)
+            words = f"expression '{plain[:60]}': {error}"
+            if kind:
+                self.note("not_supported", command, words)
+            else:
+                self.made.error(command.line, f"<{command.name}>", words)
+            return None
+        return Formula(made, self.unit(quantity).factor)
+
+    def check_style(self, command: Command) -> tuple[int, Value | None, str | None]:
+        """Style of a condition, its time argument, and its function."""
+        style = round(self.plain(command, "style", 1.0))
+        when = command.get("ftime") if "ftime" in command.attributes else command.get("time")
+        bath = command.get("bath")
+        value = None
+        if when is not None or bath is not None:
+            value = read(when or bath or "0", PLAIN, source=self.source)
+        return style, value, command.get("function")
+
+    # ------------------------------------------------------------------ notes
+
+    def note(self, kind: NoteKind, command: Command, words: str) -> None:
+        """A note about a command."""
+        self.made.note(kind, command.line, f"<{command.name}>", words)
+
+    def unsupported(self, command: Command, words: str) -> None:
+        """The scene lacks this command; what is in it needs no words of its own."""
+        command.skip()
+        self.note("not_supported", command, words)
+
+    def ignored(self, command: Command, words: str) -> None:
+        """This command has no effect on the motion."""
+        command.skip()
+        self.note("ignored", command, words)
+
+    def changed(self, command: Command, words: str) -> None:
+        """This command has another meaning or default here."""
+        self.note("changed", command, words)
+
+    # -------------------------------------------------------------- materials
+
+    def material(self, command: Command) -> Material | None:
+        """The material that a command names by ``matname`` or counts by ``mat``; None after an error."""
+        name = command.get("matname")
+        number = command.get("mat") or command.get("matl") or command.get("material")
+        if name is not None:
+            plain = self.source.plain(name)
+            for material in self.materials:
+                if self.source.plain(material.command.attributes.get("Name", "")) == plain:
+                    return material
+            names = ", ".join(material.command.attributes.get("Name", "") for material in self.materials)
+            self.made.error(command.line, f"<{command.name}>", f"no material '{plain}' (there are: {names})")
+            return None
+        if number is None:
+            self.made.error(command.line, f"<{command.name}>", "a material is missing: matname or mat")
+            return None
+        try:
+            index = round(read(number, source=self.source).number)
+        except (ValueError, OverflowError):
+            return None
+        if not 1 <= index <= len(self.materials):
+            count = len(self.materials)
+            self.made.error(command.line, f"<{command.name}>", f"no material {index}; the file has {count}")
+            return None
+        return self.materials[index - 1]
+
+    # ------------------------------------------------------------ coordinates
+
+    def coordinate(self, command: Command, attribute: str, axis: int) -> Value | None:
+        """A coordinate: a number, or ``min-``, ``max+2`` in cells from a side of the grid."""
+        text = self.source.plain(command.get(attribute) or "").strip()
+        if not text.startswith("m"):
+            return self.number(command, attribute)
+        side = self.upper[axis] if text.startswith("max") else self.lower[axis]
+        rest = text[3:].strip()
+        if rest in {"+", "-"}:
+            rest += "1"
+        return Value(side + (float(rest) if rest else 0.0) * min(self.cell))
+
+
+def slug(text: str, taken: set[str] | None = None) -> str:
+    """A name for a scene: lower case, with underscores; another one if it is taken."""
+    name = re.sub(r"\W+", "_", text.lower()).strip("_")[:60] or "unnamed"
+    if name[0].isdigit():
+        name = f"m{name}"
+    if taken is None:
+        return name
+    made, count = name, 2
+    while made in taken:
+        made, count = f"{name}_{count}", count + 1
+    taken.add(made)
+    return made

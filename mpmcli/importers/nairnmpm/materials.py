@@ -1,0 +1,361 @@
+"""Materials, by their types in NairnMPM."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from mpmcli.importers.nairnmpm.commands import Command
+from mpmcli.importers.nairnmpm.grammar import FRACTURE, TRANSPORT
+from mpmcli.importers.nairnmpm.hardening import hardening_law
+from mpmcli.importers.nairnmpm.job import Job, Material, slug
+from mpmcli.importers.nairnmpm.values import Value
+from mpmcli.materials import MATERIALS
+
+Made = dict[str, Any]
+NAMES = {
+    4: "orthotropic",
+    10: "two-state isotropic",
+    12: "triangular traction law",
+    13: "linear traction law",
+    14: "cubic traction law",
+    15: "Hill plasticity",
+    19: "wood",
+    20: "trilinear traction law",
+    21: "anisotropic hyperelastic",
+    23: "coupled traction law",
+    26: "pressure law",
+    50: "isotropic softening",
+    60: "contact law",
+    61: "Coulomb friction law",
+    62: "linear interface law",
+    63: "nonlinear interface law",
+    64: "adhesive friction law",
+    65: "liquid contact law",
+}
+CONTACT_LAWS = {60, 61, 62, 63, 64, 65}
+
+
+def number_materials(job: Job, root: Command) -> None:
+    """Number the materials as NairnMPM does: those that are named by others first, in the order of naming."""
+    taken: set[str] = set()
+    listed = [
+        Material(
+            slug(job.source.plain(command.attributes.get("Name", "")), taken),
+            round(job.plain(command, "Type")),
+            command,
+        )
+        for command in root.all("Material")
+    ]
+    named: list[str] = []
+    for command in root.walk():
+        if command.name != "Material":
+            named += [
+                command.attributes[word] for word in ("matname", "lawname") if word in command.attributes
+            ]
+    by_name = {job.source.plain(m.command.attributes.get("Name", "")): m for m in reversed(listed)}
+    first = [by_name[name] for name in dict.fromkeys(map(job.source.plain, named)) if name in by_name]
+    job.materials = first + [material for material in listed if material not in first]
+    for material in listed:
+        material.command.get("Name")
+        if material.kind == 35:
+            material.direction = 8
+        elif material.kind == 11:
+            direction = material.command.first("SetDirection")
+            material.direction = round(job.plain(direction, None)) if direction is not None else 0
+
+
+def materials(job: Job) -> Made:
+    """The materials that bodies have, in the order of the source."""
+    made: Made = {}
+    for material in sorted(job.materials, key=lambda m: m.command.line):
+        if material.kind in CONTACT_LAWS:
+            continue
+        if not material.used:
+            job.ignored(material.command, "no body has this material")
+            continue
+        entry = _one(job, material)
+        if entry is not None:
+            made[material.key] = entry
+            title = job.source.plain(material.command.attributes.get("Name", ""))
+            if title.lower().replace(" ", "_") != material.key:
+                job.made.comment(["materials", material.key], title)
+    return made
+
+
+def _one(job: Job, material: Material) -> Made | None:
+    command = material.command
+    for inside in command.all("color"):
+        job.ignored(inside, "a colour of plots")
+    if material.is_rigid:
+        return {"kind": "rigid"}
+    maker = _MAKERS.get(material.kind)
+    if maker is None:
+        name = NAMES.get(material.kind, "of an unknown type")
+        job.unsupported(command, f"material type {material.kind} ({name})")
+        return None
+    made = maker(job, material)
+    if made is None:
+        return None
+    if made["kind"] not in MATERIALS:
+        job.unsupported(command, f"material type {material.kind}: there is no material '{made['kind']}'")
+        return None
+    _common(job, command, made)
+    return made
+
+
+def _common(job: Job, command: Command, made: Made) -> None:
+    """Density, expansion, heat, and what has no counterpart."""
+    rho = job.property(command, "rho", "density", shown=True)
+    if rho is None:
+        rho = Value(1.0, job.unit("density"), shown=True)
+        job.changed(command, "without rho, NairnMPM's density is 1")
+    made["density"] = rho
+    order = ["kind", "density", *(key for key in made if key not in {"kind", "density"})]
+    for key in order:
+        made[key] = made.pop(key)
+    alpha = job.property(command, "alpha", "expansion")
+    if job.heats:
+        if alpha is None and made["kind"] == "linear_elastic":
+            alpha = Value(40.0, job.unit("expansion"))
+            job.changed(command, "without alpha, NairnMPM's expansion is 40e-6/K")
+        if alpha is not None and alpha.number != 0:
+            made["expansion"] = alpha
+        heat = job.property(command, "Cv") or job.property(command, "Cp")
+        if heat is not None:
+            made["heat_capacity"] = heat
+        conductivity = job.property(command, "kCond", "conductivity", shown=True)
+        if conductivity is not None:
+            made["conductivity"] = conductivity
+        reference = job.scene.get("_reference")
+        if reference is not None:
+            made["T0"] = reference
+    for names, words in (
+        (("alpha", "alphaA", "alphaT", "alphax", "alphay", "alphaz"), "no temperature changes in this file"),
+        (
+            TRANSPORT,
+            "no transport in this file" if not job.heats else "used in NairnMPM's other transport only",
+        ),
+    ):
+        for inside in command.all(*(name for name in names)):
+            if not inside.used and not inside.attributes and not (job.heats and inside.name in _HEAT):
+                job.ignored(inside, words)
+    for inside in command.all("largeRotation", "UJOption_"):
+        job.ignored(inside, "large rotations are always taken into account")
+    for inside in command.all("ArtificialVisc", "avA1", "avA2"):
+        job.unsupported(
+            inside, "artificial viscosity of one material; method.artificial_viscosity acts on all"
+        )
+    if not job.scene.get("_cracks"):
+        for inside in command.all(*FRACTURE, "Propagate", "AltPropagate"):
+            job.ignored(inside, "there are no cracks in this file")
+    _particle_damping(job, command)
+
+
+_HEAT = {"alpha", "Cp", "Cv", "kCond"}
+
+
+def _particle_damping(job: Job, command: Command) -> None:
+    """A damping of particles of one material is that of the scene if no other material has another one."""
+    for inside in command.all("PDamping"):
+        rate = job.number(inside, None, "frequency")
+        others = [m for m in job.materials if m.used and not m.is_rigid and m.command is not command]
+        alone = all(_same_damping(job, other, rate) for other in others)
+        damping = job.scene["method"].setdefault("damping", {})
+        if inside.get("PIC") or inside.get("function") or rate is None:
+            job.unsupported(inside, "PIC damping, or a damping of one material that depends on time")
+        elif not alone:
+            job.unsupported(inside, "a damping of one material")
+        else:
+            damping["particle"] = rate
+            job.changed(inside, "the damping of the only material is that of all particles")
+        if not damping:
+            del job.scene["method"]["damping"]
+
+
+def _same_damping(job: Job, other: Material, rate: Value | None) -> bool:
+    found = next((c for c in other.command.children if c.name == "PDamping"), None)
+    return found is not None and rate is not None and found.text.strip() == f"{rate.number:g}"
+
+
+# ------------------------------------------------------------------ elasticity
+
+
+def _constants(job: Job, material: Material, bulk: str = "K", shear: str = "G") -> Made | None:
+    """Elastic constants: E and nu, or K and G; also the wave speed."""
+    command = material.command
+    E, nu = job.property(command, "E"), job.property(command, "nu")
+    K, G = job.property(command, bulk), job.property(command, shear)
+    made: Made
+    if E is not None and nu is not None:
+        made = {"E": E, "nu": nu}
+        k = E.scaled / (3 * max(1e-12, 1 - 2 * nu.scaled))
+        g = E.scaled / (2 * (1 + nu.scaled))
+    elif K is not None and G is not None:
+        made, k, g = {"K": K, "G": G}, K.scaled, G.scaled
+    elif G is not None and (E is not None or nu is not None):
+        other = E.scaled / (2 * G.scaled) - 1 if E is not None else nu.scaled  # type: ignore[union-attr]
+        modulus = E if E is not None else Value(2 * G.scaled * (1 + other))
+        made = {"E": modulus, "nu": nu if nu is not None else other}
+        k, g = modulus.scaled / (3 * max(1e-12, 1 - 2 * other)), G.scaled
+    else:
+        job.made.error(
+            command.line,
+            "<Material>",
+            f"elastic constants are missing: two of E, nu, {shear}, or {bulk} and {shear}",
+        )
+        return None
+    rho = next((c for c in command.children if c.name == "rho"), None)
+    density = job.number(rho, None, "density") if rho is not None else None
+    if density is not None and density.scaled > 0 and k + 4 * g / 3 > 0:
+        material.speed = math.sqrt((k + 4 * g / 3) / density.scaled)
+    return made
+
+
+def _isotropic(job: Job, material: Material) -> Made | None:
+    found = _constants(job, material)
+    for inside in material.command.all("largeRotation"):
+        job.ignored(inside, "large rotations are always taken into account")
+    return None if found is None else {"kind": "linear_elastic", **found}
+
+
+_VOLUMETRIC = {0: "j_minus_inverse", 2: "log"}
+
+
+def _volumetric(job: Job, command: Command) -> str | None:
+    option = command.first("UJOption")
+    code = round(job.plain(option, None)) if option is not None else 0
+    if option is not None and code not in _VOLUMETRIC:
+        job.changed(
+            option, "the energy (K/2)(J − 1)² has no counterpart; (K/2)(½(J² − 1) − ln J) stands for it"
+        )
+    return _VOLUMETRIC.get(code, "j_minus_inverse")
+
+
+def _neohookean(job: Job, material: Material) -> Made | None:
+    lame = job.property(material.command, "Lame")
+    G = job.property(material.command, "G")
+    if lame is not None and G is not None:
+        material.speed = 0.0
+        found: Made | None = {"K": Value(lame.scaled + 2 * G.scaled / 3), "G": G}
+    else:
+        found = _constants(job, material)
+    if found is None:
+        return None
+    return {"kind": "neo_hookean", **found, "volumetric": _volumetric(job, material.command)}
+
+
+def _mooney(job: Job, material: Material) -> Made | None:
+    command = material.command
+    second = job.property(command, "G2")
+    for inside in command.all("IdealRubber"):
+        job.unsupported(inside, "heat of an ideal rubber")
+    volumetric = _volumetric(job, command)
+    found = _constants(job, material, "K", "G1")
+    if found is None:
+        return None
+    if second is None or second.number == 0:
+        return {"kind": "neo_hookean", **found, "volumetric": volumetric, "split": "isochoric"}
+    if "K" in found:
+        return {"kind": "mooney_rivlin", "K": found["K"], "G1": found["G"], "G2": second}
+    E, nu = found["E"].scaled, found["nu"].scaled
+    first = Value(E / (2 * (1 + nu)) - second.scaled)
+    return {"kind": "mooney_rivlin", "K": Value(E / (3 * (1 - 2 * nu))), "G1": first, "G2": second}
+
+
+# ------------------------------------------------------------------ plasticity
+
+
+def _plastic(job: Job, material: Material) -> Made | None:
+    found = _constants(job, material)
+    hardening = hardening_law(job, material.command)
+    if found is None or hardening is None:
+        return None
+    return {"kind": "j2_plastic", **found, "hardening": hardening}
+
+
+def _hyper_plastic(job: Job, material: Material) -> Made | None:
+    found = _constants(job, material, "K", "G1")
+    hardening = hardening_law(job, material.command)
+    _volumetric(job, material.command)
+    if found is None or hardening is None:
+        return None
+    job.changed(material.command, "the elasticity is logarithmic here, neo-Hookean in NairnMPM")
+    return {"kind": "j2_plastic", **found, "hardening": hardening}
+
+
+# ---------------------------------------------------------------- gases, fluids
+
+
+def _mie_gruneisen(job: Job, material: Material) -> Made | None:
+    command = material.command
+    made: Made = {"kind": "mie_gruneisen"}
+    for name in ("C0", "G", "S1", "S2", "S3", "gamma0"):
+        value = job.property(command, name) or (job.property(command, "G1") if name == "G" else None)
+        if value is not None:
+            made[name] = value
+    made.setdefault("C0", Value(4004.0))
+    material.speed = 1.5 * made["C0"].scaled
+    if job.property(command, "Cv") is None and job.property(command, "Cp") is None:
+        made["heat_capacity"] = Value(1.0)
+    elif not job.heats:
+        made["heat_capacity"] = job.property(command, "Cv") or job.property(command, "Cp")
+    for inside in command.all(
+        "yield", "Hardening", "Khard", "nhard", "Ep", "Ajc", "Bjc", "njc", "Cjc", "ep0jc"
+    ):
+        job.unsupported(inside, "plasticity with an equation of state")
+    for inside in command.all("UJOption", "Kmax"):
+        job.ignored(inside, "the equation of state gives the pressure")
+    return made
+
+
+def _tait(job: Job, material: Material) -> Made | None:
+    command = material.command
+    K = job.property(command, "K")
+    if K is None:
+        job.made.error(command.line, "<Material>", "the command <K> is missing")
+        return None
+    for inside in command.all("InitialPressure", "xi", "function"):
+        job.unsupported(inside, "an initial pressure")
+    job.changed(
+        command, "p = (K/n)(J^(−n) − 1) with n = 10.19 has NairnMPM's pressure to second order in J − 1"
+    )
+    made: Made = {"kind": "tait_fluid", "K": K, "exponent": 10.19}
+    viscosity = [job.number(inside, None, "viscosity", shown=True) for inside in command.all("viscosity")]
+    if len(viscosity) > 1:
+        job.note("not_supported", command, "a viscosity that depends on the rate")
+    if viscosity and viscosity[0] is not None:
+        made["viscosity"] = viscosity[0]
+    for inside in command.all("logshearrate"):
+        job.unsupported(inside, "a viscosity that depends on the rate")
+    rho = next((c for c in command.children if c.name == "rho"), None)
+    density = job.number(rho, None, "density") if rho is not None else None
+    if density is not None and density.scaled > 0:
+        material.speed = math.sqrt(K.scaled / density.scaled)
+    return made
+
+
+def _ideal_gas(job: Job, material: Material) -> Made | None:
+    command = material.command
+    pressure, T0 = job.property(command, "P0"), job.property(command, "T0")
+    if pressure is None:
+        job.made.error(command.line, "<Material>", "the command <P0> is missing")
+        return None
+    made: Made = {"kind": "ideal_gas", "pressure": pressure, "gamma": Value(5 / 3)}
+    if T0 is not None:
+        made["T0"] = T0
+    return made
+
+
+_MAKERS: dict[int, Callable[[Job, Material], Made | None]] = {
+    1: _isotropic,
+    8: _mooney,
+    9: _plastic,
+    17: _mie_gruneisen,
+    22: _ideal_gas,
+    24: _hyper_plastic,
+    25: _mie_gruneisen,
+    27: _tait,
+    28: _neohookean,
+}

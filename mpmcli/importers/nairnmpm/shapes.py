@@ -1,0 +1,155 @@
+"""Shapes of bodies, holes and conditions as regions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mpmcli.importers.nairnmpm.commands import Command
+from mpmcli.importers.nairnmpm.grammar import SHAPES
+from mpmcli.importers.nairnmpm.job import Job
+from mpmcli.importers.nairnmpm.values import Value
+
+NAMES = tuple(SHAPES.split())
+_AXES = {"x": 0, "X": 0, "1": 0, "y": 1, "Y": 1, "2": 1, "z": 2, "Z": 2, "3": 2}
+Box = tuple[list[float], list[float]]
+
+
+def region(job: Job, shape: Command) -> dict[str, Any] | None:
+    """The region of a shape without the shapes in it, or None after an error or a note."""
+    made = _whole(job, shape)
+    holes = [region(job, inside) for inside in shape.all(*NAMES)]
+    holes = [hole for hole in holes if hole is not None]
+    if made is None or not holes:
+        return made
+    return {"kind": "difference", "region": made, "subtract": holes}
+
+
+def limits(made: dict[str, Any]) -> Box | None:
+    """The box around a region, or None if it is not known."""
+    kind = made["kind"]
+    if kind == "box":
+        return [_plain(v) for v in made["lower"]], [_plain(v) for v in made["upper"]]
+    if kind in {"disk", "sphere"}:
+        half = [_plain(made["radius"])] * len(made["center"])
+    elif kind in {"ellipse", "ellipsoid"}:
+        half = [_plain(v) for v in made["semi_axes"]]
+    elif kind == "polygon":
+        columns = list(zip(*[[_plain(v) for v in point] for point in made["points"]], strict=True))
+        return [min(column) for column in columns], [max(column) for column in columns]
+    elif kind == "difference":
+        return limits(made["region"])
+    elif kind == "union":
+        boxes = [limits(part) for part in made["regions"]]
+        known = [box for box in boxes if box is not None]
+        if len(known) < len(boxes):
+            return None
+        return [min(v) for v in zip(*[b[0] for b in known], strict=True)], [
+            max(v) for v in zip(*[b[1] for b in known], strict=True)
+        ]
+    elif kind == "cylinder":
+        radius = _plain(made["radius"])
+        ends = [[_plain(v) for v in made[end]] for end in ("from", "to")]
+        along = [abs(a - b) > 0 for a, b in zip(*ends, strict=True)]
+        low = [min(a, b) - (0 if on else radius) for a, b, on in zip(*ends, along, strict=True)]
+        high = [max(a, b) + (0 if on else radius) for a, b, on in zip(*ends, along, strict=True)]
+        return low, high
+    else:
+        return None
+    center = [_plain(v) for v in made["center"]]
+    return [c - h for c, h in zip(center, half, strict=True)], [
+        c + h for c, h in zip(center, half, strict=True)
+    ]
+
+
+def _plain(value: Any) -> float:
+    return value.scaled if isinstance(value, Value) else float(value)
+
+
+def corners(job: Job, shape: Command) -> tuple[list[Value], list[Value]] | None:
+    """Lowest and highest coordinates of a shape, or None after an error."""
+    lower: list[Value] = []
+    upper: list[Value] = []
+    for axis, letter in enumerate(job.axes):
+        low, high = (job.coordinate(shape, f"{letter}{side}", axis) for side in ("min", "max"))
+        if low is None or high is None:
+            if f"{letter}min" not in shape.attributes or f"{letter}max" not in shape.attributes:
+                job.made.error(
+                    shape.line, f"<{shape.name}>", f"the attribute {letter}min or {letter}max is missing"
+                )
+            return None
+        if low.scaled > high.scaled:
+            low, high = high, low
+        lower.append(low)
+        upper.append(high)
+    if len(job.axes) == 2:
+        shape.get("zmin")
+        shape.get("zmax")
+    return lower, upper
+
+
+def _whole(job: Job, shape: Command) -> dict[str, Any] | None:
+    if shape.name == "Polygon":
+        return _polygon(job, shape)
+    if shape.name not in {"Rect", "Box", "Oval", "Sphere", "Cylinder"}:
+        job.unsupported(shape, "this shape has no counterpart")
+        return None
+    flat = shape.name in {"Rect", "Oval"}
+    if flat == (job.analysis == "3d"):
+        there = "2D" if flat else "3D"
+        job.made.error(shape.line, f"<{shape.name}>", f"belongs to analyses in {there}")
+        return None
+    found = corners(job, shape)
+    if found is None:
+        return None
+    lower, upper = found
+    axis = shape.get("axis")
+    turned = shape.name in {"Box", "Cylinder"} and axis in _AXES
+    shape.get("radius")
+    if shape.name in {"Rect", "Box"} and not turned:
+        return {"kind": "box", "lower": lower, "upper": upper}
+    half = [0.5 * (high.scaled - low.scaled) for low, high in zip(lower, upper, strict=True)]
+    center = [0.5 * (high.scaled + low.scaled) for low, high in zip(lower, upper, strict=True)]
+    if turned or shape.name == "Cylinder":
+        return _cylinder(job, shape, _AXES.get(axis or "z", 2), lower, upper)
+    for inside in shape.all("arc"):
+        job.unsupported(inside, "a sector of an oval")
+    if max(half) - min(half) <= 1e-9 * max(half):
+        return {"kind": "disk" if flat else "sphere", "center": center, "radius": half[0]}
+    return {"kind": "ellipse" if flat else "ellipsoid", "center": center, "semi_axes": half}
+
+
+def _polygon(job: Job, shape: Command) -> dict[str, Any] | None:
+    if job.analysis == "3d":
+        job.made.error(shape.line, "<Polygon>", "belongs to analyses in 2D")
+        return None
+    shape.get("np")
+    points = []
+    for point in shape.all("pt"):
+        pair = [job.coordinate(point, letter, axis) for axis, letter in enumerate("xy")]
+        point.get("z")
+        if None in pair:
+            return None
+        points.append(pair)
+    if len(points) > 1 and all(
+        abs(_plain(a) - _plain(b)) <= 1e-12 for a, b in zip(points[0], points[-1], strict=True)
+    ):
+        points.pop()
+    if len(points) < 3:
+        job.made.error(shape.line, "<Polygon>", f"three points are needed, not {len(points)}")
+        return None
+    return {"kind": "polygon", "points": points}
+
+
+def _cylinder(
+    job: Job, shape: Command, axis: int, lower: list[Value], upper: list[Value]
+) -> dict[str, Any] | None:
+    cone = job.plain(shape, "radius", 1.0)
+    across = [a for a in range(3) if a != axis]
+    half = [0.5 * (upper[a].scaled - lower[a].scaled) for a in across]
+    if abs(half[0] - half[1]) > 1e-9 * max(half) or cone != 1.0:
+        job.unsupported(shape, "a cone, or a cylinder that is not round")
+        return None
+    center: list[Any] = [0.5 * (low.scaled + high.scaled) for low, high in zip(lower, upper, strict=True)]
+    start, end = list(center), list(center)
+    start[axis], end[axis] = lower[axis], upper[axis]
+    return {"kind": "cylinder", "from": start, "to": end, "radius": half[0]}
