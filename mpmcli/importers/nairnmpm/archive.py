@@ -78,7 +78,7 @@ def archive(job: Job, header: Command, names: list[tuple[str, str]]) -> None:
 
 def _tips(job: Job, header: Command) -> list[str]:
     """Columns of J and K of tips, which NairnMPM archives with its cracks."""
-    order = header.first("CrackArchiveOrder")
+    order = header.last("CrackArchiveOrder")
     text = job.source.plain(order.text).strip() if order is not None else ""
     results = {
         (inside.attributes.get("result") or "").lower()
@@ -98,7 +98,7 @@ def _tips(job: Job, header: Command) -> list[str]:
 
 def _fields(job: Job, header: Command) -> list[str]:
     found = ["displacement"]
-    order = header.first("MPMArchiveOrder")
+    order = header.last("MPMArchiveOrder")
     if order is not None:
         text = job.source.plain(order.text).strip()
         found += [name for place, name in _FIELDS.items() if len(text) > place and text[place] == "Y"]
@@ -178,7 +178,7 @@ _PERIODIC = {
 
 def tasks(job: Job, root: Command) -> None:
     """Custom tasks that have a counterpart."""
-    for block in root.all("CustomTasks"):
+    for block in (*root.all("CustomTasks"), root):
         for task in block.all("Schedule"):
             name = task.get("name") or ""
             if name == "PeriodicXPIC":
@@ -258,20 +258,22 @@ def heat(job: Job, root: Command) -> None:
 
 def temperatures_matter(job: Job, root: Command, header: Command) -> bool:
     """Whether temperatures change, or are other than that without stress."""
-    reference = header.first("StressFreeTemp")
+    reference = header.last("StressFreeTemp")
     at_rest = job.number(reference, None) if reference is not None else None
-    if any(
+    zero = at_rest.number if at_rest is not None else 0.0
+    matter = any(
         inside.name in {"Conduction", "EnergyCoupling"}
         for block in root.children
         for inside in block.children
-    ):
-        job.scene["_reference"] = at_rest
-        return True
-    zero = at_rest.number if at_rest is not None else 0.0
+    )
     for command in root.walk():
         if command.name in {"Body", "mp"} and "temp" in command.attributes:
             value = job.number(command, "temp")
-            if value is not None and value.number != zero:
-                job.scene["_reference"] = at_rest
-                return True
-    return False
+            matter = matter or (value is not None and value.number != zero)
+    if matter and not zero > 0:
+        where = reference if reference is not None else header
+        words = f"a temperature without stress (StressFreeTemp) of {zero:g}; temperatures are absolute here"
+        job.note("not_supported", where, words)
+    elif matter:
+        job.scene["_reference"] = at_rest
+    return matter

@@ -89,7 +89,10 @@ class Bodies:
         return None
 
     def _temperature(self, command: Command, body: dict[str, Any], value: Value | None) -> None:
-        if value is not None and self.job.heats:
+        if value is not None and self.job.heats and not value.number > 0:
+            words = f"a temperature of {value.number:g}; temperatures are absolute here"
+            self.job.note("not_supported", command, words)
+        elif value is not None and self.job.heats:
             body["temperature"] = value
         elif value is not None:
             self.job.note("ignored", command, "attribute temp: no temperature changes in this file")
@@ -155,7 +158,7 @@ class Bodies:
             job.unsupported(command, "pictures in 3D")
             return
         self._size(command, base)
-        origin = command.first("Origin")
+        origin = command.last("Origin")
         if origin is not None:
             corner = [job.number(origin, letter) or 0 for letter in "xy"]
             origin.get("z")
@@ -231,7 +234,7 @@ class Bodies:
         groups: dict[tuple[int, tuple[float, ...]], list[list[float]]] = {}
         for point in command.all("mp"):
             material = job.material(point)
-            at, velocity = point.first("pt"), point.first("vel")
+            at, velocity = point.last("pt"), point.last("vel")
             for name in ("elem", "thick", "angle"):
                 point.get(name)
             for name in ("conc", "wtconc", "temp"):

@@ -43,7 +43,8 @@ class Entity:
 class Command:
     """One command: its name, attributes, text and commands inside it, and its line.
 
-    ``used`` are the attributes that were read; ``handled`` says whether the command itself was.
+    ``used`` are the attributes that were read; ``handled`` says whether the command itself was, ``replaced`` whether a
+    later one of its name counts.
     """
 
     name: str
@@ -53,6 +54,7 @@ class Command:
     children: list[Command] = field(default_factory=list)
     used: set[str] = field(default_factory=set)
     handled: bool = False
+    replaced: bool = False
 
     def all(self, *names: str) -> Iterator[Command]:
         """The commands of these names directly inside this one; they count as read."""
@@ -61,9 +63,12 @@ class Command:
                 child.handled = True
                 yield child
 
-    def first(self, name: str) -> Command | None:
-        """The first command of this name directly inside this one, or None."""
-        return next(self.all(name), None)
+    def last(self, name: str) -> Command | None:
+        """The last command of this name directly inside this one, which counts in NairnMPM, or None."""
+        found = list(self.all(name))
+        for child in found[:-1]:
+            child.replaced = True
+        return found[-1] if found else None
 
     def get(self, name: str) -> str | None:
         """An attribute, or None; it counts as read."""

@@ -105,7 +105,7 @@ def _named_law(job: Job, command: Command, attribute: str, chosen: str) -> dict[
 def contact(job: Job, header: Command, bodies: Bodies) -> None:
     """The section of contact, if materials have velocity fields of their own."""
     rigid = [m for m in job.materials if m.used and m.is_rigid and m.direction == 8]
-    mode = header.first("MultiMaterialMode")
+    mode = header.last("MultiMaterialMode")
     if mode is None:
         for material in rigid:
             job.made.error(
@@ -117,7 +117,7 @@ def contact(job: Job, header: Command, bodies: Bodies) -> None:
     made: dict[str, Any] = {"fields": "material"}
     normal = _normal(job, mode)
     separation = _separation(job, mode, str(normal["kind"]))
-    friction = mode.first("Friction")
+    friction = mode.last("Friction")
     found = law(job, friction) if friction is not None else {"kind": "frictionless"}
     vmin = job.plain(mode, "Vmin")
     if vmin > 0:
@@ -156,7 +156,7 @@ def _normal(job: Job, mode: Command) -> dict[str, Any]:
 
 def _separation(job: Job, mode: Command, normal: str) -> dict[str, Any]:
     check = job.plain(mode, "Dcheck")
-    position = mode.first("ContactPosition")
+    position = mode.last("ContactPosition")
     offset = job.number(position, None) if position is not None else None
     if normal.endswith("_regression"):
         return {"kind": "regression"}

@@ -20,23 +20,23 @@ _DIRECTIONS = {1: "self_similar", 2: "opening", 3: "opening_hoop", 4: "initial"}
 def cracks(job: Job, root: Command, header: Command, bodies: Bodies) -> None:
     """The sections of cracks and of fracture."""
     lists = list(root.all("CrackList"))
-    settings = header.first("Cracks")
+    settings = header.last("Cracks")
     if not lists:
         if settings is not None:
             job.ignored(settings, "there are no cracks in this file")
         return
     faces, moves = None, None
     if settings is not None:
-        friction = settings.first("Friction")
+        friction = settings.last("Friction")
         faces = law(job, friction) if friction is not None else None
-        plane = settings.first("MovePlane")
+        plane = settings.last("MovePlane")
         if plane is not None:
             moves = _MOVES.get((plane.get("type") or "avg").lower(), "average")
             if (plane.get("prevent") or "no").lower() == "yes":
                 job.note("ignored", plane, "attribute prevent: planes of cracks do not cross here")
         for inside in settings.all("ContactPosition", "CrackParticleSize"):
             job.changed(inside, "faces of cracks are separated by displacements")
-        _fracture(job, settings.first("JContour"))
+        _fracture(job, settings.last("JContour"))
     growth = _growth(job, settings, bodies)
     made = []
     for number, command in enumerate(lists, start=1):
@@ -79,7 +79,7 @@ def _growth(job: Job, settings: Command | None, bodies: Bodies) -> Made | None:
     commands: list[tuple[Command, Material | None]] = []
     solid = set(map(id, bodies.materials))
     materials = [m for m in job.materials if id(m) in solid and not m.is_rigid]
-    length = settings.first("PropagateLength") if settings is not None else None
+    length = settings.last("PropagateLength") if settings is not None else None
     if settings is not None:
         commands += [(inside, None) for inside in settings.all("Propagate")]
         for inside in settings.all("AltPropagate"):

@@ -14,7 +14,7 @@ from mpmcli.importers.base import Translation
 from mpmcli.importers.nairnmpm.commands import NUMBER, Command, CommandFile
 
 SHAPES = "Rect Oval Polygon Sphere Box Cylinder Polyhedron Torus Shell Line Arc"
-_BOX = "xmin:c! xmax:c! ymin:c! ymax:c! zmin:c zmax:c units:t axis:t radius:n"
+_BOX = "xmin:c xmax:c ymin:c ymax:c zmin:c zmax:c x1:c x2:c y1:c y2:c z1:c z2:c units:t axis:t radius:n tolerance:d"
 _LINE = "x1:c! x2:c! y1:c! y2:c! z1:c z2:c tolerance:d units:t"
 _BCS = "DisBC TempBC ConcBC LoadBC TractionBC HeatFluxBC ConcFluxBC net perParticle"
 _VALUE = "value:n time:n ftime:n style:i function:e"
@@ -26,7 +26,7 @@ _TABLE: dict[str, tuple[str, str, str]] = {
         "version:t",
         "0",
         "Header MPMHeader Mesh MaterialPoints CrackList Material GridBCs ParticleBCs Thermal Gravity CustomTasks"
-        " Periodic",
+        " Schedule Periodic",
     ),
     "Header": ("", "0", "Description Analysis DevelFlag ConsistentUnits"),
     "Description": ("", "t", ""),
@@ -337,6 +337,9 @@ class _Checker:
                 self._value(command, f"attribute {name}", known.attributes[name], value)
         for name in sorted(known.needed - set(command.attributes)):
             self._error(command, f"the attribute '{name}' is missing")
+        if known.text == "0" and (stray := command.text.strip()):
+            words = f"the text '{self.source.plain(stray)[:40]}' has no meaning"
+            self.made.note("ignored", command.line, f"<{command.name}>", words)
         if known.text not in {"0", "t", "t?"} and not (known.text.endswith("?") and not command.text.strip()):
             self._value(command, "text", known.text.rstrip("?"), command.text)
         for child in command.children:
@@ -391,11 +394,13 @@ def _choice(names: object) -> str:
     return f" (allowed: {shown})"
 
 
-def unread(command: Command) -> list[tuple[Command, str]]:
-    """Commands and attributes that no translation has read: the command, and words for what is unread."""
+def unread(command: Command) -> list[Command | tuple[Command, str]]:
+    """What no translation has read: replaced commands, and others with words for what is unread."""
+    if command.replaced:
+        return [command]
     if not command.handled:
         return [(command, "no counterpart")]
-    missed = [
+    missed: list[Command | tuple[Command, str]] = [
         (command, f"attribute {name}: no counterpart")
         for name in command.attributes
         if name not in command.used

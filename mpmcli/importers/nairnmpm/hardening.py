@@ -11,7 +11,7 @@ from mpmcli.importers.nairnmpm.values import Value
 
 def hardening_law(job: Job, command: Command) -> dict[str, Any] | None:
     """The hardening of a material, or None after a note."""
-    chosen = command.first("Hardening")
+    chosen = command.last("Hardening")
     law = job.source.plain(chosen.text).strip() if chosen is not None else "Linear"
 
     def get(name: str, default: float | None = None, quantity: str = "", shown: bool = False) -> Any:

@@ -59,7 +59,7 @@ def header(job: Job, command: Command) -> None:
             units = None
     for inside in command.all("DevelFlag"):
         job.unsupported(inside, "a switch of developers")
-    description = command.first("Description")
+    description = command.last("Description")
     lines = [line.strip() for line in description.text.splitlines() if line.strip()] if description else []
     labels = {line.split(":", 1)[0].lower(): line.split(":", 1)[1].strip() for line in lines if ":" in line}
     title = labels.get("problem") or labels.get("title") or (lines[0] if lines else "")
@@ -80,7 +80,7 @@ def grid(job: Job, mesh: Command) -> list[dict[str, Any]]:
     mesh.get("output")
     for inside in mesh.all("NodeList", "ElementList"):
         job.unsupported(inside, "a mesh of listed elements; only regular grids are")
-    found = mesh.first("Grid")
+    found = mesh.last("Grid")
     if found is None:
         job.made.error(mesh.line, "<Mesh>", "the command <Grid> is missing")
         return []
@@ -93,7 +93,7 @@ def grid(job: Job, mesh: Command) -> list[dict[str, Any]]:
     for axis, letter in enumerate(job.axes):
         low, high = (job.number(found, f"{letter}{side}") for side in ("min", "max"))
         name = ("Horiz", "Vert", "Depth")[axis]
-        along = found.first(name)
+        along = found.last(name)
         if along is None or low is None or high is None:
             if along is None:
                 job.made.error(found.line, "<Grid>", f"the command <{name}> is missing")
@@ -161,7 +161,7 @@ def _axis(
 def method(job: Job, command: Command) -> None:
     """Shape functions, update of strains, transfer and damping."""
     made: dict[str, Any] = {}
-    shape = command.first("GIMP")
+    shape = command.last("GIMP")
     if shape is not None:
         word = shape.get("type") or "uGIMP"
         if word in _SHAPES:
@@ -169,11 +169,11 @@ def method(job: Job, command: Command) -> None:
         else:
             job.unsupported(shape, f"type '{word}'")
     made["shape"] = job.shape
-    update = command.first("MPMMethod")
+    update = command.last("MPMMethod")
     code = round(job.plain(update, None)) if update is not None else 2
     if update is not None and code not in _UPDATES:
         job.unsupported(update, f"method {code}; 0, 2 and 3 are USF, USAVG and USL")
-    skips = command.first("SkipPostExtrapolation") is not None
+    skips = command.last("SkipPostExtrapolation") is not None
     word = _UPDATES.get(code, "usavg")
     made["update"] = word if skips or word == "usf" else f"{word}+"
     made["transfer"] = {"kind": "flip"}
@@ -190,7 +190,7 @@ def method(job: Job, command: Command) -> None:
         job.ignored(inside, "increments of deformation are exact exponentials")
     for inside in command.all("ExtrapolateRigid"):
         job.changed(inside, "rigid bodies prescribe the velocity of the nodes that they cover")
-    points = command.first("MatlPtsPerElement")
+    points = command.last("MatlPtsPerElement")
     if points is not None:
         _particles(job, points)
 

@@ -113,7 +113,7 @@ class Job:
 
     def property(self, command: Command, name: str, quantity: str = "", shown: bool = False) -> Value | None:
         """The number in a command inside this one."""
-        inside = command.first(name)
+        inside = command.last(name)
         return None if inside is None else self.number(inside, None, quantity, shown)
 
     def _with_units(self, command: Command, units: str, quantity: str, unit: Unit) -> Unit:

@@ -62,7 +62,7 @@ def number_materials(job: Job, root: Command) -> None:
         if material.kind == 35:
             material.direction = 8
         elif material.kind == 11:
-            direction = material.command.first("SetDirection")
+            direction = material.command.last("SetDirection")
             material.direction = round(job.plain(direction, None)) if direction is not None else 0
 
 
@@ -224,7 +224,7 @@ _VOLUMETRIC = {0: "j_minus_inverse", 2: "log"}
 
 
 def _volumetric(job: Job, command: Command) -> str | None:
-    option = command.first("UJOption")
+    option = command.last("UJOption")
     code = round(job.plain(option, None)) if option is not None else 0
     if option is not None and code not in _VOLUMETRIC:
         job.changed(

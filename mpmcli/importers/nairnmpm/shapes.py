@@ -70,12 +70,14 @@ def corners(job: Job, shape: Command) -> tuple[list[Value], list[Value]] | None:
     lower: list[Value] = []
     upper: list[Value] = []
     for axis, letter in enumerate(job.axes):
-        low, high = (job.coordinate(shape, f"{letter}{side}", axis) for side in ("min", "max"))
+        names = (f"{letter}min", f"{letter}max")
+        if names[0] not in shape.attributes:
+            names = (f"{letter}1", f"{letter}2")
+        low, high = (job.coordinate(shape, name, axis) for name in names)
         if low is None or high is None:
-            if f"{letter}min" not in shape.attributes or f"{letter}max" not in shape.attributes:
-                job.made.error(
-                    shape.line, f"<{shape.name}>", f"the attribute {letter}min or {letter}max is missing"
-                )
+            if not set(names) <= set(shape.attributes):
+                words = f"the attribute {letter}min or {letter}max is missing"
+                job.made.error(shape.line, f"<{shape.name}>", words)
             return None
         if low.scaled > high.scaled:
             low, high = high, low
@@ -84,6 +86,7 @@ def corners(job: Job, shape: Command) -> tuple[list[Value], list[Value]] | None:
     if len(job.axes) == 2:
         shape.get("zmin")
         shape.get("zmax")
+    shape.get("tolerance")
     return lower, upper
 
 

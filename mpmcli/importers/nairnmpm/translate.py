@@ -52,7 +52,7 @@ def translate(path: Path, partial: bool) -> Translation:
     made = Translation(path, "NairnMPM")
     check(source, made)
     job = Job(source, made, {"version": 1})
-    blocks = {name: source.root.first(name) for name in _NEEDED}
+    blocks = {name: source.root.last(name) for name in _NEEDED}
     for name, block in blocks.items():
         if block is None:
             made.error(source.root.line, "<JANFEAInput>", f"the command <{name}> is missing")
@@ -99,7 +99,10 @@ def _translate(job: Job, root: Command, blocks: dict[str, Any]) -> None:
     header.display(job, head)
     for block in root.all("Periodic"):
         job.unsupported(block, "periodic boundaries")
-    for command, words in unread(root):
-        job.note("not_supported", command, words)
+    for row in unread(root):
+        if isinstance(row, Command):
+            job.ignored(row, "a later command of this name replaces it")
+        else:
+            job.note("not_supported", *row)
     scene = {key: job.scene[key] for key in _ORDER if key in job.scene}
     job.made.scene.update(settle(scene, job.source, job.made))
