@@ -30,6 +30,9 @@ def write(translation: Translation) -> str:
     yaml.width = 10 * WIDTH
     yaml.allow_unicode = True
     yaml.indent(mapping=2, sequence=4, offset=2)
+    yaml.representer.add_representer(
+        float, lambda made, value: made.represent_scalar("tag:yaml.org,2002:float", number_text(value))
+    )
     text = io.StringIO()
     yaml.dump(_Layout(translation.comments).mapping(translation.scene, (), 0), text)
     body = re.sub(r"^(\s*)-\n\s+(#.*)\n\s+(?=\S)", r"\1\2\n\1- ", text.getvalue(), flags=re.MULTILINE)
@@ -53,6 +56,17 @@ def number(value: float) -> int | float:
     if abs(short - value) <= 4e-15 * abs(value):
         value = short
     return int(value) if value == int(value) and abs(value) < 1e6 else value
+
+
+def number_text(value: float) -> str:
+    """A number in an expression or a scene: 1e7, 1.5e-5, 0.001, 20."""
+    value = number(value)
+    text = str(value)
+    if isinstance(value, int) or not math.isfinite(value) or 1e-4 <= abs(value) < 1e6:
+        return text
+    mantissa, exponent = f"{value:.16e}".split("e") if "e" not in text else text.split("e")
+    short = f"{float(mantissa):.15g}e{int(exponent)}"
+    return short if len(short) < len(text) and float(short) == value else text
 
 
 def _note_lines(note: Note) -> list[str]:

@@ -13,7 +13,7 @@ import pytest
 from commands import spoken, unfit
 from outside.cbgeo.sources import BENCHMARKS, Benchmark
 
-CASES = int(os.environ.get("MPMCLI_MUTATIONS", "2000"))
+CASES = int(os.environ.get("MPMCLI_MUTATIONS", "300"))
 """Of the slow test."""
 SMALL = [
     "moved_particles",

@@ -33,8 +33,19 @@ class Spot:
 
     def name(self, grid: RegularGrid, taken: Any) -> str:
         """A name that is not taken."""
-        plain = SIDES[grid.d][self.side] if self.side is not None else "nodes"
-        return free_name(plain, taken)
+        return free_name(SIDES[grid.d].get(self.on_side(grid), "nodes"), taken)
+
+    def on_side(self, grid: RegularGrid) -> tuple[int, int]:
+        """The side of the grid on which it lies; (-1, 0) if it lies on none."""
+        if self.side is not None:
+            return self.side
+        assert self.box is not None
+        low, high = self.box
+        for axis, upper in SIDES[grid.d]:
+            edge = grid.counts[axis] if upper else 0
+            if low[axis] == high[axis] == edge:
+                return axis, upper
+        return -1, 0
 
     def place(self, grid: RegularGrid) -> dict[str, Any]:
         """Where a condition acts."""

@@ -147,7 +147,9 @@ def _add_forces(work: Work, members: Array, given: SurfaceTraction, direction: A
             "force": _along(direction, value),
             "per": "particle",
         }
-        work.made.comment(("loads", len(loads)), f"{given.traction:g} on each particle, as in CB-Geo")
+        work.made.comment(
+            ("loads", len(loads)), f"{plain(given.traction)} times the edge of each particle, as in CB-Geo"
+        )
         loads.append(load)
 
 

@@ -131,6 +131,10 @@ def _bingham(work: Work, given: Bingham, keys: Keys) -> dict[str, Any] | None:
     if "bingham" not in MATERIALS:
         work.note("not_supported", (*keys, "type"), MISSING)
         return _stand_in(given)
+    words = "below the yield stress it is elastic, with G of K/10; the pressure follows Tait's equation"
+    work.note("changed", (*keys, "type"), words)
+    if given.critical_shear_rate:
+        work.note("ignored", (*keys, "critical_shear_rate"), "no shear rate is cut off")
     return {
         "kind": "bingham",
         "density": given.density,
@@ -154,6 +158,8 @@ def _mohr_coulomb(work: Work, given: MohrCoulomb, keys: Keys) -> dict[str, Any] 
         "dilation": given.dilation,
         "tension": given.tension_cutoff,
     }
+    if given.softening is False:
+        work.note("ignored", (*keys, "softening"), "switched off; the residual values have no effect")
     softens = given.softening is not False and given.peak_pdstrain is not None
     if softens and given.residual_pdstrain is not None:
         residual = {

@@ -188,6 +188,11 @@ def _lattice(x: Array, edge: Array, table: Table) -> tuple[Array, Array, Array, 
         row = int(order[double[0] + 1])
         raise _irregular(table, 1 + row, f"this node lies where node {int(order[double[0]])} is")
     if len(x) != (counts + 1).prod():
+        for axis, name in enumerate(AXES[: x.shape[1]]):
+            steps = np.diff(np.unique(nodes[:, axis]))
+            if steps.max() > 1:
+                least, most = cell[axis] * steps.min(), cell[axis] * steps.max()
+                raise _irregular(table, None, f"its cells are {least:.4g} to {most:.4g} long along {name}")
         full = " × ".join(str(c + 1) for c in counts)
         raise _irregular(
             table, None, f"it has {len(x)} nodes, a full box of {full} has {(counts + 1).prod()}"

@@ -11,7 +11,7 @@ from mpmcli.importers.cbgeo.mesh import RegularGrid
 from mpmcli.importers.cbgeo.particles import Cloud
 from mpmcli.importers.cbgeo.reading import Array, Folder, Input
 from mpmcli.importers.cbgeo.source import EntitySets, LinearFunction, SinFunction
-from mpmcli.importers.scene_text import number
+from mpmcli.importers.scene_text import number_text
 
 Keys = tuple[str | int, ...]
 MAX_INLINE = 8
@@ -145,7 +145,7 @@ def dotted(keys: Keys) -> str:
 
 def plain(value: float) -> str:
     """A number in an expression."""
-    return str(number(value))
+    return number_text(value)
 
 
 def times_text(value: float) -> str:

@@ -1,0 +1,104 @@
+"""Benchmarks of CB-Geo through import, validate, run and plot without an edit; exact and published answers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import spoken
+from outside.cbgeo.sources import BENCHMARKS, Benchmark, dam_break
+
+from mpmcli.results.reading import Results
+
+pytestmark = pytest.mark.slow
+
+GRAVITY, DENSITY, HEIGHT = 9.81, 1800.0, 0.1
+
+
+def run(given: Benchmark, folder: Path, *options: str) -> Results:
+    """All four commands."""
+    source, scene, out = given.write(folder / "source"), folder / "scene.yaml", folder / "out"
+    for words in (
+        ["import", "cbgeo", str(source), "-o", str(scene)],
+        ["validate", str(scene)],
+        ["run", str(scene), "-o", str(out), "-q", *options],
+        ["plot", str(out), "-o", str(folder / "pictures")],
+    ):
+        code, written, _ = spoken(words)
+        assert code == 0, (words, written)
+    assert list((folder / "pictures").glob("*.png"))
+    return Results(out)
+
+
+def at_end(results: Results, component: str) -> np.ndarray:
+    """A component of the stress of all particles at the end."""
+    frame = results.particles()
+    return frame["stress"][:, frame.components["stress"].index(component)]
+
+
+@pytest.mark.parametrize("name", ["uniaxial_stress", "uniaxial_stress_usl", "uniaxial_stress_3d"])
+def test_one_cell_is_compressed(name, tmp_path):
+    """Published: −1 Pa after ten steps of 0.1 % (E = 1000 Pa), by increments of small strain."""
+    results = run(BENCHMARKS[name](), tmp_path)
+    np.testing.assert_allclose(at_end(results, "YY"), -1.0, rtol=2e-3)
+    np.testing.assert_allclose(at_end(results, "XX"), 0.0, atol=1e-9)
+
+
+def test_a_bar_is_pulled(tmp_path):
+    """Published: 0.5925 to 0.5975 Pa at 0.3 s with forces on nodes, 1 Pa at the end."""
+    results = run(BENCHMARKS["uniaxial_traction"](), tmp_path)
+    np.testing.assert_allclose(at_end(results, "XX"), 1.0, rtol=1e-4)
+    stress = np.interp(0.3, results["time"], results["stress_xx[elastic]"])
+    assert 0.590 < stress < 0.5975
+
+
+@pytest.mark.parametrize("name", ["hydrostatic_column", "hydrostatic_fluid"])
+def test_a_column_settles(name, tmp_path):
+    """σ_yy = −ρg(H − y) at the middles of cells; published at the lowest particles: −1680.2 Pa, exact −1765.8."""
+    results = run(BENCHMARKS[name](), tmp_path, "--until", "0.06")
+    frame = results.particles()
+    middle = (np.floor(frame.X[:, 1] / 0.01) + 0.5) * 0.01
+    exact = -DENSITY * GRAVITY * (HEIGHT - middle)
+    np.testing.assert_allclose(at_end(results, "YY"), exact, atol=0.01 * DENSITY * GRAVITY * HEIGHT)
+    assert at_end(results, "YY").min() == pytest.approx(-1680.2, rel=3e-3)
+    across = at_end(results, "XX")
+    np.testing.assert_allclose(across, exact if name == "hydrostatic_fluid" else 0.0, atol=20.0)
+
+
+def test_a_column_settles_in_3d(tmp_path):
+    results = run(BENCHMARKS["hydrostatic_column_3d"](), tmp_path)
+    frame = results.particles()
+    middle = (np.floor(frame.X[:, 2] / 0.01) + 0.5) * 0.01
+    exact = -DENSITY * GRAVITY * (HEIGHT - middle)
+    np.testing.assert_allclose(at_end(results, "ZZ"), exact, atol=0.01 * DENSITY * GRAVITY * HEIGHT)
+
+
+def test_unconfined_compression(tmp_path):
+    """The strength of a cohesive soil is 2c cos φ/(1 − sin φ) = 500 Pa."""
+    results = run(BENCHMARKS["mohr_coulomb_compression"](), tmp_path)
+    assert results["stress_yy[soil]"][-1] == pytest.approx(-500.0, rel=6e-3)
+    assert results["stress_zz[soil]"][-1] == pytest.approx(-0.2 * 500.0, rel=2e-2)
+    early = np.interp(1e-3, results["time"], results["stress_yy[soil]"])
+    assert early == pytest.approx(-1e7 / (1 - 0.2**2) * 0.002 * 1e-3 / 0.05, rel=1e-2)
+
+
+def test_a_block_slides_without_friction(tmp_path):
+    """g sin 30° t²/2."""
+    results = run(BENCHMARKS["level_block_frictionless"](), tmp_path, "--until", "0.3")
+    way = results["center_x[body]"][-1] - 2.5
+    assert way == pytest.approx(4.905 * 0.3**2 / 2, rel=1e-3)
+
+
+def test_a_dam_breaks(tmp_path):
+    """The front against Martin and Moyce (1952), Fig. 3, with cells of twice the published size."""
+    width, half = 0.114, 0.0114 / 2
+    results = run(dam_break(2), tmp_path, "--until", "0.155")
+    time, front = np.array([[0.832, 1.217], [1.219, 1.474], [1.997, 2.292]]).T
+    ours = np.interp(time * np.sqrt(width / (2 * 9.814)), results.times, fronts(results)) + half
+    np.testing.assert_allclose(ours / width, front, atol=0.08)
+
+
+def fronts(results: Results) -> list[float]:
+    """How far the water reaches in each archive."""
+    return [float(results.particles(time).X[:, 0].max()) for time in results.times]

@@ -1,0 +1,253 @@
+"""Parts of the reader of CB-Geo's input: grids, places of nodes, particles, stresses, functions, materials."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import spoken
+from outside.cbgeo import sources
+from outside.cbgeo.sources import Benchmark, held, level_block, rows, sliding_block, uniaxial_traction
+
+from mpmcli.core.errors import SceneError
+from mpmcli.importers.base import Translation
+from mpmcli.importers.cbgeo import translate
+from mpmcli.importers.cbgeo.mesh import cover, read_grid
+from mpmcli.importers.cbgeo.particles import gauss_points
+from mpmcli.importers.cbgeo.reading import read_table
+
+
+def translated(given: Benchmark, folder: Path) -> Translation:
+    made = translate(given.write(folder), partial=False)
+    assert not made.problems(partial=False)
+    return made
+
+
+def grid_of(text: str, folder: Path, d: int = 2):
+    path = folder / "mesh.txt"
+    path.write_text(text)
+    return read_grid(read_table(path, "mesh.txt", (2, d, 3, 2**d)), d)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_regular_grids(d, tmp_path):
+    grid = grid_of(sources.mesh([3, 2, 4][:d], 0.1), tmp_path, d)
+    assert not grid.is_turned
+    np.testing.assert_array_equal(grid.counts, [3, 2, 4][:d])
+    np.testing.assert_array_equal(grid.upper, [0.3, 0.2, 0.4][:d])
+    np.testing.assert_array_equal(grid.place(grid.nodes)[:4, 0], [0, 0.1, 0.2, 0.3])
+
+
+@pytest.mark.parametrize("angle", [-30.0, 12.5, 44.0])
+def test_turned_grids(angle, tmp_path):
+    grid = grid_of(sources.mesh([4, 3], 0.25, angle), tmp_path)
+    assert grid.angle == angle
+    np.testing.assert_allclose(grid.lower, 0, atol=1e-9)
+    np.testing.assert_array_equal(grid.upper, [1, 0.75])
+
+
+def test_turned_grids_in_3d(tmp_path):
+    text = sources.mesh([2, 3, 1], 0.5)
+    head, *lines = text.splitlines()[1:]
+    turn = np.eye(3)
+    turn[1:, 1:] = sources.rotation(25.0)
+    nodes = np.array([[float(word) for word in line.split()] for line in lines[:24]]) @ turn.T
+    grid = grid_of(f"{head}\n{rows(nodes)}" + "\n".join(lines[24:]), tmp_path, 3)
+    assert grid.is_turned
+    np.testing.assert_allclose(grid.axes, turn, atol=1e-9)
+    np.testing.assert_allclose(grid.inside(turn @ [1.0, 2.0, 3.0]), [1, 2, 3], atol=1e-9)
+
+
+def test_graded_grids_are_refused(tmp_path):
+    x = [0, 0.1, 0.2, 0.4]
+    nodes = [(a, b) for b in (0, 0.1) for a in x]
+    cells = [(i, i + 1, i + 5, i + 4) for i in range(3)]
+    with pytest.raises(SceneError, match=r"no regular grid: its cells are 0.1 to 0.2 long along x"):
+        grid_of(f"8 3\n{rows(nodes)}{rows(cells)}", tmp_path)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_boxes_cover_each_index_once(seed):
+    random = np.random.default_rng(seed)
+    chosen = np.unique(random.integers(0, 5, (40, 3)), axis=0)
+    found = [
+        index
+        for low, high in cover(chosen)
+        for index in itertools.product(*(range(a, b + 1) for a, b in zip(low, high, strict=True)))
+    ]
+    assert sorted(found) == sorted(map(tuple, chosen.tolist()))
+    assert len(cover(np.array(list(itertools.product(range(3), range(4)))))) == 1
+
+
+def test_a_turned_mesh_turns_gravity_and_particles(tmp_path):
+    scene = translate(sliding_block().write(tmp_path), partial=True).scene
+    assert scene["constants"]["turn"] == -30
+    assert scene["loads"][0]["acceleration"] == ["-g*sin(turn*pi/180)", "-g*cos(turn*pi/180)"]
+    assert scene["bodies"][0]["region"] == {"kind": "box", "lower": [2, 0], "upper": [3, 1]}
+    assert {condition["name"] for condition in scene["boundary"]} == {"left", "right", "bottom"}
+
+
+def test_nodes_with_axes_of_their_own(tmp_path):
+    given = level_block(friction=False)
+    given.main["mesh"]["boundary_conditions"]["nodal_euler_angles"] = "angles.txt"
+    given.files["angles.txt"] = rows((n, np.pi / 6, 0) for n in range(21))
+    boundary = translated(given, tmp_path).scene["boundary"]
+    oblique = next(c for c in boundary if c["name"] == "bottom oblique")
+    np.testing.assert_allclose(oblique["direction"], [-0.5, 0.75**0.5], atol=1e-9)
+
+
+def test_the_first_constraint_of_a_node_holds(tmp_path):
+    given = uniaxial_traction()
+    given.main["mesh"]["boundary_conditions"]["velocity_constraints"] = [held(1, 0), held(1, 0, 0.5)]
+    made = translated(given, tmp_path)
+    assert [condition["name"] for condition in made.scene["boundary"]] == ["left"]
+    assert "2 nodes that an earlier constraint holds" in str(made.of_kind("changed"))
+
+
+@pytest.mark.parametrize(
+    ("x", "f", "value"),
+    [
+        ([0, 1], [2, 2], -20.0),
+        ([0, 0.5, 1], [0, 1, 1], "-10*ramp(t, 0, 0.5)"),
+        ([0, 0.5, 1, 2], [0, 1, 0.5, 0.5], "-10*interpolate(t, 0, 0, 0.5, 1, 1, 0.5)"),
+        (list(range(10)), [0, 1] * 5, '-10*interpolate(t, "function_0.csv")'),
+    ],
+)
+def test_functions_of_time(x, f, value, tmp_path):
+    given = uniaxial_traction()
+    given.main["math_functions"][0] |= {"xvalues": x, "fxvalues": f}
+    given.main["external_loading_conditions"]["particle_surface_traction"][0]["traction"] = -10
+    made = translated(given, tmp_path)
+    assert made.scene["loads"][0]["traction"] == [value, 0]
+    if "csv" in str(value):
+        assert made.files["function_0.csv"].splitlines()[:3] == ["t,value", "0,0", "1,1"]
+
+
+def test_a_sine(tmp_path):
+    given = uniaxial_traction()
+    given.main["math_functions"] = [{"id": 0, "type": "Sin", "x0": 0.25, "a": 10, "xrange": [0, 1]}]
+    load = translated(given, tmp_path).scene["loads"][0]
+    assert load["traction"][0] == "sin(10*(t - 0.25))*(t >= 0)*(t <= 1)"
+
+
+def test_tractions_of_other_particles_are_forces(tmp_path):
+    given = uniaxial_traction()
+    given.files["entity_sets.json"] = sources.sets([[3, 7], [0, 4]], [[4, 5]])
+    load = translated(given, tmp_path).scene["loads"][0]
+    assert (load["kind"], load["per"]) == ("particle_force", "particle")
+    assert load["force"] == ["0.05*ramp(t, 0, 0.5)", 0]
+    low, high = load["on"]["box"]["lower"], load["on"]["box"]["upper"]
+    assert low[0] < 0.225 < 0.275 < high[0]
+    assert high[1] < 0.075
+
+
+def test_particles_of_scattered_sets_are_in_a_file(tmp_path):
+    given = uniaxial_traction()
+    given.files["entity_sets.json"] = sources.sets([[3, 7], [0, 4]], [[0, 5, 9]])
+    made = translated(given, tmp_path)
+    assert made.scene["loads"][0]["on"]["region"]["file"] == "traction.csv"
+    assert len(made.files["traction.csv"].splitlines()) == 4
+
+
+def test_particles_that_fill_no_cells_evenly_are_in_a_file(tmp_path):
+    given = uniaxial_traction()
+    given.files["particles.txt"] = "3\n0.025 0.025\n0.05 0.05\n0.2 0.07\n"
+    given.files["entity_sets.json"] = sources.sets([[3, 7], [0, 4]], [[2]])
+    made = translated(given, tmp_path)
+    assert made.scene["bodies"][0]["region"] == {"kind": "points", "file": "body.csv"}
+    assert made.files["body.csv"].splitlines() == [
+        "x,y,volume",
+        "0.025,0.025,0.005",
+        "0.05,0.05,0.005",
+        "0.2,0.07,0.01",
+    ]
+
+
+def test_gauss_points_of_a_file(tmp_path):
+    given = uniaxial_traction()
+    x = [(0.1 * (i + a), 0.1 * b) for i in range(3) for a in gauss_points(2) for b in gauss_points(2)]
+    given.files["particles.txt"] = sources.particles(np.array(x))
+    given.files["entity_sets.json"] = sources.sets([[3, 7], [0, 4]], [[10, 11]])
+    made = translated(given, tmp_path)
+    assert made.scene["bodies"][0]["particles_per_axis"] == 2
+    assert "not at Gauss points" in str(made.of_kind("changed"))
+    assert made.scene["loads"][0]["kind"] == "traction"
+
+
+def test_materials_by_sets_make_bodies(tmp_path):
+    given = uniaxial_traction()
+    given.main["materials"].append(given.main["materials"][0] | {"id": 1, "youngs_modulus": 5e5})
+    given.main["mesh"]["update_materials"] = True
+    given.main["material_sets"] = [{"material_id": 1, "pset_id": 1}]
+    given.files["entity_sets.json"] = sources.sets([[3, 7], [0, 4]], [[5, 11], [0, 1, 6, 7]])
+    scene = translated(given, tmp_path).scene
+    assert [(b["name"], b["material"], b["region"]["upper"]) for b in scene["bodies"]] == [
+        ("body 1", "elastic", [0.3, 0.1]),
+        ("body 2", "elastic 2", [0.1, 0.1]),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("stress", "expected"),
+    [
+        (lambda x, y: [0, -100, 0, 0, 0, 0], {"yy": -100}),
+        (lambda x, y: [0, 200 * y - 20, 0, 3, 0, 0], {"yy": "-20 + 200*y", "xy": 3}),
+        (lambda x, y: [-50 * x, 0, 0, 0, 0, 0], {"xx": "-50*x"}),
+    ],
+)
+def test_stress_at_the_start(stress, expected, tmp_path):
+    given = uniaxial_traction()
+    x = sources.block([0, 0], [6, 2], 0.05)
+    given.main["mesh"]["particles_stresses"] = "stresses.txt"
+    given.files["stresses.txt"] = "12\n" + rows(stress(*row) for row in x)
+    body = translated(given, tmp_path).scene["bodies"][0]
+    assert body["stress"] == {"kind": "components"} | expected
+
+
+def test_stress_that_is_not_linear_is_refused(tmp_path):
+    given = uniaxial_traction()
+    given.main["mesh"]["particles_stresses"] = "stresses.txt"
+    given.files["stresses.txt"] = "12\n" + rows([i * i, 0, 0, 0, 0, 0] for i in range(12))
+    made = translate(given.write(tmp_path), partial=False)
+    assert "neither constant nor linear" in str(made.problems(partial=False)[0])
+
+
+def test_local_damping(tmp_path):
+    given = uniaxial_traction()
+    given.main["analysis"]["damping"] = {"type": "Cundall", "damping_factor": 0.05}
+    assert translated(given, tmp_path).scene["method"]["damping"] == {"local": 0.05}
+
+
+MATERIALS = {
+    "Bingham2D": {"youngs_modulus": 1e6, "poisson_ratio": 0.4, "tau0": 100, "mu": 2, "critical_shear_rate": 0.1},
+    "MohrCoulomb2D": {
+        "youngs_modulus": 1e6, "poisson_ratio": 0.3, "softening": True, "friction": 30, "dilation": 5,
+        "cohesion": 1000, "residual_friction": 20, "residual_dilation": 0, "residual_cohesion": 500,
+        "peak_pdstrain": 0.01, "residual_pdstrain": 0.1, "tension_cutoff": 100,
+    },
+    "Newtonian2D": {"bulk_modulus": 1e6, "dynamic_viscosity": 0.5},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", MATERIALS)
+def test_materials_become_valid_ones(kind, tmp_path):
+    given = uniaxial_traction()
+    given.main["materials"] = [{"id": 0, "type": kind, "density": 1800.0, **MATERIALS[kind]}]
+    code, written, _ = spoken(["import", "cbgeo", str(given.write(tmp_path))])
+    assert code == 0, written
+    assert "error" not in written
+
+
+def test_softening_soil(tmp_path):
+    given = uniaxial_traction()
+    given.main["materials"] = [
+        {"id": 0, "type": "MohrCoulomb2D", "density": 1800.0, **MATERIALS["MohrCoulomb2D"]}
+    ]
+    soil = translated(given, tmp_path).scene["materials"]["soil"]
+    assert soil == {
+        "kind": "mohr_coulomb", "density": 1800, "E": 1e6, "nu": 0.3, "cohesion": 1000, "friction": 30,
+        "dilation": 5, "tension": 100, "residual_cohesion": 500, "residual_friction": 20,
+        "residual_dilation": 0, "softening_start": 0.01, "softening_end": 0.1,
+    }  # fmt: skip
