@@ -32,10 +32,12 @@ def command(program: str, file: Path, output: Path | None, partial: bool, overwr
     Every command of FILE is translated, ignored with a reason, or an error with its line. The exit code is 3 if FILE
     is not valid or has commands that are not supported. Without -o, the scene is printed.
     """
-    from mpmcli.core.errors import SceneError
+    from mpmcli.core.errors import ArchiveError, SceneError
     from mpmcli.importers.base import importer
     from mpmcli.importers.scene_text import write
 
+    if output is not None and output.exists() and not overwrite:
+        raise ArchiveError(f"{output} already exists; use another name, or --overwrite")
     translation = importer(program).translate(file, partial)
     if problems := translation.problems(partial):
         if not translation.errors:

@@ -93,6 +93,8 @@ def _tips(job: Job, header: Command) -> list[str]:
         for end in ("start", "end")
         if crack.get("ends", {}).get(end, "tip") == "tip"
     ]
+    if quantities and tips:
+        job.scene.setdefault("fracture", {"integral": "contour", "size": 2})
     return [f"{quantity}[{tip}]" for quantity in quantities for tip in tips]
 
 
@@ -127,8 +129,9 @@ def _column(job: Job, command: Command, names: list[tuple[str, str]]) -> str | N
             for word in ("mat", "material"):
                 command.get(word)
         else:
-            of = job.material(command)
+            of = job.find_material(command)
             if of is None:
+                job.note("ignored", command, "there is no such material")
                 return None
     low = kind.lower()
     rigid = [m.key for m in job.materials if m.used and m.is_rigid and m.direction == 8]
@@ -250,7 +253,10 @@ def heat(job: Job, root: Command) -> None:
             else:
                 job.unsupported(inside, "no counterpart")
     if conducts:
-        job.scene["heat"] = {"friction": bool(friction)}
+        in_contact = any(
+            inside.name == "MultiMaterialMode" for block in root.children for inside in block.children
+        )
+        job.scene["heat"] = {"friction": bool(friction)} if in_contact else {}
         job.scene["method"]["heating"] = "adiabatic" if adiabatic else "isothermal"
     elif adiabatic:
         job.scene["method"]["heating"] = "adiabatic"

@@ -128,8 +128,7 @@ def particle_loads(job: Job, block: Command, bodies: Bodies) -> list[Made]:
             elif load.name == "LoadBC":
                 _force(job, load, forces)
             elif load.name in {"TractionBC", "HeatFluxBC"}:
-                entry = _on_face(job, load, place, bodies)
-                if entry is not None:
+                for entry in _on_faces(job, load, place, bodies):
                     name = _name(f"{entry['kind']}_{entry['on']['body']}", names)
                     made.append({"name": name, **entry})
             else:
@@ -175,7 +174,7 @@ def _sum(parts: list[Any]) -> Any:
     return Formula(re.sub(rf" \+ \(-({OPEN}\w+{CLOSE})\)\*", r" - \1*", " + ".join(texts)))
 
 
-def _on_face(job: Job, load: Command, place: Where | None, bodies: Bodies) -> Made | None:
+def _on_faces(job: Job, load: Command, place: Where | None, bodies: Bodies) -> list[Made]:
     code, face = round(job.plain(load, "dir")), round(job.plain(load, "face", 1.0))
     heat = load.name == "HeatFluxBC"
     quantity = "flux" if heat else ""
@@ -188,54 +187,70 @@ def _on_face(job: Job, load: Command, place: Where | None, bodies: Bodies) -> Ma
         load.get(name)
     value = history(job, load, amount, quantity)
     if value is None or place is None:
-        return None
+        return []
     side = _FACES.get(face)
     if job.analysis == "3d" or side is None or (heat and code != 1) or (not heat and code not in {1, 2, 11}):
         job.note("not_supported", load, f"direction {code} on face {face} of particles")
-        return None
-    body = _whole_face(job, place, bodies, side)
-    if body is None:
-        job.note(
-            "not_supported", load, "faces of particles that are not a whole face of one rectangular body"
-        )
-        return None
-    on = {"body": body, "face": {"axis": side[0], "side": side[1]}}
-    if heat:
-        return {"kind": "heat_flux", "on": on, "flux": value}
-    if code == 11:
-        negative = value.negative if isinstance(value, Value) else Formula(f"-({value.text})", value.factor)
-        return {"kind": "traction", "on": on, "pressure": negative}
-    return {
-        "kind": "traction",
-        "on": on,
-        "traction": [value if axis == code - 1 else 0 for axis in range(len(job.axes))],
-    }
+        return []
+    found = _whole_faces(job, place, bodies, side)
+    if not found:
+        job.note("not_supported", load, "faces of particles that are not whole faces of rectangular bodies")
+        return []
+    made = []
+    for body in found:
+        on = {"body": body, "face": {"axis": side[0], "side": side[1]}}
+        if heat:
+            made.append({"kind": "heat_flux", "on": on, "flux": value})
+        elif code == 11:
+            negative = (
+                value.negative if isinstance(value, Value) else Formula(f"-({value.text})", value.factor)
+            )
+            made.append({"kind": "traction", "on": on, "pressure": negative})
+        else:
+            parts = [value if axis == code - 1 else 0 for axis in range(len(job.axes))]
+            made.append({"kind": "traction", "on": on, "traction": parts})
+    return made
 
 
-def _whole_face(job: Job, place: Where, bodies: Bodies, side: tuple[str, str]) -> str | None:
-    """The rectangular body whose outermost row of particles at a side is in a box, and no more of it."""
+def _whole_faces(job: Job, place: Where, bodies: Bodies, side: tuple[str, str]) -> list[str]:
+    """The rectangular bodies of whose particles a box holds the outermost row at a side, all of it and no others.
+
+    None if it holds particles of bodies in any other way.
+    """
     if place.region is not None:
-        return None
+        return []
     axis, upper = "xy".index(side[0]), side[1] == "upper"
+    across, sign = 1 - axis, 1 if upper else -1
     per_axis = job.scene.get("_particles_per_axis") or 2
+    spacing = [cell / per_axis for cell in job.cell]
+    found = []
     for body, box in zip(bodies.made, bodies.boxes, strict=True):
-        if body["region"]["kind"] != "box" or box is None:
-            continue
-        spacing = [cell / per_axis for cell in job.cell]
-        edge = box[1][axis] if upper else box[0][axis]
-        sign = 1 if upper else -1
-        first, second = edge - 0.5 * sign * spacing[axis], edge - 1.5 * sign * spacing[axis]
-        across = 1 - axis
-        covers = (
-            place.lower[axis] <= first + job.tolerance
-            and place.upper[axis] >= first - job.tolerance
-            and not place.lower[axis] - job.tolerance <= second <= place.upper[axis] + job.tolerance
-            and place.lower[across] <= box[0][across] + 0.5 * spacing[across] + job.tolerance
-            and place.upper[across] >= box[1][across] - 0.5 * spacing[across] - job.tolerance
+        if box is None:
+            return []
+        first, last = (
+            [end + s * 0.5 * step for end, step in zip(ends, spacing, strict=True)]
+            for ends, s in zip(box, (1, -1), strict=True)
         )
-        if covers:
-            return str(body["name"])
-    return None
+        if any(
+            place.upper[a] < first[a] - job.tolerance or place.lower[a] > last[a] + job.tolerance
+            for a in (0, 1)
+        ):
+            continue
+        edge = last[axis] if upper else first[axis]
+        covers = (
+            body["region"]["kind"] == "box"
+            and place.lower[axis] <= edge + job.tolerance
+            and place.upper[axis] >= edge - job.tolerance
+            and not place.lower[axis] - job.tolerance
+            <= edge - sign * spacing[axis]
+            <= place.upper[axis] + job.tolerance
+            and place.lower[across] <= first[across] + job.tolerance
+            and place.upper[across] >= last[across] - job.tolerance
+        )
+        if not covers:
+            return []
+        found.append(str(body["name"]))
+    return found
 
 
 def gravity(job: Job, block: Command) -> list[Made]:

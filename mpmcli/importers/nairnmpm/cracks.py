@@ -57,6 +57,7 @@ def cracks(job: Job, root: Command, header: Command, bodies: Bodies) -> None:
         grows = {end: dict(growth) for end in ("start", "end") if growth and ends.get(end, "tip") == "tip"}
         if grows and growth is not None:
             crack["growth"] = grows
+            job.scene.setdefault("fracture", {"integral": "contour", "size": 2})
         made.append(crack)
     if made:
         job.scene["cracks"] = made

@@ -6,12 +6,7 @@ Kinds of values: ``n`` number, ``i`` whole number, ``c`` coordinate (also ``min-
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
-
-from mpmcli.core.suggest import did_you_mean
-from mpmcli.importers.base import Translation
-from mpmcli.importers.nairnmpm.commands import NUMBER, Command, CommandFile
 
 SHAPES = "Rect Oval Polygon Sphere Box Cylinder Polyhedron Torus Shell Line Arc"
 _BOX = "xmin:c xmax:c ymin:c ymax:c zmin:c zmax:c x1:c x2:c y1:c y2:c z1:c z2:c units:t axis:t radius:n tolerance:d"
@@ -271,9 +266,8 @@ TRANSPORT = frozenset(
 )
 """Properties of materials that only conduction and diffusion use."""
 
-_NUMBERS = "n"
 # properties of materials that are no numbers
-_PROPERTIES = {
+PROPERTIES = {
     "Hardening": "t",
     "color": "0",
     "SettingFunction": "e",
@@ -305,104 +299,10 @@ class Known:
     inside: frozenset[str]
 
 
-def _known(attributes: str, text: str, inside: str) -> Known:
+def known(attributes: str, text: str, inside: str) -> Known:
     pairs = dict(word.rstrip("!").split(":") for word in attributes.split())
     needed = frozenset(word.split(":")[0] for word in attributes.split() if word.endswith("!"))
     return Known(pairs, needed, text, frozenset(inside.split()))
 
 
-COMMANDS = {name: _known(*row) for name, row in _TABLE.items()}
-_COORDINATE = re.compile(r"\s*(min|max)\s*(?:[-+]|\d|[-+]\s*[\d.eE+-]+)?\s*\Z")
-
-
-def check(source: CommandFile, made: Translation) -> None:
-    """Add an error for each command, attribute or value that NairnMPM does not know where it stands."""
-    _Checker(source, made).visit(source.root, "")
-
-
-class _Checker:
-    def __init__(self, source: CommandFile, made: Translation):
-        self.source = source
-        self.made = made
-
-    def visit(self, command: Command, parent: str) -> None:
-        known = self._rules(command, parent)
-        if known is None:
-            return
-        for name, value in command.attributes.items():
-            if name not in known.attributes:
-                hint = did_you_mean(name, list(known.attributes)) or _choice(known.attributes)
-                self._error(command, f"unknown attribute '{name}'{hint}")
-            else:
-                self._value(command, f"attribute {name}", known.attributes[name], value)
-        for name in sorted(known.needed - set(command.attributes)):
-            self._error(command, f"the attribute '{name}' is missing")
-        if known.text == "0" and (stray := command.text.strip()):
-            words = f"the text '{self.source.plain(stray)[:40]}' has no meaning"
-            self.made.note("ignored", command.line, f"<{command.name}>", words)
-        if known.text not in {"0", "t", "t?"} and not (known.text.endswith("?") and not command.text.strip()):
-            self._value(command, "text", known.text.rstrip("?"), command.text)
-        for child in command.children:
-            allowed = known.inside
-            if child.name in allowed or "*" in allowed:
-                self.visit(child, command.name)
-            elif child.name in COMMANDS:
-                self._error(child, f"does not belong in <{command.name}>{_choice(allowed)}")
-            else:
-                hint = did_you_mean(child.name, sorted(allowed)) or _choice(allowed)
-                self._error(child, f"unknown command in <{command.name}>{hint}")
-
-    def _rules(self, command: Command, parent: str) -> Known | None:
-        if parent in {"Material", "Periodic"}:
-            if parent == "Periodic":
-                return None
-            if command.name in COMMANDS and command.name in {
-                "Friction",
-                "PDamping",
-                "Propagate",
-                "AltPropagate",
-            }:
-                return COMMANDS[command.name]
-            attributes = "red:n green:n blue:n alpha:n" if command.name == "color" else ""
-            return _known(attributes, _PROPERTIES.get(command.name, _NUMBERS), "")
-        return COMMANDS.get(command.name)
-
-    def _value(self, command: Command, where: str, kind: str, value: str) -> None:
-        plain = self.source.plain(value)
-        if kind in {"n", "i"} or (kind == "d" and not plain.strip().startswith("*")):
-            fits = NUMBER.match(plain) is not None
-        elif kind == "d":
-            fits = NUMBER.match(plain.strip()[1:]) is not None
-        elif kind == "c":
-            fits = NUMBER.match(plain) is not None or _COORDINATE.match(plain) is not None
-        else:
-            fits = bool(plain.strip()) or kind == "t"
-        if not fits:
-            shown = plain.strip()[:60]
-            words = f"'{shown}' is not a number" if shown else "a value is missing"
-            self._error(command, f"{where}: {words}")
-
-    def _error(self, command: Command, words: str) -> None:
-        self.made.error(command.line, f"<{command.name}>", words)
-
-
-def _choice(names: object) -> str:
-    listed = sorted(names)  # type: ignore[call-overload]
-    if not listed:
-        return ""
-    shown = ", ".join(listed[:12]) + (", …" if len(listed) > 12 else "")
-    return f" (allowed: {shown})"
-
-
-def unread(command: Command) -> list[Command | tuple[Command, str]]:
-    """What no translation has read: replaced commands, and others with words for what is unread."""
-    if command.replaced:
-        return [command]
-    if not command.handled:
-        return [(command, "no counterpart")]
-    missed: list[Command | tuple[Command, str]] = [
-        (command, f"attribute {name}: no counterpart")
-        for name in command.attributes
-        if name not in command.used
-    ]
-    return missed + [row for child in command.children for row in unread(child)]
+COMMANDS = {name: known(*row) for name, row in _TABLE.items()}

@@ -47,6 +47,19 @@ def hardening_law(job: Job, command: Command) -> dict[str, Any] | None:
         for inside in command.all("Djc", "n2jc"):
             job.unsupported(inside, "a second rate term of Johnson-Cook")
         return made
+    if law in {"SCGL", "4"} and yield_stress is not None:
+        made = {
+            "kind": "steinberg_cochran_guinan",
+            "yield_stress": yield_stress,
+            "Y_max": get("yieldMax", 2500.0),
+        }
+        made |= {"beta": get("betahard", 27.0), "n": get("nhard", 0.36), "alpha0": get("ep0", 0.0)}
+        pressure, temperature = get("GPpG0"), get("GTpG0")
+        if pressure is not None and pressure.number != 0:
+            made["A"] = pressure
+        if temperature is not None and temperature.number != 0:
+            made["B"] = temperature.negative
+        return made
     K, n = get("Khard", 0.0), get("nhard", 1.0)
     if law in {"Nonlinear", "2"} and yield_stress is not None and K.scaled > 0:
         return {"kind": "swift", "yield_stress": yield_stress, "eps0": Value(1 / K.scaled), "n": n}

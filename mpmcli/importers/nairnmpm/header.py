@@ -6,6 +6,7 @@ from typing import Any
 
 from mpmcli.importers.nairnmpm.commands import Command
 from mpmcli.importers.nairnmpm.job import Job
+from mpmcli.importers.nairnmpm.places import SIDES
 from mpmcli.importers.nairnmpm.values import Value
 
 ANALYSES = {10: "plane_strain", 11: "plane_stress", 12: "3d", 13: "axisymmetric"}
@@ -92,11 +93,11 @@ def grid(job: Job, mesh: Command) -> list[dict[str, Any]]:
     symmetries: list[dict[str, Any]] = []
     for axis, letter in enumerate(job.axes):
         low, high = (job.number(found, f"{letter}{side}") for side in ("min", "max"))
-        name = ("Horiz", "Vert", "Depth")[axis]
-        along = found.last(name)
+        word = ("Horiz", "Vert", "Depth")[axis]
+        along = found.last(word)
         if along is None or low is None or high is None:
             if along is None:
-                job.made.error(found.line, "<Grid>", f"the command <{name}> is missing")
+                job.made.error(found.line, "<Grid>", f"the command <{word}> is missing")
             return []
         if low.scaled > high.scaled:
             low, high = high, low
@@ -112,7 +113,8 @@ def grid(job: Job, mesh: Command) -> list[dict[str, Any]]:
                 middle = 0.5 * (low.scaled + high.scaled)
                 if (at.scaled < middle) != (side == "lower") or at.scaled == middle:
                     plane["side"] = side
-                symmetries.append({"name": f"symmetry_{letter}_{side}", "kind": "symmetry", "plane": plane})
+                name = f"symmetry_{SIDES[axis, side == 'upper']}"
+                symmetries.append({"name": name, "kind": "symmetry", "plane": plane})
     for name in ("Depth",) if len(job.axes) == 2 else ():
         for inside in found.all(name):
             job.made.error(inside.line, "<Depth>", "belongs to analyses in 3D")
@@ -220,13 +222,29 @@ def _damping(job: Job, command: Command, made: dict[str, Any]) -> None:
                 elif rate is not None and rate.number != 0:
                     found[key] = rate
     for inside in command.all("FeedbackDamping", "PFeedbackDamping"):
-        if job.plain(inside, None) == 0:
+        gain = job.number(inside, None)
+        if gain is None or gain.number == 0:
             job.ignored(inside, "its gain is 0")
-        else:
-            job.unsupported(inside, "feedback damping with NairnMPM's gain")
+            continue
+        found["feedback"] = _feedback(job, inside, gain)
     found = {key: value for key, value in found.items() if value is not None}
     if found:
         made["damping"] = found
+
+
+def _feedback(job: Job, command: Command, gain: Value) -> dict[str, Any]:
+    """Damping towards a kinetic energy."""
+    made: dict[str, Any] = {"gain": gain}
+    if command.name == "PFeedbackDamping":
+        made = {"damps": "particle", "gain": gain}
+    target, limit = command.get("target"), job.number(command, "max", "frequency")
+    if target is not None:
+        formula = job.formula(command, target, "kinetic")
+        if formula is not None:
+            made["target"] = formula
+    if limit is not None:
+        made["limit"] = limit
+    return made
 
 
 def time(job: Job, command: Command) -> None:

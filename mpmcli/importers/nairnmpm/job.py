@@ -19,9 +19,10 @@ LEGACY = {
     "conductivity": Unit("W/(m K)", 1e-3),
     "density": Unit("g/cm^3", 1e-3),
     "energy_rate": Unit("J/m^2", 1e-3),
-    "expansion": Unit("1e-6/K", 1e-6),
+    "expansion": Unit("", 1e-6),
     "flux": Unit("W/m^2", 1e-6),
     "frequency": Unit("1/s", 1e-3),
+    "kinetic": Unit("uJ", 1e-3),
     "stress_intensity": Unit("", ROOT_OF_METER),
     "time": Unit("s", 1e3),
     "velocity": Unit("mm/s", 1e-3),
@@ -174,28 +175,35 @@ class Job:
 
     def material(self, command: Command) -> Material | None:
         """The material that a command names by ``matname`` or counts by ``mat``; None after an error."""
+        found = self.find_material(command)
+        if found is None:
+            named, number = command.attributes.get("matname"), command.attributes.get("mat")
+            if named is not None:
+                names = ", ".join(material.command.attributes.get("Name", "") for material in self.materials)
+                words = f"no material '{self.source.plain(named)}' (there are: {names})"
+            elif number or command.attributes.get("matl") or command.attributes.get("material"):
+                words = f"no material {self.source.plain(number or '')}; the file has {len(self.materials)}"
+            else:
+                words = "a material is missing: matname or mat"
+            self.made.error(command.line, f"<{command.name}>", words)
+        return found
+
+    def find_material(self, command: Command) -> Material | None:
+        """The material that a command names by ``matname`` or counts by ``mat``, or None."""
         name = command.get("matname")
-        number = command.get("mat") or command.get("matl") or command.get("material")
+        texts = [command.get(word) for word in ("mat", "matl", "material")]
         if name is not None:
             plain = self.source.plain(name)
-            for material in self.materials:
-                if self.source.plain(material.command.attributes.get("Name", "")) == plain:
-                    return material
-            names = ", ".join(material.command.attributes.get("Name", "") for material in self.materials)
-            self.made.error(command.line, f"<{command.name}>", f"no material '{plain}' (there are: {names})")
-            return None
-        if number is None:
-            self.made.error(command.line, f"<{command.name}>", "a material is missing: matname or mat")
-            return None
+            named = (
+                m for m in self.materials if self.source.plain(m.command.attributes.get("Name", "")) == plain
+            )
+            return next(named, None)
+        number = next((text for text in texts if text), "")
         try:
             index = round(read(number, source=self.source).number)
         except (ValueError, OverflowError):
             return None
-        if not 1 <= index <= len(self.materials):
-            count = len(self.materials)
-            self.made.error(command.line, f"<{command.name}>", f"no material {index}; the file has {count}")
-            return None
-        return self.materials[index - 1]
+        return self.materials[index - 1] if 1 <= index <= len(self.materials) else None
 
     # ------------------------------------------------------------ coordinates
 

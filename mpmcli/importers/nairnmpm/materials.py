@@ -258,7 +258,8 @@ def _mooney(job: Job, material: Material) -> Made | None:
     if second is None or second.number == 0:
         return {"kind": "neo_hookean", **found, "volumetric": volumetric, "split": "isochoric"}
     if "K" in found:
-        return {"kind": "mooney_rivlin", "K": found["K"], "G1": found["G"], "G2": second}
+        made = {"kind": "mooney_rivlin", "K": found["K"], "G1": found["G"], "G2": second}
+        return made | ({"volumetric": volumetric} if volumetric != "j_minus_inverse" else {})
     E, nu = found["E"].scaled, found["nu"].scaled
     first = Value(E / (2 * (1 + nu)) - second.scaled)
     return {"kind": "mooney_rivlin", "K": Value(E / (3 * (1 - 2 * nu))), "G1": first, "G2": second}
@@ -348,8 +349,40 @@ def _ideal_gas(job: Job, material: Material) -> Made | None:
     return made
 
 
+_AXIAL = {"EA": "E_axial", "ET": "E_transverse", "GA": "G_axial", "nuA": "nu_axial", "nuT": "nu_transverse"}
+_ORTHOTROPIC = {
+    **{f"E{theirs}": f"E{ours}" for theirs, ours in zip("xyz", "123", strict=True)},
+    **{
+        f"{word}{theirs}": f"{word}{ours}"
+        for word in ("G", "nu")
+        for theirs, ours in (("xy", "12"), ("xz", "13"), ("yz", "23"))
+    },
+}
+
+
+def _with_axes(kind: str, names: dict[str, str], axis: str = "") -> Callable[[Job, Material], Made | None]:
+    """An elastic material with axes, by the names of its constants."""
+
+    def make(job: Job, material: Material) -> Made | None:
+        made: Made = {"kind": kind} | ({"axis": axis} if axis else {})
+        for theirs, ours in names.items():
+            value = job.property(material.command, theirs)
+            if value is None:
+                job.made.error(material.command.line, "<Material>", f"the command <{theirs}> is missing")
+                return None
+            made[ours] = value
+        for inside in material.command.all("largeRotation"):
+            job.ignored(inside, "large rotations are always taken into account")
+        return made
+
+    return make
+
+
 _MAKERS: dict[int, Callable[[Job, Material], Made | None]] = {
     1: _isotropic,
+    2: _with_axes("transversely_isotropic", _AXIAL, "z"),
+    3: _with_axes("transversely_isotropic", _AXIAL, "y"),
+    4: _with_axes("orthotropic", _ORTHOTROPIC),
     8: _mooney,
     9: _plastic,
     17: _mie_gruneisen,

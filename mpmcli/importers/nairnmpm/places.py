@@ -27,7 +27,7 @@ class Where:
         """The place for particles."""
         if self.region is not None:
             return {"region": self.region}
-        return {"box": {"lower": [Value(v) for v in self.lower], "upper": [Value(v) for v in self.upper]}}
+        return _box(self.lower, self.upper)
 
     def nodes(self, job: Job) -> dict[str, Any] | None:
         """The place for nodes of the grid: a plane where they are a whole side, else a box; None if it has no nodes."""
@@ -68,7 +68,13 @@ class Where:
                 or self.upper[a] < job.lower[a] - tolerance
             ):
                 return None
-        return self.particles()
+            if first == last:  # one line of nodes: its own coordinate instead of a tolerance around it
+                self.lower[a] = self.upper[a] = job.lower[a] + first * job.cell[a]
+        return _box(self.lower, self.upper)
+
+
+def _box(lower: list[float], upper: list[float]) -> dict[str, Any]:
+    return {"box": {"lower": [Value(v) for v in lower], "upper": [Value(v) for v in upper]}}
 
 
 def _side(line: int, count: int, upper: bool) -> dict[str, Any]:

@@ -9,8 +9,9 @@ from mpmcli.core.errors import Problem, SceneError
 from mpmcli.importers.base import Translation, read_source
 from mpmcli.importers.nairnmpm import archive, conditions, contact, cracks, header, materials
 from mpmcli.importers.nairnmpm.bodies import Bodies
+from mpmcli.importers.nairnmpm.checking import check, unread
 from mpmcli.importers.nairnmpm.commands import Command, parse
-from mpmcli.importers.nairnmpm.grammar import check, unread
+from mpmcli.importers.nairnmpm.grammar import COMMANDS
 from mpmcli.importers.nairnmpm.job import Job
 from mpmcli.importers.nairnmpm.values import settle
 
@@ -62,10 +63,22 @@ def translate(path: Path, partial: bool) -> Translation:
     return made
 
 
+def _keep_last(job: Job, head: Command) -> None:
+    """Of repeated settings keep the last, as NairnMPM does."""
+    last = {command.name: command for command in head.children}
+    for command in head.children:
+        if COMMANDS[command.name].text in {"n", "i", "t"} and last[command.name] is not command:
+            job.ignored(command, "a later command of this name replaces it")
+    head.children = [
+        command for command in head.children if not command.handled or last[command.name] is command
+    ]
+
+
 def _translate(job: Job, root: Command, blocks: dict[str, Any]) -> None:
     root.handled = True
     root.get("version")
     head = blocks["MPMHeader"]
+    _keep_last(job, head)
     header.header(job, blocks["Header"])
     symmetries = header.grid(job, blocks["Mesh"])
     if not job.cell:

@@ -89,7 +89,7 @@ class _Settler:
     def settle(self, scene: dict[str, Any]) -> dict[str, Any]:
         self._count(scene)
         for name, units in self.units.items():
-            if len(units) == 1:
+            if len(units) == 1 and all(unit.text or unit.factor == 1.0 for unit in units):
                 plain = re.sub(r"\W", "_", name)
                 self.names[name] = f"{plain}_" if plain in RESERVED or plain.startswith("_") else plain
         constants: dict[str, Any] = {}

@@ -1,0 +1,112 @@
+"""The check of a source against the commands that are known, and what no translation has read."""
+
+from __future__ import annotations
+
+import re
+
+from mpmcli.core.suggest import did_you_mean
+from mpmcli.importers.base import Translation
+from mpmcli.importers.nairnmpm.commands import NUMBER, Command, CommandFile
+from mpmcli.importers.nairnmpm.grammar import COMMANDS, PROPERTIES, Known, known
+
+_COORDINATE = re.compile(r"(?:min|max)\s*([-+]?\s*[\d.]*(?:[eE][-+]?\d+)?)\Z")
+LARGEST = 1e30
+"""Numbers of sources are smaller."""
+
+
+def check(source: CommandFile, made: Translation) -> None:
+    """Add an error for each command, attribute or value that NairnMPM does not know where it stands."""
+    _Checker(source, made).visit(source.root, "")
+
+
+class _Checker:
+    def __init__(self, source: CommandFile, made: Translation):
+        self.source = source
+        self.made = made
+
+    def visit(self, command: Command, parent: str) -> None:
+        rules = self._rules(command, parent)
+        if rules is None:
+            return
+        for name, value in command.attributes.items():
+            if name not in rules.attributes:
+                hint = did_you_mean(name, list(rules.attributes)) or _choice(rules.attributes)
+                self._error(command, f"unknown attribute '{name}'{hint}")
+            else:
+                self._value(command, f"attribute {name}", rules.attributes[name], value)
+        for name in sorted(rules.needed - set(command.attributes)):
+            self._error(command, f"the attribute '{name}' is missing")
+        if rules.text == "0" and (stray := command.text.strip()):
+            words = f"the text '{self.source.plain(stray)[:40]}' has no meaning"
+            self.made.note("ignored", command.line, f"<{command.name}>", words)
+        if rules.text not in {"0", "t", "t?"} and not (rules.text.endswith("?") and not command.text.strip()):
+            self._value(command, "text", rules.text.rstrip("?"), command.text)
+        for child in command.children:
+            allowed = rules.inside
+            if child.name in allowed or "*" in allowed:
+                self.visit(child, command.name)
+            elif child.name in COMMANDS:
+                self._error(child, f"does not belong in <{command.name}>{_choice(allowed)}")
+            else:
+                hint = did_you_mean(child.name, sorted(allowed)) or _choice(allowed)
+                self._error(child, f"unknown command in <{command.name}>{hint}")
+
+    def _rules(self, command: Command, parent: str) -> Known | None:
+        if parent in {"Material", "Periodic"}:
+            if parent == "Periodic":
+                return None
+            if command.name in COMMANDS and command.name in {
+                "Friction",
+                "PDamping",
+                "Propagate",
+                "AltPropagate",
+            }:
+                return COMMANDS[command.name]
+            attributes = "red:n green:n blue:n alpha:n" if command.name == "color" else ""
+            return known(attributes, PROPERTIES.get(command.name, "n"), "")
+        return COMMANDS.get(command.name)
+
+    def _value(self, command: Command, where: str, kind: str, value: str) -> None:
+        plain = self.source.plain(value).strip()
+        if kind in {"e", "t"}:
+            if not plain and kind == "e":
+                self._error(command, f"{where}: a value is missing")
+            return
+        digits = plain[1:] if kind == "d" and plain.startswith("*") else plain
+        side = _COORDINATE.match(plain) if kind == "c" else None
+        if side is not None:
+            digits = side[1].replace(" ", "") or "0"
+            digits = "0" if digits in {"+", "-"} else digits
+        found = NUMBER.match(digits)
+        if found is None:
+            self._error(
+                command,
+                f"{where}: '{plain[:60]}' is not a number" if plain else f"{where}: a value is missing",
+            )
+        elif not abs(float(found[0])) < LARGEST:
+            self._error(command, f"{where}: '{plain[:60]}' is too large")
+
+    def _error(self, command: Command, words: str) -> None:
+        self.made.error(command.line, f"<{command.name}>", words)
+
+
+def _choice(names: object) -> str:
+    listed = sorted(names)  # type: ignore[call-overload]
+    if not listed:
+        return ""
+    shown = ", ".join(listed[:12]) + (", …" if len(listed) > 12 else "")
+    return f" (allowed: {shown})"
+
+
+def unread(command: Command) -> list[Command | tuple[Command, str]]:
+    """What no translation has read: replaced commands, and others with words for what is unread."""
+    if command.replaced:
+        return [command]
+    if not command.handled:
+        return [(command, "no counterpart")]
+    missed: list[Command | tuple[Command, str]] = [
+        (command, f"attribute {name}: no counterpart")
+        for name in command.attributes
+        if name not in command.used
+    ]
+    return missed + [row for child in command.children for row in unread(child)]

@@ -1,0 +1,461 @@
+"""NairnMPM's commands one by one, broken sources, and mutated ones."""
+
+from __future__ import annotations
+
+import random
+import re
+from pathlib import Path
+
+import pytest
+from commands import spoken, unfit
+
+from mpmcli.core.errors import SceneError
+from mpmcli.importers.nairnmpm import expressions, translate
+from mpmcli.importers.nairnmpm.commands import parse
+from mpmcli.importers.nairnmpm.job import LEGACY
+from mpmcli.importers.scene_text import write
+from mpmcli.run.load import load
+from mpmcli.scene.units import Units
+
+SOURCES = Path(__file__).parents[2] / "outside" / "nairnmpm" / "sources"
+
+BODY = '<Body mat="1"><Rect xmin="0" xmax="4" ymin="0" ymax="4"/></Body>'
+MATERIAL = '<Material Type="1" Name="Stuff"><rho>1</rho><E>100</E><nu>0.3</nu></Material>'
+TIME = '<MaxTime units="ms">1</MaxTime>'
+
+
+def source(
+    *,
+    head="",
+    setup="",
+    grid="",
+    points=BODY,
+    material=MATERIAL,
+    more="",
+    analysis=10,
+    time=TIME,
+    entities="",
+):
+    """A small source with some parts replaced."""
+    return f"""<?xml version="1.0"?>
+<!DOCTYPE JANFEAInput SYSTEM "NairnMPM.dtd" [{entities}]>
+<JANFEAInput version="3">
+<Header><Analysis>{analysis}</Analysis>{head}</Header>
+<MPMHeader>{time}<GIMP/>{setup}</MPMHeader>
+<Mesh><Grid xmin="-2" xmax="6" ymin="-2" ymax="6"{grid}><Horiz cellsize="1"/><Vert cellsize="1"/></Grid></Mesh>
+<MaterialPoints>{points}</MaterialPoints>
+{material}
+{more}
+</JANFEAInput>
+"""
+
+
+def translated(tmp_path, text, partial=False):
+    path = tmp_path / "source.fmcmd"
+    path.write_text(text)
+    return translate(path, partial)
+
+
+def scene_of(tmp_path, **parts):
+    """The scene of a source, which is valid and lacks nothing."""
+    made = translated(tmp_path, source(**parts))
+    assert made.problems(partial=False) == []
+    load(write(made))
+    return made.scene
+
+
+# ------------------------------------------------------------------ expressions
+
+
+@pytest.mark.parametrize(
+    ("theirs", "values"),
+    [
+        ("sign(t-1)", {0.5: 0, 1.0: 0, 2.0: 1}),
+        ("sgn(t-1)", {0.5: -1, 1.0: 0, 2.0: 1}),
+        ("2^3^2", {0.0: 64}),
+        ("-t^2", {3.0: -9}),
+        ("ramp(5,t/2)", {-1.0: 0, 1.0: 2.5, 3.0: 5}),
+        ("box(5,t)", {0.5: 5, 1.5: 0}),
+        ("cosramp(2,t)", {0.5: 1, 2.0: 2}),
+        ("sinbox(2,t)", {0.5: 2, 1.5: 0}),
+        ("mod(t,2)", {5.0: 1, -5.0: -1}),
+        ("tri(t)", {0.25: 0.75, 2.0: 0}),
+        ("int(t)+erfc(0)", {1.5: 2}),
+        ("2*sin(Pi*t)/4", {0.5: 0.5}),
+    ],
+)
+def test_expressions_have_the_values_of_nairnmpm(theirs, values):
+    from mpmcli.core.expressions import parse as parse_ours
+
+    ours = parse_ours(expressions.translate(theirs), constants={}, variables=("t",))
+    for t, value in values.items():
+        assert float(ours(t=t)) == pytest.approx(value)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "1+", "2(3)", "sin 3", "q*t", "dt", "rand(1)", "(" * 99, "1" * 3000, "a.b", "t t"]
+)
+def test_expressions_that_cannot_be_translated(text):
+    with pytest.raises(expressions.NotTranslated):
+        expressions.translate(text)
+
+
+# ------------------------------------------------------------ commands, one by one
+
+
+def test_legacy_units(tmp_path):
+    scene = scene_of(
+        tmp_path,
+        setup="<Damping>500</Damping>",
+        time="<MaxTime>2e-3</MaxTime><TimeStep>1e-6</TimeStep>",
+        more="<Gravity><BodyYForce>-9810</BodyYForce></Gravity>",
+        material=MATERIAL.replace("<rho>1<", "<rho>1.5<"),
+    )
+    assert scene["units"] == {"length": "mm", "mass": "g", "time": "ms"}
+    assert scene["time"] == {"end": 2, "step": 0.001}
+    assert scene["method"]["damping"] == {"grid": 0.5}
+    assert scene["loads"][0]["acceleration"] == [0, -9.81e-3]
+    loaded = load(write(translated(tmp_path, source(material=MATERIAL.replace("<rho>1<", "<rho>1.5<")))))
+    assert loaded.scene.materials["stuff"].density == pytest.approx(1.5e-3)
+
+
+def test_consistent_units(tmp_path):
+    scene = scene_of(
+        tmp_path, head='<ConsistentUnits length="m" mass="kg" time="sec"/>', time="<MaxTime>0.01</MaxTime>"
+    )
+    assert scene["units"] == {"length": "m", "mass": "kg", "time": "s"}
+    assert scene["materials"]["stuff"]["density"] == 1
+    assert scene["time"]["end"] == 0.01
+    assert "units" not in scene_of(tmp_path, head="<ConsistentUnits/>")
+
+
+@pytest.mark.parametrize(
+    ("words", "shape", "update"),
+    [
+        ("<MPMMethod>0</MPMMethod>", "ugimp", "usf"),
+        ("<MPMMethod>3</MPMMethod><SkipPostExtrapolation/>", "ugimp", "usl"),
+        ('<MPMMethod>2</MPMMethod><GIMP type="lCPDI"/>', "lcpdi", "usavg+"),
+        ('<GIMP type="Classic"/>', "linear", "usavg+"),
+    ],
+)
+def test_methods(tmp_path, words, shape, update):
+    method = scene_of(tmp_path, setup=words)["method"]
+    assert (method["shape"], method["update"]) == (shape, update)
+
+
+def test_shapes_holes_and_nested_shapes(tmp_path):
+    points = """<Hole><Oval xmin="1" xmax="3" ymin="1" ymax="3"/></Hole>
+      <Body mat="1"><Rect xmin="0" xmax="4" ymin="0" ymax="4"><Oval xmin="0" xmax="1" ymin="0" ymax="2"/></Rect></Body>
+      <Body mat="1" vx="10"><vel0Y>100*x</vel0Y>
+        <Polygon><pt x="4" y="0"/><pt x="5" y="0"/><pt x="5" y="4"/><pt x="4" y="4"/></Polygon></Body>"""
+    bodies = scene_of(tmp_path, points=points)["bodies"]
+    assert [body["name"] for body in bodies] == ["stuff_left", "stuff_right"]
+    assert bodies[0]["region"]["subtract"][0] == {"kind": "disk", "center": [2, 2], "radius": 1}
+    assert bodies[0]["region"]["region"]["subtract"][0]["kind"] == "ellipse"
+    assert bodies[1]["region"]["points"][2] == [5, 4]
+    assert bodies[1]["velocity"] == [0.01, "0.1*x"]
+
+
+def test_overlapping_bodies_keep_the_first(tmp_path):
+    bodies = scene_of(tmp_path, points=BODY + BODY.replace('xmax="4"', 'xmax="5"'))["bodies"]
+    assert bodies[1]["overlap"] == "keep"
+
+
+def test_a_picture_and_points(tmp_path):
+    from PIL import Image
+
+    Image.new("L", (8, 8), 200).save(tmp_path / "grey.bmp")
+    points = """<BMP name="grey.bmp" width="4" height="4"><Origin x="0" y="0"/>
+      <Intensity mat="1" imin="0" imax="100"/><Intensity mat="2" imin="101" imax="255"><vel x="5"/></Intensity></BMP>
+      <PointList><mp elem="1" mat="1"><pt x="5.25" y="0.25"/><vel x="1000" y="0"/></mp></PointList>"""
+    other = MATERIAL.replace("Stuff", "Other")
+    made = translated(tmp_path, source(points=points, material=MATERIAL + other))
+    assert made.problems(partial=False) == []
+    bodies = made.scene["bodies"]
+    assert bodies[1]["region"] == {
+        "kind": "bitmap",
+        "file": "grey.bmp",
+        "size": [4, 4],
+        "origin": [0, 0],
+        "levels": [101, 255],
+    }
+    assert bodies[2]["velocity"] == [1, 0]
+    assert made.files["points_1.csv"].splitlines() == ["x,y,volume", "5.25,0.25,0.25"]
+    assert made.files["grey.bmp"].startswith(b"BM")
+
+
+def material_of(tmp_path, kind, words):
+    text = f'<Material Type="{kind}" Name="Stuff"><rho>1</rho>{words}</Material>'
+    return scene_of(tmp_path, material=text)["materials"]["stuff"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "words", "expected"),
+    [
+        (1, "<G>40</G><nu>0.25</nu>", {"kind": "linear_elastic", "E": 100, "nu": 0.25}),
+        (8, "<K>100</K><G1>30</G1>", {"kind": "neo_hookean", "K": 100, "G": 30, "split": "isochoric"}),
+        (8, "<K>100</K><G1>30</G1><G2>10</G2>", {"kind": "mooney_rivlin", "G1": 30, "G2": 10, "K": 100}),
+        (28, "<E>100</E><nu>0.3</nu><UJOption>2</UJOption>", {"kind": "neo_hookean", "volumetric": "log"}),
+        (27, "<K>2000</K>", {"kind": "tait_fluid", "K": 2000}),
+        (
+            25,
+            "<C0>4000</C0><S1>1.2</S1><gamma0>1.5</gamma0><G>50</G>",
+            {"kind": "mie_gruneisen", "C0": 4000, "G": 50},
+        ),
+        (
+            2,
+            "<EA>9</EA><ET>3</ET><GA>2</GA><nuA>.2</nuA><nuT>.3</nuT>",
+            {"kind": "transversely_isotropic", "axis": "z"},
+        ),
+    ],
+)
+def test_materials(tmp_path, kind, words, expected):
+    made = material_of(tmp_path, kind, words)
+    assert {key: made[key] for key in expected} == expected
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ("<yield>5</yield><Khard>2</Khard>", {"kind": "linear", "yield_stress": 5, "modulus": 10}),
+        ("<yield>5</yield><ET>50</ET>", {"kind": "linear", "yield_stress": 5, "modulus": 100}),
+        (
+            "<Hardening>Nonlinear</Hardening><yield>5</yield><Khard>4</Khard><nhard>.5</nhard>",
+            {"kind": "swift", "yield_stress": 5, "eps0": 0.25, "n": 0.5},
+        ),
+        (
+            "<Hardening>6</Hardening><yield>5</yield><Khard>4</Khard><nhard>.5</nhard>",
+            {"kind": "power_law", "yield_stress": 5, "B": 20, "n": 0.5},
+        ),
+        (
+            "<Hardening>3</Hardening><Ajc>90</Ajc><Bjc>292</Bjc><njc>.31</njc><Cjc>.025</Cjc><mjc>1</mjc>",
+            {"kind": "johnson_cook", "A": 90, "B": 292, "n": 0.31, "C": 0.025, "eps0_dot": "1 1/s"},
+        ),
+    ],
+)
+def test_hardening(tmp_path, words, expected):
+    assert material_of(tmp_path, 9, f"<E>100</E><nu>0.3</nu>{words}")["hardening"] == expected
+
+
+def test_friction_of_pairs_and_laws(tmp_path):
+    setup = '<MultiMaterialMode Normals="4" Azimuth="90"><Friction lawname="Rough"/></MultiMaterialMode>'
+    pair = MATERIAL.replace("</Mat", '<Friction Dnt="9" Dnc="-1" Dt="3" matname="Other">11</Friction></Mat')
+    law = '<Material Type="61" Name="Rough"><coeff>0.3</coeff></Material>'
+    points = BODY + BODY.replace('mat="1"', 'matname="Other"').replace(
+        'xmin="0" xmax="4"', 'xmin="4" xmax="5"'
+    )
+    points = points.replace('mat="1"', 'matname="Stuff"')
+    scene = scene_of(
+        tmp_path, setup=setup, points=points, material=pair + MATERIAL.replace("Stuff", "Other") + law
+    )
+    assert scene["contact"]["law"] == {"kind": "coulomb", "friction": 0.3}
+    assert scene["contact"]["normal"] == {"kind": "specified", "azimuth": 90}
+    assert scene["contact"]["pairs"] == [
+        {
+            "between": ["stuff", "other"],
+            "law": {"kind": "bilinear_interface", "tension": 9, "compression": "perfect", "tangential": 3},
+        }
+    ]
+
+
+def test_conditions_by_style(tmp_path):
+    conditions = """<GridBCs>
+      <BCLine x1="0" x2="0" y1="min-" y2="max+" tolerance=".1">
+        <DisBC dir="1" style="2" vel="10"/><DisBC dir="2" style="3" vel="10" time="2"/></BCLine>
+      <BCLine x1="0" x2="4" y1="0" y2="4"><DisBC dir="1" style="6" function="x*t"/></BCLine>
+      <BCShape><Oval xmin="0" xmax="4" ymin="0" ymax="4"/><DisBC dir="12" vel="0"/></BCShape>
+    </GridBCs>"""
+    boundary = scene_of(tmp_path, more=conditions)["boundary"]
+    assert [c["value"] for c in boundary] == ["0.01*t", "0.01*sin(2*t)", "0.001*(x*t)", 0]
+    assert boundary[0]["on"] == {"box": {"lower": [0, -3], "upper": [0, 7]}}
+    assert boundary[2]["on"]["region"]["kind"] == "polygon"
+    assert boundary[3]["on"]["region"] == {"kind": "disk", "center": [2, 2], "radius": 2}
+
+
+def test_heat(tmp_path):
+    scene = scene_of(
+        tmp_path,
+        setup="<StressFreeTemp>300</StressFreeTemp>",
+        points=BODY.replace('mat="1"', 'mat="1" temp="350"'),
+        material=MATERIAL.replace("</Mat", "<alpha>60</alpha><Cv>400</Cv><kCond>2</kCond></Mat"),
+        more="<Thermal><Conduction/><EnergyCoupling/></Thermal>",
+    )
+    assert scene["heat"] == {}
+    assert scene["method"]["heating"] == "adiabatic"
+    stuff = scene["materials"]["stuff"]
+    assert stuff["expansion"] == pytest.approx(60e-6)
+    assert (stuff["heat_capacity"], stuff["conductivity"], stuff["T0"]) == (400, "2 W/(m K)", 300)
+    assert scene["bodies"][0]["temperature"] == 350
+
+
+def test_growth_of_cracks(tmp_path):
+    scene = scene_of(
+        tmp_path,
+        setup='<Cracks><Friction>0.2</Friction><Propagate criterion="7" direction="1"/><MovePlane type="cm"/></Cracks>',
+        material=MATERIAL.replace("</Mat", "<JIc>200</JIc></Mat"),
+        more='<CrackList><pt x="-0.5" y="2.1" tip="-2"/><pt x="2" y="2.1" tip="1"/></CrackList>',
+    )
+    crack = scene["cracks"][0]
+    assert crack["ends"] == {"start": "mouth"}
+    assert crack["faces"] == {"law": {"kind": "coulomb", "friction": 0.2}}
+    assert crack["growth"]["end"]["criterion"] == {"kind": "energy_release_rate", "J_c": "200 J/m^2"}
+    assert crack["moves"] == "mass"
+
+
+def test_nothing_is_dropped_in_silence(tmp_path):
+    """Each command and attribute of a source is read, or is in a note with its line."""
+    made = translated(
+        tmp_path,
+        source(
+            setup="<Diffusion/><ProgSteps>9</ProgSteps><Damping>1</Damping><Damping>2</Damping>",
+            points=BODY.replace("<Rect", "<ss0XX>1</ss0XX><Rect"),
+            material=MATERIAL.replace("</Mat", "<gamma>3</gamma></Mat"),
+            more='<CustomTasks><Schedule name="CarnotCycle"/></CustomTasks>',
+        ),
+    )
+    words = "\n".join(map(str, made.notes))
+    for name in ("Diffusion", "ProgSteps", "ss0XX", "gamma", "Schedule", "Damping"):
+        assert f"<{name}>" in words, name
+    assert {problem.line for problem in made.problems(partial=False)} >= {5, 7, 8, 9}
+    assert made.problems(partial=True) == []
+    assert "# Not supported" in write(made)
+    load(write(made))
+
+
+# ------------------------------------------------------------------ broken sources
+
+BOMB = '<!ENTITY a "0123456789">' + "".join(
+    f'<!ENTITY {b} "{f"&{a};" * 10}">' for a, b in zip("abcdefgh", "bcdefghi", strict=True)
+)
+BROKEN = {
+    "empty": ("", "no element found|empty|not an XML"),
+    "not_xml": ("<JANFEAInput><Header>", "not valid XML"),
+    "script": ('Title "Two disks"\nAnalysis "Plane Strain MPM"\n', "scripts of NairnFEAMPM"),
+    "another_root": ("<html/>", "begins with <html>"),
+    "no_blocks": ("<JANFEAInput/>", "<Header> is missing"),
+    "unknown_command": (source(setup="<Dampig>1</Dampig>"), "did you mean 'Damping'"),
+    "unknown_attribute": (source(grid=' thikness="2"'), "did you mean 'thickness'"),
+    "misplaced": (source(head="<GIMP/>"), "does not belong in <Header>"),
+    "missing_attribute": (source(setup="<GlobalArchive/>"), "'type' is missing"),
+    "no_number": (source(time="<MaxTime>soon</MaxTime>"), "'soon' is not a number"),
+    "no_value": (source(time="<MaxTime/>"), "a value is missing"),
+    "unknown_material": (
+        source(points=BODY.replace('mat="1"', 'matname="Steel"')),
+        "no material 'Steel'.*Stuff",
+    ),
+    "material_number": (source(points=BODY.replace('mat="1"', 'mat="4"')), "no material 4; the file has 1"),
+    "missing_modulus": (source(material=MATERIAL.replace("<E>100</E>", "")), "elastic constants are missing"),
+    "analysis": (source(analysis=99), "analysis 99"),
+    "shape_in_3d": (source(analysis=12), "<Depth> is missing"),
+    "no_extent": (source().replace('xmax="6"', 'xmax="-2"'), "no extent along x"),
+    "rigid_without_mode": (
+        source(material=MATERIAL.replace('Type="1"', 'Type="35"')),
+        "needs the command <MultiMaterialMode>",
+    ),
+    "bomb": (source(entities=BOMB), "characters when it is expanded"),
+    "external": (source(entities='<!ENTITY e SYSTEM "file:///etc/passwd">'), "another file"),
+    "undefined_entity": (source(time="<MaxTime>&end;</MaxTime>"), "entity"),
+    "deep": ("<JANFEAInput>" + "<Header>" * 40, "nested more than"),
+    "picture_outside": (
+        source(
+            points='<BMP name="../x.bmp" width="1" height="1"><Intensity mat="1" imin="0" imax="9"/></BMP>'
+        ),
+        "outside the folder",
+    ),
+    "expression": (
+        source(
+            more='<GridBCs><BCLine x1="0" x2="0" y1="0" y2="4">'
+            '<DisBC dir="1" style="6" function="2*(t"/></BCLine></GridBCs>'
+        ),
+        r"'\)' is missing",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_broken_sources(name, tmp_path):
+    text, words = BROKEN[name]
+    path = tmp_path / f"{name}.fmcmd"
+    path.write_text(text)
+    for options in ([], ["--partial"]):
+        if name == "analysis" and options:
+            continue
+        code, written, seconds = spoken(["import", "nairnmpm", str(path), *options])
+        assert code == 3, written
+        assert re.search(words, written), written
+        assert re.search(rf"{name}\.fmcmd:\d+ ", written), written
+        assert not unfit(code, written)
+        assert seconds < 2
+
+
+def test_a_huge_file_is_refused(tmp_path):
+    path = tmp_path / "huge.fmcmd"
+    with path.open("wb") as file:
+        file.truncate(60_000_000)
+    with pytest.raises(SceneError, match="larger than 50 MB"):
+        translate(path, False)
+
+
+def test_numbers_are_read_as_nairnmpm_reads_them(tmp_path):
+    made = translated(tmp_path, source(points=BODY.replace('ymax="4"', 'ymax="4.0;"')))
+    assert made.scene["bodies"][0]["region"]["upper"] == [4, 4]
+    assert "read as 4, as NairnMPM does" in str(made.notes)
+
+
+def test_entities_of_other_encodings_are_expanded():
+    text = source(entities='<!ENTITY end "2">', time="<MaxTime>&end;</MaxTime>")
+    for encoding in ("utf-8", "iso-8859-1"):
+        raw = text.replace('version="1.0"?', f'version="1.0" encoding="{encoding}"?').encode(encoding)
+        found = parse(raw, Path("x"))
+        (time,) = (c for c in found.root.walk() if c.name == "MaxTime")
+        assert found.plain(time.text) == "2"
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_mutated_sources_end_in_words(seed, tmp_path):
+    """Translation of a damaged source gives a scene or problems, never another error."""
+    chance = random.Random(seed)
+    sources = sorted(SOURCES.glob("*.fmcmd"))
+    for number in range(25):
+        lines = chance.choice(sources).read_text().splitlines()
+        for _ in range(chance.randint(1, 3)):
+            _damage(chance, lines)
+        path = tmp_path / f"{number}.fmcmd"
+        path.write_text("\n".join(lines))
+        try:
+            made = translate(path, partial=chance.random() < 0.5)
+        except SceneError:
+            continue
+        problems = made.problems(partial=False)
+        assert all(problem.message and problem.line for problem in problems)
+        if not problems:
+            text = write(made)
+            assert text == write(made)
+
+
+def _damage(chance, lines):
+    index = chance.randrange(len(lines))
+    line = lines[index]
+    what = chance.randrange(5)
+    if what == 0:
+        del lines[index]
+    elif what == 1:
+        lines.insert(index, chance.choice(lines))
+    elif what == 2:
+        values = ["", "1e400", "-1", "nan", "0", "x", "&a;", "9" * 50, "min-", "1e-300"]
+        lines[index] = re.sub(r'"[^"]*"', f'"{chance.choice(values)}"', line, count=1)
+    elif what == 3 and line:
+        at = chance.randrange(len(line))
+        lines[index] = line[:at] + chance.choice("<>&;\"'/-0 \x00é") + line[at + 1 :]
+    else:
+        lines[index] = re.sub(
+            r">[^<]+<", f">{chance.choice(['-3', '', 'abc', '1e999', '7'])}<", line, count=1
+        )
+
+
+def test_units_of_the_source_are_units_of_scenes():
+    units = Units("mm", "g", "ms")
+    for unit in LEGACY.values():
+        if unit.text:
+            text = unit.text if unit.text[0].isdigit() else f"1 {unit.text}"
+            assert units.any_number(text) == pytest.approx(unit.factor), unit.text
