@@ -45,6 +45,10 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
         {"K": 2, "G": 1, "hardening": COOK, "heat_capacity": 1e-3},
         *({"E": 3, "nu": 0.3, "hardening": law} for law in HARDENINGS),
     ],
+    "modified_cam_clay": [
+        {"M": 1.2, "lambda": 0.8, "kappa": 0.2, "nu": 0.3, "e0": 1, "p0": 0.4, "pressure": 0.2},
+        {"M": 0.8, "lambda": 0.3, "kappa": 0.15, "nu": 0.2, "e0": 0.5, "p0": 0.5, "pressure": 0.1},
+    ],
     "mohr_coulomb": [
         {"E": 3, "nu": 0.3, "cohesion": 0.02, "friction": 30, "dilation": 10},
         {

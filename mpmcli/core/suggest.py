@@ -106,6 +106,7 @@ OTHER_WORDS = {
     "lcpdi": "cpdi cpdi1",
     "linear_elastic": "elastic hooke linear isotropic",
     "mesh": "stl obj surface",
+    "modified_cam_clay": "cam_clay camclay clay mcc",
     "mohr_coulomb": "mohrcoulomb soil rock",
     "mooney_rivlin": "mooney rivlin",
     "neo_hookean": "hyperelastic rubber neohookean neohooke",

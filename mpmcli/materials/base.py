@@ -27,6 +27,7 @@ KINDS = {
     "j2_plastic": "j2_plastic",
     "linear_elastic": "linear_elastic",
     "mie_gruneisen": "mie_gruneisen",
+    "modified_cam_clay": "modified_cam_clay",
     "mohr_coulomb": "mohr_coulomb",
     "mooney_rivlin": "mooney_rivlin",
     "neo_hookean": "neo_hookean",

@@ -200,10 +200,12 @@ def fields_of(context: Context) -> dict[str, Quantity]:
 
 
 HISTORY_DIMENSIONS = {
-    "stiffening": "pressure",
-    "temperature": "temperature",
     "internal_energy": "pressure",
     "plastic_work": "pressure",
+    "plastic_work_of_step": "pressure",
+    "preconsolidation_pressure": "pressure",
+    "stiffening": "pressure",
+    "temperature": "temperature",
 }
 
 

@@ -38,6 +38,7 @@ TRANSFERS = {"flip": ("brackbill1986",), "fmpm": ("nairn2026",)}
 MATERIALS = {
     ("mie_gruneisen", None): ("nairn2020",),
     ("granular", None): ("dunatunga2015", "jop2006"),
+    ("modified_cam_clay", None): ("roscoe1968",),
     ("mohr_coulomb", None): ("clausen2006",),
     ("neo_hookean", "none"): ("nairn2026",),
     ("neo_hookean", "isochoric"): ("nairn2020",),

@@ -51,7 +51,8 @@ def test_every_kind_has_a_section(pages, registry):
 def test_every_key_of_every_material_has_a_row_and_a_meaning(pages):
     for model in MATERIALS.models():
         section = pages["reference.md"].split(f"(model-{model.__name__.lower()})=")[1].split("(model-")[0]
-        for name in model.model_fields:
+        for attribute, field in model.model_fields.items():
+            name = field.alias or attribute
             row = re.search(rf"^\| `{name}` \|.*\| (.*) \|$", section, re.MULTILINE)
             assert row is not None, name
             assert row.group(1).strip() or name == "kind", name
