@@ -106,10 +106,20 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
         {**TRANSVERSE, "axis": "y"},
         {**TRANSVERSE, "axis": "z"},
     ],
+    "viscoelastic": [
+        {"G": 0.4, "K": 1.5, "terms": [{"time": 0.5, "G": 0.6, "K": 0.5}], "volumetric": "log"},
+        {
+            "G": 0,
+            "K": 2,
+            "terms": [{"time": 0.5, "G": 0.6}, {"time": 5, "G": 0.4}, {"time": 0.1, "K": 0.2}],
+            "heat_capacity": 1e-2,
+            "wlf": {"T_ref": 290},
+        },
+    ],
 }
 """Of each kind of material, numbers of every sub-model (moduli of about 3, for densities of about 1)."""
 
-IN_PLANE_STRAIN: dict[str, int] = {"j2_plastic": 2, "mooney_rivlin": 0}
+IN_PLANE_STRAIN: dict[str, int] = {"j2_plastic": 2, "mooney_rivlin": 0, "viscoelastic": 0}
 """Kinds of which the examples from this one on are compiled for plane strain only, which saves time."""
 
 NORMALS: dict[str, dict[str, Any]] = {"specified": {"vector": [1, 0.2]}}

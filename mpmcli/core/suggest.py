@@ -122,6 +122,7 @@ OTHER_WORDS = {
     "traction": "pressure",
     "ugimp": "gimp",
     "uniaxial_stress": "1d",
+    "viscoelastic": "maxwell generalized_maxwell generalised_maxwell prony zener polymer",
     # axes of axisymmetric analyses
     "x": "r",
 }

@@ -35,6 +35,7 @@ KINDS = {
     "rigid": "rigid",
     "tait_fluid": "tait_fluid",
     "transversely_isotropic": "transversely_isotropic",
+    "viscoelastic": "viscoelastic",
 }
 """The module in this package of each kind."""
 

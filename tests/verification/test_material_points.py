@@ -120,3 +120,113 @@ def test_steinberg_cochran_guinan_under_pressure():
     Y = CURVES["steinberg_cochran_guinan"][1](point.history("equivalent_plastic_strain"))
     assert math.sqrt(3) * tau[3] == pytest.approx(ratio * Y, rel=1e-6)
     assert np.mean(tau[:3]) == pytest.approx(-p * 0.95, rel=1e-2)
+
+
+# ---------------------------------------------------------------------- viscoelastic
+
+TERMS = [{"time": 0.2, "G": 0.6, "K": 0.5}, {"time": 2.0, "G": 0.3, "K": 0.0}]
+POLYMER = {"kind": "viscoelastic", "G": 0.4, "K": 3.0, "terms": TERMS}
+
+
+def relaxation(t):
+    """G(t) and K(t) of the Prony series."""
+    shear = 0.4 + 0.6 * math.exp(-t / 0.2) + 0.3 * math.exp(-t / 2.0)
+    return shear, 3.0 + 0.5 * math.exp(-t / 0.2)
+
+
+@pytest.mark.parametrize("shear", [1e-4, 1.0])
+def test_relaxation_after_a_step_of_shear(shear):
+    """τ_xy = G(t) γ at any strain, and exactly at any length of the step."""
+    point = MaterialPoint("plane_strain", POLYMER)
+    point.step(1e-9, 0.0, shear * 1e9, 0.0, 0.0)
+    assert point.tau[3] == pytest.approx(relaxation(0)[0] * shear, rel=1e-6)
+    for _ in range(5):
+        tau = point.step(0.3, 0.0, 0.0, 0.0, 0.0)
+        assert tau[3] == pytest.approx(relaxation(point.time)[0] * shear, rel=1e-6)
+
+
+def test_relaxation_of_the_pressure():
+    """τ_m = K(t) ln J for a small change of volume."""
+    point = MaterialPoint("3d", POLYMER)
+    point.step(1e-9, *(1e3 if row % 4 == 0 else 0.0 for row in range(9)))
+    for _ in range(5):
+        tau = point.step(0.3, *(9 * [0.0]))
+        assert tau[:3] == pytest.approx(3 * [relaxation(point.time)[1] * math.log(point.J)], rel=1e-5)
+
+
+def test_creep_of_a_standard_solid():
+    """A constant shear stress: γ = τ/G∞ − (τ/G∞ − τ/G₀) exp(−t G∞/(G₀ t₁)), G₀ = G∞ + G₁."""
+    words = {"kind": "viscoelastic", "G": 0.4, "K": 3.0, "terms": [{"time": 0.5, "G": 0.6}]}
+    point, stress, dt = MaterialPoint("plane_strain", words), 1e-4, 0.05
+    point.step(1e-9, 0.0, 1e9 * stress, 0.0, 0.0)
+    strain = stress
+    for _ in range(40):
+        # the rate that keeps the stress: what relaxes in a step is put back
+        kept = point.particles.F.copy(), point.particles.tau.copy(), point.particles.H.copy()
+        found = []
+        for rate in (0.0, stress):
+            point.particles.F[:], point.particles.tau[:], point.particles.H[:] = kept
+            found.append(point.step(dt, 0.0, rate, 0.0, 0.0)[3])
+        rate = stress * (stress - found[0]) / (found[1] - found[0])
+        point.particles.F[:], point.particles.tau[:], point.particles.H[:] = kept
+        point.step(dt, 0.0, rate, 0.0, 0.0)
+        strain += rate * dt
+        point.time -= 2 * dt
+        exact = stress / 0.4 - (stress / 0.4 - stress) * math.exp(-point.time * 0.4 / 0.5)
+        assert strain == pytest.approx(exact, rel=1e-3)
+
+
+@pytest.mark.parametrize("frequency", [0.3, 1.0, 5.0])
+def test_storage_and_loss_modulus(frequency):
+    """The first harmonic of the stress in a cyclic shear of small amplitude; the loss is what a cycle dissipates."""
+    w, amplitude, n = frequency, 1e-3, 160
+    storage, loss = 0.4, 0.0
+    for term in TERMS:
+        x = w * term["time"]
+        storage += term["G"] * x * x / (1 + x * x)
+        loss += term["G"] * x / (1 + x * x)
+    point, dt = MaterialPoint("plane_strain", POLYMER), 2 * math.pi / w / n
+    cycles = 2 + int(w)  # until the start is forgotten
+    stress, heat = [], 0.0
+    for i in range(cycles * n):
+        if i == (cycles - 1) * n:
+            heat = point.history("heat_energy")
+        strain = [amplitude * math.sin(w * k * dt) for k in (i, i + 1)]
+        stress.append(point.step(dt, 0.0, (strain[1] - strain[0]) / dt, 0.0, 0.0)[3])
+    phase = 2 * math.pi * np.arange(1, n + 1) / n
+    last = np.array(stress[-n:])
+    assert 2 * np.mean(last * np.sin(phase)) / amplitude == pytest.approx(storage, rel=3e-3)
+    assert 2 * np.mean(last * np.cos(phase)) / amplitude == pytest.approx(loss, rel=3e-2)
+    heat = point.history("heat_energy") - heat
+    assert heat == pytest.approx(math.pi * loss * amplitude**2, rel=3e-2)
+
+
+def test_steady_shear_of_a_fluid():
+    """Without G the stress is that of an upper-convected fluid: τ_xy = Σ Gₖtₖγ̇, N₁ = 2 Σ Gₖtₖ²γ̇²."""
+    point = MaterialPoint("plane_strain", POLYMER | {"G": 0.0})
+    xx, yy, _, xy = point.steps(400, 0.05, 0.0, 0.7, 0.0, 0.0)
+    viscosity = sum(t["G"] * t["time"] for t in TERMS)
+    assert xy == pytest.approx(0.7 * viscosity, rel=4e-3)
+    assert xx - yy == pytest.approx(2 * 0.49 * sum(t["G"] * t["time"] ** 2 for t in TERMS), rel=4e-3)
+
+
+@pytest.mark.parametrize("heating", [False, True])
+def test_the_work_of_large_strain_is_stored_or_dissipated(heating):
+    """In a cycle of stretch, shear and rotation; the dissipated part heats."""
+    point = MaterialPoint("plane_strain", POLYMER | {"heat_capacity": 2.0}, adiabatic=heating)
+    for i in range(200):
+        w = math.cos(2 * math.pi * (i + 0.5) / 200)
+        point.step(0.01, 0.6 * w, 1.5 * w + 2, 0.5 * w - 2, -0.4 * w)
+    assert point.history("heat_energy") > 0.03
+    assert point.work == pytest.approx(point.energy + point.history("heat_energy"), rel=1e-3)
+    rise = point.history("heat_energy") / 2.0
+    assert point.history("temperature") == pytest.approx(300 + rise * heating, rel=1e-12)
+
+
+def test_time_and_temperature_shift():
+    """At T_ref + 10 the times are shorter by 10^(C1·10/(C2 + 10)); far below nothing relaxes."""
+    for T, factor in ((300.0, 1.0), (310.0, 10 ** (17.44 * 10 / 61.6)), (240.0, 0.0)):
+        point = MaterialPoint("plane_strain", POLYMER | {"wlf": {"T_ref": 300.0}, "T0": T})
+        point.step(1e-12, 0.0, 1e8, 0.0, 0.0)
+        tau = point.step(1e-3, 0.0, 0.0, 0.0, 0.0)
+        assert tau[3] == pytest.approx(1e-4 * relaxation(1e-3 * factor)[0], rel=1e-6)

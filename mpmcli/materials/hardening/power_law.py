@@ -53,5 +53,6 @@ def _(h: Any, alpha: Any, rate: Any, T: Any) -> Any:
 
 @flow_slope.register(PowerLaw)
 def _(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
-    slope = h.B * h.n * max(alpha, SMALLEST_STRAIN) ** (h.n - 1.0)
-    return slope_with_rate(h, h.yield_stress + h.B * alpha**h.n, slope, rate, dt)
+    hardened = h.B * alpha**h.n
+    slope = h.n * hardened / max(alpha, SMALLEST_STRAIN)
+    return slope_with_rate(h, h.yield_stress + hardened, slope, rate, dt)
