@@ -247,8 +247,8 @@ def sees_crack_node(geometry, reach, X, p, nodes):
     rows = len(nodes.slot_of_node) // columns
     x = (X[0, p] - geometry.origin[0]) * geometry.inverse_cell[0]
     y = (X[1, p] - geometry.origin[1]) * geometry.inverse_cell[1]
-    left, right = max(np.int64(math.ceil(x - reach)), 0), min(np.int64(math.floor(x + reach)) + 1, columns)
-    for row in range(max(np.int64(math.ceil(y - reach)), 0), min(np.int64(math.floor(y + reach)) + 1, rows)):
+    left, right = max(math.ceil(x - reach), 0), min(math.floor(x + reach) + 1, int(columns))
+    for row in range(max(math.ceil(y - reach), 0), min(math.floor(y + reach) + 1, int(rows))):
         for column in range(left, right):
             if nodes.slot_of_node[row * columns + column] >= 0:
                 return True
