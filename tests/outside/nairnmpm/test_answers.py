@@ -43,7 +43,8 @@ def test_two_disks_rebound_as_published(tmp_path):
     assert at(table, "kinetic_energy", 7.03179) == pytest.approx(0.1957111, abs=0.03 * 6.7125)
     assert at(table, "kinetic_energy", 8.01815) == pytest.approx(5.075842, abs=0.03 * 6.7125)
     assert table["kinetic_energy"][0] == pytest.approx(6.7125, rel=1e-12)
-    assert spoken(["plot", str(results), "-o", str(tmp_path / "disks.png")])[0] == 0
+    assert spoken(["plot", str(results)])[0] == 0
+    assert (results / "plots" / "particles.png").exists()
 
 
 @pytest.mark.slow
@@ -79,7 +80,8 @@ def test_a_strip_is_compressed_as_published(tmp_path):
 @pytest.mark.slow
 def test_a_plastic_strip_is_pulled_to_its_stress(tmp_path):
     table, _ = run("tension", tmp_path)
-    # 10 N on 50 mm × 0.02 mm; slope of the curve E·Ep/(E + Ep) above 5 MPa; it oscillates about the answer
+    # 10 N on 50 mm × 0.02 mm, about which it oscillates; plastic flow keeps the volume
     late = table["time"] > 1.5
-    assert np.mean(table["stress_yy[von_mises]"][late]) == pytest.approx(10.0, rel=0.03)
-    assert np.max(table["strain_yy[von_mises]"]) > 5 / 1000 + 5 / (1000 * 200 / 1200)
+    stress, strain = (table[f"{name}_yy[von_mises]"][late] for name in ("stress", "strain"))
+    assert np.mean(stress / np.exp(strain)) == pytest.approx(10.0, rel=0.02)
+    assert np.min(strain) > (10 - 5) / 200  # above the plastic strain of the slope Ep
