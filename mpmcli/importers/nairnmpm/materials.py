@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from mpmcli.importers.nairnmpm.commands import Command
+from mpmcli.importers.nairnmpm.fluids import ideal_gas, mie_gruneisen, tait_fluid
 from mpmcli.importers.nairnmpm.grammar import FRACTURE, TRANSPORT
 from mpmcli.importers.nairnmpm.hardening import hardening_law
 from mpmcli.importers.nairnmpm.job import Job, Material, slug
@@ -265,6 +266,30 @@ def _mooney(job: Job, material: Material) -> Made | None:
     return {"kind": "mooney_rivlin", "K": Value(E / (3 * (1 - 2 * nu))), "G1": first, "G2": second}
 
 
+def _viscoelastic(job: Job, material: Material) -> Made | None:
+    """A generalised Maxwell solid: G0, pairs of Gk and tauk [s], and alike for the bulk."""
+    command = material.command
+    found = _constants(job, material, "K", "G0")
+    made: Made = {"kind": "viscoelastic", **(found or {})}
+    terms: list[Made] = []
+    for count, modulus, time, name in (("ntaus", "Gk", "tauk", "G"), ("ntausK", "Kk", "tauKk", "K")):
+        for inside in command.all(count):
+            inside.handled = True
+        moduli = [job.number(inside, None) for inside in command.all(modulus)]
+        times = [job.number(inside, None, "time", shown=True) for inside in command.all(time)]
+        if len(moduli) != len(times):
+            job.made.error(command.line, "<Material>", f"as many commands <{modulus}> as <{time}> are needed")
+            return None
+        terms += [{"time": t, name: m} for m, t in zip(moduli, times, strict=True)]
+    for inside in command.all("pressureLaw"):
+        if job.plain(inside, None):
+            job.unsupported(inside, "an equation of state with viscoelasticity")
+    for inside in command.all("Tref", "C1", "C2", "mref", "Cm1", "Cm2"):
+        job.unsupported(inside, "relaxation times that depend on temperature or moisture")
+    made["terms"] = terms
+    return made if found is not None and terms else None
+
+
 # ------------------------------------------------------------------ plasticity
 
 
@@ -284,69 +309,6 @@ def _hyper_plastic(job: Job, material: Material) -> Made | None:
         return None
     job.changed(material.command, "the elasticity is logarithmic here, neo-Hookean in NairnMPM")
     return {"kind": "j2_plastic", **found, "hardening": hardening}
-
-
-# ---------------------------------------------------------------- gases, fluids
-
-
-def _mie_gruneisen(job: Job, material: Material) -> Made | None:
-    command = material.command
-    made: Made = {"kind": "mie_gruneisen"}
-    for name in ("C0", "G", "S1", "S2", "S3", "gamma0"):
-        value = job.property(command, name) or (job.property(command, "G1") if name == "G" else None)
-        if value is not None:
-            made[name] = value
-    made.setdefault("C0", Value(4004.0))
-    material.speed = 1.5 * made["C0"].scaled
-    if job.property(command, "Cv") is None and job.property(command, "Cp") is None:
-        made["heat_capacity"] = Value(1.0)
-    elif not job.heats:
-        made["heat_capacity"] = job.property(command, "Cv") or job.property(command, "Cp")
-    for inside in command.all(
-        "yield", "Hardening", "Khard", "nhard", "Ep", "Ajc", "Bjc", "njc", "Cjc", "ep0jc"
-    ):
-        job.unsupported(inside, "plasticity with an equation of state")
-    for inside in command.all("UJOption", "Kmax"):
-        job.ignored(inside, "the equation of state gives the pressure")
-    return made
-
-
-def _tait(job: Job, material: Material) -> Made | None:
-    command = material.command
-    K = job.property(command, "K")
-    if K is None:
-        job.made.error(command.line, "<Material>", "the command <K> is missing")
-        return None
-    for inside in command.all("InitialPressure", "xi", "function"):
-        job.unsupported(inside, "an initial pressure")
-    job.changed(
-        command, "p = (K/n)(J^(−n) − 1) with n = 10.19 has NairnMPM's pressure to second order in J − 1"
-    )
-    made: Made = {"kind": "tait_fluid", "K": K, "exponent": 10.19}
-    viscosity = [job.number(inside, None, "viscosity", shown=True) for inside in command.all("viscosity")]
-    if len(viscosity) > 1:
-        job.note("not_supported", command, "a viscosity that depends on the rate")
-    if viscosity and viscosity[0] is not None:
-        made["viscosity"] = viscosity[0]
-    for inside in command.all("logshearrate"):
-        job.unsupported(inside, "a viscosity that depends on the rate")
-    rho = next((c for c in command.children if c.name == "rho"), None)
-    density = job.number(rho, None, "density") if rho is not None else None
-    if density is not None and density.scaled > 0:
-        material.speed = math.sqrt(K.scaled / density.scaled)
-    return made
-
-
-def _ideal_gas(job: Job, material: Material) -> Made | None:
-    command = material.command
-    pressure, T0 = job.property(command, "P0"), job.property(command, "T0")
-    if pressure is None:
-        job.made.error(command.line, "<Material>", "the command <P0> is missing")
-        return None
-    made: Made = {"kind": "ideal_gas", "pressure": pressure, "gamma": Value(5 / 3)}
-    if T0 is not None:
-        made["T0"] = T0
-    return made
 
 
 _AXIAL = {"EA": "E_axial", "ET": "E_transverse", "GA": "G_axial", "nuA": "nu_axial", "nuT": "nu_transverse"}
@@ -383,12 +345,13 @@ _MAKERS: dict[int, Callable[[Job, Material], Made | None]] = {
     2: _with_axes("transversely_isotropic", _AXIAL, "z"),
     3: _with_axes("transversely_isotropic", _AXIAL, "y"),
     4: _with_axes("orthotropic", _ORTHOTROPIC),
+    7: _viscoelastic,
     8: _mooney,
     9: _plastic,
-    17: _mie_gruneisen,
-    22: _ideal_gas,
+    17: mie_gruneisen,
+    22: ideal_gas,
     24: _hyper_plastic,
-    25: _mie_gruneisen,
-    27: _tait,
+    25: mie_gruneisen,
+    27: tait_fluid,
     28: _neohookean,
 }

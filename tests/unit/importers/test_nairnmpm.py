@@ -196,6 +196,11 @@ def material_of(tmp_path, kind, words):
         (8, "<K>100</K><G1>30</G1>", {"kind": "neo_hookean", "K": 100, "G": 30, "split": "isochoric"}),
         (8, "<K>100</K><G1>30</G1><G2>10</G2>", {"kind": "mooney_rivlin", "G1": 30, "G2": 10, "K": 100}),
         (28, "<E>100</E><nu>0.3</nu><UJOption>2</UJOption>", {"kind": "neo_hookean", "volumetric": "log"}),
+        (
+            7,
+            "<K>100</K><G0>20</G0><ntaus>1</ntaus><Gk>30</Gk><tauk>2e-3</tauk>",
+            {"kind": "viscoelastic", "G": 20, "terms": [{"time": "0.002 s", "G": 30}]},
+        ),
         (27, "<K>2000</K>", {"kind": "tait_fluid", "K": 2000}),
         (
             25,
