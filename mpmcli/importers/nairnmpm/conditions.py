@@ -161,6 +161,10 @@ def _force(job: Job, load: Command, forces: list[list[Any]]) -> None:
     if isinstance(found, Formula) and re.search(r"\b[xyz]\b", found.text):
         job.note("not_supported", load, "a force on particles that depends on their places")
         return
+    if job.analysis == "axisymmetric":
+        text = found.text if isinstance(found, Formula) else raw(found)
+        found = Formula(f"2*pi*{text}" if re.fullmatch(rf"[\w.{OPEN}{CLOSE}]+", text) else f"2*pi*({text})")
+        job.changed(load, "forces are those on the full ring; NairnMPM's are per radian")
     forces[axis].append(found)
 
 

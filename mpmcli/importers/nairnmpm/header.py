@@ -101,6 +101,9 @@ def grid(job: Job, mesh: Command) -> list[dict[str, Any]]:
             return []
         if low.scaled > high.scaled:
             low, high = high, low
+        if job.analysis == "axisymmetric" and axis == 0 and low.scaled < 0 < high.scaled:
+            job.changed(found, "the grid begins at r = 0")
+            low = Value(0.0)
         row = _axis(job, along, "xyz"[axis], low, high)
         if row is None:
             return []

@@ -277,6 +277,14 @@ def test_conditions_by_style(tmp_path):
     assert boundary[3]["on"]["region"] == {"kind": "disk", "center": [2, 2], "radius": 2}
 
 
+def test_axisymmetric_forces_are_those_on_the_ring(tmp_path):
+    load_on_top = """<ParticleBCs><BCLine x1="0" x2="4" y1="4" y2="4" tolerance="*.3"><net/>
+      <LoadBC dir="2" style="2" load="3"/></BCLine></ParticleBCs>"""
+    scene = scene_of(tmp_path, analysis=13, more=load_on_top)
+    assert scene["grid"]["lower"] == [0, -2]
+    assert scene["loads"][0]["force"] == [0, "2*pi*(3*t)"]
+
+
 def test_heat(tmp_path):
     scene = scene_of(
         tmp_path,
