@@ -18,6 +18,7 @@ CELL_TYPES = {
     "ED2Q4": (2, "linear"),
     "ED2Q16G": (2, "ugimp"),
     "ED3H8": (3, "linear"),
+    "ED3H64": (3, "ugimp"),
     "ED3H64G": (3, "ugimp"),
 }
 """Number of axes and shape function of each type of cell that a regular grid may have."""
@@ -93,8 +94,10 @@ def rounded(values: Any) -> Array:
     return np.vectorize(lambda value: float(f"{value:.11g}"), otypes=[float])(values) + 0.0
 
 
-def read_grid(table: Table, d: int) -> RegularGrid:
+def read_grid(table: Table, d: int, shape: str = "linear") -> RegularGrid:
     """Recognise the regular grid in a mesh file: its first row counts nodes and cells, which follow.
+
+    Cells of GIMP (``ugimp``) list their corners and then the nodes around them; those at the border are left out.
 
     Raises
     ------
@@ -117,17 +120,20 @@ def read_grid(table: Table, d: int) -> RegularGrid:
             )
     for row in range(1 + n, 1 + n + m):
         numbers = table.rows[row]
-        if len(numbers) != corners:
-            raise table.fault(row, f"{corners} nodes are needed for a cell, not {len(numbers)}")
+        wanted = corners if shape == "linear" else 4**d
+        if len(numbers) not in (corners, wanted):
+            raise table.fault(row, f"{wanted} nodes are needed for a cell, not {len(numbers)}")
         if not all(number.is_integer() and 0 <= number < n for number in numbers):
             raise table.fault(row, f"the nodes of a cell are whole numbers from 0 to {n - 1}")
     x = np.array([numbers[:d] for numbers in table.rows[1 : 1 + n]], dtype=float)
-    corner = np.array(table.rows[1 + n :], dtype=int)
+    corner = np.array([numbers[:corners] for numbers in table.rows[1 + n :]], dtype=int)
     edges = x[corner[0, [1, 3, 4][:d]]] - x[corner[0, 0]]
     axes = _axes(edges, table, 1 + n)
     local = x @ axes
     lower, cell, counts, nodes = _lattice(local, np.abs(edges @ axes).max(axis=0), table)
     cells = _cells(corner, nodes, counts, table, 1 + n)
+    if len(cells) != counts.prod() and shape == "linear":
+        raise _irregular(table, None, f"it has {len(cells)} cells, a full box has {counts.prod()}")
     lower = np.where(np.abs(lower) < 1e-6 * cell, 0.0, lower)
     return RegularGrid(rounded(lower), rounded(cell), counts, axes, nodes, cells)
 
@@ -216,8 +222,6 @@ def _cells(corner: Array, nodes: Array, counts: Array, table: Table, first: int)
         order = np.argsort(key, kind="stable")
         row = int(order[np.flatnonzero(np.diff(key[order]) == 0)[0] + 1])
         raise _irregular(table, first + row, "this cell is there twice")
-    if len(cells) != counts.prod():
-        raise _irregular(table, None, f"it has {len(cells)} cells, a full box has {counts.prod()}")
     return np.asarray(cells)
 
 

@@ -65,7 +65,7 @@ def read_cloud(given: Input, folder: Folder, grid: RegularGrid, sets: EntitySets
             x = np.zeros((0, grid.d))
         if count + len(x) > MAX_ROWS:
             raise _fault(given, f"more than {MAX_ROWS:,} particles", *at)
-        material = made.material_id if isinstance(made.material_id, int) else made.material_id[0]
+        material = made.material_id if isinstance(made.material_id, int) else (made.material_id or (0,))[0]
         places.append(x)
         materials += [material] * len(x)
         generators += [index] * len(x)

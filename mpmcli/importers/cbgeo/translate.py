@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from mpmcli.core.errors import SceneError
@@ -16,6 +17,8 @@ from mpmcli.importers.cbgeo.particles import read_cloud
 from mpmcli.importers.cbgeo.reading import Folder, Input, read_input
 from mpmcli.importers.cbgeo.work import Work, add_problems
 
+PHASES = re.compile(r"\dP(HASE)?\Z")
+"""The end of the names of types for several phases."""
 DEAD_KEYS = {
     "set_id": "CB-Geo does not read it",
     "porosity": "CB-Geo does not read it in this material",
@@ -75,14 +78,14 @@ def _begun(given: Input, made: Translation) -> Work | None:
         else:
             made.error(line, "mesh.cell_type", f"not supported: {words}; the grid has rectangular cells")
         return None
-    d = CELL_TYPES[mesh.cell_type][0]
+    d, shape = CELL_TYPES[mesh.cell_type]
     if mesh.io_type != f"Ascii{d}D":
         words = f"'{mesh.io_type}' does not fit the {d}D cells '{mesh.cell_type}'"
         made.error(given.line("mesh", "io_type"), "mesh.io_type", words)
         return None
     folder = Folder(given)
     try:
-        grid = read_grid(folder.table(mesh.mesh, (2, d, 3, 2**d), "mesh", "mesh"), d)
+        grid = read_grid(folder.table(mesh.mesh, (2, d, 3, 2**d, 4**d), "mesh", "mesh"), d, shape)
         sets = folder.sets()
         return Work(given, folder, made, grid, sets, read_cloud(given, folder, grid, sets))
     except SceneError as error:
@@ -104,7 +107,21 @@ def _run(work: Work) -> None:
     bodies = add_bodies(work, add_materials(work))
     add_conditions(work)
     add_loads(work, bodies)
+    _note_phases(work)
     _note_ignored(work)
+
+
+def _note_phases(work: Work) -> None:
+    """Nodes and particles of two phases."""
+    words = "two phases"
+    if PHASES.search(work.given.source.mesh.node_type):
+        work.note("not_supported", ("mesh", "node_type"), words)
+    for index, entry in enumerate(work.given.source.particles):
+        keys = ("particles", index, "generator")
+        if PHASES.search(entry.generator.particle_type):
+            work.note("not_supported", (*keys, "particle_type"), words)
+        if isinstance(entry.generator.material_id, tuple) and len(entry.generator.material_id) > 1:
+            work.note("not_supported", (*keys, "material_id"), "particles of several materials")
 
 
 def _add_grid(work: Work) -> None:

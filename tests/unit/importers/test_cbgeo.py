@@ -251,3 +251,31 @@ def test_softening_soil(tmp_path):
         "dilation": 5, "tension": 100, "residual_cohesion": 500, "residual_friction": 20,
         "residual_dilation": 0, "softening_start": 0.01, "softening_end": 0.1,
     }  # fmt: skip
+
+
+def test_two_phases_are_refused(tmp_path):
+    given = uniaxial_traction()
+    given.main["mesh"]["node_type"] = "N2D2P"
+    given.main["particles"][0]["generator"] |= {"particle_type": "P2D2PHASE", "material_id": [0, 1]}
+    found = [
+        str(problem) for problem in translate(given.write(tmp_path), partial=False).problems(partial=False)
+    ]
+    assert [
+        sum(word in line for line in found) for word in ("node_type", "particle_type", "material_id")
+    ] == [1, 1, 1]
+
+
+def test_cells_of_gimp(tmp_path):
+    """Sixteen nodes for each cell that is surrounded by others."""
+    given = uniaxial_traction()
+    nodes = sources.lattice([6, 4])
+    number = {tuple(index): i for i, index in enumerate(nodes.tolist())}
+    square = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    around = [(a, b) for b in range(-1, 3) for a in range(-1, 3) if (a, b) not in square]
+    cells = [[number[i + a, 1 + b] for a, b in square + around] for i in (1, 2, 3)]
+    given.files["mesh.txt"] = f"24 3\n{rows(nodes * 0.1 - 0.1)}{rows(cells)}"
+    given.files["entity_sets.json"] = sources.sets([[10, 16], [7, 13]], [[5, 11]])
+    given.main["mesh"]["cell_type"] = "ED2Q16G"
+    scene = translated(given, tmp_path).scene
+    assert scene["method"]["shape"] == "ugimp"
+    assert scene["grid"] == {"lower": [-0.1, -0.1], "upper": [0.4, 0.2], "cell": 0.1}
