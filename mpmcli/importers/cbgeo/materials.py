@@ -18,7 +18,6 @@ from mpmcli.importers.cbgeo.source import (
     family,
 )
 from mpmcli.importers.cbgeo.work import Keys, Work
-from mpmcli.materials import MATERIALS
 
 NAMES = {
     "LinearElastic": "elastic",
@@ -31,7 +30,8 @@ NAMES = {
 SMALL_STRAIN = (
     "stress is that of logarithmic strain and turns with the material; CB-Geo adds increments of small strain"
 )
-MISSING = "this version of mpmcli has no such material"
+
+INCOMPRESSIBLE = "incompressible fluids; every fluid has a bulk modulus"
 
 
 def add_materials(work: Work) -> dict[int, str]:
@@ -104,15 +104,7 @@ def _elastic(work: Work, given: LinearElastic, keys: Keys) -> dict[str, Any]:
 
 def _newtonian(work: Work, given: Newtonian, keys: Keys) -> dict[str, Any] | None:
     if given.incompressible:
-        work.note(
-            "not_supported",
-            (*keys, "incompressible"),
-            "incompressible fluids; every fluid has a bulk modulus",
-        )
-    if "newtonian" in MATERIALS:
-        return {
-            "kind": "newtonian", "density": given.density, "K": given.bulk_modulus, "viscosity": given.dynamic_viscosity
-        }  # fmt: skip
+        work.note("not_supported", (*keys, "incompressible"), INCOMPRESSIBLE)
     words = (
         "the pressure follows Tait's equation; CB-Geo's, -K ln J, differs where volumes change by percents"
     )
@@ -123,14 +115,7 @@ def _newtonian(work: Work, given: Newtonian, keys: Keys) -> dict[str, Any] | Non
 
 def _bingham(work: Work, given: Bingham, keys: Keys) -> dict[str, Any] | None:
     if given.incompressible:
-        work.note(
-            "not_supported",
-            (*keys, "incompressible"),
-            "incompressible fluids; every fluid has a bulk modulus",
-        )
-    if "bingham" not in MATERIALS:
-        work.note("not_supported", (*keys, "type"), MISSING)
-        return _stand_in(given)
+        work.note("not_supported", (*keys, "incompressible"), INCOMPRESSIBLE)
     words = "below the yield stress it is elastic, with G of K/10; the pressure follows Tait's equation"
     work.note("changed", (*keys, "type"), words)
     if given.critical_shear_rate:
@@ -144,10 +129,12 @@ def _bingham(work: Work, given: Bingham, keys: Keys) -> dict[str, Any] | None:
     }
 
 
+def _apex(given: MohrCoulomb) -> float:
+    """The tensile strength without a cut-off."""
+    return given.cohesion / math.tan(math.radians(given.friction)) if given.friction else math.inf
+
+
 def _mohr_coulomb(work: Work, given: MohrCoulomb, keys: Keys) -> dict[str, Any] | None:
-    if "mohr_coulomb" not in MATERIALS:
-        work.note("not_supported", (*keys, "type"), MISSING)
-        return _stand_in(given)
     made: dict[str, Any] = {
         "kind": "mohr_coulomb",
         "density": given.density,
@@ -156,8 +143,9 @@ def _mohr_coulomb(work: Work, given: MohrCoulomb, keys: Keys) -> dict[str, Any] 
         "cohesion": given.cohesion,
         "friction": given.friction,
         "dilation": given.dilation,
-        "tension": given.tension_cutoff,
     }
+    if given.tension_cutoff < _apex(given):
+        made["tension"] = given.tension_cutoff
     if given.softening is False:
         work.note("ignored", (*keys, "softening"), "switched off; the residual values have no effect")
     softens = given.softening is not False and given.peak_pdstrain is not None
@@ -179,10 +167,15 @@ def _mohr_coulomb(work: Work, given: MohrCoulomb, keys: Keys) -> dict[str, Any] 
 def _cam_clay(work: Work, given: ModifiedCamClay, keys: Keys) -> dict[str, Any] | None:
     for option in ("three_invariants", "subloading", "bonding"):
         if getattr(given, option):
-            work.note("not_supported", (*keys, option), "the plain model has neither of these extensions")
-    if "modified_cam_clay" not in MATERIALS:
-        work.note("not_supported", (*keys, "type"), MISSING)
-        return _stand_in(given)
+            work.note("not_supported", (*keys, option), "an extension of the plain model")
+    start: dict[str, Any] = {}
+    if work.cloud.stress is None:
+        start["pressure"] = given.pc0 / given.ocr
+        words = (
+            "starts at the pressure pc0/ocr, to which its void ratio belongs; CB-Geo starts without stress"
+        )
+        work.note("changed", (*keys, "type"), words)
+    work.note("ignored", (*keys, "youngs_modulus"), "the elastic moduli follow from kappa and the pressure")
     e0 = (
         given.e_ref
         - given.lambda_ * math.log(given.pc0 / given.ocr / given.p_ref)
@@ -197,4 +190,5 @@ def _cam_clay(work: Work, given: ModifiedCamClay, keys: Keys) -> dict[str, Any] 
         "nu": given.poisson_ratio,
         "p0": given.pc0,
         "e0": e0,
+        **start,
     }

@@ -8,7 +8,6 @@ from typing import Any
 from mpmcli.importers.base import Expression
 from mpmcli.importers.cbgeo.mesh import CELL_TYPES
 from mpmcli.importers.cbgeo.work import Work
-from mpmcli.scene.method import Damping
 
 EXPLICIT = re.compile(r"MPMExplicit(USF|USL|MUSL)?([23])D\Z")
 UPDATES = {"usf": "usf", "usl": "usl", "musl": "usl+"}
@@ -77,9 +76,6 @@ def _add_damping(work: Work, method: dict[str, Any]) -> None:
         work.note(
             "not_supported", ("analysis", "damping", "type"), f"damping of type '{damping.type}'; Cundall is"
         )
-    elif "local" not in Damping.model_fields:
-        words = "local damping; this version of mpmcli has damping proportional to the velocity"
-        work.note("not_supported", ("analysis", "damping"), words)
     else:
         method["damping"] = {"local": damping.damping_factor}
 

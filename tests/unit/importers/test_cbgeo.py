@@ -222,6 +222,10 @@ def test_local_damping(tmp_path):
 
 MATERIALS = {
     "Bingham2D": {"youngs_modulus": 1e6, "poisson_ratio": 0.4, "tau0": 100, "mu": 2, "critical_shear_rate": 0.1},
+    "ModifiedCamClay2D": {
+        "youngs_modulus": 1e6, "poisson_ratio": 0.25, "e_ref": 1.12, "p_ref": 1e5, "pc0": 3e5, "ocr": 1.5,
+        "m": 1.2, "lambda": 0.1, "kappa": 0.03, "three_invariants": False, "subloading": False, "bonding": False,
+    },
     "MohrCoulomb2D": {
         "youngs_modulus": 1e6, "poisson_ratio": 0.3, "softening": True, "friction": 30, "dilation": 5,
         "cohesion": 1000, "residual_friction": 20, "residual_dilation": 0, "residual_cohesion": 500,
@@ -279,3 +283,16 @@ def test_cells_of_gimp(tmp_path):
     scene = translated(given, tmp_path).scene
     assert scene["method"]["shape"] == "ugimp"
     assert scene["grid"] == {"lower": [-0.1, -0.1], "upper": [0.4, 0.2], "cell": 0.1}
+
+
+def test_cam_clay_begins_at_its_pressure(tmp_path):
+    """e0 = e_ref − λ ln(pc0/(ocr p_ref)) − κ ln(ocr)."""
+    given = uniaxial_traction()
+    numbers = MATERIALS["ModifiedCamClay2D"]
+    given.main["materials"] = [{"id": 0, "type": "ModifiedCamClay2D", "density": 1800.0, **numbers}]
+    clay = translated(given, tmp_path).scene["materials"]["clay"]
+    assert clay["e0"] == pytest.approx(1.12 - 0.1 * np.log(2.0) - 0.03 * np.log(1.5))
+    assert clay["pressure"] == pytest.approx(2e5)
+    given.main["materials"][0]["bonding"] = True
+    found = translate(given.write(tmp_path), partial=False).problems(partial=False)
+    assert [problem.path for problem in found] == ["materials.0.bonding"]
