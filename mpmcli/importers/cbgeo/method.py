@@ -77,6 +77,8 @@ def _add_damping(work: Work, method: dict[str, Any]) -> None:
             "not_supported", ("analysis", "damping", "type"), f"damping of type '{damping.type}'; Cundall is"
         )
     else:
+        words = "acts against the velocity vector; in CB-Geo against each of its components"
+        work.note("changed", ("analysis", "damping"), words)
         method["damping"] = {"local": damping.damping_factor}
 
 
