@@ -25,6 +25,9 @@ ORTHOTROPIC = {
     **{"E1": 3, "E2": 2, "E3": 1, "G12": 0.8, "G13": 0.6, "G23": 0.5},
     **{"nu12": 0.3, "nu13": 0.25, "nu23": 0.35},
 }
+R_VALUES = {"kind": "r_values", "r0": 0.7, "r45": 0.5, "r90": 0.9}
+RATIOS = {"kind": "ratios", "R22": 1.2, "R33": 0.9, "R12": 1.1, "R13": 0.8}
+HILL = {"kind": "coefficients", "F": 0.3, "G": 0.5, "H": 0.5, "N": 1.8}
 TRANSVERSE = {"E_axial": 3, "E_transverse": 1, "G_axial": 0.6, "nu_axial": 0.3, "nu_transverse": 0.4}
 
 MATERIALS: dict[str, list[dict[str, Any]]] = {
@@ -96,6 +99,13 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
     "granular": [
         {"E": 3, "nu": 0.3, "mu_s": 0.6, "mu_2": 0.9, "I0": 0.3, "grain_diameter": 0.1, "grain_density": 1.5},
         {"K": 2, "G": 1, "mu_s": 0.7, "mu_2": 0.7, "grain_diameter": 0.1, "grain_density": 1.5},
+    "hill_plastic": [
+        {**ORTHOTROPIC, "hardening": law, "anisotropy": anisotropy, "heat_capacity": 1e-3}
+        for law, anisotropy in zip(
+            [LINEAR, COOK, *(each for each in HARDENINGS if each["kind"] != "steinberg_cochran_guinan")],
+            [R_VALUES, RATIOS, HILL, HILL, HILL],
+            strict=True,
+        )
     ],
     "ideal_gas": [{"pressure": 0.7}],
     "orthotropic": [ORTHOTROPIC],
@@ -120,6 +130,7 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
 """Of each kind of material, numbers of every sub-model (moduli of about 3, for densities of about 1)."""
 
 IN_PLANE_STRAIN: dict[str, int] = {"j2_plastic": 2, "mooney_rivlin": 0, "viscoelastic": 0}
+IN_PLANE_STRAIN: dict[str, int] = {"hill_plastic": 1, "j2_plastic": 2}
 """Kinds of which the examples from this one on are compiled for plane strain only, which saves time."""
 
 NORMALS: dict[str, dict[str, Any]] = {"specified": {"vector": [1, 0.2]}}

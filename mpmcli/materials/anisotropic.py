@@ -52,12 +52,14 @@ def wave_modulus(C: Stiffness, analysis: str) -> float:
     if analysis == "uniaxial_strain":
         return C.C11
     if analysis == "plane_stress":
-        C = C._replace(
-            C11=C.C11 - C.C13 * C.C13 / C.C33,
-            C22=C.C22 - C.C23 * C.C23 / C.C33,
-            C12=C.C12 - C.C13 * C.C23 / C.C33,
-        )
+        C = reduced_stiffness(C)
     return _largest_acoustic_eigenvalue(C, 3 if analysis == "3d" else 2)
+
+
+def reduced_stiffness(C: Stiffness) -> Stiffness:
+    """Stiffness in the plane where T_33 = 0, which has C33 = C13 = C23 = 0."""
+    C11, C22 = C.C11 - C.C13 * C.C13 / C.C33, C.C22 - C.C23 * C.C23 / C.C33
+    return C._replace(C11=C11, C22=C22, C33=0.0, C12=C.C12 - C.C13 * C.C23 / C.C33, C13=0.0, C23=0.0)
 
 
 @cache
@@ -215,20 +217,25 @@ def double_product(X: Any, Y: Any) -> float:
 
 
 @inline
-def stress_of(m: Any, A: Any) -> Any:
-    """Kirchhoff stress at A, and by how much the bound of ρ₀c² of all directions exceeds ``m.wave`` [pressure].
+def push_stress(m: Any, A: Any, T: Any) -> Any:
+    """Kirchhoff stress of T in material axes, and what the bound of ρ₀c² exceeds ``m.wave`` by [pressure].
 
     With F → (I + s v⊗n)F the second derivative of W is δE:ℂ:δE + nτ₁n − vτ₂v − 2(n·v)(vτ₂n), where τ₁ and τ₂ are the
     two parts of τ, and δE grows at most as the largest cosh(2 ln λ).
     """
     G = inverse_transposed(m, A)
     C, D = squared(m, A), squared(m, G)
-    T = times_stiffness(m, combine(0.25, C, -0.25, D))
     first, second = carried(m, A, T), carried(m, G, T)
     stretched = largest_eigenvalue_bound(combine(0.5, C, 0.5, D))
     pressed = largest_eigenvalue_bound(combine(0.5, first, -1.5, second))
     stiffer = m.wave * (stretched * stretched - 1.0) + max(0.0, pressed)
     return combine(0.5, first, 0.5, second), max(0.0, stiffer)
+
+
+@inline
+def stress_of(m: Any, A: Any) -> Any:
+    """Kirchhoff stress at A, and what it adds to ρ₀c² (``push_stress``) [pressure]."""
+    return push_stress(m, A, times_stiffness(m, strain_of(m, A)))
 
 
 @inline

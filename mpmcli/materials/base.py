@@ -23,6 +23,7 @@ KINDS = {
     "bingham": "bingham",
     "drucker_prager": "drucker_prager",
     "granular": "granular",
+    "hill_plastic": "hill_plastic",
     "ideal_gas": "ideal_gas",
     "j2_plastic": "j2_plastic",
     "linear_elastic": "linear_elastic",
@@ -83,7 +84,7 @@ class Matter(Model):
 
 def keeps_strain(model: Matter) -> bool:
     """Return whether the history of a material has its elastic strain, so that F may start at the identity."""
-    return "elastic_xx" in model.history
+    return "elastic_xx" in model.history or "axes_xx" in model.history
 
 
 def history_at_start(model: Matter, count: int) -> np.ndarray:

@@ -30,6 +30,16 @@ NAMES = [f"{model.kind}-{i}" for i, model in enumerate(MODELS)]
 every = pytest.mark.parametrize("model", MODELS, ids=NAMES)
 
 
+@pytest.fixture(autouse=True)
+def _in_python(request, plain_python):
+    """Nothing is compiled for a few numbers, but where compiled code is asked for."""
+    if "plain_python" in request.function.__code__.co_varnames:
+        yield
+        return
+    with plain_python():
+        yield
+
+
 def having(name, wanted=True):
     chosen = [(m, n) for m, n in zip(MODELS, NAMES, strict=True) if (name in m.properties) == wanted]
     return pytest.mark.parametrize("model", [m for m, _ in chosen], ids=[n for _, n in chosen])
