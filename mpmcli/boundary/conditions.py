@@ -148,13 +148,17 @@ class VelocityConditions:
         return [name for c, name in enumerate(self.names) if not np.any(loaded == c)]
 
     def _real_impulse(self) -> Array:
-        """The impulses on real particles: a ghost and its image share theirs as they share the real mass."""
-        if self._twins.shape[0] == 0 or self.mirror is None:
-            return self.impulse
+        """The impulses on real particles."""
+        return self.impulse if self._twins.shape[0] == 0 else self.impulse * self.shares()
+
+    def shares(self) -> Array:
+        """The shares (nb,) of real particles in impulses: a ghost and its image share them as they share the mass."""
         share = np.ones_like(self.impulse)
+        if self._twins.shape[0] == 0 or self.mirror is None:
+            return share
         share[self._twins] = self.mirror.pairs.share[self._pairs]
         np.subtract.at(share, self._origins, share[self._twins])
-        return self.impulse * share
+        return share
 
     def _select_none(self) -> None:
         d = self._dimensions

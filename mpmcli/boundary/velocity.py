@@ -7,14 +7,15 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from mpmcli.boundary.base import CONDITIONS, Array, ConditionModel, Nodes, SurfaceNodes
+from mpmcli.boundary.base import CONDITIONS, Array, Nodes, SurfaceNodes
 from mpmcli.boundary.place import AXES, Direction, Place, check_direction, unit_vector
+from mpmcli.boundary.roughness import Rough, sign_along
 from mpmcli.core.expressions import Expression
 from mpmcli.core.model import Varying
 
 
 @CONDITIONS.register
-class Velocity(ConditionModel):
+class Velocity(Rough):
     """Holds one component of the velocity of grid nodes at a value."""
 
     kind: Literal["velocity"] = "velocity"
@@ -22,13 +23,17 @@ class Velocity(ConditionModel):
     on: Place
     """Where: nodes on a plane and beyond it, in a box or region, or seen by a body's surface particles."""
     direction: Direction
-    """Direction of the component, an axis or a vector."""
+    """Direction of the component, an axis or a vector; with friction in a box, region or on a face, into the body."""
     value: Annotated[Expression, Varying("velocity")]
     """Velocity in that direction, a number or an expression of x, y, z (of the node) and t."""
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What does not fit an analysis with so many axes."""
         found = self.on.problems(dimensions) + check_direction("direction", self.direction, dimensions)
+        plane = self.on.plane
+        held = None if found or plane is None else unit_vector(self.direction, dimensions)[plane.index]
+        if self.rubs and held == 0.0:
+            found.append(("direction", "friction needs the velocity across the plane to be held"))
         return found + check_variables("value", self.value, dimensions)
 
     def bodies(self) -> list[tuple[str, str]]:
@@ -41,6 +46,14 @@ class Velocity(ConditionModel):
         if plane is None or abs(unit_vector(self.direction, len(grid.shape))[plane.index]) != 1.0:
             return None
         return plane.index, int(plane.side_on(grid) == "upper")
+
+    def inward(self, grid: Nodes) -> float:
+        """Planes lie beyond the material; elsewhere the direction points into it."""
+        plane = self.on.plane
+        if plane is None:
+            return 1.0
+        direction = unit_vector(self.direction, len(grid.shape))
+        return sign_along(direction, plane.index, plane.side_on(grid) == "upper")
 
     def holder(self, grid: Nodes, surface_nodes: SurfaceNodes | None) -> PlaceHolder:
         """The condition on a grid."""

@@ -13,7 +13,6 @@ from mpmcli.boundary.base import (
     CONDITIONS,
     TOLERANCE,
     Array,
-    ConditionModel,
     Nodes,
     SurfaceNodes,
     check_length,
@@ -27,6 +26,7 @@ from mpmcli.boundary.place import (
     read,
     unit_vector,
 )
+from mpmcli.boundary.roughness import Rough
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.expressions import Expression
 from mpmcli.core.model import Quantity, Varying
@@ -50,7 +50,7 @@ Position = Annotated[
 
 
 @CONDITIONS.register
-class Wall(ConditionModel):
+class Wall(Rough):
     """A plane that moves through the grid and pushes or pulls the material at it.
 
     It sets v_i = v + ∇v (x_i − x_wall) along its normal on all nodes with mass behind it, and on those in the
@@ -93,6 +93,12 @@ class Wall(ConditionModel):
         line = grid_line(grid, axis, position(t=0.0)) - grid.pad
         is_within = -TOLERANCE <= line <= grid.cells[axis] + TOLERANCE
         return (axis, int(normal[axis] < 0.0)) if is_within else None
+
+    def inward(self, grid: Nodes) -> float:
+        """The normal points into the material; walls across an axis hold the component along its positive side."""
+        normal = unit_vector(self.normal, len(grid.shape))
+        axis = along_axis(normal)
+        return 1.0 if axis is None else float(normal[axis])
 
     def holder(self, grid: Nodes, surface_nodes: SurfaceNodes | None) -> AxisWall | ObliqueWall:
         """The wall on a grid."""

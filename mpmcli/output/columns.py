@@ -100,6 +100,8 @@ def _columns_of(quantity: Quantity, context: Context) -> list[Column]:
 
 
 EXTRA = {
+    "boundary_friction_work": "energy taken out by friction on planes and walls; part of boundary_work, where it is "
+    "negative",
     "deleted_particles": "number of particles that have left the grid (domain.on_exit: delete)",
     "deleted_mass": "their mass",
     "deleted_heat": "the heat_inflow that they took with them",
@@ -117,7 +119,7 @@ def extra_quantities() -> list[Quantity]:
 
 def _extra(name: str) -> Quantity:
     dimension = next((d for d in ("mass", "energy", "rate", "time") if name.endswith(d)), "1")
-    if name.endswith("heat"):
+    if name.endswith(("heat", "work")):
         dimension = "energy"
     return Quantity(
         name,

@@ -319,6 +319,11 @@ def _check_effects(parts: Parts, report: Report) -> None:
     if parts.method is None:
         return
     given = parts.method.model_fields_set
+    if parts.method.velocity_conditions == "velocity" and parts.method.transfer.kind == "fmpm":
+        for _, model in parts.boundary:
+            if getattr(model, "rubs", False):
+                words = f"the friction of '{model.name}' acts on momenta; use incremental, lumped or combined"
+                report("method.velocity_conditions", words, "friction")
     if "velocity_conditions" in given and parts.method.transfer.kind != "fmpm":
         words = f"has no effect with {parts.method.transfer.kind}; only the transfer fmpm uses it"
         report("method.velocity_conditions", words, "no_effect", "warning")

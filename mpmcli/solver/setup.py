@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.boundary.clocks import Clock, ClockedLoad, ClockedVelocity, Clocks
+from mpmcli.boundary.grid_conditions import GridConditions
 from mpmcli.contact.choice import ContactChoice
 from mpmcli.core.analysis import Axisymmetric
 from mpmcli.core.errors import SceneError
@@ -129,6 +130,28 @@ def choose_contact(scene: Any, plan: Plan) -> ContactChoice:
         needs_area=exchanges_by_area(scene, plan.fields),
         whole_fields=_fields_without_cracks(scene, plan) if scene.cracks else None,
     )
+
+
+def add_friction(conditions: GridConditions, models: Sequence[Any], parts: Any) -> None:
+    """Make the friction of conditions that rub."""
+    rough = [(i, model) for i, model in enumerate(models) if getattr(model, "rubs", False)]
+    if not rough:
+        return
+    from mpmcli.boundary.plane_friction import PlaneFriction
+    from mpmcli.solver.nodal_areas import NodalAreas
+
+    areas = None
+    if any(model.cohesion for _, model in rough):
+        areas = NodalAreas(parts.transfer, parts.particles, parts.grid, conditions.images)
+    for i, model in rough:
+        conditions.friction[i] = PlaneFriction(
+            i,
+            model.friction or 0.0,
+            model.cohesion or 0.0,
+            model.inward(parts.grid),
+            areas if model.cohesion else None,
+        )
+    parts.state.extra["boundary_friction_work"] = 0.0
 
 
 def make_clocks(scene: Any) -> Clocks:

@@ -334,7 +334,9 @@ class Simulation(Parts):
             models, self.grid, self.plan.analysis, self._surface_nodes, self.clocks
         )
         self._may_wait = {condition.name for condition in models if condition.may_wait(self.grid)}
-        return GridConditions(conditions, self.grid, self.plan.rigid_fields)
+        found = GridConditions(conditions, self.grid, self.plan.rigid_fields)
+        setup.add_friction(found, models, self)
+        return found
 
     def _make_loads(self, scene: Any, has_mirror: bool) -> Loads:
         rigid = self.rigid

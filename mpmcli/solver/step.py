@@ -221,6 +221,8 @@ class _Tasks:
         v, work = s.arrays.v, s.state.work
         if s.conditions is not None and "boundary_work" in work:
             work["boundary_work"] += s.conditions.work(v)
+            if s.conditions.friction:
+                s.state.extra["boundary_friction_work"] -= s.conditions.friction_work * s.state.full_ring
         if s.loads is not None:
             work["external_work"] += s.loads.work(s.arrays.p_start, v, step.dt)
         if s.contact is not None:

@@ -1,0 +1,36 @@
+"""Areas that nodes have of surfaces: the divergence of the shape functions over the matter around them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmcli.boundary.images import Images
+from mpmcli.core.grid import Grid
+from mpmcli.core.particles import Particles
+from mpmcli.solver.transfer import Transfer
+
+Array = np.ndarray
+
+
+class NodalAreas:
+    """−Σ_p V_p ∇S_pi: the sum over the nodes at and beyond a plane is its area, as a vector into the material.
+
+    Parameters
+    ----------
+    transfer, particles, grid : parts of the step
+    images : mirror images of particles, or None
+    """
+
+    def __init__(self, transfer: Transfer, particles: Particles, grid: Grid, images: Images | None):
+        self._transfer, self._particles, self._images = transfer, particles, images
+        self._areas = np.zeros(grid.f.shape)
+
+    def __call__(self) -> Array:
+        """Return them at the positions of the start of the step (dofs, d) [area]; overwritten by the next call."""
+        p = self._particles
+        unit = np.zeros(p.tau.shape)
+        unit[:3] = p.determinant()
+        self._transfer.internal_forces(unit, self._areas)
+        if self._images is not None:
+            self._images.complete(self._areas, 0.0)
+        return self._areas
