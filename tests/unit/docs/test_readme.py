@@ -58,9 +58,9 @@ def test_exit_codes_of_the_readme_are_those_of_the_program():
 
 def test_shapes_and_materials_of_the_readme_are_all_there_are():
     for noun, names in (("Shape functions", SHAPES), ("Materials", MATERIALS)):
-        line = re.search(rf"^- \*\*{noun}\*\*: (.*?)$", README, re.MULTILINE)
-        assert line is not None
-        assert set(re.findall(r"`(\w+)`", line.group(1))) == set(names)
+        entry = re.search(rf"^- \*\*{noun}\*\*: (.*?)(?=^\S|\Z)", README, re.MULTILINE | re.DOTALL)
+        assert entry is not None
+        assert set(re.findall(r"`(\w+)`", entry.group(1))) == set(names)
 
 
 def test_files_that_the_readme_names_exist():
