@@ -99,6 +99,7 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
     "granular": [
         {"E": 3, "nu": 0.3, "mu_s": 0.6, "mu_2": 0.9, "I0": 0.3, "grain_diameter": 0.1, "grain_density": 1.5},
         {"K": 2, "G": 1, "mu_s": 0.7, "mu_2": 0.7, "grain_diameter": 0.1, "grain_density": 1.5},
+    ],
     "hill_plastic": [
         {**ORTHOTROPIC, "hardening": law, "anisotropy": anisotropy, "heat_capacity": 1e-3}
         for law, anisotropy in zip(

@@ -288,23 +288,33 @@ def returned(m: Any, E: Any, alpha: float, temperature: float, dt: float) -> Any
     return T, k, stress
 
 
+def gradient_in_plane(m: Any, H: Any, p: Any) -> Any:
+    """The gradient of particle ``p`` without shear across the plane."""
+    return H[0, p], H[1, p], 0.0, H[3, p], H[4, p], 0.0, 0.0, 0.0, H[8, p]
+
+
+def gradient_in_space(m: Any, H: Any, p: Any) -> Any:
+    """All components of the gradient of particle ``p``."""
+    return H[0, p], H[1, p], H[2, p], H[3, p], H[4, p], H[5, p], H[6, p], H[7, p], H[8, p]
+
+
+def plane_thickness(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+    """Stretch of the thickness; in plane stress the numbers are those of the plane: the return needs none."""
+    A = multiply(dF, gradient_of(m, H, p))
+    T, k, _ = returned(m, strain_of(m, A), H[STRAIN, p], H[TEMPERATURE, p], dt)
+    e = m.thin_1 * T[0] + m.thin_2 * T[1] + k * slope_of(m, T)[2]
+    return F[8] * extension_of(e) / A[8]
+
+
 for (_law, _planar), _Hill in HILL_WITH.items():
     with_defaults((in_plane if _planar else in_space)(_Hill))
     needs_increment.register(_Hill)(yes)
     flow_stress.register(_Hill)(flow_stress.implementations[_law])
     flow_slope.register(_Hill)(flow_slope.implementations[_law])
 
+    gradient_of.register(_Hill)(gradient_in_plane if _planar else gradient_in_space)
     if _planar:
-
-        @gradient_of.register(_Hill)
-        def _(m: Any, H: Any, p: Any) -> Any:
-            return H[0, p], H[1, p], 0.0, H[3, p], H[4, p], 0.0, 0.0, 0.0, H[8, p]
-
-    else:
-
-        @gradient_of.register(_Hill)
-        def _(m: Any, H: Any, p: Any) -> Any:
-            return H[0, p], H[1, p], H[2, p], H[3, p], H[4, p], H[5, p], H[6, p], H[7, p], H[8, p]
+        thickness_stretch.register(_Hill)(plane_thickness)
 
     @kirchhoff_stress.register(_Hill)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
@@ -331,16 +341,6 @@ for (_law, _planar), _Hill in HILL_WITH.items():
             H[3, p], H[4, p], H[5, p] = A[3], A[4], A[5]
             H[6, p], H[7, p], H[8, p] = A[6], A[7], A[8]
         return tau
-
-    if _planar:
-
-        @thickness_stretch.register(_Hill)
-        def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
-            # in plane stress the numbers are those of the plane: the return needs no thickness
-            A = multiply(dF, gradient_of(m, H, p))
-            T, k, _ = returned(m, strain_of(m, A), H[STRAIN, p], H[TEMPERATURE, p], dt)
-            e = m.thin_1 * T[0] + m.thin_2 * T[1] + k * slope_of(m, T)[2]
-            return F[8] * extension_of(e) / A[8]
 
     @absorb_work.register(_Hill)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, work: Any, viscous: Any) -> Any:
