@@ -83,11 +83,15 @@ def test_unconfined_compression(tmp_path):
     assert early == pytest.approx(-1e7 / (1 - 0.2**2) * 0.002 * 1e-3 / 0.05, rel=1e-2)
 
 
-def test_a_block_slides_without_friction(tmp_path):
-    """g sin 30° t²/2."""
-    results = run(BENCHMARKS["level_block_frictionless"](), tmp_path, "--until", "0.3")
+@pytest.mark.parametrize(
+    ("name", "friction", "end"), [("level_block_frictionless", 0.0, 0.1), ("sliding_block", 0.1, 0.3)]
+)
+def test_a_block_slides(name, friction, end, tmp_path):
+    """(g sin 30° − μ g cos 30°) t²/2."""
+    results = run(BENCHMARKS[name](), tmp_path, "--until", str(end))
     way = results["center_x[body]"][-1] - 2.5
-    assert way == pytest.approx(4.905 * 0.3**2 / 2, rel=1e-3)
+    slope = np.radians(30.0)
+    assert way == pytest.approx(GRAVITY * (np.sin(slope) - friction * np.cos(slope)) * end**2 / 2, rel=1.5e-3)
 
 
 def test_a_dam_breaks(tmp_path):

@@ -19,8 +19,6 @@ LARGE = {"dam_break", "plate_with_hole"}
 """Inputs of many particles; the slow test runs them coarser."""
 NOT_SUPPORTED = {
     "absorbing_column": ["absorbing_constraints"],
-    "level_block": ["friction_constraints"],
-    "sliding_block": ["friction_constraints"],
     "uniaxial_traction_file": ["concentrated_nodal_forces"],
     "uniaxial_traction_nodes": ["concentrated_nodal_forces"],
     "consolidation": ["MPMExplicitTwoPhase2D", "pore_pressure_constraints"],
@@ -187,6 +185,16 @@ BROKEN: dict[str, tuple[Change, str, str | int, str]] = {
     ),
     "particles_twice": (
         replaced("particles.txt", "0.275\t0.075", "0.275\t0.025"), "particles.txt", 13, "at the same place",
+    ),
+    "friction_below_zero": (
+        set_key("mesh", "boundary_conditions", "friction_constraints",
+                to=[{"nset_id": 1, "dir": 0, "sign_n": -1, "friction": -0.1}]),
+        "mpm.json", '"friction": -0.1', "must be at least 0",
+    ),
+    "friction_of_free_nodes": (
+        set_key("mesh", "boundary_conditions", "friction_constraints",
+                to=[{"nset_id": 0, "dir": 0, "sign_n": 1, "friction": 0.1}]),
+        "mpm.json", 19, "no velocity constraint holds",
     ),
     "too_few_particles": (replaced("particles.txt", "12\n", "13\n"), "particles.txt", 1, "counts 13"),
     "particle_not_finite": (replaced("particles.txt", "0.275\t0.075", "nan\t0.075"), "particles.txt", "nan", "finite"),

@@ -86,7 +86,39 @@ def test_a_turned_mesh_turns_gravity_and_particles(tmp_path):
     assert scene["constants"]["turn"] == -30
     assert scene["loads"][0]["acceleration"] == ["-g*sin(turn*pi/180)", "-g*cos(turn*pi/180)"]
     assert scene["bodies"][0]["region"] == {"kind": "box", "lower": [2, 0], "upper": [3, 1]}
-    assert {condition["name"] for condition in scene["boundary"]} == {"left", "right", "bottom"}
+    assert scene["boundary"][-1] == {
+        "name": "bottom",
+        "kind": "velocity",
+        "on": {"plane": {"axis": "y", "at": 0}},
+        "direction": "y",
+        "value": 0,
+        "friction": 0.1,
+    }
+
+
+@pytest.mark.parametrize("upper", [False, True])
+def test_friction_on_part_of_a_side(upper, tmp_path):
+    """In a box, the direction points into the body; files and sets say the same."""
+    given = level_block(friction=False)
+    conditions = given.main["mesh"]["boundary_conditions"]
+    row = 6 * 21 if upper else 0
+    conditions["velocity_constraints"] = [{"file": "velocity-constraints.txt"}]
+    conditions["friction_constraints"] = [{"file": "friction.txt"}]
+    given.files["velocity-constraints.txt"] = rows((row + n, 1, 0.5) for n in range(10))
+    given.files["friction.txt"] = rows((row + n, 1, 1 if upper else -1, 0.3) for n in range(4, 10))
+    made = translated(given, tmp_path)
+    smooth, rough = made.scene["boundary"]
+    assert (smooth["direction"], smooth["value"]) == ("y", 0.5)
+    assert rough["on"]["box"]["lower"][0] == 1.0
+    assert rough["friction"] == 0.3
+    assert (rough["direction"], rough["value"]) == (([0, -1], -0.5) if upper else ("y", 0.5))
+
+
+def test_friction_from_the_wrong_side_is_refused(tmp_path):
+    given = sliding_block()
+    given.main["mesh"]["boundary_conditions"]["friction_constraints"][0]["sign_n"] = 1
+    found = translate(given.write(tmp_path), partial=False).problems(partial=False)
+    assert "points into the mesh" in str(found[0])
 
 
 def test_nodes_with_axes_of_their_own(tmp_path):
