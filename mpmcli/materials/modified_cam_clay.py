@@ -134,6 +134,8 @@ def plastic_drop(w0: float, eta2: float, a: float, c: float) -> float:
     inside, critical = 0.0, logarithm(2.0 / w0) / a
     u = 0.0
     for _ in range(60):
+        if abs(critical - inside) < 1e-13:
+            break
         w = w0 * exponential_1d(a * u)
         d = 2.0 - w
         s = d + c * u
@@ -148,9 +150,12 @@ def plastic_drop(w0: float, eta2: float, a: float, c: float) -> float:
         slope = -a * w
         if s != 0.0:
             slope -= 2.0 * eta2 * h * c * (a * w * u + d) / (s * s)
-        u -= g / slope
+        step = g / slope
+        u -= step
         if (u - inside) * (u - critical) >= 0.0:
             u = 0.5 * (inside + critical)
+        elif abs(step) < 1e-9:  # the next one would be its square
+            break
     return u
 
 
@@ -213,10 +218,12 @@ def _(m: Any, F: Any, H: Any, p: Any) -> Any:
 
 @wave_speed_squared.register(Clay)
 def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    trace, e = split_strain(elastic_tensor(H, p))
-    pressure = m.pressure * exponential_1d(-trace / m.swelling)
-    # ρ₀c² = ∂τ/∂ε - τ: the shear modulus grows with p, and of τ the deviator is at most 2q/3
-    deviator = 2.0 / 3.0 * m.shear * math.sqrt(6.0 * double_contraction(e)) / m.swelling
+    b = elastic_tensor(H, p)
+    pressure = m.pressure * exponential_1d(-elastic_volume(H, p) / m.swelling)
+    # ρ₀c² = ∂τ/∂ε - τ: the shear modulus grows with p, and of τ the deviator is at most 2q/3; dev ε is about dev b/2
+    mean = (b[0] + b[1] + b[2]) / 3.0
+    squares = double_contraction((b[0] - mean, b[1] - mean, b[2] - mean, b[3], b[4], b[5]))
+    deviator = m.shear * math.sqrt(2.0 / 3.0 * squares) / (m.swelling * mean)
     stiffness = (1.0 + 4.0 / 3.0 * m.shear + deviator) / m.swelling + 1.0 + deviator
     at_rest = m.pressure * ((1.0 + 4.0 / 3.0 * m.shear) / m.swelling + 1.0)
     return max(at_rest, pressure * stiffness) / m.density
