@@ -109,6 +109,10 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
         )
     ],
     "ideal_gas": [{"pressure": 0.7}],
+    "isotropic_softening": [
+        {"E": 3, "nu": 0.3, "strength": 0.1, "toughness": 0.05},
+        {"K": 2, "G": 1, "strength": 0.1, "toughness": 0.05, "softening": "exponential"},
+    ],
     "orthotropic": [ORTHOTROPIC],
     "tait_fluid": [{"K": 2}, {"K": 2, "viscosity": 0.1}, {"K": 2, "tension_limit": 0.05}],
     "rigid": [{}],
@@ -130,8 +134,13 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
 }
 """Of each kind of material, numbers of every sub-model (moduli of about 3, for densities of about 1)."""
 
-IN_PLANE_STRAIN: dict[str, int] = {"j2_plastic": 2, "mooney_rivlin": 0, "viscoelastic": 0}
-IN_PLANE_STRAIN: dict[str, int] = {"hill_plastic": 1, "j2_plastic": 2}
+IN_PLANE_STRAIN: dict[str, int] = {
+    "hill_plastic": 1,
+    "isotropic_softening": 0,
+    "j2_plastic": 2,
+    "mooney_rivlin": 0,
+    "viscoelastic": 0,
+}
 """Kinds of which the examples from this one on are compiled for plane strain only, which saves time."""
 
 NORMALS: dict[str, dict[str, Any]] = {"specified": {"vector": [1, 0.2]}}

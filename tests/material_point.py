@@ -21,7 +21,7 @@ class MaterialPoint:
     analysis : by name
     words : of the material
     adiabatic : heat stays where it arises
-    sizes : initial size of its domain along x, y and z
+    bands : widths along x, y and z in which strain can localise
     """
 
     def __init__(
@@ -29,7 +29,7 @@ class MaterialPoint:
         analysis: str,
         words: dict[str, Any],
         adiabatic: bool = False,
-        sizes: tuple[float, float, float] = (1, 1, 1),
+        bands: tuple[float, float, float] = (1, 1, 1),
     ):
         self.model: Any = MATERIALS[words["kind"]].model_validate({"density": 1.0} | words)
         self.analysis = ANALYSES[analysis]()
@@ -48,7 +48,7 @@ class MaterialPoint:
         )
         for row, name in enumerate(self.model.history):
             p.H[row] = self.model.initial_history().get(name, 0.0)
-        for name, size in zip(getattr(self.model, "domain_sizes", ()), sizes, strict=False):
+        for name, size in zip(self.model.bands, bands, strict=False):
             p.H[self.model.history.index(name)] = size
         self._speed2 = np.zeros(block_count(1))
         self._bad = np.zeros(block_count(1), dtype=np.int64)

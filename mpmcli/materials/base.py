@@ -25,6 +25,7 @@ KINDS = {
     "granular": "granular",
     "hill_plastic": "hill_plastic",
     "ideal_gas": "ideal_gas",
+    "isotropic_softening": "isotropic_softening",
     "j2_plastic": "j2_plastic",
     "linear_elastic": "linear_elastic",
     "mie_gruneisen": "mie_gruneisen",
@@ -57,6 +58,9 @@ class Matter(Model):
     """Any of ``hyperelastic``, ``isotropic``, ``stress_free_at_rest``, ``cohesionless`` (bears no tension), ``fluid``,
     ``rigid``, and ``equation_of_state``: compression heats it, and heat changes its pressure, by its own law."""
 
+    bands: ClassVar[tuple[str, ...]] = ()
+    """Names of history variables that start as the widths along x, y and z in which strain can localise [length]; a
+    material that has them says by ``band_problem(largest)`` what it has against too wide ones."""
     has_axes: ClassVar[bool] = False
     """Whether it has material axes, which the ``axes`` of a body turn: then it has ``turned_history`` and
     ``carried_axis``."""

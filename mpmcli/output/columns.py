@@ -202,6 +202,11 @@ def fields_of(context: Context) -> dict[str, Quantity]:
 
 
 HISTORY_DIMENSIONS = {
+    "band_x": "length",
+    "band_y": "length",
+    "band_z": "length",
+    "crack_driver": "pressure",
+    "dissipated_energy": "pressure",
     "internal_energy": "pressure",
     "plastic_work": "pressure",
     "plastic_work_of_step": "pressure",

@@ -153,6 +153,13 @@ QUANTITIES.add(
         is_default=_when_remembered("plastic_work"),
     ),
     _energy(
+        "dissipated_energy",
+        "D",
+        _history_energy("dissipated_energy"),
+        "energy that softening has dissipated",
+        is_default=_when_remembered("dissipated_energy"),
+    ),
+    _energy(
         "heat_energy",
         "Q",
         _history_energy("heat_energy"),

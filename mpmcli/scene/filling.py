@@ -104,6 +104,10 @@ def find_masses(scene: Any, filled: Sequence[BodyParticles]) -> tuple[Array, Arr
         for i, body in enumerate(scene.bodies)
         if wrong[index == i].any()
     ]
+    if any(material.bands for material in scene.materials.values()):
+        from mpmcli.scene.bands import band_problems
+
+        problems += band_problems(scene)
     if problems:
         raise SceneError(problems)
     return index, vol0, mass

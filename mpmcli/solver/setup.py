@@ -83,6 +83,10 @@ def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[
     for m, model in enumerate(models):
         if model.history:
             particles.H[: len(model.history), material == m] = history_at_start(model, 1)
+    if any(model.bands for model in models):
+        from mpmcli.scene.bands import set_bands
+
+        set_bands(scene, particles, models)
     if plan.has_temperature:
         _allocate_temperatures(particles, models, plan)
     _set_initial_fields(scene, plan, particles, models)

@@ -230,3 +230,81 @@ def test_time_and_temperature_shift():
         point.step(1e-12, 0.0, 1e8, 0.0, 0.0)
         tau = point.step(1e-3, 0.0, 0.0, 0.0, 0.0)
         assert tau[3] == pytest.approx(1e-4 * relaxation(1e-3 * factor)[0], rel=1e-6)
+
+
+# ---------------------------------------------------------------------- isotropic_softening
+
+BRITTLE = {"kind": "isotropic_softening", "E": 1000.0, "nu": 0.2, "strength": 1.0, "toughness": 0.01}
+BAND = 0.5
+SOFTENING = {
+    "linear": lambda w: max(0.0, 1 - w / 0.02),
+    "exponential": lambda w: math.exp(-w / 0.01),
+}
+"""Stress against opening w."""
+RELEASED = {
+    "linear": lambda w: w - w**2 / 0.04 if w < 0.02 else 0.01,
+    "exponential": lambda w: 0.01 * (1 - math.exp(-w / 0.01)),
+}
+"""The area below it up to w, 0.01 in all."""
+
+
+@pytest.mark.parametrize("law", list(SOFTENING))
+def test_tension_until_it_breaks(law):
+    """ε = σ/E + w/h and σ = f(w); of the area below the curve, what unloading would give back is not dissipated."""
+    point = MaterialPoint("uniaxial_stress", BRITTLE | {"softening": law}, bands=(BAND, 9, 9))
+    for _ in range(60):
+        stress = point.step(0.001, 1.0)[0]
+        w = BAND * point.history("cracking_strain")
+        assert point.time == pytest.approx(stress / 1000 + w / BAND, abs=1e-9)
+        if point.time > 0.001:
+            assert stress == pytest.approx(SOFTENING[law](w), abs=1e-9)
+            dissipated = BAND * point.history("dissipated_energy")
+            assert dissipated == pytest.approx(RELEASED[law](w) - 0.5 * stress * w, rel=1e-6)
+    assert point.history("damage") > 0.99
+    assert point.work == pytest.approx(point.energy + point.history("dissipated_energy"), rel=0.02)
+
+
+def test_unloading_is_secant_and_a_closed_crack_bears_compression():
+    point = MaterialPoint("uniaxial_stress", BRITTLE, bands=(BAND, 1, 1))
+    point.steps(20, 0.001, 1.0)
+    stress, damage, dissipated = point.tau[0], point.history("damage"), point.history("dissipated_energy")
+    assert 0.1 < damage < 1
+    point.steps(10, 0.001, -1.0)
+    assert point.tau[0] == pytest.approx(0.5 * stress, rel=1e-6)
+    assert point.energy == pytest.approx(0.5 * point.tau[0] * 0.01, rel=1e-6)
+    point.steps(20, 0.001, -1.0)
+    assert point.tau[0] == pytest.approx(-10.0, rel=1e-9)
+    assert point.history("cracking_strain") == 0
+    assert (point.history("damage"), point.history("dissipated_energy")) == (damage, dissipated)
+    point.steps(30, 0.001, 1.0)
+    assert point.tau[0] == pytest.approx(stress, rel=1e-6)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, 1.2])
+def test_the_normal_of_the_crack_turns_with_the_body(angle):
+    """Broken along x, turned, and pulled across and along the crack."""
+    point = MaterialPoint("plane_strain", BRITTLE, bands=(BAND, BAND, 1))
+    point.steps(50, 0.001, 1.0, 0.0, 0.0, 0.0)
+    assert point.history("damage") == 1
+    assert abs(point.history("crack_normal_x")) == pytest.approx(1)
+    point.steps(10, 0.1, 0.0, -angle, angle, 0.0)
+    n = np.array([math.cos(angle), math.sin(angle)])
+    t = np.array([-n[1], n[0]])
+    for pulled in (n, t):
+        point.step(1e-3, *np.outer(pulled, pulled).ravel())
+    xx, yy, _, xy = point.tau
+    tau = np.array([[xx, xy], [xy, yy]])
+    assert np.abs(tau @ n).max() < 1e-9
+    assert t @ tau @ t == pytest.approx(1000 / (1 - 0.2**2) * 1e-3, rel=1e-3)
+
+
+@pytest.mark.parametrize("law", list(SOFTENING))
+@pytest.mark.parametrize("mix", [0.0, 0.5, 3.0])
+def test_a_crack_dissipates_the_toughness_in_any_mixture(law, mix):
+    """Opening and sliding in proportion after the crack began."""
+    point = MaterialPoint("plane_strain", BRITTLE | {"softening": law}, bands=(BAND, BAND, 1))
+    point.steps(2, 0.00052, 1.0, 0.0, 0.0, 0.0)
+    assert point.history("crack_driver") > 0
+    point.steps(200, 0.001, 1.0, mix, mix, 0.0)
+    assert point.history("damage") == pytest.approx(1, abs=1e-3)
+    assert point.history("dissipated_energy") * BAND == pytest.approx(0.01, rel=1e-3)
