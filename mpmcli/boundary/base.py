@@ -50,6 +50,7 @@ LOADS = Registry(
     "load",
     "mpmcli.boundary",
     {
+        "absorbing": "absorbing",
         "body_force": "body_force",
         "film": "film",
         "gravity": "gravity",
@@ -148,11 +149,11 @@ class ConditionModel(Model):
 
 
 EFFECTS = {
-    "velocity": ("uniform_acceleration", "acceleration_at", "force_at", "traction_at"),
+    "velocity": ("uniform_acceleration", "acceleration_at", "force_at", "impedance_of", "traction_at"),
     "temperature": ("heat_flux_at", "heat_power_at"),
 }
 """Methods by which a load acts on a quantity; each kind of load defines at least one of those of its quantity."""
-FACE_EFFECTS = frozenset({"traction_at", "heat_flux_at"})
+FACE_EFFECTS = frozenset({"impedance_of", "traction_at", "heat_flux_at"})
 """Those that act on a face of a body."""
 
 
@@ -217,6 +218,13 @@ class LoadModel(Model):
     def traction_at(self, points: Array, time: float) -> Values:
         """Return the force per area on ``loaded_face``, at its points (d, n) at the start [pressure]."""
         raise TypeError(f"{type(self).__name__} has no traction")
+
+    def impedance_of(self, material: Any, analysis: str, dimensions: int) -> Array:
+        """Return the traction on ``loaded_face`` per velocity against it, (d,) along each axis [pressure/velocity].
+
+        ``material`` is the model of the body's material, ``analysis`` the name of the kind of analysis.
+        """
+        raise TypeError(f"{type(self).__name__} has no impedance")
 
     def heat_flux_at(self, points: Array, time: float, temperature: Array) -> tuple[Any, Any]:
         """Return the power per area into ``loaded_face``, and its derivative by the temperature of the surface.

@@ -101,8 +101,9 @@ def _at_clock(name: str) -> Any:
     return value
 
 
-for _name in EFFECTS["velocity"][1:]:
-    setattr(ClockedLoad, _name, _at_clock(_name))
+for _name in EFFECTS["velocity"]:
+    if _name not in ("uniform_acceleration", "impedance_of"):
+        setattr(ClockedLoad, _name, _at_clock(_name))
 
 
 class ClockedVelocity:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -36,6 +36,8 @@ class TractionFaces:
         The shape function's, as ``shapes.ShapeEntry`` names them.
     several_fields
         Forces go to the nodes of the velocity field of the face's particle.
+    impedances
+        By the load's id: traction per velocity against it, (d,), of loads that resist velocities.
 
     Attributes
     ----------
@@ -53,6 +55,7 @@ class TractionFaces:
         grid_functions: str = "linear",
         domain: str = "corners",
         several_fields: bool = False,
+        impedances: Mapping[int, Array] | None = None,
     ):
         self._loads = [(load, np.asarray(ids, dtype=np.int64)) for load, ids in loads]
         faces = [load.loaded_face()[1] for load, _ in loads]
@@ -66,6 +69,7 @@ class TractionFaces:
         )
         self._evaluated = False
         self._varies = any(load.varies for load, _ in loads)
+        self._impedances = impedances or {}
 
     def __bool__(self) -> bool:
         """Whether any face is loaded."""
@@ -89,6 +93,8 @@ class TractionFaces:
         """
         if not self._evaluated or self._varies:
             self._evaluate(time)
+        if self._impedances:
+            self._resist(particles, position_of_id)
         lost = add_tractions(
             self.faces, self._cells, particles.X, particles.F, particles.size,
             particles.velocity_field if self._several_fields else None, position_of_id, self._section,
@@ -99,8 +105,15 @@ class TractionFaces:
                 f"a loaded face of particle {self.faces.id[lost]} left the grid at time {time:g}"
             )
 
+    def _resist(self, particles: Particles, position_of_id: Array) -> None:
+        for (load, ids), rows in zip(self._loads, self._rows, strict=True):
+            if (Z := self._impedances.get(id(load))) is not None:
+                self.faces.traction[rows] = -Z * particles.V[:, position_of_id[ids]].T
+
     def _evaluate(self, time: float) -> None:
         for (load, _), rows in zip(self._loads, self._rows, strict=True):
+            if id(load) in self._impedances:
+                continue
             for a, value in enumerate(load.traction_at(self._centres[:, rows], time)):
                 self.faces.traction[rows, a] = finite(value, load, time)
         self._evaluated = True

@@ -61,6 +61,8 @@ class Loads:
         Whether symmetry planes fold the nodal masses: then gravity is gathered from the particles.
     parallel
         Whether parallel kernels are used.
+    impedance
+        Gives the impedance (d,) of a load that resists the velocity of a face.
 
     Attributes
     ----------
@@ -83,14 +85,16 @@ class Loads:
         rigid_dofs: Callable[[], Array] | None,
         has_mirror: bool,
         parallel: bool,
+        impedance: Callable[[LoadModel], Array],
     ):
         self._particles, self._grid, self._order, self._transfer = particles, grid, order, transfer
         self._rigid_dofs, self._has_mirror, self._parallel = rigid_dofs, has_mirror, parallel
         self.on_particles = ParticleLoads(models, analysis, bodies, particles)
-        on_faces = [load for load in models if "traction_at" in load.effects()]
+        on_faces = [load for load in models if load.effects() & {"traction_at", "impedance_of"}]
         self.faces = TractionFaces(
             [(load, shown(*load.loaded_face())) for load in on_faces], particles, grid, analysis, section,
             grid_functions=shape.grid_functions, domain=shape.domain, several_fields=grid.fields > 1,
+            impedances={id(load): impedance(load) for load in on_faces if "impedance_of" in load.effects()},
         )  # fmt: skip
         self.force = np.zeros((grid.dof_count, grid.dimensions))
         self._place: Array | None = None

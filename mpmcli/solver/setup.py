@@ -176,6 +176,15 @@ def loads_by_clocks(scene: Any, clocks: Clocks) -> list[Any]:
     return [ClockedLoad(load, clocks[load.name]) if load.name in clocks else load for load in loads]
 
 
+def impedance_of(scene: Any, load: Any) -> Array:
+    """Return the impedance (d,) of a load that absorbs waves, with the material of its body."""
+    name, _ = load.loaded_face()
+    body = next(body for body in scene.bodies if body.name == name)
+    return np.asarray(
+        load.impedance_of(scene.materials[body.material], scene.analysis.kind, scene.dimensions)
+    )
+
+
 def bodies_by_clocks(scene: Any, clocks: Clocks) -> Sequence[Any]:
     """Return the bodies of a scene; rigid ones may go by clocks."""
     if not any(body.name in clocks for body in scene.bodies):

@@ -354,6 +354,7 @@ class Simulation(Parts):
             rigid_dofs=None if rigid is None else lambda: rigid.dofs,
             has_mirror=has_mirror,
             parallel=self.parallel,
+            impedance=lambda load: setup.impedance_of(scene, load),
         )
 
     def _shown(self, body: str, face: Any) -> Array:

@@ -356,6 +356,7 @@ def loads_of(d: int) -> dict[str, list[dict[str, Any]]]:
     """Words of every kind of load."""
     vector, face = [0.3, "0.1*t", 0.2][:d], {"axis": "x", "side": "upper"}
     return {
+        "absorbing": [{"on": {"body": "block0", "face": face}}],
         "gravity": [{"acceleration": vector}],
         "body_force": [
             {"acceleration": ["0.1*x*t", 0.2, 0.1][:d]},
