@@ -12,7 +12,11 @@ from mpmcli.materials.base import history_at_start, keeps_strain, kirchhoff_stre
 from mpmcli.materials.initial_stress import find_stretches, stiffness_at_rest
 
 CASES = [
-    pytest.param(MATERIALS[kind].model_validate(examples.material(kind, numbers)), id=f"{kind}-{i}")
+    pytest.param(
+        MATERIALS[kind].model_validate(examples.material(kind, numbers)),
+        id=f"{kind}-{i}",
+        marks=pytest.mark.slow if i else (),
+    )
     for kind in MATERIALS
     if kind != "rigid"
     for i, numbers in enumerate(examples.MATERIALS[kind])
@@ -22,24 +26,23 @@ CASES = [
 @pytest.mark.parametrize("model", CASES)
 def test_the_state_found_has_the_stress_asked_for(model):
     """A thousandth of the stiffness, in compression; of materials without shear stiffness a pressure."""
-    m, H = model.parameters("3d", False), history_at_start(model, 2)
+    m, H = model.parameters("3d", False), history_at_start(model, 1)
     at_rest, slope = stiffness_at_rest(m, H[:, :1], keeps_strain(model))
     shear = slope[3, 3] > 1e-9 * np.abs(slope).max()
     size = 1e-3 * max(np.abs(slope).max(), np.abs(at_rest).max())
     asked = np.outer(
-        [-1.0, -0.9, -0.8, 0.02, 0.01, 0.03] if shear else [-1.0, -1.0, -1.0, 0.0, 0.0, 0.0], [0.3, 1.0]
+        [-1.0, -0.9, -0.8, 0.02, 0.01, 0.03] if shear else [-1.0, -1.0, -1.0, 0.0, 0.0, 0.0], [1.0]
     )
     asked = size * asked + at_rest[:, None]
     V, missed = find_stretches(m, H, asked, keeps_strain(model), None)
     assert missed.max() < 1e-11
-    for p in range(2):
-        xx, yy, zz, xy, yz, xz = map(float, V[:, p])
-        F = (xx, xy, xz, xy, yy, yz, xz, yz, zz)
-        J = np.linalg.det(np.reshape(F, (3, 3)))
-        if keeps_strain(model):
-            F, J = IDENTITY, 1.0
-        tau = kirchhoff_stress(m, F, IDENTITY, H, p, 0.0, False)
-        np.testing.assert_allclose(np.array(tau) / J, asked[:, p], rtol=0, atol=1e-9 * np.abs(asked).max())
+    xx, yy, zz, xy, yz, xz = map(float, V[:, 0])
+    F = (xx, xy, xz, xy, yy, yz, xz, yz, zz)
+    J = np.linalg.det(np.reshape(F, (3, 3)))
+    if keeps_strain(model):
+        F, J = IDENTITY, 1.0
+    tau = kirchhoff_stress(m, F, IDENTITY, H, 0, 0.0, False)
+    np.testing.assert_allclose(np.array(tau) / J, asked[:, 0], rtol=0, atol=1e-9 * np.abs(asked).max())
 
 
 def test_what_a_material_cannot_carry_is_missed():
