@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from typing import Annotated, ClassVar, Literal
 
@@ -110,6 +110,16 @@ class Points(Region):
         """Positions (d, n), half-sizes of the domains along the grid's axes (d, n) and volumes (n,)."""
         X, half, volume = self._own_particles(d)
         return self.place(X), half, volume
+
+    def has_column(self, name: str) -> bool:
+        """Return whether the file has a column."""
+        return name in self._columns
+
+    def columns_at(self, names: Iterable[str], X: Array) -> dict[str, Array]:
+        """Return those of the named columns that the file has, (n,) each, for particles of it at positions X (d, n)."""
+        own = {place.tobytes(): row for row, place in enumerate(self.particles(len(X))[0].T.copy())}
+        rows = [own[place.tobytes()] for place in np.ascontiguousarray(X.T)]
+        return {name: self._columns[name][rows] for name in names if name in self._columns}
 
     def _inside(self, points: Array) -> Array:
         X, half, _ = self._own_particles(len(points))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -64,7 +64,16 @@ class Geostatic(Model):
     """Pressure q at the surface."""
 
 
-InitialStress = Annotated[StressComponents | Geostatic, Field(discriminator="kind")]
+class StressOfPoints(Model):
+    """Cauchy stress of each particle, from the file of points that fills the body.
+
+    Its columns `stress_xx`, `stress_yy`, … are positive in tension; those that are missing are zero.
+    """
+
+    kind: Literal["points"]
+
+
+InitialStress = Annotated[StressComponents | Geostatic | StressOfPoints, Field(discriminator="kind")]
 
 
 def gravity_at_start(loads: Iterable[Any], dimensions: int) -> Array:
@@ -98,17 +107,29 @@ def stress_problems(
         if free and asked.K0 > 0.0:
             found.append((".K0", f"lateral stresses are zero in the analysis '{analysis}': K0 must be 0"))
         return found
-    found = []
-    for name in COMPONENTS:
-        value = getattr(asked, name)
-        if value is None:
-            continue
-        if name not in STRESS_COMPONENTS[d]:
-            found.append((f".{name}", f"this component does not exist in the analysis '{analysis}'"))
-        elif name in free:
-            found.append((f".{name}", f"this component is zero in the analysis '{analysis}'"))
-        found += check_variables(f".{name}", value, d)
+    if isinstance(asked, StressOfPoints):
+        if body.region.kind != "points":
+            return [("", "needs a region of kind points, whose file has the stresses")]
+        given = [name for name in COMPONENTS if body.region.has_column(f"stress_{name}")]
+        found = [
+            ("", words.replace("this component", f"stress_{name}"))
+            for name, words in _absent(given, analysis)
+        ]
+        return found if given else [("", f"'{body.region.file}' has no column stress_xx, stress_yy, …")]
+    given = [name for name in COMPONENTS if getattr(asked, name) is not None]
+    found = [(f".{name}", words) for name, words in _absent(given, analysis)]
+    for name in given:
+        found += check_variables(f".{name}", getattr(asked, name), d)
     return found
+
+
+def _absent(given: Iterable[str], analysis: str) -> Iterator[tuple[str, str]]:
+    """Names of the components that an analysis has not, with words."""
+    for name in given:
+        if name not in STRESS_COMPONENTS[ANALYSES[analysis]().dimensions]:
+            yield name, f"this component does not exist in the analysis '{analysis}'"
+        elif name in FREE.get(analysis, ()):
+            yield name, f"this component is zero in the analysis '{analysis}'"
 
 
 def start_stress(scene: Any, body: Any, X: Array) -> tuple[Array, list[Problem]]:
@@ -128,6 +149,14 @@ def start_stress(scene: Any, body: Any, X: Array) -> tuple[Array, list[Problem]]
                 stress[k] = vertical if k == axis else asked.K0 * vertical
         if not np.all(np.isfinite(stress)):
             found.append(Problem(f"bodies.{body.name}.stress.surface", "it is not finite", code="not_finite"))
+        return stress, found
+    if isinstance(asked, StressOfPoints):
+        columns = body.region.columns_at([f"stress_{name}" for name in COMPONENTS], X)
+        for name, column in columns.items():
+            stress[COMPONENTS.index(name.removeprefix("stress_"))] = column
+        if not np.all(np.isfinite(stress)):
+            words = f"the stresses of '{body.region.file}' are not all finite"
+            found.append(Problem(f"bodies.{body.name}.stress", words, code="not_finite"))
         return stress, found
     for k, name in enumerate(COMPONENTS):
         value = getattr(asked, name)

@@ -7,6 +7,7 @@ import pytest
 from mpmcli.core.errors import SceneError
 from mpmcli.scene.filling import check_filling
 from mpmcli.scene.loader import load_scene
+from mpmcli.solver.simulation import Simulation
 
 SCENE = """
 version: 1
@@ -65,3 +66,48 @@ def test_stress_that_fits_is_accepted(checked):
 def test_stress_that_does_not_fit_is_refused_in_words(checked, keys, words):
     with pytest.raises(SceneError, match=words):
         checked(**keys)
+
+
+POINTS = """
+version: 1
+analysis: {{kind: plane_strain}}
+grid: {{lower: [0, 0], upper: [2, 3], cell: 1}}
+materials: {{soil: {{kind: linear_elastic, E: 1000, nu: 0.25, density: 1}}}}
+bodies:
+  - {{name: column, material: soil, region: {region}, stress: {{kind: points}}}}
+method: {{transfer: {{kind: flip}}}}
+time: {{end: 1, courant: 0.4}}
+"""
+TABLE = "x,y,volume,stress_yy,stress_xy\n1.25,1.75,0.25,-3,0.1\n0.25,0.25,0.25,-1,0\n0.75,0.25,0.25,-2,0.2\n"
+
+
+def with_points(folder, table=TABLE, region="{kind: points, file: points.csv}"):
+    (folder / "points.csv").write_text(table)
+    (folder / "scene.yaml").write_text(POINTS.format(region=region))
+    loaded = load_scene(folder / "scene.yaml")
+    check_filling(loaded.scene)
+    return Simulation(loaded)
+
+
+@pytest.mark.slow
+def test_stress_of_each_particle_comes_from_the_file_of_points(tmp_path):
+    particles = with_points(tmp_path).particles
+    stress = particles.tau / particles.determinant()
+    at = {tuple(X): (yy, xy) for X, yy, xy in zip(particles.X.T.tolist(), stress[1], stress[3], strict=True)}
+    assert at[1.25, 1.75] == pytest.approx((-3, 0.1))
+    assert at[0.25, 0.25] == pytest.approx((-1, 0))
+    assert at[0.75, 0.25] == pytest.approx((-2, 0.2))
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"table": "x,y,volume\n1,1,0.25\n"}, "'points.csv' has no column stress_xx"),
+        ({"table": "x,y,volume,stress_xz\n1,1,0.25,1\n"}, "stress_xz does not exist in the analysis"),
+        ({"table": "x,y,volume,stress_xx\n1,1,0.25,nan\n"}, "not all finite"),
+        ({"region": "{kind: box, lower: [0, 0], upper: [1, 1]}"}, "needs a region of kind points"),
+    ],
+)
+def test_files_without_stress_are_refused_in_words(tmp_path, keys, words):
+    with pytest.raises(SceneError, match=words):
+        with_points(tmp_path, **keys)
