@@ -8,6 +8,7 @@ from typing import Any
 from mpmcli.importers.base import Expression
 from mpmcli.importers.cbgeo.mesh import CELL_TYPES
 from mpmcli.importers.cbgeo.work import Work
+from mpmcli.scene.archive import ParticleArchive
 
 EXPLICIT = re.compile(r"MPMExplicit(USF|USL|MUSL)?([23])D\Z")
 UPDATES = {"usf": "usf", "usl": "usl", "musl": "usl+"}
@@ -98,23 +99,18 @@ def add_archive(work: Work) -> None:
     work.constant("output_steps", given.output_steps)
     every = Expression("output_steps*dt")
     particles: dict[str, Any] = {"every": every}
-    fields = [FIELDS[name] for name in given.vtk if name in FIELDS]
+    wanted = [FIELDS[name] for name in given.vtk if name in FIELDS]
     for name in given.vtk:
         if name not in (*FIELDS, "geometry"):
             work.note("ignored", ("post_processing", "vtk"), f"'{name}' is no quantity of mpmcli's archives")
-    states = []
     for name in given.vtk_statevars:
         if isinstance(name, str) and name in STATES:
-            states.append(STATES[name])
+            wanted.append(STATES[name])
         else:
             shown = name if isinstance(name, str) else "variables by phase"
-            work.note(
-                "ignored", ("post_processing", "vtk_statevars"), f"'{shown}' is no quantity of archives here"
-            )
-    if states:
-        particles["fields"] = list(
-            dict.fromkeys([*(fields or ["displacement", "velocity", "stress"]), *states])
-        )
-    elif fields:
-        particles["fields"] = list(dict.fromkeys(fields))
+            words = f"'{shown}' is no quantity of mpmcli's archives"
+            work.note("ignored", ("post_processing", "vtk_statevars"), words)
+    always = ParticleArchive.model_fields["fields"].default  # as CB-Geo's HDF5 files, which hold all of them
+    if not set(wanted) <= set(always):
+        particles["fields"] = list(dict.fromkeys([*always, *wanted]))
     work.scene["archive"] = {"particles": particles, "globals": {"every": every}}

@@ -328,3 +328,16 @@ def test_cam_clay_begins_at_its_pressure(tmp_path):
     given.main["materials"][0]["bonding"] = True
     found = translate(given.write(tmp_path), partial=False).problems(partial=False)
     assert [problem.path for problem in found] == ["materials.0.bonding"]
+
+
+def test_quantities_of_the_archive(tmp_path):
+    given = uniaxial_traction()
+    given.main["post_processing"] |= {
+        "vtk": ["stresses", "geometry", "strains"],
+        "vtk_statevars": ["pdstrain", "x"],
+    }
+    made = translated(given, tmp_path)
+    fields = made.scene["archive"]["particles"]["fields"]
+    assert fields[:4] == ["displacement", "velocity", "stress", "deformation_gradient"]
+    assert fields[4:] == ["strain", "equivalent_plastic_strain"]
+    assert "'x' is no quantity" in str(made.of_kind("ignored"))
