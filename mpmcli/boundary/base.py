@@ -56,6 +56,7 @@ LOADS = Registry(
         "gravity": "gravity",
         "heat_flux": "heat_flux",
         "heat_source": "heat_source",
+        "nodal_force": "nodal_force",
         "particle_force": "particle_force",
         "radiation": "radiation",
         "traction": "traction",
@@ -149,7 +150,14 @@ class ConditionModel(Model):
 
 
 EFFECTS = {
-    "velocity": ("uniform_acceleration", "acceleration_at", "force_at", "impedance_of", "traction_at"),
+    "velocity": (
+        "uniform_acceleration",
+        "acceleration_at",
+        "force_at",
+        "impedance_of",
+        "nodal_force_at",
+        "traction_at",
+    ),
     "temperature": ("heat_flux_at", "heat_power_at"),
 }
 """Methods by which a load acts on a quantity; each kind of load defines at least one of those of its quantity."""
@@ -191,6 +199,11 @@ class LoadModel(Model):
         return False
 
     @property
+    def follows_positions(self) -> bool:
+        """Whether ``traction_at`` takes the present positions of the face, not those at the start."""
+        return False
+
+    @property
     def shares_force(self) -> bool:
         """Whether ``force_at`` is the force on all particles, shared by mass, and not that on each."""
         return False
@@ -225,6 +238,10 @@ class LoadModel(Model):
         ``material`` is the model of the body's material, ``analysis`` the name of the kind of analysis.
         """
         raise TypeError(f"{type(self).__name__} has no impedance")
+
+    def nodal_force_at(self, time: float) -> tuple[Any, Values]:
+        """Return a point of the grid (d,), and the force there [force]."""
+        raise TypeError(f"{type(self).__name__} has no force on nodes")
 
     def heat_flux_at(self, points: Array, time: float, temperature: Array) -> tuple[Any, Any]:
         """Return the power per area into ``loaded_face``, and its derivative by the temperature of the surface.

@@ -88,6 +88,10 @@ class ClockedLoad:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._model, name)
 
+    def nodal_force_at(self, time: float) -> Any:
+        """Return a point of the grid, and the force there."""
+        return self._model.nodal_force_at(self._clock.time(time))
+
     def uniform_acceleration(self, time: float) -> Values:
         """Return the acceleration of all particles alike."""
         return self._model.uniform_acceleration(self._clock.time(time))
@@ -102,7 +106,7 @@ def _at_clock(name: str) -> Any:
 
 
 for _name in EFFECTS["velocity"]:
-    if _name not in ("uniform_acceleration", "impedance_of"):
+    if _name not in ("impedance_of", "nodal_force_at", "uniform_acceleration"):
         setattr(ClockedLoad, _name, _at_clock(_name))
 
 

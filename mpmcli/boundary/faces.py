@@ -92,7 +92,7 @@ class TractionFaces:
             (n, d) nodal forces; the tractions are added.
         """
         if not self._evaluated or self._varies:
-            self._evaluate(time)
+            self._evaluate(time, particles, position_of_id)
         if self._impedances:
             self._resist(particles, position_of_id)
         lost = add_tractions(
@@ -110,13 +110,26 @@ class TractionFaces:
             if (Z := self._impedances.get(id(load))) is not None:
                 self.faces.traction[rows] = -Z * particles.V[:, position_of_id[ids]].T
 
-    def _evaluate(self, time: float) -> None:
-        for (load, _), rows in zip(self._loads, self._rows, strict=True):
+    def _evaluate(self, time: float, particles: Particles, position_of_id: Array) -> None:
+        for (load, ids), rows in zip(self._loads, self._rows, strict=True):
             if id(load) in self._impedances:
                 continue
-            for a, value in enumerate(load.traction_at(self._centres[:, rows], time)):
+            centres = self._centres[:, rows]
+            if load.follows_positions:
+                face = load.loaded_face()[1]
+                centres = present_centres(face, particles, position_of_id[ids])
+            for a, value in enumerate(load.traction_at(centres, time)):
                 self.faces.traction[rows, a] = finite(value, load, time)
         self._evaluated = True
+
+
+def present_centres(face: Face, particles: Particles, memory: Array) -> Array:
+    """Return the middles (d, n) of the deformed faces of particles at these places in memory [length]."""
+    centres = particles.X[:, memory].copy()
+    d, half = len(centres), face.sign * particles.size[face.index, memory]
+    for a in range(d):
+        centres[a] += particles.F[d * a + face.index, memory] * half
+    return centres
 
 
 def list_faces(

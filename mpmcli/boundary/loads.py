@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from mpmcli.boundary.base import Array, LoadModel
 from mpmcli.boundary.faces import TractionFaces
-from mpmcli.boundary.particle_loads import ParticleLoads
+from mpmcli.boundary.particle_loads import ParticleLoads, full_ring
 from mpmcli.boundary.place import Face
 from mpmcli.core.analysis import Analysis
 from mpmcli.core.chunks import CHUNKS
@@ -19,6 +19,9 @@ from mpmcli.core.order import CellOrder
 from mpmcli.core.particles import Particles
 from mpmcli.core.step import Step
 from mpmcli.core.transfer import nodes
+
+if TYPE_CHECKING:  # imported by scenes with concentrated forces
+    from mpmcli.boundary.nodal_forces import NodalForces
 
 
 class Scatter(Protocol):
@@ -96,6 +99,11 @@ class Loads:
             grid_functions=shape.grid_functions, domain=shape.domain, several_fields=grid.fields > 1,
             impedances={id(load): impedance(load) for load in on_faces if "impedance_of" in load.effects()},
         )  # fmt: skip
+        self._on_nodes: NodalForces | None = None
+        if on_nodes := [load for load in models if "nodal_force_at" in load.effects()]:
+            from mpmcli.boundary.nodal_forces import NodalForces
+
+            self._on_nodes = NodalForces(on_nodes, grid, full_ring(analysis))
         self.force = np.zeros((grid.dof_count, grid.dimensions))
         self._place: Array | None = None
         self._version: Any = None
@@ -116,6 +124,8 @@ class Loads:
                 self._place = place_of_identity(self._particles.id)
                 self._version = version
             self.faces.add(time, self._particles, self._place, grid.mp, f)
+        if self._on_nodes is not None:
+            self._on_nodes.add(time, grid.mp, f)
         if self._rigid_dofs is not None:
             f[self._rigid_dofs()] = 0.0
 

@@ -38,7 +38,7 @@ class ParticleLoads:
         self, loads: Sequence[LoadModel], analysis: Analysis, bodies: Sequence[str], particles: Particles
     ):
         self._dimensions = analysis.dimensions
-        self._ring = 2 * math.pi if isinstance(analysis, Axisymmetric) else 1.0
+        self._ring = full_ring(analysis)
         self._uniform = [load for load in loads if "uniform_acceleration" in load.effects()]
         self._accelerating = [load for load in loads if "acceleration_at" in load.effects()]
         self._pushing = [load for load in loads if "force_at" in load.effects()]
@@ -128,6 +128,11 @@ class ParticleLoads:
         if load.uses_initial_positions and self.initial_positions is not None:
             return self.initial_positions[:, particles.id[rows]]
         return particles.X[:, rows]
+
+
+def full_ring(analysis: Analysis) -> float:
+    """Return 2π in axisymmetric analyses, where forces of the user are those on the full ring, else 1."""
+    return 2 * math.pi if isinstance(analysis, Axisymmetric) else 1.0
 
 
 def finite(values: Any, load: LoadModel, time: float) -> Any:

@@ -24,11 +24,14 @@ class Traction(LoadModel):
     on: Surface
     """Body and face."""
     traction: tuple[TractionField, ...] | None = None
-    """Force per area, one number or expression of x, y, z (of the face at the start) and t per axis."""
+    """Force per area, one number or expression of x, y, z (of the face) and t per axis."""
     pressure: TractionField | None = None
     """Instead of ``traction``: pressure on the face, positive inwards."""
     follower: bool | None = None
     """Whether area and direction follow the deformed face; by default pressures do and tractions do not."""
+
+    coordinates: Literal["initial", "current"] | None = None
+    """Positions that expressions take: those of the face at the start, which is the default, or those of now."""
 
     @model_validator(mode="after")
     def _traction_or_pressure(self) -> Traction:
@@ -42,8 +45,15 @@ class Traction(LoadModel):
         return self.pressure is not None if self.follower is None else self.follower
 
     @property
+    def follows_positions(self) -> bool:
+        """Whether expressions take present positions."""
+        return self.coordinates == "current"
+
+    @property
     def varies(self) -> bool:
-        """Whether it depends on time."""
+        """Whether it changes during the run."""
+        if self.follows_positions:
+            return True
         components = (self.pressure,) if self.traction is None else self.traction
         return any(component is not None and "t" in component.variables for component in components)
 

@@ -362,13 +362,14 @@ def loads_of(d: int) -> dict[str, list[dict[str, Any]]]:
             {"acceleration": ["0.1*x*t", 0.2, 0.1][:d]},
             {"on": {"body": "block0"}, "acceleration": vector, "coordinates": "initial"},
         ],
+        "nodal_force": [{"at": [2.5] * d, "force": vector}],
         "particle_force": [
             {"on": {"body": "block0"}, "force": vector, "per": "total"},
             {"on": {"box": {"lower": [0] * d, "upper": [3] * d}}, "force": vector, "per": "particle"},
         ],
         "traction": [
             {"on": {"body": "block0", "face": face}, "traction": vector},
-            {"on": {"body": "block0", "face": face}, "pressure": 0.2, "follower": True},
+            {"on": {"body": "block0", "face": face}, "pressure": "0.2*x", "coordinates": "current"},
         ],
         "heat_flux": [{"on": {"body": "block0", "face": face}, "flux": "x+t"}],
         "film": [{"on": {"body": "block0", "face": face}, "coefficient": "1+t", "around": 350}],

@@ -201,7 +201,9 @@ def test_what_does_not_fit_the_axes_is_listed(model, keys):
 
 def test_all_kinds_are_registered():
     heat = {"film", "heat_flux", "heat_source", "radiation"}
-    assert set(LOADS) == heat | {"body_force", "gravity", "particle_force", "traction"}
+    assert set(LOADS) == heat | {
+        *("absorbing", "body_force", "gravity", "nodal_force", "particle_force", "traction")
+    }
     assert {kind for kind in LOADS if LOADS[kind].acts_on == "temperature"} == heat
 
 
