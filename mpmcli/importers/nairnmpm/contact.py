@@ -155,7 +155,7 @@ def _normal(job: Job, mode: Command) -> dict[str, Any]:
 
 
 def _separation(job: Job, mode: Command, normal: str) -> dict[str, Any]:
-    check = job.plain(mode, "Dcheck")
+    check = job.plain(mode, "Dcheck", 1.0)
     position = mode.last("ContactPosition")
     offset = job.number(position, None) if position is not None else None
     if normal.endswith("_regression"):
