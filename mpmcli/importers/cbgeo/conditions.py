@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 
 from mpmcli.importers.base import Expression
-from mpmcli.importers.cbgeo.constraints import Held, directions, first_holds, members, velocities
+from mpmcli.importers.cbgeo.constraints import Held, directions, first_holds, velocities
 from mpmcli.importers.cbgeo.friction import frictions
 from mpmcli.importers.cbgeo.mesh import AXES, RegularGrid, cover
 from mpmcli.importers.cbgeo.reading import Array
-from mpmcli.importers.cbgeo.source import NodeConstraint
 from mpmcli.importers.cbgeo.work import Keys, Work
 
 SIDES = {
@@ -185,6 +184,3 @@ def _refuse_others(work: Work) -> None:
     for name, words in reasons.items():
         if getattr(given, name):
             work.note("not_supported", (*keys, name), words)
-    for at, member in members(given.absorbing_constraints, (*keys, "absorbing_constraints")):
-        if isinstance(member, NodeConstraint | str):
-            work.note("not_supported", at, "this version of mpmcli has no such condition")

@@ -10,9 +10,10 @@ from mpmcli.importers.base import Expression
 from mpmcli.importers.cbgeo.bodies import Made
 from mpmcli.importers.cbgeo.conditions import free_name
 from mpmcli.importers.cbgeo.mesh import AXES, rounded
+from mpmcli.importers.cbgeo.nodal_loads import add_absorbing, add_nodal_forces
 from mpmcli.importers.cbgeo.particles import as_table
 from mpmcli.importers.cbgeo.reading import Array
-from mpmcli.importers.cbgeo.source import NodalForce, SurfaceTraction
+from mpmcli.importers.cbgeo.source import SurfaceTraction
 from mpmcli.importers.cbgeo.work import Keys, Work, plain
 
 LOADING = "external_loading_conditions"
@@ -22,13 +23,10 @@ def add_loads(work: Work, bodies: list[Made]) -> None:
     """Translate all loads."""
     loading = work.given.source.external_loading_conditions
     _add_gravity(work)
-    forces = loading.concentrated_nodal_forces
-    keys: Keys = (LOADING, "concentrated_nodal_forces")
-    for index, force in enumerate(forces if isinstance(forces, tuple) else (forces,)):
-        at = (*keys, index) if isinstance(forces, tuple) else keys
-        _refuse_force(work, force, at)
+    add_nodal_forces(work)
     for index, traction in enumerate(loading.particle_surface_traction):
         _add_traction(work, bodies, traction, (LOADING, "particle_surface_traction", index))
+    add_absorbing(work, bodies)
 
 
 def _add_gravity(work: Work) -> None:
@@ -59,13 +57,6 @@ def _add_gravity(work: Work) -> None:
 
 def _other(sign: str) -> str:
     return "" if sign else "-"
-
-
-def _refuse_force(work: Work, force: NodalForce, keys: Keys) -> None:
-    if force.file is None:
-        work.nodes_of(force.nset_id, keys)
-        work.axis(force.dir, keys)
-    work.note("not_supported", keys, "this version of mpmcli has no forces on nodes")
 
 
 def _add_traction(work: Work, bodies: list[Made], given: SurfaceTraction, keys: Keys) -> None:

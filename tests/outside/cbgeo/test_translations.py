@@ -18,9 +18,6 @@ from mpmcli.importers.scene_text import write
 LARGE = {"dam_break", "plate_with_hole"}
 """Inputs of many particles; the slow test runs them coarser."""
 NOT_SUPPORTED = {
-    "absorbing_column": ["absorbing_constraints"],
-    "uniaxial_traction_file": ["concentrated_nodal_forces"],
-    "uniaxial_traction_nodes": ["concentrated_nodal_forces"],
     "consolidation": ["MPMExplicitTwoPhase2D", "pore_pressure_constraints"],
     "injected_particles": ["particles that appear during the run"],
     "moved_particles": ["particles with a prescribed velocity"],
@@ -195,6 +192,21 @@ BROKEN: dict[str, tuple[Change, str, str | int, str]] = {
         set_key("mesh", "boundary_conditions", "friction_constraints",
                 to=[{"nset_id": 0, "dir": 0, "sign_n": 1, "friction": 0.1}]),
         "mpm.json", 19, "no velocity constraint holds",
+    ),
+    "absorbing_inside": (
+        set_key("mesh", "boundary_conditions", "absorbing_constraints",
+                to=[{"nset_id": 0, "dir": 1, "delta": 0.1, "h_min": 0.1, "a": 1, "b": 1}]),
+        "mpm.json", 19, "no whole side of the mesh",
+    ),
+    "no_thickness_of_a_layer": (
+        set_key("mesh", "boundary_conditions", "absorbing_constraints", to=[{"nset_id": 0, "dir": 0, "a": 1, "b": 1}]),
+        "mpm.json", 19, "'delta' is missing",
+    ),
+    "force_without_size": (
+        set_key("external_loading_conditions", "concentrated_nodal_forces", to=[{"nset_id": 0, "dir": 0}]),
+        "mpm.json",
+        56,
+        "'force' is missing",
     ),
     "too_few_particles": (replaced("particles.txt", "12\n", "13\n"), "particles.txt", 1, "counts 13"),
     "particle_not_finite": (replaced("particles.txt", "0.275\t0.075", "nan\t0.075"), "particles.txt", "nan", "finite"),

@@ -341,3 +341,25 @@ def test_quantities_of_the_archive(tmp_path):
     assert fields[:4] == ["displacement", "velocity", "stress", "deformation_gradient"]
     assert fields[4:] == ["strain", "equivalent_plastic_strain"]
     assert "'x' is no quantity" in str(made.of_kind("ignored"))
+
+
+def test_forces_on_nodes(tmp_path):
+    made = translated(sources.uniaxial_traction("nodes"), tmp_path).scene["loads"]
+    assert [load["at"] for load in made] == [[0.3, 0], [0.3, 0.1]]
+    assert made[0]["force"] == ["0.05*ramp(t, 0, 0.5)", 0]
+    given = sources.uniaxial_traction("file")
+    given.files["nodal-forces.txt"] = "3 0 0.05\n3 1 2\n7 0 0.05\n"
+    made = translated(given, tmp_path / "file").scene["loads"]
+    assert [load["force"] for load in made] == [[0.05, 2], [0.05, 0]]
+
+
+def test_an_absorbing_side(tmp_path):
+    given = sources.absorbing_column(10)
+    for constraint in given.main["mesh"]["boundary_conditions"]["absorbing_constraints"]:
+        constraint["a"] = 0.5
+    _, dashpots, springs = translated(given, tmp_path).scene["loads"]
+    assert dashpots["on"] == {"body": "body", "face": {"axis": "y", "side": "lower"}}
+    assert dashpots["pressure_wave"] == pytest.approx(0.5 * np.sqrt(1e5 / 1800))
+    assert dashpots["shear_wave"] == pytest.approx(np.sqrt(0.5e5 / 1800))
+    assert springs["traction"] == [0, "-1e6*y"]
+    assert springs["coordinates"] == "current"

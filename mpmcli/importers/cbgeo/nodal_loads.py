@@ -1,0 +1,145 @@
+"""What acts on nodes: concentrated forces, and the dashpots of absorbing constraints."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mpmcli.core.errors import SceneError
+from mpmcli.importers.base import Expression
+from mpmcli.importers.cbgeo.bodies import Made
+from mpmcli.importers.cbgeo.conditions import SIDES, free_name, spots
+from mpmcli.importers.cbgeo.constraints import members, rows_of
+from mpmcli.importers.cbgeo.mesh import AXES
+from mpmcli.importers.cbgeo.reading import Array
+from mpmcli.importers.cbgeo.source import AbsorbingConstraint, NodalForce
+from mpmcli.importers.cbgeo.work import Keys, Work, plain
+
+MAX_FORCES = 200
+"""Nodes with a force of their own."""
+SPRINGS = "the springs beside the dashpots act along the normal only"
+
+
+@dataclass(frozen=True)
+class Layer:
+    """Numbers of an absorbing layer: factors of the dashpots along and across the normal, and its thickness."""
+
+    a: float
+    b: float
+    delta: float
+
+
+def add_nodal_forces(work: Work) -> None:
+    """Translate concentrated forces, which each node of a set has in full."""
+    keys: Keys = ("external_loading_conditions", "concentrated_nodal_forces")
+    for at, given in members(work.given.source.external_loading_conditions.concentrated_nodal_forces, keys):
+        try:
+            table = rows_of(work, given, at, 3)
+        except SceneError as error:
+            work.refuse(error)
+            continue
+        if table is not None:
+            forces = np.zeros((len(work.grid.nodes), work.grid.d))
+            for node, axis, numbers in zip(table.whole(0), table.whole(1), table.rows, strict=True):
+                forces[node, axis] += numbers[2]
+            loaded = np.flatnonzero(forces.any(axis=1))
+            _add(work, at, [(node, work.grid.inside(forces[node]).tolist()) for node in loaded.tolist()])
+        else:
+            _of_set(work, given, at)
+
+
+def _of_set(work: Work, given: NodalForce, keys: Keys) -> None:
+    nodes, axis = work.nodes_of(given.nset_id, keys), work.axis(given.dir, keys)
+    if given.force is None:
+        work.fault(keys, "'force' is missing")
+    if nodes is None or axis is None or given.force is None or given.force == 0.0:
+        return
+    along = work.grid.inside(np.eye(work.grid.d)[axis])
+    force = [work.times(given.force * part, given.math_function_id, keys) for part in along.tolist()]
+    if None not in force:
+        _add(work, keys, [(node, force) for node in nodes.tolist()])
+
+
+def _add(work: Work, keys: Keys, forces: list[tuple[int, list[Any]]]) -> None:
+    if len(forces) > MAX_FORCES:
+        work.note(
+            "not_supported", keys, f"forces on {len(forces)} nodes; at most {MAX_FORCES} are translated"
+        )
+        return
+    loads = work.scene.setdefault("loads", [])
+    for node, force in forces:
+        name = free_name("force", {load["name"] for load in loads})
+        at = work.grid.place(work.grid.nodes[node]).tolist()
+        loads.append({"name": name, "kind": "nodal_force", "at": at, "force": force})
+
+
+def add_absorbing(work: Work, bodies: list[Made]) -> None:
+    """Translate the dashpots of absorbing constraints, those of one side together; springs are not supported."""
+    keys: Keys = ("mesh", "boundary_conditions", "absorbing_constraints")
+    groups: dict[tuple[int, Layer], tuple[Keys, list[int]]] = {}
+    for at, given in members(work.given.source.mesh.boundary_conditions.absorbing_constraints, keys):
+        if not isinstance(given, AbsorbingConstraint) or given.file is not None:
+            work.note("not_supported", at, "absorbing constraints in files")
+            continue
+        nodes, axis = work.nodes_of(given.nset_id, at), work.axis(given.dir, at)
+        for name in ("delta", "a", "b"):
+            if getattr(given, name) is None:
+                work.fault(at, f"'{name}' is missing")
+        if nodes is None or axis is None or given.delta is None or given.a is None or given.b is None:
+            continue
+        for name in ("h_min", "position"):
+            if getattr(given, name) is not None:
+                work.note("ignored", (*at, name), "areas are those of the face of the body")
+        layer = Layer(given.a, given.b, given.delta)
+        groups.setdefault((axis, layer), (at, []))[1].extend(nodes.tolist())
+    for (axis, layer), (at, found) in groups.items():
+        _absorb(work, bodies, at, np.unique(found), axis, layer)
+
+
+def _absorb(work: Work, bodies: list[Made], keys: Keys, nodes: Array, axis: int, layer: Layer) -> None:
+    grid = work.grid
+    sides = [spot.side for spot in spots(grid.nodes[nodes], grid) or [] if spot.side is not None]
+    for side in (side for side in sides if side[0] == axis):
+        at = float((grid.upper if side[1] else grid.lower)[axis])
+        for body in bodies:
+            boxes = body.filled.boxes if body.filled is not None else []
+            if len(boxes) == 1 and abs(boxes[0][side[1]][axis] - at) < 1e-6 * grid.cell[axis]:
+                _add_layer(work, body, keys, side, at, layer)
+                return
+    words = "absorbing nodes that are no whole side of the mesh on which a box of material lies"
+    work.note("not_supported", keys, words)
+
+
+def _add_layer(work: Work, body: Made, keys: Keys, side: tuple[int, int], at: float, layer: Layer) -> None:
+    """Dashpots of the material's impedance, and springs of its stiffness over the thickness of the layer."""
+    name = next(made["material"] for made in work.scene["bodies"] if made["name"] == body.name)
+    material = work.scene["materials"][name]
+    if not {"E", "nu", "density"} <= material.keys():
+        work.note("not_supported", keys, f"absorbing constraints of the material '{name}'")
+        return
+    E, nu, density = material["E"], material["nu"], material["density"]
+    stiffness = E * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
+    loads = work.scene.setdefault("loads", [])
+    plain_name = f"absorbing {SIDES[work.grid.d][side]}"
+    face = {"body": body.name, "face": {"axis": AXES[side[0]], "side": "upper" if side[1] else "lower"}}
+    dashpots: dict[str, Any] = {
+        "name": free_name(plain_name, {load["name"] for load in loads}), "kind": "absorbing", "on": face
+    }  # fmt: skip
+    if (layer.a, layer.b) != (1.0, 1.0):
+        dashpots["pressure_wave"] = layer.a * math.sqrt(stiffness / density)
+        dashpots["shear_wave"] = layer.b * math.sqrt(E / (2 * (1 + nu) * density))
+    loads.append(dashpots)
+    axis = AXES[side[0]]
+    way = axis if at == 0 else f"({axis} - {plain(at)})" if at > 0 else f"({axis} + {plain(-at)})"
+    traction: list[Any] = [0] * work.grid.d
+    traction[side[0]] = Expression(f"-{plain(stiffness / layer.delta)}*{way}")
+    words = f"stiffness {plain(stiffness)} over a layer of {plain(layer.delta)}"
+    work.made.comment(("loads", len(loads)), words)
+    loads.append(
+        {"name": f"{dashpots['name']} springs", "kind": "traction", "on": dict(face), "traction": traction,
+         "coordinates": "current"}
+    )  # fmt: skip
+    work.note("changed", keys, SPRINGS)
