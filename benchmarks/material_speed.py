@@ -19,6 +19,7 @@ from mpmcli.solver.simulation import Simulation
 
 E = {"E": 100.0, "nu": 0.3}
 SERIES = [{"time": 0.1 * 2**k, "G": 10.0, "K": 2.0} for k in range(8)]
+FRICTION = {"cohesion": 0.01, "friction": 30, "dilation": 5}
 MATERIALS = {
     "neo_hookean": E | {"kind": "neo_hookean"},
     "linear_elastic": E | {"kind": "linear_elastic"},
@@ -57,6 +58,20 @@ MATERIALS = {
         "kind": "j2_plastic",
         "hardening": {"kind": "voce", "yield_stress": 0.01, "saturation": 1.0, "eps0": 0.1},
     },
+    "mohr_coulomb": E | FRICTION | {"kind": "mohr_coulomb"},
+    "drucker_prager": E | FRICTION | {"kind": "drucker_prager", "match": "plane_strain"},
+    "granular": E
+    | {"kind": "granular", "mu_s": 0.4, "mu_2": 0.6, "grain_diameter": 0.1, "grain_density": 2.0},
+    "modified_cam_clay": {
+        "kind": "modified_cam_clay",
+        "M": 1.0,
+        "lambda": 0.1,
+        "kappa": 0.02,
+        "nu": 0.3,
+        "e0": 1.0,
+        "p0": 1.0,
+    },
+    "bingham": {"kind": "bingham", "K": 100.0, "viscosity": 0.01, "yield_stress": 0.01},
     "mooney_rivlin": {"kind": "mooney_rivlin", "G1": 30.0, "G2": 10.0, "K": 90.0},
     "viscoelastic, 1 term": {"kind": "viscoelastic", "G": 20.0, "K": 80.0, "terms": SERIES[:1]},
     "viscoelastic, 3 terms": {"kind": "viscoelastic", "G": 10.0, "K": 80.0, "terms": SERIES[:3]},

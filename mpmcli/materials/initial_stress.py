@@ -90,9 +90,10 @@ def _gradient(V: Any) -> Any:
 def _find(
     m: Any, H: Array, target: Array, compliance: Array, per: float, keeps: bool, stretch: Array, missed: Array
 ) -> None:
-    """e ← e + C⁻¹ (Jσ − τ(e)), until the stress is met; ``stretch`` (6, n) and ``missed`` (n,) are written."""
+    """e ← e + ω C⁻¹ (Jσ − τ(e)), until the stress is met; ``stretch`` (6, n) and ``missed`` (n,) are written."""
     for p in prange(target.shape[1]):
         e0, e1, e2, e3, e4, e5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        s0, s1, s2, s3, s4, s5, length = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0
         least = math.inf
         for _ in range(ITERATIONS):
             V = exponential_symmetric((e0, e1, e2, e3, e4, e5))
@@ -109,12 +110,20 @@ def _find(
             if not (largest > TOLERANCE and abs(e0) + abs(e1) + abs(e2) < MOST_STRAIN):
                 break
             c = compliance
-            e0 += c[0, 0] * r0 + c[0, 1] * r1 + c[0, 2] * r2 + c[0, 3] * r3 + c[0, 4] * r4 + c[0, 5] * r5
-            e1 += c[1, 0] * r0 + c[1, 1] * r1 + c[1, 2] * r2 + c[1, 3] * r3 + c[1, 4] * r4 + c[1, 5] * r5
-            e2 += c[2, 0] * r0 + c[2, 1] * r1 + c[2, 2] * r2 + c[2, 3] * r3 + c[2, 4] * r4 + c[2, 5] * r5
-            e3 += c[3, 0] * r0 + c[3, 1] * r1 + c[3, 2] * r2 + c[3, 3] * r3 + c[3, 4] * r4 + c[3, 5] * r5
-            e4 += c[4, 0] * r0 + c[4, 1] * r1 + c[4, 2] * r2 + c[4, 3] * r3 + c[4, 4] * r4 + c[4, 5] * r5
-            e5 += c[5, 0] * r0 + c[5, 1] * r1 + c[5, 2] * r2 + c[5, 3] * r3 + c[5, 4] * r4 + c[5, 5] * r5
+            z0 = c[0, 0] * r0 + c[0, 1] * r1 + c[0, 2] * r2 + c[0, 3] * r3 + c[0, 4] * r4 + c[0, 5] * r5
+            z1 = c[1, 0] * r0 + c[1, 1] * r1 + c[1, 2] * r2 + c[1, 3] * r3 + c[1, 4] * r4 + c[1, 5] * r5
+            z2 = c[2, 0] * r0 + c[2, 1] * r1 + c[2, 2] * r2 + c[2, 3] * r3 + c[2, 4] * r4 + c[2, 5] * r5
+            z3 = c[3, 0] * r0 + c[3, 1] * r1 + c[3, 2] * r2 + c[3, 3] * r3 + c[3, 4] * r4 + c[3, 5] * r5
+            z4 = c[4, 0] * r0 + c[4, 1] * r1 + c[4, 2] * r2 + c[4, 3] * r3 + c[4, 4] * r4 + c[4, 5] * r5
+            z5 = c[5, 0] * r0 + c[5, 1] * r1 + c[5, 2] * r2 + c[5, 3] * r3 + c[5, 4] * r4 + c[5, 5] * r5
+            # longer or shorter by what the last step has changed (Barzilai and Borwein 1988): stiffness of clay varies
+            squares = s0 * s0 + s1 * s1 + s2 * s2 + s3 * s3 + s4 * s4 + s5 * s5
+            gain = squares - s0 * z0 - s1 * z1 - s2 * z2 - s3 * z3 - s4 * z4 - s5 * z5
+            if gain > 0.0:
+                length = min(10.0 * length, max(0.1 * length, squares / gain * length))
+            s0, s1, s2, s3, s4, s5 = z0, z1, z2, z3, z4, z5
+            e0, e1, e2 = e0 + length * z0, e1 + length * z1, e2 + length * z2
+            e3, e4, e5 = e3 + length * z3, e4 + length * z4, e5 + length * z5
         missed[p] = least
         if keeps:
             xx, yy, zz = stretch[0, p], stretch[1, p], stretch[2, p]

@@ -59,3 +59,21 @@ def test_what_a_material_cannot_carry_is_missed():
     _, missed = find_stretches(metal.parameters("3d", False), history_at_start(metal, 2), asked, True, None)
     assert missed[0] > 0.1
     assert missed[1] < 1e-11
+
+
+def test_stiffness_may_differ_from_that_at_rest():
+    """Clay, whose stiffness follows the pressure, at pressures of a hundredth to five times that at rest."""
+    words = {
+        "M": 1.2,
+        "lambda": 0.2,
+        "kappa": 0.04,
+        "nu": 0.3,
+        "e0": 1,
+        "p0": 20.0,
+        "pressure": 1.0,
+        "density": 1,
+    }
+    clay = MATERIALS["modified_cam_clay"].model_validate(words | {"kind": "modified_cam_clay"})
+    asked = np.outer([-1.3, -0.7, -0.8, 0.1, 0.0, 0.2], [0.01, 0.1, 1.0, 5.0])
+    _, missed = find_stretches(clay.parameters("3d", False), history_at_start(clay, 4), asked, True, None)
+    assert missed.max() < 1e-11
