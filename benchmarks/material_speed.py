@@ -72,6 +72,12 @@ MATERIALS = {
         "p0": 1.0,
     },
     "bingham": {"kind": "bingham", "K": 100.0, "viscosity": 0.01, "yield_stress": 0.01},
+    "clamped_neo_hookean": E
+    | {"kind": "clamped_neo_hookean", "compression": 1e-3, "extension": 1e-3, "hardening": 1},
+    "isotropic_softening, whole": E | {"kind": "isotropic_softening", "strength": 1e3, "toughness": 1e6},
+    "isotropic_softening": E | {"kind": "isotropic_softening", "strength": 0.01, "toughness": 1.0},
+    "isotropic_softening, exponential": E
+    | {"kind": "isotropic_softening", "strength": 0.01, "toughness": 1.0, "softening": "exponential"},
     "mooney_rivlin": {"kind": "mooney_rivlin", "G1": 30.0, "G2": 10.0, "K": 90.0},
     "viscoelastic, 1 term": {"kind": "viscoelastic", "G": 20.0, "K": 80.0, "terms": SERIES[:1]},
     "viscoelastic, 3 terms": {"kind": "viscoelastic", "G": 10.0, "K": 80.0, "terms": SERIES[:3]},

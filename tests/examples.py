@@ -96,6 +96,7 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
             "softening_end": 0.1,
         },
     ],
+    "clamped_neo_hookean": [{"E": 3, "nu": 0.2}],
     "granular": [
         {"E": 3, "nu": 0.3, "mu_s": 0.6, "mu_2": 0.9, "I0": 0.3, "grain_diameter": 0.1, "grain_density": 1.5},
         {"K": 2, "G": 1, "mu_s": 0.7, "mu_2": 0.7, "grain_diameter": 0.1, "grain_density": 1.5},
@@ -135,6 +136,7 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
 """Of each kind of material, numbers of every sub-model (moduli of about 3, for densities of about 1)."""
 
 IN_PLANE_STRAIN: dict[str, int] = {
+    "clamped_neo_hookean": 0,
     "hill_plastic": 1,
     "isotropic_softening": 0,
     "j2_plastic": 2,

@@ -92,6 +92,7 @@ OTHER_WORDS = {
     "bingham": "slurry mud viscoplastic yield_stress_fluid",
     "bitmap": "image picture png",
     "box": "rectangle rect square cube cuboid block brick rectangular",
+    "clamped_neo_hookean": "snow clamped_neohookean",
     "coulomb": "friction frictional amontons",
     "difference": "ring annulus subtract",
     "disk": "circle disc round",

@@ -21,6 +21,7 @@ from mpmcli.core.registry import Registry
 
 KINDS = {
     "bingham": "bingham",
+    "clamped_neo_hookean": "clamped_neo_hookean",
     "drucker_prager": "drucker_prager",
     "granular": "granular",
     "hill_plastic": "hill_plastic",

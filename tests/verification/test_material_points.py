@@ -308,3 +308,45 @@ def test_a_crack_dissipates_the_toughness_in_any_mixture(law, mix):
     point.steps(200, 0.001, 1.0, mix, mix, 0.0)
     assert point.history("damage") == pytest.approx(1, abs=1e-3)
     assert point.history("dissipated_energy") * BAND == pytest.approx(0.01, rel=1e-3)
+
+
+# ---------------------------------------------------------------------- clamped_neo_hookean
+
+SNOW = {"kind": "clamped_neo_hookean", "E": 1.4, "nu": 0.2, "compression": 0.02, "extension": 0.005}
+
+
+def neo_hookean_stress(stretches, factor):
+    """τ of the elastic law with the moduli of snow."""
+    lame, G = 1.4 * 0.2 / (1.2 * 0.6), 1.4 / 2.4
+    J = np.prod(stretches)
+    return factor * (0.5 * lame * (J**2 - 1) + G * (np.array(stretches) ** 2 - 1))
+
+
+@pytest.mark.parametrize(("end", "limit"), [(0.8, 0.98), (1.05, 1.005), (0.985, 0.985)])
+def test_snow_in_uniaxial_strain(end, limit):
+    """Beyond its limit the elastic stretch stays, and the moduli have the factor exp(10(1 − J_P))."""
+    point = MaterialPoint("uniaxial_strain", SNOW)
+    tau = point.steps(100, 0.01, math.log(end))
+    assert tau == pytest.approx(neo_hookean_stress([limit, 1, 1], math.exp(10 * (1 - end / limit))), rel=1e-9)
+    assert math.exp(point.history("plastic_log_volume")) == pytest.approx(end / limit)
+    assert point.work == pytest.approx(point.energy + point.history("plastic_work"), rel=0.02)
+
+
+def test_snow_unloads_by_its_hardened_moduli():
+    point = MaterialPoint("3d", SNOW)
+    rate = np.eye(3).ravel()
+    point.steps(50, 0.01, *(-0.2 * rate))
+    J = math.exp(-0.3) / 0.98**3
+    tau = point.step(0.02, *rate)
+    stretch = 0.98 * math.exp(0.02)
+    assert tau[:3] == pytest.approx(neo_hookean_stress([stretch] * 3, math.exp(10 * (1 - J))), rel=1e-9)
+
+
+def test_snow_in_simple_shear():
+    """Equal and opposite strains along the diagonals are cut at different limits, so that the volume grows."""
+    point = MaterialPoint("plane_strain", SNOW)
+    tau = point.steps(60, 0.001, 0.0, 1.0, 1.0, 0.0)
+    J = math.exp(0.06 - math.log(1.005) - 0.06 - math.log(0.98))
+    along, across, _ = neo_hookean_stress([1.005, 0.98, 1.0], math.exp(10 * (1 - J)))
+    assert tau[3] == pytest.approx(0.5 * (along - across), rel=1e-6)
+    assert point.work == pytest.approx(point.energy + point.history("plastic_work"), rel=0.02)

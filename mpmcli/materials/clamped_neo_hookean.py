@@ -1,0 +1,170 @@
+"""Snow: neo-Hookean elasticity whose principal stretches are clamped, and which compaction hardens."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+
+from mpmcli.core.compiled.kernel import inline
+from mpmcli.core.exponentials import exponential_1d
+from mpmcli.core.model import Quantity
+from mpmcli.core.tensors import largest_eigenvalue_bound, smallest_eigenvalue_bound
+from mpmcli.materials.base import (
+    MATERIALS,
+    bulk_speed_squared,
+    dissipated_heat,
+    kirchhoff_stress,
+    needs_increment,
+    strain_energy,
+    wave_speed_squared,
+)
+from mpmcli.materials.defaults import with_defaults, yes
+from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
+from mpmcli.materials.hencky import HISTORY, elastic_tensor, elastic_volume, keep_tensor, trial_tensor
+from mpmcli.materials.neo_hookean import J_MINUS_INVERSE
+from mpmcli.materials.principal import from_principal, principal_strains
+from mpmcli.materials.volumetric import volumetric_energy, volumetric_stiffness, volumetric_stress
+
+VOLUME, WORK, LAST = 6, 7, 8
+
+
+@MATERIALS.register
+class ClampedNeoHookean(ElasticModel):
+    """Snow [stomakhin2013]: neo-Hookean elasticity with the stretches of Fᵉ between 1 − compression and 1 + extension.
+
+    What is beyond them becomes plastic, F = FᵉFᵖ. Compaction stiffens and extension weakens: with J_P = det Fᵖ both
+    moduli have the factor exp(hardening (1 − J_P)). The elastic law is that of ``neo_hookean``; the paper has a
+    corotated one.
+    """
+
+    history: ClassVar[tuple[str, ...]] = (
+        *HISTORY[:6],
+        "plastic_log_volume",
+        "plastic_work",
+        "plastic_work_of_step",
+    )
+    properties: ClassVar[frozenset[str]] = frozenset({"isotropic", "stress_free_at_rest"})
+
+    kind: Literal["clamped_neo_hookean"]
+    compression: Annotated[float, Quantity("1", gt=0, lt=1)] = 0.025
+    """Largest elastic compression θ_c of a principal axis."""
+    extension: Annotated[float, Quantity("1", gt=0)] = 0.0075
+    """Largest elastic extension θ_s of a principal axis."""
+    hardening: Annotated[float, Quantity("1", ge=0, le=100)] = 10.0
+    """Coefficient ξ of hardening by compaction."""
+
+    def parameters(self, analysis: str, adiabatic: bool) -> Snow:
+        """Moduli, limits of the logarithmic strain, and the square of the wave speed at rest."""
+        return Snow(
+            lame=self.lame_modulus,
+            shear=self.shear_modulus,
+            density=self.density,
+            rest2=self.initial_wave_speed(analysis) ** 2,
+            lateral=lateral_factor(self.lame_modulus, self.shear_modulus, analysis),
+            lowest=math.log1p(-self.compression),
+            highest=math.log1p(self.extension),
+            hardening=self.hardening,
+        )
+
+
+@with_defaults
+class Snow(NamedTuple):
+    """Numbers of a clamped neo-Hookean material."""
+
+    lame: float
+    shear: float
+    density: float
+    rest2: float
+    """Square of the wave speed at rest [velocity²]."""
+    lateral: float
+    """Wave stiffness of the analysis over that of uniaxial strain."""
+    lowest: float
+    """Smallest and largest elastic logarithmic strain."""
+    highest: float
+    hardening: float
+
+
+@inline
+def _stiffening(m: Any, log_volume: Any) -> Any:
+    """exp(ξ(1 − J_P))."""
+    return exponential_1d(m.hardening * (1.0 - exponential_1d(log_volume)))
+
+
+@inline
+def _energy(m: Any, trace: Any, log_J: Any) -> Any:
+    """Stored energy from tr bᵉ − 3 and the elastic ln J, with the moduli at rest [pressure]."""
+    volume = volumetric_energy(J_MINUS_INVERSE, m.lame, exponential_1d(log_J))
+    return volume + 0.5 * m.shear * (trace - 2.0 * log_J)
+
+
+needs_increment.register(Snow)(yes)
+
+
+@kirchhoff_stress.register(Snow)
+def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
+    b = trial_tensor(dF, H, p)
+    log_volume = H[VOLUME, p]
+    work = 0.0
+    low, high = exponential_1d(2.0 * m.lowest), exponential_1d(2.0 * m.highest)
+    if smallest_eigenvalue_bound(b) < low or largest_eigenvalue_bound(b) > high:
+        e, Q = principal_strains(b)
+        x, y, z = (
+            min(m.highest, max(m.lowest, e[0])),
+            min(m.highest, max(m.lowest, e[1])),
+            min(m.highest, max(m.lowest, e[2])),
+        )
+        log_J, clamped = e[0] + e[1] + e[2], x + y + z
+        if x != e[0] or y != e[1] or z != e[2]:
+            v = (exponential_1d(2.0 * x), exponential_1d(2.0 * y), exponential_1d(2.0 * z))
+            b = from_principal(v, Q)
+            h = _stiffening(m, log_volume)
+            log_volume += log_J - clamped
+            if commit:
+                # the stress at the limit does work on what is cut off; the stored energy changes with the moduli
+                new = _stiffening(m, log_volume)
+                mean = volumetric_stress(J_MINUS_INVERSE, m.lame, exponential_1d(clamped))
+                cut = (mean + m.shear * (v[0] - 1.0)) * (e[0] - x) + (mean + m.shear * (v[1] - 1.0)) * (
+                    e[1] - y
+                )
+                cut += (mean + m.shear * (v[2] - 1.0)) * (e[2] - z)
+                work = 0.5 * (h + new) * cut + (h - new) * _energy(m, v[0] + v[1] + v[2] - 3.0, clamped)
+                H[VOLUME, p] = log_volume
+    if commit:
+        H[WORK, p] += work
+        H[LAST, p] = work
+        keep_tensor(H, p, b)
+    J2 = (
+        b[0] * (b[1] * b[2] - b[4] * b[4])
+        - b[3] * (b[3] * b[2] - b[4] * b[5])
+        + b[5] * (b[3] * b[4] - b[1] * b[5])
+    )
+    h = _stiffening(m, log_volume)
+    G = h * m.shear
+    c = h * volumetric_stress(J_MINUS_INVERSE, m.lame, math.sqrt(J2)) - G
+    return c + G * b[0], c + G * b[1], c + G * b[2], G * b[3], G * b[4], G * b[5]
+
+
+@dissipated_heat.register(Snow)
+def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+    return H[LAST, p]
+
+
+@strain_energy.register(Snow)
+def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+    trace = H[0, p] + H[1, p] + H[2, p]
+    return _stiffening(m, H[VOLUME, p]) * _energy(m, trace, elastic_volume(H, p))
+
+
+@wave_speed_squared.register(Snow)
+def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+    # as the neo-Hookean one of the elastic part
+    shear = m.shear * (largest_eigenvalue_bound(elastic_tensor(H, p)) + 1.0)
+    stiffness = volumetric_stiffness(J_MINUS_INVERSE, m.lame, exponential_1d(elastic_volume(H, p))) + shear
+    return max(m.rest2, m.lateral * _stiffening(m, H[VOLUME, p]) * stiffness / m.density)
+
+
+@bulk_speed_squared.register(Snow)
+def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+    shear = m.shear * (2.0 / 3.0 - (H[0, p] + H[1, p] + H[2, p]) / 9.0)
+    stiffness = volumetric_stiffness(J_MINUS_INVERSE, m.lame, exponential_1d(elastic_volume(H, p))) + shear
+    return max(0.0, _stiffening(m, H[VOLUME, p]) * stiffness / m.density)
