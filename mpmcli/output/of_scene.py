@@ -26,7 +26,7 @@ def _extra_columns(scene: Any) -> tuple[str, ...]:
     chooses = any(getattr(transfer, key, None) for key in ("dynamic", "every_courant", "every_steps"))
     deleted = (*DELETED, "deleted_heat") if scene.heat is not None else DELETED
     feedback = ("feedback_rate",) * (scene.method.damping.feedback is not None)
-    rubs = any(getattr(condition, "rubs", False) for condition in scene.boundary)
+    rubs = any(getattr(condition, "rubs", False) for condition in scene.conditions_on("velocity"))
     feedback += ("boundary_friction_work",) * rubs
     return deleted * (scene.domain.on_exit == "delete") + ("mean_order",) * chooses + feedback
 
