@@ -11,13 +11,15 @@ from typing import Any
 import numpy as np
 import pytest
 from commands import spoken, unfit
-from outside.cbgeo.sources import BENCHMARKS, Benchmark
+from outside.cbgeo.sources import BENCHMARKS, Benchmark, absorbing_column
 
 CASES = int(os.environ.get("MPMCLI_MUTATIONS", "300"))
 """Of the slow test."""
+MADE = {**BENCHMARKS, "small_absorbing": lambda: absorbing_column(5)}
 SMALL = [
     "moved_particles",
     "sliding_block",
+    "small_absorbing",
     "uniaxial_stress_3d",
     "uniaxial_traction",
     "uniaxial_traction_file",
@@ -123,7 +125,7 @@ def run_cases(count: int, seed: int, tmp_path: Any) -> Counter[int]:
     random = np.random.default_rng(seed)
     codes: Counter[int] = Counter()
     for case in range(count):
-        made = changed(BENCHMARKS[SMALL[case % len(SMALL)]](), random)
+        made = changed(MADE[SMALL[case % len(SMALL)]](), random)
         folder = tmp_path / str(case)
         folder.mkdir()
         for name, text in made.files.items():
