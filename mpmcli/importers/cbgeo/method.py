@@ -8,6 +8,7 @@ from typing import Any
 from mpmcli.importers.base import Expression
 from mpmcli.importers.cbgeo.mesh import CELL_TYPES
 from mpmcli.importers.cbgeo.work import Work
+from mpmcli.materials import MATERIALS
 from mpmcli.scene.archive import ParticleArchive
 
 EXPLICIT = re.compile(r"MPMExplicit(USF|USL|MUSL)?([23])D\Z")
@@ -103,12 +104,14 @@ def add_archive(work: Work) -> None:
     for name in given.vtk:
         if name not in (*FIELDS, "geometry"):
             work.note("ignored", ("post_processing", "vtk"), f"'{name}' is no quantity of mpmcli's archives")
+    used = work.scene.get("materials", {}).values()
+    known = {"pressure", *(row for made in used for row in getattr(MATERIALS[made["kind"]], "history", ()))}
     for name in given.vtk_statevars:
-        if isinstance(name, str) and name in STATES:
+        if isinstance(name, str) and STATES.get(name) in known:
             wanted.append(STATES[name])
         else:
             shown = name if isinstance(name, str) else "variables by phase"
-            words = f"'{shown}' is no quantity of mpmcli's archives"
+            words = f"'{shown}' is no quantity of the scene's materials"
             work.note("ignored", ("post_processing", "vtk_statevars"), words)
     always = ParticleArchive.model_fields["fields"].default  # as CB-Geo's HDF5 files, which hold all of them
     if not set(wanted) <= set(always):

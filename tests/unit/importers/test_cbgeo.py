@@ -336,6 +336,10 @@ def test_quantities_of_the_archive(tmp_path):
         "vtk": ["stresses", "geometry", "strains"],
         "vtk_statevars": ["pdstrain", "x"],
     }
+    made = translated(given, tmp_path / "elastic")
+    assert made.scene["archive"]["particles"]["fields"][4:] == ["strain"]
+    soil = {"id": 0, "type": "MohrCoulomb2D", "density": 1800.0, **MATERIALS["MohrCoulomb2D"]}
+    given.main["materials"] = [soil]
     made = translated(given, tmp_path)
     fields = made.scene["archive"]["particles"]["fields"]
     assert fields[:4] == ["displacement", "velocity", "stress", "deformation_gradient"]
