@@ -18,11 +18,21 @@ from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 
 E = {"E": 100.0, "nu": 0.3}
+WOOD = {
+    **{"E1": 100.0, "E2": 50.0, "E3": 20.0, "G12": 30.0, "G13": 20.0, "G23": 10.0},
+    **{"nu12": 0.3, "nu13": 0.3, "nu23": 0.3},
+}
 SERIES = [{"time": 0.1 * 2**k, "G": 10.0, "K": 2.0} for k in range(8)]
 FRICTION = {"cohesion": 0.01, "friction": 30, "dilation": 5}
 MATERIALS = {
     "neo_hookean": E | {"kind": "neo_hookean"},
     "linear_elastic": E | {"kind": "linear_elastic"},
+    "hill_plastic, linear": WOOD
+    | {
+        "kind": "hill_plastic",
+        "anisotropy": {"kind": "r_values", "r0": 0.7, "r45": 1.4, "r90": 2.0},
+        "hardening": {"kind": "linear", "yield_stress": 0.01, "modulus": 1.0},
+    },
     "j2_plastic, linear": E
     | {"kind": "j2_plastic", "hardening": {"kind": "linear", "yield_stress": 0.01, "modulus": 1.0}},
     "j2_plastic, power_law": E
@@ -79,6 +89,7 @@ MATERIALS = {
     "isotropic_softening, exponential": E
     | {"kind": "isotropic_softening", "strength": 0.01, "toughness": 1.0, "softening": "exponential"},
     "mooney_rivlin": {"kind": "mooney_rivlin", "G1": 30.0, "G2": 10.0, "K": 90.0},
+    "orthotropic": WOOD | {"kind": "orthotropic"},
     "viscoelastic, 1 term": {"kind": "viscoelastic", "G": 20.0, "K": 80.0, "terms": SERIES[:1]},
     "viscoelastic, 3 terms": {"kind": "viscoelastic", "G": 10.0, "K": 80.0, "terms": SERIES[:3]},
     "viscoelastic, 8 terms": {"kind": "viscoelastic", "G": 1.0, "K": 80.0, "terms": SERIES},

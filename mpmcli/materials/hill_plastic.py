@@ -13,7 +13,7 @@ from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_symmetric, log_symmetric, logarithm
 from mpmcli.core.model import Quantity
-from mpmcli.core.tensors import determinant, multiply
+from mpmcli.core.tensors import determinant, multiply, multiply_commuting
 from mpmcli.materials.anisotropic import (
     Stiffness,
     combine,
@@ -59,7 +59,7 @@ Array = np.ndarray
 
 # rows of the history after the nine of Fᵉ·R
 STRAIN, WORK, TEMPERATURE, HEAT, STIFFER = 9, 10, 11, 12, 13
-SMALL = 0.02
+SMALL = 0.004
 """Plastic strain of a step from which on logarithms are needed."""
 LEAST = 1e-9
 """Flow stress over the trial stress, at least."""
@@ -180,41 +180,63 @@ def squares_of(m: Any, E: Any, T: Any) -> Any:
     return m.first * y * y, m.second * z * z, xy, yz, xz
 
 
-@inline
-def reduced(m: Any, parts: Any, k: float) -> Any:
-    """σ̄ when the plastic strain is k ∂(½σ̄²)/∂T, and its derivative by k."""
-    a, b = 1.0 / (1.0 + k * m.first), 1.0 / (1.0 + k * m.second)
-    xy, yz, xz = 2.0 * m.G12 * m.hill_N, 2.0 * m.G23 * m.hill_L, 2.0 * m.G13 * m.hill_M
-    c, d, e = 1.0 / (1.0 + k * xy), 1.0 / (1.0 + k * yz), 1.0 / (1.0 + k * xz)
-    u, v = parts[0] * a * a, parts[1] * b * b
-    w, x, y = parts[2] * c * c, parts[3] * d * d, parts[4] * e * e
-    stress = math.sqrt(u + v + w + x + y)
-    slope = -(u * a * m.first + v * b * m.second + w * c * xy + x * d * yz + y * e * xz) / stress
-    return stress, slope
+@generic
+def reduced(m: Any, parts: Any, k: Any) -> Any:
+    """σ̄² when the plastic strain is k ∂(½σ̄²)/∂T, and −½ its derivative by k."""
 
 
 @inline
-def return_factor(m: Any, parts: Any, trial: float, alpha: float, T: float, dt: float) -> float:
-    """k = Δα/σ̄ with σ̄(k) = Y(α + Δα, Δα/dt, T), by Newton's method for 1/σ̄ = 1/Y, kept inside its bracket."""
+def reduced_modes(m: Any, parts: Any, k: float) -> Any:
+    """The same of the normal modes and the shear of axes 1 and 2."""
+    xy = 2.0 * m.G12 * m.hill_N
+    a, b, c = 1.0 / (1.0 + k * m.first), 1.0 / (1.0 + k * m.second), 1.0 / (1.0 + k * xy)
+    u, v, w = parts[0] * a * a, parts[1] * b * b, parts[2] * c * c
+    return u + v + w, u * a * m.first + v * b * m.second + w * c * xy
+
+
+def reduced_in_plane(m: Any, parts: Any, k: Any) -> Any:
+    """``reduced`` without shear across the plane."""
+    return reduced_modes(m, parts, k)
+
+
+def reduced_in_space(m: Any, parts: Any, k: Any) -> Any:
+    """``reduced`` with all shears."""
+    yz, xz = 2.0 * m.G23 * m.hill_L, 2.0 * m.G13 * m.hill_M
+    d, e = 1.0 / (1.0 + k * yz), 1.0 / (1.0 + k * xz)
+    x, y = parts[3] * d * d, parts[4] * e * e
+    square, fall = reduced_modes(m, parts, k)
+    return square + x + y, fall + x * d * yz + y * e * xz
+
+
+@inline
+def return_factor(m: Any, parts: Any, trial: float, alpha: float, T: float, dt: float) -> Any:
+    """k = Δα/σ̄ with σ̄(k) = Y(α + Δα, Δα/dt, T), and σ̄: Newton's method for 1/σ̄ = 1/Y, kept inside its bracket.
+
+    The last step starts from an error below 1e-7 and is quadratic, so that its end needs no evaluation.
+    """
     rate = 1.0 / dt if dt > 0.0 else 0.0
     low, high = 0.0, (trial / max(flow_stress(m, alpha, 0.0, T), LEAST * trial) - 1.0) / m.least
-    k = 0.0
+    k, stress, change = 0.0, trial, 0.0
     for _ in range(60):
-        stress, slope = reduced(m, parts, k)
+        square, fall = reduced(m, parts, k)
+        stress = math.sqrt(square)
         step = k * stress
         Y = max(flow_stress(m, alpha + step, step * rate, T), LEAST * trial)
         excess = stress - Y
-        if abs(excess) <= 1e-13 * trial:
+        # dσ̄/dk = −fall/σ̄, dΔα/dk = (σ̄² − k fall)/σ̄
+        hardening = flow_slope(m, alpha + step, step * rate, T, dt) * (square - k * fall)
+        change = excess * Y * square / (hardening * square + fall * Y * Y)
+        if abs(excess) <= 1e-7 * trial:
+            k, stress = max(0.0, k + change), stress - change * fall / stress
             break
         if excess > 0.0:
             low = k
         else:
             high = k
-        hardening = flow_slope(m, alpha + step, step * rate, T, dt) * (stress + k * slope)
-        k += excess / (hardening * stress / Y - slope * Y / stress)
+        k += change
         if k <= low or k > high:
             k = 0.5 * (low + high)
-    return k
+    return k, stress
 
 
 @inline
@@ -267,9 +289,13 @@ def flowed(m: Any, A: Any, E: Any, X: Any) -> Any:
     small, it is taken for ½ ln AᵀA, which the correction covers too.
     """
     if double_product(X, X) > SMALL * SMALL:
-        X = combine(0.5, log_symmetric(squared(m, A)), -1.0, E)
-    X = deviator(X)
-    e = exponential_symmetric((-X[0], -X[1], -X[2], -X[3], -X[4], -X[5]))
+        X = deviator(combine(0.5, log_symmetric(squared(m, A)), -1.0, E))
+        e = exponential_symmetric((-X[0], -X[1], -X[2], -X[3], -X[4], -X[5]))
+    else:
+        X = deviator(X)
+        X2 = multiply_commuting(X, X)
+        e = combine(-1.0, X, 0.5, combine(1.0, X2, -1.0 / 3.0, multiply_commuting(X, X2)))
+        e = (1.0 + e[0], 1.0 + e[1], 1.0 + e[2], e[3], e[4], e[5])
     B = multiply(A, (e[0], e[3], e[5], e[3], e[1], e[4], e[5], e[4], e[2]))
     Y = deviator(combine(1.0, strain_of(m, B), -1.0, E))
     return minus(B, Y, 1.0 + double_product(Y, Y) / 6.0)
@@ -282,8 +308,7 @@ def returned(m: Any, E: Any, alpha: float, temperature: float, dt: float) -> Any
     parts = squares_of(m, E, T)
     stress, k = math.sqrt(parts[0] + parts[1] + parts[2] + parts[3] + parts[4]), 0.0
     if stress > flow_stress(m, alpha, 0.0, temperature):
-        k = return_factor(m, parts, stress, alpha, temperature, dt)
-        stress = reduced(m, parts, k)[0]
+        k, stress = return_factor(m, parts, stress, alpha, temperature, dt)
         T = relaxed(m, E, T, k)
     return T, k, stress
 
@@ -313,6 +338,7 @@ for (_law, _planar), _Hill in HILL_WITH.items():
     flow_slope.register(_Hill)(flow_slope.implementations[_law])
 
     gradient_of.register(_Hill)(gradient_in_plane if _planar else gradient_in_space)
+    reduced.register(_Hill)(reduced_in_plane if _planar else reduced_in_space)
     if _planar:
         thickness_stretch.register(_Hill)(plane_thickness)
 
