@@ -27,7 +27,7 @@ PROGRAMS = ("cbgeo", "nairnmpm")
 )
 @click.option("--overwrite", is_flag=True, help="Replace files that exist.")
 def command(program: str, file: Path, output: Path | None, partial: bool, overwrite: bool) -> int:
-    """Translate FILE, an input file of CB-Geo MPM (JSON) or NairnMPM (XML), into a scene.
+    """Translate FILE, an input file of CB-Geo MPM (JSON) or NairnMPM (XML, script), into a scene.
 
     Every command of FILE is translated, ignored with a reason, or an error with its line. The exit code is 3 if FILE
     is not valid or has commands that are not supported. Without -o, the scene is printed.

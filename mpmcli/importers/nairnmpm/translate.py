@@ -7,7 +7,7 @@ from typing import Any
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.importers.base import Translation, read_source
-from mpmcli.importers.nairnmpm import archive, conditions, contact, cracks, header, materials
+from mpmcli.importers.nairnmpm import archive, conditions, contact, cracks, header, materials, scripts
 from mpmcli.importers.nairnmpm.bodies import Bodies
 from mpmcli.importers.nairnmpm.checking import check, unread
 from mpmcli.importers.nairnmpm.commands import Command, parse
@@ -38,15 +38,12 @@ _NEEDED = ("Header", "MPMHeader", "Mesh", "MaterialPoints", "Material")
 
 
 def translate(path: Path, partial: bool) -> Translation:
-    """Translate an XML command file of NairnMPM."""
+    """Translate a command file of NairnMPM: XML, or a script that makes it."""
     contents = read_source(path)
-    if not contents.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
-        words = (
-            "not an XML file; scripts of NairnFEAMPM and NairnFEAMPMViz are not read: "
-            "run 'Interpret Commands' there, and translate the XML commands"
-        )
-        raise SceneError([Problem("", words, str(path), 1, code="source")])
-    source = parse(contents, path)
+    if contents.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
+        source = parse(contents, path)
+    else:
+        source = scripts.read(contents.decode("utf-8", errors="replace"), path)
     if source.root.name != "JANFEAInput":
         words = f"the file begins with <{source.root.name}>; files of NairnMPM begin with <JANFEAInput>"
         raise SceneError([Problem("", words, str(path), source.root.line, code="source")])
@@ -54,6 +51,8 @@ def translate(path: Path, partial: bool) -> Translation:
     check(source, made)
     job = Job(source, made, {"version": 1})
     blocks = {name: source.root.last(name) for name in _NEEDED}
+    for command in source.root.all("Material"):
+        command.replaced = False  # each of them counts
     for name, block in blocks.items():
         if block is None:
             made.error(source.root.line, "<JANFEAInput>", f"the command <{name}> is missing")

@@ -335,6 +335,95 @@ def test_nothing_is_dropped_in_silence(tmp_path):
     load(write(made))
 
 
+# --------------------------------------------------------------------------- scripts
+
+SCRIPT = """! Two squares
+Title "Two squares"
+Header
+A block ! with text
+EndHeader
+#cell = 0.5
+#model$="soft"          ! or "hard"
+if #model$="hard"
+  #E = 1000
+else if #model$="soft"
+  #E = 100
+else
+  Stop "unknown model"
+endif
+#E *= 2
+#pull$ = "*t"
+Analysis "Plane Strain MPM"
+MPMMethod "USAVG+","uGIMP"
+MaximumTime 3/2
+Archive "Results/"&#model$,.5
+ToArchive velocity,stress
+Material "left","Left half","Isotropic"
+  E #E
+  nu .33
+  a 60
+  rho 1.5
+Done
+Material "right","Right half","Neohookean"
+  E #E
+  nu .33
+  rho sqrt(2.25)
+Done
+GridHoriz 8/#cell,0
+GridVert 4/#cell
+GridThickness 2
+GridRect 0,8,0,4
+Region "left",100,0,2
+  Rect 1,1+2,1,3
+EndRegion
+Region "right","-100*x",0,2
+  PolyPt 5,1
+  PolyPt 7,1
+  PolyPt 7,3
+EndRegion
+MoveLine 8,0,8,4
+  Velocity x,constant,0
+EndMoveLine
+LoadRect 2.5,3,1,3
+  LoadType net
+  Load x,function,(#E/10)&#pull$
+EndLoadRect
+"""
+
+
+def test_scripts(tmp_path):
+    made = translated(tmp_path, SCRIPT)
+    assert made.problems(partial=False) == []
+    assert not any("later command" in str(note) for note in made.notes)
+    scene = made.scene
+    load(write(made))
+    assert scene["title"] == "Two squares"
+    assert scene["time"]["end"] == 1.5
+    assert scene["grid"]["cell"] == 0.5
+    assert scene["method"]["update"] == "usavg+"
+    assert [body["name"] for body in scene["bodies"]] == ["left_half", "right_half"]
+    assert {name: stuff["E"] for name, stuff in scene["materials"].items()} == {
+        "left_half": 200,
+        "right_half": 200,
+    }
+    assert scene["bodies"][1]["velocity"][0] == "-0.1*x"
+    assert scene["bodies"][1]["region"]["kind"] == "polygon"
+    assert {entry["kind"] for entry in scene["boundary"]} == {"symmetry", "velocity"}
+    assert scene["loads"][0]["force"] == [20, 0] or "t" in str(scene["loads"][0]["force"][0])
+
+
+def test_times_of_scripts_with_their_own_units(tmp_path):
+    made = translated(tmp_path, SCRIPT.replace("#cell = 0.5", '#cell = 0.5\nConsistentUnits "mm","g","ms"'))
+    assert made.scene["time"]["end"] == 1.5
+
+
+def test_sources_with_errors_of_scripts_name_their_lines(tmp_path):
+    path = tmp_path / "run.fmcmd"
+    path.write_text(SCRIPT.replace("MPMMethod", "MPMMehtod"))
+    with pytest.raises(SceneError, match=r"run\.fmcmd:18 .*'MPMMehtod'"):
+        translate(path, False)
+
+
 # ------------------------------------------------------------------ broken sources
 
 BOMB = '<!ENTITY a "0123456789">' + "".join(
@@ -343,7 +432,11 @@ BOMB = '<!ENTITY a "0123456789">' + "".join(
 BROKEN = {
     "empty": ("", "no element found|empty|not an XML"),
     "not_xml": ("<JANFEAInput><Header>", "not valid XML"),
-    "script": ('Title "Two disks"\nAnalysis "Plane Strain MPM"\n', "scripts of NairnFEAMPM"),
+    "script": ('Title "Disks"\nAnalysis "Plane Strain MPM"\nRotor 3\n', "script command 'Rotor'"),
+    "script_variable": ("#a = 2\nCFLFactor #b\n", "variable #b has no value"),
+    "script_loop": ("#a = 2\nRepeat\n", r"loops \('repeat'\) are not supported"),
+    "script_value": ("MaximumTime 1/(2-2)\n", "1 / 0 has no value"),
+    "script_more": ("MaximumTime 1,2\n", "not supported: the value '2' of 'MaximumTime'"),
     "another_root": ("<html/>", "begins with <html>"),
     "no_blocks": ("<JANFEAInput/>", "<Header> is missing"),
     "unknown_command": (source(setup="<Dampig>1</Dampig>"), "did you mean 'Damping'"),

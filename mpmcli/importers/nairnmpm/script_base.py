@@ -1,0 +1,146 @@
+"""The commands of XML that the commands of a script make: tables and tools."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NoReturn
+
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.importers.nairnmpm.commands import Command
+from mpmcli.importers.nairnmpm.language import Line, Scalar, ScriptError, text_of
+
+ANALYSES = {"plane strain mpm": 10, "plane stress mpm": 11, "3d mpm": 12, "axisymmetric mpm": 13}
+METHODS = {"usf": 0, "usavg": 2, "usl": 3, "szs": 3}
+NORMALS = {"maxgrad": 0, "maxvol": 1, "avggrad": 2, "owngrad": 3, "specify": 4, "linreg": 5, "logreg": 6}
+TYPES = {
+    "isotropic": 1,
+    "transverse 1": 2,
+    "transverse 2": 3,
+    "orthotropic": 4,
+    "viscoelastic": 7,
+    "mooney": 8,
+    "vonmises": 9,
+    "isoplasticity": 9,
+    "rigid": 11,
+    "rigidbc": 11,
+    "idealgas": 22,
+    "heisotropic": 24,
+    "mgeosmaterial": 17,
+    "hemgeosmaterial": 25,
+    "taitliquid": 27,
+    "neohookean": 28,
+    "rigidcontact": 35,
+    "coulombfriction": 61,
+    "linearinterface": 62,
+    "ignorecontact": 60,
+}
+STYLES = {"constant": 1, "linear": 2, "sine": 3, "cosine": 4, "silent": 5, "function": 6}
+AXES = {
+    "x": 1,
+    "y": 2,
+    "z": 3,
+    "normal": 11,
+    "shear": 12,
+    "skewxy": 12,
+    "skewrz": 12,
+    "external": 1,
+}
+PROPERTIES = {"a": "alpha", "ax": "alphax", "ay": "alphay", "az": "alphaz", "aa": "alphaA", "at": "alphaT"}
+PLACES: dict[str, tuple[tuple[str, ...], int]] = {
+    "line": (("x1", "y1", "x2", "y2", "tolerance"), 4),
+    "arc": (("x1", "y1", "x2", "y2", "start", "end", "tolerance"), 6),
+    "box": (("xmin", "ymin", "zmin", "xmax", "ymax", "zmax", "axis"), 6),
+    "rect": (("xmin", "xmax", "ymin", "ymax"), 4),
+}
+CRITERIA = {
+    "none": 0,
+    "max energy release": 1,
+    "steady state": 2,
+    "energy balance": 3,
+    "energy density": 4,
+    "elliptical": 5,
+    "max ctod": 6,
+    "critical err": 7,
+}
+DIRECTIONS = {"default": 0, "self similar": 1, "cod normal": 2, "cod hoop": 3, "initial": 4}
+MOST = {
+    **dict.fromkeys(("title", "name", "analysis", "maximumtime", "cflfactor", "damping", "pdamping"), 1),
+    **dict.fromkeys(("stressfreetemp", "leavelimit", "ptsperelement", "loadtype", "customtask"), 1),
+    **dict.fromkeys(("contactposition", "frictionmm", "contactmm", "friction", "moveplane"), 1),
+    **dict.fromkeys(("globalarchivetime", "gridthickness", "done", "endregion", "endhole"), 1),
+    **dict.fromkeys(("mpmmethod", "archivetime", "globalarchive", "polypt", "propagate", "altpropagate"), 2),
+    **dict.fromkeys(("hole", "gridbc", "particlebc"), 0),
+    **dict.fromkeys(("consistentunits", "archive", "archiveunique", "timestep", "feedbackdamping"), 3),
+    **dict.fromkeys(("material", "gravity", "growcrack", "jcontour", "parameter"), 3),
+    **dict.fromkeys(("gridhoriz", "gridvert", "griddepth", "multimaterialmode", "newcrack"), 4),
+    **dict.fromkeys(("growcrackline", "loadrect", "load", "temperature"), 4),
+    **dict.fromkeys(("moveline", "loadline", "traction", "heatflux"), 5),
+    **dict.fromkeys(("gridrect", "velocity", "rect", "oval", "box", "sphere"), 6),
+    **dict.fromkeys(("movearc", "loadarc", "movebox", "loadbox"), 7),
+    "line": 7,
+    "cylinder": 8,
+    "conduction": 2,
+}
+"""The values of a command that are read; more are refused."""
+
+NAMES = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax")
+
+
+class Base:
+    """The tree of commands that a script has made so far."""
+
+    def __init__(self, path: Path):
+        self.path = path
+        self.line: int | None = None
+        self.root = Command("JANFEAInput", {}, 1)
+        self.blocks: dict[str, Command] = {}
+        self.ids: dict[str, str] = {}
+        self.material: Command | None = None
+        self.body: Command | None = None
+        self.polygon: Command | None = None
+        self.shape: Command | None = None
+        self.crack: Command | None = None
+        self.task: Command | None = None
+        self.crack_end: tuple[Scalar, Scalar] = (0.0, 0.0)
+        self.is_3d = self.is_axisymmetric = False
+        self.ms: dict[str, Scalar] = {"units": "ms"}  # of times, unless the script declares units
+        self.description: list[str] = []
+        self.axes: dict[str, dict[str, str]] = {}
+        self.grid: dict[str, str] = {}
+        for word in ("Header", "MPMHeader", "Mesh", "MaterialPoints"):
+            self._block(word)
+
+    def refuse(self, line: int, words: str) -> NoReturn:
+        raise SceneError([Problem("script", words, str(self.path), line, code="source")])
+
+    def _block(self, name: str) -> Command:
+        if name not in self.blocks:
+            self.blocks[name] = Command(name, {}, self.line or 1)
+            self.root.children.append(self.blocks[name])
+        return self.blocks[name]
+
+    def _add(self, parent: Command, word: str, text: Scalar = "", /, **attributes: Scalar) -> Command:
+        made = Command(word, {k: text_of(v) for k, v in attributes.items()}, self.line or 1, text_of(text))
+        parent.children.append(made)
+        return made
+
+    def _set(self, word: str, text: Scalar = "", /, **attributes: Scalar) -> Command:
+        return self._add(self._block("MPMHeader"), word, text, **attributes)
+
+    def _need(self, line: Line, count: int) -> tuple[Scalar, ...]:
+        if len(line.values) < count:
+            raise ScriptError(f"'{line.text[:40]}' needs {count} values at least")
+        return line.values
+
+    def _choice(self, value: Scalar, table: dict[str, int], what: str) -> int:
+        if isinstance(value, float):
+            return round(value)
+        if value.lower() not in table:
+            raise ScriptError(f"not supported: the {what} '{value}'")
+        return table[value.lower()]
+
+    def _into(self) -> Command:
+        found = self.body or self.shape
+        if found is None:
+            raise ScriptError("a shape outside a region")
+        return found

@@ -1,0 +1,328 @@
+"""Scripts of NairnFEAMPM and NairnFEAMPMViz as the XML commands that they make."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from mpmcli.importers.nairnmpm.commands import Command, CommandFile, parse
+from mpmcli.importers.nairnmpm.language import Line, Scalar, ScriptError, run, text_of
+from mpmcli.importers.nairnmpm.script_base import ANALYSES, METHODS, MOST, NAMES, NORMALS, PROPERTIES, TYPES
+from mpmcli.importers.nairnmpm.script_conditions import Conditions
+
+
+def read(text: str, path: Path) -> CommandFile:
+    """The commands that a script makes.
+
+    Raises
+    ------
+    SceneError
+        With the line of the first command that cannot be run or is not known.
+    """
+    maker = _Maker(path)
+    try:
+        for line in run(text):
+            maker.take(line)
+        maker.finish()
+    except ScriptError as error:
+        maker.refuse(error.line or maker.line or 1, str(error))
+    return CommandFile(maker.root, {})
+
+
+class _Maker(Conditions):
+    def __init__(self, path: Path):
+        super().__init__(path)
+        self.handlers: dict[str, Callable[[Line], None]] = {
+            name[4:]: getattr(self, name) for name in dir(self) if name.startswith("_do_")
+        }
+
+    def take(self, line: Line) -> None:
+        """One command of the script."""
+        self.line = line.number
+        if self.material is not None and line.name != "done":
+            self._property(line)
+            return
+        handler = self.handlers.get(line.name)
+        if handler is None:
+            self.refuse(line.number, f"not supported: the script command '{line.text.split(' ')[0][:40]}'")
+        if len(line.values) > MOST.get(line.name, len(line.values)):
+            given = text_of(line.values[MOST[line.name]])
+            raise ScriptError(f"not supported: the value '{given[:40]}' of '{line.text.split(' ')[0]}'")
+        handler(line)
+
+    def finish(self) -> None:
+        """Close what the end of a script closes."""
+        header = self.blocks["Header"]
+        if self.description:
+            self._add(header, "Description", "\n".join(self.description))
+        mesh = Command("Grid", self.grid, self.line or 1)
+        for name, attributes in self.axes.items():
+            mesh.children.append(Command(name, attributes, self.line or 1))
+        self.blocks["Mesh"].children.append(mesh)
+
+    # ------------------------------------------------------------------ header
+
+    def _do_title(self, line: Line) -> None:
+        self.description.insert(0, f"Title: {text_of(self._need(line, 1)[0])}")
+
+    def _do_name(self, line: Line) -> None:
+        self.description.append(f"Name: {text_of(self._need(line, 1)[0])}")
+
+    def _do_header(self, line: Line) -> None:
+        self.description += str(line.values[1]).splitlines()
+
+    def _do_comment(self, line: Line) -> None:
+        """Comments are displayed only."""
+
+    _do_processors = _do_comment
+
+    def _do_analysis(self, line: Line) -> None:
+        code = self._choice(self._need(line, 1)[0], ANALYSES, "analysis")
+        self.is_3d, self.is_axisymmetric = code == 12, code == 13
+        self._add(self.blocks["Header"], "Analysis", float(code))
+
+    def _do_consistentunits(self, line: Line) -> None:
+        names = dict(zip(("length", "mass", "time"), line.values, strict=False))
+        self.ms = {}
+        self._add(self.blocks["Header"], "ConsistentUnits", **names)
+
+    def _do_mpmmethod(self, line: Line) -> None:
+        word = text_of(self._need(line, 1)[0]).lower()
+        self._set("MPMMethod", float(self._choice(word.rstrip("+-"), METHODS, "method")))
+        if word.endswith("-"):
+            self._set("SkipPostExtrapolation")
+        if len(line.values) > 1:
+            self._set("GIMP", type=line.values[1])
+
+    def _do_archive(self, line: Line) -> None:
+        self._set("ArchiveRoot", self._need(line, 1)[0])
+        if len(line.values) > 1:
+            self._set("ArchiveTime", line.values[1], **self.ms)
+        if len(line.values) > 2:
+            self._set("FirstArchiveTime", line.values[2], **self.ms)
+
+    _do_archiveunique = _do_archive
+
+    def _do_archivetime(self, line: Line) -> None:
+        self._set("ArchiveTime", self._need(line, 1)[0], **self.ms)
+        if len(line.values) > 1:
+            self._set("FirstArchiveTime", line.values[1], **self.ms)
+
+    def _do_globalarchivetime(self, line: Line) -> None:
+        self._set("GlobalArchiveTime", self._need(line, 1)[0], **self.ms)
+
+    def _do_globalarchive(self, line: Line) -> None:
+        values = self._need(line, 1)
+        owner = {} if len(values) < 2 else {"matname": self.ids.get(text_of(values[1]), text_of(values[1]))}
+        self._set("GlobalArchive", type=values[0], **owner)
+
+    def _do_toarchive(self, line: Line) -> None:
+        for value in line.values:
+            self._set("MPMArchive", result=text_of(value).strip())
+
+    def _do_maximumtime(self, line: Line) -> None:
+        self._set("MaxTime", self._need(line, 1)[0], **self.ms)
+
+    def _do_cflfactor(self, line: Line) -> None:
+        self._set("TimeFactor", self._need(line, 1)[0])
+
+    def _do_timestep(self, line: Line) -> None:
+        self._set("TimeStep", self._need(line, 1)[0], **self.ms)
+        if len(line.values) > 1:
+            self._set("MaxTime", line.values[1], **self.ms)
+        if len(line.values) > 2:
+            self._set("TimeFactor", line.values[2])
+
+    def _do_damping(self, line: Line) -> None:
+        value = self._need(line, 1)[0]
+        name = "PDamping" if line.name == "pdamping" else "Damping"
+        if isinstance(value, str):
+            self._set(name, 0.0, function=value)
+        else:
+            self._set(name, value)
+
+    _do_pdamping = _do_damping
+
+    def _do_feedbackdamping(self, line: Line) -> None:
+        more = dict(zip(("target", "max"), line.values[1:], strict=False))
+        self._set("FeedbackDamping", self._need(line, 1)[0], **more)
+
+    def _do_stressfreetemp(self, line: Line) -> None:
+        self._set("StressFreeTemp", self._need(line, 1)[0])
+
+    def _do_leavelimit(self, line: Line) -> None:
+        self._set("LeaveLimit", self._need(line, 1)[0])
+
+    def _do_ptsperelement(self, line: Line) -> None:
+        self._set("MatlPtsPerElement", self._need(line, 1)[0])
+
+    def _do_xmldata(self, line: Line) -> None:
+        where = text_of(line.values[0]).split(",")[0].strip().strip('"')
+        found = parse(f"<x>{line.values[1]}</x>".encode(), self.path).root
+        for command in found.walk():
+            command.line += line.number
+        target = self.root if where in {"", "end"} else self._block(where)
+        if where.lower() == "material":
+            target = self.root
+        target.children += found.children
+
+    # ----------------------------------------------------------------- contact
+
+    def _do_multimaterialmode(self, line: Line) -> None:
+        values = line.values
+        mode = self._set("MultiMaterialMode", Normals=2.0)
+        if len(values) > 2:
+            mode.attributes["Normals"] = text_of(float(self._choice(values[2], NORMALS, "normal")))
+        if len(values) > 3:
+            name = "Azimuth" if mode.attributes["Normals"] == "4" else "RigidBias"
+            mode.attributes[name] = text_of(values[3])
+
+    def _mode(self) -> Command:
+        mode = next((c for c in self.blocks["MPMHeader"].children if c.name == "MultiMaterialMode"), None)
+        if mode is None:
+            raise ScriptError("'MultimaterialMode' must come before its choices")
+        return mode
+
+    def _do_contactposition(self, line: Line) -> None:
+        self._add(self._mode(), "ContactPosition", self._need(line, 1)[0])
+
+    def _do_frictionmm(self, line: Line) -> None:
+        value = self._need(line, 1)[0]
+        self._add(self._mode(), "Friction", self._choice_of_friction(value))
+
+    def _do_contactmm(self, line: Line) -> None:
+        name = text_of(self._need(line, 1)[0])
+        self._add(self._mode(), "Friction", lawname=self.ids.get(name, name))
+
+    # --------------------------------------------------------------- materials
+
+    def _do_material(self, line: Line) -> None:
+        values = self._need(line, 3)
+        key = text_of(values[0])
+        kind = self._choice(values[2], TYPES, "material")
+        name = text_of(values[1])
+        taken = set(self.ids.values())
+        self.ids[key] = name if name not in taken else f"{name} ({key})"
+        self.material = self._add(self.root, "Material", Type=float(kind), Name=self.ids[key])
+
+    def _do_done(self, line: Line) -> None:
+        if self.material is None:
+            raise ScriptError("'Done' without 'Material'")
+        self.material = None
+
+    def _property(self, line: Line) -> None:
+        assert self.material is not None
+        word = line.text.split(None, 1)[0].rstrip(",")
+        name = PROPERTIES.get(word.lower(), word)
+        if word.lower() == "color":
+            return  # displayed only
+        if len(line.values) > 1:
+            raise ScriptError(f"not supported: several values of '{word}'")
+        if word.lower() == "direction":
+            name = "SetDirection"
+        elif word.lower().startswith("settingfunction"):
+            name = "SettingFunction" + {"x": "", "y": "2", "z": "3"}.get(word[15:].lower(), word[15:])
+        elif word.lower() == "hardening":
+            name = "Hardening"
+        self._add(self.material, name, line.values[0] if line.values else "")
+
+    # -------------------------------------------------------------------- grid
+
+    def _axis(self, line: Line, name: str, count: str) -> None:
+        values = self._need(line, 1)
+        if any(isinstance(value, str) for value in values):
+            raise ScriptError("not supported: cells that grow (R-Style)")
+        made = {count: text_of(values[0])}
+        first, second = ("symmax", "symmin") if values[2:3] == (1.0,) else ("symmin", "symmax")
+        made |= {k: text_of(v) for k, v in zip((first, second), values[1:2] + values[3:4], strict=False)}
+        self.axes[name] = made
+
+    def _do_gridhoriz(self, line: Line) -> None:
+        self._axis(line, "Horiz", "nx")
+
+    def _do_gridvert(self, line: Line) -> None:
+        self._axis(line, "Vert", "ny")
+
+    def _do_griddepth(self, line: Line) -> None:
+        self._axis(line, "Depth", "nz")
+
+    def _do_gridrect(self, line: Line) -> None:
+        self.grid |= {k: text_of(v) for k, v in zip(NAMES, self._need(line, 4), strict=False)}
+
+    def _do_gridthickness(self, line: Line) -> None:
+        self.grid["thickness"] = text_of(self._need(line, 1)[0])
+
+    # ------------------------------------------------------------------ bodies
+
+    def _do_region(self, line: Line) -> None:
+        values = self._need(line, 1)
+        key = text_of(values[0])
+        names = ("vx", "vy", "vz" if self.is_3d else "thick")
+        given: dict[str, Scalar] = dict(zip(names, values[1:4], strict=False))
+        for name, value in zip(values[4::2], values[5::2], strict=False):
+            given[text_of(name).lower()] = value
+        if len(values) > 4 and len(values) % 2 == 1:
+            raise ScriptError(f"the property '{text_of(values[-1])[:40]}' has no value")
+        moving = {name: given.pop(name) for name in ("vx", "vy", "vz") if isinstance(given.get(name), str)}
+        self.body = self._add(self.blocks["MaterialPoints"], "Body", matname=self.ids.get(key, key), **given)
+        for name, value in moving.items():
+            self._add(self.body, f"vel0{name[1].upper()}", value)
+        self.polygon = None
+
+    def _do_hole(self, line: Line) -> None:
+        self.body = self._add(self.blocks["MaterialPoints"], "Hole")
+
+    def _do_endregion(self, line: Line) -> None:
+        self.body = self.polygon = None
+
+    _do_endhole = _do_endregion
+
+    def _do_rect(self, line: Line) -> None:
+        name = line.name.title()
+        count = 4 if name in {"Rect", "Oval"} or (name == "Line" and not self.is_3d) else 6
+        values = self._need(line, count)
+        self.polygon = None
+        made = self._add(self._into(), name, **dict(zip(NAMES, values[:count], strict=False)))
+        more = values[count:]
+        if more and name == "Oval":
+            angles = {"start": text_of(more[0]), "end": text_of(more[-1])}
+            made.children.append(Command("arc", angles, line.number))
+        elif more and name == "Line":
+            made.attributes["tolerance"] = text_of(more[0])
+        elif more and name == "Cylinder":
+            made.attributes["axis"] = str(self._choice(more[0], {"x": 1, "y": 2, "z": 3}, "axis"))
+            made.attributes |= {"radius": text_of(more[1])} if len(more) > 1 else {}
+        elif more:
+            raise ScriptError(f"not supported: the value '{text_of(more[0])[:40]}' of '{name}'")
+
+    _do_oval = _do_line = _do_box = _do_sphere = _do_cylinder = _do_rect
+
+    def _do_polypt(self, line: Line) -> None:
+        if not line.values:
+            self.polygon = None
+            return
+        x, y = self._need(line, 2)[:2]
+        if self.polygon is None:
+            self.polygon = self._add(self._into(), "Polygon")
+        self._add(self.polygon, "pt", x=x, y=y)
+
+    # ------------------------------------------------------------------- tasks
+
+    def _do_conduction(self, line: Line) -> None:
+        words = [text_of(value).lower() for value in line.values]
+        if words and words[0] == "yes":
+            self._add(self._block("Thermal"), "Conduction")
+        if len(words) > 1 and words[1] in {"adiabatic", "mechanical energy"}:
+            self._add(self._block("Thermal"), "EnergyCoupling")
+
+    def _do_customtask(self, line: Line) -> None:
+        self.task = self._add(self._block("CustomTasks"), "Schedule", name=self._need(line, 1)[0])
+
+    def _do_parameter(self, line: Line) -> None:
+        if self.task is None:
+            raise ScriptError("'CustomTask' must come first")
+        values = self._need(line, 1)
+        self._add(self.task, "Parameter", values[1] if len(values) > 1 else "", name=values[0])
+
+    def _do_stop(self, line: Line) -> None:
+        raise ScriptError(f"the script stops: {text_of(line.values[0]) if line.values else ''}")
