@@ -19,10 +19,13 @@ def test_elements_have_the_stresses_of_the_closed_forms(of_law):
         assert answer.error < limit, answer
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "run_out", "height"),
-    [("granular", 2.79, 1.21), ("mohr_coulomb", 3.36, 1.26), ("drucker_prager", 3.38, 1.26)],
+    [
+        pytest.param("granular", 2.79, 1.21, marks=pytest.mark.slow),
+        pytest.param("mohr_coulomb", 3.36, 1.26, marks=pytest.mark.long),
+        pytest.param("drucker_prager", 3.38, 1.26, marks=pytest.mark.long),
+    ],
 )
 def test_a_column_collapses_as_in_the_laboratory(law, run_out, height):
     """Between 1.2 a and the 1.9 a^(2/3) of high columns, or above it by at most 15 %, as no side walls brake it."""
