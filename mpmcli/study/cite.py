@@ -42,7 +42,10 @@ MATERIALS = {
     ("mohr_coulomb", None): ("clausen2006",),
     ("neo_hookean", "none"): ("nairn2026",),
     ("neo_hookean", "isochoric"): ("nairn2020",),
+    ("hill_plastic", None): ("hill1948", "bazant1998"),
     ("j2_plastic", None): ("simo1992",),
+    ("orthotropic", None): ("bazant1998",),
+    ("transversely_isotropic", None): ("bazant1998",),
 }
 """Materials by kind and split."""
 GROWTH = {
