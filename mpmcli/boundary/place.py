@@ -108,7 +108,7 @@ Region = Annotated[
 
 
 class Place(Model):
-    """Exactly one of ``plane``, ``box``, ``region``, or ``body`` with ``face``."""
+    """Exactly one of ``plane``, ``box``, ``region``, ``covered_by``, or ``body`` with ``face``."""
 
     plane: Plane | None = None
     """Nodes on a plane and beyond it."""
@@ -116,6 +116,8 @@ class Place(Model):
     """Nodes in a box."""
     region: Region = None
     """Nodes in a region."""
+    covered_by: str | None = None
+    """Nodes that the particles of this rigid body see, wherever it has moved to; only for velocities."""
     body: str | None = None
     """Nodes that the surface particles of this body see."""
     face: Face | None = None
@@ -123,9 +125,9 @@ class Place(Model):
 
     @model_validator(mode="after")
     def _one_place(self) -> Place:
-        given = [n for n in ("plane", "box", "region", "body") if getattr(self, n) is not None]
+        given = [n for n in ("plane", "box", "region", "covered_by", "body") if getattr(self, n) is not None]
         if len(given) != 1:
-            raise ValueError("give one of: plane, box, region, or body with face")
+            raise ValueError("give one of: plane, box, region, or body with face, or covered_by")
         if (self.body is None) != (self.face is None):
             raise ValueError("give both body and face, or neither")
         return self

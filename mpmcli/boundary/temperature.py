@@ -28,7 +28,10 @@ class Temperature(ConditionModel):
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What does not fit an analysis with so many axes."""
-        return self.on.problems(dimensions) + check_variables("value", self.value, dimensions)
+        found = self.on.problems(dimensions) + check_variables("value", self.value, dimensions)
+        if self.on.covered_by is not None:
+            found.append(("on.covered_by", "a body that covers nodes prescribes velocities only"))
+        return found
 
     def bodies(self) -> list[tuple[str, str]]:
         """The body whose face is held, if any."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable
 from typing import Annotated, Any, Literal
 
@@ -37,8 +38,9 @@ class Velocity(Rough):
         return found + check_variables("value", self.value, dimensions)
 
     def bodies(self) -> list[tuple[str, str]]:
-        """The body whose surface is held, if any."""
-        return [] if self.on.body is None else [("on.body", self.on.body)]
+        """The body whose surface is held, or that covers nodes, if any."""
+        named = {"on.body": self.on.body, "on.covered_by": self.on.covered_by}
+        return [(key, name) for key, name in named.items() if name is not None]
 
     def held_side(self, grid: Nodes) -> tuple[int, int] | None:
         """The side of a plane whose normal it holds."""
@@ -86,11 +88,12 @@ class PlaceHolder:
         self._active = active
 
     def key(self, time: float) -> Hashable:
-        """Constant, except on body surfaces, where it counts how often the seen nodes changed."""
-        if self._place.face is not None:
+        """Constant, except on or under bodies, where it counts how often the seen nodes changed."""
+        body = self._place.covered_by or self._place.body
+        if body is not None:
             if self._surface_nodes is None:
-                raise ValueError("body surfaces need to know the nodes that particles see")
-            seen = np.unique(self._surface_nodes(str(self._place.body), self._place.face))
+                raise ValueError("bodies need to know the nodes that particles see")
+            seen = np.unique(self._surface_nodes(body, self._place.face))
             if not np.array_equal(seen, self._seen):
                 self._seen = seen
                 self._changes += 1
@@ -100,6 +103,9 @@ class PlaceHolder:
         """The held ones of the active nodes."""
         if self._place.face is not None:
             return np.intersect1d(self._active, self._seen)
+        if self._place.covered_by is not None:
+            count = math.prod(self._grid.shape)
+            return self._active[np.isin(self._active % count, self._seen % count)]
         return self._active[self._place.holds(self._grid, self._active)]
 
     def values(self, time: float, coordinates: Array) -> Array | float:

@@ -52,7 +52,7 @@ class ContactChoice:
         self.laws, self.table = laws, table
         self.whole_fields = None if whole_fields is None else np.array(whole_fields)
         self.particles_per_axis, self.thickness = particles_per_axis, thickness
-        self.exists = len(fields) > 1
+        self.exists = model is not None and len(fields) > 1
         self.used = sorted({int(i) for i in table.ravel() if i >= 0})
         self.acting = [laws[i] for i in self.used if not laws[i].skipped]
         self.knows_normals = any(law.needs_normal for law in self.acting) or (

@@ -7,7 +7,7 @@ may instead be filled along its region's own sides, on a lattice that is turned 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 
 import numpy as np
 
@@ -33,7 +33,9 @@ MAX_OUTSIDE = 1 << 23
 """Above this many sub-cells a body's bounds may not reach much beyond the grid."""
 
 
-def fill_bodies(bodies: Sequence[BodyRequest], grid: GridBox, analysis: Analysis) -> list[BodyParticles]:
+def fill_bodies(
+    bodies: Sequence[BodyRequest], grid: GridBox, analysis: Analysis, apart: Container[str] = ()
+) -> list[BodyParticles]:
     """Make the particles of all bodies, in the order of the scene.
 
     Parameters
@@ -42,6 +44,7 @@ def fill_bodies(bodies: Sequence[BodyRequest], grid: GridBox, analysis: Analysis
         (``grid`` or ``region``), ``overlap``
     grid : object with ``lower``, ``upper``, ``cell`` (d,) [length]
     analysis : tuple of ``core.analysis``; in axisymmetric ones the mirror image at r < 0 is left out
+    apart : names of bodies that may lie where others are
 
     Raises
     ------
@@ -61,7 +64,10 @@ def fill_bodies(bodies: Sequence[BodyRequest], grid: GridBox, analysis: Analysis
         except ValueError as error:
             problems.append(_problem(body, str(error), "region"))
     if not problems:
-        filled, overlaps = settle_overlaps(bodies, filled)
+        places = [i for i, body in enumerate(bodies) if body.name not in apart]
+        settled, overlaps = settle_overlaps([bodies[i] for i in places], [filled[i] for i in places])
+        for i, each in zip(places, settled, strict=True):
+            filled[i] = each
         problems = [_problem(body, words, *place) for body, words, place in overlaps]
     if problems:
         raise SceneError(problems)

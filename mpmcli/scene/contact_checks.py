@@ -72,7 +72,8 @@ def check_contact(parts: Parts, root: Node) -> list[Problem]:
         report("contact.fields", words, "range")
         return problems
     _check_field_keys(root, fields, has_contact, report)
-    _check_rigid(fields, has_contact, report)
+    covering = _covering(parts)
+    _check_rigid(fields, has_contact, covering, report)
     _check_motion(parts, root, fields, report)
     _check_transfer(parts, fields, has_contact, report)
     if not has_contact:
@@ -107,8 +108,8 @@ def read_fields(root: Node, contact: Node | None) -> Fields:
         path = label(root, "bodies", index)
         owner, node = (material, made_of) if by_material else (name, body)
         field_path = f"materials.{material}.field" if by_material else f"{path}.field"
-        field = _text(node, "field") or owner if contact is not None else "all"
         is_rigid = _text(made_of, "kind") == "rigid"
+        field = _text(node, "field") or owner if contact is not None else name if is_rigid else "all"
         found.append(Member(path, name, material, is_rigid, owner, field, field_path))
     noun = "material" if by_material else "body"
     return Fields(noun, tuple(found), bool(nodes) and len(found) == len(nodes))
@@ -176,7 +177,13 @@ def _alike(word: str, names: list[str]) -> str | None:
     return next((name for name in names if found and name.lower() == found[0]), None)
 
 
-def _check_rigid(fields: Fields, has_contact: bool, report: Report) -> None:
+def _covering(parts: Parts) -> set[str]:
+    """Names of the bodies that conditions name as covering nodes."""
+    places = (getattr(model, "on", None) for _, model in parts.boundary)
+    return {name for place in places if (name := getattr(place, "covered_by", None)) is not None}
+
+
+def _check_rigid(fields: Fields, has_contact: bool, covering: set[str], report: Report) -> None:
     rigid = [member for member in fields.members if member.is_rigid]
     if not rigid:
         return
@@ -185,7 +192,12 @@ def _check_rigid(fields: Fields, has_contact: bool, report: Report) -> None:
         return
     for member in rigid:
         if not has_contact:
-            words = f"the rigid body '{member.name}' acts on other bodies by contact only; add 'contact' to the scene"
+            if member.name in covering:
+                continue
+            words = (
+                f"the rigid body '{member.name}' acts on other bodies by contact only; add 'contact' to the scene, "
+                f"or a velocity condition on: {{covered_by: {member.name}}}"
+            )
             report(f"{member.path}.material", words, "rigid")
             continue
         soft = [m.name for m in fields.members if not m.is_rigid and m.field == member.field]
@@ -215,9 +227,11 @@ def _check_motion(parts: Parts, root: Node, fields: Fields, report: Report) -> N
     for key in ("boundary", "loads"):
         for index, model in getattr(parts, key):
             for place, name in model.bodies() if model.acts_on == "velocity" else ():
-                if not kinds.get(name, False):
-                    continue
                 path = f"{label(root, key, index)}.{place}"
+                if place == "on.covered_by" and not kinds.get(name, True):
+                    report(path, f"the body '{name}' is not rigid; only rigid bodies cover nodes", "rigid")
+                if place == "on.covered_by" or not kinds.get(name, False):
+                    continue
                 words = f"the body '{name}' is rigid, and its 'velocity' prescribes its motion"
                 if key == "loads":
                     report(path, f"has no effect, because {words}", "no_effect", "warning")

@@ -33,10 +33,16 @@ def velocity_fields(scene: Scene) -> tuple[list[str], list[int]]:
 def field_name(scene: Scene, body: Any) -> str:
     """Name of the velocity field of a body: that given for its owner, else the owner's own name."""
     if scene.contact is None:
-        return ONE_FIELD
+        return body.name if scene.materials[body.material].kind == "rigid" else ONE_FIELD
     if scene.contact.fields == "material":
         return scene.materials[body.material].field or body.material
     return body.field or body.name
+
+
+def covering(scene: Scene) -> frozenset[str]:
+    """Names of the rigid bodies that prescribe the velocity of the nodes that they cover."""
+    places = (getattr(condition, "on", None) for condition in scene.boundary)
+    return frozenset(name for place in places if (name := getattr(place, "covered_by", None)) is not None)
 
 
 def owners_of_fields(scene: Scene) -> dict[str, str]:

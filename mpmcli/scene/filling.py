@@ -19,7 +19,7 @@ from mpmcli.geometry.bodies import BodyParticles
 from mpmcli.geometry.faces import surface_faces
 from mpmcli.geometry.fill import fill_bodies, places_to_test
 from mpmcli.scene.axes import start_axes
-from mpmcli.scene.fields import velocity_fields
+from mpmcli.scene.fields import covering, velocity_fields
 from mpmcli.scene.initial_stress import check_stress
 from mpmcli.scene.interface_checks import check_touch
 from mpmcli.shapes import SHAPES
@@ -165,7 +165,7 @@ def check_filling(scene: Any) -> list[Problem]:
             f"the bodies have up to {places:.2g} particles, more than are checked here; the run checks them"
         )
         return [Problem("bodies", words, code="not_checked", severity="warning")]
-    filled = fill_bodies(scene.bodies, grid, analysis)
+    filled = fill_bodies(scene.bodies, grid, analysis, covering(scene))
     find_masses(scene, filled)
     problems = [
         problem

@@ -162,7 +162,7 @@ def make_plan(scene: Any) -> Plan:
     rigid_fields = [False] * len(fields)
     for body, field in zip(scene.bodies, field_of_body, strict=True):
         rigid_fields[field] |= scene.materials[body.material].kind == "rigid"
-    has_contact = len(fields) > 1
+    has_contact = scene.contact is not None and len(fields) > 1
     axis_condition = scene.analysis.kind == "axisymmetric" and scene.grid.lower[0] == 0.0
     return Plan(
         analysis_name=scene.analysis.kind,

@@ -22,7 +22,7 @@ from mpmcli.geometry.report import body_report, report_table
 from mpmcli.materials.base import history_at_start, needs_increment
 from mpmcli.scene.axes import turn_history
 from mpmcli.scene.event_checks import clocked
-from mpmcli.scene.fields import exchanges_by_area, law_table
+from mpmcli.scene.fields import covering, exchanges_by_area, law_table
 from mpmcli.scene.filling import (
     check_memory,
     find_masses,
@@ -62,7 +62,7 @@ def full_ring(plan: Plan) -> float:
 @np.errstate(all="ignore")
 def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[BodyParticles]]:
     """Fill all bodies; particles with mass, velocity and the materials' initial history."""
-    filled = fill_bodies(scene.bodies, grid, plan.analysis)
+    filled = fill_bodies(scene.bodies, grid, plan.analysis, covering(scene))
     names = list(scene.materials)
     X = np.concatenate([body.X for body in filled], axis=1)
     index, vol0, mass = find_masses(scene, filled)

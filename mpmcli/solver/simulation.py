@@ -364,8 +364,10 @@ class Simulation(Parts):
         return p.id[surface_faces(p.X, p.size, face.index, face.side, members)]
 
     def _surface_nodes(self, body: str, face: Any) -> Array:
-        """Nodes that the particles on a face of a body see now; the face is that of the undeformed body."""
+        """Nodes that the particles on a face of a body see now, or all of them; the face is that of the start."""
         p, known = self.particles, self._surface_identities
+        if face is None:
+            return self.transfer.seen_nodes(np.flatnonzero(p.body == self.state.bodies.index(body)))
         key = (body, face.index, face.side)
         if key not in known:
             known[key] = self._shown(body, face)
