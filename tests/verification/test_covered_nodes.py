@@ -93,7 +93,9 @@ def test_a_held_direction_leaves_the_other_free():
     """Along y the nodes under the grip are free: the bar falls."""
     gravity = [{"name": "g", "kind": "gravity", "acceleration": [0, -0.01]}]
     s, _ = run(pulled_bar(loads=gravity, method={"shape": "ugimp", "transfer": {"kind": "flip"}}), 5.0)
-    assert s.particles.V[1, s.particles.body == 0] == pytest.approx(-0.01 * s.time, rel=5e-3)
+    fall = s.particles.V[1, s.particles.body == 0]
+    assert fall.mean() == pytest.approx(-0.01 * s.time, rel=1e-9)
+    assert fall == pytest.approx(-0.01 * s.time, rel=0.05)
     assert np.abs(s.particles.V[1, s.particles.body == 1]).max() == 0.0
 
 
