@@ -137,7 +137,7 @@ MATERIALS: dict[str, list[dict[str, Any]]] = {
 
 IN_PLANE_STRAIN: dict[str, int] = {
     "clamped_neo_hookean": 0,
-    "hill_plastic": 1,
+    "hill_plastic": 0,
     "isotropic_softening": 0,
     "j2_plastic": 2,
     "mooney_rivlin": 0,
