@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -21,6 +23,13 @@ settings.register_profile(
     "mpmcli", deadline=None, derandomize=True, max_examples=30, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("mpmcli")
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Leave out slow tests that would begin after ``SLOW_UNTIL``, seconds of the clock, which CI sets."""
+    until = float(os.environ.get("SLOW_UNTIL", "inf"))
+    if item.get_closest_marker("slow") and time.time() > until:
+        pytest.skip("no time is left for it")
 
 
 def identity_deformation(dimensions: int, count: int) -> np.ndarray:
