@@ -141,6 +141,9 @@ def _column(job: Job, command: Command, names: list[tuple[str, str]]) -> str | N
         if of is not None:
             job.note("changed", command, f"{_GLOBALS[low]} is that of all bodies")
         return _GLOBALS[low]
+    if of is not None and of.is_rigid:
+        job.note("ignored", command, "rigid bodies have no such result")
+        return None
     keys = (
         [of.key]
         if of is not None and of.used

@@ -70,7 +70,10 @@ class Bodies:
         velocity = self._velocity(command)
         if velocity is not None:
             body["velocity"] = velocity
-        self._temperature(command, body, job.number(command, "temp"))
+        if material.is_rigid and command.get("temp") is not None:
+            job.note("ignored", command, "attribute temp: rigid bodies have no temperature")
+        else:
+            self._temperature(command, body, job.number(command, "temp"))
         self._thickness(command, material)
         self._rest(command, material)
         self._add(body, material)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from mpmcli.boundary.place import Place
 from mpmcli.importers.nairnmpm.bodies import Bodies
 from mpmcli.importers.nairnmpm.commands import Command
 from mpmcli.importers.nairnmpm.job import Job, Material
@@ -219,16 +218,11 @@ def rigid(job: Job, bodies: Bodies) -> list[dict[str, Any]]:
                 body["velocity"] = velocity
             continue
         held = [axis for axis in range(len(job.axes)) if material.direction & (1 << axis)]
+        if functions:  # those without a function are then free in NairnMPM
+            held = held[: len(functions)] if names[0] == 0 else []
         for axis, function in zip(held, functions, strict=False):
             if function is not None:
                 velocity[axis] = function
-        if "covered_by" not in Place.model_fields:
-            job.note(
-                "not_supported",
-                command,
-                "a rigid material that prescribes the velocity of the nodes that it covers",
-            )
-            continue
         if any(part != 0 for part in velocity):
             body["velocity"] = velocity
         for axis in held:

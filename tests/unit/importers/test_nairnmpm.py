@@ -263,6 +263,44 @@ def test_friction_of_pairs_and_laws(tmp_path):
     ]
 
 
+TOOL = (
+    BODY.replace('mat="1"', 'matname="Stuff"')
+    + '<Body matname="Tool" vx="20" vy="30" temp="0"><Rect xmin="4" xmax="5" ymin="0" ymax="4"/></Body>'
+)
+
+
+@pytest.mark.parametrize(
+    ("words", "held", "velocity"),
+    [
+        ("<SetDirection>1</SetDirection>", {"x": 0.02}, [0.02, 0.03]),
+        ("<SetDirection>3</SetDirection>", {"x": 0.02, "y": 0.03}, [0.02, 0.03]),
+        (
+            "<SetDirection>3</SetDirection><SettingFunction>5*t</SettingFunction>",
+            {"x": "0.005*t"},
+            ["0.005*t", 0.03],
+        ),
+        (
+            "<SetDirection>2</SetDirection><SettingFunction>-5</SettingFunction>",
+            {"y": -0.005},
+            [0.02, -0.005],
+        ),
+    ],
+)
+def test_rigid_materials_that_prescribe_velocities(tmp_path, words, held, velocity):
+    """Directions without a function are free once there is one, as in NairnMPM."""
+    tool = f'<Material Type="11" Name="Tool">{words}</Material>'
+    setup = '<GlobalArchive type="temp" matname="Tool"/><GlobalArchive type="sxx"/>'
+    scene = scene_of(
+        tmp_path, setup=f"<ArchiveTime>1e-4</ArchiveTime>{setup}", points=TOOL, material=MATERIAL + tool
+    )
+    assert scene["materials"]["tool"] == {"kind": "rigid"}
+    assert scene["bodies"][1]["velocity"] == velocity
+    assert {c["direction"]: c["value"] for c in scene["boundary"]} == held
+    assert all(c["on"] == {"covered_by": "tool"} for c in scene["boundary"])
+    assert scene["archive"]["globals"]["columns"] == ["stress_xx[stuff]"]
+    assert "temperature" not in scene["bodies"][1]
+
+
 def test_conditions_by_style(tmp_path):
     conditions = """<GridBCs>
       <BCLine x1="0" x2="0" y1="min-" y2="max+" tolerance=".1">
