@@ -6,13 +6,13 @@ import math
 from pathlib import Path
 from typing import Any
 
+from mpmcli.importers.nairnmpm.anisotropic import ANISOTROPIC, body_axes
 from mpmcli.importers.nairnmpm.commands import Command
 from mpmcli.importers.nairnmpm.job import Job, Material
 from mpmcli.importers.nairnmpm.shapes import NAMES, Box, limits, region
 from mpmcli.importers.nairnmpm.values import Value
 
 MAX_PICTURE = 50_000_000
-_ANISOTROPIC = {2, 3, 4, 15, 19, 21}
 
 
 class Bodies:
@@ -49,11 +49,14 @@ class Bodies:
         material = job.material(command)
         regions = []
         late = False
-        for inside in command.children:
+        last = max((i for i, inside in enumerate(command.children) if inside.name in NAMES), default=0)
+        for index, inside in enumerate(command.children):
             if inside.name in NAMES:
                 inside.handled = True
                 regions.append(region(job, inside))
-            elif regions and inside.name != "Unrotate":
+            elif inside.name == "Unrotate" and index > last:
+                inside.handled = True
+            elif regions:
                 late = True
         if late:
             job.unsupported(command, "velocities or angles that change between the shapes of a body")
@@ -62,7 +65,7 @@ class Bodies:
             if not regions:
                 job.note("ignored", command, "a body without a shape")
                 command.skip()
-            self._rest(command, material)
+            self._rest(command)
             return
         body: dict[str, Any] = {
             "region": found[0] if len(found) == 1 else {"kind": "union", "regions": found}
@@ -75,7 +78,12 @@ class Bodies:
         else:
             self._temperature(command, body, job.number(command, "temp"))
         self._thickness(command, material)
-        self._rest(command, material)
+        turns = body_axes(job, command)
+        if turns and material.kind in ANISOTROPIC:
+            body["axes"] = turns
+        elif turns:
+            job.note("ignored", command, "angles: the material is isotropic")
+        self._rest(command)
         self._add(body, material)
 
     def _velocity(self, command: Command) -> list[Any] | None:
@@ -115,16 +123,9 @@ class Bodies:
             self.thickness = value
             job.scene["analysis"]["thickness"] = value
 
-    def _rest(self, command: Command, material: Material | None) -> None:
-        """What says something of axes, stresses and concentrations."""
+    def _rest(self, command: Command) -> None:
+        """What says something of stresses and concentrations."""
         job = self.job
-        angle = job.plain(command, "angle")
-        turned = [*command.all("RotateX", "RotateY", "RotateZ", "Unrotate")]
-        if material is not None and (angle or turned):
-            if material.kind in _ANISOTROPIC:
-                job.note("not_supported", command, "angles of material axes")
-            else:
-                job.note("ignored", command, "angles: the material is isotropic")
         for name in ("conc", "wtconc", "rpm"):
             if job.plain(command, name):
                 job.note("not_supported", command, f"attribute {name}")
@@ -170,6 +171,7 @@ class Bodies:
                 base["flip"] = "vertical"
         if not self._copy(command, name):
             return
+        turns = body_axes(job, command)
         for level in command.all("Intensity"):
             if "mat" not in level.attributes and "matname" not in level.attributes:
                 job.unsupported(level, "intensities that stand for angles")
@@ -181,10 +183,10 @@ class Bodies:
             values = [job.number(level, limit) for limit in ("imin", "imax")]
             body: dict[str, Any] = {"region": {**base, "levels": values}}
             self._level(level, body)
+            if turns and material is not None and material.kind in ANISOTROPIC:
+                body["axes"] = turns
             if material is not None and None not in values:
                 self._add(body, material)
-        for inside in command.all("RotateX", "RotateY", "RotateZ", "Unrotate"):
-            job.unsupported(inside, "angles of material axes")
 
     def _size(self, command: Command, base: dict[str, Any]) -> None:
         job = self.job
@@ -234,12 +236,13 @@ class Bodies:
 
     def _points(self, command: Command) -> None:
         job = self.job
-        groups: dict[tuple[int, tuple[float, ...]], list[list[float]]] = {}
+        groups: dict[tuple[int, tuple[float, ...], float], list[list[float]]] = {}
         for point in command.all("mp"):
             material = job.material(point)
             at, velocity = point.last("pt"), point.last("vel")
-            for name in ("elem", "thick", "angle"):
+            for name in ("elem", "thick"):
                 point.get(name)
+            angle = job.plain(point, "angle")
             for name in ("conc", "wtconc", "temp"):
                 if job.plain(point, name):
                     job.note("not_supported", point, f"attribute {name} of single points")
@@ -255,10 +258,11 @@ class Bodies:
             if None in place:
                 continue
             sizes = [job.plain(point, f"lp{letter}", 0.5) * job.cell[a] for a, letter in enumerate(job.axes)]
-            key = (job.materials.index(material), tuple(v.scaled if v else 0.0 for v in speed))
+            turned = angle if material.kind in ANISOTROPIC else 0.0
+            key = (job.materials.index(material), tuple(v.scaled if v else 0.0 for v in speed), turned)
             row = [v.scaled for v in place if v is not None] + [math.prod(sizes)]
             groups.setdefault(key, []).append(row)
-        for number, ((index, speed_of), rows) in enumerate(groups.items(), start=1):
+        for number, ((index, speed_of, turned), rows) in enumerate(groups.items(), start=1):
             file = f"points_{number}.csv"
             lines = [",".join((*job.axes, "volume"))]
             lines += [",".join(f"{value:.12g}" for value in row) for row in rows]
@@ -266,6 +270,8 @@ class Bodies:
             body: dict[str, Any] = {"region": {"kind": "points", "file": file}}
             if any(speed_of):
                 body["velocity"] = list(speed_of)
+            if turned:
+                body["axes"] = -turned
             self._add(body, job.materials[index])
 
     # ------------------------------------------------------------------ names

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
+from mpmcli.importers.nairnmpm.anisotropic import AXIAL, ORTHOTROPIC, hill, with_axes
 from mpmcli.importers.nairnmpm.commands import Command
+from mpmcli.importers.nairnmpm.constants import elastic_constants
 from mpmcli.importers.nairnmpm.fluids import ideal_gas, mie_gruneisen, tait_fluid
 from mpmcli.importers.nairnmpm.grammar import FRACTURE, TRANSPORT
 from mpmcli.importers.nairnmpm.hardening import hardening_law
@@ -16,12 +17,10 @@ from mpmcli.materials import MATERIALS
 
 Made = dict[str, Any]
 NAMES = {
-    4: "orthotropic",
     10: "two-state isotropic",
     12: "triangular traction law",
     13: "linear traction law",
     14: "cubic traction law",
-    15: "Hill plasticity",
     19: "wood",
     20: "trilinear traction law",
     21: "anisotropic hyperelastic",
@@ -183,39 +182,8 @@ def _same_damping(job: Job, other: Material, rate: Value | None) -> bool:
 # ------------------------------------------------------------------ elasticity
 
 
-def _constants(job: Job, material: Material, bulk: str = "K", shear: str = "G") -> Made | None:
-    """Elastic constants: E and nu, or K and G; also the wave speed."""
-    command = material.command
-    E, nu = job.property(command, "E"), job.property(command, "nu")
-    K, G = job.property(command, bulk), job.property(command, shear)
-    made: Made
-    if E is not None and nu is not None:
-        made = {"E": E, "nu": nu}
-        k = E.scaled / (3 * max(1e-12, 1 - 2 * nu.scaled))
-        g = E.scaled / (2 * (1 + nu.scaled))
-    elif K is not None and G is not None:
-        made, k, g = {"K": K, "G": G}, K.scaled, G.scaled
-    elif G is not None and (E is not None or nu is not None):
-        other = E.scaled / (2 * G.scaled) - 1 if E is not None else nu.scaled  # type: ignore[union-attr]
-        modulus = E if E is not None else Value(2 * G.scaled * (1 + other))
-        made = {"E": modulus, "nu": nu if nu is not None else other}
-        k, g = modulus.scaled / (3 * max(1e-12, 1 - 2 * other)), G.scaled
-    else:
-        job.made.error(
-            command.line,
-            "<Material>",
-            f"elastic constants are missing: two of E, nu, {shear}, or {bulk} and {shear}",
-        )
-        return None
-    rho = next((c for c in command.children if c.name == "rho"), None)
-    density = job.number(rho, None, "density") if rho is not None else None
-    if density is not None and density.scaled > 0 and k + 4 * g / 3 > 0:
-        material.speed = math.sqrt((k + 4 * g / 3) / density.scaled)
-    return made
-
-
 def _isotropic(job: Job, material: Material) -> Made | None:
-    found = _constants(job, material)
+    found = elastic_constants(job, material)
     for inside in material.command.all("largeRotation"):
         job.ignored(inside, "large rotations are always taken into account")
     return None if found is None else {"kind": "linear_elastic", **found}
@@ -241,7 +209,7 @@ def _neohookean(job: Job, material: Material) -> Made | None:
         material.speed = 0.0
         found: Made | None = {"K": Value(lame.scaled + 2 * G.scaled / 3), "G": G}
     else:
-        found = _constants(job, material)
+        found = elastic_constants(job, material)
     if found is None:
         return None
     return {"kind": "neo_hookean", **found, "volumetric": _volumetric(job, material.command)}
@@ -253,7 +221,7 @@ def _mooney(job: Job, material: Material) -> Made | None:
     for inside in command.all("IdealRubber"):
         job.unsupported(inside, "heat of an ideal rubber")
     volumetric = _volumetric(job, command)
-    found = _constants(job, material, "K", "G1")
+    found = elastic_constants(job, material, "K", "G1")
     if found is None:
         return None
     if second is None or second.number == 0:
@@ -269,7 +237,7 @@ def _mooney(job: Job, material: Material) -> Made | None:
 def _viscoelastic(job: Job, material: Material) -> Made | None:
     """A generalised Maxwell solid: G0, pairs of Gk and tauk [s], and alike for the bulk."""
     command = material.command
-    found = _constants(job, material, "K", "G0")
+    found = elastic_constants(job, material, "K", "G0")
     made: Made = {"kind": "viscoelastic", **(found or {})}
     terms: list[Made] = []
     for count, modulus, time, name in (("ntaus", "Gk", "tauk", "G"), ("ntausK", "Kk", "tauKk", "K")):
@@ -294,7 +262,7 @@ def _viscoelastic(job: Job, material: Material) -> Made | None:
 
 
 def _plastic(job: Job, material: Material) -> Made | None:
-    found = _constants(job, material)
+    found = elastic_constants(job, material)
     hardening = hardening_law(job, material.command)
     if found is None or hardening is None:
         return None
@@ -302,7 +270,7 @@ def _plastic(job: Job, material: Material) -> Made | None:
 
 
 def _hyper_plastic(job: Job, material: Material) -> Made | None:
-    found = _constants(job, material, "K", "G1")
+    found = elastic_constants(job, material, "K", "G1")
     hardening = hardening_law(job, material.command)
     _volumetric(job, material.command)
     if found is None or hardening is None:
@@ -311,43 +279,15 @@ def _hyper_plastic(job: Job, material: Material) -> Made | None:
     return {"kind": "j2_plastic", **found, "hardening": hardening}
 
 
-_AXIAL = {"EA": "E_axial", "ET": "E_transverse", "GA": "G_axial", "nuA": "nu_axial", "nuT": "nu_transverse"}
-_ORTHOTROPIC = {
-    **{f"E{theirs}": f"E{ours}" for theirs, ours in zip("xyz", "123", strict=True)},
-    **{
-        f"{word}{theirs}": f"{word}{ours}"
-        for word in ("G", "nu")
-        for theirs, ours in (("xy", "12"), ("xz", "13"), ("yz", "23"))
-    },
-}
-
-
-def _with_axes(kind: str, names: dict[str, str], axis: str = "") -> Callable[[Job, Material], Made | None]:
-    """An elastic material with axes, by the names of its constants."""
-
-    def make(job: Job, material: Material) -> Made | None:
-        made: Made = {"kind": kind} | ({"axis": axis} if axis else {})
-        for theirs, ours in names.items():
-            value = job.property(material.command, theirs)
-            if value is None:
-                job.made.error(material.command.line, "<Material>", f"the command <{theirs}> is missing")
-                return None
-            made[ours] = value
-        for inside in material.command.all("largeRotation"):
-            job.ignored(inside, "large rotations are always taken into account")
-        return made
-
-    return make
-
-
 _MAKERS: dict[int, Callable[[Job, Material], Made | None]] = {
     1: _isotropic,
-    2: _with_axes("transversely_isotropic", _AXIAL, "z"),
-    3: _with_axes("transversely_isotropic", _AXIAL, "y"),
-    4: _with_axes("orthotropic", _ORTHOTROPIC),
+    2: with_axes("transversely_isotropic", AXIAL, "z"),
+    3: with_axes("transversely_isotropic", AXIAL, "y"),
+    4: with_axes("orthotropic", ORTHOTROPIC),
     7: _viscoelastic,
     8: _mooney,
     9: _plastic,
+    15: hill,
     17: mie_gruneisen,
     22: ideal_gas,
     24: _hyper_plastic,

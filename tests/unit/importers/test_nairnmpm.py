@@ -6,6 +6,7 @@ import random
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from commands import spoken, unfit
 
@@ -14,7 +15,9 @@ from mpmcli.importers.nairnmpm import expressions, translate
 from mpmcli.importers.nairnmpm.commands import parse
 from mpmcli.importers.nairnmpm.job import LEGACY
 from mpmcli.importers.scene_text import write
+from mpmcli.materials.axes import rotation_matrix
 from mpmcli.run.load import load
+from mpmcli.scene.axes import start_axes
 from mpmcli.scene.units import Units
 
 SOURCES = Path(__file__).parents[2] / "outside" / "nairnmpm" / "sources"
@@ -217,6 +220,78 @@ def material_of(tmp_path, kind, words):
 def test_materials(tmp_path, kind, words, expected):
     made = material_of(tmp_path, kind, words)
     assert {key: made[key] for key in expected} == expected
+
+
+FIBRES = "<EA>9</EA><ET>3</ET><GA>2</GA><nuA>.2</nuA><nuT>.3</nuT>"
+
+
+@pytest.mark.parametrize(
+    ("attribute", "words", "expected"),
+    [
+        ('angle="30"', "", [{"angle": -30}]),
+        ('angle="30"', "<RotateZ>10*x</RotateZ>", [{"angle": "-(10*x)"}]),
+        ("", "<RotateZ>-20</RotateZ>", [{"angle": 20}]),
+        (
+            "",
+            "<RotateZ>20</RotateZ><Unrotate/><RotateZ>5</RotateZ><RotateZ>6</RotateZ>",
+            [{"angle": -6}, {"angle": -5}],
+        ),
+        ("", "", None),
+    ],
+)
+def test_axes_turn_clockwise(tmp_path, attribute, words, expected):
+    body = BODY.replace('mat="1"', f'mat="1" {attribute}').replace("<Rect", f"{words}<Rect")
+    material = f'<Material Type="3" Name="Stuff"><rho>1</rho>{FIBRES}</Material>'
+    scene = scene_of(tmp_path, points=body.replace("</Body>", "<Unrotate/></Body>"), material=material)
+    assert scene["bodies"][0].get("axes") == expected
+    scene = scene_of(tmp_path, points=body)
+    assert "axes" not in scene["bodies"][0]
+
+
+def test_axes_in_space_are_those_of_nairnmpm(tmp_path):
+    """Its matrix from material axes to those of the grid is Rz Ry Rx, each of them clockwise."""
+    angles = {"Z": 20.0, "Y": -35.0, "X": 50.0}
+    words = "".join(f"<Rotate{axis}>{angle}</Rotate{axis}>" for axis, angle in angles.items())
+    text = source(
+        analysis=12,
+        grid=' zmin="-2" zmax="6"',
+        points=f'<Body mat="1">{words}<Box xmin="0" xmax="1" ymin="0" ymax="1" zmin="0" zmax="1"/></Body>',
+        material=f'<Material Type="2" Name="Stuff"><rho>1</rho>{FIBRES}</Material>',
+    ).replace("</Grid>", '<Depth cellsize="1"/></Grid>')
+    made = translated(tmp_path, text)
+    assert made.problems(partial=False) == []
+    q, problems = start_axes(load(write(made)).scene.bodies[0], np.zeros((3, 1)))
+    assert problems == []
+    z, y, x = np.radians(list(angles.values()))
+    cx, cy, cz, sx, sy, sz = *np.cos([x, y, z]), *np.sin([x, y, z])
+    theirs = [
+        [cy * cz, cz * sx * sy + cx * sz, -cx * cz * sy + sx * sz],
+        [-cy * sz, cx * cz - sx * sy * sz, cz * sx + cx * sy * sz],
+        [sy, -cy * sx, cx * cy],
+    ]
+    assert np.array(rotation_matrix(q)).reshape(3, 3) == pytest.approx(np.array(theirs))
+
+
+def test_hill_plasticity(tmp_path):
+    elastic = (
+        "<Ex>9</Ex><Ey>8</Ey><Ez>7</Ez><Gxy>3</Gxy><Gxz>3</Gxz><Gyz>3</Gyz><nuxy>.3</nuxy><nuxz>.3</nuxz>"
+    )
+    yields = "<yldxx>2</yldxx><yldyy>3</yldyy><yldzz>2.5</yldzz><yldxy>1</yldxy>"
+    words = f"{elastic}<nuyz>.3</nuyz>{yields}<Khard>4</Khard><nhard>.5</nhard>"
+    made = material_of(tmp_path, 15, words)
+    assert made["hardening"] == {"kind": "power_law", "yield_stress": 2, "B": 8, "n": 0.5}
+    ratios = made["anisotropy"]
+    assert (ratios["R22"], ratios["R33"]) == (1.5, 1.25)
+    assert ratios["R12"] == pytest.approx(3**0.5 / 2)
+    lacking = translated(
+        tmp_path,
+        source(
+            material=f'<Material Type="15" Name="A"><rho>1</rho>{words}</Material>'.replace(
+                "<yldxy>1</yldxy>", ""
+            )
+        ),
+    )
+    assert any("yldxy" in problem.message for problem in lacking.problems(partial=False))
 
 
 @pytest.mark.parametrize(

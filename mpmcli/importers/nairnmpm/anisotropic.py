@@ -1,0 +1,127 @@
+"""Materials with axes, and the axes of bodies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from mpmcli.importers.nairnmpm.commands import Command
+from mpmcli.importers.nairnmpm.job import Job, Material
+from mpmcli.importers.nairnmpm.shapes import NAMES
+from mpmcli.importers.nairnmpm.values import Formula, Value
+
+Made = dict[str, Any]
+ANISOTROPIC = {2, 3, 4, 15}
+AXIAL = {"EA": "E_axial", "ET": "E_transverse", "GA": "G_axial", "nuA": "nu_axial", "nuT": "nu_transverse"}
+ORTHOTROPIC = {
+    **{f"E{theirs}": f"E{ours}" for theirs, ours in zip("xyz", "123", strict=True)},
+    **{
+        f"{word}{theirs}": f"{word}{ours}"
+        for word in ("G", "nu")
+        for theirs, ours in (("xy", "12"), ("xz", "13"), ("yz", "23"))
+    },
+}
+
+
+def with_axes(kind: str, names: dict[str, str], axis: str = "") -> Callable[[Job, Material], Made | None]:
+    """An elastic material with axes, by the names of its constants."""
+
+    def make(job: Job, material: Material) -> Made | None:
+        made: Made = {"kind": kind} | ({"axis": axis} if axis else {})
+        for theirs, ours in names.items():
+            value = job.property(material.command, theirs)
+            if value is None:
+                job.made.error(material.command.line, "<Material>", f"the command <{theirs}> is missing")
+                return None
+            made[ours] = value
+        for inside in material.command.all("largeRotation"):
+            job.ignored(inside, "large rotations are always taken into account")
+        return made
+
+    return make
+
+
+_HILL = ("xx", "yy", "zz", "xy", "xz", "yz")
+
+
+def hill(job: Job, material: Material) -> Made | None:
+    """Hill plasticity: yield stresses along and across the axes, with the flow stress of the first of them."""
+    command = material.command
+    made = with_axes("hill_plastic", ORTHOTROPIC)(job, material)
+    given = {key: job.property(command, f"yld{key}") for key in _HILL}
+    found = {key: value for key, value in given.items() if value is not None and value.scaled > 0}
+    K, n = job.property(command, "Khard"), job.property(command, "nhard")
+    if made is None:
+        return None
+    lacking = [f"yld{key}" for key in (_HILL if job.analysis == "3d" else _HILL[:4]) if key not in found]
+    if lacking:
+        job.note("not_supported", command, f"yield stresses without bound: {', '.join(lacking)}")
+        return None
+    flow = found["xx"]
+    ratios = {f"R{_NUMBERED[key]}": found[key].scaled / flow.scaled for key in _HILL[1:3]}
+    ratios |= {
+        f"R{_NUMBERED[key]}": math.sqrt(3.0) * found[key].scaled / flow.scaled
+        for key in _HILL[3:]
+        if key in found
+    }
+    made["anisotropy"] = {"kind": "ratios", **{key: Value(ratio) for key, ratio in ratios.items()}}
+    if K is None or K.scaled == 0:
+        made["hardening"] = {"kind": "linear", "yield_stress": flow}
+        return made
+    job.changed(command, "the plastic strain of the hardening law is conjugate to Hill's equivalent stress")
+    slope = Value(flow.scaled * K.scaled)
+    if n is None or n.scaled == 1:
+        made["hardening"] = {"kind": "linear", "yield_stress": flow, "modulus": slope}
+    else:
+        made["hardening"] = {"kind": "power_law", "yield_stress": flow, "B": slope, "n": n}
+    return made
+
+
+_NUMBERED = dict(zip(_HILL, ("11", "22", "33", "12", "13", "23"), strict=True))
+
+
+def body_axes(job: Job, command: Command) -> list[Made]:
+    """The turns of the material axes of a body.
+
+    NairnMPM turns them clockwise. The rotation from material axes to those of the grid is the product of its rotations
+    in their order: the last one turns first.
+    """
+    turns: list[Made] = []
+    for inside in command.children:
+        if inside.name in NAMES:
+            break  # what follows is not for this shape
+        if inside.name == "Unrotate":
+            inside.handled = True
+            turns = []
+        elif inside.name.startswith("Rotate"):
+            inside.handled = True
+            angle = _clockwise(job, inside)
+            if angle is not None:
+                turns.insert(0, {"angle": angle, "axis": inside.name[-1].lower()})
+    whole = job.number(command, "angle")
+    if not turns and whole is not None and whole.number != 0:
+        turns = [{"angle": whole.negative, "axis": "z"}]
+    if job.analysis != "3d":
+        if any(turn["axis"] != "z" for turn in turns):
+            job.made.error(command.line, f"<{command.name}>", "in 2D, material axes turn about z only")
+        for turn in turns:
+            del turn["axis"]
+    return turns
+
+
+def _clockwise(job: Job, command: Command) -> Any:
+    """Minus an angle: a number, or an expression of place."""
+    value = job.number(command, None) if _is_number(job, command.text) else None
+    if value is not None:
+        return value.negative if value.number != 0 else None
+    formula = job.formula(command, command.text)
+    return None if formula is None else Formula(f"-({formula.text})")
+
+
+def _is_number(job: Job, text: str) -> bool:
+    try:
+        float(job.source.plain(text))
+    except ValueError:
+        return False
+    return True
