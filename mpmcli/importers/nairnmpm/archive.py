@@ -269,6 +269,7 @@ def temperatures_matter(job: Job, root: Command, header: Command) -> bool:
     """Whether temperatures change, or are other than that without stress."""
     reference = header.last("StressFreeTemp")
     at_rest = job.number(reference, None) if reference is not None else None
+    job.scene["_at_rest"] = at_rest
     zero = at_rest.number if at_rest is not None else 0.0
     matter = any(
         inside.name in {"Conduction", "EnergyCoupling"}

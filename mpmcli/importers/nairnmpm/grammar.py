@@ -283,6 +283,7 @@ PROPERTIES = {
     "reversible": "0",
     "irreversible": "0",
     "Softening": "t",
+    "Initiation": "t",
     "SofteningI": "t",
     "SofteningII": "t",
     "transition": "t",

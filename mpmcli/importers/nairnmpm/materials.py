@@ -8,6 +8,7 @@ from typing import Any
 from mpmcli.importers.nairnmpm.anisotropic import AXIAL, ORTHOTROPIC, hill, with_axes
 from mpmcli.importers.nairnmpm.commands import Command
 from mpmcli.importers.nairnmpm.constants import elastic_constants
+from mpmcli.importers.nairnmpm.damage import snow, softening
 from mpmcli.importers.nairnmpm.fluids import ideal_gas, mie_gruneisen, tait_fluid
 from mpmcli.importers.nairnmpm.grammar import FRACTURE, TRANSPORT
 from mpmcli.importers.nairnmpm.hardening import hardening_law
@@ -26,7 +27,6 @@ NAMES = {
     21: "anisotropic hyperelastic",
     23: "coupled traction law",
     26: "pressure law",
-    50: "isotropic softening",
     60: "contact law",
     61: "Coulomb friction law",
     62: "linear interface law",
@@ -252,10 +252,29 @@ def _viscoelastic(job: Job, material: Material) -> Made | None:
     for inside in command.all("pressureLaw"):
         if job.plain(inside, None):
             job.unsupported(inside, "an equation of state with viscoelasticity")
-    for inside in command.all("Tref", "C1", "C2", "mref", "Cm1", "Cm2"):
-        job.unsupported(inside, "relaxation times that depend on temperature or moisture")
     made["terms"] = terms
+    _shift(job, command, made)
     return made if found is not None and terms else None
+
+
+def _shift(job: Job, command: Command, made: Made) -> None:
+    """Williams, Landel and Ferry's shift of relaxation times, which Tref switches on, and mref that by moisture."""
+    reference = job.property(command, "Tref")
+    constants = {name: job.property(command, name) for name in ("C1", "C2")}
+    if reference is not None and reference.scaled >= 0:
+        given = {name: value for name, value in constants.items() if value is not None}
+        made["wlf"] = given | {"T_ref": reference}
+        at_rest = job.scene.get("_at_rest")
+        if not job.heats and at_rest is not None and at_rest.scaled > 0:
+            made["T0"] = at_rest  # the temperature throughout
+        elif not job.heats:
+            del made["wlf"]
+            job.note("not_supported", command, "Tref without a temperature (StressFreeTemp) above 0")
+    moisture = command.last("mref")
+    if moisture is not None and job.plain(moisture, None) >= 0:
+        job.unsupported(moisture, "relaxation times that depend on moisture")
+    for inside in command.all("Cm1", "Cm2"):
+        job.ignored(inside, "no moisture in this file")
 
 
 # ------------------------------------------------------------------ plasticity
@@ -294,4 +313,6 @@ _MAKERS: dict[int, Callable[[Job, Material], Made | None]] = {
     25: mie_gruneisen,
     27: tait_fluid,
     28: _neohookean,
+    29: snow,
+    50: softening,
 }

@@ -215,6 +215,21 @@ def material_of(tmp_path, kind, words):
             "<EA>9</EA><ET>3</ET><GA>2</GA><nuA>.2</nuA><nuT>.3</nuT>",
             {"kind": "transversely_isotropic", "axis": "z"},
         ),
+        (
+            29,
+            "<E>9</E><nu>.2</nu><CritComp>.02</CritComp><xihard>5</xihard><Elastic>1</Elastic>",
+            {"kind": "clamped_neo_hookean", "compression": 0.02, "hardening": 5},
+        ),
+        (
+            50,
+            "<E>100</E><nu>.2</nu><largeRotation>1</largeRotation><sigmac>2</sigmac><I-Gc>900</I-Gc>",
+            {"kind": "isotropic_softening", "strength": 2, "toughness": "900 J/m^2"},
+        ),
+        (
+            50,
+            "<E>100</E><nu>.2</nu><sigmac>2</sigmac><I-Gc>900</I-Gc><SofteningI>Exponential</SofteningI>",
+            {"kind": "isotropic_softening", "softening": "exponential"},
+        ),
     ],
 )
 def test_materials(tmp_path, kind, words, expected):
@@ -396,6 +411,26 @@ def test_axisymmetric_forces_are_those_on_the_ring(tmp_path):
     scene = scene_of(tmp_path, analysis=13, more=load_on_top)
     assert scene["grid"]["lower"] == [0, -2]
     assert scene["loads"][0]["force"] == [0, "2*pi*(3*t)"]
+
+
+def test_relaxation_shifts_with_temperature(tmp_path):
+    terms = "<K>100</K><G0>20</G0><ntaus>1</ntaus><Gk>30</Gk><tauk>2e-3</tauk>"
+    text = f'<Material Type="7" Name="Stuff"><rho>1</rho>{terms}<Tref>320</Tref><C1>15</C1></Material>'
+    stuff = scene_of(tmp_path, setup="<StressFreeTemp>300</StressFreeTemp>", material=text)["materials"][
+        "stuff"
+    ]
+    assert stuff["wlf"] == {"C1": 15, "T_ref": 320}
+    assert stuff["T0"] == 300
+    lacking = translated(tmp_path, source(material=text)).problems(partial=False)
+    assert any("StressFreeTemp" in problem.message for problem in lacking)
+
+
+def test_a_crack_that_slides_first_is_not_supported(tmp_path):
+    words = "<E>100</E><nu>.2</nu><sigmac>2</sigmac><tauc>1</tauc><I-Gc>900</I-Gc>"
+    text = f'<Material Type="50" Name="Stuff"><rho>1</rho>{words}</Material>'
+    assert any(
+        "tauc" in str(p.message) for p in translated(tmp_path, source(material=text)).problems(partial=False)
+    )
 
 
 def test_heat(tmp_path):
