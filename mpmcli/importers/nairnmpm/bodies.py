@@ -83,6 +83,11 @@ class Bodies:
             body["axes"] = turns
         elif turns:
             job.note("ignored", command, "angles: the material is isotropic")
+        stress = self._stress(command)
+        if stress and not material.is_rigid:
+            body["stress"] = stress
+        elif stress:
+            job.note("ignored", command, "rigid bodies have no stress")
         self._rest(command)
         self._add(body, material)
 
@@ -129,9 +134,16 @@ class Bodies:
         for name in ("conc", "wtconc", "rpm"):
             if job.plain(command, name):
                 job.note("not_supported", command, f"attribute {name}")
+
+    def _stress(self, command: Command) -> dict[str, Any]:
+        """Initial stress, as numbers or expressions of place."""
+        found: dict[str, Any] = {}
         for axes in ("XX", "YY", "ZZ", "XY", "YZ", "XZ"):
             for inside in command.all(f"ss0{axes}"):
-                job.unsupported(inside, "initial stress of a body")
+                value = self.job.formula(inside, inside.text)
+                if value is not None and value.text.strip() not in {"0", "0.0"}:
+                    found[axes.lower()] = value
+        return {"kind": "components", **found} if found else {}
 
     def _add(self, body: dict[str, Any], material: Material) -> None:
         material.used = True

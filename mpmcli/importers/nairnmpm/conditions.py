@@ -125,6 +125,9 @@ def particle_loads(job: Job, block: Command, bodies: Bodies) -> list[Made]:
             load.handled = True
             if load.name in {"net", "perParticle"}:
                 net = load.name == "net"
+            elif load.name in {"LoadBC", "TractionBC"} and job.plain(load, "style") == 5:
+                for entry in _silent(job, load, place, bodies):
+                    made.append({"name": _name(f"absorbing_{entry['on']['body']}", names), **entry})
             elif load.name == "LoadBC":
                 _force(job, load, forces)
             elif load.name in {"TractionBC", "HeatFluxBC"}:
@@ -214,6 +217,23 @@ def _on_faces(job: Job, load: Command, place: Where | None, bodies: Bodies) -> l
             parts = [value if axis == code - 1 else 0 for axis in range(len(job.axes))]
             made.append({"kind": "traction", "on": on, "traction": parts})
     return made
+
+
+def _silent(job: Job, load: Command, place: Where | None, bodies: Bodies) -> list[Made]:
+    """Dashpots with the impedance of the material, on the face across a direction."""
+    axis = round(job.plain(load, "dir")) - 1
+    load.skip()
+    if load.name == "TractionBC" or not 0 <= axis < 2 or job.analysis == "3d" or place is None:
+        job.note("not_supported", load, "silent conditions except <LoadBC> in 2D")
+        return []
+    sides = [("xy"[axis], side) for side in ("lower", "upper")]
+    found = [(side, body) for side in sides for body in _whole_faces(job, place, bodies, side)]
+    if not found:
+        job.note("not_supported", load, "silent particles that are not whole faces of rectangular bodies")
+    return [
+        {"kind": "absorbing", "on": {"body": body, "face": {"axis": side[0], "side": side[1]}}}
+        for side, body in found
+    ]
 
 
 def _whole_faces(job: Job, place: Where, bodies: Bodies, side: tuple[str, str]) -> list[str]:

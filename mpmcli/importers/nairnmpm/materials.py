@@ -159,24 +159,27 @@ _HEAT = {"alpha", "Cp", "Cv", "kCond"}
 def _particle_damping(job: Job, command: Command) -> None:
     """A damping of particles of one material is that of the scene if no other material has another one."""
     for inside in command.all("PDamping"):
-        rate = job.number(inside, None, "frequency")
+        function = inside.get("function")
+        rate: Any = job.number(inside, None, "frequency")
+        if function is not None:
+            rate = job.formula(inside, function, "frequency")
         others = [m for m in job.materials if m.used and not m.is_rigid and m.command is not command]
-        alone = all(_same_damping(job, other, rate) for other in others)
-        damping = job.scene["method"].setdefault("damping", {})
-        if inside.get("PIC") or inside.get("function") or rate is None:
-            job.unsupported(inside, "PIC damping, or a damping of one material that depends on time")
+        alone = all(_same_damping(job, other, inside) for other in others)
+        if inside.get("PIC") or rate is None:
+            job.unsupported(inside, "PIC damping; use the transfer xpic")
         elif not alone:
             job.unsupported(inside, "a damping of one material")
         else:
-            damping["particle"] = rate
+            job.scene["method"].setdefault("damping", {})["particle"] = rate
             job.changed(inside, "the damping of the only material is that of all particles")
-        if not damping:
-            del job.scene["method"]["damping"]
 
 
-def _same_damping(job: Job, other: Material, rate: Value | None) -> bool:
+def _same_damping(job: Job, other: Material, damping: Command) -> bool:
     found = next((c for c in other.command.children if c.name == "PDamping"), None)
-    return found is not None and rate is not None and found.text.strip() == f"{rate.number:g}"
+    if found is None:
+        return False
+    same = [(job.source.plain(c.text).strip(), c.attributes) for c in (found, damping)]
+    return same[0] == same[1]
 
 
 # ------------------------------------------------------------------ elasticity
