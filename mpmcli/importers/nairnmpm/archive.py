@@ -64,7 +64,7 @@ def archive(job: Job, header: Command, names: list[tuple[str, str]]) -> None:
     if job.scene.get("cracks") and every is not None:
         made["cracks"] = {"every": every}
     for inside in header.all("GlobalArchive"):
-        column = _column(job, inside, names)
+        column = column_of(job, inside, names)
         if column is not None and column not in columns:
             columns.append(column)
     if columns and wide is None:
@@ -119,7 +119,8 @@ def _fields(job: Job, header: Command) -> list[str]:
     return [name for name in fields if name != "temperature" or job.heats]
 
 
-def _column(job: Job, command: Command, names: list[tuple[str, str]]) -> str | None:
+def column_of(job: Job, command: Command, names: list[tuple[str, str]]) -> str | None:
+    """The column of a command with ``type`` and perhaps a material, or None after a note."""
     kind = job.source.plain(command.get("type") or "").strip()
     of = None
     if any(word in command.attributes for word in ("matname", "mat", "material")):
@@ -193,7 +194,7 @@ def tasks(job: Job, root: Command) -> None:
                 job.ignored(task, f"{name}: archive.particles writes VTU files")
             elif name == "AdjustTimeStep":
                 job.ignored(task, "AdjustTimeStep: steps follow the current wave speeds")
-            else:
+            elif name != "ReverseLoad":
                 job.unsupported(task, f"the custom task '{name}'")
 
 

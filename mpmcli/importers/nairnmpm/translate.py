@@ -7,7 +7,16 @@ from typing import Any
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.importers.base import Translation, read_source
-from mpmcli.importers.nairnmpm import archive, conditions, contact, cracks, header, materials, scripts
+from mpmcli.importers.nairnmpm import (
+    archive,
+    conditions,
+    contact,
+    cracks,
+    header,
+    materials,
+    reversal,
+    scripts,
+)
 from mpmcli.importers.nairnmpm.bodies import Bodies
 from mpmcli.importers.nairnmpm.checking import check, unread
 from mpmcli.importers.nairnmpm.commands import Command, parse
@@ -31,6 +40,7 @@ _ORDER = (
     "boundary",
     "loads",
     "time",
+    "events",
     "domain",
     "archive",
 )
@@ -107,7 +117,9 @@ def _translate(job: Job, root: Command, blocks: dict[str, Any]) -> None:
         job.scene["loads"] = loads
     archive.tasks(job, root)
     header.time(job, head)
-    archive.archive(job, head, [(str(body["name"]), str(body["material"])) for body in bodies.made])
+    names = [(str(body["name"]), str(body["material"])) for body in bodies.made]
+    archive.archive(job, head, names)
+    reversal.reversal(job, root, names)
     header.display(job, head)
     for block in root.all("Periodic"):
         job.unsupported(block, "periodic boundaries")

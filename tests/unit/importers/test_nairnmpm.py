@@ -413,6 +413,62 @@ def test_axisymmetric_forces_are_those_on_the_ring(tmp_path):
     assert scene["loads"][0]["force"] == [0, "2*pi*(3*t)"]
 
 
+PULL = """<ParticleBCs><BCLine x1="0" x2="4" y1="4" y2="4" tolerance="*.3"><net/>
+  <LoadBC dir="2" style="2" load="3"/></BCLine></ParticleBCs>"""
+
+
+def reverse_load(**parameters):
+    words = "".join(
+        f'<Parameter name="{name.replace("_", " ")}">{v}</Parameter>' for name, v in parameters.items()
+    )
+    return f'<CustomTasks><Schedule name="ReverseLoad">{words}</Schedule></CustomTasks>'
+
+
+@pytest.mark.parametrize(
+    ("parameters", "event"),
+    [
+        ({"global_syy": 0, "maxValue": 2.5}, {"when": "stress_yy[stuff] >= 2.5", "do": "reverse"}),
+        ({"global_syy": 0, "maxValue": -2.5, "style": 1}, {"when": "stress_yy[stuff] <= -2.5", "do": "hold"}),
+        (
+            {"global_Kinetic Energy": 0, "maxValue": 0.1, "style": 1},
+            {"when": "kinetic_energy >= 100", "do": "hold"},
+        ),
+    ],
+)
+def test_loads_reverse_or_hold(tmp_path, parameters, event):
+    scene = scene_of(tmp_path, more=PULL + reverse_load(**parameters))
+    assert scene["events"] == [{"name": "reversal", **event, "to": ["load_1"]}]
+
+
+def test_rigid_bodies_reverse_with_what_they_hold(tmp_path):
+    tool = '<Material Type="11" Name="Tool"><SetDirection>1</SetDirection></Material>'
+    scene = scene_of(
+        tmp_path, points=TOOL, material=MATERIAL + tool, more=reverse_load(global_velx=0, maxValue=50)
+    )
+    assert scene["events"][0]["when"] == "velocity_x[stuff] >= 0.05"
+    assert scene["events"][0]["to"] == ["tool", "tool_x"]
+
+
+def test_a_run_ends_at_a_value(tmp_path):
+    scene = scene_of(tmp_path, more=PULL + reverse_load(global_syy=0, maxValue=2, style=3))
+    assert scene["time"]["stop_when"] == "stress_yy[stuff] >= 2"
+    assert "events" not in scene
+
+
+def test_loads_reverse_when_a_crack_is_long(tmp_path):
+    scene = scene_of(
+        tmp_path,
+        setup='<Cracks><Propagate criterion="7" direction="1"/></Cracks>',
+        material=MATERIAL.replace("</Mat", "<JIc>200</JIc></Mat"),
+        more='<CrackList><pt x="-0.5" y="2.1" tip="-2"/><pt x="2" y="2.1" tip="1"/></CrackList>'
+        + PULL
+        + reverse_load(crackNumber=1, maxLength=3),
+    )
+    assert scene["events"][0]["when"] == f"crack_length[{scene['cracks'][0]['name']}] > 3"
+    unsupported = translated(tmp_path, source(more=PULL + reverse_load(global_sxx=0, other=3)))
+    assert any("other" in problem.message for problem in unsupported.problems(partial=False))
+
+
 def test_initial_stress(tmp_path):
     words = "<ss0XX>-2</ss0XX><ss0YY>-3*y</ss0YY><ss0XY>0</ss0XY>"
     body = scene_of(tmp_path, points=BODY.replace("<Rect", f"{words}<Rect"))["bodies"][0]
