@@ -83,6 +83,10 @@ class Nodes(Protocol):
     cells: Array
     pad: int
     shape: tuple[int, ...]
+    periodic: tuple[int, ...]
+
+    def without_periods(self, dofs: Array) -> Array:
+        """Nodes (n,) within one period of the periodic axes that nodes (n,) are one with."""
 
     def coordinates(self, indices: Array) -> Array:
         """Coordinates (d, n) of nodes (n,)."""

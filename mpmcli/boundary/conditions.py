@@ -149,6 +149,10 @@ class VelocityConditions:
 
     def _real_impulse(self) -> Array:
         """The impulses on real particles."""
+        if self._grid.periodic:
+            return np.where(
+                self._grid.without_periods(self.entries.node) == self.entries.node, self.impulse, 0.0
+            )
         return self.impulse if self._twins.shape[0] == 0 else self.impulse * self.shares()
 
     def shares(self) -> Array:

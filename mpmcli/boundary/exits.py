@@ -52,6 +52,7 @@ class Exits:
     grid, particles, state : where particles are, and the account of what is lost
     describe : names a particle (by its place in memory) in messages
     remove : keeps only the particles of a mask
+    unsort : lets the next step sort the particles
 
     Attributes
     ----------
@@ -67,10 +68,11 @@ class Exits:
         state: State,
         describe: Callable[[int], str],
         remove: Callable[[Array], None],
+        unsort: Callable[[], None] = lambda: None,
     ):
         self.policy, self.held = policy, held
         self._grid, self._particles, self._state = grid, particles, state
-        self._describe, self._remove = describe, remove
+        self._describe, self._remove, self._unsort = describe, remove, unsort
         below, above = np.maximum(overrun_of(held, grid, policy), 1e-9).T * grid.cell
         self.bounds = np.stack([grid.lower - below, grid.upper + above], axis=1)
         if policy != "error":
@@ -91,6 +93,11 @@ class Exits:
             If no particle may leave, or none is left.
         """
         p = self._particles
+        if self._grid.periodic:
+            from mpmcli.boundary.periodic import enter_again, order_breaks
+
+            if order_breaks(self._grid, enter_again(self._grid, p, self._state.X0)):
+                self._unsort()
         below, above = self.bounds[:, :1] > p.X, self.bounds[:, 1:] < p.X
         inside = ~np.any(below | above, axis=0)
         gone = np.flatnonzero(~inside)

@@ -60,8 +60,8 @@ class Loads:
         Gives the identities (n,) of the particles that show a face of a body now.
     rigid_dofs
         Gives the active degrees of freedom of rigid bodies; None without any.
-    has_mirror
-        Whether symmetry planes fold the nodal masses: then gravity is gathered from the particles.
+    completes_mass
+        Whether symmetry planes or periodic sides complete the nodal masses: then gravity comes from the particles.
     parallel
         Whether parallel kernels are used.
     impedance
@@ -86,12 +86,12 @@ class Loads:
         bodies: Sequence[str],
         shown: Callable[[str, Face], Array],
         rigid_dofs: Callable[[], Array] | None,
-        has_mirror: bool,
+        completes_mass: bool,
         parallel: bool,
         impedance: Callable[[LoadModel], Array],
     ):
         self._particles, self._grid, self._order, self._transfer = particles, grid, order, transfer
-        self._rigid_dofs, self._has_mirror, self._parallel = rigid_dofs, has_mirror, parallel
+        self._rigid_dofs, self._completes_mass, self._parallel = rigid_dofs, completes_mass, parallel
         self.on_particles = ParticleLoads(models, analysis, bodies, particles)
         on_faces = [load for load in models if load.effects() & {"traction_at", "impedance_of"}]
         self.faces = TractionFaces(
@@ -113,10 +113,10 @@ class Loads:
         """Task 1: find the forces of all loads at the start of the step."""
         time, grid, f, version = step.time, self._grid, self.force, self._order.version
         nodes.clear_nodes[self._parallel](grid.active, f)
-        B = self.on_particles.accelerations(time, self._particles, version, self._has_mirror)
+        B = self.on_particles.accelerations(time, self._particles, version, self._completes_mass)
         if B is not None:
             self._transfer.add_vector(B, f)
-        gravity = None if self._has_mirror else self.on_particles.gravity(time)
+        gravity = None if self._completes_mass else self.on_particles.gravity(time)
         if gravity is not None:
             nodes.add_gravity[self._parallel](grid.active, grid.mp, gravity, f)
         if self.faces:

@@ -138,6 +138,7 @@ class Grid:
     width : nodes per axis that the shape function's stencil spans
     fields : velocity fields
     sides : sides that a node may have; 1 unless something cuts bodies
+    periodic : numbers of the axes along which nodes one period, the length of the grid, apart are one node
 
     A degree of freedom is velocity field × node on a side of it (``core.dofs``), and all arrays and ``active`` run over
     degrees of freedom: side after side, field after field. ``active`` lists further sides only at the nodes that
@@ -153,6 +154,7 @@ class Grid:
         width: int,
         fields: int = 1,
         sides: int = 1,
+        periodic: tuple[int, ...] = (),
     ):
         self.lower = np.asarray(lower, dtype=np.float64)
         self.upper = np.asarray(upper, dtype=np.float64)
@@ -168,6 +170,7 @@ class Grid:
         self.fields = fields
         self.by_field = True
         self.sides = sides
+        self.periodic = periodic
         self.dof_count = sides * fields * self.node_count
         self.mp = np.zeros((self.dof_count, 1 + d))
         self.f = np.zeros((self.dof_count, d))
@@ -241,6 +244,28 @@ class Grid:
             beyond = (there + side * self.fields * self.node_count for side in range(1, self.sides))
             self.active = np.concatenate([self.active, *beyond])
             self.active_version += 1
+
+    def without_periods(self, dofs: np.ndarray) -> np.ndarray:
+        """Return for degrees of freedom (n,) those within one period, lower side included, that they are one with."""
+        found = np.array(dofs)
+        for a in self.periodic:
+            index = dofs // self.stride[a] % self.shape[a] - self.pad
+            found += (index % self.cells[a] - index) * self.stride[a]
+        return found
+
+    def with_periods(self, dofs: np.ndarray) -> np.ndarray:
+        """Return all degrees of freedom (m,), ascending, that ``dofs`` (n,) are one with, themselves included."""
+        found = np.unique(self.without_periods(dofs))
+        for a in self.periodic:
+            index, cells = found // self.stride[a] % self.shape[a], int(self.cells[a])
+            below, above = -(self.pad // cells), (self.shape[a] - 1 - self.pad) // cells
+            copies = [found]
+            for turns in (*range(below - 1, 0), *range(1, above + 1)):
+                at = index + turns * cells
+                there = (at >= 0) & (at < self.shape[a])
+                copies.append(found[there] + turns * cells * self.stride[a])
+            found = np.concatenate(copies)
+        return np.sort(found)
 
     @property
     def used_dofs(self) -> int:

@@ -86,6 +86,8 @@ class CellOrder:
             grid.active = self._reach(np.diff(starts) > 0, low, extent)
         else:
             grid.active = self._reach_of_fields(cell, field)
+        if grid.periodic:
+            grid.active = grid.with_periods(grid.active)
         grid.active_version += 1
         self.version += 1
         self.drift = 0.0
@@ -97,6 +99,10 @@ class CellOrder:
         self.bands = starts[edges * layer].astype(np.uint64)
         lines = starts[:: int(extent[0]) if len(extent) > 1 else 1]
         self.chunks = chunks_of_lines(lines[:-1][np.diff(lines) > 0], int(starts[-1]))
+
+    def forget(self) -> None:
+        """Let the next step sort, because particles have jumped."""
+        self.drift = np.inf
 
     def drop(self, kept: Array) -> None:
         """Fit bands and chunks to the particles of the mask ``kept`` (N,), which are sorted at the next step."""

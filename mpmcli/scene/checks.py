@@ -54,6 +54,10 @@ def check(parts: Parts, root: Node) -> list[Problem]:
         for key in ("boundary", "loads"):
             _check_conditions(getattr(parts, key), key, parts, dimensions, root, report)
         _check_probes(parts, dimensions, root, report)
+        if parts.grid is not None and parts.grid.periodic and parts.grid.dimensions == dimensions:
+            from mpmcli.scene.periodic_checks import check_periodic
+
+            check_periodic(parts, dimensions, root, report)
     check_events(parts, root, report)
     _check_start(parts, root, report)
     check_times(parts, root, report)

@@ -84,6 +84,11 @@ class Grid(Model):
     """Corner with the largest coordinates."""
     cell: CellSize
     """Size of a cell: one number, or one per axis."""
+    periodic: tuple[Literal["x", "y", "z"], ...] | None = None
+    """Axes whose lower and upper sides are one: particles that leave through one side enter at the other.
+
+    Displacements remain those travelled. With periodic axes the scene has no contact, cracks, heat or rigid bodies.
+    """
 
     @field_validator("upper")
     @classmethod
@@ -119,6 +124,17 @@ class Grid(Model):
         if nodes > MAX_NODES:
             raise ValueError(f"the grid has {nodes:.2g} nodes; at most {MAX_NODES:.0e} are allowed")
         return cell
+
+    @field_validator("periodic")
+    @classmethod
+    def _own_axes(cls, periodic: tuple[str, ...] | None, info: ValidationInfo) -> tuple[str, ...] | None:
+        axes = "xyz"[: len(info.data.get("lower", "xyz"))]
+        for axis in periodic or ():
+            if axis not in axes:
+                raise ValueError(f"there is no axis {axis}; this grid has {', '.join(axes)}")
+        if periodic is not None and len(set(periodic)) < len(periodic):
+            raise ValueError("names an axis twice")
+        return periodic
 
     @property
     def dimensions(self) -> int:

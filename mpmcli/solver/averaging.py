@@ -9,6 +9,8 @@ the power of these forces is the stress power of the averaged strain rate: the p
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mpmcli.boundary.images import Images
@@ -18,6 +20,9 @@ from mpmcli.core.particles import Particles
 from mpmcli.core.transfer.averages import WeightedSums, divide_sums, mean_of_rows, shift_rows
 from mpmcli.core.transfer.nodes import clear_nodes
 from mpmcli.solver.transfer import Transfer
+
+if TYPE_CHECKING:  # imported by scenes with periodic axes
+    from mpmcli.boundary.periodic import PeriodicSides
 
 Array = np.ndarray
 
@@ -34,8 +39,9 @@ class VolumeAveraging:
     """
 
     def __init__(
-        self, analysis: Analysis, grid: Grid, particles: Particles, transfer: Transfer, images: Images | None
-    ):
+        self, analysis: Analysis, grid: Grid, particles: Particles, transfer: Transfer,
+        images: Images | PeriodicSides | None,
+    ):  # fmt: skip
         d = grid.dimensions
         hoop = isinstance(analysis, Axisymmetric)
         self._grid, self._particles, self._transfer, self._images = grid, particles, transfer, images

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from mpmcli.core.particles import Particles
 from mpmcli.core.state import State
 from mpmcli.core.step import Step
 
+if TYPE_CHECKING:  # imported by scenes with periodic axes
+    from mpmcli.boundary.periodic import PeriodicSides
+
 Array = np.ndarray
 
 
@@ -27,7 +30,7 @@ class Damping:
     ----------
     model : the scene's words (``scene.method.Damping``)
     state : receives the energy taken
-    images : mirror images of particles, or None
+    images : mirror images of particles, or periodic sides, or None
 
     Attributes
     ----------
@@ -40,7 +43,7 @@ class Damping:
 
     rigid: RigidBodies | None = None
 
-    def __init__(self, model: Any, state: State, images: Images | None):
+    def __init__(self, model: Any, state: State, images: Images | PeriodicSides | None):
         damped = model.feedback.damps if model.feedback is not None else ""
         at_nodes, of_particles = bool(model.damps_grid), bool(model.damps_particles)
         self.grid: Array | None = np.array([model.grid(t=0.0)]) if at_nodes else None
@@ -92,7 +95,7 @@ class Damping:
             )
 
     def leave_out_images(self, mp: Array, f: Array, dt: float) -> None:
-        """Take what mirror images of particles lost out of what nodes lost."""
+        """Take what mirror images of particles, or copies of nodes, lost out of what nodes lost."""
         images = self._images
         if images is not None and self.grid is not None and self.of_nodes is not None:
             self.of_nodes[0] -= images.damping_of(mp, f, self.grid[0], dt)

@@ -51,6 +51,7 @@ def make_grid(scene: Any, plan: Plan) -> Grid:
         plan.shape.width,
         fields=len(plan.fields),
         sides=plan.sides,
+        periodic=tuple("xyz".index(axis) for axis in grid.periodic or ()),
     )
 
 

@@ -111,8 +111,9 @@ class Simulation(Parts):
         state.strain_energy_density = self.stress.energy_density
         held = held_sides(scene.conditions_on("velocity"), grid)
         self.exits = Exits(
-            scene.domain.on_exit, held, grid, particles, state, self.failures.describe, self.remove_particles
-        )
+            scene.domain.on_exit, held, grid, particles, state, self.failures.describe, self.remove_particles,
+            self.order.forget,
+        )  # fmt: skip
         self.transfer = Transfer(
             plan.analysis,
             plan.shape,
@@ -131,10 +132,16 @@ class Simulation(Parts):
         self.conditions = self._make_conditions(scene)
         images = None if self.conditions is None else self.conditions.images
         mirror = None if images is None else images.mirror
-        self.damping = Damping(plan.damping, state, images)
+        sides: Any = None
+        if grid.periodic:
+            from mpmcli.boundary.periodic import PeriodicSides
+
+            sides = PeriodicSides(grid)
+        others = images or sides  # a scene has no more than one of them
+        self.damping = Damping(plan.damping, state, others)
         self.averaging = None
         if plan.averages_volume:
-            self.averaging = VolumeAveraging(plan.analysis, grid, particles, self.transfer, images)
+            self.averaging = VolumeAveraging(plan.analysis, grid, particles, self.transfer, others)
         self.rigid = self.loads = self.contact = self.heat = None
         if state.rigid:
             self.rigid = RigidBodies(
@@ -147,7 +154,7 @@ class Simulation(Parts):
             )
             self.damping.rigid = self.rigid
         if plan.has_loads:
-            self.loads = self._make_loads(scene, has_mirror=images is not None)
+            self.loads = self._make_loads(scene, completes_mass=others is not None)
         if plan.has_contact:
             self.contact = NodalContact(
                 setup.choose_contact(scene, plan), self.order, self.transfer, self.conditions, mirror, self.rigid,
@@ -169,7 +176,7 @@ class Simulation(Parts):
             self.cracks = Cracks(scene, self)
             state.cracks = self.cracks.view
         faces = None if self.cracks is None else self.cracks.faces
-        corrections = (images, self.conditions, self.contact, faces)
+        corrections = (sides, images, self.conditions, self.contact, faces)
         self.velocity.corrections = [part for part in corrections if part is not None]
         if plan.heat is not None:
             from mpmcli.solver.heat import make_conduction
@@ -267,9 +274,18 @@ class Simulation(Parts):
             "grid": self.grid,
             "surface": continuation.Surfaces(self._surface_identities),
             **({"clocks": self.clocks} if self.clocks else {}),
+            **self._start_positions(),
             **{name: part for name in parts if hasattr(part := getattr(self, name), "memory")},
             "particles": self.particles,
         }
+
+    def _start_positions(self) -> dict[str, Any]:
+        """Positions at time 0 where steps change them: those of particles that pass a periodic side."""
+        if not self.grid.periodic or self.state.X0 is None:
+            return {}
+        from mpmcli.boundary.periodic import StartPositions
+
+        return {"start": StartPositions(self.state.X0)}
 
     def remove_particles(self, kept: Array) -> None:
         """Keep only the particles of the mask ``kept`` (N,) in memory."""
@@ -338,7 +354,7 @@ class Simulation(Parts):
         setup.add_friction(found, models, self)
         return found
 
-    def _make_loads(self, scene: Any, has_mirror: bool) -> Loads:
+    def _make_loads(self, scene: Any, completes_mass: bool) -> Loads:
         rigid = self.rigid
         return Loads(
             setup.loads_by_clocks(scene, self.clocks),
@@ -352,7 +368,7 @@ class Simulation(Parts):
             bodies=self.state.bodies,
             shown=self._shown,
             rigid_dofs=None if rigid is None else lambda: rigid.dofs,
-            has_mirror=has_mirror,
+            completes_mass=completes_mass,
             parallel=self.parallel,
             impedance=lambda load: setup.impedance_of(scene, load),
         )

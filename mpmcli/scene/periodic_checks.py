@@ -1,0 +1,90 @@
+"""What does not go with periodic axes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from mpmcli.boundary.place import unit_vector
+from mpmcli.scene.parts import Parts
+from mpmcli.scene.tree import Node, member_label
+
+Report = Callable[..., None]
+Found = Iterator[tuple[str, str]]
+
+
+def check_periodic(parts: Parts, dimensions: int, root: Node, report: Report) -> None:
+    """Report parts of a scene with periodic axes that do not know of them, or lie on their sides."""
+    axes = parts.grid.periodic
+    for path, words in _of_methods(parts, axes):
+        report(path, words, "periodic")
+    for key, find in (("boundary", _of_condition), ("loads", _of_load)):
+        for index, model in getattr(parts, key):
+            if list(model.problems(dimensions)):
+                continue
+            for place, words in find(model, axes, dimensions):
+                path = f"{key}.{member_label(root.value[key].value[index], index)}"
+                report(f"{path}.{place}", words, "periodic")
+
+
+def _of_methods(parts: Parts, axes: tuple[str, ...]) -> Found:
+    if parts.analysis.kind == "axisymmetric" and "x" in axes:
+        yield "grid.periodic", "x is the radius in axisymmetric analyses and cannot be periodic; y can"
+    for key in ("contact", "heat", "fracture"):
+        if getattr(parts, key) is not None:
+            yield key, "not available with periodic axes of the grid"
+    if parts.cracks:
+        yield "cracks", "not available with periodic axes of the grid"
+    for name, material in parts.materials.items():
+        if material.kind == "rigid":
+            yield f"materials.{name}.kind", "rigid bodies are not available with periodic axes of the grid"
+    method = parts.method
+    if method is None:
+        return
+    if method.damping.local is not None:
+        words = "local damping is not available with periodic axes of the grid; use grid or particle damping"
+        yield "method.damping.local", words
+    if getattr(method.transfer, "dynamic", None) is not None:
+        words = "a dynamic order is not available with periodic axes of the grid; give a fixed order"
+        yield "method.transfer.dynamic", words
+
+
+def _of_condition(model: Any, axes: tuple[str, ...], dimensions: int) -> Found:
+    if model.acts_on != "velocity":
+        return  # reported with heat
+    if model.kind == "symmetry":
+        words = "symmetry planes are not available with periodic axes of the grid"
+        yield "kind", f"{words}; hold the velocity across a plane with kind: velocity"
+    elif model.kind not in ("velocity", "wall"):
+        yield "kind", f"'{model.kind}' is not available with periodic axes of the grid; use velocity or wall"
+    elif model.rubs:
+        key = "friction" if model.friction else "cohesion"
+        yield key, f"{key} of planes and walls is not available with periodic axes of the grid"
+    elif model.kind == "wall":
+        normal = unit_vector(model.normal, dimensions)
+        for axis in axes:
+            if normal[_number(axis)] != 0.0:
+                yield (
+                    "normal",
+                    f"has a component along the periodic axis {axis}; walls must be parallel to it",
+                )
+    elif model.on.plane is None:
+        words = "with periodic axes of the grid, velocities are held on planes only; give 'plane'"
+        yield "on", words
+    elif model.on.plane.axis in axes:
+        words = f"no velocity can be held on a plane across the periodic axis {model.on.plane.axis}"
+        yield "on.plane.axis", words
+    elif varying := sorted(model.value.variables & set(axes)):
+        yield "value", f"must not vary along the periodic axis {varying[0]}"
+
+
+def _of_load(model: Any, axes: tuple[str, ...], dimensions: int) -> Found:
+    if model.acts_on != "velocity" or not model.acts_on_face:
+        return
+    face = model.loaded_face()[1]
+    if face.axis in axes:
+        yield "on.face.axis", f"a body has no face across the periodic axis {face.axis}"
+
+
+def _number(axis: str) -> int:
+    return "xyz".index(axis)
