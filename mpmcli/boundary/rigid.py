@@ -107,7 +107,7 @@ class RigidBodies:
         moved = X[:, self._still]
         X[:, self._still] = self._X
         self._particles.V[:, self._still] = self._V
-        self._order.drift += float((np.abs(self._X - moved).max(axis=1) / self._grid.cell).max())
+        self._order.drift += float((np.abs(self._X - moved).max(axis=1, initial=0.0) / self._grid.cell).max())
 
 
 def velocity_at(velocity: Any, X: Array, time: float, name: str) -> Array:
