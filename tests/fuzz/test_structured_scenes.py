@@ -491,7 +491,7 @@ def test_structured_scenes(tmp_path, monkeypatch):
     monkeypatch.setenv("MPMCLI_DEBUG", "1")
     codes, findings = campaign(range(20), tmp_path)
     assert findings == []
-    assert codes[0] > 15
+    assert codes[0] >= 10
 
 
 @pytest.mark.long
