@@ -76,6 +76,7 @@ class StandIn(Simulation):
                     if self.heat is not None and self.heat_interval is not None:
                         self.heat_interval.interval, self.heat.acted = heat
                     self.grid.mp[self.grid.active, 0] = 1.0  # every field has mass wherever it may reach
+                    self.order.drift = 0.0  # never sorted again: kernels that locate particles do nothing
                     step = Step(plan, 1.0, 0.0)
                     found += [(task, recorded(task.run, step)) for task in self.tasks[plan.method.flip]]
         return found
@@ -112,7 +113,7 @@ def recorded(function: Callable[..., Any], *arguments: Any) -> list[Call]:
     with recording() as calls:
         try:
             function(*arguments)
-        except (MpmcliError, ArithmeticError, LookupError, ValueError) as problem:
+        except (MpmcliError, ArithmeticError, LookupError, ValueError, MemoryError) as problem:
             # numbers that nobody calculated may lead anywhere; what is missing is compiled when it is called
             LOGGER.debug("the list of what is compiled ends early: %s: %s", type(problem).__name__, problem)
     return list(calls)

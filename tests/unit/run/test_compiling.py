@@ -15,7 +15,8 @@ import pytest
 import yaml
 
 from mpmcli.contact.fields_in_contact import NodeTable, Rules, most_contacts
-from mpmcli.core.compiled.kernel import Compiled, find_compiled, recording
+from mpmcli.core.compiled.kernel import Compiled, Kernel, find_compiled, recording
+from mpmcli.core.order import CellOrder
 from mpmcli.core.transfer.nodes import clear_nodes
 from mpmcli.run import compiling
 from mpmcli.run.compiling import Compilers
@@ -174,6 +175,22 @@ def test_kernels_of_contact_are_named_before_bodies_touch():
     }
     assert all(np.array_equal(before[name], array) for name, array in simulation.particles.arrays().items())
     assert simulation.state.step == 0
+
+
+def test_rehearsals_never_sort_particles_whose_cells_nobody_found(monkeypatch):
+    scene = two_blocks(materials=two_blocks()["materials"] | {"hard": {"kind": "rigid"}})
+    scene["method"]["transfer"]["every_steps"] = 3  # rehearsals take a second step
+    scene["bodies"][1] |= {"material": "hard", "velocity": ["-1e9*x", 0]}  # moves by more than a cell in a rehearsal
+    loaded = load_scene(yaml.safe_dump(scene))
+    simulation = Simulation(loaded)
+    sort, real = CellOrder.sort, Kernel.__getitem__
+
+    def sort_for_real(order, parallel):
+        assert Kernel.__getitem__ is real
+        sort(order, parallel)
+
+    monkeypatch.setattr(CellOrder, "sort", sort_for_real)
+    assert "find_impulses" in {call.compiled.address[1] for call in calls_of(simulation, loaded)}
 
 
 SCRIPT = """
