@@ -109,18 +109,19 @@ class CrackGrowth:
 
     def _check(self, tip: GrowingTip, time: float) -> None:
         criterion, longest = tip.model.criterion, tip.model.max_length
+        at_end = longest is not None and tip.chain.length >= longest * (1.0 - 1e-9)
+        if (at_end and not tip.runs) or (criterion.needs and time - tip.last < self._response()):
+            return
         values = self._values(tip) if self._asks(tip) else TipValues(math.nan, math.nan, math.nan)
         state = self._state(tip, time, values)
         if math.isnan(tip.started) and hasattr(criterion, "sets_in") and criterion.sets_in(state):
             tip.started = time
             state = state._replace(started=time)
-        demand = criterion.demand(state)
-        if not demand >= 1.0 or (longest is not None and tip.chain.length >= longest * (1.0 - 1e-9)):
-            self._rest(tip, time, values)
+        if at_end or not criterion.demand(state) >= 1.0:
+            if at_end or not criterion.goes_on(state):
+                self._rest(tip, time, values)
             return
         moment = criterion.moment(state)
-        if criterion.needs and time - tip.last < self._response():
-            return
         if tip.model.speed is not None and not math.isnan(tip.last):
             earliest, round_off = tip.last + state.increment / tip.model.speed.max, 1e-6 * self._s.state.dt
             if time < earliest - round_off:

@@ -186,10 +186,9 @@ class Tips:
         if model.pressure is not None:
             x, y = 0.5 * (X[:, 1:] + X[:, :-1])
             pressure = model.pressure(x, y, t=self._state.time)
-        given = None
-        if model.traction:
-            numbers = chain.numbers
-            at_points = (numbers["traction"] * (numbers["law"] > 0))[:, first:last]
+        given, laws = None, chain.numbers.get("law")
+        if laws is not None and laws.any():  # those of the scene, and those that growth has left behind
+            at_points = (chain.numbers["traction"] * (laws > 0))[:, first:last]
             given = frame.turn(0.5 * (at_points[:, 1:] + at_points[:, :-1]))
         holds = law.is_interface or law.kind == "perfect"
         return Crack(plane, jump, holds, law.skipped, grip_of(law), pressure, given, end)

@@ -44,6 +44,10 @@ class Criterion(Model):
         """How much of what it takes is there; the tip grows from 1 on."""
         raise NotImplementedError
 
+    def goes_on(self, tip: TipState) -> bool:
+        """Whether the tip runs though no growth is due, so that it is not arrested."""
+        return False
+
     def moment(self, tip: TipState) -> float:
         """Return the time that counts as that of the growth now due [time]."""
         return tip.time

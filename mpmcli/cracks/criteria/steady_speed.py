@@ -37,6 +37,10 @@ class SteadySpeed(Criterion):
             return 0.0
         return share((tip.time - self._since(tip)) * self._speed(tip), tip.increment)
 
+    def goes_on(self, tip: TipState) -> bool:
+        """Whether its speed is above 0."""
+        return self._speed(tip) > 0.0
+
     def moment(self, tip: TipState) -> float:
         """Return the time at which an exact tip would have made the increment, so that no delay adds up."""
         return self._since(tip) + tip.increment / self._speed(tip)

@@ -40,9 +40,9 @@ def seen(
     )
 
 
-def tips_of(plate, law, *chains, pressure=None, traction=(), **fracture):
+def tips_of(plate, law, *chains, pressure=None, **fracture):
     faces = SimpleNamespace(law=LAWS[law["kind"]].model_validate(law))
-    models = [SimpleNamespace(faces=faces, pressure=pressure, traction=traction)] * (1 + len(chains))
+    models = [SimpleNamespace(faces=faces, pressure=pressure)] * (1 + len(chains))
     p = plate.particles(12)
     grid = SimpleNamespace(lower=np.array([-1.2, -1.2]), cell=np.array([CELL, CELL]))
     state = State(plate.analysis, p, ["plate"], ["steel"], [STEEL])
@@ -155,9 +155,9 @@ def test_contours(angle, size):
 
 
 def test_tractions_on_points_of_an_open_crack():
-    """As pressure, but a traction that the points carry: it pulls where pressure presses."""
+    """As pressure, but a traction that the points carry, by the scene or since growth: it pulls where pressure presses."""
     plate = Plate(1e-3, 2e-4, STRAIN, tip=(0.01, 0.02), angle=0.7, pressed=(2e-3, 1e-3))
-    tips = tips_of(plate, SMOOTH, traction=("cohesive",))
+    tips = tips_of(plate, SMOOTH)
     chain = tips._chains[0]
     c, s = np.cos(0.7), np.sin(0.7)
     pull = -np.array([c * 1e-3 - s * 2e-3, s * 1e-3 + c * 2e-3])[:, None] * np.ones(chain.count)

@@ -207,6 +207,28 @@ def test_a_tip_that_no_longer_grows_is_arrested():
     assert world.view.events[1][6] == 0.2
 
 
+def test_a_tip_that_runs_slowly_is_not_arrested_before_its_end():
+    law = {"kind": "steady_speed", "speed": 0.01 / DT}
+    world = World(crack(**grows(criterion=law, increment=4.0, max_length=3.1)))
+    world.s.wave_speed = 1e3  # a wave crosses the ring within a tenth of a step
+    world.step(150)
+    assert world.events == ["growth"] * 3
+    world.step(100)
+    assert world.events == ["growth"] * 4 + ["arrest"]
+
+
+def test_nothing_is_found_for_tips_that_wait_or_are_at_their_end():
+    world = World(crack(**grows(max_length=1.6)), outer=4.0)
+    found = []
+    world.growth._tips._find = lambda chain, end: found.append(world.s.state.step) or world.values
+    world.s.wave_speed = 4.0 * CELL / (10.5 * DT)
+    world.step(400)
+    assert found[:2] == [1, 12]
+    last = 12 + round(20 * 10.5)
+    assert world.events == ["growth", "growth", "arrest"]
+    assert found[-1] == pytest.approx(last, abs=1)
+
+
 def test_no_number_ends_the_run():
     world = World(crack(**grows()))
     world.values = TipValues(np.nan, np.nan, np.nan)
