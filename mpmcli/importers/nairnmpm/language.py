@@ -1,25 +1,20 @@
-"""The language of NairnMPM's scripts: variables, conditions, loops, and the values of arguments.
+"""The language of NairnMPM's scripts: variables, conditions, loops and subroutines.
 
 A script is run line by line. What remains are its commands with values instead of expressions.
 """
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+
+from mpmcli.importers.nairnmpm.script_values import Reader, Scalar, ScriptError, calculate, number_of, split
 
 MAX_STEPS = 100_000
 """Lines that a script may run."""
-
-Scalar = float | str
-
-
-class ScriptError(ValueError):
-    """A line of a script cannot be run; the words say why, ``line`` where, if known."""
-
-    line: int | None = None
+MAX_CALLS = 50
+"""Subroutines that may be inside each other."""
 
 
 @dataclass(frozen=True)
@@ -32,25 +27,17 @@ class Line:
     text: str
 
 
-_TOKEN = re.compile(
-    r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|(?P<string>\"[^\"]*\")|(?P<variable>#[A-Za-z_]\w*\$?)"
-    r"|(?P<word>[A-Za-z_][\w.]*)|(?P<sign>!=|<=|>=|[-+*/^()&=<>,]))"
-)
-_FUNCTIONS: dict[str, Callable[[float], float]] = {
-    "sqrt": math.sqrt,
-    "abs": abs,
-    "int": lambda a: float(math.trunc(a)),
-    "sin": math.sin,
-    "cos": math.cos,
-    "tan": math.tan,
-    "asin": math.asin,
-    "acos": math.acos,
-    "atan": math.atan,
-    "exp": math.exp,
-    "ln": math.log,
-    "log": math.log10,
-    "sign": lambda a: 1.0 if a > 0 else 0.0,
-}
+@dataclass
+class _Open:
+    """A block that has begun: ``if`` with its state, a loop or a call with the line to go back to."""
+
+    word: str
+    state: str = "run"
+    """Of ``if``: "run", "seek" (no branch yet) or "done"."""
+    back: int = 0
+    variable: str = ""
+    last: float = 0.0
+    step: float = 1.0
 
 
 def run(text: str) -> Iterator[Line]:
@@ -73,15 +60,24 @@ def without_comment(line: str) -> str:
     return line.rstrip()
 
 
+def _word(line: str) -> str:
+    return (re.match(r"\w*", line.strip()) or [""])[0].lower()
+
+
 class _Script:
     def __init__(self, text: str):
         self.lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
         self.variables: dict[str, Scalar] = {}
+        self.open: list[_Open] = []
+        self.routines: dict[str, int] = {}
         self.at = 0
+        for number, line in enumerate(self.lines):
+            if _word(line) == "sub":
+                name = split(without_comment(line).strip()[3:])[0].strip().strip('"').lower()
+                self.routines.setdefault(name, number)
 
     def run(self) -> Iterator[Line]:
         steps = 0
-        skipping: list[str] = []  # of each open if: "run", "seek" (no branch yet) or "done"
         while self.at < len(self.lines):
             number, raw = self.at + 1, self.lines[self.at]
             self.at += 1
@@ -89,231 +85,158 @@ class _Script:
             if steps > MAX_STEPS:
                 raise ScriptError(f"more than {MAX_STEPS} lines are run")
             line = without_comment(raw).strip()
-            word = (re.match(r"\w*", line) or [""])[0].lower()
+            word = _word(line)
             rest = line[len(word) :].strip()
-            if word in {"header", "xmldata", "sub"} and "seek" not in skipping and "done" not in skipping:
-                yield self._block(word, rest, number)
-            elif word in {"header", "xmldata", "sub"}:
-                self._block(word, rest, number)
+            idle = any(block.state != "run" for block in self.open)
+            if word in {"header", "xmldata"}:
+                made = self._block(word, rest, number)
+                if not idle:
+                    yield made
+            elif word == "sub":
+                self._skip_to("sub", "endsub")
             elif word in {"if", "ifstr"}:
-                idle = any(state != "run" for state in skipping)
-                skipping.append("done" if idle else "run" if self._true(rest) else "seek")
+                state = "done" if idle else "run" if self._true(rest) else "seek"
+                self.open.append(_Open("if", state))
             elif word == "else":
-                self._otherwise(skipping, rest)
+                self._otherwise(rest)
             elif word == "endif":
-                if not skipping:
-                    raise ScriptError("'endif' without 'if'")
-                skipping.pop()
-            elif any(state != "run" for state in skipping) or not line:
-                continue
-            elif line.startswith("#"):
-                self._assign(line)
-            elif word in {"for", "repeat", "while"}:
-                raise ScriptError(f"loops ('{word}') are not supported")
-            else:
-                yield Line(word, tuple(self._arguments(rest)), number, raw.strip())
-        if skipping:
-            raise ScriptError("'endif' is missing")
+                self._close("if", "endif")
+            elif not idle and line and not self._jump(word, rest):
+                if line.startswith("#"):
+                    self._assign(line)
+                else:
+                    yield Line(word, tuple(self._arguments(rest)), number, raw.strip())
+        if self.open:
+            raise ScriptError(f"'end{self.open[-1].word}' is missing")
+
+    # ------------------------------------------------------------------ blocks
 
     def _block(self, word: str, rest: str, number: int) -> Line:
-        end = f"end{word}"
         first = self.at
+        self._skip_to(word, f"end{word}")
+        return Line(word, (rest, "\n".join(self.lines[first : self.at - 1])), number, rest)
+
+    def _skip_to(self, word: str, end: str) -> None:
+        """Go on after the end of the block that the line before began."""
+        depth = 1
         while self.at < len(self.lines):
-            line = self.lines[self.at].strip()
+            found = _word(self.lines[self.at])
             self.at += 1
-            if line.lower().startswith(end):
-                inside = "\n".join(self.lines[first : self.at - 1])
-                return Line(word, (rest, inside), number, rest)
+            depth += (found == word) - (found == end)
+            if depth == 0:
+                return
         raise ScriptError(f"'{end}' is missing")
 
-    def _otherwise(self, skipping: list[str], rest: str) -> None:
-        if not skipping:
+    def _close(self, word: str, end: str) -> _Open:
+        """End the innermost block, which must be of this kind."""
+        if not self.open or self.open[-1].word != word:
+            other = (
+                f"'end{self.open[-1].word}' is missing before" if self.open else f"'{word}' does not precede"
+            )
+            raise ScriptError(f"{other} '{end}'")
+        return self.open.pop()
+
+    def _otherwise(self, rest: str) -> None:
+        if not self.open or self.open[-1].word != "if":
             raise ScriptError("'else' without 'if'")
-        state = skipping[-1]
-        if state == "run":
-            skipping[-1] = "done"
-        elif state == "seek":
+        block = self.open[-1]
+        if block.state == "run":
+            block.state = "done"
+        elif block.state == "seek":
             condition = re.sub(r"^if(str)?\b", "", rest, flags=re.IGNORECASE).strip()
             if not rest or self._true(condition):
-                skipping[-1] = "run"
+                block.state = "run"
+
+    def _jump(self, word: str, rest: str) -> bool:
+        """Loops and subroutines; returns whether the line was one of their words."""
+        if word == "repeat":
+            self._repeat(rest)
+        elif word == "endrepeat":
+            block = self._close("repeat", word)
+            value = number_of(self.variables[block.variable]) + block.step
+            self.variables[block.variable] = value
+            if _within(value, block.last, block.step):
+                self.at = block.back
+                self.open.append(block)
+        elif word == "while":
+            if self._true(rest):
+                self.open.append(_Open("while", back=self.at - 1))
+            else:
+                self._skip_to("while", "endwhile")
+        elif word == "endwhile":
+            self.at = self._close("while", word).back
+        elif word == "break":
+            while self.open and self.open[-1].word == "if":
+                self.open.pop()
+            if not self.open or self.open[-1].word == "sub":
+                raise ScriptError("'break' outside a loop")
+            loop = self.open.pop().word
+            self._skip_to(loop, f"end{loop}")
+        elif word == "gosub":
+            self._call(rest)
+        elif word == "endsub":
+            self.at = self._close("sub", word).back
+        elif word == "for":
+            raise ScriptError("not supported: the loop 'for'")
+        else:
+            return False
+        return True
+
+    def _repeat(self, rest: str) -> None:
+        name, *texts = split(rest)
+        name = name.strip().strip('"').rstrip("$")
+        if not re.fullmatch(r"#[A-Za-z_]\w*", name) or not 2 <= len(texts) <= 3:
+            raise ScriptError("'Repeat \"#variable\",first,last' is expected, and a step if it is not 1")
+        first, last, step = [number_of(Reader(text, self.variables).whole()) for text in (*texts, "1")][:3]
+        if step == 0:
+            raise ScriptError("the step of 'Repeat' is 0")
+        self.variables[name] = first
+        if _within(first, last, step):
+            self.open.append(_Open("repeat", back=self.at, variable=name, last=last, step=step))
+        else:
+            self._skip_to("repeat", "endrepeat")
+
+    def _call(self, rest: str) -> None:
+        name, *values = self._arguments(rest)
+        start = self.routines.get(str(name).lower())
+        if start is None:
+            raise ScriptError(f"there is no subroutine '{name}'")
+        if sum(block.word == "sub" for block in self.open) >= MAX_CALLS:
+            raise ScriptError(f"more than {MAX_CALLS} subroutines inside each other")
+        wanted = [part.strip() for part in split(without_comment(self.lines[start]).strip()[3:])[1:]]
+        if len(values) != len(wanted):
+            raise ScriptError(f"'{name}' needs {len(wanted)} values, not {len(values)}")
+        for variable, value in zip(wanted, values, strict=True):
+            self.variables[variable.rstrip("$")] = value
+        self.open.append(_Open("sub", back=self.at))
+        self.at = start + 1
+
+    # ------------------------------------------------------------------ values
 
     def _assign(self, line: str) -> None:
-        found = re.match(r"(#[A-Za-z_]\w*\$?)\s*([-+*/]?)=\s*(.*)\Z", line)
+        found = re.match(r"(#[A-Za-z_]\w*)\$?(?:\[([^\]]*)\])?\s*([-+*/]?)=\s*(.*)\Z", line)
         if found is None:
             raise ScriptError("an assignment '#name = value' is expected")
-        name, operator, text = found.groups()
-        name = name.rstrip("$")
-        value = _Reader(text, self.variables).whole()
+        name, index, operator, text = found.groups()
+        if index is not None:
+            name += f"[{number_of(Reader(index, self.variables).whole()):g}]"
+        value = Reader(text, self.variables).whole()
         if operator:
-            value = _calculate(self._value(name), operator, value)
+            if name not in self.variables:
+                raise ScriptError(f"the variable {name} has no value")
+            value = calculate(self.variables[name], operator, value)
         self.variables[name] = value
 
-    def _value(self, name: str) -> Scalar:
-        if name not in self.variables:
-            raise ScriptError(f"the variable {name} has no value")
-        return self.variables[name]
-
     def _true(self, text: str) -> bool:
-        return _Reader(text, self.variables).condition()
+        return Reader(text, self.variables).condition()
 
     def _arguments(self, text: str) -> Iterator[Scalar]:
         if not text.strip():
             return
-        for part in _split(text.strip().lstrip(",")):
-            yield _Reader(part, self.variables).whole()
+        for part in split(text.strip().lstrip(",")):
+            yield Reader(part, self.variables).whole()
 
 
-def _split(text: str) -> list[str]:
-    """Arguments between commas outside quotes and parentheses."""
-    parts, depth, quoted, last = [], 0, False, 0
-    for index, letter in enumerate(text):
-        quoted ^= letter == '"'
-        if not quoted:
-            depth += (letter == "(") - (letter == ")")
-            if letter == "," and depth == 0:
-                parts.append(text[last:index])
-                last = index + 1
-    return [*parts, text[last:]]
-
-
-def _number(value: Scalar) -> float:
-    if isinstance(value, str):
-        try:
-            return float(value)
-        except ValueError:
-            raise ScriptError(f"'{value[:40]}' is not a number") from None
-    return value
-
-
-def text_of(value: Scalar) -> str:
-    """A value as text, numbers without needless digits."""
-    return value if isinstance(value, str) else f"{value:.12g}"
-
-
-def _calculate(a: Scalar, sign: str, b: Scalar) -> float:
-    x, y = _number(a), _number(b)
-    try:
-        made = {"+": x + y, "-": x - y, "*": x * y}.get(sign)
-        if made is None:
-            made = x / y if sign == "/" else x**y
-    except (ZeroDivisionError, OverflowError):
-        raise ScriptError(f"{x:g} {sign} {y:g} has no value") from None
-    if isinstance(made, complex) or not math.isfinite(made):
-        raise ScriptError(f"{x:g} {sign} {y:g} has no value")
-    return made
-
-
-class _Reader:
-    """The value of one argument; text that is no expression stands for itself."""
-
-    def __init__(self, text: str, variables: dict[str, Scalar]):
-        self.text = text.strip()
-        self.variables = variables
-        self.tokens: list[tuple[str, str]] = []
-        at = 0
-        while at < len(self.text):
-            found = _TOKEN.match(self.text, at)
-            if found is None:
-                raise ScriptError(f"'{self.text[at:].strip()[:30]}' is not understood")
-            self.tokens.append((str(found.lastgroup), found[str(found.lastgroup)]))
-            at = found.end()
-        self.at = 0
-        self.depth = 0
-
-    def whole(self) -> Scalar:
-        if all(kind == "word" for kind, _ in self.tokens):
-            return self.text  # words without quotes
-        made = self._joined()
-        if self.at < len(self.tokens):
-            raise ScriptError(f"'{self.tokens[self.at][1]}' is not expected here")
-        return made
-
-    def condition(self) -> bool:
-        left = self._joined()
-        if self.at == len(self.tokens):
-            return _number(left) != 0
-        sign = self._take()[1]
-        right = self._joined()
-        if self.at < len(self.tokens):
-            raise ScriptError("conditions with one comparison only are supported")
-        if isinstance(left, str) or isinstance(right, str):
-            same = text_of(left).lower() == text_of(right).lower()
-            if sign not in {"=", "!="}:
-                raise ScriptError(f"texts cannot be compared by '{sign}'")
-            return same == (sign == "=")
-        compared = {"=": left == right, "!=": left != right, "<": left < right, ">": left > right}
-        compared |= {"<=": left <= right, ">=": left >= right}
-        if sign not in compared:
-            raise ScriptError(f"'{sign}' is not a comparison")
-        return compared[sign]
-
-    def _peek(self) -> str:
-        return self.tokens[self.at][1] if self.at < len(self.tokens) else ""
-
-    def _take(self) -> tuple[str, str]:
-        if self.at >= len(self.tokens):
-            raise ScriptError(f"'{self.text[:40]}' ends too early")
-        self.at += 1
-        return self.tokens[self.at - 1]
-
-    def _joined(self) -> Scalar:
-        made = self._sum()
-        while self._peek() == "&":
-            self._take()
-            made = text_of(made) + text_of(self._sum())
-        return made
-
-    def _sum(self) -> Scalar:
-        negative = self._peek() in {"-", "+"} and self._take()[1] == "-"
-        made = self._product()
-        made = -_number(made) if negative else made
-        while self._peek() in {"+", "-"}:
-            made = _calculate(made, self._take()[1], self._product())
-        return made
-
-    def _product(self) -> Scalar:
-        made = self._power()
-        while self._peek() in {"*", "/"}:
-            made = _calculate(made, self._take()[1], self._power())
-        return made
-
-    def _power(self) -> Scalar:
-        made = self._atom()
-        while self._peek() == "^":
-            self._take()
-            made = _calculate(made, "^", self._atom())
-        return made
-
-    def _atom(self) -> Scalar:
-        kind, word = self._take()
-        if kind == "number":
-            return float(word)
-        if kind == "string":
-            return word[1:-1]
-        if kind == "variable":
-            name = word.rstrip("$")
-            if name not in self.variables:
-                raise ScriptError(f"the variable {word} has no value")
-            return self.variables[name]
-        if word == "(" or (kind == "word" and self._peek() == "("):
-            if kind == "word":
-                self._take()
-            self.depth += 1
-            if self.depth > 50:
-                raise ScriptError("too many parentheses")
-            inside = self._joined()
-            if self._take()[1] != ")":
-                raise ScriptError("')' is missing")
-            self.depth -= 1
-            return inside if kind == "sign" else self._call(word.lower(), inside)
-        if kind == "word":
-            return word
-        raise ScriptError(f"'{word}' is not expected here")
-
-    def _call(self, name: str, value: Scalar) -> float:
-        if name not in _FUNCTIONS:
-            raise ScriptError(f"the function '{name}' is not supported")
-        try:
-            return _FUNCTIONS[name](_number(value))
-        except (ValueError, OverflowError):
-            raise ScriptError(f"{name}({text_of(value)}) has no value") from None
+def _within(value: float, last: float, step: float) -> bool:
+    """Whether a counter has not passed its last value; round-off of the steps does not count."""
+    return (last - value) / step >= -1e-9

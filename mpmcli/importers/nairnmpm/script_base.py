@@ -7,7 +7,8 @@ from typing import NoReturn
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.importers.nairnmpm.commands import Command
-from mpmcli.importers.nairnmpm.language import Line, Scalar, ScriptError, text_of
+from mpmcli.importers.nairnmpm.language import Line
+from mpmcli.importers.nairnmpm.script_values import Scalar, ScriptError, text_of
 
 ANALYSES = {"plane strain mpm": 10, "plane stress mpm": 11, "3d mpm": 12, "axisymmetric mpm": 13}
 METHODS = {"usf": 0, "usavg": 2, "usl": 3, "szs": 3}

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from mpmcli.importers.nairnmpm.commands import Command
-from mpmcli.importers.nairnmpm.language import Line, Scalar, ScriptError, text_of
+from mpmcli.importers.nairnmpm.language import Line
 from mpmcli.importers.nairnmpm.script_base import AXES, CRITERIA, DIRECTIONS, PLACES, STYLES, Base
+from mpmcli.importers.nairnmpm.script_values import Scalar, ScriptError, text_of
 
 
 class Conditions(Base):

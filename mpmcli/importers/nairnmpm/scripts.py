@@ -6,9 +6,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 from mpmcli.importers.nairnmpm.commands import Command, CommandFile, parse
-from mpmcli.importers.nairnmpm.language import Line, Scalar, ScriptError, run, text_of
+from mpmcli.importers.nairnmpm.language import Line, run
 from mpmcli.importers.nairnmpm.script_base import ANALYSES, METHODS, MOST, NAMES, NORMALS, PROPERTIES, TYPES
 from mpmcli.importers.nairnmpm.script_conditions import Conditions
+from mpmcli.importers.nairnmpm.script_values import Scalar, ScriptError, text_of
 
 
 def read(text: str, path: Path) -> CommandFile:

@@ -14,6 +14,7 @@ from mpmcli.core.errors import SceneError
 from mpmcli.importers.nairnmpm import expressions, translate
 from mpmcli.importers.nairnmpm.commands import parse
 from mpmcli.importers.nairnmpm.job import LEGACY
+from mpmcli.importers.nairnmpm.language import run
 from mpmcli.importers.scene_text import write
 from mpmcli.materials.axes import rotation_matrix
 from mpmcli.run.load import load
@@ -641,6 +642,42 @@ def test_scripts(tmp_path):
     assert scene["loads"][0]["force"] == [20, 0] or "t" in str(scene["loads"][0]["force"][0])
 
 
+LOOPS = """
+Sub Widen,#to
+  if #to>#most
+    #most=#to
+  endif
+EndSub
+#most=0
+Repeat "#i",1,3
+  #x[#i]=#i^2
+  GoSub Widen,#x[#i]
+EndRepeat
+#n=0
+While #n<10
+  #n+=1
+  Repeat "#j",1,0,-0.25
+    if #j<0.5
+      break
+    endif
+    #last=#j
+  EndRepeat
+  if #n=4
+    break
+  endif
+EndWhile
+Repeat "#k",3,1
+  Stop "this loop has no turn"
+EndRepeat
+Values #most,#x[2]+#x[#i-2],#n,#last
+"""
+
+
+def test_loops_and_subroutines_of_scripts():
+    lines = list(run(LOOPS))
+    assert [(line.name, line.values) for line in lines] == [("values", (9.0, 8.0, 4.0, 0.5))]
+
+
 def test_times_of_scripts_with_their_own_units(tmp_path):
     made = translated(tmp_path, SCRIPT.replace("#cell = 0.5", '#cell = 0.5\nConsistentUnits "mm","g","ms"'))
     assert made.scene["time"]["end"] == 1.5
@@ -663,7 +700,16 @@ BROKEN = {
     "not_xml": ("<JANFEAInput><Header>", "not valid XML"),
     "script": ('Title "Disks"\nAnalysis "Plane Strain MPM"\nRotor 3\n', "script command 'Rotor'"),
     "script_variable": ("#a = 2\nCFLFactor #b\n", "variable #b has no value"),
-    "script_loop": ("#a = 2\nRepeat\n", r"loops \('repeat'\) are not supported"),
+    "script_loop": ("#a = 2\nRepeat\n", r"'Repeat \"#variable\",first,last' is expected"),
+    "script_loop_end": ('Repeat "#i",1,2\n#a = #i\n', "'endrepeat' is missing"),
+    "script_loop_without_end": ("#a = 1\nWhile #a>0\n#a += 1\nEndWhile\n", "more than 100000 lines are run"),
+    "script_loop_crossed": ('Repeat "#i",1,2\nif 1=1\nEndRepeat\nendif\n', "'endif' is missing before"),
+    "script_break": ("if 1=1\nbreak\nendif\n", "'break' outside a loop"),
+    "script_for": ("For #i\n", "the loop 'for'"),
+    "script_sub": ("GoSub Ends,1\n", "there is no subroutine 'Ends'"),
+    "script_sub_values": ("Sub Ends,#a\nEndSub\nGoSub Ends\n", "'Ends' needs 1 values, not 0"),
+    "script_sub_itself": ("Sub Ends\nGoSub Ends\nEndSub\nGoSub Ends\n", "more than 50 subroutines"),
+    "script_index": ("#x[1] = 2\nMaximumTime #x[2]\n", r"variable #x\[2\] has no value"),
     "script_value": ("MaximumTime 1/(2-2)\n", "1 / 0 has no value"),
     "script_more": ("MaximumTime 1,2\n", "not supported: the value '2' of 'MaximumTime'"),
     "another_root": ("<html/>", "begins with <html>"),
