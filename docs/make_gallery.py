@@ -177,6 +177,30 @@ GALLERY = (
         ),
     ),
     Shown(
+        "granular_column",
+        "Column collapse",
+        ("-D", "aspect=4", "--set", "archive.particles.fields=[velocity, deformation_gradient]"),
+        (
+            Drawn(
+                "granular_column",
+                ("--what", "particles", "--color", "velocity", "--time", "0.2"),
+                "Speed of a column of sand that collapses beside a plane of symmetry.",
+            ),
+        ),
+    ),
+    Shown(
+        "notched_plate",
+        "Crack between two notches",
+        (),
+        (
+            Drawn(
+                "notched_plate",
+                ("--what", "particles", "--color", "damage"),
+                "Damage of a plate that is drawn until a crack joins its two notches: 1 where it has failed.",
+            ),
+        ),
+    ),
+    Shown(
         "bitmap_grains",
         "Grains from a picture",
         (),
