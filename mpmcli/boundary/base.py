@@ -52,6 +52,7 @@ LOADS = Registry(
     {
         "absorbing": "absorbing",
         "body_force": "body_force",
+        "buoyancy": "buoyancy",
         "film": "film",
         "gravity": "gravity",
         "heat_flux": "heat_flux",
@@ -161,6 +162,7 @@ EFFECTS = {
         "impedance_of",
         "nodal_force_at",
         "traction_at",
+        "water_at",
     ),
     "temperature": ("heat_flux_at", "heat_power_at"),
 }
@@ -235,6 +237,10 @@ class LoadModel(Model):
     def traction_at(self, points: Array, time: float) -> Values:
         """Return the force per area on ``loaded_face``, at its points (d, n) at the start [pressure]."""
         raise TypeError(f"{type(self).__name__} has no traction")
+
+    def water_at(self, points: Array, time: float) -> tuple[Any, float]:
+        """Return level along gravity and density of the water that lifts the chosen particles, at points (d, n)."""
+        raise TypeError(f"{type(self).__name__} has no water")
 
     def impedance_of(self, material: Any, analysis: str, dimensions: int) -> Array:
         """Return the traction on ``loaded_face`` per velocity against it, (d,) along each axis [pressure/velocity].

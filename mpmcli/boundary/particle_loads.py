@@ -42,7 +42,8 @@ class ParticleLoads:
         self._uniform = [load for load in loads if "uniform_acceleration" in load.effects()]
         self._accelerating = [load for load in loads if "acceleration_at" in load.effects()]
         self._pushing = [load for load in loads if "force_at" in load.effects()]
-        on_particles = [*self._accelerating, *self._pushing]
+        self._lifting = [load for load in loads if "water_at" in load.effects()]
+        on_particles = [*self._accelerating, *self._pushing, *self._lifting]
         indices = {name: index for index, name in enumerate(bodies)}
 
         def is_of(body: str) -> Array:
@@ -95,7 +96,7 @@ class ParticleLoads:
             None if there are no such loads. Overwritten by the next call.
         """
         gravity = self.gravity(time) if with_gravity else None
-        if gravity is None and not self._accelerating and not self._pushing:
+        if gravity is None and not self._accelerating and not self._pushing and not self._lifting:
             return None
         if self._is_steady and version is not None and version == self._version and self._B is not None:
             return self._B
@@ -115,8 +116,23 @@ class ParticleLoads:
             shared = mass.sum() if load.shares_force else mass
             for a, value in enumerate(load.force_at(self._points(load, particles, rows), time)):
                 B[a, rows] += finite(value, load, time) / self._ring / shared
+        if self._lifting:
+            self._lift(B, time, particles)
         self._version = version
         return B
+
+    def _lift(self, B: Array, time: float, particles: Particles) -> None:
+        """Add the force per mass by which water lifts particles."""
+        from mpmcli.boundary.buoyancy import lift
+
+        gravity = self.gravity(time)
+        if gravity is None:
+            return
+        for load in self._lifting:
+            rows = self._rows(load, particles)
+            level, density = load.water_at(self._points(load, particles, rows), time)
+            axis, value = lift(finite(level, load, time), density, gravity, particles, rows)
+            B[axis, rows] += value
 
     def _rows(self, load: LoadModel, particles: Particles) -> Any:
         """Places in memory of the particles that a load acts on."""

@@ -18,7 +18,7 @@ from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.geometry.fill import scale_hint
 from mpmcli.scene.axes import check_axes
 from mpmcli.scene.event_checks import check_events
-from mpmcli.scene.initial_stress import stress_problems
+from mpmcli.scene.initial_stress import has_upright_gravity, stress_problems
 from mpmcli.scene.lattice_checks import check_lattices
 from mpmcli.scene.parts import LISTS, Parts
 from mpmcli.scene.report import locate
@@ -58,6 +58,10 @@ def check(parts: Parts, root: Node) -> list[Problem]:
             from mpmcli.scene.periodic_checks import check_periodic
 
             check_periodic(parts, dimensions, root, report)
+        for index, load in parts.loads:
+            if "water_at" in load.effects() and not has_upright_gravity(parts.loads, dimensions):
+                words = "needs gravity along one axis of the grid, by loads of kind gravity"
+                report(f"{label(root, 'loads', index)}.kind", words, "gravity")
     check_events(parts, root, report)
     _check_start(parts, root, report)
     check_times(parts, root, report)

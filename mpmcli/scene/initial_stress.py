@@ -52,7 +52,8 @@ class Geostatic(Model):
     """Stress of ground at rest under its own weight: vertical −(q + ρg·depth), horizontal K0 times that.
 
     Gravity and its direction are those of the loads of kind ``gravity`` at the start, ρ is the density of the body's
-    own material; above the surface there is no stress.
+    own material; above the surface there is no stress. For a water table add a load of kind ``buoyancy``: the stress
+    is then the effective one, from the buoyant weight (ρ − ρ_w)g below the water table.
     """
 
     kind: Literal["geostatic"]
@@ -83,6 +84,29 @@ def gravity_at_start(loads: Iterable[Any], dimensions: int) -> Array:
         if load.kind == "gravity" and len(load.acceleration) == dimensions:
             total += np.array(load.uniform_acceleration(0.0), dtype=np.float64)
     return total
+
+
+def has_upright_gravity(loads: Iterable[tuple[int, Any]], dimensions: int) -> bool:
+    """Return whether the loads of kind ``gravity``, with their indices, act along one axis of the grid."""
+    vectors = [load.acceleration for _, load in loads if load.kind == "gravity"]
+    used = {a for v in vectors for a, g in enumerate(v) if not g.is_constant or g() != 0.0}
+    return len(used) == 1 and max(used) < dimensions
+
+
+def uplift_at_start(scene: Any, body: Any, X: Array, gravity: Array, depth: Array) -> Array:
+    """Return the uplift per area of the wet ground above the points X (d, n) of a body, (n,) [pressure].
+
+    ``gravity`` (d,) acts along one axis, ``depth`` (n,) is that below the surface.
+    """
+    found = np.zeros(X.shape[1])
+    axis = int(np.flatnonzero(gravity)[0])
+    for load in scene.loads_on("velocity"):
+        if "water_at" not in load.effects() or (load.on and load.on.body != body.name):
+            continue
+        level, density = load.water_at(X, 0.0)
+        wet = (level - X[axis]) * -np.sign(gravity[axis])
+        found += density * abs(gravity[axis]) * np.clip(wet, 0.0, np.maximum(depth, 0.0))
+    return found
 
 
 def stress_problems(
@@ -142,7 +166,9 @@ def start_stress(scene: Any, body: Any, X: Array) -> tuple[Array, list[Problem]]
         axis = int(np.flatnonzero(gravity)[0])
         depth = (asked.surface(**place) - X[axis]) * -np.sign(gravity[axis])
         density = scene.materials[body.material].density
-        vertical = -(asked.surcharge + density * abs(gravity[axis]) * depth) * (depth >= 0.0)
+        weight = density * abs(gravity[axis]) * depth
+        weight = weight - uplift_at_start(scene, body, X, gravity, depth)
+        vertical = -(asked.surcharge + weight) * (depth >= 0.0)
         free = FREE.get(scene.analysis.kind, ())
         for k in range(3):
             if COMPONENTS[k] not in free:

@@ -362,6 +362,7 @@ def loads_of(d: int) -> dict[str, list[dict[str, Any]]]:
             {"acceleration": ["0.1*x*t", 0.2, 0.1][:d]},
             {"on": {"body": "block0"}, "acceleration": vector, "coordinates": "initial"},
         ],
+        "buoyancy": [{"on": {"body": "block0"}, "level": "2.3+0.1*t", "density": 0.4}],
         "nodal_force": [{"at": [2.5] * d, "force": vector}],
         "particle_force": [
             {"on": {"body": "block0"}, "force": vector, "per": "total"},
@@ -433,7 +434,10 @@ def test_ways_of_conditions(hold_alike, way):
 @pytest.mark.slow
 @pytest.mark.parametrize(("d", "load"), entries(loads_of, LOADS))
 def test_loads(hold_alike, d, load):
-    hold_alike(scene_of(ONE_OF[d], loads=[{"name": "load"} | load], **of_heat(LOADS[load["kind"]])))
+    loads = [{"name": "load"} | load]
+    if load["kind"] == "buoyancy":
+        loads.append({"name": "weight", "kind": "gravity", "acceleration": [0.0] * (d - 1) + [-0.3]})
+    hold_alike(scene_of(ONE_OF[d], loads=loads, **of_heat(LOADS[load["kind"]])))
 
 
 @pytest.mark.slow

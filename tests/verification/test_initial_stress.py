@@ -9,6 +9,8 @@ HEIGHT, WEIGHT, K0 = 4.0, 2000.0 * 9.81, 3.0 / 7.0
 FALL = 0.01
 """Speed [m/s]; without stress at the start the column reaches 0.45 m/s."""
 
+WEIGHT_LOAD = "{name: weight, kind: gravity, acceleration: [0, -g]}"
+
 MATERIALS = {
     "linear_elastic": "{kind: linear_elastic, E: 10 MPa, nu: 0.3, density: rho}",
     "neo_hookean": "{kind: neo_hookean, E: 10 MPa, nu: 0.3, density: rho}",
@@ -34,4 +36,19 @@ def test_a_column_at_rest_stays_at_rest(start, material, transfer):
         off = np.abs(particles.tau[1] / particles.determinant() + WEIGHT * (HEIGHT - particles.X[1])).max()
         largest, fastest = max(largest, off), max(fastest, simulation.particle_speed)
     assert largest < WEIGHT * 0.125 * 1.1
+    assert fastest < FALL
+
+
+@pytest.mark.slow
+def test_a_column_in_water_stays_at_rest(start):
+    """Below the water table the effective stress is that of the buoyant weight; no speed differs from the dry one."""
+    load = "{name: water, kind: buoyancy, level: 2.7, density: 1000}"
+    simulation = start("geostatic_column.yaml", f"loads=[{WEIGHT_LOAD}, {load}]").simulation
+    particles, fastest = simulation.particles, 0.0
+    uplift = 1000 * 9.81 * np.maximum(2.7 - particles.X[1], 0)
+    exact = uplift - WEIGHT * (HEIGHT - particles.X[1])
+    np.testing.assert_allclose(particles.tau[1] / particles.determinant(), exact, rtol=1e-10)
+    while simulation.time < 0.4:
+        simulation.step()
+        fastest = max(fastest, simulation.particle_speed)
     assert fastest < FALL

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from mpmcli.boundary import CONDITIONS, LOADS, ConditionModel, LoadModel
 from mpmcli.boundary.body_force import BodyForce
+from mpmcli.boundary.buoyancy import Buoyancy
 from mpmcli.boundary.gravity import Gravity
 from mpmcli.boundary.particle_force import ParticleForce
 from mpmcli.boundary.particle_loads import ParticleLoads
@@ -86,6 +87,21 @@ def test_initial_positions_are_kept_only_where_needed():
     assert made.initial_positions is None
     chosen = ParticleForce(name="a", on={"box": {"lower": [0, 0], "upper": [2, 4]}}, force=[3, -1])
     assert loads(chosen, p=p).initial_positions is None
+
+
+def test_water_lifts_what_is_below_its_table():
+    """By ρ_w g per current volume; in proportion to the part of the domain that is below."""
+    p = particles()
+    p.X[1] = np.linspace(0, 4, p.count)
+    p.F[0] = 1.2
+    weight = Gravity(name="a", acceleration=[0, "-3*t"])
+    made = loads(Buoyancy(name="b", on={"body": "left"}, level="2+t/4+0*x", density=0.5), weight, p=p)
+    below = np.clip(0.5 + (2.5 - p.X[1]) / 0.5, 0, 1)
+    expected = 0.5 * 6 * 1.2 * p.vol0 / p.mass * below * (p.body == 0)
+    np.testing.assert_allclose(made.accelerations(2.0, p), [0 * expected, expected])
+    np.testing.assert_allclose(made.accelerations(2.0, p, with_gravity=True), [0 * expected, expected - 6])
+    assert ((below > 0) & (below < 1)).any()
+    assert not made.accelerations(0.0, p).any()
 
 
 def test_a_total_force_is_shared_by_mass():
@@ -202,7 +218,7 @@ def test_what_does_not_fit_the_axes_is_listed(model, keys):
 def test_all_kinds_are_registered():
     heat = {"film", "heat_flux", "heat_source", "radiation"}
     assert set(LOADS) == heat | {
-        *("absorbing", "body_force", "gravity", "nodal_force", "particle_force", "traction")
+        *("absorbing", "body_force", "buoyancy", "gravity", "nodal_force", "particle_force", "traction")
     }
     assert {kind for kind in LOADS if LOADS[kind].acts_on == "temperature"} == heat
 

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 
+from mpmcli.boundary.buoyancy import Buoyancy
+from mpmcli.boundary.gravity import Gravity
 from mpmcli.core.errors import SceneError
 from mpmcli.scene.filling import check_filling
+from mpmcli.scene.initial_stress import Geostatic, start_stress
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 
@@ -27,6 +33,7 @@ time: {{end: 1, courant: 0.4}}
 ELASTIC = "{kind: linear_elastic, E: 1000, nu: 0.25, density: 1}"
 METAL = "{kind: j2_plastic, E: 1000, nu: 0.25, density: 1, hardening: {kind: linear, yield_stress: 0.1}}"
 WEIGHT = "[{name: weight, kind: gravity, acceleration: [0, -10]}]"
+WATER = "[{name: w, kind: buoyancy, level: 1, density: 1}]"
 GEOSTATIC = "{kind: geostatic, K0: 0.5, surface: 2}"
 
 
@@ -42,6 +49,27 @@ def checked(tmp_path):
     return check
 
 
+def test_geostatic_stress_below_a_water_table_is_that_of_the_buoyant_weight():
+    body = SimpleNamespace(
+        name="soil", material="soil", stress=Geostatic(kind="geostatic", K0=0.5, surface=4)
+    )
+    water = [
+        Buoyancy(name="w", level="3 + x", density=0.4),
+        Buoyancy(name="elsewhere", on={"body": "other"}, level=9, density=5),
+    ]
+    scene = SimpleNamespace(
+        loads=[Gravity(name="g", acceleration=[0, -10])],
+        loads_on=lambda quantity: water,
+        materials={"soil": SimpleNamespace(density=2.0)},
+        analysis=SimpleNamespace(kind="plane_strain"),
+    )
+    # dry, below the table, and where water stands over the ground
+    stress, problems = start_stress(scene, body, np.array([[0.0, 0.0, 5.0], [3.5, 1.0, 1.0]]))
+    assert not problems
+    np.testing.assert_allclose(stress[1], [-10, -60 + 8, -60 + 12])
+    np.testing.assert_allclose(stress[0], 0.5 * stress[1])
+
+
 def test_stress_that_fits_is_accepted(checked):
     checked(GEOSTATIC, loads=WEIGHT)
     checked("{kind: components, xx: -x, yy: -3, zz: 1, xy: y/10}")
@@ -53,6 +81,8 @@ def test_stress_that_fits_is_accepted(checked):
     [
         ({"stress": GEOSTATIC}, "needs gravity along one axis of the grid"),
         ({"stress": GEOSTATIC, "loads": WEIGHT, "analysis": "plane_stress"}, "K0 must be 0"),
+        ({"stress": "null", "loads": WATER}, "loads.w.kind.*needs gravity along one axis"),
+        ({"stress": "null", "loads": WATER.replace("1", "z", 1)}, "'z' does not exist"),
         ({"stress": "{kind: components, xz: 1}"}, "stress.xz .*does not exist in the analysis 'plane_strain'"),
         ({"stress": "{kind: components, zz: 1}", "analysis": "plane_stress"}, "is zero in the analysis 'plane_stress'"),
         ({"stress": "{kind: components, xx: z}"}, "'z' does not exist in this analysis"),
