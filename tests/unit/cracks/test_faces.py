@@ -155,7 +155,7 @@ def test_contours(angle, size):
 
 
 def test_tractions_on_points_of_an_open_crack():
-    """As pressure, but a traction that the points carry, by the scene or since growth: it pulls where pressure presses."""
+    """As pressure, but a traction that the points carry, of the scene or of growth: it pulls where pressure presses."""
     plate = Plate(1e-3, 2e-4, STRAIN, tip=(0.01, 0.02), angle=0.7, pressed=(2e-3, 1e-3))
     tips = tips_of(plate, SMOOTH)
     chain = tips._chains[0]
