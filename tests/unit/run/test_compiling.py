@@ -180,7 +180,8 @@ def test_kernels_of_contact_are_named_before_bodies_touch():
 def test_rehearsals_never_sort_particles_whose_cells_nobody_found(monkeypatch):
     scene = two_blocks(materials=two_blocks()["materials"] | {"hard": {"kind": "rigid"}})
     scene["method"]["transfer"]["every_steps"] = 3  # rehearsals take a second step
-    scene["bodies"][1] |= {"material": "hard", "velocity": ["-1e9*x", 0]}  # moves by more than a cell in a rehearsal
+    # it moves by more than a cell in a rehearsal
+    scene["bodies"][1] |= {"material": "hard", "velocity": ["-1e9*x", 0]}
     loaded = load_scene(yaml.safe_dump(scene))
     simulation = Simulation(loaded)
     sort, real = CellOrder.sort, Kernel.__getitem__
