@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import click
@@ -41,11 +41,13 @@ def lines(kind: str) -> Iterator[str]:
     if kind == "shapes":
         from mpmcli.shapes import SHAPES
 
-        yield from (f"{name:<14}{entry.description} [{entry.reference}]" for name, entry in SHAPES.items())
+        yield from _aligned(
+            (name, f"{entry.description} [{entry.reference}]") for name, entry in SHAPES.items()
+        )
     elif kind == "updates":
         from mpmcli.scene.method import UPDATES
 
-        yield from (f"{name:<14}{words}" for name, words in UPDATES.items())
+        yield from _aligned(UPDATES.items())
     elif kind == "quantities":
         yield from _quantities()
     else:
@@ -90,10 +92,12 @@ def _describe(model: Any) -> Iterator[str]:
     if plugin := plugin_of(model):
         yield f"    from the plugin {plugin}"
     words = field_descriptions(model)
-    for name, field in model.model_fields.items():
-        if name != tag:
-            meaning = _first_line(field.description or words.get(name))
-            yield f"    {field.alias or name:<15} {_default(field):<13} {meaning}"
+    rows = (
+        (field.alias or name, _default(field), _first_line(field.description or words.get(name)))
+        for name, field in model.model_fields.items()
+        if name != tag
+    )
+    yield from (f"    {line}" for line in _aligned(rows))
     yield ""
 
 
@@ -112,6 +116,15 @@ def _first_line(text: str | None) -> str:
 def _quantities() -> Iterator[str]:
     from mpmcli.output import columns
 
-    for quantity in (*columns.QUANTITIES, *columns.extra_quantities()):
-        place = f"{quantity.rank}, {quantity.where}"
-        yield f"{quantity.name:<24}{place:<20}{quantity.dimension:<18}{quantity.description}"
+    yield from _aligned(
+        (each.name, f"{each.rank}, {each.where}", each.dimension, each.description)
+        for each in (*columns.QUANTITIES, *columns.extra_quantities())
+    )
+
+
+def _aligned(rows: Iterable[tuple[str, ...]]) -> Iterator[str]:
+    """Lines of rows of cells, whose columns begin below each other."""
+    rows = list(rows)
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)][:-1]
+    for *cells, last in rows:
+        yield "  ".join([*(cell.ljust(width) for cell, width in zip(cells, widths, strict=True)), last])
