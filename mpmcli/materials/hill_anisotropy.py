@@ -33,7 +33,12 @@ class Hill(NamedTuple):
 
     @property
     def misfit(self) -> str:
-        """What keeps the yield surface from being convex and closed but for pressure; nothing if it is."""
+        """What keeps the yield surface from being convex and closed but for pressure; nothing if it is.
+
+        Raises OverflowError if the coefficients are not ordinary numbers.
+        """
+        if not all(math.isfinite(value**2) for value in self):
+            raise OverflowError
         if min(self.L, self.M, self.N) <= 0.0:
             return f"L = {self.L:.4g}, M = {self.M:.4g} and N = {self.N:.4g} must be positive"
         sums = (self.F + self.G, self.G + self.H, self.H + self.F)
@@ -56,7 +61,13 @@ class Anisotropy(Model):
 
     @model_validator(mode="after")
     def _is_convex(self) -> Self:
-        if words := self.coefficients.misfit:
+        try:
+            words = self.coefficients.misfit
+        except ArithmeticError as problem:
+            raise ValueError(
+                "the coefficients of the yield function that follow are too large or too small"
+            ) from problem
+        if words:
             raise ValueError(f"the yield surface is not convex: {words}")
         return self
 

@@ -67,7 +67,11 @@ class IsotropicSoftening(ElasticModel):
     def band_problem(self, largest: float) -> str | None:
         """Return why a band is too wide: its stored energy would exceed the fracture energy."""
         E = 9 * self.bulk_modulus * self.shear_modulus / (3 * self.bulk_modulus + self.shear_modulus)
-        limit = E * self.toughness / self.strength**2 * (2.0 if self.softening == "linear" else 1.0)
+        limit = (
+            E
+            * (self.toughness / self.strength / self.strength)
+            * (2.0 if self.softening == "linear" else 1.0)
+        )
         if largest < limit:
             return None
         words = "2 E·toughness/strength²" if self.softening == "linear" else "E·toughness/strength²"

@@ -135,6 +135,21 @@ def _check_materials(parts: Parts, root: Node, report: Report) -> None:
                 f"'{model.kind}' is not available in {parts.analysis.kind} analyses (available in {fitting})"
             )
             report(f"materials.{name}.kind", words, "analysis")
+        elif not _is_calculable(model, parts.analysis.kind):
+            report(f"materials.{name}", "these numbers are too large or too small to calculate with", "range")
+
+
+def _is_calculable(model: Any, kind: str) -> bool:
+    """Return whether the numbers that kernels need follow from those of a material."""
+    if model.kind == "rigid":
+        return True
+    try:
+        with np.errstate(all="ignore"):
+            numbers = model.parameters(kind, False)
+            model.initial_wave_speed(kind)
+    except (ArithmeticError, np.linalg.LinAlgError):
+        return False
+    return not any(value != value for value in numbers if isinstance(value, float))
 
 
 def _check_count(report: Report, path: str, vector: Any, dimensions: int) -> bool:

@@ -1,0 +1,114 @@
+"""Every number of every material takes extreme values: exit codes 0, 3 and 4 only, and no warnings on the screen."""
+
+from __future__ import annotations
+
+import copy
+import math
+import os
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import examples
+import numpy as np
+import pytest
+import yaml
+from commands import spoken, unfit
+
+from mpmcli.materials import MATERIALS
+
+EXTREMES = [0, -0.0, 5e-324, 1e-300, 1e-160, 1e-12, 1e12, 1e160, 1e300, -1, -1e300, math.inf, math.nan]
+TRIED = int(os.environ.get("MPMCLI_EXTREMES", "40"))
+"""Scenes per material that run, of several hundred."""
+SECONDS = 30.0
+"""Nearly all of it to compile."""
+
+
+def scene_of(material: dict[str, Any]) -> dict[str, Any]:
+    """Four particles in plane strain that are sheared and pressed."""
+    return {
+        "version": 1,
+        "analysis": {"kind": "plane_strain"},
+        "grid": {"lower": [0, 0], "upper": [3, 3], "cell": 1},
+        "materials": {"m": material},
+        "bodies": [
+            {
+                "name": "b",
+                "material": "m",
+                "particles_per_axis": 2,
+                "velocity": ["0.01*y", "-0.02*y"],
+                "region": {"kind": "box", "lower": [1, 1], "upper": [2, 2]},
+            }
+        ],
+        "time": {"end": 1, "max_steps": 3},
+        "archive": {"globals": {"every": 0.5}},
+    }
+
+
+def numbers_in(keys: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """The path of each number."""
+    if isinstance(keys, dict | list):
+        for key, value in keys.items() if isinstance(keys, dict) else enumerate(keys):
+            yield from numbers_in(value, (*path, key))
+    elif not isinstance(keys, str | bool) and keys is not None:
+        yield path
+
+
+def with_number(keys: Any, path: tuple[Any, ...], value: Any) -> Any:
+    """A copy with one number in place of another."""
+    keys = copy.deepcopy(keys)
+    place = keys
+    for key in path[:-1]:
+        place = place[key]
+    place[path[-1]] = value
+    return keys
+
+
+def ways(kind: str) -> list[dict[str, Any]]:
+    """The material with one, or with two numbers at an extreme, in any order that is always the same."""
+    found = []
+    rng = np.random.default_rng(7)
+    for numbers in examples.MATERIALS[kind]:
+        keys = examples.material(kind, numbers)
+        paths = list(numbers_in(keys))
+        for path in paths:
+            for value in EXTREMES:
+                one = with_number(keys, path, value)
+                found += [
+                    one,
+                    with_number(one, paths[rng.integers(len(paths))], EXTREMES[rng.integers(len(EXTREMES))]),
+                ]
+    return [found[i] for i in rng.permutation(len(found))]
+
+
+def wrong_with(command: list[str]) -> tuple[int, str]:
+    """Exit code, and what is wrong with the answer."""
+    code, written, seconds = spoken(command)
+    if code not in (0, 3, 4):
+        return code, f"exit code {code}:\n{written[-1500:]}"
+    if seconds > SECONDS:
+        return code, f"{seconds:.0f} s"
+    return code, unfit(code, written)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [kind for kind in MATERIALS if kind != "rigid"])
+def test_extreme_numbers_of_materials(kind: str, tmp_path: Path, monkeypatch):
+    monkeypatch.setenv("MPMCLI_DEBUG", "1")
+    path = tmp_path / "scene.yaml"
+    findings = []
+    codes: Counter[int] = Counter()
+    tried = ways(kind)[:TRIED]
+    for keys in tried:
+        path.write_text(yaml.safe_dump(scene_of(keys)), encoding="utf-8")
+        code, wrong = wrong_with(["validate", str(path)])
+        if not wrong and code == 0:
+            code, wrong = wrong_with(
+                ["run", str(path), "-o", str(tmp_path / "out"), "--overwrite", "--quiet"]
+            )
+        codes[code] += 1
+        if wrong:
+            findings.append(f"{keys}: {wrong}")
+    assert findings == []
+    assert codes[0] + codes[4] > 0.1 * len(tried)
