@@ -135,6 +135,13 @@ def column_of(job: Job, command: Command, names: list[tuple[str, str]]) -> str |
                 job.note("ignored", command, "there is no such material")
                 return None
     low = kind.lower()
+    if low.startswith("reaction"):
+        job.note(
+            "ignored",
+            command,
+            f"add '{low[:8]}_{low[8:]}[NAME]' to the columns, with the name of a condition",
+        )
+        return None
     rigid = [m.key for m in job.materials if m.used and m.is_rigid and m.direction == 8]
     if low.startswith("contact") and low[7:] in job.axes and low[7:] and rigid and "contact" in job.scene:
         return f"contact_force_{low[7:]}[{rigid[0]}]"

@@ -50,11 +50,12 @@ class Bodies:
         regions = []
         late = False
         last = max((i for i, inside in enumerate(command.children) if inside.name in NAMES), default=0)
+        turned = command.last("Transform")
         for index, inside in enumerate(command.children):
             if inside.name in NAMES:
                 inside.handled = True
                 regions.append(region(job, inside))
-            elif inside.name == "Unrotate" and index > last:
+            elif (inside.name == "Unrotate" and index > last) or inside is turned:
                 inside.handled = True
             elif regions:
                 late = True
@@ -70,6 +71,8 @@ class Bodies:
         body: dict[str, Any] = {
             "region": found[0] if len(found) == 1 else {"kind": "union", "regions": found}
         }
+        if turned is not None:
+            self._turn(turned, body)
         velocity = self._velocity(command)
         if velocity is not None:
             body["velocity"] = velocity
@@ -90,6 +93,18 @@ class Bodies:
             job.note("ignored", command, "rigid bodies have no stress")
         self._rest(command)
         self._add(body, material)
+
+    def _turn(self, command: Command, body: dict[str, Any]) -> None:
+        """Turn a body about a point, then move it; its particles lie along its sides."""
+        job = self.job
+        angle = job.plain(command, "angle")
+        about = [job.coordinate(command, name, axis) or 0 for axis, name in enumerate(("ox", "oy"))]
+        moved = [job.coordinate(command, name, axis) or 0 for axis, name in enumerate(("tx", "ty"))]
+        if angle:
+            body["region"]["rotate"] = {"angle": angle, "about": about}
+            body["particles_along"] = "region"
+        if any(isinstance(part, Value) and part.number for part in moved):
+            body["region"]["translate"] = moved
 
     def _velocity(self, command: Command) -> list[Any] | None:
         job = self.job

@@ -113,10 +113,12 @@ _TABLE: dict[str, tuple[str, str, str]] = {
         "mat:i matname:t angle:n thick:n vx:n vy:n vz:n conc:n wtconc:n temp:n rpm:n",
         "0",
         f"RotateX RotateY RotateZ Unrotate vel0X vel0Y vel0Z ss0XX ss0YY ss0ZZ ss0XY ss0YZ ss0XZ Lp0X Lp0Y Lp0Z Deform"
+        " Transform"
         f" {SHAPES}",
     ),
     "Hole": ("", "0", SHAPES),
     "Deform": ("", "0", ""),
+    "Transform": ("angle:n tx:n ty:n ox:n oy:n", "0", ""),
     **{f"Rotate{axis}": ("", "e", "") for axis in "XYZ"},
     "Unrotate": ("", "0", ""),
     **{f"{word}0{axis}": ("", "e", "") for word in ("vel", "Lp") for axis in "XYZ"},

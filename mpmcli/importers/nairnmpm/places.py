@@ -97,7 +97,10 @@ def where(job: Job, shape: Command, number: int) -> Where | None:
             return None
         return Where(f"box_{number}", [v.scaled for v in found[0]], [v.scaled for v in found[1]])
     if shape.name == "BCShape":
-        made = [region(job, inside) for inside in shape.all(*NAMES)]
+        shapes = list(shape.all(*NAMES))
+        if shapes and shapes[0].name == "Line":
+            return _line(job, shapes[0], f"line_{number}")
+        made = [region(job, inside) for inside in shapes]
         if not made:
             job.made.error(shape.line, "<BCShape>", "a shape is missing")
         if not made or made[0] is None:
@@ -125,7 +128,7 @@ def _line(job: Job, shape: Command, name: str) -> Where | None:
         job.made.error(shape.line, "<BCLine>", "belongs to analyses in 2D")
         return None
     ends = []
-    for end in "12":
+    for end in ("min", "max") if "xmin" in shape.attributes else "12":
         pair = [job.coordinate(shape, f"{letter}{end}", axis) for axis, letter in enumerate("xy")]
         if None in pair:
             return None

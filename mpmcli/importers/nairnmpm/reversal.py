@@ -14,6 +14,7 @@ _LOADS = {"particle_force", "traction"}
 _PARAMETERS = {"crackNumber", "maxLength", "maxValue", "style", "mat"}
 _ACTIONS = {1: "hold", 2: "", 3: "stop"}
 """By style; all others reverse."""
+_STYLES = {"reverse": 0, "hold": 1, "nochange": 2, "abort": 3}
 _JOULES = {
     "boundary_work",
     "contact_work",
@@ -44,10 +45,9 @@ def _task(job: Job, task: Command, names: list[tuple[str, str]]) -> None:
             found[word] = parameter
         else:
             job.unsupported(parameter, f"the parameter '{word}' of ReverseLoad")
-    style = found.get("style")
-    action = _ACTIONS.get(round(job.plain(style, None)) if style is not None else 0, "reverse")
+    action = _action(job, found.get("style"))
     when = _of_quantity(job, task, found, names) if "global" in found else _of_crack(job, task, found)
-    if when is None:
+    if when is None or action is None:
         return
     if not action:
         job.note("not_supported", task, "cracks that stop while the load goes on (style 2)")
@@ -66,6 +66,19 @@ def _task(job: Job, task: Command, names: list[tuple[str, str]]) -> None:
         job.changed(task, "cracks may go on to grow")
     if action == "reverse":
         job.changed(task, "the run goes on after the loads are back at their start; NairnMPM ends it there")
+
+
+def _action(job: Job, style: Command | None) -> str | None:
+    """What happens to the loads, by the number or the word of a style, or None after a note."""
+    if style is None:
+        return "reverse"
+    word = job.source.plain(style.text).strip().lower()
+    try:
+        number = _STYLES[word] if word in _STYLES else round(float(word))
+    except (ValueError, OverflowError):
+        job.note("not_supported", style, f"the style '{word[:40]}'")
+        return None
+    return _ACTIONS.get(number, "reverse")
 
 
 def _of_quantity(

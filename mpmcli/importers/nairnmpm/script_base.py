@@ -74,15 +74,15 @@ MOST = {
     **dict.fromkeys(("consistentunits", "archive", "archiveunique", "timestep", "feedbackdamping"), 3),
     **dict.fromkeys(("material", "gravity", "growcrack", "jcontour", "parameter"), 3),
     **dict.fromkeys(("gridhoriz", "gridvert", "griddepth", "multimaterialmode", "newcrack"), 4),
-    **dict.fromkeys(("growcrackline", "loadrect", "load", "temperature"), 4),
-    **dict.fromkeys(("moveline", "loadline", "traction", "heatflux"), 5),
-    **dict.fromkeys(("gridrect", "velocity", "rect", "oval", "box", "sphere"), 6),
+    **dict.fromkeys(("growcrackline", "loadrect", "temperature"), 4),
+    **dict.fromkeys(("moveline", "loadline", "load", "heatflux"), 5),
+    **dict.fromkeys(("gridrect", "traction", "velocity", "rect", "oval", "box", "sphere"), 6),
     **dict.fromkeys(("movearc", "loadarc", "movebox", "loadbox"), 7),
     "line": 7,
     "cylinder": 8,
     "conduction": 2,
 }
-"""The values of a command that are read; more are refused."""
+"""The values of a command that are read; more are refused. Public scripts give loads a last one that nothing reads."""
 
 NAMES = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax")
 

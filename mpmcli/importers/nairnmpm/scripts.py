@@ -114,7 +114,10 @@ class _Maker(Conditions):
 
     def _do_globalarchive(self, line: Line) -> None:
         values = self._need(line, 1)
-        owner = {} if len(values) < 2 else {"matname": self.ids.get(text_of(values[1]), text_of(values[1]))}
+        owner = {}
+        if len(values) > 1:
+            word = text_of(values[1])
+            owner = {"matname" if isinstance(values[1], str) else "mat": self.ids.get(word, word)}
         self._set("GlobalArchive", type=values[0], **owner)
 
     def _do_toarchive(self, line: Line) -> None:
@@ -277,6 +280,17 @@ class _Maker(Conditions):
         self.body = self.polygon = None
 
     _do_endhole = _do_endregion
+
+    def _do_transform(self, line: Line) -> None:
+        values = self._need(line, 1)
+        if self.body is None or self.body.name != "Body":
+            raise ScriptError("'Transform' belongs into a region")
+        if any(inside.name == "Transform" for inside in self.body.children):
+            raise ScriptError("only one 'Transform' is allowed in a region")
+        if self.is_3d or len(values) > 5:
+            raise ScriptError("not supported: 'Transform' in 3D")
+        names = ("angle", "tx", "ty", "ox", "oy")
+        self._add(self.body, "Transform", **dict(zip(names, values, strict=False)))
 
     def _do_rect(self, line: Line) -> None:
         name = line.name.title()

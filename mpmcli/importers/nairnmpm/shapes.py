@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from typing import Any
 
 from mpmcli.importers.nairnmpm.commands import Command
@@ -26,6 +28,20 @@ def region(job: Job, shape: Command) -> dict[str, Any] | None:
 
 def limits(made: dict[str, Any]) -> Box | None:
     """The box around a region, or None if it is not known."""
+    box = _untransformed(made)
+    if box is None or not {"rotate", "translate"} & set(made):
+        return box
+    corners = list(itertools.product(*zip(*box, strict=True)))
+    if turn := made.get("rotate"):
+        c, s = math.cos(math.radians(turn["angle"])), math.sin(math.radians(turn["angle"]))
+        x0, y0 = (_plain(v) for v in turn["about"])
+        corners = [(x0 + c * (x - x0) - s * (y - y0), y0 + s * (x - x0) + c * (y - y0)) for x, y in corners]
+    way = [_plain(v) for v in made.get("translate", [0] * len(box[0]))]
+    columns = [[x + way[a] for x in column] for a, column in enumerate(zip(*corners, strict=True))]
+    return [min(column) for column in columns], [max(column) for column in columns]
+
+
+def _untransformed(made: dict[str, Any]) -> Box | None:
     kind = made["kind"]
     if kind == "box":
         return [_plain(v) for v in made["lower"]], [_plain(v) for v in made["upper"]]

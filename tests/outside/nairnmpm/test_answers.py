@@ -65,6 +65,15 @@ def test_a_double_cantilever_opens_as_published(tmp_path):
 
 
 @pytest.mark.slow
+def test_a_block_slides_down_an_inclined_plane(tmp_path):
+    table, _ = run("inclined_plane", tmp_path)
+    angle, t = np.pi / 6, table["time"][-1]
+    speed = 9.80665e-3 * (np.sin(angle) - 0.3 * np.cos(angle)) * t
+    assert table["velocity_x[block]"][-1] == pytest.approx(speed * np.cos(angle), rel=0.03)
+    assert table["velocity_y[block]"][-1] == pytest.approx(-speed * np.sin(angle), rel=0.03)
+
+
+@pytest.mark.slow
 def test_a_strip_is_compressed_as_published(tmp_path):
     table, _ = run("compression", tmp_path)
     times = [0.4801, 1.00021, 1.60033]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 import re
 from pathlib import Path
@@ -431,6 +432,10 @@ def reverse_load(**parameters):
         ({"global_syy": 0, "maxValue": 2.5}, {"when": "stress_yy[stuff] >= 2.5", "do": "reverse"}),
         ({"global_syy": 0, "maxValue": -2.5, "style": 1}, {"when": "stress_yy[stuff] <= -2.5", "do": "hold"}),
         (
+            {"global_syy": 0, "maxValue": -2.5, "style": "Hold"},
+            {"when": "stress_yy[stuff] <= -2.5", "do": "hold"},
+        ),
+        (
             {"global_Kinetic Energy": 0, "maxValue": 0.1, "style": 1},
             {"when": "kinetic_energy >= 100", "do": "hold"},
         ),
@@ -452,6 +457,9 @@ def test_rigid_bodies_reverse_with_what_they_hold(tmp_path):
 
 def test_a_run_ends_at_a_value(tmp_path):
     scene = scene_of(tmp_path, more=PULL + reverse_load(global_syy=0, maxValue=2, style=3))
+    assert scene == scene_of(tmp_path, more=PULL + reverse_load(global_syy=0, maxValue=2, style="abort"))
+    other = translated(tmp_path, source(more=PULL + reverse_load(global_syy=0, style="never")))
+    assert any("the style 'never'" in problem.message for problem in other.problems(partial=False))
     assert scene["time"]["stop_when"] == "stress_yy[stuff] >= 2"
     assert "events" not in scene
 
@@ -640,6 +648,25 @@ def test_scripts(tmp_path):
     assert scene["bodies"][1]["region"]["kind"] == "polygon"
     assert {entry["kind"] for entry in scene["boundary"]} == {"symmetry", "velocity"}
     assert scene["loads"][0]["force"] == [20, 0] or "t" in str(scene["loads"][0]["force"][0])
+
+
+def test_regions_are_turned_and_lines_of_nodes_held(tmp_path):
+    text = SCRIPT.replace('Region "left",100,0,2', 'Region "left",100,0,2\n  Transform 30,0.5,0,1,2')
+    text = text.replace("MoveLine 8,0,8,4", "GridBC\n  Line 0,1,2,2").replace("EndMoveLine", "EndGridBC")
+    made = translated(tmp_path, text)
+    assert made.problems(partial=False) == []
+    body, other = load(write(made)).scene.bodies
+    assert body.particles_along == "region"
+    assert other.particles_along == "grid"
+    held = next(entry for entry in made.scene["boundary"] if entry["kind"] == "velocity")
+    assert {key: [getattr(v, "scaled", v) for v in ends] for key, ends in held["on"]["box"].items()} == {
+        "lower": [0, 2],
+        "upper": [1, 2],
+    }
+    lower, upper = body.region.bounds(
+        2
+    )  # the middle of the square, (2, 2), is turned about (1, 2), then moved
+    assert 0.5 * (lower + upper) == pytest.approx([1.5 + math.cos(math.pi / 6), 2.5])
 
 
 LOOPS = """
