@@ -82,6 +82,19 @@ def find_stretches(
     return stretch, missed
 
 
+def stress_of_strain(
+    m: Any, H: Array, strain: Array, keeps: bool, parallel: bool | None
+) -> tuple[Array, Array]:
+    """Return Cauchy stress [pressure] and stretch V = exp(ε) of an elastic logarithmic strain, (6, n) each.
+
+    The parameters are those of ``find_stretches``. The stress of a strain that is too large is that after the return.
+    """
+    stress, stretch = np.zeros(strain.shape), np.zeros(strain.shape)
+    find = _stresses.versions[False].py_func if parallel is None else _stresses[parallel]
+    find(m, H, strain, keeps, stress, stretch)
+    return stress, stretch
+
+
 def _gradient(V: Any) -> Any:
     return V[0], V[3], V[5], V[3], V[1], V[4], V[5], V[4], V[2]
 
@@ -130,3 +143,17 @@ def _find(
             xy, yz, xz = stretch[3, p], stretch[4, p], stretch[5, p]
             F = (xx, xy, xz, xy, yy, yz, xz, yz, zz)
             kirchhoff_stress(m, F, F, H, p, 0.0, True)
+
+
+@kernel
+def _stresses(m: Any, H: Array, strain: Array, keeps: bool, stress: Array, stretch: Array) -> None:
+    """Write stress and stretch (6, n) of elastic strains (6, n)."""
+    for p in prange(strain.shape[1]):
+        e = (strain[0, p], strain[1, p], strain[2, p], strain[3, p], strain[4, p], strain[5, p])
+        V = exponential_symmetric(e)
+        F = (V[0], V[3], V[5], V[3], V[1], V[4], V[5], V[4], V[2])
+        tau = kirchhoff_stress(m, F, F if keeps else IDENTITY, H, p, 0.0, False)
+        per = 1.0 if keeps else math.exp(-(e[0] + e[1] + e[2]))
+        for k in range(6):
+            stress[k, p] = tau[k] * per
+            stretch[k, p] = V[k]

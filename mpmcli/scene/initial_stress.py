@@ -23,10 +23,13 @@ FREE = {"plane_stress": ("zz",), "uniaxial_stress": ("yy", "zz")}
 """Components that an analysis holds at zero."""
 MET = 1e-9
 """Share of the largest stress by which a material may miss it."""
+STRAIN_MET = 1e-6
+"""Share of the largest strain by which that of the stress may differ from it."""
 SAMPLE = 40
 """Particles per body whose stress ``validate`` tries."""
 
 StressField = Annotated[Expression, Varying("pressure", ("x", "y", "z"))]
+StrainField = Annotated[Expression, Varying("1", ("x", "y", "z"))]
 LengthField = Annotated[Expression, Varying("length", ("x", "y", "z"))]
 
 
@@ -46,6 +49,27 @@ class StressComponents(Model):
     """Shear stress in the plane of y and z."""
     xz: StressField | None = None
     """Shear stress in the plane of x and z."""
+
+
+class StressOfStrain(Model):
+    """The stress of an elastic strain, by the components of the logarithmic strain; those that are left out are zero.
+
+    The body has this strain where it is placed, and would return to its shape without strain if it were free.
+    """
+
+    kind: Literal["strain"]
+    xx: StrainField | None = None
+    """Strain along x, positive in tension."""
+    yy: StrainField | None = None
+    """Strain along y."""
+    zz: StrainField | None = None
+    """Strain along z."""
+    xy: StrainField | None = None
+    """Shear strain ε_xy, half of the angle γ."""
+    yz: StrainField | None = None
+    """Shear strain ε_yz."""
+    xz: StrainField | None = None
+    """Shear strain ε_xz."""
 
 
 class Geostatic(Model):
@@ -74,7 +98,9 @@ class StressOfPoints(Model):
     kind: Literal["points"]
 
 
-InitialStress = Annotated[StressComponents | Geostatic | StressOfPoints, Field(discriminator="kind")]
+InitialStress = Annotated[
+    StressComponents | StressOfStrain | Geostatic | StressOfPoints, Field(discriminator="kind")
+]
 
 
 def gravity_at_start(loads: Iterable[Any], dimensions: int) -> Array:
@@ -141,6 +167,9 @@ def stress_problems(
         ]
         return found if given else [("", f"'{body.region.file}' has no column stress_xx, stress_yy, …")]
     given = [name for name in COMPONENTS if getattr(asked, name) is not None]
+    if free and isinstance(asked, StressOfStrain):
+        words = f"the strain {' and '.join(free)} follows from the others in the analysis '{analysis}'"
+        return [(".kind", f"{words}; give the stress by its components")]
     found = [(f".{name}", words) for name, words in _absent(given, analysis)]
     for name in given:
         found += check_variables(f".{name}", getattr(asked, name), d)
@@ -157,7 +186,7 @@ def _absent(given: Iterable[str], analysis: str) -> Iterator[tuple[str, str]]:
 
 
 def start_stress(scene: Any, body: Any, X: Array) -> tuple[Array, list[Problem]]:
-    """Return the Cauchy stress (6, n) of a body at points X (d, n) at the start, and what is wrong with it."""
+    """Return the Cauchy stress (6, n) of a body at points X (d, n) at the start, or its strain, and what is wrong."""
     asked, found = body.stress, []
     stress = np.zeros((6, X.shape[1]))
     place = dict(zip("xyz", X, strict=False))
@@ -190,9 +219,28 @@ def start_stress(scene: Any, body: Any, X: Array) -> tuple[Array, list[Problem]]
             continue
         stress[k] = value(**place)
         if not np.all(np.isfinite(stress[k])):
-            words = f"the stress '{value.source}' is not finite at some particles"
+            words = f"'{value.source}' is not finite at some particles"
             found.append(Problem(f"bodies.{body.name}.stress.{name}", words, code="not_finite"))
     return stress, found
+
+
+def find_start(
+    body: Any, X: Array, given: Array, m: Any, H: Array, keeps: bool, parallel: bool | None
+) -> tuple[Array, list[Problem]]:
+    """Return the stretch (6, n) of a body at the start, and what is wrong with it; its history ``H`` is written.
+
+    ``X`` (d, n) are its points, ``given`` (6, n) what ``start_stress`` returns; ``m``, ``keeps`` and ``parallel`` as in
+    ``find_stretches``.
+    """
+    from mpmcli.materials.initial_stress import find_stretches, stress_of_strain
+
+    if not isinstance(body.stress, StressOfStrain):
+        stretch, missed = find_stretches(m, H, given, keeps, parallel)
+        return stretch, unmet(body, X, given, missed)
+    stress, asked = stress_of_strain(m, H, given, keeps, parallel)
+    stretch, missed = find_stretches(m, H, stress, keeps, parallel)
+    off = np.abs(stretch - asked).max(axis=0) > STRAIN_MET * np.abs(given).max(initial=1e-300)
+    return asked, unmet(body, X, given, np.where(off, 1.0, missed))
 
 
 def unmet(body: Any, X: Array, stress: Array, missed: Array) -> list[Problem]:
@@ -205,17 +253,16 @@ def unmet(body: Any, X: Array, stress: Array, missed: Array) -> list[Problem]:
     parts = ", ".join(
         f"{name} {stress[k, worst]:.4g}" for k, name in enumerate(COMPONENTS) if stress[k, worst]
     )
+    noun = "elastic strain" if isinstance(body.stress, StressOfStrain) else "stress"
     words = (
-        f"the material '{body.material}' cannot have this stress at rest: at ({at}), where it is {parts or '0'}; it "
-        "is beyond yielding, or not a pressure in a fluid"
+        f"the material '{body.material}' cannot have this {noun} at rest: at ({at}), where it is {parts or '0'}; it "
+        f"is beyond yielding, or {'a shear strain' if noun != 'stress' else 'not a pressure'} in a fluid"
     )
     return [Problem(f"bodies.{body.name}.stress", words, code="stress")]
 
 
 def check_stress(scene: Any, body: Any, X: Array) -> list[Problem]:
     """Find out whether a body's material can have its stress, at those of the points X (d, n) where it is extreme."""
-    from mpmcli.materials.initial_stress import find_stretches
-
     stress, found = start_stress(scene, body, X)
     if found or X.shape[1] == 0:
         return found
@@ -225,5 +272,4 @@ def check_stress(scene: Any, body: Any, X: Array) -> list[Problem]:
     m = model.parameters(scene.analysis.kind, scene.is_adiabatic)
     H = history_at_start(model, len(chosen))
     turn_history(body, model, X[:, chosen], H)
-    _, missed = find_stretches(m, H, stress[:, chosen], keeps_strain(model), None)
-    return unmet(body, X[:, chosen], stress[:, chosen], missed)
+    return find_start(body, X[:, chosen], stress[:, chosen], m, H, keeps_strain(model), None)[1]

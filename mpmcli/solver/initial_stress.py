@@ -10,8 +10,7 @@ from mpmcli.core.analysis import F_COMPONENTS
 from mpmcli.core.errors import SceneError
 from mpmcli.core.particles import Particles
 from mpmcli.materials.base import keeps_strain
-from mpmcli.materials.initial_stress import find_stretches
-from mpmcli.scene.initial_stress import start_stress, unmet
+from mpmcli.scene.initial_stress import find_start, start_stress
 from mpmcli.solver.plan import PARALLEL_FROM, Plan
 
 
@@ -36,8 +35,9 @@ def set_initial_stress(scene: Any, plan: Plan, particles: Particles, models: lis
             raise SceneError(problems)
         m, keeps = model.parameters(plan.analysis_name, plan.adiabatic), keeps_strain(model)
         H = particles.H[:, mine]
-        stretch, missed = find_stretches(m, H, stress, keeps, len(mine) >= PARALLEL_FROM)
-        if problems := unmet(body, particles.X[:, mine], stress, missed):
+        parallel = len(mine) >= PARALLEL_FROM
+        stretch, problems = find_start(body, particles.X[:, mine], stress, m, H, keeps, parallel)
+        if problems:
             raise SceneError(problems)
         if keeps:
             particles.H[:, mine] = H

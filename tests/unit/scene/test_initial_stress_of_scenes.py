@@ -141,3 +141,53 @@ def test_stress_of_each_particle_comes_from_the_file_of_points(tmp_path):
 def test_files_without_stress_are_refused_in_words(tmp_path, keys, words):
     with pytest.raises(SceneError, match=words):
         with_points(tmp_path, **keys)
+
+
+STRAIN = "{kind: strain, xx: 0.01, yy: -0.004, xy: 0.006}"
+
+
+@pytest.mark.parametrize(
+    "material", [ELASTIC, METAL.replace("0.1}", "1e6}"), ELASTIC.replace("linear_elastic", "neo_hookean")]
+)
+def test_strain_at_the_start_is_what_bodies_have(tmp_path, material):
+    """Its stress is that of the material, and its energy is stored; plastic bodies keep F at the identity."""
+    path = tmp_path / "scene.yaml"
+    path.write_text(SCENE.format(stress=STRAIN, analysis="plane_strain", material=material, loads="[]"))
+    simulation = Simulation(load_scene(path))
+    particles = simulation.particles
+    sigma = particles.tau / particles.determinant()
+    if "neo" not in material:  # Hencky elasticity
+        lame, shear, J = 400.0, 400.0, np.exp(0.006) if "linear" in material.split(",")[0] else 1.0
+        exact = (
+            np.array([lame * 0.006 + 2 * shear * e for e in (0.01, -0.004, 0.0)] + [2 * shear * 0.006]) / J
+        )
+        np.testing.assert_allclose(sigma, np.tile(exact[:, None], sigma.shape[1]), rtol=1e-9)
+    if "j2" not in material:
+        F = particles.F
+        V = np.array([[F[0, 0], F[1, 0]], [F[2, 0], F[3, 0]]])
+        values, vectors = np.linalg.eigh(V)
+        np.testing.assert_allclose(
+            vectors @ np.diag(np.log(values)) @ vectors.T, [[0.01, 0.006], [0.006, -0.004]], atol=1e-12
+        )
+    np.testing.assert_allclose(particles.mass.sum(), 4.0, rtol=1e-12)
+    assert simulation.stress.energy_density().min() > 0.0
+
+
+@pytest.mark.parametrize(
+    ("stress", "analysis", "material", "words"),
+    [
+        (STRAIN, "plane_strain", METAL, "cannot have this elastic strain at rest: .* beyond yielding"),
+        (STRAIN, "plane_strain", "{kind: tait_fluid, K: 10, density: 1}", "a shear strain in a fluid"),
+        (
+            STRAIN,
+            "plane_stress",
+            ELASTIC,
+            "the strain zz follows from the others in the analysis 'plane_stress'",
+        ),
+        ("{kind: strain, yz: 0.1}", "plane_strain", ELASTIC, "this component does not exist"),
+        ("{kind: strain, xx: 1/(x-0.125)}", "plane_strain", ELASTIC, "is not finite at some particles"),
+    ],
+)
+def test_strains_that_no_body_can_have(checked, stress, analysis, material, words):
+    with pytest.raises(SceneError, match=words):
+        checked(stress, analysis, material)
