@@ -47,13 +47,24 @@ class Candidates(NamedTuple):
     """(b,) places in memory, ascending."""
     bands: Array
     """(n_bands + 1,) first of them in each band of the order, unsigned."""
+    turn: Array
+    """(n_bands,) the bands in the order of their colours, unsigned."""
+    colours: Array
+    """(colours + 1,) where each colour begins in ``turn``, and the end."""
     rooms: Array
     """(n_bands,) where the entries of each band begin in ``NearParticles``."""
 
 
 NOTHING = np.zeros(0, dtype=np.int64)
 NONE = Candidates(
-    NOTHING, np.zeros(1, dtype=np.int64), NOTHING, NOTHING, np.zeros(1, dtype=np.uint64), NOTHING
+    NOTHING,
+    np.zeros(1, dtype=np.int64),
+    NOTHING,
+    NOTHING,
+    np.zeros(1, dtype=np.uint64),
+    NOTHING.view(np.uint64),
+    np.zeros(1, dtype=np.int64),
+    NOTHING,
 )
 """Before the first sort."""
 
@@ -87,13 +98,15 @@ def find_candidates(order: CellOrder, grid: Grid, images: int = 0, whole: Array 
     first = np.concatenate([[0], np.cumsum(fields[shared])])
     nodes = node[shared]
     particle = _near(nodes, order, grid)
-    bands = np.searchsorted(particle, order.bands.astype(np.int64))
+    bands = np.searchsorted(particle, order.bands.first.astype(np.int64))
     return Candidates(
         node=nodes,
         first=first.astype(np.int64),
         dof=dof[keep],
         particle=particle,
         bands=bands.astype(np.uint64),
+        turn=order.bands.turn,
+        colours=order.bands.colours,
         rooms=bands[:-1].astype(np.int64) * most_near(grid, images + grid.sides - 1),
     )
 
@@ -203,12 +216,11 @@ def find_near_particles(
     The lists must be empty on entry. Bands of one colour never see the same node, nor do their mirror images unless
     planes exist: with planes the caller runs the serial version.
     """
-    bands_count = candidates.bands.shape[0] - 1
-    for colour in range(2):
-        for half in prange((bands_count + 1 - colour) // 2):
+    for colour in range(candidates.colours.shape[0] - 1):
+        for i in prange(candidates.colours[colour], candidates.colours[colour + 1]):
             find_near_in_band(
                 shape, grid, across, stencil, candidates, images, slot_of_node, shape_of_grid, X, F, size, near,
-                parted, np.uint64(2 * half + colour),
+                parted, candidates.turn[i],
             )  # fmt: skip
 
 

@@ -1,14 +1,15 @@
 """Sorting particles by cell: bands for deterministic parallel scatters, and the list of nodes in use.
 
-Bands are slabs of H rows of cells along the slowest axis. Since the last sort no particle may have drifted more than
-``MAX_DRIFT`` cells along any axis; then a particle of a band touches at most w − 1 rows of nodes below the band and w
-above it (w: stencil width), and bands of one colour (every second one) never touch the same node if H ≥ 2w − 1.
+Bands are slabs of H rows of cells along y in the plane, and tiles of H × H columns along x in space. Since the last sort
+no particle may have drifted more than ``MAX_DRIFT`` cells along any axis; then a particle of a band touches at most w − 1
+rows of nodes below the band and w above it (w: stencil width), and bands of one colour (every second one along each axis)
+never touch the same node if H ≥ 2w − 1.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,12 +27,23 @@ SLABS = 64
 Array = np.ndarray
 
 
+class Bands(NamedTuple):
+    """Bands of particles, colour after colour: those of one colour are scattered side by side."""
+
+    first: Array
+    """(bands + 1,) first particle of each band and the end, unsigned."""
+    turn: Array
+    """(bands,) the bands in the order of their colours, unsigned."""
+    colours: Array
+    """(colours + 1,) where each colour begins in ``turn``, and the end."""
+
+
 class CellOrder:
     """Keeps particles sorted by cell (x fastest), with bands, chunks and the grid's active nodes up to date.
 
     Attributes
     ----------
-    bands : (n_bands + 1,) first particle of each band and the end, unsigned
+    bands : the bands of particles
     chunks : (CHUNKS + 1,) first particle of each chunk of lines of cells and the end, unsigned
     drift : largest distance travelled since the last sort [cells]
     version : counts the sorts
@@ -45,7 +57,8 @@ class CellOrder:
         self.drift = 0.0
         self.parallel = False
         self._mark = np.zeros(grid.node_count, dtype=np.uint8)
-        self.bands = np.zeros(1, dtype=np.uint64)
+        none = np.zeros(0, dtype=np.uint64)
+        self.bands = Bands(np.zeros(1, dtype=np.uint64), none, np.zeros(1, dtype=np.int64))
         self.chunks = np.zeros(CHUNKS + 1, dtype=np.uint64)
 
     @property
@@ -55,12 +68,12 @@ class CellOrder:
 
     def memory(self) -> dict[str, Any]:
         """Return what a checkpoint keeps of it."""
-        kept = ("bands", "chunks", "drift", "version")
-        return {name: np.asarray(getattr(self, name)) for name in kept}
+        kept = ("chunks", "drift", "version")
+        return {name: np.asarray(getattr(self, name)) for name in kept} | self.bands._asdict()
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Take it back."""
-        self.bands, self.chunks = memory["bands"], memory["chunks"]
+        self.bands, self.chunks = Bands(*(memory[name] for name in Bands._fields)), memory["chunks"]
         self.drift, self.version = float(memory["drift"]), int(memory["version"])
 
     def sort(self, parallel: bool) -> None:
@@ -72,18 +85,18 @@ class CellOrder:
         locate_cells[parallel](particles.X, grid.lower, 1.0 / grid.cell, grid.cells, cell)
         low, high = cell.min(axis=1), cell.max(axis=1)
         extent = high - low + 1
-        key = cell[d - 1] - low[d - 1]
-        for a in range(d - 2, -1, -1):
-            key = key * extent[a] + (cell[a] - low[a])
-        starts, order = sort_by_key(key, int(np.prod(extent)), parallel)
+        tiling = Tiling(extent, 2 * grid.width - 1)
+        key = sum(places[cell[a] - low[a]] for a, places in enumerate(tiling.places))
+        starts, order = sort_by_key(key, tiling.keys, parallel)
         field = particles.velocity_field
         if not np.array_equal(order, np.arange(count)):
             for name, array in particles.arrays().items():
                 if array.size:
                     setattr(particles, name, np.ascontiguousarray(np.take(array, order, axis=-1)))
-        self._divide(starts, extent)
+        self.bands = tiling.bands(starts)
+        self.chunks = tiling.chunks(starts)
         if grid.fields == 1:
-            grid.active = self._reach(np.diff(starts) > 0, low, extent)
+            grid.active = self._reach(tiling.by_cell(np.diff(starts) > 0), low, extent)
         else:
             grid.active = self._reach_of_fields(cell, field)
         if grid.periodic:
@@ -92,14 +105,6 @@ class CellOrder:
         self.version += 1
         self.drift = 0.0
 
-    def _divide(self, starts: Array, extent: Array) -> None:
-        layer, rows = int(np.prod(extent[:-1])), int(extent[-1])
-        height = band_height(rows, 2 * self.grid.width - 1)
-        edges = np.minimum(np.arange(0, rows + height, height), rows)
-        self.bands = starts[edges * layer].astype(np.uint64)
-        lines = starts[:: int(extent[0]) if len(extent) > 1 else 1]
-        self.chunks = chunks_of_lines(lines[:-1][np.diff(lines) > 0], int(starts[-1]))
-
     def forget(self) -> None:
         """Let the next step sort, because particles have jumped."""
         self.drift = np.inf
@@ -107,13 +112,13 @@ class CellOrder:
     def drop(self, kept: Array) -> None:
         """Fit bands and chunks to the particles of the mask ``kept`` (N,), which are sorted at the next step."""
         left = np.concatenate([np.zeros(1, dtype=np.uint64), np.cumsum(kept, dtype=np.uint64)])
-        self.bands, self.chunks = left[self.bands], left[self.chunks]
+        self.bands, self.chunks = self.bands._replace(first=left[self.bands.first]), left[self.chunks]
         self.drift = np.inf
 
     @property
     def slots(self) -> int:
         """How many bands or chunks exist: each needs stencil buffers of its own."""
-        return max(len(self.bands), len(self.chunks)) - 1
+        return max(len(self.bands.first), len(self.chunks)) - 1
 
     def _reach_of_fields(self, cell: Array, field: Array) -> Array:
         """The same field by field, as degrees of freedom; ``cell`` (d, N) and ``field`` (N,) of the particles."""
@@ -160,6 +165,56 @@ class CellOrder:
         for axis, (where, start) in enumerate(zip(inside, box, strict=True)):
             index += (where + start.start) * grid.stride[grid.dimensions - 1 - axis]
         return index
+
+
+class Tiling:
+    """The order in which the cells of a box are sorted: band after band, and in each band x fastest.
+
+    Parameters
+    ----------
+    extent : (d,) cells of the box along each axis
+    least : smallest height of bands whose neighbours but one touch no common node [cells]
+
+    Attributes
+    ----------
+    places : per axis, what a cell with this index along it adds to its place in the order
+    keys : number of places; some are empty, since all bands have the same height
+    """
+
+    def __init__(self, extent: Array, least: int):
+        d = len(extent)
+        self._length = int(extent[0]) if d > 1 else 1
+        self._cut = range(min(1, d - 1), d)
+        height = [band_height(int(extent[a]), least) if a in self._cut else int(extent[a]) for a in range(d)]
+        self._counts = [-(-int(n) // h) for n, h in zip(extent, height, strict=True)]
+        self._band = int(np.prod(height))
+        self.keys = self._band * int(np.prod(self._counts))
+        self.places = []
+        inner, outer = 1, self._band
+        for n, h, count in zip(extent, height, self._counts, strict=True):
+            index = np.arange(n)
+            self.places.append(index % h * inner + index // h * outer)
+            inner, outer = inner * h, outer * count
+
+    def bands(self, starts: Array) -> Bands:
+        """Return the bands of particles whose places in the order begin at ``starts`` (keys + 1,)."""
+        index = np.indices([self._counts[a] for a in reversed(self._cut)])
+        colour = sum(index[i].ravel() % 2 << i for i in range(len(index)))
+        turn = np.argsort(colour, kind="stable")
+        colours = np.searchsorted(colour[turn], np.arange(2 ** len(index) + 1))
+        return Bands(starts[:: self._band].astype(np.uint64), turn.astype(np.uint64), colours)
+
+    def chunks(self, starts: Array) -> Array:
+        """Return the chunks of lines of cells of the same particles, as ``chunks_of_lines`` does."""
+        lines = starts[:: self._length]
+        return chunks_of_lines(lines[:-1][np.diff(lines) > 0], int(starts[-1]))
+
+    def by_cell(self, values: Array) -> Array:
+        """Return of ``values`` (keys,) those of the cells of the box, x fastest."""
+        place = self.places[0]
+        for of_axis in self.places[1:]:
+            place = of_axis[(...,) + (None,) * place.ndim] + place
+        return values[place]
 
 
 def band_height(rows: int, least: int) -> int:

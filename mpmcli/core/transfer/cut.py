@@ -83,5 +83,5 @@ def make_cut(transfer: Any, particle: Array, corner: Array, S: Array, G: Array, 
     dof = dof_of(node, field, side.astype(np.uint64), np.uint64(grid.node_count), np.uint64(grid.fields))
     mask = np.zeros(p.count, dtype=np.uint8)
     mask[particle] = 1
-    bands, chunks = first_rows(particle, order.bands), first_rows(particle, order.chunks)
+    bands, chunks = first_rows(particle, order.bands.first), first_rows(particle, order.chunks)
     return Cut(mask, particle, bands, chunks, corner, S, G, dof)

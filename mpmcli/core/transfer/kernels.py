@@ -1,6 +1,6 @@
 """Transfer kernels: loops over sorted particles, the same for every shape function and analysis.
 
-Scatters run over bands of grid rows in two colours, so that no two threads add to one node and the order of every
+Scatters run over bands of the grid, colour after colour, so that no two threads add to one node and the order of every
 sum belongs to the bands, not to the threads. Gathers run over chunks of particles. Nodal arrays come flat (see
 ``gather_scatter``).
 """
@@ -137,16 +137,14 @@ def scatter(task, zero, too, analysis, shape, grid, across, bands, stencil, X, F
     """Particles to grid: run a scatter task (one of the tuples above) over all particles, and ``too``, unless None.
 
     ``zero`` is a tuple of as many zeros as the carried quantity has components. The nodal arrays of ``task`` must be
-    zero on entry, or hold what is added to. ``bands`` (n_bands + 1,) first particles of the bands; ``field`` (N,)
-    velocity fields, or None if there is only one; ``cut`` the particles whose nodes are on several sides, or None.
+    zero on entry, or hold what is added to. ``bands`` as of ``core.order.Bands``; ``field`` (N,) velocity fields, or None if there is only one; ``cut`` the particles whose nodes are on several sides, or None.
     """
-    count = bands.shape[0] - 1
-    for colour in range(2):
-        for half in prange((count + 1 - colour) // 2):
-            b = np.uint64(2 * half + colour)
+    for colour in range(bands.colours.shape[0] - 1):
+        for i in prange(bands.colours[colour], bands.colours[colour + 1]):
+            b = bands.turn[i]
             geometry = unfold(grid)
             S, G, W, offsets = stencil.S[b], stencil.G[b], stencil.W[b], stencil.offsets
-            for p in range(bands[b], bands[b + np.uint64(1)]):
+            for p in range(bands.first[b], bands.first[b + np.uint64(1)]):
                 if is_cut(cut, p):
                     continue
                 wanted = gradients_for(task, G)

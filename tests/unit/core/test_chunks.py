@@ -98,4 +98,4 @@ def test_chunks_follow_when_particles_are_dropped():
     order.particles.keep(kept)
     assert order.is_stale
     assert all(now <= then for now, then in zip(lines_of(order), before, strict=True))
-    assert order.chunks[-1] == order.bands[-1] == kept.sum()
+    assert order.chunks[-1] == order.bands.first[-1] == kept.sum()
