@@ -52,7 +52,7 @@ class Exits:
     grid, particles, state : where particles are, and the account of what is lost
     describe : names a particle (by its place in memory) in messages
     remove : keeps only the particles of a mask
-    unsort : lets the next step sort the particles
+    jumped : is told the axes along which particles have entered again at the other side
 
     Attributes
     ----------
@@ -68,11 +68,11 @@ class Exits:
         state: State,
         describe: Callable[[int], str],
         remove: Callable[[Array], None],
-        unsort: Callable[[], None] = lambda: None,
+        jumped: Callable[[list[int]], None] = lambda axes: None,
     ):
         self.policy, self.held = policy, held
         self._grid, self._particles, self._state = grid, particles, state
-        self._describe, self._remove, self._unsort = describe, remove, unsort
+        self._describe, self._remove, self._jumped = describe, remove, jumped
         below, above = np.maximum(overrun_of(held, grid, policy), 1e-9).T * grid.cell
         self.bounds = np.stack([grid.lower - below, grid.upper + above], axis=1)
         if policy != "error":
@@ -94,10 +94,9 @@ class Exits:
         """
         p = self._particles
         if self._grid.periodic:
-            from mpmcli.boundary.periodic import enter_again, order_breaks
+            from mpmcli.boundary.periodic import enter_again
 
-            if order_breaks(self._grid, enter_again(self._grid, p, self._state.X0)):
-                self._unsort()
+            self._jumped(enter_again(self._grid, p, self._state.X0))
         below, above = self.bounds[:, :1] > p.X, self.bounds[:, 1:] < p.X
         inside = ~np.any(below | above, axis=0)
         gone = np.flatnonzero(~inside)

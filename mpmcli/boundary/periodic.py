@@ -83,15 +83,6 @@ def enter_again(grid: Grid, particles: Particles, X0: Array | None) -> list[int]
     return moved
 
 
-def order_breaks(grid: Grid, axes: list[int]) -> bool:
-    """Return whether particles that have entered again along ``axes`` must be sorted before the next step.
-
-    Bands are slabs of the last axis. Along others, the nodes in use have those that particles see at the other side,
-    unless the reach of a cell at a side ends at that of the grid.
-    """
-    return bool(axes) and (grid.dimensions - 1 in axes or grid.width > grid.pad + 1)
-
-
 class StartPositions:
     """Positions at time 0, which enter again with their particles and so belong to a checkpoint.
 

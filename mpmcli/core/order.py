@@ -1,9 +1,10 @@
 """Sorting particles by cell: bands for deterministic parallel scatters, and the list of nodes in use.
 
-Bands are slabs of H rows of cells along y in the plane, and tiles of H × H columns along x in space. Since the last sort
-no particle may have drifted more than ``MAX_DRIFT`` cells along any axis; then a particle of a band touches at most w − 1
-rows of nodes below the band and w above it (w: stencil width), and bands of one colour (every second one along each axis)
-never touch the same node if H ≥ 2w − 1.
+Bands are slabs of H rows of cells along the last axis. In space they are tiles of H × H columns of cells, cut along the
+two axes along which the particles extend farthest. Since the last sort no particle may have drifted more than
+``MAX_DRIFT`` cells along any axis; then a particle of a band touches at most w − 1 rows of nodes below the band and w
+above it (w: stencil width), and bands of one colour (every second one along each cut axis) never touch the same node if
+H ≥ 2w − 1.
 """
 
 from __future__ import annotations
@@ -44,6 +45,7 @@ class CellOrder:
     Attributes
     ----------
     bands : the bands of particles
+    cut : (1 or 2,) axes along which bands follow each other
     chunks : (CHUNKS + 1,) first particle of each chunk of lines of cells and the end, unsigned
     drift : largest distance travelled since the last sort [cells]
     version : counts the sorts
@@ -58,6 +60,7 @@ class CellOrder:
         self.parallel = False
         self._mark = np.zeros(grid.node_count, dtype=np.uint8)
         none = np.zeros(0, dtype=np.uint64)
+        self.cut = np.zeros(0, dtype=np.int64)
         self.bands = Bands(np.zeros(1, dtype=np.uint64), none, np.zeros(1, dtype=np.int64))
         self.chunks = np.zeros(CHUNKS + 1, dtype=np.uint64)
 
@@ -68,12 +71,13 @@ class CellOrder:
 
     def memory(self) -> dict[str, Any]:
         """Return what a checkpoint keeps of it."""
-        kept = ("chunks", "drift", "version")
+        kept = ("cut", "chunks", "drift", "version")
         return {name: np.asarray(getattr(self, name)) for name in kept} | self.bands._asdict()
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Take it back."""
-        self.bands, self.chunks = Bands(*(memory[name] for name in Bands._fields)), memory["chunks"]
+        self.bands = Bands(*(memory[name] for name in Bands._fields))
+        self.cut, self.chunks = memory["cut"], memory["chunks"]
         self.drift, self.version = float(memory["drift"]), int(memory["version"])
 
     def sort(self, parallel: bool) -> None:
@@ -93,7 +97,7 @@ class CellOrder:
             for name, array in particles.arrays().items():
                 if array.size:
                     setattr(particles, name, np.ascontiguousarray(np.take(array, order, axis=-1)))
-        self.bands = tiling.bands(starts)
+        self.bands, self.cut = tiling.bands(starts), tiling.cut
         self.chunks = tiling.chunks(starts)
         if grid.fields == 1:
             grid.active = self._reach(tiling.by_cell(np.diff(starts) > 0), low, extent)
@@ -108,6 +112,15 @@ class CellOrder:
     def forget(self) -> None:
         """Let the next step sort, because particles have jumped."""
         self.drift = np.inf
+
+    def jumped(self, axes: list[int]) -> None:
+        """Let the next step sort if particles that have jumped by a period along ``axes`` may have left their reach.
+
+        They leave their band along cut axes. Along others, the nodes in use have those that particles see at the other
+        side, unless the reach of a cell at a side ends at that of the grid.
+        """
+        if axes and (np.isin(axes, self.cut).any() or self.grid.width > self.grid.pad + 1):
+            self.forget()
 
     def drop(self, kept: Array) -> None:
         """Fit bands and chunks to the particles of the mask ``kept`` (N,), which are sorted at the next step."""
@@ -177,16 +190,17 @@ class Tiling:
 
     Attributes
     ----------
+    cut : axes that are cut into bands
     places : per axis, what a cell with this index along it adds to its place in the order
     keys : number of places; some are empty, since all bands have the same height
     """
 
     def __init__(self, extent: Array, least: int):
         d = len(extent)
-        self._length = int(extent[0]) if d > 1 else 1
-        self._cut = range(min(1, d - 1), d)
-        height = [band_height(int(extent[a]), least) if a in self._cut else int(extent[a]) for a in range(d)]
+        self.cut = np.sort(np.argsort(extent, kind="stable")[-2:]) if d == 3 else np.array([d - 1])
+        height = [band_height(int(extent[a]), least) if a in self.cut else int(extent[a]) for a in range(d)]
         self._counts = [-(-int(n) // h) for n, h in zip(extent, height, strict=True)]
+        self._length = height[0] if d > 1 else 1
         self._band = int(np.prod(height))
         self.keys = self._band * int(np.prod(self._counts))
         self.places = []
@@ -198,7 +212,7 @@ class Tiling:
 
     def bands(self, starts: Array) -> Bands:
         """Return the bands of particles whose places in the order begin at ``starts`` (keys + 1,)."""
-        index = np.indices([self._counts[a] for a in reversed(self._cut)])
+        index = np.indices([self._counts[a] for a in self.cut[::-1]])
         colour = sum(index[i].ravel() % 2 << i for i in range(len(index)))
         turn = np.argsort(colour, kind="stable")
         colours = np.searchsorted(colour[turn], np.arange(2 ** len(index) + 1))

@@ -112,7 +112,7 @@ class Simulation(Parts):
         held = held_sides(scene.conditions_on("velocity"), grid)
         self.exits = Exits(
             scene.domain.on_exit, held, grid, particles, state, self.failures.describe, self.remove_particles,
-            self.order.forget,
+            self.order.jumped,
         )  # fmt: skip
         self.transfer = Transfer(
             plan.analysis,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yaml
 
-from mpmcli.boundary.periodic import PeriodicSides, StartPositions, enter_again, order_breaks
+from mpmcli.boundary.periodic import PeriodicSides, StartPositions, enter_again
 from mpmcli.core.errors import SceneError
 from mpmcli.core.grid import Grid
 from mpmcli.scene.loader import load_scene
@@ -76,9 +76,6 @@ def test_particles_enter_at_the_other_side():
     assert np.array_equal(particles.X, [[2.75, 0.0, -0.5, -1.0], X[1]])
     assert np.array_equal(particles.X - start[:, particles.id], X)
     assert not enter_again(grid, particles, start)
-    assert [order_breaks(grid, axes) for axes in ([], [0], [1], [0, 1])] == [False, False, True, True]
-    grid.width = 4
-    assert order_breaks(grid, [0])
     kept = StartPositions(np.ones((2, 4)))
     kept.recall(StartPositions(start).memory())
     assert np.array_equal(kept.memory()["X0"], start)

@@ -132,6 +132,26 @@ def test_sorting_twice_changes_nothing():
     assert order.version == 2
 
 
+@pytest.mark.parametrize(
+    ("cells", "cut"), [((9,), [0]), ((9, 4), [1]), ((9, 4, 6), [0, 2]), ((4, 4, 4), [1, 2])]
+)
+def test_jumps_by_periods_break_the_order_along_cut_axes(cells, cut):
+    particles, grid = scattered("ugimp", len(cells), 300, 1, cells)
+    order = CellOrder(particles, grid)
+    order.sort(False)
+    assert list(order.cut) == cut
+    order.jumped([])
+    assert not order.is_stale
+    for axis in range(len(cells)):
+        order.drift = 0.0
+        order.jumped([axis])
+        assert order.is_stale == (axis in cut)
+        grid.width += 2
+        order.jumped([axis])
+        assert order.is_stale, "stencils end with the grid"
+        grid.width -= 2
+
+
 @given(count=st.integers(1, 300), rows=st.integers(1, 200))
 def test_bands_and_chunks_cover_every_particle_once(count, rows):
     particles, grid = scattered("ugimp", 2, count, count, (3, rows))
