@@ -198,7 +198,8 @@ class Tiling:
     def __init__(self, extent: Array, least: int):
         d = len(extent)
         self.cut = np.sort(np.argsort(extent, kind="stable")[-2:]) if d == 3 else np.array([d - 1])
-        height = [band_height(int(extent[a]), least) if a in self.cut else int(extent[a]) for a in range(d)]
+        high = tile_height if d == 3 else band_height
+        height = [high(int(n), least) if a in self.cut else int(n) for a, n in enumerate(extent)]
         self._counts = [-(-int(n) // h) for n, h in zip(extent, height, strict=True)]
         self._length = height[0] if d > 1 else 1
         self._band = int(np.prod(height))
@@ -240,6 +241,11 @@ def band_height(rows: int, least: int) -> int:
 
     candidates = range(least, max(2 * least, 10))
     return min(candidates, key=lambda h: (rows_in_sequence(h), h))
+
+
+def tile_height(rows: int, least: int) -> int:
+    """Height of tiles: at least ``least`` rows where there are two or more, of which as many as possible are made."""
+    return -(-rows // max(1, rows // least))
 
 
 def or_shifted(target: Array, source: Array, axis: int, shift: int) -> None:

@@ -11,7 +11,15 @@ from hypothesis import strategies as st
 
 from mpmcli.core.analysis import PlaneStrain, Solid, UniaxialStress
 from mpmcli.core.grid import Grid
-from mpmcli.core.order import CHUNKS, MAX_DRIFT, CellOrder, band_height, locate_cells, sort_by_key
+from mpmcli.core.order import (
+    CHUNKS,
+    MAX_DRIFT,
+    CellOrder,
+    band_height,
+    locate_cells,
+    sort_by_key,
+    tile_height,
+)
 from mpmcli.core.particles import Particles
 from mpmcli.shapes import SHAPES
 
@@ -49,6 +57,8 @@ def test_bands_are_high_enough_and_not_needlessly_many(rows, width):
     least = 2 * width - 1
     height = band_height(rows, least)
     assert least <= height < max(2 * least, 10)
+    assert -(-rows // tile_height(rows, least)) <= max(1, rows // least)
+    assert tile_height(rows, least) >= min(rows, least)
 
 
 @pytest.mark.parametrize("shape", ["linear", "ugimp", "lcpdi", "b2cpdi", "b2gimp"])
