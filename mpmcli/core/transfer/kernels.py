@@ -137,8 +137,8 @@ def scatter(task, zero, too, analysis, shape, grid, across, bands, stencil, X, F
     """Particles to grid: run a scatter task (one of the tuples above) over all particles, and ``too``, unless None.
 
     ``zero`` is a tuple of as many zeros as the carried quantity has components. The nodal arrays of ``task`` must be
-    zero on entry, or hold what is added to. ``bands`` are ``core.order.Bands``; ``field`` (N,) velocity fields, or None if
-    there is only one; ``cut`` the particles whose nodes are on several sides, or None.
+    zero on entry, or hold what is added to. ``bands`` are ``core.order.Bands``; ``field`` (N,) velocity fields, or None
+    if there is only one; ``cut`` the particles whose nodes are on several sides, or None.
     """
     for colour in range(bands.colours.shape[0] - 1):
         for i in prange(bands.colours[colour], bands.colours[colour + 1]):
