@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from mpmcli.core.analysis import Axisymmetric
 from mpmcli.core.errors import SimulationError
-from mpmcli.core.state import CracksView
+from mpmcli.core.grid import Grid
+from mpmcli.core.order import CellOrder
+from mpmcli.core.state import CracksView, State
 from mpmcli.core.step import Step
 from mpmcli.cracks.chain import carries_tractions, make_chain
 from mpmcli.cracks.face_contact import FaceContact
@@ -33,7 +35,10 @@ class Cracks:
     Parameters
     ----------
     scene : the scene
-    s : the simulation, whose particles, grid, order, transfer and conditions exist
+    plan : its choices
+    grid, state, order, transfer : nodes, particles and what output sees, their order by cells, weights
+    conditions : on nodal velocities; None without
+    wave_speed : returns the largest wave speed now
 
     Attributes
     ----------
@@ -43,31 +48,41 @@ class Cracks:
     view : what output sees
     """
 
-    def __init__(self, scene: Any, s: Any):
-        models, grid, particles = scene.cracks, s.grid, s.particles
+    def __init__(
+        self,
+        scene: Any,
+        plan: Any,
+        grid: Grid,
+        state: State,
+        order: CellOrder,
+        transfer: Any,
+        conditions: Any,
+        wave_speed: Callable[[], float],
+    ):
+        models, particles = scene.cracks, state.particles
         cell = float(grid.cell.min())
         self.chains = [make_chain(model, index, cell) for index, model in enumerate(models)]
         names = [body.name for body in scene.bodies]
         cuts = np.array([[model.cuts is None or name in model.cuts for name in names] for model in models])
-        cuts[:, list(s.state.rigid)] = False
+        cuts[:, list(state.rigid)] = False
         if particles.X0 is None:
             particles.X0 = particles.X.copy()
-        self._particles, self._order, self._grid = particles, s.order, grid
-        self.sides = CrackSides(self.chains, cuts, s.order, grid, s.plan.shape.follows_deformation)
-        s.transfer.sights = self.sides
-        s.transfer.sort()
-        mirror = None if s.conditions is None or s.conditions.images is None else s.conditions.images.mirror
+        self._particles, self._order, self._grid = particles, order, grid
+        self.sides = CrackSides(self.chains, cuts, order, grid, plan.shape.follows_deformation)
+        transfer.sights = self.sides
+        transfer.sort()
+        mirror = None if conditions is None or conditions.images is None else conditions.images.mirror
         n = len(models)
-        ring = isinstance(s.plan.analysis, Axisymmetric)
-        rigid = np.array(s.plan.rigid_fields, dtype=bool) | ~_cut_fields(cuts, s.plan)
+        ring = isinstance(plan.analysis, Axisymmetric)
+        rigid = np.array(plan.rigid_fields, dtype=bool) | ~_cut_fields(cuts, plan)
         self.view = CracksView(self.chains, force=np.zeros((n, 2)), released=np.zeros(n))
         for name in ACCOUNTS[2:]:
             setattr(self.view, name, np.zeros(n))
-        self._transfer = s.transfer
+        self._transfer = transfer
         self.view.particle_side = self._particle_sides
         self.faces = FaceContact(
-            [model.faces.law for model in models], self.sides, rigid, grid, particles, s.conditions, mirror,
-            s.state.work, s.plan.update, ring, self.view,
+            [model.faces.law for model in models], self.sides, rigid, grid, particles, conditions, mirror,
+            state.work, plan.update, ring, self.view,
         )  # fmt: skip
         self._make_forces = lambda chain: PointForces(
             chain, self.sides, self.faces.contacts.lattice, rigid, grid
@@ -76,17 +91,17 @@ class Cracks:
         if scene.fracture is not None:
             from mpmcli.cracks.tips import Tips, thickness_of
 
-            self.tips = Tips(scene.fracture, self.chains, models, s.state, grid, thickness_of(scene))
+            self.tips = Tips(scene.fracture, self.chains, models, state, grid, thickness_of(scene))
             self.view.tip = self.tips.values
         self.pressures = self.tractions = None
         loaded = any(model.pressure is not None for model in models)
         carrying = any(carries_tractions(model) for model in models)
         if loaded or carrying:
-            X, half = particles.X, np.broadcast_to(s.transfer.reach, particles.X.shape)
+            X, half = particles.X, np.broadcast_to(transfer.reach, particles.X.shape)
             parted = [cuts[k, particles.body] for k in range(n)]
             matter = [(X[:, its], half[:, its]) for its in parted]
             breadth = None if ring else float(getattr(scene.analysis, "thickness", 1.0))
-            shared = models, self.chains, self._make_forces, matter, breadth, s.state.work
+            shared = models, self.chains, self._make_forces, matter, breadth, state.work
             if loaded:
                 from mpmcli.cracks.pressure import Pressures
 
@@ -98,13 +113,15 @@ class Cracks:
         if self.tips is not None and any(model.growth is not None for model in models):
             from mpmcli.cracks.growth import CrackGrowth
 
-            self.growth = CrackGrowth(models, self.tips, cuts, s, self.view, self.tractions)
+            self.growth = CrackGrowth(
+                models, self.tips, cuts, state, order, ring, wave_speed, self.view, self.tractions
+            )
             self.view.speed = self.growth.speed
         self._motion = FaceMotion(
             self.sides, self.sides.points, self.faces.contacts.lattice, [model.moves for model in models]
         )
         self._drift = 0.0
-        self._version = s.order.version
+        self._version = order.version
 
     def add_forces(self, step: Step, f: Array) -> None:
         """Task 2: add what acts on the points of chains to nodal forces (dofs, 2)."""

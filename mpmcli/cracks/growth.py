@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
-from mpmcli.core.analysis import Axisymmetric
 from mpmcli.core.errors import SimulationError
-from mpmcli.core.state import CracksView, TipValues
+from mpmcli.core.order import CellOrder
+from mpmcli.core.state import CracksView, State, TipValues
 from mpmcli.core.step import Step
 from mpmcli.cracks.chain import END, START, Chain
 from mpmcli.cracks.meeting import Meeting, first_meeting
@@ -67,14 +67,29 @@ class CrackGrowth:
     models : of all cracks
     tips : their fracture quantities
     cuts : (cracks, bodies) whether a crack cuts a body
-    s : the simulation
+    state : time, time step and particles
+    order : of the particles, which is found anew after growth
+    is_ring : whether the analysis is axisymmetric
+    wave_speed : returns the largest wave speed now
     view : what output sees
     tractions : on the points of cracks, which hold what is released gradually; None without
     """
 
-    def __init__(self, models: Any, tips: Tips, cuts: Array, s: Any, view: CracksView, tractions: Any = None):
-        self._s, self._tips, self._view, self._tractions = s, tips, view, tractions
-        self._cell = float(s.grid.cell.min())
+    def __init__(
+        self,
+        models: Any,
+        tips: Tips,
+        cuts: Array,
+        state: State,
+        order: CellOrder,
+        is_ring: bool,
+        wave_speed: Callable[[], float],
+        view: CracksView,
+        tractions: Any = None,
+    ):
+        self._state, self._order, self._is_ring, self._wave_speed = state, order, is_ring, wave_speed
+        self._tips, self._view, self._tractions = tips, view, tractions
+        self._cell = tips.cell
         self._every, self._next = tips.model.every, 0.0
         chains = view.chains
         self.growing = [
@@ -98,8 +113,8 @@ class CrackGrowth:
 
     def grow(self, step: Step) -> None:
         """Check the tips at the end of a step, and let those grow that meet their criterion."""
-        time = self._s.state.time
-        if time < self._next - 1e-6 * self._s.state.dt:
+        time = self._state.time
+        if time < self._next - 1e-6 * self._state.dt:
             return
         if self._every > 0.0:
             self._next = self._every * (math.floor(time / self._every * (1.0 + 1e-9)) + 1.0)
@@ -113,7 +128,7 @@ class CrackGrowth:
         if (at_end and not tip.runs) or (criterion.needs and time - tip.last < self._response()):
             return
         values = self._values(tip) if self._asks(tip) else TipValues(math.nan, math.nan, math.nan)
-        state = self._state(tip, time, values)
+        state = self._tip_state(tip, time, values)
         if math.isnan(tip.started) and hasattr(criterion, "sets_in") and criterion.sets_in(state):
             tip.started = time
             state = state._replace(started=time)
@@ -123,14 +138,14 @@ class CrackGrowth:
             return
         moment = criterion.moment(state)
         if tip.model.speed is not None and not math.isnan(tip.last):
-            earliest, round_off = tip.last + state.increment / tip.model.speed.max, 1e-6 * self._s.state.dt
+            earliest, round_off = tip.last + state.increment / tip.model.speed.max, 1e-6 * self._state.dt
             if time < earliest - round_off:
                 return
-            if time - earliest <= self._s.state.dt + round_off:  # it waited: no delay adds up
+            if time - earliest <= self._state.dt + round_off:  # it waited: no delay adds up
                 moment = earliest
         if math.isnan(values.J):
             values = self._values(tip)
-            state = self._state(tip, time, values)
+            state = self._tip_state(tip, time, values)
         self._extend(tip, state, values, moment)
 
     def _response(self) -> float:
@@ -139,8 +154,8 @@ class CrackGrowth:
         Static integrals know of an increment when waves have crossed the ring; until then they would let the tip run
         on. Those with inertia hold in between, too.
         """
-        static = self._tips.model.terms == 1 and self._s.wave_speed > 0.0
-        return self._tips.outer / self._s.wave_speed if static else 0.0
+        static = self._tips.model.terms == 1 and self._wave_speed() > 0.0
+        return self._tips.outer / self._wave_speed() if static else 0.0
 
     def _asks(self, tip: GrowingTip) -> bool:
         """Whether numbers must be found to know if the tip grows."""
@@ -154,14 +169,14 @@ class CrackGrowth:
             x, y = tip.chain.X[:, tip.end]
             raise SimulationError(
                 f"the energy release rate of tip '{tip.name}' at ({x:.6g}, {y:.6g}) is {values.J} at time "
-                f"{self._s.state.time:.6g}. Its ring may have left the matter; use a smaller fracture.outer"
+                f"{self._state.time:.6g}. Its ring may have left the matter; use a smaller fracture.outer"
             )
         return values
 
-    def _state(self, tip: GrowingTip, time: float, values: TipValues) -> TipState:
+    def _tip_state(self, tip: GrowingTip, time: float, values: TipValues) -> TipState:
         chain, increment = tip.chain, tip.model.increment * self._cell
         opening, slip = opening_behind(chain, tip.end)
-        since = math.inf if math.isnan(tip.last) else max(time - tip.last, self._s.state.dt)
+        since = math.inf if math.isnan(tip.last) else max(time - tip.last, self._state.dt)
         return TipState(
             time=time, length=chain.length, speed=increment / since, J=values.J, K_I=values.K_I, K_II=values.K_II,
             elasticity=self._tips.elasticity(chain.index, tip.end), opening=opening, slip=slip,
@@ -171,7 +186,7 @@ class CrackGrowth:
 
     def _rest(self, tip: GrowingTip, time: float, values: TipValues) -> None:
         """Note that a tip does not grow."""
-        crossing = 2.0 * self._tips.outer / self._s.wave_speed
+        crossing = 2.0 * self._tips.outer / self._wave_speed()
         if tip.runs and time - tip.last > ROUNDS * crossing:
             tip.runs, tip.speed = False, 0.0
             self._log(tip, "arrest", values)
@@ -195,7 +210,7 @@ class CrackGrowth:
         if length > 0.0:
             parts = math.ceil(length / (LONGEST * self._cell) * (1.0 - 1e-12))
             chain.extend(end, place[:, None] + (goal - place)[:, None] * np.arange(1, parts + 1) / parts)
-            self._s.order.drift = np.inf
+            self._order.drift = np.inf
             if tip.law and self._tractions is not None:
                 self._tractions.bind(chain, end, parts, tip.law)
             if pull is not None and self._tractions is not None:
@@ -211,13 +226,13 @@ class CrackGrowth:
 
     def _breadth(self, place: Array, goal: Array) -> float:
         """Area of new crack over its length: the thickness, or the mean radius."""
-        if isinstance(self._s.plan.analysis, Axisymmetric):
+        if self._is_ring:
             return float(0.5 * (place[0] + goal[0]))
         return self._tips.thickness
 
     def _is_in_matter(self, tip: GrowingTip, x: Array) -> bool:
         """Whether a particle of the bodies that the crack cuts covers a place, with half as much again."""
-        p = self._s.particles
+        p = self._state.particles
         dx, dy = np.abs(p.X[0] - x[0]), np.abs(p.X[1] - x[1])
         near = np.flatnonzero((dx < 2.0 * self._cell) & (dy < 2.0 * self._cell))
         near = near[tip.cuts[p.body[near]]]
@@ -230,7 +245,7 @@ class CrackGrowth:
         x, y = tip.chain.X[:, tip.end]
         self._view.events.append(
             (
-                self._s.state.time,
+                self._state.time,
                 tip.chain.name,
                 tip.word,
                 event,

@@ -44,6 +44,10 @@ class Tips:
     state : of the simulation
     grid : whose nodes contours run along
     thickness : across the plane; 1 around an axis [length]
+
+    Attributes
+    ----------
+    cell : smallest side of a cell [length]
     """
 
     def __init__(
@@ -56,7 +60,7 @@ class Tips:
         thickness: float,
     ):
         self.model, self._chains, self._models, self._state, self._grid = model, chains, models, state, grid
-        self._cell = cell = float(grid.cell.min())
+        self.cell = cell = float(grid.cell.min())
         self.inner, self.outer = model.inner * cell, model.outer * cell
         self._far = self.outer
         if model.integral == "contour":
@@ -101,7 +105,7 @@ class Tips:
     def pull_ahead(self, chain: Chain, end: int) -> Array:
         """Return the mean traction (2,) in the cell ahead of a tip on the matter above the crack; none that presses."""
         frame = frame_of(chain, end)
-        matter, _ = self._matter(frame, self._cell)
+        matter, _ = self._matter(frame, self.cell)
         ahead = matter.x[0] > 0.5 * matter.r
         volume = matter.volume[ahead]
         if not volume.size:
@@ -117,7 +121,7 @@ class Tips:
         frame = frame_of(chain, end)
         own = self._seen(chain, frame, end)
         cracks = [own, *(self._seen(other, frame, None) for other in self._others_near(chain, frame))]
-        counted = [crack for crack in cracks if must_be_found(crack, self._far, self._cell)]
+        counted = [crack for crack in cracks if must_be_found(crack, self._far, self.cell)]
         has_edge = bool(counted) or self.model.integral == "contour"
         matter, near = self._matter(frame, self._reach if has_edge else self._far)
         if not near.size:
@@ -125,7 +129,7 @@ class Tips:
         elasticity = self._elasticity_of(int(near[np.argmin(matter.r)]))
         self._materials[chain.index, end] = elasticity
         modulus = None if elasticity is None else elasticity.modulus
-        found = [faces_of(crack, own, matter, self._far, self._cell, modulus) for crack in counted]
+        found = [faces_of(crack, own, matter, self._far, self.cell, modulus) for crack in counted]
         faces = together([each for each in found if each is not None])
         J = self._energy_release_rate(frame, matter, cracks, faces)
         if elasticity is None:
@@ -133,7 +137,7 @@ class Tips:
         if self.model.modes == "opening":
             return TipValues(J, *modes_by_opening(J, *opening_behind(chain, end), elasticity))
         angle = None
-        if bends(own, self.outer, self._cell):
+        if bends(own, self.outer, self.cell):
             angle = angles_beside(own, matter.x, side_of(own, matter.x)[0])
         return TipValues(J, *modes_by_interaction(matter, self.inner, self.outer, elasticity, angle, faces))
 
@@ -149,11 +153,11 @@ class Tips:
         """Call all that numbers of tips may call, at the first particle, wherever tips are."""
         frame = Frame(self._state.particles.X[:, 0].copy(), np.array([1.0, 0.0]))
         own = self._seen(self._chains[0], frame, START)._replace(
-            plane=np.array([[-self._cell, 0.0], [0.0, 0.0]])
+            plane=np.array([[-self.cell, 0.0], [0.0, 0.0]])
         )
         own = own._replace(jump=np.zeros((2, 2)), pressure=None)
         matter, _ = self._matter(frame, self.outer)
-        faces = faces_of(own, own, matter, self.outer, self._cell, None)
+        faces = faces_of(own, own, matter, self.outer, self.cell, None)
         self._energy_release_rate(frame, matter, [own], faces)
         angle = angles_beside(own, matter.x, side_of(own, matter.x)[0])
         modes_by_interaction(matter, self.inner, self.outer, PlaneElasticity(1.0, 2.0), angle, faces)

@@ -16,6 +16,7 @@ from mpmcli.core.analysis import Axisymmetric
 from mpmcli.core.errors import SceneError
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
+from mpmcli.core.state import State
 from mpmcli.geometry.bodies import BodyParticles
 from mpmcli.geometry.fill import fill_bodies
 from mpmcli.geometry.report import body_report, report_table
@@ -32,6 +33,7 @@ from mpmcli.scene.filling import (
     start_velocity,
 )
 from mpmcli.solver.plan import Plan
+from mpmcli.solver.transfer import Transfer
 
 Array = np.ndarray
 
@@ -137,7 +139,9 @@ def choose_contact(scene: Any, plan: Plan) -> ContactChoice:
     )
 
 
-def add_friction(conditions: GridConditions, models: Sequence[Any], parts: Any) -> None:
+def add_friction(
+    conditions: GridConditions, models: Sequence[Any], grid: Grid, state: State, transfer: Transfer
+) -> None:
     """Make the friction of conditions that rub."""
     rough = [(i, model) for i, model in enumerate(models) if getattr(model, "rubs", False)]
     if not rough:
@@ -147,16 +151,16 @@ def add_friction(conditions: GridConditions, models: Sequence[Any], parts: Any) 
 
     areas = None
     if any(model.cohesion for _, model in rough):
-        areas = NodalAreas(parts.transfer, parts.particles, parts.grid, conditions.images)
+        areas = NodalAreas(transfer, state.particles, grid, conditions.images)
     for i, model in rough:
         conditions.friction[i] = PlaneFriction(
             i,
             model.friction or 0.0,
             model.cohesion or 0.0,
-            model.inward(parts.grid),
+            model.inward(grid),
             areas if model.cohesion else None,
         )
-    parts.state.extra["boundary_friction_work"] = 0.0
+    state.extra["boundary_friction_work"] = 0.0
 
 
 def make_clocks(scene: Any) -> Clocks:

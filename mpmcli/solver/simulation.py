@@ -173,7 +173,9 @@ class Simulation(Parts):
         if scene.cracks:
             from mpmcli.cracks.cracks import Cracks
 
-            self.cracks = Cracks(scene, self)
+            self.cracks = Cracks(
+                scene, plan, grid, state, self.order, self.transfer, self.conditions, lambda: self.wave_speed
+            )
             state.cracks = self.cracks.view
         faces = None if self.cracks is None else self.cracks.faces
         corrections = (sides, images, self.conditions, self.contact, faces)
@@ -351,7 +353,7 @@ class Simulation(Parts):
         )
         self._may_wait = {condition.name for condition in models if condition.may_wait(self.grid)}
         found = GridConditions(conditions, self.grid, self.plan.rigid_fields)
-        setup.add_friction(found, models, self)
+        setup.add_friction(found, models, self.grid, self.state, self.transfer)
         return found
 
     def _make_loads(self, scene: Any, completes_mass: bool) -> Loads:

@@ -12,7 +12,7 @@ from mpmcli.core.chunks import CHUNKS
 from mpmcli.core.domains import turn_domains
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
-from mpmcli.core.order import CellOrder
+from mpmcli.core.order import Bands, CellOrder
 from mpmcli.core.particles import Particles
 from mpmcli.core.transfer import kernels
 from mpmcli.core.transfer.beside import ScalarSums
@@ -159,7 +159,7 @@ class Transfer:
             self._domain_F = np.empty_like(F)
         turn_domains[self.parallel](F, self.particles.body, self.turns, self._domain_F)
 
-    def operator(self, ranges: Array, by_field: bool = True) -> tuple[Any, ...]:
+    def operator(self, ranges: Array | Bands, by_field: bool = True) -> tuple[Any, ...]:
         """What makes S and G: the arguments that all transfer kernels share, for bands or chunks of particles.
 
         ``by_field``: nodes have values for each velocity field.

@@ -61,21 +61,20 @@ class World:
             released=np.zeros(len(chains)),
             interface_energy=np.zeros(len(chains)),
         )
-        self.s = SimpleNamespace(
-            state=state, particles=p, wave_speed=61.0,
-            grid=SimpleNamespace(cell=np.array([CELL, CELL]), lower=np.zeros(2)),
-            order=SimpleNamespace(drift=0.0), plan=SimpleNamespace(analysis=PlaneStrain()),
-        )  # fmt: skip
-        tips = Tips(Fracture(**fracture), chains, models, state, self.s.grid, thickness)
+        self.state, self.particles, self.wave_speed = state, p, 61.0
+        self.order = SimpleNamespace(drift=0.0)
+        grid = SimpleNamespace(cell=np.array([CELL, CELL]), lower=np.zeros(2))
+        tips = Tips(Fracture(**fracture), chains, models, state, grid, thickness)
         tips._find = lambda chain, end: self.values
         self.growth = CrackGrowth(
-            models, tips, np.ones((len(chains), 1), dtype=bool), self.s, self.view, tractions
-        )
+            models, tips, np.ones((len(chains), 1), dtype=bool), state, self.order, False,
+            lambda: self.wave_speed, self.view, tractions,
+        )  # fmt: skip
 
     def step(self, count=1):
         for _ in range(count):
-            self.s.state.step += 1
-            self.s.state.time += DT
+            self.state.step += 1
+            self.state.time += DT
             self.growth.grow(None)
 
     @property
@@ -104,7 +103,7 @@ def test_points_are_added_ahead(end):
     assert np.array_equal(chain.velocity[:, :, at], chain.velocity[:, :, 1])
     assert sorted(chain.length0) == pytest.approx([0.05, 1.5])
     assert chain.length == pytest.approx(1.55)
-    assert world.s.order.drift == np.inf
+    assert world.order.drift == np.inf
     assert world.view.released == pytest.approx([0.05 * 2.0])
     time, *rest = world.view.events[0]
     assert time == pytest.approx(DT)
@@ -123,7 +122,7 @@ def test_a_tip_below_its_criterion_stays():
     world.step(5)
     assert world.view.chains[0].count == 2
     assert not world.view.events
-    assert world.s.order.drift == 0.0
+    assert world.order.drift == 0.0
 
 
 def test_static_integrals_wait_until_waves_have_crossed_the_ring():
@@ -159,7 +158,7 @@ def test_steady_speed_needs_no_integral():
     law = {"kind": "steady_speed", "speed": 0.02 / DT, "from": 10.5 * DT}
     world = World(crack(**grows(criterion=law)))
     found = []
-    world.growth._tips._find = lambda chain, end: found.append(world.s.state.step) or world.values
+    world.growth._tips._find = lambda chain, end: found.append(world.state.step) or world.values
     world.step(61)
     assert world.view.chains[0].length == pytest.approx(1.5 + 0.05 * 20)
     assert found[0] == 14  # what the first increment releases
@@ -210,7 +209,7 @@ def test_a_tip_that_no_longer_grows_is_arrested():
 def test_a_tip_that_runs_slowly_is_not_arrested_before_its_end():
     law = {"kind": "steady_speed", "speed": 0.01 / DT}
     world = World(crack(**grows(criterion=law, increment=4.0, max_length=3.1)))
-    world.s.wave_speed = 1e3  # a wave crosses the ring within a tenth of a step
+    world.wave_speed = 1e3  # a wave crosses the ring within a tenth of a step
     world.step(150)
     assert world.events == ["growth"] * 3
     world.step(100)
@@ -220,8 +219,8 @@ def test_a_tip_that_runs_slowly_is_not_arrested_before_its_end():
 def test_nothing_is_found_for_tips_that_wait_or_are_at_their_end():
     world = World(crack(**grows(max_length=1.6)), outer=4.0)
     found = []
-    world.growth._tips._find = lambda chain, end: found.append(world.s.state.step) or world.values
-    world.s.wave_speed = 4.0 * CELL / (10.5 * DT)
+    world.growth._tips._find = lambda chain, end: found.append(world.state.step) or world.values
+    world.wave_speed = 4.0 * CELL / (10.5 * DT)
     world.step(400)
     assert found[:2] == [1, 12]
     last = 12 + round(20 * 10.5)
@@ -291,7 +290,7 @@ def test_the_first_of_several_cracks_is_met():
 @pytest.mark.parametrize("end", ["start", "end"])
 def test_gradual_release_holds_new_points_and_the_one_that_was_the_tip(end):
     world = World(crack(**grows(end, release="gradual", increment=2.0)), terms=2)
-    world.s.particles.tau[:] = np.array([[1.0], [3.0], [0.0], [4.0]])  # J = 1, |T| = 5
+    world.particles.tau[:] = np.array([[1.0], [3.0], [0.0], [4.0]])  # J = 1, |T| = 5
     held = []
     world.growth._tractions = SimpleNamespace(hold=lambda *given: held.append(given))
     world.step()
@@ -324,5 +323,5 @@ def test_growth_leaves_tractions_behind():
 
 def test_matter_that_presses_is_not_held_across():
     world = World(crack(**grows(release="gradual")))
-    world.s.particles.tau[:] = np.array([[1.0], [-2.0], [0.0], [0.5]])
+    world.particles.tau[:] = np.array([[1.0], [-2.0], [0.0], [0.5]])
     assert world.growth._tips.pull_ahead(world.view.chains[0], END) == pytest.approx([-0.5, 0.0])
