@@ -166,7 +166,7 @@ class CrackGrowth:
             time=time, length=chain.length, speed=increment / since, J=values.J, K_I=values.K_I, K_II=values.K_II,
             elasticity=self._tips.elasticity(chain.index, tip.end), opening=opening, slip=slip,
             angle=angle_of(chain.direction(tip.end)), angle0=tip.angle0, last=tip.last, started=tip.started,
-            increment=increment,
+            increment=increment, name=tip.name,
         )  # fmt: skip
 
     def _rest(self, tip: GrowingTip, time: float, values: TipValues) -> None:
