@@ -13,7 +13,7 @@ from mpmcli.core.errors import SimulationError
 from mpmcli.core.state import CracksView, TipValues
 from mpmcli.core.step import Step
 from mpmcli.cracks.chain import END, START, Chain
-from mpmcli.cracks.meeting import Meeting, first_meeting
+from mpmcli.cracks.meeting import Meeting, first_meeting, self_meeting
 from mpmcli.cracks.tip_state import TipState
 from mpmcli.cracks.tips import Tips, opening_behind
 
@@ -182,11 +182,13 @@ class CrackGrowth:
         angle = state.angle + tip.direction.angle(state)
         place = chain.X[:, end].copy()
         goal = place + state.increment * np.array([math.cos(angle), math.sin(angle)])
-        meeting = first_meeting(
-            place, goal, [c.X for c in self._view.chains if c is not chain], JOINS * self._cell
-        )
+        others = [c.X for c in self._view.chains if c is not chain]
+        reach = JOINS * self._cell
+        meeting, own = first_meeting(place, goal, others, reach), self_meeting(chain, end, goal, reach)
         event = "growth"
-        if meeting is not None:
+        if own is not None and (meeting is None or own.way < meeting.way):
+            goal, event = own.point, "joined"
+        elif meeting is not None:
             goal, event = beyond(place, meeting, self._cell), "joined"
         elif not self._is_in_matter(tip, goal):
             event = "mouth"

@@ -198,6 +198,37 @@ def test_a_tip_joins_another_crack():
     assert (again.tips, again.joined) == (chain.tips, chain.joined)
 
 
+@pytest.mark.parametrize("end", ["start", "end"])
+def test_a_tip_joins_its_own_crack(end):
+    hook = [(1.5, 1.0), (2.5, 1.0), (2.5, 1.3), (2.0, 1.3)]
+    down = grows(end, direction={"kind": "given", "along": [0, -1]})
+    world = World(crack(hook if end == "end" else hook[::-1], **down), terms=2)
+    world.step(9)
+    assert world.events == ["growth"] * 5 + ["joined"]
+    chain = world.view.chains[0]
+    at = START if end == "start" else END
+    assert chain.X[:, at] == pytest.approx([2.0, 1.0], abs=1e-12)
+    assert chain.joined[at]
+    assert not chain.tips[at]
+
+
+def test_a_tip_that_turns_straight_back_has_joined_its_own_crack():
+    world = World(crack(**grows(direction={"kind": "given", "along": [-1, 0]})), terms=2)
+    world.step(3)
+    assert world.events == ["joined"]
+    assert world.view.chains[0].length == 1.5
+    assert world.view.released == [0.0]
+
+
+def test_a_tip_that_winds_away_from_its_own_crack_meets_nothing():
+    world = World(crack(**grows(direction={"kind": "hoop"}, increment=0.2)), terms=2)
+    world.values = TipValues(1.0, 0.0, -1.0)  # 70.5 degrees in every step
+    world.step(3)
+    assert world.events == ["growth"] * 3
+    world.step(4)
+    assert world.events[3:] == ["joined"]  # once round
+
+
 def test_a_tip_that_no_longer_grows_is_arrested():
     world = World(crack(**grows()), outer=6.0)
     world.step()
