@@ -110,7 +110,7 @@ class CrackGrowth:
     def _check(self, tip: GrowingTip, time: float) -> None:
         criterion, longest = tip.model.criterion, tip.model.max_length
         at_end = longest is not None and tip.chain.length >= longest * (1.0 - 1e-9)
-        if (at_end and not tip.runs) or (criterion.needs and time - tip.last < self._response()):
+        if (at_end and not tip.runs) or (criterion.needs and time - tip.last < self.response()):
             return
         values = self._values(tip) if self._asks(tip) else TipValues(math.nan, math.nan, math.nan)
         state = self._state(tip, time, values)
@@ -122,8 +122,9 @@ class CrackGrowth:
                 self._rest(tip, time, values)
             return
         moment = criterion.moment(state)
-        if tip.model.speed is not None and not math.isnan(tip.last):
-            earliest, round_off = tip.last + state.increment / tip.model.speed.max, 1e-6 * self._s.state.dt
+        fastest = math.inf if math.isnan(tip.last) else self.speed_limit(tip)
+        if fastest < math.inf:
+            earliest, round_off = tip.last + state.increment / fastest, 1e-6 * self._s.state.dt
             if time < earliest - round_off:
                 return
             if time - earliest <= self._s.state.dt + round_off:  # it waited: no delay adds up
@@ -133,7 +134,32 @@ class CrackGrowth:
             state = self._state(tip, time, values)
         self._extend(tip, state, values, moment)
 
-    def _response(self) -> float:
+    def speed_limit(self, tip: GrowingTip) -> float:
+        """Return the largest speed that the scene gives a tip, or what holds without one [velocity].
+
+        Integrals with inertia hold at every speed: without a limit the tip would grow in every step in which they
+        exceed the critical value. The Rayleigh speed is the limit of cracks that open (Freund 1990).
+        """
+        if tip.model.speed is not None:
+            return float(tip.model.speed.max)
+        if self._tips.model.terms == 1 or not tip.model.criterion.needs:
+            return math.inf
+        rayleigh = self._tips.rayleigh_speed(tip.chain.index, tip.end)
+        return float(self._s.wave_speed) if rayleigh is None else rayleigh
+
+    def fastest(self, tip: GrowingTip) -> tuple[float, str]:
+        """Return the largest speed that a tip can have by the limits of a run, and in words what sets it [velocity]."""
+        increment = tip.model.increment * self._cell
+        limits = [
+            (self.speed_limit(tip), "speed.max" if tip.model.speed is not None else "waves along a surface")
+        ]
+        if tip.model.criterion.needs and self.response() > 0.0:
+            limits.append((increment / self.response(), "one increment while waves cross the ring"))
+        if self._every > 0.0:
+            limits.append((increment / self._every, "one increment per fracture.every"))
+        return min(limits)
+
+    def response(self) -> float:
         """Time that a tip waits after an increment, before it is checked again.
 
         Static integrals know of an increment when waves have crossed the ring; until then they would let the tip run

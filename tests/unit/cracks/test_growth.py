@@ -17,6 +17,7 @@ from mpmcli.cracks.meeting import first_meeting
 from mpmcli.cracks.model import Crack
 from mpmcli.cracks.points import AllPoints
 from mpmcli.cracks.tips import Tips, opening_behind
+from mpmcli.materials.linear_elastic import LinearElastic
 from mpmcli.stability.tractions import laws_of_points
 
 pytestmark = pytest.mark.usefixtures("python_and_compiled")
@@ -132,6 +133,30 @@ def test_static_integrals_wait_until_waves_have_crossed_the_ring():
     running.step(5)
     assert waiting.view.chains[0].count == 2 + 3
     assert running.view.chains[0].count == 2 + 5
+
+
+def test_tips_grow_no_faster_than_surface_waves():
+    """With inertia, whose integrals hold between increments."""
+    steel = LinearElastic.model_validate({"kind": "linear_elastic", "density": 2.0, "E": 1.0, "nu": 0.25})
+    rayleigh = 0.9194 * np.sqrt(0.4 / 2.0)  # of the speed of shear waves for ν = 1/4 (Rayleigh 1885)
+    for keys, speed in (({}, rayleigh), ({"speed": {"max": 0.7}}, 0.7)):
+        world = World(crack(((0.5, 1.0), (1.0, 1.0)), **grows(**keys)), terms=2)
+        world.s.state.material_models[0] = steel
+        world.step(300)
+        chain = world.view.chains[0]
+        assert (chain.length - 0.5) / world.s.state.time == pytest.approx(speed, rel=0.05)
+        assert world.growth.fastest(world.growth.growing[0])[0] == pytest.approx(speed, rel=1e-4)
+
+
+def test_the_speed_that_static_integrals_allow():
+    world = World(crack(((0.5, 1.0), (1.0, 1.0)), **grows()), outer=40.0, inner=2.0)
+    world.step(300)
+    speed, words = world.growth.fastest(world.growth.growing[0])
+    assert speed == pytest.approx(0.05 * 61.0 / 4.0)
+    assert "ring" in words
+    assert (world.view.chains[0].length - 0.5) / world.s.state.time == pytest.approx(speed, rel=0.1)
+    given = World(crack(**grows(criterion={"kind": "steady_speed", "speed": 1e3})), terms=2)
+    assert given.growth.fastest(given.growth.growing[0])[0] == np.inf
 
 
 def test_hoop_direction():
