@@ -13,7 +13,7 @@ from mpmcli.core.order import CellOrder
 from mpmcli.core.state import CracksView, State, TipValues
 from mpmcli.core.step import Step
 from mpmcli.cracks.chain import END, START, Chain
-from mpmcli.cracks.meeting import Meeting, first_meeting
+from mpmcli.cracks.meeting import Meeting, first_meeting, self_meeting
 from mpmcli.cracks.tip_state import TipState
 from mpmcli.cracks.tips import Tips, opening_behind
 
@@ -125,7 +125,7 @@ class CrackGrowth:
     def _check(self, tip: GrowingTip, time: float) -> None:
         criterion, longest = tip.model.criterion, tip.model.max_length
         at_end = longest is not None and tip.chain.length >= longest * (1.0 - 1e-9)
-        if (at_end and not tip.runs) or (criterion.needs and time - tip.last < self._response()):
+        if (at_end and not tip.runs) or (criterion.needs and time - tip.last < self.response()):
             return
         values = self._values(tip) if self._asks(tip) else TipValues(math.nan, math.nan, math.nan)
         state = self._tip_state(tip, time, values)
@@ -137,8 +137,9 @@ class CrackGrowth:
                 self._rest(tip, time, values)
             return
         moment = criterion.moment(state)
-        if tip.model.speed is not None and not math.isnan(tip.last):
-            earliest, round_off = tip.last + state.increment / tip.model.speed.max, 1e-6 * self._state.dt
+        fastest = math.inf if math.isnan(tip.last) else self.speed_limit(tip)
+        if fastest < math.inf:
+            earliest, round_off = tip.last + state.increment / fastest, 1e-6 * self._state.dt
             if time < earliest - round_off:
                 return
             if time - earliest <= self._state.dt + round_off:  # it waited: no delay adds up
@@ -148,7 +149,32 @@ class CrackGrowth:
             state = self._tip_state(tip, time, values)
         self._extend(tip, state, values, moment)
 
-    def _response(self) -> float:
+    def speed_limit(self, tip: GrowingTip) -> float:
+        """Return the largest speed that the scene gives a tip, or what holds without one [velocity].
+
+        Integrals with inertia hold at every speed: without a limit the tip would grow in every step in which they
+        exceed the critical value. The Rayleigh speed is the limit of cracks that open (Freund 1990).
+        """
+        if tip.model.speed is not None:
+            return float(tip.model.speed.max)
+        if self._tips.model.terms == 1 or not tip.model.criterion.needs:
+            return math.inf
+        rayleigh = self._tips.rayleigh_speed(tip.chain.index, tip.end)
+        return float(self._wave_speed()) if rayleigh is None else rayleigh
+
+    def fastest(self, tip: GrowingTip) -> tuple[float, str]:
+        """Return the largest speed that a tip can have by the limits of a run, and in words what sets it [velocity]."""
+        increment = tip.model.increment * self._cell
+        limits = [
+            (self.speed_limit(tip), "speed.max" if tip.model.speed is not None else "waves along a surface")
+        ]
+        if tip.model.criterion.needs and self.response() > 0.0:
+            limits.append((increment / self.response(), "one increment while waves cross the ring"))
+        if self._every > 0.0:
+            limits.append((increment / self._every, "one increment per fracture.every"))
+        return min(limits)
+
+    def response(self) -> float:
         """Time that a tip waits after an increment, before it is checked again.
 
         Static integrals know of an increment when waves have crossed the ring; until then they would let the tip run
@@ -181,7 +207,7 @@ class CrackGrowth:
             time=time, length=chain.length, speed=increment / since, J=values.J, K_I=values.K_I, K_II=values.K_II,
             elasticity=self._tips.elasticity(chain.index, tip.end), opening=opening, slip=slip,
             angle=angle_of(chain.direction(tip.end)), angle0=tip.angle0, last=tip.last, started=tip.started,
-            increment=increment,
+            increment=increment, name=tip.name,
         )  # fmt: skip
 
     def _rest(self, tip: GrowingTip, time: float, values: TipValues) -> None:
@@ -197,11 +223,13 @@ class CrackGrowth:
         angle = state.angle + tip.direction.angle(state)
         place = chain.X[:, end].copy()
         goal = place + state.increment * np.array([math.cos(angle), math.sin(angle)])
-        meeting = first_meeting(
-            place, goal, [c.X for c in self._view.chains if c is not chain], JOINS * self._cell
-        )
+        others = [c.X for c in self._view.chains if c is not chain]
+        reach = JOINS * self._cell
+        meeting, own = first_meeting(place, goal, others, reach), self_meeting(chain, end, goal, reach)
         event = "growth"
-        if meeting is not None:
+        if own is not None and (meeting is None or own.way < meeting.way):
+            goal, event = own.point, "joined"
+        elif meeting is not None:
             goal, event = beyond(place, meeting, self._cell), "joined"
         elif not self._is_in_matter(tip, goal):
             event = "mouth"

@@ -37,7 +37,11 @@ class TipGrowth(Model):
     max_length: PositiveLength | None = None
     """Length of the crack from which on it does not grow; any if left out."""
     speed: SpeedLimit | None = None
-    """Limit of the speed of the tip; none if left out."""
+    """Limit of the speed of the tip.
+
+    If left out, it is the Rayleigh speed with `terms: 2`, and one increment in the time that waves need to cross the
+    ring with `terms: 1`; `steady_speed` has none.
+    """
 
     @model_validator(mode="after")
     def _one_traction(self) -> Self:

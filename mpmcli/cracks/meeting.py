@@ -1,4 +1,4 @@
-"""Where a growing tip meets another crack."""
+"""Where a growing tip meets another crack, or its own."""
 
 from __future__ import annotations
 
@@ -6,7 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mpmcli.cracks.chain import END, Chain
+
 Array = np.ndarray
+
+BACK = 1e-9
+"""Sine of the angle to its last segment below which a step goes straight back [-]."""
 
 
 class Meeting(NamedTuple):
@@ -37,6 +42,19 @@ def first_meeting(place: Array, goal: Array, planes: list[Array], reach: float) 
         if distance <= reach and distance < _nearest(place, a, b)[1]:
             found.append(Meeting(nearest, 1.0))
     return min(found, key=lambda meeting: meeting.way, default=None)
+
+
+def self_meeting(chain: Chain, end: int, goal: Array, reach: float) -> Meeting | None:
+    """Return where the step of a tip to ``goal`` (2,) first meets the chain that it belongs to.
+
+    The last segment, at whose end the tip lies, is met only by a step straight back along it: at once.
+    """
+    last, inner = (chain.X[:, end], chain.X[:, -2 if end else 1])
+    step, way = goal - last, inner - last
+    if abs(_cross(step, way)) <= BACK * float(step @ way):
+        return Meeting(last.copy(), 0.0)
+    older = chain.X[:, :-1] if end == END else chain.X[:, 1:]
+    return first_meeting(last, goal, [older], reach) if older.shape[1] > 1 else None
 
 
 def _cross(a: Array, b: Array) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from mpmcli.contact.laws import LAWS
@@ -94,6 +95,10 @@ class Crack(Model):
     """How the plane between the faces moves: in their middle, with the mass of both sides, or not at all."""
     growth: Growth | None = None
     """Growth of its tips; none if left out."""
+
+    def values_at_start(self) -> dict[str, float]:
+        """Return the values at time 0 of what expressions of growth know beside the time: length and speed."""
+        return {"length": float(np.hypot(*np.diff(self.path.corners(), axis=0).T).sum()), "speed": 0.0}
 
     @model_validator(mode="after")
     def _tips_grow(self) -> Self:

@@ -25,6 +25,7 @@ class TipState(NamedTuple):
     last : when it grew last; nan if it never did [time]
     started : when ``steady_speed`` set in; nan before [time]
     increment : length of a growth step [length]
+    name : of the tip, ``main:end``
     """
 
     time: float
@@ -41,6 +42,7 @@ class TipState(NamedTuple):
     last: float = NAN
     started: float = NAN
     increment: float = 0.0
+    name: str = ""
 
     @property
     def pulled(self) -> float:

@@ -15,7 +15,12 @@ from mpmcli.cracks.fracture import Fracture
 from mpmcli.cracks.integrals.base import Frame, Matter, matter_near
 from mpmcli.cracks.integrals.contour import contour_around, energy_release_rate_by_contour
 from mpmcli.cracks.integrals.domain import energy_release_rate
-from mpmcli.cracks.integrals.elastic import PlaneElasticity, has_plane_elasticity, plane_elasticity
+from mpmcli.cracks.integrals.elastic import (
+    PlaneElasticity,
+    has_plane_elasticity,
+    plane_elasticity,
+    rayleigh_speed,
+)
 from mpmcli.cracks.integrals.faces import (
     REACH,
     Crack,
@@ -101,6 +106,17 @@ class Tips:
         if not has_plane_elasticity(model):
             return None
         return plane_elasticity(model, isinstance(self._state.analysis, PlaneStress))
+
+    def rayleigh_speed(self, crack: int, end: int) -> float | None:
+        """Return the Rayleigh speed of the material nearest to a tip; None unless it is isotropic and elastic."""
+        p = self._state.particles
+        gap = np.hypot(*(p.X - self._chains[crack].X[:, [end]]))
+        gap[np.isin(p.body, list(self._state.rigid))] = np.inf
+        nearest = int(np.argmin(gap))
+        elasticity = self._elasticity_of(nearest)
+        if elasticity is None:
+            return None
+        return rayleigh_speed(elasticity, self._state.material_models[p.material[nearest]].density)
 
     def pull_ahead(self, chain: Chain, end: int) -> Array:
         """Return the mean traction (2,) in the cell ahead of a tip on the matter above the crack; none that presses."""

@@ -57,6 +57,7 @@ def crack_facts(scene: Any, simulation: Simulation) -> dict[str, Any]:
         "candidate_bytes": sum(array.nbytes for array in candidates),
         "side_tests": tests,
         "tips": _domains(scene, simulation),
+        "growth": _fastest_growth(simulation),
     }
 
 
@@ -125,6 +126,13 @@ def _domains(scene: Any, simulation: Simulation) -> list[dict[str, Any]]:
     return found
 
 
+def _fastest_growth(simulation: Simulation) -> list[dict[str, Any]]:
+    """Return the largest speed that each growing tip can have, and what sets it, where something does."""
+    growth = None if simulation.cracks is None else simulation.cracks.growth
+    limits = [] if growth is None else [(tip.name, *growth.fastest(tip)) for tip in growth.growing]
+    return [{"tip": tip, "speed": v, "because": words} for tip, v, words in limits if math.isfinite(v)]
+
+
 # ---------------------------------------------------------------- in words
 
 
@@ -147,6 +155,10 @@ def cracks_in_words(facts: dict[str, Any]) -> list[str]:
     if facts["tips"]:
         tips = [f"{tip['tip']} {tip['particles']}" for tip in facts["tips"]]
         lines.append(f"particles in the domain of each tip: {listing(tips, MOST_CRACKS)}")
+    lines += [
+        f"{tip['tip']} grows at most at {tip['speed']:.4g} ({tip['because']})"
+        for tip in facts["growth"][:MOST_CRACKS]
+    ]
     first, *others = lines
     return [f"cracks     {first}", *(f"           {line}" for line in others)]
 

@@ -292,9 +292,11 @@ def _check_start(parts: Parts, root: Node, report: Report) -> None:
     x, y, z = _sample(parts.grid)
     for key in LISTS:
         for index, model in getattr(parts, key):
+            others = model.values_at_start() if key == "cracks" else {}
             for path, expression in expressions_in(model, label(root, key, index)):
-                if not np.isfinite(expression(x, y, z, 0.0)).any():
-                    value = np.ravel(expression(x, y, z, 0.0))[0]
+                values = expression(x, y, z, 0.0, **others)
+                if not np.isfinite(values).any():
+                    value = np.ravel(values)[0]
                     report(
                         path,
                         f"'{expression.source}' is {value} at time 0; a finite value is needed",

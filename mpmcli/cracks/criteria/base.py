@@ -5,8 +5,10 @@ A new criterion is one new file here and its row in ``KINDS``.
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, ClassVar
 
+from mpmcli.core.errors import SimulationError
 from mpmcli.core.expressions import Expression
 from mpmcli.core.model import Model, Varying
 from mpmcli.core.registry import Registry
@@ -54,8 +56,20 @@ class Criterion(Model):
 
 
 def value_of(expression: Expression, tip: TipState) -> float:
-    """Return a critical value, at the tip's time, length and speed."""
-    return float(expression(t=tip.time, length=tip.length, speed=tip.speed))
+    """Return a value at the tip's time, length and speed.
+
+    Raises
+    ------
+    SimulationError
+        Where the expression is not defined.
+    """
+    value = float(expression(t=tip.time, length=tip.length, speed=tip.speed))
+    if math.isnan(value):
+        raise SimulationError(
+            f"'{expression.source}' of the growth of tip '{tip.name}' is not defined at time {tip.time:.6g}, length "
+            f"{tip.length:.6g} and speed {tip.speed:.6g}"
+        )
+    return value
 
 
 def share(value: float, critical: float) -> float:

@@ -46,7 +46,7 @@ class SteadySpeed(Criterion):
         return self._since(tip) + tip.increment / self._speed(tip)
 
     def _speed(self, tip: TipState) -> float:
-        return max(0.0, float(self.speed(t=tip.time, length=tip.length)))
+        return max(0.0, value_of(self.speed, tip))
 
     def _since(self, tip: TipState) -> float:
         return tip.started if math.isnan(tip.last) else tip.last

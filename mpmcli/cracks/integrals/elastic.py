@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,6 +38,20 @@ def plane_elasticity(model: Any, plane_stress: bool) -> PlaneElasticity:
     G, K = model.shear_modulus, model.bulk_modulus
     nu = (3.0 * K - 2.0 * G) / (2.0 * (3.0 * K + G))
     return PlaneElasticity(G, (3.0 - nu) / (1.0 + nu) if plane_stress else 3.0 - 4.0 * nu)
+
+
+def rayleigh_speed(elasticity: PlaneElasticity, density: float) -> float:
+    """Return the speed of surface waves in the plane, which no crack that opens exceeds (Freund 1990) [velocity].
+
+    c_R = c_s √x with the root of x³ − 8x² + 8(3 − 2r)x − 16(1 − r) between 0 and 1, r = (c_s/c_p)² = (κ − 1)/(κ + 1).
+    """
+    r = (elasticity.kappa - 1.0) / (elasticity.kappa + 1.0)
+    low, high = 0.0, 1.0
+    for _ in range(50):
+        x = 0.5 * (low + high)
+        below = ((x - 8.0) * x + 8.0 * (3.0 - 2.0 * r)) * x < 16.0 * (1.0 - r)
+        low, high = (x, high) if below else (low, x)
+    return math.sqrt(high * elasticity.shear / density)
 
 
 class TipField(NamedTuple):

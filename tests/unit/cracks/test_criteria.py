@@ -5,6 +5,7 @@ import math
 import pytest
 from pydantic import ValidationError
 
+from mpmcli.core.errors import SimulationError
 from mpmcli.cracks.criteria import CRITERIA
 from mpmcli.cracks.criteria.strain_energy_density import density, least_angle
 from mpmcli.cracks.integrals.elastic import PlaneElasticity
@@ -90,3 +91,19 @@ def test_steady_speed_has_no_delay():
 
 def test_never():
     assert make("never").demand(tip(J=1e9, K_I=1e9, K_II=1e9)) == 0.0
+
+
+def test_values_that_are_not_defined_end_the_run():
+    state = TipState(
+        time=0.5, length=2.0, J=1.0, K_I=1.0, K_II=0.1, opening=0.1, started=0.1, name="main:end"
+    )
+    for law in (
+        make("energy_release_rate", J_c="log(1 - length)"),
+        make("maximum_hoop_stress", K_Ic="sqrt(-length)"),
+        make("opening", normal=1.0, tangential="log(t - length)"),
+        make("steady_speed", speed="sqrt(t - length)"),
+    ):
+        with pytest.raises(
+            SimulationError, match=r"'main:end' is not defined at time 0.5, length 2 and speed 0"
+        ):
+            law.demand(state)

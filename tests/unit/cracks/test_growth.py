@@ -17,6 +17,7 @@ from mpmcli.cracks.meeting import first_meeting
 from mpmcli.cracks.model import Crack
 from mpmcli.cracks.points import AllPoints
 from mpmcli.cracks.tips import Tips, opening_behind
+from mpmcli.materials.linear_elastic import LinearElastic
 from mpmcli.stability.tractions import laws_of_points
 
 pytestmark = pytest.mark.usefixtures("python_and_compiled")
@@ -133,6 +134,30 @@ def test_static_integrals_wait_until_waves_have_crossed_the_ring():
     assert running.view.chains[0].count == 2 + 5
 
 
+def test_tips_grow_no_faster_than_surface_waves():
+    """With inertia, whose integrals hold between increments."""
+    steel = LinearElastic.model_validate({"kind": "linear_elastic", "density": 2.0, "E": 1.0, "nu": 0.25})
+    rayleigh = 0.9194 * np.sqrt(0.4 / 2.0)  # of the speed of shear waves for ν = 1/4 (Rayleigh 1885)
+    for keys, speed in (({}, rayleigh), ({"speed": {"max": 0.7}}, 0.7)):
+        world = World(crack(((0.5, 1.0), (1.0, 1.0)), **grows(**keys)), terms=2)
+        world.s.state.material_models[0] = steel
+        world.step(300)
+        chain = world.view.chains[0]
+        assert (chain.length - 0.5) / world.s.state.time == pytest.approx(speed, rel=0.05)
+        assert world.growth.fastest(world.growth.growing[0])[0] == pytest.approx(speed, rel=1e-4)
+
+
+def test_the_speed_that_static_integrals_allow():
+    world = World(crack(((0.5, 1.0), (1.0, 1.0)), **grows()), outer=40.0, inner=2.0)
+    world.step(300)
+    speed, words = world.growth.fastest(world.growth.growing[0])
+    assert speed == pytest.approx(0.05 * 61.0 / 4.0)
+    assert "ring" in words
+    assert (world.view.chains[0].length - 0.5) / world.s.state.time == pytest.approx(speed, rel=0.1)
+    given = World(crack(**grows(criterion={"kind": "steady_speed", "speed": 1e3})), terms=2)
+    assert given.growth.fastest(given.growth.growing[0])[0] == np.inf
+
+
 def test_hoop_direction():
     law = {"kind": "maximum_hoop_stress", "K_Ic": 0.5}
     for end, x in (("end", [2.0, 1.0]), ("start", [0.5, 1.0])):
@@ -195,6 +220,37 @@ def test_a_tip_joins_another_crack():
     again = Chain("main", 0, np.array([[0.5, 2.0], [1.0, 1.0]]), (True, True))
     again.recall(memory)
     assert (again.tips, again.joined) == (chain.tips, chain.joined)
+
+
+@pytest.mark.parametrize("end", ["start", "end"])
+def test_a_tip_joins_its_own_crack(end):
+    hook = [(1.5, 1.0), (2.5, 1.0), (2.5, 1.3), (2.0, 1.3)]
+    down = grows(end, direction={"kind": "given", "along": [0, -1]})
+    world = World(crack(hook if end == "end" else hook[::-1], **down), terms=2)
+    world.step(9)
+    assert world.events == ["growth"] * 5 + ["joined"]
+    chain = world.view.chains[0]
+    at = START if end == "start" else END
+    assert chain.X[:, at] == pytest.approx([2.0, 1.0], abs=1e-12)
+    assert chain.joined[at]
+    assert not chain.tips[at]
+
+
+def test_a_tip_that_turns_straight_back_has_joined_its_own_crack():
+    world = World(crack(**grows(direction={"kind": "given", "along": [-1, 0]})), terms=2)
+    world.step(3)
+    assert world.events == ["joined"]
+    assert world.view.chains[0].length == 1.5
+    assert world.view.released == [0.0]
+
+
+def test_a_tip_that_winds_away_from_its_own_crack_meets_nothing():
+    world = World(crack(**grows(direction={"kind": "hoop"}, increment=0.2)), terms=2)
+    world.values = TipValues(1.0, 0.0, -1.0)  # 70.5 degrees in every step
+    world.step(3)
+    assert world.events == ["growth"] * 3
+    world.step(4)
+    assert world.events[3:] == ["joined"]  # once round
 
 
 def test_a_tip_that_no_longer_grows_is_arrested():

@@ -49,7 +49,21 @@ def test_chains_sides_and_domains() -> None:
     assert "main: 15 points, length 7, from a mouth to a tip, faces frictionless, grows" in text
     assert "other: 13 points, length 6, from a tip to a tip, faces coulomb" in text
     assert "particles in the domain of each tip: main:end " in text
+    assert (
+        "main:end grows at most at 152.2 (one increment while waves cross the ring)" in text
+    )  # ½ cell, 4 cells
     assert "cracks: sides of nodes, faces" not in text
+
+
+def test_fastest_growth() -> None:
+    facts = facts_of("fracture.terms=2")["cracks"]["growth"]
+    assert facts == [
+        {"tip": "main:end", "speed": pytest.approx(571.0, rel=0.01), "because": "waves along a surface"}
+    ]
+    given = facts_of("cracks.0.growth.end.speed={max: 7}")["cracks"]["growth"]
+    assert given == [{"tip": "main:end", "speed": 7.0, "because": "speed.max"}]
+    steady = "cracks.0.growth.end.criterion={kind: steady_speed, speed: 3}"
+    assert facts_of(steady)["cracks"]["growth"] == []
 
 
 def test_scenes_without_cracks_leave_them_out() -> None:
