@@ -3,9 +3,9 @@
     python docs/make_cracks.py [path | bending | cantilever | strip]
 
 ``path``: growth of the crack of ``inputs/inclined_crack.yaml``; ``bending``: that of
-``inputs/three_point_bending_growth.yaml``; ``cantilever``: load and opening of
-``inputs/double_cantilever.yaml``; ``strip``: J of the crack that runs through ``inputs/strip_running_crack.yaml``.
-One to three minutes each; writes to ``docs/images``.
+``inputs/three_point_bending_growth.yaml``; ``cantilever``: loads and openings of ``inputs/double_cantilever.yaml`` and
+``inputs/cohesive_cantilever.yaml``; ``strip``: J of the crack that runs through ``inputs/strip_running_crack.yaml``.
+One to five minutes each; writes to ``docs/images``.
 """
 
 from __future__ import annotations
@@ -71,28 +71,31 @@ def draw_path() -> None:
 
 
 def draw_cantilever() -> None:
-    """Draw load against opening, with the curve of constant energy release rate."""
-    run, seen = start("double_cantilever.yaml"), []
-
-    def look(run: Any) -> None:
-        crack = run.simulation.cracks.chains[0]
-        opening = 0.4 * min(run.time, 2.5)
-        seen.append((run.time, opening, run.simulation.state.reactions["up"][1], 60.0 - crack.X[0, 0]))
-
-    run.to(3.5, look)
-    t, u, P, a = np.array(seen).T
-    block = int(np.searchsorted(t, 0.12))
-    mean = np.convolve(P, np.full(block, 1.0 / block), "same")
+    """Draw load against opening, of sharp and of cohesive crack, with the curve of constant energy release rate."""
     figure, axes = new_figure(6.0, 3.6)
-    axes.plot(u, P, color="0.8", lw=0.5)
-    axes.plot(u, mean, "C1", lw=1.2, label="run, mean over 0.12 ms")
+    for number, (scene, words) in enumerate((("double", "sharp crack"), ("cohesive", "cohesive crack"))):
+        run = start(f"{scene}_cantilever.yaml")
+        seen: list[tuple[float, float, float]] = []
+
+        def look(run: Any, seen: Any = seen) -> None:
+            seen.append((run.time, 0.4 * min(run.time, 2.5), run.simulation.state.reactions["up"][1]))
+
+        run.to(3.5, look)
+        t, u, P = np.array(seen).T
+        block = int(np.searchsorted(t, 0.25))
+        mean = np.convolve(P, np.full(block, 1.0 / block), "same")
+        rising = (t > 0.13) & (t < 2.5 - 0.13)
+        axes.plot(u, P, color=f"C{number}", lw=0.4, alpha=0.4)
+        axes.plot(u[rising], mean[rising], f"C{number}", lw=1.2, label=f"{words}, mean over 0.25 ms")
+        view = run.simulation.cracks.view
+        print(words, "length", view.chains[0].length, "debonded", view.debonded_length, "released", view.released,
+              "load held", P[t > 3.0].mean(), flush=True)  # fmt: skip
     lengths = np.linspace(NOTCH, 37.0, 60) + CORRECTION
     opening = np.sqrt(TOUGHNESS * lengths**4 / (9.0 * BENDING))
     axes.plot(opening, 3.0 * BENDING * opening / lengths**3, "k--", lw=1, label="beam, constant G")
     first = np.linspace(0.0, opening[0], 2)
     axes.plot(first, 3.0 * BENDING * first / lengths[0] ** 3, "k-", lw=1, label="beam, initial crack")
     axes.set(xlabel="opening of each arm [mm]", ylabel="load [N/mm]", ylim=(0.0, 5.0))
-    print("crack", a[-1], "released", run.simulation.cracks.view.released, "load held", P[t > 2.8].mean())
     write(figure, axes, "cracks_cantilever")
 
 
