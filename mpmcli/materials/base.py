@@ -193,9 +193,9 @@ def bulk_speed_squared(m: Any, F: Any, H: Any, p: Any) -> Any:
 def absorb_work(m: Any, F: Any, dF: Any, H: Any, p: Any, work: Any, viscous: Any) -> Any:
     """Update internal energy and temperature after a step, where the material tracks them.
 
-    ``work`` is the stress work of the step per initial volume, artificial viscosity included; ``viscous``
-    the part of the latter. Called only for materials with a history variable ``internal_energy`` or
-    ``temperature``.
+    ``work`` is the stress work of the step per initial volume, artificial viscosity included, where the material
+    expands that on Fᵉ; ``viscous`` the part of the viscosity. Called only for materials with a history variable
+    ``internal_energy`` or ``temperature``.
     """
 
 

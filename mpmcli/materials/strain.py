@@ -48,6 +48,7 @@ from mpmcli.materials.thermal import (
     settle,
     stretch_at,
     value_at,
+    work_of_law,
 )
 
 NOT_FINITE = np.uint64(0x7FF0000000000000)
@@ -159,6 +160,7 @@ def stress_particles(
     largest_J = 1.0
     for p in range(start, end):
         dF = load_increment(analysis, L, p, dt) if needs_increment(m) else IDENTITY
+        whole = dF
         F1 = load_gradient(analysis, F, p)
         J0 = determinant(F1)
         if thermal is None:
@@ -177,7 +179,7 @@ def stress_particles(
         T = kirchhoff_stress(m, Fe, dF, H, p, dt, True)
         if thermal is not None:
             T = scale_symmetric(T, cube)
-        viscous_work = 0.0
+        law_stress, old_pressure, viscous_work = T, 0.0, 0.0
         if viscous is not None:
             # q0, q: Kirchhoff pressures Jq at the start and the end of the step
             rate = rate_of_volume(analysis, L, p)
@@ -191,6 +193,7 @@ def stress_particles(
                 width = -rate * viscous.cell
                 q = mass[p] / vol0[p] * width * (viscous.linear * speed + viscous.quadratic * width)
             T = add_pressure(analysis, T, q)
+            old_pressure = q0
             viscous_work = -0.5 * (q0 + q) * rate * dt
             viscous.pressure[p] = q / J
             viscous.work[p] += vol0[p] * viscous_work
@@ -198,6 +201,11 @@ def stress_particles(
         work = 0.5 * dt * stress_power(analysis, twice, L, p)
         stress_work[p] += vol0[p] * work
         store_stress(analysis, tau, p, T)
+        if thermal is not None:
+            old = add_pressure(analysis, T0, -old_pressure)
+            work = work_of_law(
+                thermal.expansion, analysis, old, law_stress, whole, dF, cube, L, p, dt, work, viscous_work
+            )
         absorb_work(m, Fe, dF, H, p, work, viscous_work)
         speed2 = wave_speed_squared(m, Fe, H, p)
         if thermal is not None:

@@ -29,6 +29,7 @@ from mpmcli.materials.components import (
     lateral_growth,
     load_gradient,
     rate_of_volume,
+    stress_power,
 )
 
 BLOCK = 1024
@@ -286,6 +287,25 @@ def expand(
     set_at(thermal.T_stress, p, warm)
     stiffer = stiffening(thermal.bath, gamma * gamma * thermal.specific * warm)
     return scale(Fe, stretch), Fe, dFe, stretch * stretch * stretch, stiffer, growth
+
+
+@compiled_too
+def work_of_law(
+    expansion: Any, analysis: Any, old: Any, new: Any, dF: Any, dFe: Any, cube: Any, L: Any, p: Any, dt: Any, work: Any,
+    viscous: Any,
+) -> Any:  # fmt: skip
+    """Work in a step of the stress of the law on Fᵉ, per volume ϑ³, and of artificial viscosity [pressure].
+
+    ``old`` and ``new`` are the Kirchhoff stresses ϑ³τ(Fᵉ) of start and end, ``work`` is what they and the viscosity do
+    on F; ``cube`` is ϑ³ of the end. Fᵉ grows by dF/ϑ, in directions free of stress by what the law decides.
+    """
+    if expansion is None:
+        return work
+    ratio = dFe[0] / dF[0]  # ϑⁿ/ϑ
+    growth = -logarithm(ratio)
+    first = dt * stress_power(analysis, old, L, p) - growth * (old[0] + old[1] + old[2])
+    second = dt * stress_power(analysis, new, L, p) - growth * (new[0] + new[1] + new[2])
+    return 0.5 * (first / (ratio * ratio * ratio) + second) / cube + viscous
 
 
 @compiled_too

@@ -38,6 +38,8 @@ MOST_TERMS = 8
 ROWS = ("xx", "yy", "zz", "xy", "yz", "xz", "volume")
 """History of a Maxwell element: its tensor minus the identity, and the logarithm of its volume."""
 OF_TERM = len(ROWS)
+HEAT, STORED = 1, 2
+"""Rows after that of the temperature, which follows the terms."""
 
 
 class MaxwellTerm(Model):
@@ -72,12 +74,12 @@ class WilliamsLandelFerry(Model):
 
 
 class RowsOfTerms:
-    """Names of the history: rows of every term (of the class: of one), the temperature, and the heat per volume."""
+    """Names of the history: rows of every term (of the class: of one), then temperature, heat and stored energy."""
 
     def __get__(self, model: Any, kind: type | None = None) -> tuple[str, ...]:
         count = 1 if model is None else len(model.terms)
         rows = (f"term_{k + 1}_{name}" for k in range(count) for name in ROWS)
-        return (*rows, "temperature", "heat_energy")
+        return (*rows, "temperature", "heat_energy", "stored_energy")
 
 
 @MATERIALS.register
@@ -87,7 +89,7 @@ class Viscoelastic(MaterialModel):
     The elastic part (G, K) is ``neo_hookean`` with ``split: isochoric``. The tensor aₖ of a Maxwell element follows the
     isochoric deformation as b̄ does and relaxes towards the identity with its time constant; vₖ follows ln J and relaxes
     towards zero [green1946]. At small strain this is the Prony series G + Σ Gₖ exp(−t/tₖ), and alike for the bulk.
-    The dissipated energy is in ``heat_energy``, and heats the material if heating is adiabatic.
+    What the work of the stress does not store is in ``heat_energy``, and heats the material if heating is adiabatic.
     """
 
     analyses: ClassVar[frozenset[str]] = frozenset(ANALYSES)
@@ -211,20 +213,13 @@ def stretched(B: Any, s: Any) -> Any:
 
 
 @inline
-def relaxing(B: Any, s: Any) -> Any:
-    """tr(B (I + sB)⁻¹ B), to which dissipation is proportional."""
-    xx, yy, zz, xy, yz, xz = stretched(B, s)
-    c0, c3, c5 = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
-    r = 1.0 / (xx * c0 + xy * c3 + xz * c5)
-    c1, c2, c4 = xx * zz - xz * xz, xx * yy - xy * xy, xy * xz - xx * yz
-    sum_xx = B[0] * B[0] + B[3] * B[3] + B[5] * B[5]
-    sum_yy = B[3] * B[3] + B[1] * B[1] + B[4] * B[4]
-    sum_zz = B[5] * B[5] + B[4] * B[4] + B[2] * B[2]
-    sum_xy = B[0] * B[3] + B[3] * B[1] + B[5] * B[4]
-    sum_yz = B[3] * B[5] + B[1] * B[4] + B[4] * B[2]
-    sum_xz = B[0] * B[5] + B[3] * B[4] + B[5] * B[2]
-    diagonal = sum_xx * c0 + sum_yy * c1 + sum_zz * c2
-    return r * (diagonal + 2.0 * (sum_xy * c3 + sum_yz * c4 + sum_xz * c5))
+def logarithmic_excess(y: Any) -> Any:
+    """y − ln(1 + y), also where y is small."""
+    if abs(y) > 0.05:
+        return y - logarithm(1.0 + y)
+    z = y / (2.0 + y)
+    s = z * z
+    return y * z - 2.0 * z * s * (1.0 / 3.0 + s * (0.2 + s * (1.0 / 7.0 + s * (1.0 / 9.0 + s / 11.0))))
 
 
 for _Maxwell in MAXWELL.values():
@@ -269,22 +264,15 @@ for _Maxwell in (*MAXWELL.values(), *SHIFTED.values()):
         terms = terms_of(m)
         end = OF_TERM * terms
         half = -0.5 * dt * haste(m, H[end, p])
-        heat = 0.0
         for k in range(terms):
             time, G, K = m[FIRST + 3 * k], m[FIRST + 3 * k + 1], m[FIRST + 3 * k + 2]
             row = OF_TERM * k
             # half of the relaxation before the deformation and half after it: of second order in the step
             r = exponential_1d(half / time)
-            old = excess(H, row, p)
-            a = push_forward(A, stretched(old, r))
+            a = push_forward(A, stretched(excess(H, row, p), r))
             B = (a[0] - 1.0, a[1] - 1.0, a[2] - 1.0, a[3], a[4], a[5])
-            v = H[row + 6, p]
-            grown = r * v + rise
+            grown = r * H[row + 6, p] + rise
             if commit:
-                lost = 0.25 * (1.0 - r * r)
-                middle = 0.5 * (1.0 + r)
-                heat += lost * G * (relaxing(old, middle) + relaxing(B, middle))
-                heat += 2.0 * lost * K * (v * v + grown * grown)
                 H[row, p], H[row + 1, p], H[row + 2, p] = r * B[0], r * B[1], r * B[2]
                 H[row + 3, p], H[row + 4, p], H[row + 5, p] = r * B[3], r * B[4], r * B[5]
                 H[row + 6, p] = r * grown
@@ -292,16 +280,18 @@ for _Maxwell in (*MAXWELL.values(), *SHIFTED.values()):
             mean += K * r * grown - g * (B[0] + B[1] + B[2]) / 3.0
             xx, yy, zz = xx + g * B[0], yy + g * B[1], zz + g * B[2]
             xy, yz, xz = xy + g * B[3], yz + g * B[4], xz + g * B[5]
-        if commit:
-            H[end, p] += m.heating * heat
-            H[end + 1, p] += heat
+        if commit and dt == 0.0:
+            H[end + STORED, p] = strain_energy(m, F, H, p)
         return mean + xx, mean + yy, mean + zz, xy, yz, xz
 
     @absorb_work.register(_Maxwell)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, work: Any, viscous: Any) -> Any:
         end = OF_TERM * terms_of(m)
-        H[end, p] += m.heating * viscous
-        H[end + 1, p] += viscous
+        stored = strain_energy(m, F, H, p)
+        heat = H[end + STORED, p] + work - stored
+        H[end, p] += m.heating * heat
+        H[end + HEAT, p] += heat
+        H[end + STORED, p] = stored
 
     @strain_energy.register(_Maxwell)
     def _(m: Any, F: Any, H: Any, p: Any) -> Any:
@@ -310,11 +300,11 @@ for _Maxwell in (*MAXWELL.values(), *SHIFTED.values()):
         for k in range(terms_of(m)):
             xx, yy, zz, xy, yz, xz = excess(H, OF_TERM * k, p)
             v = H[OF_TERM * k + 6, p]
-            # det(I + B) - 1 by the invariants of B
+            # tr B - ln det(I + B) by the invariants of B
             pairs = xx * yy + yy * zz + xx * zz - xy * xy - yz * yz - xz * xz
             triple = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
-            trace = xx + yy + zz
-            shape = trace - logarithm(1.0 + trace + pairs + triple)
+            more = pairs + triple
+            shape = logarithmic_excess(xx + yy + zz + more) - more
             energy += 0.5 * m[FIRST + 3 * k + 1] * shape + 0.5 * m[FIRST + 3 * k + 2] * v * v
         return energy
 

@@ -218,9 +218,22 @@ def test_the_work_of_large_strain_is_stored_or_dissipated(heating):
         w = math.cos(2 * math.pi * (i + 0.5) / 200)
         point.step(0.01, 0.6 * w, 1.5 * w + 2, 0.5 * w - 2, -0.4 * w)
     assert point.history("heat_energy") > 0.03
-    assert point.work == pytest.approx(point.energy + point.history("heat_energy"), rel=1e-3)
+    assert point.work == pytest.approx(point.energy + point.history("heat_energy"), rel=1e-12)
     rise = point.history("heat_energy") / 2.0
     assert point.history("temperature") == pytest.approx(300 + rise * heating, rel=1e-12)
+
+
+@pytest.mark.parametrize("dt", [0.002, 0.05, 1.0, 20.0])
+def test_every_step_turns_into_heat_what_it_does_not_store(dt):
+    """However long it is against the relaxation times, 0.2 and 2."""
+    point, lost = MaterialPoint("3d", POLYMER), 0.0
+    rate = 0.02 / dt
+    for _ in range(10):
+        before = point.work, point.energy, point.history("heat_energy")
+        point.step(dt, rate, 2 * rate, 0.0, -rate, -2 * rate, rate, 0.0, rate, 3 * rate)
+        lost = point.work - before[0] - (point.energy - before[1])
+        assert point.history("heat_energy") - before[2] == pytest.approx(lost, abs=1e-15)
+    assert lost > 1e-5
 
 
 def test_time_and_temperature_shift():

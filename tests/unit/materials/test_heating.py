@@ -226,6 +226,35 @@ def test_isothermal_compression_gives_its_heat_to_a_bath(name):
     assert run.bath[0] == pytest.approx(0.0, abs=1e-10 * heat)
 
 
+POLYMER = {
+    "kind": "viscoelastic",
+    "density": RHO,
+    "T0": T0,
+    "G": 0.4,
+    "K": 3.0,
+    "terms": [{"time": 0.2, "G": 0.6, "K": 0.5}, {"time": 2.0, "G": 0.3}],
+    "heat_capacity": 0.5,
+}
+
+
+@pytest.mark.parametrize("analysis", ["plane_stress", "3d"])
+def test_what_expansion_does_is_no_dissipation(analysis):
+    """A polymer that grows by its heat as it is deformed dissipates what it does without expansion."""
+    d, rises = 3 if analysis == "3d" else 2, (2.0, 5.0, -1.0, 4.0)
+    found = {}
+    for alpha in (0.0, ALPHA):
+        run = Run(analysis, POLYMER | {"expansion": alpha}, "isothermal", conducts=True)
+        for rise in rises:
+            run.p.T[0] += rise
+            L = np.array([[0.3, 0.1, -0.1], [-0.1, -0.2, 0.0], [0.1, 0.2, 0.1]])[
+                :d, :d
+            ] + alpha * rise * np.eye(d)
+            run.step(1.0, *L.ravel())
+        found[alpha] = run.history("heat_energy")
+    assert found[0.0] > 0.01
+    assert found[ALPHA] == pytest.approx(found[0.0], rel=1e-12)
+
+
 def test_isothermal_plastic_flow_gives_its_heat_to_a_bath():
     run = Run("plane_strain", DUCTILE | {"expansion": 0.0}, "isothermal", conducts=True)
     for _ in range(50):
@@ -254,6 +283,7 @@ def test_heat_of_a_shocked_solid_is_what_viscosity_dissipates():
         ("isochoric", "plane_stress"),
         ("metal", "uniaxial_stress"),
         ("metal", "3d"),
+        ("polymer", "plane_stress"),
         ("nickel", "plane_strain"),
         ("gas", "uniaxial_strain"),
         ("water", "axisymmetric"),
@@ -261,7 +291,9 @@ def test_heat_of_a_shocked_solid_is_what_viscosity_dissipates():
 )
 @pytest.mark.parametrize("heating", ["adiabatic", "isothermal"])
 def test_compiled_and_plain_python_agree(name, analysis, heating, plain_python):
-    material = (SOLIDS | {"nickel": NICKEL, "gas": GAS, "water": WATER})[name]
+    material = (
+        SOLIDS | {"nickel": NICKEL, "gas": GAS, "water": WATER, "polymer": POLYMER | {"expansion": ALPHA}}
+    )[name]
     if name in SOLIDS or name == "water":
         material = material | {"heat_capacity": 0.5}
     found = []
