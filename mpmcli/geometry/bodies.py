@@ -36,6 +36,7 @@ class BodyParticles:
     key : (n,) number of each particle's sub-cell of the grid, ascending, or None for others
     parts : (d,) sub-cells per cell along each axis, or None likewise
     turn : (d, d) from the sides of the domains to the grid's axes, or None where they lie along these
+    density : (n,) mass densities of the particles, or None where they have that of the material [density]
     """
 
     name: str
@@ -45,6 +46,7 @@ class BodyParticles:
     key: Array | None = None
     parts: tuple[int, ...] | None = None
     turn: Array | None = None
+    density: Array | None = None
 
     @property
     def reach(self) -> Array:
@@ -59,4 +61,11 @@ class BodyParticles:
     def only(self, kept: Array) -> BodyParticles:
         """The particles that the mask ``kept`` (n,) names."""
         key = None if self.key is None else self.key[kept]
-        return replace(self, X=self.X[:, kept], size=self.size[:, kept], volume=self.volume[kept], key=key)
+        return replace(
+            self,
+            X=self.X[:, kept],
+            size=self.size[:, kept],
+            volume=self.volume[kept],
+            key=key,
+            density=None if self.density is None else self.density[kept],
+        )

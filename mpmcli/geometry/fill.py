@@ -95,7 +95,7 @@ def _given(body: BodyRequest, grid: GridBox) -> BodyParticles:
     misfit = body.region.misfit_of_grid(lower, upper, cell)  # type: ignore[attr-defined]
     if misfit is not None:
         raise ValueError(misfit + scale_hint(body.region, grid))
-    return BodyParticles(body.name, X, size, volume)
+    return BodyParticles(body.name, X, size, volume, density=body.region.density)  # type: ignore[attr-defined]
 
 
 def _lattice_of(body: BodyRequest, grid: GridBox, analysis: Analysis) -> GridLattice | OwnLattice:

@@ -27,10 +27,12 @@ MAX_ROWS = 2_000_000
 class Columns(dict[str, Array]):
     """Columns (n,) of a table by name; two tables are equal only if they are the same one.
 
-    ``lines`` (n,) are the lines of a text file on which the rows stand, or None; ``noun`` is what a row is called.
+    ``heading`` is the line of a text file with the names, ``lines`` (n,) are those on which the rows stand, or None;
+    ``noun`` is what a row is called.
     """
 
     __hash__ = None  # type: ignore[assignment]
+    heading: int | None = None
     lines: Array | None = None
     noun: str = "particle"
 
@@ -114,6 +116,7 @@ def columns_of_csv(path: Path, noun: str, most: int) -> Columns:
             raise ValueError(f"'{path.name}' names {len(names)} columns and has {table.shape[1]}")
         for name, column in zip(names, table.T, strict=True):
             found[name] = np.ascontiguousarray(column)
+    found.heading = numbers[0] if numbers else None
     found.lines = np.array(numbers[1:], dtype=np.int64)
     return found
 

@@ -18,6 +18,8 @@ from mpmcli.geometry.point_files import Columns, read_columns
 from mpmcli.geometry.vectors import Count, Factor
 
 _AXES = ("x", "y", "z")
+DENSITY = "density"
+"""The column of the particles' own mass densities."""
 
 SMALLEST, LARGEST = 1e-3, 2.0 + 1e-6
 """Edges of a particle's domain over those of a cell: grid functions are made for these."""
@@ -26,6 +28,9 @@ SMALLEST, LARGEST = 1e-3, 2.0 + 1e-6
 @REGIONS.register
 class Points(Region):
     """Particles given by a table (CSV with columns x, y, z, volume) or a VTU file, used as they are.
+
+    A column `density` gives each particle its own mass density in place of that of the material. The wave speed of the
+    time step is then that of the lightest particle. A warning names the columns that nothing reads.
 
     As a place (e.g. of a boundary condition) it holds the points in the domain of any of its particles.
     """
@@ -65,6 +70,11 @@ class Points(Region):
             row = int(np.flatnonzero(~(np.isfinite(volume) & (volume > 0)))[0])
             words = f"the volume {volume[row]:.6g} is not a positive number"
             raise ValueError(f"'{self.file}', {self._columns.place(row, self.volume)}: {words}")
+        density = self.density
+        if density is not None and not (np.isfinite(density) & (density > 0)).all():
+            row = int(np.flatnonzero(~(np.isfinite(density) & (density > 0)))[0])
+            words = f"the density {density[row]:.6g} is not a positive number"
+            raise ValueError(f"'{self.file}', {self._columns.place(row, DENSITY)}: {words}")
         return self
 
     @cached_property
@@ -111,9 +121,20 @@ class Points(Region):
         X, half, volume = self._own_particles(d)
         return self.place(X), half, volume
 
+    @property
+    def density(self) -> Array | None:
+        """Mass density of each particle (n,), or None if the file does not give it [density]."""
+        return self._columns.get(DENSITY) if self.volume != DENSITY else None
+
     def has_column(self, name: str) -> bool:
         """Return whether the file has a column."""
         return name in self._columns
+
+    def columns_beside(self, names: Iterable[str]) -> tuple[str, list[str]]:
+        """Return where the file names its columns, in words, and those that neither the region nor ``names`` read."""
+        read = {*_AXES, self.volume, DENSITY, *names}
+        line = "" if self._columns.heading is None else f", line {self._columns.heading}"
+        return f"'{self.file}'{line}", [name for name in self._columns if name not in read]
 
     def columns_at(self, names: Iterable[str], X: Array) -> dict[str, Array]:
         """Return those of the named columns that the file has, (n,) each, for particles of it at positions X (d, n)."""

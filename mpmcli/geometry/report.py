@@ -77,14 +77,18 @@ def body_report(
     for body, particles, density in zip(bodies, filled, densities, strict=True):
         weight = particles.volume * (2 * math.pi * particles.X[0]) if ring else particles.volume * factor
         volume = float(weight.sum())
+        mass, shares = None if density is None else density * volume, weight / volume
+        if particles.density is not None:
+            mass = float(particles.density @ weight)
+            shares = particles.density * weight / mass
         own, exact = _region_volume(body.region, grid, ring)
         reports.append(
             BodyReport(
                 name=body.name,
                 particles=particles.count,
-                mass=None if density is None else density * volume,
+                mass=mass,
                 volume=volume,
-                center=particles.X @ weight / volume,
+                center=particles.X @ shares,
                 lower=(particles.X - particles.reach).min(axis=1),
                 upper=(particles.X + particles.reach).max(axis=1),
                 region_volume=own * factor,

@@ -186,6 +186,11 @@ def _check_bodies(parts: Parts, dimensions: int, root: Node, report: Report) -> 
             material, loads = parts.materials.get(body.material), [load for _, load in parts.loads]
             for place, words in stress_problems(body, material, parts.analysis.kind, loads, parts.has_jumps):
                 report(f"{path}.stress{place}", words, "stress")
+        if body.region.gives_particles:
+            from mpmcli.scene.column_checks import column_problems
+
+            for place, words, code, severity in column_problems(body, parts):
+                report(f"{path}{place}", words, code, severity)
         misfits = list(body.region.misfits(dimensions))
         for place, words in misfits:
             report(".".join([path, "region", *map(str, place)]), words, "region")

@@ -89,11 +89,16 @@ def find_masses(scene: Any, filled: Sequence[BodyParticles]) -> tuple[Array, Arr
     """
     numbers = {body.name: number for number, body in enumerate(scene.bodies)}
     index = np.concatenate([np.full(b.count, numbers[b.name]) for b in filled])
-    density = np.array([scene.materials[body.material].density for body in scene.bodies])
+    density = np.array([scene.materials[body.material].density for body in scene.bodies])[index]
+    if any(b.density is not None for b in filled):
+        ends = np.cumsum([0, *(b.count for b in filled)])
+        for b, start, end in zip(filled, ends, ends[1:], strict=False):
+            if b.density is not None:
+                density[start:end] = b.density
     vol0 = np.concatenate([b.volume for b in filled]) * section_of(scene)
     if scene.analysis.kind == "axisymmetric":
         vol0 = vol0 * np.concatenate([b.X[0] for b in filled])
-    mass = density[index] * vol0
+    mass = density * vol0
     wrong = ~(np.isfinite(mass) & (mass > 0.0))
     problems = [
         Problem(

@@ -24,6 +24,7 @@ from mpmcli.core.state import State
 from mpmcli.core.step import Step
 from mpmcli.geometry.faces import surface_faces
 from mpmcli.scene.filling import check_start
+from mpmcli.scene.own_density import lightness
 from mpmcli.solver import continuation, setup
 from mpmcli.solver.averaging import VolumeAveraging
 from mpmcli.solver.clock import TaskClock
@@ -106,7 +107,7 @@ class Simulation(Parts):
         self.failures = Failures(particles, state, grid, self.time_step, J)
         self.stress = StressUpdate(
             plan, particles, materials, J, float(grid.cell.min()), self.parallel, self.failures.refuse_state,
-            state.work,
+            state.work, lightness(scene),
         )  # fmt: skip
         state.strain_energy_density = self.stress.energy_density
         held = held_sides(scene.conditions_on("velocity"), grid)

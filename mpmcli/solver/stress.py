@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -36,6 +37,7 @@ class StressUpdate:
     parallel : run the parallel version of every kernel
     refuse : raises SimulationError for a particle (its place in memory) whose state is impossible
     work : accumulated energies by name; with conduction between isothermal materials ``bath_heat`` is one of them
+    lightness : density of each material over that of its lightest particle
 
     Attributes
     ----------
@@ -52,12 +54,13 @@ class StressUpdate:
         parallel: bool,
         refuse: Callable[[int], None],
         work: dict[str, float],
+        lightness: Sequence[float],
     ):
         name = plan.analysis_name
         self._analysis, self._viscosity, self._cell = plan.analysis, plan.viscosity, cell
         self._particles, self._parallel, self._refuse = particles, parallel, refuse
         self._threads = available_threads() if parallel else 1
-        self._materials, self._work = materials, work
+        self._materials, self._work, self._lightness = materials, work, lightness
         self._has_bath = plan.heat is not None and not plan.adiabatic
         if self._has_bath:
             work["bath_heat"] = 0.0
@@ -69,7 +72,9 @@ class StressUpdate:
             "stress_free_at_rest" not in materials[i].properties or self._thermals[i] is not None
             for i in self._used
         )
-        self.wave_speed = max(materials[i].initial_wave_speed(name) for i in self._used)
+        self.wave_speed = max(
+            materials[i].initial_wave_speed(name) * math.sqrt(lightness[i]) for i in self._used
+        )
         self.fit()
 
     def fit(self) -> None:
@@ -103,7 +108,7 @@ class StressUpdate:
             bad = int(self._bad.max())
             if bad >= 0:
                 self._refuse(bad)
-            fastest = max(fastest, float(self._speed2.max()))
+            fastest = max(fastest, float(self._speed2.max()) * self._lightness[i])
         self.wave_speed = float(np.sqrt(fastest))
         if self._bath is not None:
             heat = float(self._bath.sum())

@@ -14,6 +14,7 @@ from typing import Any
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.scene.fields import owners_of_fields, velocity_fields
 from mpmcli.scene.interface_checks import Joint, joints_of
+from mpmcli.scene.own_density import lightest_density
 from mpmcli.stability.models import largest_wave_speed
 from mpmcli.stability.scene_limit import chosen_courant
 from mpmcli.stability.speeds import largest_speed
@@ -69,7 +70,7 @@ def springs_of(scene: Any) -> Iterator[Spring]:
     for body, field in zip(scene.bodies, field_of_body, strict=True):
         model = scene.materials[body.material]
         if model.kind != "rigid":
-            densities[names[field]].append(float(model.density))
+            densities[names[field]].append(lightest_density(body, model))
     cell = float(min(scene.grid.cell))
     for joint in joints_of(scene.contact, names, owners_of_fields(scene)):
         sides = [min(each) for each in (densities[joint.first], densities[joint.second]) if each]

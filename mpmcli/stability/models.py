@@ -11,6 +11,7 @@ import numpy as np
 
 from mpmcli.core.functions import GRID_FUNCTIONS
 from mpmcli.materials.thermal import coupled_wave_speed
+from mpmcli.scene.own_density import lightest_density
 from mpmcli.shapes import SHAPES
 from mpmcli.stability.growth import FAST
 from mpmcli.stability.held import Holders
@@ -67,12 +68,13 @@ def deformable(scene: Any) -> list[tuple[Any, Any]]:
 
 def largest_wave_speed(scene: Any) -> float:
     """Return the largest wave speed of the deformable bodies at the start [velocity], 0 without any."""
-    return max((_wave_speed(scene, material) for _, material in deformable(scene)), default=0.0)
+    return max((_wave_speed(scene, body, material) for body, material in deformable(scene)), default=0.0)
 
 
-def _wave_speed(scene: Any, material: Any) -> float:
-    """Wave speed of a material at the start, adiabatic where heat and strain are coupled [velocity]."""
-    return coupled_wave_speed(material, scene.analysis.kind, scene.is_adiabatic)
+def _wave_speed(scene: Any, body: Any, material: Any) -> float:
+    """Largest wave speed of a body at the start, adiabatic where heat and strain are coupled [velocity]."""
+    speed = coupled_wave_speed(material, scene.analysis.kind, scene.is_adiabatic)
+    return speed * math.sqrt(material.density / lightest_density(body, material))
 
 
 def scheme_of(scene: Any) -> Scheme:
@@ -123,8 +125,8 @@ def _models_of_body(
     A block has the axes along which the body is not held, in space the two of them with the smallest edges of a cell,
     and one axis if the body is held along all. An endless row stands for each axis along which it is held or fast.
     """
-    wave = _wave_speed(scene, material)
-    if not 0.0 < wave < math.inf or not 0.0 < (modulus := material.density * wave * wave) < math.inf:
+    wave, density = _wave_speed(scene, body, material), lightest_density(body, material)
+    if not 0.0 < wave < math.inf or not 0.0 < (modulus := density * wave * wave) < math.inf:
         raise NoKnownLimit(f"body '{body.name}' has the wave speed {wave:.3g}")
     cell = np.asarray(scene.grid.cell, dtype=float)
     particles = np.broadcast_to(np.asarray(body.particles_per_axis), cell.shape)

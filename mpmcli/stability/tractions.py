@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from mpmcli.scene.own_density import lightest_density
 from mpmcli.stability.models import scheme_of
 
 SHARE = 0.75
@@ -41,7 +42,7 @@ def limits_of_tractions(scene: Any) -> list[TractionLimit]:
     share = SHARE / (scheme.order if scheme.kind == "fmpm" else 1)
     for crack in scene.cracks:
         densities = [
-            float(scene.materials[body.material].density)
+            lightest_density(body, scene.materials[body.material])
             for body in scene.bodies
             if scene.materials[body.material].kind != "rigid"
             and (crack.cuts is None or body.name in crack.cuts)

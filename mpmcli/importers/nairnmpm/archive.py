@@ -87,15 +87,9 @@ def _tips(job: Job, header: Command) -> list[str]:
     }
     quantities = ["J"] if text[2:3] == "Y" or "jintegral" in results else []
     quantities += ["K_I", "K_II"] if text[3:4] == "Y" or "stressintensity" in results else []
-    tips = [
-        f"{crack['name']}:{end}"
-        for crack in job.scene.get("cracks", [])
-        for end in ("start", "end")
-        if crack.get("ends", {}).get(end, "tip") == "tip"
-    ]
-    if quantities and tips:
+    if quantities and job.tips:
         job.scene.setdefault("fracture", {"integral": "contour", "size": 2})
-    return [f"{quantity}[{tip}]" for quantity in quantities for tip in tips]
+    return [f"{quantity}[{tip}]" for quantity in quantities for tip in job.tips]
 
 
 def _fields(job: Job, header: Command) -> list[str]:

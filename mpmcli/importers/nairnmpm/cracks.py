@@ -53,14 +53,18 @@ def cracks(job: Job, root: Command, header: Command, bodies: Bodies) -> None:
             crack["moves"] = moves
         if (command.get("type") or "free") == "fixed":
             crack["moves"] = "fixed"
-        ends = crack.get("ends", {})
-        grows = {end: dict(growth) for end in ("start", "end") if growth and ends.get(end, "tip") == "tip"}
+        grows = {
+            end: dict(growth) for end in ("start", "end") if growth and f"{crack['name']}:{end}" in job.tips
+        }
         if grows and growth is not None:
             crack["growth"] = grows
             job.scene.setdefault("fracture", {"integral": "contour", "size": 2})
         made.append(crack)
     if made:
         job.scene["cracks"] = made
+    if not job.tips and job.scene.pop("fracture", None) is not None:
+        words = "no end of a crack has a material as its tip, so that there is no J and no growth"
+        job.changed(lists[0], words)
 
 
 def _fracture(job: Job, contour: Command | None) -> None:
@@ -200,6 +204,7 @@ def _crack(job: Job, command: Command, bodies: Bodies, name: str) -> Made | None
         return None
     made: Made = {"name": name, "path": arc or {"kind": "points", "points": points}}
     mouths = {end: "mouth" for end, tip in (("start", tips[0]), ("end", tips[-1])) if tip == -2}
+    job.tips += [f"{name}:{end}" for end, tip in (("start", tips[0]), ("end", tips[-1])) if tip > 0]
     if mouths:
         made["ends"] = mouths
         if arc is None:

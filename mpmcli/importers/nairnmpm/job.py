@@ -69,6 +69,8 @@ class Job:
     """In the order of NairnMPM's numbers."""
     heats: bool = False
     """Whether temperatures matter."""
+    tips: list[str] = field(default_factory=list)
+    """Ends of cracks that have a material at their tip, ``crack:end``; NairnMPM finds J and growth of no others."""
     shape: str = "linear"
 
     @property

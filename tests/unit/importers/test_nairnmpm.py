@@ -554,6 +554,24 @@ def test_growth_of_cracks(tmp_path):
     assert crack["moves"] == "mass"
 
 
+@pytest.mark.parametrize("tip", ["", ' tip="-1"', ' tip="0"'])
+def test_ends_without_a_material_do_not_grow(tmp_path, tip):
+    parts = {
+        "setup": '<CrackArchiveOrder>iYYYN</CrackArchiveOrder><Cracks><JContour size="2"/>'
+        '<Propagate criterion="7" direction="1"/></Cracks><ArchiveTime units="ms">1</ArchiveTime>',
+        "material": MATERIAL.replace("</Mat", "<JIc>200</JIc></Mat"),
+    }
+    path = f'<CrackList><pt x="0" y="2.1"{tip}/><pt x="2" y="2.1" tip="1"/></CrackList>'
+    scene = scene_of(tmp_path, more=path, **parts)
+    assert list(scene["cracks"][0]["growth"]) == ["end"]
+    assert scene["archive"]["globals"]["columns"] == ["J[crack:end]", "K_I[crack:end]", "K_II[crack:end]"]
+    alone = translated(tmp_path, source(more=path.replace(' tip="1"', ""), **parts))
+    assert "growth" not in alone.scene["cracks"][0]
+    assert "fracture" not in alone.scene
+    assert any("no end of a crack has a material" in str(note) for note in alone.notes)
+    load(write(alone))
+
+
 def test_nothing_is_dropped_in_silence(tmp_path):
     """Each command and attribute of a source is read, or is in a note with its line."""
     made = translated(
