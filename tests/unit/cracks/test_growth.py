@@ -140,10 +140,10 @@ def test_tips_grow_no_faster_than_surface_waves():
     rayleigh = 0.9194 * np.sqrt(0.4 / 2.0)  # of the speed of shear waves for ν = 1/4 (Rayleigh 1885)
     for keys, speed in (({}, rayleigh), ({"speed": {"max": 0.7}}, 0.7)):
         world = World(crack(((0.5, 1.0), (1.0, 1.0)), **grows(**keys)), terms=2)
-        world.s.state.material_models[0] = steel
+        world.state.material_models[0] = steel
         world.step(300)
         chain = world.view.chains[0]
-        assert (chain.length - 0.5) / world.s.state.time == pytest.approx(speed, rel=0.05)
+        assert (chain.length - 0.5) / world.state.time == pytest.approx(speed, rel=0.05)
         assert world.growth.fastest(world.growth.growing[0])[0] == pytest.approx(speed, rel=1e-4)
 
 
@@ -153,7 +153,7 @@ def test_the_speed_that_static_integrals_allow():
     speed, words = world.growth.fastest(world.growth.growing[0])
     assert speed == pytest.approx(0.05 * 61.0 / 4.0)
     assert "ring" in words
-    assert (world.view.chains[0].length - 0.5) / world.s.state.time == pytest.approx(speed, rel=0.1)
+    assert (world.view.chains[0].length - 0.5) / world.state.time == pytest.approx(speed, rel=0.1)
     given = World(crack(**grows(criterion={"kind": "steady_speed", "speed": 1e3})), terms=2)
     assert given.growth.fastest(given.growth.growing[0])[0] == np.inf
 
