@@ -21,7 +21,7 @@ class NodalForce(LoadModel):
     kind: Literal["nodal_force"] = "nodal_force"
     """Kind of load."""
     at: tuple[Length, ...]
-    """The point, which does not move."""
+    """The point, which does not move and lies in the grid."""
     force: tuple[ForceField, ...]
     """Force, one number or expression of t per axis (axisymmetric: on the full ring)."""
 

@@ -123,6 +123,7 @@ def explain(
         "threads": threads,
         "estimated_seconds": seconds,
         "measured": measured,
+        "warnings": [f"{problem.path}: {problem.message}" for problem in simulation.setup_warnings],
         "redundant": [found._asdict() for found in find_redundant(scene, plan, dt)],
         "questions": find_questions(scene, plan),
     }

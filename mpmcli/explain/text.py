@@ -37,6 +37,7 @@ def as_text(facts: dict[str, Any]) -> str:
         f"run        about {facts['steps']} steps, {_time_in_words(facts)}",
         *_measured_in_words(facts["measured"]),
         "",
+        *(f"warning    {words}" for words in facts["warnings"]),
         "Redundant settings (remove them; the results stay the same):"
         if facts["redundant"]
         else "No redundant setting found.",

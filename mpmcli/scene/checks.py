@@ -244,6 +244,8 @@ def _check_conditions(
             _check_reference(report, f"{path}.{place}", name, bodies, "body")
         if parts.grid is not None and parts.grid.dimensions == dimensions and not found:
             _check_plane(model, path, parts.grid, report)
+            if key == "loads":
+                _check_loaded_point(model, path, parts.grid, report)
 
 
 def _check_plane(model: Any, path: str, grid: Any, report: Report) -> None:
@@ -271,6 +273,16 @@ def _check_plane(model: Any, path: str, grid: Any, report: Report) -> None:
             f"a symmetry plane must lie on a grid line; this one is {line:.6g} cells from grid.lower",
             "grid",
         )
+
+
+def _check_loaded_point(load: Any, path: str, grid: Any, report: Report) -> None:
+    """The nodes around a point that is loaded must exist."""
+    if "nodal_force_at" not in load.effects():
+        return
+    at, low, high = (np.array(x) for x in (load.nodal_force_at(0.0)[0], grid.lower, grid.upper))
+    if not np.all(np.abs(2.0 * at - low - high) <= high - low + 2e-6 * np.array(grid.cell)):
+        words = f"the point {_point(at)} lies outside the grid, which spans {_point(low)} to {_point(high)}"
+        report(f"{path}.at", words, "outside")
 
 
 def _check_probes(parts: Parts, dimensions: int, root: Node, report: Report) -> None:

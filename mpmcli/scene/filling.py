@@ -32,6 +32,10 @@ MOST_HEIGHTS = 3
 """Heights of the particles of a face that is made of flat ones."""
 NUMBERS_OF_HEAT = 4
 """The same of conduction: capacity, content, power, temperature; FLIP and the full-capacity loop have two more each."""
+MAX_DISTANCES = 5_000_000
+"""Distances between particles and points of loads after which no further points are checked."""
+ON_NODE = 1e-6
+"""How far from a node, in cells, a point still counts as on it."""
 MAX_PLACES = 1_000_000
 """Places in cells up to which ``validate`` fills bodies: it is to take less than a second."""
 
@@ -214,7 +218,42 @@ def check_start(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
         from mpmcli.scene.fracture_checks import check_tips
 
         found += check_tips(scene, filled)
-    return found
+    return [*found, *idle_nodal_forces(scene, filled)]
+
+
+def idle_nodal_forces(scene: Any, filled: Sequence[BodyParticles]) -> Iterator[Problem]:
+    """Warn of forces on nodes that no particle sees at the start: they load nothing until a body comes."""
+    loads = [load for load in scene.loads_on("velocity") if "nodal_force_at" in load.effects()]
+    if not loads:
+        return
+    shape, grid = SHAPES[scene.method.shape], scene.grid
+    lower, upper, cell = (np.array(x)[:, None] for x in (grid.lower, grid.upper, grid.cell))
+    is_periodic = np.isin(list("xyz")[: grid.dimensions], grid.periodic or ())[:, None]
+    X, size = (np.concatenate([getattr(body, key) for body in filled], axis=1) for key in ("X", "size"))
+    reach = np.broadcast_to((1.0 if shape.grid_functions == "linear" else 1.5) * cell, X.shape)
+    if shape.domain != "point":
+        reach = reach + 0.5 * size
+    along = int(np.argmax(np.ptp(X, axis=1)))
+    order = np.argsort(X[along])
+    X, reach, left = X[:, order], reach[:, order], MAX_DISTANCES
+    farthest = float(reach[along].max()) + float(cell[along, 0])
+    for load in loads:
+        at = np.array(load.nodal_force_at(0.0)[0])[:, None]
+        place = (at - lower) / cell
+        place = np.where(np.abs(place - np.round(place)) < ON_NODE, np.round(place), place)
+        first, last = lower + np.floor(place) * cell, lower + np.ceil(place) * cell
+        ends = np.searchsorted(X[along], [at[along, 0] - farthest, at[along, 0] + farthest])
+        near = slice(None) if is_periodic[along, 0] else slice(*ends)
+        apart = np.maximum(first - X[:, near], X[:, near] - last)
+        apart = np.where(is_periodic, np.minimum(apart, upper - lower - np.abs(X[:, near] - at)), apart)
+        if not (apart < reach[:, near]).all(axis=0).any():
+            point = ", ".join(f"{x:g}" for x in at[:, 0])
+            words = f"the nodal force at ({point}) is at no node of a body at the start"
+            words += " and has no effect until a body comes there"
+            yield Problem(f"loads.{load.name}.at", words, code="no_effect", severity="warning")
+        left -= apart.shape[1]
+        if left < 0:
+            return
 
 
 def stair_stepped_faces(scene: Any, filled: Sequence[BodyParticles]) -> Iterator[Problem]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from mpmcli.explain.facts import explain
+from mpmcli.scene.filling import check_filling
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 
@@ -37,3 +39,34 @@ def test_a_condition_without_nodes_is_named_once(at, said, caplog):
         simulation.step()
     words = "boundary condition 'support' holds no node of a body at the start"
     assert [record.message for record in caplog.records] == [words] * said
+
+
+FORCED = """\
+version: 1
+analysis: {kind: plane_strain}
+grid: {lower: [0, 0], upper: [6, 6], cell: 1}
+method: {shape: SHAPE, transfer: {kind: flip}}
+materials: {m: {kind: neo_hookean, density: 1, E: 100, nu: 0.3}}
+bodies: [{name: a, material: m, region: {kind: box, lower: [1, 1], upper: [3, 3]}}]
+loads: [{name: push, kind: nodal_force, at: [AT, 2.0], force: [1, 0]}]
+time: {end: 1, step: 0.01}
+"""
+
+
+@pytest.mark.parametrize("at", [0.0, 0.4, 2.0, 3.0, 3.6, 4.0, 4.2, 5.0, 5.5, 6.0])
+@pytest.mark.parametrize("shape", ["linear", "ugimp", "lcpdi", "bspline2"])
+def test_a_nodal_force_is_warned_of_where_no_node_has_mass(shape, at, plain_python):
+    """The warning at the start agrees with the masses of the nodes, for each reach of a shape function."""
+    loaded = load_scene(FORCED.replace("SHAPE", shape).replace("AT", str(at)))
+    with plain_python():
+        simulation = Simulation(loaded)
+        simulation.step()
+    warned = [problem.message for problem in simulation.setup_warnings]
+    assert (simulation.loads.force == 0.0).all() == bool(warned)
+    assert all("at no node of a body" in words for words in warned)
+    assert check_filling(loaded.scene) == simulation.setup_warnings
+
+
+def test_explain_tells_of_a_nodal_force_without_a_body():
+    facts = explain(load_scene(FORCED.replace("SHAPE", "ugimp").replace("AT", "5.0")))
+    assert "loads.push.at: the nodal force at (5, 2) is at no node" in facts["text"]
