@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 import numpy as np
+from pydantic import field_validator
 
 from mpmcli.boundary.base import Array, LoadModel
 from mpmcli.boundary.place import Face, Surface, check_axis
@@ -22,6 +23,14 @@ class FaceHeat(LoadModel):
 
     on: Surface
     """Body and face."""
+
+    @field_validator("on", mode="before")
+    @classmethod
+    def _is_face(cls, value: Any) -> Any:
+        for place in ("plane", "box", "region"):
+            if isinstance(value, dict) and place in value:
+                raise ValueError(f"needs a face of a body, not a {place}: give body and face")
+        return value
 
     def loaded_face(self) -> tuple[str, Face]:
         """Return body and face."""

@@ -12,6 +12,7 @@ from mpmcli.boundary.base import Array, ConditionModel, LoadModel
 from mpmcli.boundary.corners import Cells
 from mpmcli.boundary.face_kernels import add_powers, measure_faces
 from mpmcli.boundary.faces import list_faces
+from mpmcli.boundary.held_temperatures import check_temperatures
 from mpmcli.boundary.loads import GridFunctions
 from mpmcli.boundary.particle_loads import finite
 from mpmcli.boundary.place import Face
@@ -200,11 +201,7 @@ class HeatLoads:
             values = np.broadcast_to(
                 np.asarray(condition.face_temperature_at(self._centres[:, rows], time)), rows.shape
             )
-            if not np.all(np.isfinite(values) & (values > 0.0)):
-                raise SimulationError(
-                    f"{who}: its temperature is {values.min():g} at time {time:g}; temperatures are absolute and "
-                    "must be above 0"
-                )
+            check_temperatures(condition.name, values, time)
             clash = held[rows] & (np.abs(values - T[rows]) > CONTRADICTION * values)
             if clash.any():
                 k = int(np.flatnonzero(clash)[0])

@@ -17,6 +17,16 @@ CONTRADICTION = 1e-9
 """Relative difference between two values at a node that is no round-off."""
 
 
+def check_temperatures(name: str, values: Array, time: float) -> None:
+    """Raise SimulationError unless all temperatures that a condition holds are finite and above 0."""
+    is_possible = np.isfinite(values) & (values > 0.0)
+    if not is_possible.all():
+        raise SimulationError(
+            f"boundary condition '{name}': its temperature is {values[~is_possible].min():g} at time {time:g}; "
+            "temperatures are absolute and must be above 0"
+        )
+
+
 class HeldTemperatures(Correction):
     """The conditions of a scene that hold temperatures of nodes.
 
@@ -68,10 +78,7 @@ class HeldTemperatures(Correction):
             for holder, points in zip(self._holders, self._points, strict=True)
         ]
         for name, values in zip(self.names, found, strict=True):
-            if not np.isfinite(values).all():
-                raise SimulationError(
-                    f"boundary condition '{name}': its temperature is not finite at time {time:g}"
-                )
+            check_temperatures(name, values, time)
         wanted = np.concatenate(found)
         self._value = wanted[self._origin]
         self.largest = float(self._value.max(initial=0.0))

@@ -11,6 +11,7 @@ from mpmcli.contact.normals import NORMALS
 from mpmcli.contact.separation import SEPARATIONS
 from mpmcli.core.model import Model, Quantity
 from mpmcli.core.registry import OneOf
+from mpmcli.core.suggest import did_you_mean, listing
 
 Name = Annotated[str, Field(min_length=1, max_length=80)]
 Names = Annotated[tuple[Name, ...], Field(min_length=2, max_length=2)]
@@ -36,7 +37,23 @@ _coefficient: TypeAdapter[Any] = TypeAdapter(Annotated[float, Quantity("film_coe
 
 
 def _read_conductance(value: Any, info: ValidationInfo) -> Any:
+    if isinstance(value, str) and value != "perfect" and did_you_mean(value, ["perfect"]):
+        raise ValueError(f"'{value}' is not allowed; did you mean 'perfect'?")
     return "perfect" if value == "perfect" else _coefficient.validate_python(value, context=info.context)
+
+
+def read_way_of_heat(*words: str) -> BeforeValidator:
+    """Refuse other words than these for a way in which bodies exchange heat, and name the conductance."""
+
+    def read(value: Any) -> Any:
+        if isinstance(value, str) and value not in words:
+            hint = did_you_mean(value, [*words, "perfect"]).replace("'perfect'", "{conductance: perfect}")
+            hint = "; write {conductance: perfect}" if value == "perfect" else hint
+            allowed = listing([*words, "{conductance: ...}"])
+            raise ValueError(f"'{value}' is not allowed{hint} (allowed: {allowed})")
+        return value
+
+    return BeforeValidator(read)
 
 
 class Pair(Model):
@@ -46,7 +63,7 @@ class Pair(Model):
     """Names of two bodies (with ``fields: material`` of two materials), or of the fields that they share."""
     law: Annotated[Any, OneOf(LAWS)]
     """The contact law of this pair."""
-    heat: Literal["insulated"] | Conductance | None = None
+    heat: Annotated[Literal["insulated"] | Conductance | None, read_way_of_heat("insulated")] = None
     """Heat between the two, where ``heat.contact`` is not ``shared``; without it as ``heat.contact`` says."""
 
 

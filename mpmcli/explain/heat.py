@@ -13,6 +13,8 @@ from mpmcli.stability.heat import SHORTEST_REACH, HeatForecast, conduction_of
 
 STEP_SHARE = 0.45
 """Rough cost of a heat step over that of a step of FLIP."""
+FAR = 99.0
+"""Per cent below the stable Fourier number from which on they are not told."""
 ON_LINE = 1e-6
 """How far from a grid line, in cells, a plane still counts as on it."""
 PARTICLE_ARRAYS = ("T", "T_carried", "heat_inflow", "entropy", "heat_flux")
@@ -127,6 +129,9 @@ def _diffusivities_in_words(diffusivities: dict[str, float]) -> str:
 
 def _limit_in_words(facts: dict[str, Any]) -> str:
     margin = 100 * facts["margin"]
+    if margin > FAR:
+        stable = f"stable up to {facts['limit']:.3g} ({facts['because']})"
+        return f"Fourier number {facts['fourier']:.3g} of a heat step; {stable}"
     verdict = f"{margin:.0f} % below" if margin >= 0.0 else f"{-margin:.0f} % above (the run may fail)"
     return (
         f"Fourier number {facts['fourier']:.3g} of a heat step, {verdict} the stable one, {facts['limit']:.3g} "

@@ -102,6 +102,8 @@ def history_at_start(model: Matter, count: int) -> np.ndarray:
 
 def _three(value: Any) -> Any:
     """One number stands for all axes."""
+    if isinstance(value, list | tuple) and len(value) != 3:
+        raise ValueError(f"give one number, or three for the axes of the grid, not {len(value)}")
     return value if isinstance(value, list | tuple) else [value] * 3
 
 

@@ -148,7 +148,10 @@ def start_temperature(body: Any, X: Array, is_absolute: bool) -> tuple[Array, li
         words = f"the temperature '{source}' is not finite at some particles"
         return values, [Problem(path, words, code="not_finite")]
     if is_absolute and not np.all((values > 0.0) & (values < 1e30)):
-        words = f"the temperature '{source}' is {values.min():g} at a particle; temperatures are absolute, above 0 K"
+        worst, bound = values.min(), "temperatures are absolute, above 0 K"
+        if worst > 0.0:
+            worst, bound = values.max(), "temperatures must be below 1e30"
+        words = f"the temperature '{source}' is {worst:g} at a particle; {bound}"
         return values, [Problem(path, words, code="range")]
     return values, []
 

@@ -6,8 +6,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, TypeAdapter, ValidationInfo, WithJsonSchema
 
-from mpmcli.contact.model import Conductance
+from mpmcli.contact.model import Conductance, read_way_of_heat
 from mpmcli.core.model import Model, Quantity
+from mpmcli.core.suggest import did_you_mean
 from mpmcli.scene.method import MAX_ORDER
 
 MAX_INTERVAL = 1_000_000
@@ -37,12 +38,19 @@ class FmpmOfHeat(Model):
 TransferOfHeat = Annotated[FlipOfHeat | FmpmOfHeat, Field(discriminator="kind")]
 
 
-ContactOfHeat = Literal["shared", "insulated"] | Conductance
+ContactOfHeat = Annotated[
+    Literal["shared", "insulated"] | Conductance, read_way_of_heat("shared", "insulated")
+]
 _count: TypeAdapter[int] = TypeAdapter(Annotated[int, Field(ge=1, le=MAX_INTERVAL)])
 
 
 def _read_interval(value: Any, info: ValidationInfo) -> Any:
-    return "auto" if value == "auto" else _count.validate_python(value, context=info.context)
+    if isinstance(value, str) and (value == "auto" or not value.isdigit()):
+        if value != "auto":
+            hint = did_you_mean(value, ["auto"])
+            raise ValueError(f"a whole number or 'auto' is needed, not '{value}'{hint}")
+        return "auto"
+    return _count.validate_python(value, context=info.context)
 
 
 class Heat(Model):

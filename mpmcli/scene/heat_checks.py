@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,8 +21,12 @@ from mpmcli.scene.tree import Node
 ABSOLUTE = "temperatures are absolute and must be above 0"
 LARGEST_STRAIN = 1.0
 """Thermal strain of a body at the start above which it is an error of units."""
+ON_LINE = 1e-6
+"""Cells between two planes at the same place."""
 ALIKE = 1e-9
 """Relative difference between two temperatures of a face that is no round-off."""
+LARGEST = 1e30
+"""Temperatures, fluxes, coefficients and powers are below this."""
 
 
 def check_heat(parts: Parts, root: Node) -> list[Problem]:
@@ -40,7 +45,9 @@ def check_heat(parts: Parts, root: Node) -> list[Problem]:
     _check_materials(scene, report)
     _check_body_temperatures(scene, report)
     _check_conditions(scene, report)
+    _check_axis_faces(scene, report)
     _check_faces(scene, report)
+    _check_planes(scene, report)
     _check_pairs(scene, report)
     if scene.has_heat and parts.heat is not None:
         _check_heat_section(scene, report)
@@ -234,11 +241,41 @@ def _check_conditions(scene: _Scene, report: Report) -> None:
                     f"the body '{name}' is rigid, and heat does not enter it; its 'temperature' is its own"
                 )
                 report(f"{path}.{place}", words, "rigid")
+        _check_sizes(path, model, report)
         value = getattr(model, "value", None)
         if isinstance(value, Expression) and value.variables <= {"t"}:
             start = float(value(t=0.0))
             if start <= 0.0:
                 report(f"{path}.value", f"is {start:g} at the start; {ABSOLUTE}", "range")
+
+
+def _check_sizes(path: str, model: Any, report: Report) -> None:
+    """Constants that nothing can be calculated with, and fluxes and powers that heat nothing."""
+    for key in type(model).model_fields:
+        value = getattr(model, key)
+        if not isinstance(value, Expression) or not value.is_constant:
+            continue
+        if not abs(float(value())) < LARGEST:
+            report(f"{path}.{key}", f"is {float(value()):g}; must be below {LARGEST:g}", "range")
+        elif key in ("flux", "power") and float(value()) == 0.0:
+            report(f"{path}.{key}", "has no effect, because it is 0", "no_effect", "warning")
+
+
+def _check_axis_faces(scene: _Scene, report: Report) -> None:
+    """Faces on the axis of an axisymmetric body have no area."""
+    analysis = scene.parts.analysis
+    if analysis is None or analysis.kind != "axisymmetric":
+        return
+    for path, model in _acting(scene):
+        is_load = hasattr(model, "acts_on_face")
+        place = (model.loaded_face() if model.acts_on_face else None) if is_load else model.held_face()
+        if place is None or (place[1].axis, place[1].side) != ("x", "lower"):
+            continue
+        body = next((body for _, body in scene.parts.bodies if body.name == place[0]), None)
+        box = None if body is None else scene.box_of(body)
+        if box is not None and box[0][0] <= 0.0:
+            words = f"has no effect, because this face of '{place[0]}' is on the axis"
+            report(f"{path}.on", words, "no_effect", "warning")
 
 
 def _check_faces(scene: _Scene, report: Report) -> None:
@@ -263,6 +300,68 @@ def _check_faces(scene: _Scene, report: Report) -> None:
             report(f"{path}.on", words, "no_effect", "warning")
 
 
+@dataclass(frozen=True)
+class _Side:
+    """Where a condition holds temperatures: a plane, or a plane face of a body.
+
+    Attributes
+    ----------
+    path, model : of the condition
+    axis, side, at : number of the axis that it is normal to, where bodies are not, and its coordinate
+    box : corners (d,) of the face's body, or of the grid
+    is_face : whether it is a face
+    """
+
+    path: str
+    model: Any
+    axis: int
+    side: str
+    at: float
+    box: tuple[np.ndarray, np.ndarray]
+    is_face: bool
+
+
+def _sides(scene: _Scene) -> Iterator[_Side]:
+    grid, boxes = scene.parts.grid, {body.name: body for _, body in scene.parts.bodies}
+    for index, model in scene.parts.boundary:
+        if model.acts_on != "temperature" or grid is None:
+            continue
+        path, place = label(scene.root, "boundary", index), model.held_face()
+        plane = getattr(getattr(model, "on", None), "plane", None)
+        if place is not None:
+            body = boxes.get(place[0])
+            box = None if body is None or body.region.kind != "box" else scene.box_of(body)
+            if box is not None and place[1].index < grid.dimensions:
+                at = box[place[1].side == "upper"][place[1].index]
+                yield _Side(path, model, place[1].index, place[1].side, float(at), box, True)
+        elif plane is not None and plane.index < grid.dimensions:
+            try:
+                side = plane.side_on(grid)
+            except ValueError:
+                continue  # reported already
+            box = np.array(grid.lower, dtype=float), np.array(grid.upper, dtype=float)
+            yield _Side(path, model, plane.index, side, float(plane.at), box, False)
+
+
+def _check_planes(scene: _Scene, report: Report) -> None:
+    """Planes that are held at another temperature than a plane or a face at the same place."""
+    sides = list(_sides(scene))
+    for k, second in enumerate(sides):
+        for first in sides[:k]:
+            if first.is_face and second.is_face:
+                continue
+            margin = ON_LINE * float(scene.parts.grid.cell[first.axis])
+            is_same = (first.axis, first.side) == (second.axis, second.side)
+            if not is_same or abs(first.at - second.at) > margin:
+                continue
+            face = first if first.is_face else second
+            if not _alike(face.box, face.axis, face.at, first.model, second.model):
+                line = locate(scene.root, first.path, "").line
+                words = f"this place is held at another temperature by '{first.model.name}' in line {line}"
+                report(f"{second.path}.value", words, "contradiction")
+                break
+
+
 def _key(place: tuple[str, Any]) -> tuple[str, str, str]:
     body, face = place
     return body, face.axis, face.side
@@ -274,9 +373,15 @@ def _agree(scene: _Scene, place: tuple[str, Any], first: Any, second: Any) -> bo
     box = None if body is None else scene.box_of(body)
     if box is None or place[1].index >= len(box[0]):
         return True
+    axis = place[1].index
+    return _alike(box, axis, box[place[1].side == "upper"][axis], first, second)
+
+
+def _alike(box: tuple[np.ndarray, np.ndarray], axis: int, at: float, first: Any, second: Any) -> bool:
+    """Whether two conditions ask for the same at the start, at points of a box (corners (d,)) on a plane."""
     low, high = box
     points = low[:, None] + (high - low)[:, None] * np.array([[0.1, 0.35, 0.6, 0.85]])
-    points[place[1].index] = (high if place[1].side == "upper" else low)[place[1].index]
+    points[axis] = at
     with np.errstate(all="ignore"):
         one, other = (
             np.broadcast_to(model.face_temperature_at(points, 0.0), points.shape[1:])
@@ -313,6 +418,18 @@ def _check_bath(scene: _Scene, pair: Any, path: str, report: Report) -> None:
             report(path, words, "no_effect", "warning")
 
 
+def _check_baths(scene: _Scene, report: Report) -> None:
+    """Rigid bodies that a conductance for all pairs passes over."""
+    given = {body.name for _, body in scene.parts.bodies if body.temperature is not None}
+    rigid = [member for member in scene.fields.members if member.is_rigid]
+    baths = {member.field for member in rigid if member.name in given}
+    cold = [member.name for member in rigid if member.field not in baths]
+    if cold:
+        names = listing([f"'{name}'" for name in cold], 4)
+        words = f"has no effect on contact with {names}: a rigid body without 'temperature' exchanges no heat"
+        report("heat.contact", words, "no_effect", "warning")
+
+
 def _check_heat_section(scene: _Scene, report: Report) -> None:
     """Choices of conduction that change nothing, or do not go together."""
     heat, time = scene.parts.heat, scene.parts.time
@@ -330,5 +447,7 @@ def _check_heat_section(scene: _Scene, report: Report) -> None:
             "must be 1 or auto, because friction heats bodies in every step; or set heat.friction to false"
         )
         report("heat.interval", words, "combination")
+    if hasattr(heat.contact, "conductance"):
+        _check_baths(scene, report)
     if "fourier" in given and time is not None and time.step is not None and heat.interval != "auto":
         no_effect("fourier", "the time step and the interval are given")

@@ -128,7 +128,12 @@ def _without_echoes(found: list[tuple[Problem, str]]) -> list[Problem]:
     for problem, kind in found:
         by_path.setdefault(problem.path, []).append((problem, kind))
     kept = []
-    for group in by_path.values():
+    for path, group in by_path.items():
+        if any(inner.startswith(f"{path}.") for inner in by_path):
+            # a mapping is one of several alternatives, and the others are words
+            group = [(problem, kind) for problem, kind in group if kind != "literal_error"]
+            if not group:
+                continue
         telling = [problem for problem, kind in group if kind not in _NEEDED]
         kept += telling if telling else [group[0][0]]
     return kept

@@ -223,7 +223,9 @@ class Simulation(Parts):
                         task.run(step)
             self.particle_speed = self.transfer.largest_speed
             if self.state.step == 1:
-                self._warn_of_idle_conditions()
+                self._warn_of_idle(self.conditions)
+            if self.heat is not None and self.heat.acts and self.heat.acted == 1:
+                self._warn_of_idle(self.heat.held)
         except SimulationError as error:
             if is_untouched and self.particles.are_possible():
                 self.keep_good_state()
@@ -346,6 +348,7 @@ class Simulation(Parts):
         return courant
 
     def _make_conditions(self, scene: Any) -> GridConditions | None:
+        self._may_wait: set[str] = set()
         if not self.plan.has_conditions:
             return None
         models = scene.conditions_on("velocity")
@@ -393,9 +396,7 @@ class Simulation(Parts):
         place = place_of_identity(p.id)[known[key]]
         return self.transfer.seen_nodes(place[place >= 0])
 
-    def _warn_of_idle_conditions(self) -> None:
-        if self.conditions is None:
-            return
-        for name in self.conditions.idle():
+    def _warn_of_idle(self, conditions: Any) -> None:
+        for name in [] if conditions is None else conditions.idle():
             if name not in self._may_wait:
                 LOGGER.warning("boundary condition '%s' holds no node of a body at the start", name)

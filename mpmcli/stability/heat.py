@@ -59,6 +59,7 @@ class HeatForecast:
     ----------
     diffusivities : κ_max/(ρ₀c_v) of each material that conducts or stores heat [length²/time]
     dt, interval : time step, and steps between two heat steps
+    cut : by what the heat step shortens the time step
     fourier : Fourier number D_max n Δt/Δx_min² of a heat step
     limit, because : largest stable one, and whose it is, in words
     heat_steps : number of heat steps
@@ -75,6 +76,7 @@ class HeatForecast:
     heat_steps: int
     reach: float
     filter: Filter | None
+    cut: float = 1.0
 
 
 def diffusivities(scene: Any) -> dict[str, float]:
@@ -209,6 +211,7 @@ def forecast(
     dt = _courant_step(scene, largest_wave_speed(scene) if wave_speed is None else wave_speed, speed)
     longest = chosen_fourier(scene) * cell**2 / largest if largest > 0.0 else math.inf
     interval = scene.heat.interval
+    uncut = dt
     if scene.time.step is None:
         dt = min(dt, longest / (1 if interval == "auto" else interval))
     if interval == "auto":
@@ -229,6 +232,7 @@ def forecast(
         heat_steps,
         float(reach),
         _filter(scene, heat_steps),
+        float(uncut / dt),
     )
 
 
@@ -265,7 +269,13 @@ def warnings_of_heat(scene: Any) -> list[Problem]:
         return []
     return [
         Problem(path=path, message=words, code=code, severity="warning")
-        for path, words, code in (_of_limit(scene, found), _of_filter(found), _of_reach(found))
+        for path, words, code in (
+            _of_limit(scene, found),
+            _of_interval(scene, found),
+            _of_every(scene, found),
+            _of_filter(found),
+            _of_reach(found),
+        )
         if words
     ]
 
@@ -284,10 +294,36 @@ def _of_limit(scene: Any, found: HeatForecast) -> tuple[str, str, str]:
     return "time.step", words, "unstable"
 
 
+def _of_interval(scene: Any, found: HeatForecast) -> tuple[str, str, str]:
+    """Heat steps that the run does not reach, or that shorten all time steps."""
+    if found.interval == 1:
+        return "", "", ""
+    if found.heat_steps == 0:
+        words = f"the run ends before {found.interval} steps, so that nothing is conducted"
+        return "heat.interval", words, "no_effect"
+    if found.cut > 1.0 + 1e-9:
+        fewer = max(1, math.floor(found.interval / found.cut))
+        words = (
+            f"a heat step of {found.interval} steps shortens the time step {found.cut:.3g}-fold, by heat.fourier; use "
+            f"{f'{fewer} or less' if fewer > 1 else 1}, or auto"
+        )
+        return "heat.interval", words, "doubtful"
+    return "", "", ""
+
+
+def _of_every(scene: Any, found: HeatForecast) -> tuple[str, str, str]:
+    """FMPM on heat steps that the run does not reach."""
+    every = getattr(scene.heat.transfer, "every_steps", None) or 1
+    if found.heat_steps == 0 or found.heat_steps >= every:
+        return "", "", ""
+    words = f"the run has {found.heat_steps} heat steps, so that FMPM never acts"
+    return "heat.transfer.every_steps", words, "no_effect"
+
+
 def _of_filter(found: HeatForecast) -> tuple[str, str, str]:
     """FMPM that filters what the bodies could hold."""
     of = found.filter
-    if of is None or (of.order > 1 and of.wave <= LARGEST_WAVE * of.length):
+    if of is None or of.steps < 1.0 or (of.order > 1 and of.wave <= LARGEST_WAVE * of.length):
         return "", "", ""
     name = f"FMPM({of.order})" + " (PIC)" * (of.order == 1)
     words = (

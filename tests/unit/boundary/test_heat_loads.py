@@ -439,3 +439,21 @@ def test_held_temperatures_follow_a_condition_that_moves():
         held.impose(theta, counts=True)
         assert np.flatnonzero(theta[:, 0] == 350.0).tolist() == [node]
         assert held.heat.tolist() == [50.0]
+
+
+@pytest.mark.parametrize(("value", "words"), [(-1.0, "is -1 at"), (0.0, "is 0 at"), (np.nan, "is nan at")])
+def test_nodes_held_below_zero_stop_the_run(value, words):
+    grid = SimpleNamespace(shape=(5,), coordinates=lambda nodes: np.zeros((1, len(nodes))))
+    nodes = SimpleNamespace(active=np.arange(5), active_version=1)
+    field = SimpleNamespace(nodes=nodes, mp=np.ones((5, 2)))
+    holder = SimpleNamespace(
+        renew=lambda active: None,
+        key=lambda time: 0,
+        nodes=lambda time: np.arange(2),
+        values=lambda time, points: 300.0 if time < 1.0 else value,
+    )
+    model = SimpleNamespace(name="wall", holder=lambda grid, surface_nodes: holder)
+    held = HeldTemperatures([model], grid, field, None)
+    held.select(0.5)
+    with pytest.raises(SimulationError, match=f"'wall': its temperature {words} time 2; temperatures are"):
+        held.select(2.0)

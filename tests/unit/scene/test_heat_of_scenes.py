@@ -244,12 +244,110 @@ def test_mechanical_conditions_on_rigid_bodies_are_refused_as_before() -> None:
     only(problems_of((HOT, HOT + push)), "boundary.push.on.body", "its 'velocity' prescribes its motion")
 
 
+PLANE = '{name: line, kind: temperature, on: {plane: {axis: x, at: 12}}, value: "300 + t"}'
+
+
+@pytest.mark.parametrize(
+    ("plane", "value", "clash"),
+    [
+        ("{axis: x, at: -9}", "300", True),
+        ("{axis: x, at: -9}", "280 + 5*t", False),
+        ("{axis: x, at: -8}", "300", False),
+        ("{axis: x, at: -9, side: upper}", "300", False),
+        ("{axis: y, at: -9}", "300", False),
+    ],
+)
+def test_a_plane_and_a_face_at_the_same_place_agree(plane: str, value: str, clash: bool) -> None:
+    wall = f'{{name: wall, kind: temperature, on: {{plane: {plane}}}, value: "{value}"}}'
+    found = problems_of((PLANE, wall))
+    if clash:
+        only(found, "boundary.wall.value", "this place is held at another temperature by 'cold' in line 18")
+    else:
+        assert found == []
+
+
+@pytest.mark.parametrize(("value", "clash"), [("300", False), ("300 + y", True), ("301", True)])
+def test_two_planes_at_the_same_place_agree(value: str, clash: bool) -> None:
+    other = PLANE.replace("name: line", "name: other").replace("300 + t", value)
+    found = problems_of((PLANE, f"{PLANE}\n  - {other}"))
+    if clash:
+        only(found, "boundary.other.value", "this place is held at another temperature by 'line' in line 19")
+    else:
+        assert found == []
+
+
+def test_a_face_on_the_axis_has_no_area() -> None:
+    scene = """\
+version: 1
+analysis: {kind: axisymmetric}
+grid: {lower: [0, -9], upper: [9, 9], cell: 1}
+heat: {}
+materials: {m: {kind: linear_elastic, density: 1, E: 200, nu: 0.3, heat_capacity: 1, conductivity: 1}}
+bodies: [{name: rod, material: m, region: {kind: box, lower: [0, 0], upper: [4, 4]}}]
+loads: [{name: q, kind: heat_flux, on: {body: rod, face: {axis: x, side: SIDE}}, flux: 1}]
+time: {end: 1}
+"""
+    words = "has no effect, because this face of 'rod' is on the axis"
+    only(load_scene(scene.replace("SIDE", "lower")).warnings, "loads.q.on", words, "warning")
+    assert load_scene(scene.replace("SIDE", "upper")).warnings == []
+    hollow = scene.replace("SIDE", "lower").replace("lower: [0, 0]", "lower: [1, 0]")
+    assert load_scene(hollow).warnings == []
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("boundary.line.value", "1e300"),
+        ("loads.torch.flux", "-1e31"),
+        ("loads.air.coefficient", "1e30"),
+        ("loads.sky.around", "1e35"),
+        ("loads.current.power", "1e300"),
+    ],
+)
+def test_conditions_and_loads_are_of_a_possible_size(key: str, value: str) -> None:
+    only(problems_of(sets=(f"{key}={value}",)), key, "must be below 1e+30")
+
+
+@pytest.mark.parametrize("key", ["loads.torch.flux", "loads.current.power"])
+def test_nothing_does_not_heat(key: str) -> None:
+    only(problems_of(sets=(f"{key}=0",)), key, "has no effect, because it is 0", "warning")
+
+
+def test_a_conductance_for_all_pairs_passes_over_rigid_bodies_without_temperature() -> None:
+    heat = "heat={contact: {conductance: 5}}"
+    words = "has no effect on contact with 'plate': a rigid body without 'temperature' exchanges no heat"
+    only(problems_of(sets=(heat,)), "heat.contact", words, "warning")
+    assert problems_of(sets=(heat, "bodies.plate.temperature=300")) == []
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "words"),
+    [
+        (
+            "heat.contact",
+            "perfect",
+            "write {conductance: perfect} (allowed: shared, insulated, {conductance: ...})",
+        ),
+        ("heat.contact", "insulted", "did you mean 'insulated'?"),
+        ("heat.contact.conductance", "-1", "-1 is out of range: must be above 0"),
+        ("heat.contact.conductance", "perfct", "did you mean 'perfect'?"),
+        ("heat.interval", "aut", "a whole number or 'auto' is needed, not 'aut'; did you mean 'auto'?"),
+        (
+            "materials.cork.conductivity",
+            "[1, 2]",
+            "give one number, or three for the axes of the grid, not 2",
+        ),
+    ],
+)
+def test_messages_name_what_is_allowed(path: str, value: str, words: str) -> None:
+    only(problems_of(sets=(f"{path}={value}",)), path, words)
+
+
 def test_loads_on_faces_know_no_planes() -> None:
     found = problems_of(
         ("{body: right, face: {axis: y, side: upper}}, coefficient", "{plane: {axis: y, at: 5}}, coefficient")
     )
-    by_path = {p.path: p.message for p in found}
-    assert "unknown key 'plane' (allowed: body, face)" in by_path["loads.air.on.plane"]
+    only(found, "loads.air.on", "needs a face of a body, not a plane: give body and face")
 
 
 @pytest.mark.parametrize("value", ["0", "-3", "'0*t'", "'-20 + t'"])

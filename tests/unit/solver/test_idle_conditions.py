@@ -32,6 +32,24 @@ def test_a_symmetry_plane_on_a_side_of_the_grid_may_wait(at, caplog):
         assert any("'support' holds no node" in record.message for record in caplog.records) == said
 
 
+@pytest.mark.parametrize("kind", ["flip", "fmpm"])
+@pytest.mark.parametrize(("at", "said"), [("20", 1), ("2", 0)])
+def test_a_held_temperature_without_nodes_is_named_once(at, said, kind, caplog):
+    """After the first heat step."""
+    scene = (
+        SCENE.replace("AT", at)
+        .replace("kind: velocity", "kind: temperature")
+        .replace("direction: x, value: 0", "value: 300")
+        .replace("nu: 0}", "nu: 0, heat_capacity: 1, conductivity: 1}")
+    )
+    heat = f"heat={{transfer: {{kind: {kind}}}, interval: 2}}"
+    simulation = Simulation(load_scene(scene, sets=[heat]))
+    for _ in range(6):
+        simulation.step()
+    words = "boundary condition 'support' holds no node of a body at the start"
+    assert [record.message for record in caplog.records] == [words] * said
+
+
 @pytest.mark.parametrize(("at", "said"), [("20", 1), ("2", 0)])
 def test_a_condition_without_nodes_is_named_once(at, said, caplog):
     simulation = Simulation(load_scene(SCENE.replace("AT", at)))

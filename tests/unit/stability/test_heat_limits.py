@@ -343,6 +343,25 @@ def test_fmpm_that_filters_the_bodies_is_a_warning():
         assert warnings_of_heat(scene_of(f"heat.transfer={cure}")) == []
 
 
+@pytest.mark.parametrize(
+    ("sets", "path", "words"),
+    [
+        (("heat.interval=101", "time={end: 100, step: 1}"), "heat.interval", "the run ends before 101 steps"),
+        (("heat.interval=1000",), "heat.interval", "shortens the time step"),
+        (
+            ("heat.transfer={kind: fmpm, order: 8, every_steps: 100000000}",),
+            "heat.transfer.every_steps",
+            "so that FMPM never acts",
+        ),
+    ],
+)
+def test_heat_steps_that_never_come_or_shorten_all_steps_are_warnings(sets, path, words):
+    found = [w for w in warnings_of_heat(scene_of(*sets)) if w.path == path]
+    assert len(found) == 1
+    assert words in found[0].message
+    assert [w.path for w in warnings_of_heat(scene_of("heat.interval=2"))] == []
+
+
 def test_pic_is_always_a_warning():
     (found,) = warnings_of_heat(scene_of("heat.transfer={kind: fmpm, order: 1, every_steps: 10000}"))
     assert "FMPM(1) (PIC)" in found.message
