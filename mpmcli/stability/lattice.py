@@ -27,6 +27,7 @@ class Lattice:
     cell : length of a cell along each axis, over the smallest one
     lame, shear : λ and μ, over the wave modulus ρc²
     is_endless : no block, but a row or a layer of particles without surface, repeated after ``edge`` cells
+    dashpots : axes across which both faces of the block absorb waves, with the impedances along each axis, over ρc
     """
 
     grid_functions: str
@@ -36,6 +37,7 @@ class Lattice:
     lame: float = 1.0
     shear: float = 0.0
     is_endless: bool = False
+    dashpots: tuple[tuple[int, tuple[float, ...]], ...] = ()
 
     @property
     def dimensions(self) -> int:
@@ -67,12 +69,14 @@ class Stencils:
     S : (P, N, n)
     G, reach : (d, P, N, n) gradients, and S·(x_i − X_p), which velocity gradients need
     mass : (P, n, 1) Σ_p S
+    drag : (d, P, n, N) deceleration of nodes by dashpots on faces per velocity of particles along each axis, or None
     """
 
     S: Array
     G: Array
     reach: Array
     mass: Array
+    drag: Array | None = None
 
 
 def stencils(lattice: Lattice, offsets: Array) -> Stencils:
@@ -96,12 +100,33 @@ def stencils(lattice: Lattice, offsets: Array) -> Stencils:
         products = [functools.reduce(_kron, [*values[:a], A, *values[a + 1 :]]) for a, A in enumerate(others)]
         return np.stack(products)[..., kept] * seen
 
-    return Stencils(
+    made = Stencils(
         value[..., kept] * seen,
         along_each([G / cell for (_, G, _), cell in zip(along, lattice.cell, strict=True)]),
         along_each([R * cell for (_, _, R), cell in zip(along, lattice.cell, strict=True)]),
         np.where(seen, mass[..., kept], 1.0).swapaxes(1, 2),
     )
+    if lattice.dashpots:
+        made.drag = np.zeros((lattice.dimensions, len(offsets), made.mass.shape[1], lattice.count))
+        for axis, impedances in lattice.dashpots:
+            at = face_values(lattice, offsets[:, axis])
+            faces = functools.reduce(_kron, [*values[:axis], at, *values[axis + 1 :]])[..., kept] * seen
+            total = faces.sum(axis=-1, keepdims=True)  # nodes without mass leave their part to the others
+            faces = np.divide(faces, total, out=np.zeros_like(faces), where=total > 0.0)
+            area = lattice.particles / lattice.cell[axis]  # over the volume of a particle
+            for along_axis, impedance in enumerate(impedances):
+                made.drag[along_axis] += impedance * area * faces.swapaxes(1, 2) / made.mass
+    return made
+
+
+def face_values(lattice: Lattice, offsets: Array) -> Array:
+    """Return the grid functions (P, N, n) at both faces of the block across an axis, for the particles behind them."""
+    value, _ = GRID_FUNCTIONS[lattice.grid_functions]
+    nodes = np.arange(-MARGIN, lattice.edge + 2 + MARGIN)
+    found = np.zeros((len(offsets), lattice.edge * lattice.particles, len(nodes)))
+    for row, face in ((0, 0.0), (-1, float(lattice.edge))):
+        found[:, row] += value(face + offsets[:, None] - nodes)
+    return found
 
 
 def _kron(A: Array, B: Array) -> Array:

@@ -119,6 +119,8 @@ class LinearStep:
         if strain.first > 0.0:
             state = self._strained(state, self._gradient(at, full(start)), strain.first * dt)
         change = dt * self._acceleration(at, self._total(state))
+        if at.drag is not None:
+            change = change - dt * (at.drag @ state.V)
         v = full(start + change)
         if method.flip:
             V = state.V + at.S @ change

@@ -117,6 +117,18 @@ def models_of(scene: Any) -> list[Model]:
     return sorted(kinds.values(), key=lambda model: model.speed)
 
 
+def _impedances(scene: Any, body: Any, material: Any) -> dict[int, np.ndarray]:
+    """Largest impedances (d,) along the axes of the loads that absorb waves at faces of a body, by the faces' axis."""
+    found: dict[int, np.ndarray] = {}
+    for load in scene.loads_on("velocity"):
+        if "impedance_of" in load.effects():
+            name, face = load.loaded_face()
+            if name == body.name:
+                impedance = load.impedance_of(material, scene.analysis.kind, scene.dimensions)
+                found[face.index] = np.maximum(impedance, found.get(face.index, 0.0))
+    return found
+
+
 def _models_of_body(
     scene: Any, body: Any, material: Any, is_held: np.ndarray, fastest: float
 ) -> Iterator[Model]:
@@ -124,6 +136,7 @@ def _models_of_body(
 
     A block has the axes along which the body is not held, in space the two of them with the smallest edges of a cell,
     and one axis if the body is held along all. An endless row stands for each axis along which it is held or fast.
+    Axes across which faces absorb waves come first: a block with dashpots on both of its faces stands for them.
     """
     wave, density = _wave_speed(scene, body, material), lightest_density(body, material)
     if not 0.0 < wave < math.inf or not 0.0 < (modulus := density * wave * wave) < math.inf:
@@ -134,7 +147,14 @@ def _models_of_body(
     free = np.flatnonzero(~is_held) if not is_held.all() else np.array([cell.argmin()])
     if particles[free].max() > MOST_PARTICLES:
         raise NoKnownLimit(f"body '{body.name}' has more than {MOST_PARTICLES} particles per cell and axis")
-    axes = np.sort(free[np.argsort(cell[free], kind="stable")[:2]])
+    absorbing = _impedances(scene, body, material)
+    first = np.lexsort((cell[free], [axis not in absorbing for axis in free]))
+    axes = np.sort(free[first[:2]])
+    dashpots = tuple(
+        (place, tuple(map(float, absorbing[axis][axes] / math.sqrt(density * modulus))))
+        for place, axis in enumerate(axes)
+        if axis in absorbing
+    )
     shear = float(getattr(material, "shear_modulus", 0.0)) / modulus if len(axes) > 1 else 0.0
     scale = (SPACE if len(free) == 3 else 1.0) * fastest / wave
     for count in sorted({int(n) for n in particles[free]}):
@@ -142,6 +162,10 @@ def _models_of_body(
         block = Lattice(shape.grid_functions, shape.domain, count, *elastic)
         yield Model(block, 0.0, scale, body.name, "at rest at its worst position")
         yield Model(block, SLOW, scale, body.name, "moving slowly")
+        if dashpots:
+            block = replace(block, dashpots=dashpots)
+            yield Model(block, 0.0, scale, body.name, "with absorbing faces at their worst position")
+            yield Model(block, SLOW, scale, body.name, "with absorbing faces, moving slowly")
     speeds = start_speeds(scene, body) / wave
     for a, edge in enumerate(edges):
         row = Lattice(shape.grid_functions, shape.domain, int(particles[a]), (float(edge),), is_endless=True)
