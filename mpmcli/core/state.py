@@ -72,7 +72,8 @@ class InterfaceView:
     particle_damage : function giving the damage of the interface nearest to each particle (N,) [-]
     energy : (pairs,) energy that interfaces store [energy]
     cohesive_work, broken_area : (pairs,) energy spent by damage, area that broke; both so far [energy], [area]
-    lost, all_lost : contacts whose jump is larger than a cell, so that nodes lose sight of a side; in all steps so far
+    lost, all_lost : contacts that open by more than a cell, so that nodes lose sight of a side, or break because they
+        slip by more than half a cell; in all steps so far
     """
 
     numbers: np.ndarray

@@ -57,9 +57,10 @@ class FaceInterfaces:
         jump = self._contacts.faces.jump
         if self._rows is None or self._rows.jump is not jump:
             room = len(jump)
-            numbers = {name: np.zeros(room) for name in ("work", "stored", "spent", "broke", "opening")}
+            numbers = {name: np.zeros(room) for name in ("work", "stored", "spent", "broke")}
+            flags = {name: np.zeros(room, dtype=bool) for name in ("lost", "apart")}
             self._rows = JumpRows(
-                jump=jump, end=np.zeros((room, 2)), force=np.zeros((room, 2)), **numbers,
+                jump=jump, end=np.zeros((room, 2)), force=np.zeros((room, 2)), **numbers, **flags,
                 history=np.zeros((room, HISTORY)), now=np.zeros((room, 2)), sums=np.zeros((room, 0)),
             )  # fmt: skip
         return self._rows
@@ -99,9 +100,9 @@ class FaceInterfaces:
         for which, law in self._laws.items():
             impulses.close_step[False](
                 law, AXES, which, c.count, c.fields, c.table, c.geometry, c.rows, j, after, dt, self._late,
-                self._grid.mp,
+                np.inf, np.inf, self._grid.mp,
             )  # fmt: skip
         sums = np.zeros((5, len(view.interface_energy)))
-        impulses.sum_up[False](self._sides, c.count, c.fields, weight, c.faces.crack, np.inf, j, sums)
+        impulses.sum_up[False](self._sides, c.count, c.fields, weight, c.faces.crack, j, sums)
         self._work["interface_work"] += float(sums[0].sum())
         view.interface_energy[:] = sums[1]

@@ -33,7 +33,8 @@ class InterfaceModel(LawModel):
 
     bonded: Annotated[Expression, Varying("1", ("x", "y", "z"))] | None = None
     """Where the sides are bonded at the start: where this is positive (``"x > 25"``); everywhere they touch if left
-    out. Elsewhere they are in contact as broken ones are."""
+    out. Elsewhere they are in contact as broken ones are, as is matter that meets later, and what slips by more than
+    half a cell."""
 
     @property
     def drives_apart(self) -> bool:

@@ -19,6 +19,7 @@ from mpmcli.interfaces.base import (
     stored_energy,
     traction,
 )
+from mpmcli.interfaces.independent import slip_of
 
 Array = np.ndarray
 
@@ -156,21 +157,24 @@ def find_pair_impulses(
 
 
 @kernel
-def close_step(law, axes, which, count, fields, nodes, geometry, rows, jumps, after, dt, late, mp):
+def close_step(
+    law, axes, which, count, fields, nodes, geometry, rows, jumps, after, dt, late, widest, farthest, mp
+):
     """Jumps at the end of the step, what interfaces took out of the bodies, store and have spent, and histories.
 
     ``after`` (k, d) are the relative velocities that the impulses leave, those before are in ``rows.slip``. The share
     ``late`` of the work is found with the former, as that of the stresses is: the two agree in sum, not at each node.
+    Interfaces that open by more than ``widest`` or slip by more than ``farthest`` are lost; the latter break, with the
+    energy that they store.
     """
-    work, stored, spent, opening, broke = jumps.work, jumps.stored, jumps.spent, jumps.opening, jumps.broke
+    work, stored, spent, broke, lost = jumps.work, jumps.stored, jumps.spent, jumps.broke, jumps.lost
     for k in prange(count):
         if fields.law[k] != which:
             continue
-        work[k], stored[k], spent[k], broke[k] = 0.0, 0.0, 0.0, 0.0
+        work[k], stored[k], spent[k], broke[k], lost[k] = 0.0, 0.0, 0.0, 0.0, False
         normal, end, history, now = geometry.normal[k], jumps.end[k], jumps.history[k], jumps.now[k]
         for a in range(len(axes)):
             end[a] = jumps.jump[k, a] + after[k, a] * dt
-        opening[k] = dot(axes, jumps.jump[k], normal)
         now[0], now[1] = 0.0, 0.0
         if history[BREAKS] > 0.5:
             continue
@@ -182,6 +186,13 @@ def close_step(law, axes, which, count, fields, nodes, geometry, rows, jumps, af
             work[k] += share * (net[a] - held[a]) * slip
         openings(law, axes, normal, jumps.jump[k], now)
         spent[k] = geometry.area[k] * remember(law, axes, normal, jumps.jump[k], history)
+        if history[BREAKS] < 0.5:
+            opening = dot(axes, jumps.jump[k], normal)
+            slips = slip_of(axes, normal, jumps.jump[k], opening) > farthest
+            lost[k] = slips or opening > widest
+            if slips:
+                spent[k] += geometry.area[k] * stored_energy(law, axes, normal, jumps.jump[k], history)
+                history[BREAKS] = 1.0
         if history[BREAKS] > 0.5:
             broke[k] = geometry.area[k]
         else:
@@ -201,10 +212,10 @@ def find_tractions(law, axes, which, count, fields, geometry, jumps, out):
 
 
 @kernel
-def sum_up(sides, count, fields, share, pair, widest, jumps, sums):
+def sum_up(sides, count, fields, share, pair, jumps, sums):
     """Sums over the contacts of a step, ``share`` (k,) of each, by ``pair`` (k,), added to ``sums`` (5, pairs).
 
-    Rows: work, stored and spent energy, area that broke, and how many hold though they open by more than ``widest``.
+    Rows: work, stored and spent energy, area that broke, and how many are lost.
     """
     for k in range(count):
         if sides.law[fields.law[k]]:
@@ -212,5 +223,5 @@ def sum_up(sides, count, fields, share, pair, widest, jumps, sums):
             sums[1, pair[k]] += share[k] * jumps.stored[k]
             sums[2, pair[k]] += share[k] * jumps.spent[k]
             sums[3, pair[k]] += share[k] * jumps.broke[k]
-            if jumps.history[k, BREAKS] < 0.5 and jumps.opening[k] > widest:
+            if jumps.lost[k]:
                 sums[4, pair[k]] += 1.0

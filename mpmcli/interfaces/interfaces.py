@@ -34,7 +34,9 @@ Array = np.ndarray
 
 WAYS = {"gradient": GRADIENT, "extrapolated": EXTRAPOLATED, "edges": EDGES}
 LOST = 1.0
-"""Jump from which nodes begin to lose sight of one side of an interface, in cells."""
+"""Opening from which nodes begin to lose sight of one side of an interface, in cells."""
+SLIPPED = 0.5
+"""Slip from which most of the matter that meets at a node was bonded elsewhere, in cells."""
 
 
 class Interfaces:
@@ -74,7 +76,6 @@ class Interfaces:
         of_law[list(self.laws)] = True
         rows = start_histories(choice, order.particles, reach, grid)
         self._sides = Sides(of_law, rows, pair)
-        self._remembers = bool((rows >= 0).any())
         at = {name: field for field, name in enumerate(choice.fields)}
         chosen = [int(choice.table[at[a], at[b]]) in self.laws for a, b in names]
         self._acts = False
@@ -110,16 +111,23 @@ class Interfaces:
             self._find_start_gaps()
         find_jumps[parallel](
             self._axes, self._way, self._sides, c.count, c.fields, c.table, around, c.nodes.near, matter,
-            self._start_gap, c.geometry, j,
+            self._particles.interface, self._start_gap, c.geometry, j,
         )  # fmt: skip
         if self._opens:
             open_areas[parallel](self._axes, self._sides, c.count, c.fields, c.table, around, c.geometry, j)
-        if self._remembers:
-            p = self._particles
-            recall_histories[parallel](
-                self._sides, c.count, c.fields, c.table, c.nodes.near, p.velocity_field, p.F, p.vol0,
-                p.interface, j,
-            )  # fmt: skip
+        p = self._particles
+        recall_histories[parallel](
+            self._sides,
+            c.count,
+            c.fields,
+            c.table,
+            c.nodes.near,
+            p.velocity_field,
+            p.F,
+            p.vol0,
+            p.interface,
+            j,
+        )
 
     def forces_known(self, known: bool) -> None:
         """From now on in the step interfaces do all that they do (momenta are updated), or hold perfect directions."""
@@ -154,19 +162,18 @@ class Interfaces:
         belongs to real particles, and its pair.
         """
         c, j, p, view = self._contacts, self.jumps, self._particles, self.view
+        cell = float(self._grid.cell.max())
         for which in sorted(self.laws):
             impulses.close_step[False](
                 self._law[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows, j, after, dt,
-                self._late, self._grid.mp,
+                self._late, LOST * cell, SLIPPED * cell, self._grid.mp,
             )  # fmt: skip
-        if self._remembers:
-            keep_histories[parallel](
-                self._sides, c.count, c.fields, c.table, c.nodes.near, p.velocity_field, p.interface, j
-            )
+        keep_histories[parallel](
+            self._sides, c.count, c.fields, c.table, c.nodes.near, p.velocity_field, p.interface, j
+        )
         self._shares, self._pairs, self._means = shares, pair, None
         sums = np.zeros((5, len(view.energy)))
-        widest = LOST * float(self._grid.cell.max())
-        impulses.sum_up[False](self._sides, c.count, c.fields, shares, pair, widest, j, sums)
+        impulses.sum_up[False](self._sides, c.count, c.fields, shares, pair, j, sums)
         work, view.energy[:], spent, broken, lost = sums
         view.lost = int(lost.sum())
         view.all_lost += view.lost
@@ -271,9 +278,10 @@ class Interfaces:
             self._room = room
             d = self._grid.dimensions
             vectors = {name: np.zeros((room, d)) for name in ("jump", "end", "force")}
-            numbers = {name: np.zeros(room) for name in ("work", "stored", "spent", "broke", "opening")}
+            numbers = {name: np.zeros(room) for name in ("work", "stored", "spent", "broke")}
+            flags = {name: np.zeros(room, dtype=bool) for name in ("lost", "apart")}
             self.jumps = JumpRows(
-                **vectors, **numbers, history=np.zeros((room, HISTORY)), now=np.zeros((room, 2)),
+                **vectors, **numbers, **flags, history=np.zeros((room, HISTORY)), now=np.zeros((room, 2)),
                 sums=np.zeros((room, 2 * d + d * d)),
             )  # fmt: skip
         return self.jumps

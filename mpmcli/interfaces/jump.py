@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,9 @@ from mpmcli.interfaces.base import BREAKS
 Array = np.ndarray
 
 UNSET = -1.0
-"""Largest opening of particles that no interface has reached yet."""
+"""Largest opening of particles that no interface has reached yet; what they know of breaks, if never bonded."""
+REACH = 0.2
+"""By so many cells matter that was bonded may be farther from an interface than matter that was not."""
 
 
 class JumpRows(NamedTuple):
@@ -31,7 +34,8 @@ class JumpRows(NamedTuple):
     work, stored, spent : (k,) energy that the interface takes out of the bodies in the step; that it gives back; that
         is lost for good in the step [energy]
     broke : (k,) area that broke in the step [area]
-    opening : (k,) part of ``jump`` along the normal [length]
+    lost : (k,) whether its jump is too large for the grid
+    apart : (k,) whether matter of either side was not bonded at the start of the run
     sums : (k, 2 d + d d) scratch
     """
 
@@ -44,7 +48,8 @@ class JumpRows(NamedTuple):
     stored: Array
     spent: Array
     broke: Array
-    opening: Array
+    lost: Array
+    apart: Array
     sums: Array
 
 
@@ -96,7 +101,7 @@ def add_inverse_times(axes, F, p, weight, turned, r, out):
 
 
 @kernel
-def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, start_gap, geometry, rows):
+def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, kept, start_gap, geometry, rows):
     """Jump δ(0) of every contact whose law is one of interfaces, into ``rows.jump``.
 
     With ``GRADIENT`` the difference of the reference positions of the matter that is at the interface now, beside the
@@ -104,9 +109,13 @@ def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, sta
     pushes the difference forward: exact for affine motions of both. With ``EXTRAPOLATED`` the difference of mean
     displacements (Nairn 2023, Eq. 2.4); with ``EDGES`` the part along the normal is the separation less that of the
     start, ``start_gap`` (pairs,).
+
+    ``rows.apart`` tells whether the matter of a side that is nearest to the interface was not bonded at the start, by
+    the histories ``kept`` (rows, N) of the particles.
     """
     d = len(axes)
-    jump, sums = rows.jump, rows.sums
+    jump, sums, apart = rows.jump, rows.sums, rows.apart
+    reach = REACH * max_of(axes, around.cell)
     for k in prange(count):
         if not sides.law[fields.law[k]]:
             continue
@@ -114,12 +123,14 @@ def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, sta
         alpha, beta = field_at(nodes, fields.alpha[k]), field_at(nodes, fields.partner[k])
         # the interface lies beside the node: there sides that turn apart have another jump
         beside = 0.5 * (geometry.distances[k, 0] + geometry.distances[k, 1])
-        if not abs(beside) < UNKNOWN:
+        knows_place = abs(beside) < UNKNOWN
+        if not knows_place:
             beside = 0.0
-        find_jump(
-            axes, way, slot, i, alpha, beta, fields.rigid[k], around, near, matter, beside, geometry.normal[k],
-            sums[k], jump[k],
+        bonded = find_jump(
+            axes, way, slot, i, alpha, beta, fields.rigid[k], around, near, matter, beside, knows_place,
+            geometry.normal[k], sides, kept, reach, sums[k], jump[k],
         )  # fmt: skip
+        apart[k] = not bonded
         if way == EDGES:
             along = 0.0
             for a in range(d):
@@ -130,9 +141,26 @@ def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, sta
 
 
 @inline
-def find_jump(axes, way, slot, i, alpha, beta, rigid, around, near, matter, beside, normal, sums, out):
-    """``find_jumps`` for one contact, ``beside`` it along the normal; ``sums`` is scratch."""
+def max_of(axes, values):
+    """Largest of ``values`` (d,)."""
+    most = values[0]
+    for a in range(1, len(axes)):
+        most = max(most, values[a])
+    return most
+
+
+@inline
+def find_jump(
+    axes, way, slot, i, alpha, beta, rigid, around, near, matter, beside, knows_place, normal, sides, kept, reach, sums,
+    out,
+):  # fmt: skip
+    """``find_jumps`` for one contact, ``beside`` it along the normal; returns whether both sides were bonded.
+
+    Matter is that of the particle nearest to the interface; where this is not known (``knows_place``), along the
+    surface only. ``sums`` is scratch.
+    """
     d = len(axes)
+    bonded_alpha, bonded_beta, other_alpha, other_beta = math.inf, math.inf, math.inf, math.inf
     # unfolded: mean reference positions of α and of β relative to the node, and the mean F of both
     at_alpha, at_beta, F = sums[:d], sums[d : 2 * d], sums[2 * d :]
     for j in range(2 * d + d * d):
@@ -158,6 +186,21 @@ def find_jump(axes, way, slot, i, alpha, beta, rigid, around, near, matter, besi
                 out[a] = node + beside * normal[a] - x
                 mine[a] -= w * (moved if way == EXTRAPOLATED else moved + out[a])
                 stride *= around.shape[a]
+            square, deep = 0.0, 0.0
+            for a in range(d):
+                square += out[a] * out[a]
+                deep += out[a] * normal[a]
+            distance = math.sqrt(square if knows_place else max(square - deep * deep, 0.0))
+            was_bonded = kept[row_of_history(sides, field, alpha, beta) + BREAKS, p] > UNSET
+            if is_beta:
+                if was_bonded:
+                    bonded_beta = min(bonded_beta, distance)
+                else:
+                    other_beta = min(other_beta, distance)
+            elif was_bonded:
+                bonded_alpha = min(bonded_alpha, distance)
+            else:
+                other_alpha = min(other_alpha, distance)
             if way != EXTRAPOLATED:
                 add_inverse_times(axes, matter.F, p, w, turned, out, mine)
                 if of_rigid or not rigid:  # beside a rigid body the jump is in its frame
@@ -178,6 +221,7 @@ def find_jump(axes, way, slot, i, alpha, beta, rigid, around, near, matter, besi
             out[a] = 0.0
             for b in range(d):
                 out[a] += F[d * a + b] * at_alpha[b] / m_both if m_both > 0.0 else 0.0
+    return bonded_alpha <= other_alpha + reach and bonded_beta <= other_beta + reach
 
 
 @inline
@@ -235,7 +279,7 @@ def recall_histories(sides, count, fields, nodes, near, field, F, vol0, kept, ro
 
     It is that of the particles whose nearest node this is, or else of all that the node sees: the mean by their
     shares S V. Particles that no interface has reached count for nothing; broken is an
-    interface of whose matter more than half is.
+    interface of whose matter more than half is, or of matter that was not bonded (``rows.apart``).
     """
     history = rows.history
     for k in prange(count):
@@ -254,13 +298,13 @@ def recall_histories(sides, count, fields, nodes, near, field, F, vol0, kept, ro
                     w = near.S[at] * determinant_of_particle(F, p) * vol0[p]
                     share += w
                     for j in range(history.shape[1]):
-                        history[k, j] += w * kept[row + j, p]
+                        history[k, j] += w * max(kept[row + j, p], 0.0)
                 at = near.next[at]
             if share > 0.0:
                 for j in range(history.shape[1]):
                     history[k, j] /= share
                 break
-        history[k, BREAKS] = 1.0 if history[k, BREAKS] > 0.5 else 0.0
+        history[k, BREAKS] = 1.0 if rows.apart[k] or history[k, BREAKS] > 0.5 else 0.0
 
 
 @kernel
@@ -268,7 +312,7 @@ def keep_histories(sides, count, fields, nodes, near, field, kept, rows):
     """Give the particles nearest to every interface its openings of the step; what broke stays broken."""
     history, now = rows.history, rows.now
     for k in prange(count):
-        if not sides.law[fields.law[k]]:
+        if not sides.law[fields.law[k]] or rows.apart[k]:
             continue
         alpha, beta = field_at(nodes, fields.alpha[k]), field_at(nodes, fields.partner[k])
         at = near.head[fields.slot[k]]
@@ -279,5 +323,6 @@ def keep_histories(sides, count, fields, nodes, near, field, kept, rows):
                 is_new = kept[row, p] <= UNSET
                 for j in range(2):
                     kept[row + j, p] = max(history[k, j] if is_new else kept[row + j, p], now[k, j])
-                kept[row + BREAKS, p] = max(kept[row + BREAKS, p], history[k, BREAKS])
+                if history[k, BREAKS] > 0.5:
+                    kept[row + BREAKS, p] = 1.0
             at = near.next[at]

@@ -19,7 +19,7 @@ def interface_facts(state: State, largest: float) -> dict[str, Any]:
     dict
         ``interfaces``: ``work`` that they took out of the bodies, ``energy`` stored in them, ``cohesive_work``,
         ``loss`` that is none of both, ``relative_loss`` over ``largest`` or None, and ``lost``, the contacts of all
-        steps that opened by more than a cell.
+        steps that opened by more than a cell, or broke because they slipped by more than half a cell.
     """
     view = None if state.contact is None else state.contact.interfaces
     if view is None:
@@ -51,5 +51,6 @@ def lost_in_words(lost: int) -> str:
     """Return the warning of interfaces that opened too far for the grid."""
     return (
         f"in {lost} contacts (of all steps) an intact interface opened by more than a cell, where nodes no longer "
-        "receive both sides and tractions fade; use larger cells, a stiffer interface or a law that fails earlier"
+        "receive both sides and tractions fade, or slipped by more than half a cell, where it breaks; use larger "
+        "cells, a stiffer interface or a law that fails earlier"
     )

@@ -248,7 +248,8 @@ def test_three_bodies_at_a_node(others, off):
     run.check(energy=0.6)  # small blocks with jumps of velocity: FMPM(2) dissipates
     assert run.highest < 1.03 * run.initial
     other = JoinedRun(THREE[::-1], law, contact__pairs=pairs, grid=grid).steps(60)
-    bound = 1e-10 if off else 1e-5  # on grid lines round-off decides what the lightest nodes see
+    # on grid lines round-off decides what the lightest nodes see, and which matter they find bonded
+    bound = 1e-10 if off else 2e-5
     for mine, its in ((0, 2), (1, 1), (2, 0)):
         for name in ("X", "V"):
             a = run.ordered(name)[:, _of_body(run, mine)]

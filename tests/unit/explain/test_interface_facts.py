@@ -118,13 +118,12 @@ def test_facts_of_an_interface():
     json.dumps(facts)
 
 
-def test_a_linear_interface_keeps_no_history_and_has_no_zone():
+def test_a_linear_interface_remembers_where_it_was_bonded_and_has_no_zone():
     facts = facts_of(
         LINEAR, method={"transfer": {"kind": "fmpm", "order": 3}}, interface={"step": "oscillator"}
     )
     found = facts["interfaces"]
-    assert found["arrays"] == {"X0": 16 * facts["particles"]}
-    assert "recall_histories" not in " ".join(found["kernels"])
+    assert found["arrays"] == {"X0": 16 * facts["particles"], "interface": 24 * facts["particles"]}
     [pair] = found["pairs"]
     assert (pair["zone_cells"], pair["failure_cells"]) == ({}, {})
     assert "in 3.b on every increment of the FMPM loop" in facts["text"]
