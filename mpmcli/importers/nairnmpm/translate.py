@@ -76,7 +76,7 @@ def _keep_last(job: Job, head: Command) -> None:
     """Of repeated settings keep the last, as NairnMPM does."""
     last = {command.name: command for command in head.children}
     for command in head.children:
-        if COMMANDS[command.name].text in {"n", "i", "t"} and last[command.name] is not command:
+        if COMMANDS[command.name].text in {"n", "n?", "i", "t"} and last[command.name] is not command:
             job.ignored(command, "a later command of this name replaces it")
     head.children = [
         command for command in head.children if not command.handled or last[command.name] is command
