@@ -297,7 +297,7 @@ def _whole_faces(job: Job, place: Where, bodies: Bodies, side: tuple[str, str]) 
 
 
 def _is_box_at(region: Made, axis: int, edge: float, reach: float) -> bool:
-    """Whether a region is a box, of which no hole comes as near as ``reach`` to the plane at ``edge`` across an axis."""
+    """Whether a region is a box with no hole as near as ``reach`` to the plane at ``edge`` across an axis."""
     if region["kind"] != "difference":
         return bool(region["kind"] == "box")
     ends = [limits(hole) for hole in region["subtract"]]
