@@ -57,6 +57,10 @@ class Bodies:
                 regions.append(region(job, inside))
             elif (inside.name == "Unrotate" and index > last) or inside is turned:
                 inside.handled = True
+            elif inside.name == "Deform":
+                job.unsupported(
+                    inside, "a deformation at the start; bodies may have 'stress: {kind: strain, …}'"
+                )
             elif regions:
                 late = True
         if late:

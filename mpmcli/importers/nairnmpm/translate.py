@@ -58,7 +58,7 @@ def translate(path: Path, partial: bool) -> Translation:
         words = f"the file begins with <{source.root.name}>; files of NairnMPM begin with <JANFEAInput>"
         raise SceneError([Problem("", words, str(path), source.root.line, code="source")])
     made = Translation(path, "NairnMPM")
-    check(source, made)
+    check(source, made, partial)
     job = Job(source, made, {"version": 1})
     blocks = {name: source.root.last(name) for name in _NEEDED}
     for command in source.root.all("Material"):

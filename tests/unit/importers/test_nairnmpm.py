@@ -654,6 +654,26 @@ def test_pictures_of_one_length_have_square_pixels(tmp_path, attributes, size):
     assert made.scene["bodies"][0]["region"]["size"] == size
 
 
+def test_partial_scenes_lack_what_is_not_known(tmp_path):
+    text = source(
+        setup="<Quantum>3</Quantum>",
+        points=BODY.replace('mat="1"', 'mat="1" spin="3"').replace("<Rect", '<Deform dXX="1.1"/><Rect'),
+        more="<GridBCs><TractionBC/></GridBCs>",
+    )
+    whole, made = translated(tmp_path, text), translated(tmp_path, text, partial=True)
+    assert whole.errors
+    assert made.problems(partial=True) == []
+    load(write(made))
+    notes = "\n".join(map(str, made.of_kind("not_supported")))
+    for words in (
+        "unknown command",
+        "unknown attribute 'spin'",
+        "does not belong",
+        "a deformation at the start",
+    ):
+        assert words in notes
+
+
 def test_nothing_is_dropped_in_silence(tmp_path):
     """Each command and attribute of a source is read, or is in a note with its line."""
     made = translated(
@@ -880,13 +900,17 @@ BROKEN = {
 }
 
 
+NOT_SUPPORTED = ("analysis", "unknown_command", "unknown_attribute", "misplaced")
+"""Scenes without these are written with ``--partial``."""
+
+
 @pytest.mark.parametrize("name", BROKEN)
 def test_broken_sources(name, tmp_path):
     text, words = BROKEN[name]
     path = tmp_path / f"{name}.fmcmd"
     path.write_text(text)
     for options in ([], ["--partial"]):
-        if name == "analysis" and options:
+        if name in NOT_SUPPORTED and options:
             continue
         code, written, seconds = spoken(["import", "nairnmpm", str(path), *options])
         assert code == 3, written
