@@ -10,10 +10,11 @@ from pydantic import model_validator
 
 from mpmcli.boundary.base import LOADS, Array, LoadModel, Values, check_length
 from mpmcli.boundary.place import Box, Region, check_space, inside
+from mpmcli.boundary.velocity import check_variables, evaluate
 from mpmcli.core.expressions import Expression
 from mpmcli.core.model import Model, Varying
 
-ForceField = Annotated[Expression, Varying("force", ("t",))]
+ForceField = Annotated[Expression, Varying("force")]
 
 
 class Target(Model):
@@ -42,14 +43,17 @@ class ParticleForce(LoadModel):
     on: Target
     """Which particles."""
     force: tuple[ForceField, ...]
-    """Force, one number or expression of t per axis (axisymmetric: on the full ring)."""
+    """Force, one number or expression of t per axis (axisymmetric: on the full ring); per particle also of x, y, z.
+
+    These are the current position of the particle.
+    """
     per: Literal["total", "particle"] = "total"
     """Whether the force is the total, shared in proportion to mass, or that on each particle."""
 
     @property
     def varies(self) -> bool:
-        """Whether it depends on time."""
-        return any("t" in component.variables for component in self.force)
+        """Whether it depends on time, or on the current position."""
+        return not all(component.is_constant for component in self.force)
 
     @property
     def shares_force(self) -> bool:
@@ -70,11 +74,16 @@ class ParticleForce(LoadModel):
 
     def force_at(self, points: Array, time: float) -> Values:
         """Return the force."""
-        return [component(t=time) for component in self.force]
+        return [evaluate(component, points, time) for component in self.force]
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What does not fit an analysis with so many axes."""
         found = check_length("force", self.force, dimensions)
+        for a, component in enumerate(self.force):
+            found += check_variables(f"force.{a}", component, dimensions)
+            if self.shares_force and component.variables - {"t"}:
+                words = "a total cannot depend on the place; give 'per: particle'"
+                found.append((f"force.{a}", words))
         return found + check_space("on", self.on.box, self.on.region, dimensions)
 
     def bodies(self) -> list[tuple[str, str]]:

@@ -86,6 +86,10 @@ def _largest_speed(snapshot: Snapshot) -> float:
     return float(np.sqrt((V * V).sum(axis=0).max(initial=0.0)))
 
 
+def _largest_displacement(snapshot: Snapshot) -> float:
+    return float(np.sqrt(np.square(snapshot.displacement).sum(axis=0).max(initial=0.0)))
+
+
 def _smallest_J(snapshot: Snapshot) -> float:
     J = snapshot.of_matter(snapshot.J)
     return float(J.min()) if J.size else float("nan")
@@ -263,6 +267,26 @@ QUANTITIES.add(
         "body",
         _body_mean("X"),
         "centre of mass of a body (its mean radius r); of a rigid one, of its volume",
+    ),
+    Quantity(
+        "displacement",
+        "u_c",
+        "length",
+        "vector",
+        "body",
+        lambda s: s.mean_over("body", s.displacement, s.particles.mass),
+        "mean displacement of a body by mass, since time 0",
+        is_default=never,
+    ),
+    Quantity(
+        "displacement",
+        "u_max",
+        "length",
+        "scalar",
+        "global",
+        _largest_displacement,
+        "largest displacement of a particle since time 0",
+        is_default=never,
     ),
     Quantity(
         "velocity", "v_c", "velocity", "vector", "body", _body_mean("V"), "mean velocity of a body by mass"

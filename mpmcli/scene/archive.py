@@ -200,3 +200,11 @@ def shows(archive: Archive, probes: Iterable[Any], field: str) -> bool:
     """Return whether archives of particles or probes that follow one have a field."""
     asked = () if archive.particles is None else archive.particles.fields
     return field in asked or any(probe.kind == "particle" and field in probe.columns for probe in probes)
+
+
+def tables_show(scene: Any, word: str) -> bool:
+    """Return whether columns of tables, or criteria of the end of the run and of events, use a word."""
+    columns = () if scene.archive.globals is None else scene.archive.globals.columns or ()
+    criteria = [event.when for event in scene.events or ()]
+    criteria += [] if scene.time.stop_when is None else [scene.time.stop_when]
+    return any(word in text for text in (*columns, *(each.condition for each in criteria)))

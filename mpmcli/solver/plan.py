@@ -20,7 +20,7 @@ from mpmcli.core.variants import (
     TransferMethod,
     increment_factor,
 )
-from mpmcli.scene.archive import shows
+from mpmcli.scene.archive import shows, tables_show
 from mpmcli.scene.fields import law_table, velocity_fields
 from mpmcli.scene.heat import Heat
 from mpmcli.shapes import SHAPES, ShapeEntry
@@ -193,7 +193,8 @@ def make_plan(scene: Any) -> Plan:
         blend=None if blend is None else (blend.order, float(blend.fraction)),
         dynamic=None if dynamic is None else (dynamic.metric, float(dynamic.tolerance)),
         velocity_gradient=transfer.velocity_gradient,
-        shows_displacement=shows(scene.archive, scene.probes, "displacement"),
+        shows_displacement=shows(scene.archive, scene.probes, "displacement")
+        or tables_show(scene, "displacement"),
         averages_volume=method.volumetric == "averaged",
     )
 

@@ -31,8 +31,15 @@ _GLOBALS = {
     "thermal energy": "thermal_energy",
     "interface energy": "interface_energy",
     "friction work": "contact_work",
+    "external work": "external_work",
 }
-_OF_MATERIAL = {"s": "stress_", "e": "strain_", "vel": "velocity_", "disp": "center_", "temp": "temperature"}
+_OF_MATERIAL = {
+    "s": "stress_",
+    "e": "strain_",
+    "vel": "velocity_",
+    "disp": "displacement_",
+    "temp": "temperature",
+}
 _TENSOR = {"xx", "yy", "zz", "xy", "xz", "yz"}
 
 
@@ -162,7 +169,7 @@ def column_of(job: Job, command: Command, names: list[tuple[str, str]]) -> str |
         bodies = [body for body, material in names if material == keys[0]]
         if word in {"s", "e"} and rest in _TENSOR and keys[0] in owners:
             return f"{column}{rest}[{keys[0]}]"
-        if word == "vel" and rest in {"x", "y", "z"} and len(bodies) == 1:
+        if word in {"vel", "disp"} and rest in {"x", "y", "z"} and len(bodies) == 1:
             return f"{column}{rest}[{bodies[0]}]"
         if word == "temp" and rest in {"", "erature"} and job.heats:
             return f"temperature[{keys[0]}]"

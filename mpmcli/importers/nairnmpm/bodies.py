@@ -57,6 +57,10 @@ class Bodies:
                 regions.append(region(job, inside))
             elif (inside.name == "Unrotate" and index > last) or inside is turned:
                 inside.handled = True
+            elif inside.name == "Deform":
+                job.unsupported(
+                    inside, "a deformation at the start; bodies may have 'stress: {kind: strain, …}'"
+                )
             elif regions:
                 late = True
         if late:
@@ -188,7 +192,6 @@ class Bodies:
         if job.analysis == "3d":
             job.unsupported(command, "pictures in 3D")
             return
-        self._size(command, base)
         origin = command.last("Origin")
         if origin is not None:
             corner = [job.number(origin, letter) or 0 for letter in "xy"]
@@ -198,6 +201,7 @@ class Bodies:
                 base["flip"] = "vertical"
         if not self._copy(command, name):
             return
+        self._size(command, base)
         turns = body_axes(job, command)
         for level in command.all("Intensity"):
             if "mat" not in level.attributes and "matname" not in level.attributes:
@@ -217,14 +221,23 @@ class Bodies:
 
     def _size(self, command: Command, base: dict[str, Any]) -> None:
         job = self.job
-        width, height = job.number(command, "width"), job.number(command, "height")
-        pixels = [v for v in (width, height) if v is not None and v.number < 0]
-        if pixels and len(pixels) == len([v for v in (width, height) if v is not None]):
-            base["pixel"] = [(v or pixels[0]).negative for v in (width, height)]
-        elif width is not None and height is not None and not pixels:
-            base["size"] = [width, height]
-        else:
-            job.note("not_supported", command, "a picture without both width and height")
+        given = [job.number(command, word) for word in ("width", "height")]
+        count = _pixels(job.made.files[base["file"]])
+        if count is None:
+            job.made.error(command.line, "<BMP>", f"{base['file']} is no picture that can be read")
+            return
+        lengths = [value and value.scaled for value in given]
+        pixel = [
+            None if length is None else -length if length < 0 else length / n
+            for length, n in zip(lengths, count, strict=True)
+        ]
+        one = next((edge for edge in pixel if edge), None)
+        if one is None:
+            job.made.error(command.line, "<BMP>", "the attribute 'width' or 'height' is missing")
+        elif None not in given and all(v is not None and v.number > 0 for v in given):
+            base["size"] = given
+        else:  # pixels are square where one length is given, and negative lengths are those of pixels
+            base["size"] = [Value((edge or one) * n) for edge, n in zip(pixel, count, strict=True)]
 
     def _level(self, level: Command, body: dict[str, Any]) -> None:
         job = self.job
@@ -340,3 +353,16 @@ def _places(boxes: list[Box | None]) -> list[str]:
             pair = words[axis]
             return list(pair) if gaps[axis] > 0 else [pair[1], pair[0]]
     return [str(number) for number in range(1, len(boxes) + 1)]
+
+
+def _pixels(contents: str | bytes) -> tuple[int, int] | None:
+    """Columns and rows of a picture, or None if it is none."""
+    from io import BytesIO
+
+    from PIL import Image
+
+    try:
+        with Image.open(BytesIO(contents if isinstance(contents, bytes) else contents.encode())) as picture:
+            return picture.size
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+        return None

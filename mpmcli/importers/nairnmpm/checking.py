@@ -14,24 +14,30 @@ LARGEST = 1e30
 """Numbers of sources are smaller."""
 
 
-def check(source: CommandFile, made: Translation) -> None:
-    """Add an error for each command, attribute or value that NairnMPM does not know where it stands."""
-    _Checker(source, made).visit(source.root, "")
+def check(source: CommandFile, made: Translation, partial: bool = False) -> None:
+    """Add an error for each command, attribute or value that NairnMPM does not know where it stands.
+
+    With ``partial``, commands and attributes that are not known are taken out, and noted as not supported.
+    """
+    _Checker(source, made, partial).visit(source.root, "")
 
 
 class _Checker:
-    def __init__(self, source: CommandFile, made: Translation):
+    def __init__(self, source: CommandFile, made: Translation, partial: bool):
         self.source = source
         self.made = made
+        self.partial = partial
 
     def visit(self, command: Command, parent: str) -> None:
         rules = self._rules(command, parent)
         if rules is None:
             return
-        for name, value in command.attributes.items():
+        for name, value in list(command.attributes.items()):
             if name not in rules.attributes:
                 hint = did_you_mean(name, list(rules.attributes)) or _choice(rules.attributes)
-                self._error(command, f"unknown attribute '{name}'{hint}")
+                self._unknown(command, f"unknown attribute '{name}'{hint}")
+                if self.partial:
+                    del command.attributes[name]
             else:
                 self._value(command, f"attribute {name}", rules.attributes[name], value)
         for name in sorted(rules.needed - set(command.attributes)):
@@ -41,15 +47,18 @@ class _Checker:
             self.made.note("ignored", command.line, f"<{command.name}>", words)
         if rules.text not in {"0", "t", "t?"} and not (rules.text.endswith("?") and not command.text.strip()):
             self._value(command, "text", rules.text.rstrip("?"), command.text)
-        for child in command.children:
+        for child in list(command.children):
             allowed = rules.inside
             if child.name in allowed or "*" in allowed:
                 self.visit(child, command.name)
-            elif child.name in COMMANDS:
-                self._error(child, f"does not belong in <{command.name}>{_choice(allowed)}")
+                continue
+            if child.name in COMMANDS:
+                self._unknown(child, f"does not belong in <{command.name}>{_choice(allowed)}")
             else:
                 hint = did_you_mean(child.name, sorted(allowed)) or _choice(allowed)
-                self._error(child, f"unknown command in <{command.name}>{hint}")
+                self._unknown(child, f"unknown command in <{command.name}>{hint}")
+            if self.partial:
+                command.children.remove(child)
 
     def _rules(self, command: Command, parent: str) -> Known | None:
         if parent in {"Material", "Periodic"}:
@@ -85,6 +94,12 @@ class _Checker:
             )
         elif not abs(float(found[0])) < LARGEST:
             self._error(command, f"{where}: '{plain[:60]}' is too large")
+
+    def _unknown(self, command: Command, words: str) -> None:
+        if self.partial:
+            self.made.note("not_supported", command.line, f"<{command.name}>", words)
+        else:
+            self._error(command, words)
 
     def _error(self, command: Command, words: str) -> None:
         self.made.error(command.line, f"<{command.name}>", words)

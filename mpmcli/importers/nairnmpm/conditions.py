@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Any
 
@@ -9,12 +10,13 @@ from mpmcli.importers.nairnmpm.bodies import Bodies
 from mpmcli.importers.nairnmpm.commands import CLOSE, OPEN, Command
 from mpmcli.importers.nairnmpm.job import Job
 from mpmcli.importers.nairnmpm.places import Where, where
-from mpmcli.importers.nairnmpm.shapes import NAMES
+from mpmcli.importers.nairnmpm.shapes import NAMES, limits
 from mpmcli.importers.nairnmpm.values import Formula, Value
 
 Made = dict[str, Any]
 _PLACES = ("BCLine", "BCArc", "BCBox", "BCShape", "LdRect")
-_DIRECTIONS = {1: 0, 2: 1, 3: 2, 12: 0, 13: 0, 23: 1, 123: 2}
+_DIRECTIONS = {1: (0,), 2: (1,), 3: (2,), 12: (0, 1), 13: (0, 2), 23: (1, 2), 123: (0, 1, 2)}
+"""Axes of a direction of velocity conditions."""
 _FACES = {1: ("y", "lower"), 2: ("x", "upper"), 3: ("y", "upper"), 4: ("x", "lower")}
 
 
@@ -76,7 +78,8 @@ def grid_conditions(job: Job, block: Command) -> list[Made]:
             entry = _condition(job, condition)
             if entry is not None and place is not None and on is not None:
                 several = sum(child.name in {"DisBC", "TempBC"} for child in shape.children) > 1
-                end = f"_{entry.get('direction', 'temperature')}" if several else ""
+                along = entry.get("direction", "temperature")
+                end = f"_{along if isinstance(along, str) else 'oblique'}" if several else ""
                 made.append(
                     {"name": _name(f"{place.name}{end}", names), "kind": entry.pop("kind"), "on": on, **entry}
                 )
@@ -93,20 +96,36 @@ def _condition(job: Job, command: Command) -> Made | None:
         command.get("disp")
         command.get("vel")
         command.get("value")
-        axis = _DIRECTIONS.get(code)
-        if axis is None or (code > 10 and any(angles)):
-            job.unsupported(command, "a direction that is not along an axis")
-            return None
-        if axis >= len(job.axes):
+        if code not in _DIRECTIONS or any(axis >= len(job.axes) for axis in _DIRECTIONS[code]):
             job.made.error(command.line, "<DisBC>", f"there is no direction {code} in this analysis")
             return None
         value = history(job, command, velocity, "velocity", waits=False)
-        return None if value is None else {"kind": "velocity", "direction": job.axes[axis], "value": value}
+        if value is None:
+            return None
+        return {"kind": "velocity", "direction": _direction(job, code, *angles), "value": value}
     if command.name == "TempBC":
         value = history(job, command, job.number(command, "value"), "temperature", waits=False)
         return None if value is None else {"kind": "temperature", "value": value}
     job.unsupported(command, "no counterpart on nodes")
     return None
+
+
+def _direction(job: Job, code: int, angle: float, around: float) -> Any:
+    """The axis of a direction, or a vector: turned clockwise from the first of two axes, by polar angles from three."""
+    axes = _DIRECTIONS[code]
+    a, b = math.radians(angle), math.radians(around)
+    parts: tuple[float, ...] = (1.0,)
+    if len(axes) == 2:
+        parts = math.cos(a), -math.sin(a)
+    elif len(axes) == 3:
+        parts = math.cos(b) * math.sin(a), math.sin(b) * math.sin(a), math.cos(a)
+    vector = [0.0] * len(job.axes)
+    for axis, part in zip(axes, parts, strict=True):
+        vector[axis] = part if abs(part) > 1e-12 else 0.0
+    along = [axis for axis, part in enumerate(vector) if part]
+    if len(along) == 1 and vector[along[0]] > 0.0:
+        return job.axes[along[0]]
+    return [Value(part) for part in vector]
 
 
 def particle_loads(job: Job, block: Command, bodies: Bodies) -> list[Made]:
@@ -129,7 +148,7 @@ def particle_loads(job: Job, block: Command, bodies: Bodies) -> list[Made]:
                 for entry in _silent(job, load, place, bodies):
                     made.append({"name": _name(f"absorbing_{entry['on']['body']}", names), **entry})
             elif load.name == "LoadBC":
-                _force(job, load, forces)
+                _force(job, load, forces, net)
             elif load.name in {"TractionBC", "HeatFluxBC"}:
                 for entry in _on_faces(job, load, place, bodies):
                     name = _name(f"{entry['kind']}_{entry['on']['body']}", names)
@@ -150,7 +169,7 @@ def particle_loads(job: Job, block: Command, bodies: Bodies) -> list[Made]:
     return made
 
 
-def _force(job: Job, load: Command, forces: list[list[Any]]) -> None:
+def _force(job: Job, load: Command, forces: list[list[Any]], net: bool) -> None:
     axis = round(job.plain(load, "dir")) - 1
     value = job.number(load, "load") or job.number(load, "value")
     for name in ("load", "value", "stress"):
@@ -161,8 +180,8 @@ def _force(job: Job, load: Command, forces: list[list[Any]]) -> None:
     found = history(job, load, value, "")
     if found is None:
         return
-    if isinstance(found, Formula) and re.search(r"\b[xyz]\b", found.text):
-        job.note("not_supported", load, "a force on particles that depends on their places")
+    if net and isinstance(found, Formula) and re.search(r"\b[xyz]\b", found.text):
+        job.note("not_supported", load, "a net force on particles that depends on their places")
         return
     if job.analysis == "axisymmetric":
         text = found.text if isinstance(found, Formula) else raw(found)
@@ -262,7 +281,7 @@ def _whole_faces(job: Job, place: Where, bodies: Bodies, side: tuple[str, str]) 
             continue
         edge = last[axis] if upper else first[axis]
         covers = (
-            body["region"]["kind"] == "box"
+            _is_box_at(body["region"], axis, edge, 0.5 * spacing[axis] + job.tolerance)
             and place.lower[axis] <= edge + job.tolerance
             and place.upper[axis] >= edge - job.tolerance
             and not place.lower[axis] - job.tolerance
@@ -275,6 +294,16 @@ def _whole_faces(job: Job, place: Where, bodies: Bodies, side: tuple[str, str]) 
             return []
         found.append(str(body["name"]))
     return found
+
+
+def _is_box_at(region: Made, axis: int, edge: float, reach: float) -> bool:
+    """Whether a region is a box with no hole as near as ``reach`` to the plane at ``edge`` across an axis."""
+    if region["kind"] != "difference":
+        return bool(region["kind"] == "box")
+    ends = [limits(hole) for hole in region["subtract"]]
+    return bool(region["region"]["kind"] == "box") and all(
+        end is not None and not end[0][axis] - reach <= edge <= end[1][axis] + reach for end in ends
+    )
 
 
 def gravity(job: Job, block: Command) -> list[Made]:

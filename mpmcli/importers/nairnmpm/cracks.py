@@ -100,6 +100,11 @@ def _growth(job: Job, settings: Command | None, bodies: Bodies) -> Made | None:
     if not chosen:
         _skip_properties(job, materials)
         return None
+    own = [row for row in chosen if row[1] is not None]
+    if own and len(own) < len(chosen):
+        for default, _ in (row for row in chosen if row[1] is None):
+            job.note("ignored", default, "the criterion of the material counts")
+        chosen = own
     command, owner = chosen[-1]
     chosen_of = owner or (materials[0] if materials else None)
     if chosen_of is None:

@@ -258,6 +258,9 @@ def time(job: Job, command: Command) -> None:
         end = job.number(inside, "max", "time") or end
         step = job.number(inside, "step", "time") or step
         cfl = job.number(inside, "CFL") or cfl
+        if inside.get("TransCFL") is not None:
+            words = "attribute TransCFL: steps of conduction follow their own stability limit"
+            job.note("ignored", inside, words)
         where = inside
     for inside in command.all("MaxTime"):
         end = job.number(inside, None, "time") or end

@@ -18,6 +18,7 @@ _STYLES = {"reverse": 0, "hold": 1, "nochange": 2, "abort": 3}
 _JOULES = {
     "boundary_work",
     "contact_work",
+    "external_work",
     "interface_energy",
     "kinetic_energy",
     "plastic_work",

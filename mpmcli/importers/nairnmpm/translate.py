@@ -58,7 +58,7 @@ def translate(path: Path, partial: bool) -> Translation:
         words = f"the file begins with <{source.root.name}>; files of NairnMPM begin with <JANFEAInput>"
         raise SceneError([Problem("", words, str(path), source.root.line, code="source")])
     made = Translation(path, "NairnMPM")
-    check(source, made)
+    check(source, made, partial)
     job = Job(source, made, {"version": 1})
     blocks = {name: source.root.last(name) for name in _NEEDED}
     for command in source.root.all("Material"):
@@ -76,7 +76,7 @@ def _keep_last(job: Job, head: Command) -> None:
     """Of repeated settings keep the last, as NairnMPM does."""
     last = {command.name: command for command in head.children}
     for command in head.children:
-        if COMMANDS[command.name].text in {"n", "i", "t"} and last[command.name] is not command:
+        if COMMANDS[command.name].text in {"n", "n?", "i", "t"} and last[command.name] is not command:
             job.ignored(command, "a later command of this name replaces it")
     head.children = [
         command for command in head.children if not command.handled or last[command.name] is command

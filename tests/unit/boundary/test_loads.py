@@ -149,6 +149,20 @@ def test_the_total_does_not_change_when_particles_are_lost():
     np.testing.assert_array_equal(made.accelerations(0.0, none), 0.0)
 
 
+def test_a_force_per_particle_may_depend_on_where_it_is_now():
+    p = particles()
+    force = ParticleForce(name="a", on={"body": "left"}, force=["3*x + t", "y"], per="particle")
+    assert force.varies
+    made = loads(force, p=p)
+    for _ in range(2):
+        left = p.body == 0
+        found = (made.accelerations(2.0, p, version=1) * p.mass)[:, left]
+        np.testing.assert_allclose(found, [3 * p.X[0, left] + 2, p.X[1, left]])
+        p.X += 1.0
+    total = ParticleForce(name="a", on={"body": "left"}, force=["x", 0])
+    assert [key for key, _ in total.problems(2)] == ["force.0"]
+
+
 def test_forces_of_the_user_are_those_on_the_full_ring():
     p = particles()
     made = loads(ParticleForce(name="a", on={"body": "left"}, force=[0, 3]), analysis=Axisymmetric(), p=p)

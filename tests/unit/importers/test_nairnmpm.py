@@ -572,6 +572,108 @@ def test_ends_without_a_material_do_not_grow(tmp_path, tip):
     load(write(alone))
 
 
+@pytest.mark.parametrize(("hole", "is_loaded"), [("-1 1 -1 1", True), ("1 2 3 4.5", False)])
+def test_faces_of_a_box_that_no_hole_touches_take_tractions(tmp_path, hole, is_loaded):
+    ends = dict(zip(("xmin", "xmax", "ymin", "ymax"), hole.split(), strict=True))
+    oval = " ".join(f'{word}="{value}"' for word, value in ends.items())
+    parts = {
+        "points": f"<Hole><Oval {oval}/></Hole>{BODY}",
+        "more": """<ParticleBCs><BCBox xmin="0" xmax="4" ymin="3.7" ymax="4">
+          <TractionBC dir="2" face="3" stress="3"/></BCBox></ParticleBCs>""",
+    }
+    made = translated(tmp_path, source(**parts))
+    assert bool(made.problems(partial=False)) is not is_loaded
+    if is_loaded:
+        assert scene_of(tmp_path, **parts)["loads"][0]["traction"] == [0, 3]
+
+
+@pytest.mark.parametrize(
+    ("attributes", "direction"),
+    [
+        ('dir="12" angle="30"', [math.cos(math.pi / 6), -0.5]),
+        ('dir="12" angle="0"', "x"),
+        ('dir="12" angle="-90"', "y"),
+        ('dir="12" angle="90"', [0, -1]),
+    ],
+)
+def test_oblique_conditions_turn_clockwise(tmp_path, attributes, direction):
+    condition = f"""<GridBCs><BCLine x1="-2" x2="6" y1="-2" y2="-2">
+      <DisBC {attributes} vel="0"/></BCLine></GridBCs>"""
+    [made] = scene_of(tmp_path, more=condition)["boundary"]
+    assert made["direction"] == (direction if isinstance(direction, str) else pytest.approx(direction))
+
+
+def test_a_force_on_each_particle_may_depend_on_its_place(tmp_path):
+    box = """<ParticleBCs><BCBox xmin="0" xmax="4" ymin="3" ymax="4">{}
+      <LoadBC dir="2" style="6" function="10*x*t"/></BCBox></ParticleBCs>"""
+    [load] = scene_of(tmp_path, more=box.format(""))["loads"]
+    assert load["per"] == "particle"
+    assert load["force"] == [0, "10*x*t"]
+    made = translated(tmp_path, source(more=box.format("<net/>")))
+    assert any("net force" in problem.message for problem in made.problems(partial=False))
+
+
+def test_the_criterion_of_a_material_counts_before_that_of_all(tmp_path):
+    made = translated(
+        tmp_path,
+        source(
+            setup='<Cracks><Propagate criterion="1" direction="1"/></Cracks>',
+            material=MATERIAL.replace("</Mat", '<JIc>200</JIc><Propagate criterion="7" direction="1"/></Mat'),
+            more='<CrackList><pt x="-0.5" y="2.1" tip="-2"/><pt x="2" y="2.1" tip="1"/></CrackList>',
+        ),
+    )
+    assert made.problems(partial=False) == []
+    assert made.scene["cracks"][0]["growth"]["end"]["criterion"]["kind"] == "energy_release_rate"
+    assert any("the criterion of the material counts" in str(note) for note in made.notes)
+
+
+def test_damping_may_be_a_function_without_a_text_and_steps_of_conduction_are_ignored(tmp_path):
+    setup = '<PDamping function="100*t"/>'
+    time = '<Timing CFL="0.4" TransCFL="0.5" max="1e-3"/>'
+    scene = scene_of(tmp_path, setup=setup, time=time)
+    assert scene["method"]["damping"] == {"particle": "0.1*t"}
+
+
+@pytest.mark.parametrize(
+    ("attributes", "size"),
+    [
+        ('width="8"', [8, 4]),
+        ('height="8"', [16, 8]),
+        ('width="-0.5"', [2, 1]),
+        ('width="-0.5" height="-1"', [2, 2]),
+        ('width="8" height="6"', [8, 6]),
+    ],
+)
+def test_pictures_of_one_length_have_square_pixels(tmp_path, attributes, size):
+    from PIL import Image
+
+    Image.new("L", (4, 2), 200).save(tmp_path / "p.png")
+    picture = f'<BMP name="p.png" {attributes}><Intensity mat="1" imin="100" imax="255"/></BMP>'
+    made = translated(tmp_path, source(points=picture))
+    assert made.problems(partial=False) == []
+    assert made.scene["bodies"][0]["region"]["size"] == size
+
+
+def test_partial_scenes_lack_what_is_not_known(tmp_path):
+    text = source(
+        setup="<Quantum>3</Quantum>",
+        points=BODY.replace('mat="1"', 'mat="1" spin="3"').replace("<Rect", '<Deform dXX="1.1"/><Rect'),
+        more="<GridBCs><TractionBC/></GridBCs>",
+    )
+    whole, made = translated(tmp_path, text), translated(tmp_path, text, partial=True)
+    assert whole.errors
+    assert made.problems(partial=True) == []
+    load(write(made))
+    notes = "\n".join(map(str, made.of_kind("not_supported")))
+    for words in (
+        "unknown command",
+        "unknown attribute 'spin'",
+        "does not belong",
+        "a deformation at the start",
+    ):
+        assert words in notes
+
+
 def test_nothing_is_dropped_in_silence(tmp_path):
     """Each command and attribute of a source is read, or is in a note with its line."""
     made = translated(
@@ -798,13 +900,17 @@ BROKEN = {
 }
 
 
+NOT_SUPPORTED = ("analysis", "unknown_command", "unknown_attribute", "misplaced")
+"""Scenes without these are written with ``--partial``."""
+
+
 @pytest.mark.parametrize("name", BROKEN)
 def test_broken_sources(name, tmp_path):
     text, words = BROKEN[name]
     path = tmp_path / f"{name}.fmcmd"
     path.write_text(text)
     for options in ([], ["--partial"]):
-        if name == "analysis" and options:
+        if name in NOT_SUPPORTED and options:
             continue
         code, written, seconds = spoken(["import", "nairnmpm", str(path), *options])
         assert code == 3, written

@@ -62,6 +62,9 @@ def test_energies_and_momenta(make_state):
     right = p.body == 1
     assert table["center_x[right]"] == pytest.approx(np.average(p.X[0, right], weights=p.mass[right]))
     assert table["velocity_y[right]"] == pytest.approx(np.average(p.V[1, right], weights=p.mass[right]))
+    moved = Snapshot(state).displacement
+    assert table["displacement_x[right]"] == pytest.approx(np.average(moved[0, right], weights=p.mass[right]))
+    assert table["displacement"] == pytest.approx(np.linalg.norm(moved, axis=0).max())
 
 
 def test_history_energies_belong_to_the_materials_that_have_them(make_state):

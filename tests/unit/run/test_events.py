@@ -57,6 +57,18 @@ def test_a_run_ends_when_a_criterion_comes_true(tmp_path: Path) -> None:
     assert outcome.steps == len(rows) - 1 < 60
 
 
+@pytest.mark.parametrize("column", ["displacement", "displacement_x[block]"])
+def test_a_run_ends_when_a_body_has_moved_far_enough(tmp_path: Path, column: str) -> None:
+    """All particles move alike along x, and not along y: no probe or archive asks for displacements."""
+    text = scene(f', stop_when: "{column} > far"').replace(
+        "columns: [displacement, velocity]", "columns: [position]"
+    )
+    outcome, rows, _ = run(text, tmp_path / "a")
+    moved = [row["position_x"] - rows[0]["position_x"] for row in rows]
+    assert moved[-2] <= 0.1 < moved[-1]
+    assert outcome.steps == len(rows) - 1 < 60
+
+
 def test_a_criterion_may_have_to_last(tmp_path: Path) -> None:
     when = "{condition: '(kinetic_energy > 0)*(step >= 3)', after: 0.1, lasts: 0.2}"
     outcome, _, _ = run(scene(f", stop_when: {when}"), tmp_path / "a")
