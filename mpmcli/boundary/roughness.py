@@ -16,7 +16,8 @@ class Rough(ConditionModel):
     friction: Annotated[float, Quantity("1", ge=0)] | None = None
     """Coulomb coefficient: the nodes are not free to slide along the plane where the material presses on it.
 
-    The velocity across the plane is held in tension too: bodies do not lift off. For that use contact with a rigid body.
+    The velocity across the plane is held in tension too: bodies do not lift off, as they do from a rigid body in
+    contact.
     """
     cohesion: Annotated[float, Quantity("pressure", ge=0)] | None = None
     """Tangential stress that the plane holds without pressure, over its area in contact."""
