@@ -226,7 +226,7 @@ class Bodies:
         if count is None:
             job.made.error(command.line, "<BMP>", f"{base['file']} is no picture that can be read")
             return
-        lengths = [value and value.scaled for value in given]
+        lengths = [None if value is None else value.scaled for value in given]
         pixel = [
             None if length is None else -length if length < 0 else length / n
             for length, n in zip(lengths, count, strict=True)
