@@ -14,7 +14,11 @@ class Rough(ConditionModel):
     """Base of conditions that may rub."""
 
     friction: Annotated[float, Quantity("1", ge=0)] | None = None
-    """Coulomb coefficient: the nodes are not free to slide along the plane where the material presses on it."""
+    """Coulomb coefficient: the nodes are not free to slide along the plane where the material presses on it.
+
+    The velocity across the plane is held in tension too: bodies do not lift off, as they do from a rigid body in
+    contact.
+    """
     cohesion: Annotated[float, Quantity("pressure", ge=0)] | None = None
     """Tangential stress that the plane holds without pressure, over its area in contact."""
 

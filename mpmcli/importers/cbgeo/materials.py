@@ -164,10 +164,21 @@ def _mohr_coulomb(work: Work, given: MohrCoulomb, keys: Keys) -> dict[str, Any] 
     return made
 
 
+_EXTENSIONS = {
+    "subloading": ("subloading_u",),
+    "bonding": ("s_h", "mc_a", "mc_b", "mc_c", "mc_d", "m_degradation", "m_shear"),
+}
+"""Numbers of the extensions of Cam clay."""
+
+
 def _cam_clay(work: Work, given: ModifiedCamClay, keys: Keys) -> dict[str, Any] | None:
     for option in ("three_invariants", "subloading", "bonding"):
         if getattr(given, option):
             work.note("not_supported", (*keys, option), "an extension of the plain model")
+    for option, names in _EXTENSIONS.items():
+        for name in names:
+            if getattr(given, name) is not None and not getattr(given, option):
+                work.note("ignored", (*keys, name), f"{option} is switched off")
     start: dict[str, Any] = {}
     if work.cloud.stress is None:
         start["pressure"] = given.pc0 / given.ocr

@@ -106,14 +106,29 @@ def add_archive(work: Work) -> None:
             work.note("ignored", ("post_processing", "vtk"), f"'{name}' is no quantity of mpmcli's archives")
     used = work.scene.get("materials", {}).values()
     known = {"pressure", *(row for made in used for row in getattr(MATERIALS[made["kind"]], "history", ()))}
-    for name in given.vtk_statevars:
-        if isinstance(name, str) and STATES.get(name) in known:
+    for name in _state_variables(work, given.vtk_statevars):
+        if STATES.get(name) in known:
             wanted.append(STATES[name])
         else:
-            shown = name if isinstance(name, str) else "variables by phase"
-            words = f"'{shown}' is no quantity of the scene's materials"
+            words = f"'{name}' is no quantity of the scene's materials"
             work.note("ignored", ("post_processing", "vtk_statevars"), words)
     always = ParticleArchive.model_fields["fields"].default  # as CB-Geo's HDF5 files, which hold all of them
     if not set(wanted) <= set(always):
         particles["fields"] = list(dict.fromkeys([*always, *wanted]))
     work.scene["archive"] = {"particles": particles, "globals": {"every": every}}
+
+
+def _state_variables(work: Work, given: tuple[Any, ...]) -> list[str]:
+    """Names of state variables: single ones, and those listed by phase, of which the solid one is 0."""
+    found: list[str] = []
+    for entry in given:
+        variables = entry.get("statevars") if isinstance(entry, dict) else [entry]
+        if isinstance(entry, dict) and entry.get("phase_id", 0) != 0:
+            words = f"the phase {entry['phase_id']}; there is one phase"
+            work.note("ignored", ("post_processing", "vtk_statevars"), words)
+        elif isinstance(variables, list) and all(isinstance(name, str) for name in variables):
+            found += variables
+        else:
+            words = "no names of state variables; [{phase_id: 0, statevars: [...]}] is read"
+            work.note("ignored", ("post_processing", "vtk_statevars"), words)
+    return found

@@ -217,6 +217,14 @@ class ModifiedCamClay(LinearElastic):
     three_invariants: bool = False
     subloading: bool = False
     bonding: bool = False
+    subloading_u: float | None = None
+    s_h: float | None = None
+    mc_a: float | None = None
+    mc_b: float | None = None
+    mc_c: float | None = None
+    mc_d: float | None = None
+    m_degradation: float | None = None
+    m_shear: float | None = None
 
 
 class OtherMaterial(Material):

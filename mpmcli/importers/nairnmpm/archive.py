@@ -19,6 +19,7 @@ _RESULTS = {
     "workenergy": "stress_work",
     "strainenergy": "strain_energy",
     "rotstrain": "deformation_gradient",
+    "pressure": "pressure",
 }
 _GLOBALS = {
     "kinetic energy": "kinetic_energy",

@@ -126,8 +126,10 @@ def _common(job: Job, command: Command, made: Made) -> None:
         if heat is not None:
             made["heat_capacity"] = heat
         conductivity = job.property(command, "kCond", "conductivity", shown=True)
-        if conductivity is not None:
+        if conductivity is not None and "heat" in job.scene:
             made["conductivity"] = conductivity
+        elif conductivity is not None:
+            job.note("ignored", command, "kCond: nothing conducts heat in this file")
         reference = job.scene.get("_reference")
         if reference is not None:
             made["T0"] = reference

@@ -325,6 +325,10 @@ def test_cam_clay_begins_at_its_pressure(tmp_path):
     clay = translated(given, tmp_path).scene["materials"]["clay"]
     assert clay["e0"] == pytest.approx(1.12 - 0.1 * np.log(2.0) - 0.03 * np.log(1.5))
     assert clay["pressure"] == pytest.approx(2e5)
+    given.main["materials"][0] |= {"subloading_u": 10.0, "s_h": 0.1, "m_shear": 0.0}
+    made = translated(given, tmp_path / "off")
+    assert made.scene["materials"]["clay"] == clay
+    assert "s_h: bonding is switched off" in "\n".join(map(str, made.of_kind("ignored")))
     given.main["materials"][0]["bonding"] = True
     found = translate(given.write(tmp_path), partial=False).problems(partial=False)
     assert [problem.path for problem in found] == ["materials.0.bonding"]
@@ -345,6 +349,13 @@ def test_quantities_of_the_archive(tmp_path):
     assert fields[:4] == ["displacement", "velocity", "stress", "deformation_gradient"]
     assert fields[4:] == ["strain", "equivalent_plastic_strain"]
     assert "'x' is no quantity" in str(made.of_kind("ignored"))
+    by_phase = [{"phase_id": 0, "statevars": ["pdstrain", "x"]}, {"phase_id": 1, "statevars": ["pressure"]}]
+    given.main["post_processing"]["vtk_statevars"] = by_phase
+    made = translated(given, tmp_path / "phases")
+    assert made.scene["archive"]["particles"]["fields"] == fields
+    notes = "\n".join(map(str, made.of_kind("ignored")))
+    assert "'x' is no quantity" in notes
+    assert "the phase 1; there is one phase" in notes
 
 
 def test_forces_on_nodes(tmp_path):

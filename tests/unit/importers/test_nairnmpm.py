@@ -540,6 +540,22 @@ def test_heat(tmp_path):
     assert scene["bodies"][0]["temperature"] == 350
 
 
+def test_conductivities_are_left_out_where_nothing_conducts(tmp_path):
+    made = translated(
+        tmp_path,
+        source(
+            setup='<StressFreeTemp>300</StressFreeTemp><MPMArchive result="pressure"/><ArchiveTime>1e-4</ArchiveTime>',
+            material=MATERIAL.replace("</Mat", "<Cv>400</Cv><kCond>2</kCond></Mat"),
+            more="<Thermal><EnergyCoupling/></Thermal>",
+        ),
+    )
+    assert made.problems(partial=False) == []
+    assert "conductivity" not in made.scene["materials"]["stuff"]
+    assert any("nothing conducts heat" in str(note) for note in made.notes)
+    assert "pressure" in made.scene["archive"]["particles"]["fields"]
+    assert load(write(made)).warnings == []
+
+
 def test_growth_of_cracks(tmp_path):
     scene = scene_of(
         tmp_path,
