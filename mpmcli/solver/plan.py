@@ -115,8 +115,10 @@ class Plan:
 
     @property
     def stores_weights(self) -> bool:
-        """Weights of nodes are found once and kept where several passes of the FMPM loop read them."""
-        return self.order > 2 and not self.velocity_gradient
+        """Weights of nodes are found once and kept where several passes of full-mass loops read them."""
+        of_velocity = 0 if self.velocity_gradient else self.order - 1
+        of_heat = 0 if self.heat is None else self.heat.transfer.order - 1
+        return of_velocity + of_heat > 1
 
     @property
     def order_rule(self) -> OrderRule:

@@ -92,6 +92,7 @@ class Transfer:
         self.widest = grid.pad + 2 if shape.follows_deformation else grid.width
         self._stores = stores_weights
         self._stored: Any = None
+        self._moved = True  # since weights were stored
         self._passing: Any = None
         self.fields = list(fields)
         self.zero = (0.0,) * grid.dimensions
@@ -110,6 +111,7 @@ class Transfer:
 
     def sort(self) -> None:
         """Sort particles by cell and size the buffers for the bands that result."""
+        self._moved = True
         for field in self.fields:  # nodes that fall out of use stay empty
             for array in (field.mp, field.f):
                 if array is not None:
@@ -129,6 +131,7 @@ class Transfer:
 
     def begin_step(self) -> None:
         """Sort if particles have drifted far; fix the domains that this step's stencils are built from."""
+        self._moved = True
         if self.order.is_stale:
             self.sort()
         self._fix_domains()
@@ -185,13 +188,14 @@ class Transfer:
             task, zero, too, analysis, own_shape if shape is None else shape, *rest
         )
 
-    def _stored_weights(self, refresh: bool) -> Any:
-        """The shape function that reads its weights from memory; ``refresh`` finds them anew."""
+    def _stored_weights(self, first: bool) -> Any:
+        """The shape function that reads its weights from memory; the ``first`` pass finds those of moved particles."""
         p, store = self.particles, kept_as(self.shape.parameters)
         shape = p.count, store.columns(self.grid.width, self.grid.dimensions)
         if self._stored is None or self._stored.S.shape != shape:
-            self._stored = store(np.zeros(p.count, dtype=np.uint64), np.zeros(shape))
-        if refresh:
+            self._stored, self._moved = store(np.zeros(p.count, dtype=np.uint64), np.zeros(shape)), True
+        if first and self._moved:
+            self._moved = False
             kernels.store_weights[self.parallel](
                 self.shape.parameters, self.geometry, self.across, self.order.chunks, self.stencil,
                 p.X, self._domain_F, p.size, *self._stored,
@@ -275,7 +279,7 @@ class Transfer:
     def project(self, field: NodalField, v: Array, out: Array, weight: float, first: bool = True) -> None:
         """out += Sᵀ M S v, completed (see ``Correction.complete`` for ``weight``).
 
-        ``first`` says that particles have moved or changed since the last projection.
+        ``first``: the first pass of a loop, before which particles may have moved or changed.
         """
         M = field.capacity()
         if field.gradient is not None:
@@ -318,6 +322,7 @@ class Transfer:
             p.L if with_gradients else None, mass,
             self.speed_squared, self.travel, self.outside, self.bounds, damped, too,
         )  # fmt: skip
+        self._moved = True
         self.farthest = float(self.travel.max())
         self.order.drift += self.farthest
 

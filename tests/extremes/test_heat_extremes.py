@@ -301,3 +301,27 @@ def test_equilibrium_for_a_hundred_thousand_steps(transfer, hold):
         np.abs(bar.T / 321 - 1).max(),
         1e-10,
     )
+
+
+@pytest.mark.slow
+def test_noise_of_the_carried_temperature_never_grows(hold):
+    """What nodes do not see stays with FLIP; it must not grow in a bar that drifts across the cells."""
+    bar = Bar((5, 321, {}), transfer=FLIP, at=0.3, velocity=1e-5)
+    p = bar.particles
+    p.T_carried += np.random.default_rng(7).uniform(-1.0, 1.0, len(p.T_carried))
+    bar.heat = bar._heat()
+    mean = bar.heat / float(p.mass @ bar._capacity[p.material])
+    start = np.abs(p.T_carried - mean).max()
+    bar.steps(100_000)
+    what = "1e5 steps from noise of 1 K"
+    hold(
+        what,
+        named(FLIP),
+        "largest carried noise over that of the start",
+        np.abs(p.T_carried - mean).max() / start,
+        1.0,
+    )
+    hold(
+        what, named(FLIP), "noise that is seen, of that of the start", np.abs(bar.T - mean).max() / start, 0.1
+    )
+    hold(what, named(FLIP), "change of heat", bar.drift, 1e-12)

@@ -100,8 +100,8 @@ def method(dice: Dice) -> dict[str, Any]:
         keys["damping"] = {"particle": dice.number(0, 2), "grid": dice.number(0, 2)}
     if dice.rarely():
         keys["artificial_viscosity"] = {"linear": 0.2, "quadratic": 2.0}
-    if dice.rarely(0.3):
-        keys["heating"] = "adiabatic"
+    if dice.rarely(0.4):
+        keys["heating"] = dice.one_of(["adiabatic", "adiabatic", "isothermal"])
     return keys
 
 
@@ -241,6 +241,11 @@ def warm_up(dice: Dice, scene: dict[str, Any], d: int) -> None:
     has_heat = dice.rarely(0.8)
     if has_heat:
         scene["heat"] = heat(dice, "contact" in scene)
+        if scene["heat"].get("contact", "shared") != "shared":
+            for pair in scene["contact"].get("pairs", ()):
+                pair["heat"] = dice.one_of(
+                    ["insulated", {"conductance": dice.size()}, {"conductance": "perfect"}]
+                )
     for material in scene["materials"].values():
         if material["kind"] == "rigid":
             continue
@@ -264,10 +269,12 @@ def warm_up(dice: Dice, scene: dict[str, Any], d: int) -> None:
 
 
 def somewhere(dice: Dice, d: int) -> dict[str, Any]:
-    """A plane, or the face of a body."""
+    """A plane, box, region, or the face of a body."""
     axis = dice.one_of("xyz"[:d])
     face = {"body": "a", "face": {"axis": axis, "side": dice.one_of(["lower", "upper"])}}
-    return dice.one_of([{"plane": {"axis": axis, "at": dice.number(1, 3), "side": "lower"}}, face])
+    plane = {"plane": {"axis": axis, "at": dice.number(1, 3), "side": "lower"}}
+    box = {"lower": [0.0] * d, "upper": [dice.number(1, 3)] * d}
+    return dice.one_of([plane, face, face, {"box": box}, {"region": {"kind": "box"} | box}])
 
 
 def load_of_heat(dice: Dice, d: int) -> dict[str, Any]:

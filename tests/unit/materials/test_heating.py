@@ -7,6 +7,7 @@ from contextlib import nullcontext
 
 import numpy as np
 import pytest
+from examples import MATERIALS as MATERIAL_WORDS
 from scipy.integrate import solve_ivp
 from thermal_runs import ALPHA, HENCKY, METAL, RHO, RUBBER, SOLIDS, T0, WATER, E, G, K, LogSolid, Run
 
@@ -253,6 +254,29 @@ def test_what_expansion_does_is_no_dissipation(analysis):
         found[alpha] = run.history("heat_energy")
     assert found[0.0] > 0.01
     assert found[ALPHA] == pytest.approx(found[0.0], rel=1e-12)
+
+
+SOLID_LAWS = [
+    {"kind": kind, "density": 1.0, "T0": T0, "heat_capacity": 1e-3} | words
+    for kind, samples in MATERIAL_WORDS.items()
+    if kind not in ("rigid", "ideal_gas", "mie_gruneisen")
+    for words in samples
+]
+
+
+@pytest.mark.parametrize("words", SOLID_LAWS, ids=lambda words: words["kind"])
+def test_free_growth_changes_no_stress_and_dissipates_nothing(words):
+    """In any law: a body that grows with its heat keeps its Cauchy stress and shape."""
+    run = Run("3d", words | {"expansion": ALPHA}, "isothermal", conducts=True)
+    start = run.stress
+    for T in (310.0, 370.0, 400.0, 350.0):
+        growth = ALPHA * (T - run.T)
+        run.p.T[0] = T
+        run.step(1.0, *(growth if row % 4 == 0 else 0.0 for row in range(9)))
+    assert np.abs(run.stress - start).max() < 1e-14
+    for name in ("plastic_work", "heat_energy", "dissipated_energy"):
+        if name in run.model.history:
+            assert abs(run.history(name)) < 1e-15
 
 
 def test_isothermal_plastic_flow_gives_its_heat_to_a_bath():
