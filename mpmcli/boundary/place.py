@@ -178,6 +178,13 @@ def beyond(grid: Nodes, nodes: Array, plane: Plane) -> Array:
     return np.asarray(index <= k if lower else index >= k)
 
 
+def is_side(grid: Nodes, side: tuple[int, int], plane: Plane) -> bool:
+    """Whether a plane lies on a side of the grid (axis; 0 lower, 1 upper)."""
+    a, upper = side
+    end = grid.upper[a] if upper else grid.lower[a]
+    return bool(abs(plane.at - end) <= TOLERANCE * grid.cell[a])
+
+
 def check_axis(key: str, part: Plane | Face | None, dimensions: int) -> list[tuple[str, str]]:
     """The problem, if any, that an axis does not exist."""
     if part is None or part.index < dimensions:

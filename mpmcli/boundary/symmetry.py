@@ -7,8 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from mpmcli.boundary.base import CONDITIONS, TOLERANCE, Array, ConditionModel, Nodes, SurfaceNodes
-from mpmcli.boundary.place import Plane, axis_index, check_axis, grid_line
+from mpmcli.boundary.base import CONDITIONS, Array, ConditionModel, Nodes, SurfaceNodes
+from mpmcli.boundary.place import Plane, axis_index, check_axis, grid_line, is_side
 
 
 @CONDITIONS.register
@@ -30,9 +30,7 @@ class Symmetry(ConditionModel):
 
     def may_wait(self, grid: Nodes) -> bool:
         """On a side of the grid it is a wall, which bodies may reach later."""
-        a, upper = self.held_side(grid)
-        side = grid.upper[a] if upper else grid.lower[a]
-        return bool(abs(self.plane.at - side) <= TOLERANCE * grid.cell[a])
+        return is_side(grid, self.held_side(grid), self.plane)
 
     def holder(self, grid: Nodes, surface_nodes: SurfaceNodes | None) -> SymmetryHolder:
         """The plane on a grid."""

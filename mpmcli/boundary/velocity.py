@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from mpmcli.boundary.base import CONDITIONS, Array, Nodes, SurfaceNodes
-from mpmcli.boundary.place import AXES, Direction, Place, check_direction, unit_vector
+from mpmcli.boundary.place import AXES, Direction, Place, check_direction, is_side, unit_vector
 from mpmcli.boundary.roughness import Rough, sign_along
 from mpmcli.core.expressions import Expression
 from mpmcli.core.model import Varying
@@ -48,6 +48,11 @@ class Velocity(Rough):
         if plane is None or abs(unit_vector(self.direction, len(grid.shape))[plane.index]) != 1.0:
             return None
         return plane.index, int(plane.side_on(grid) == "upper")
+
+    def may_wait(self, grid: Nodes) -> bool:
+        """A plane on a side of the grid that holds the velocity across is a floor, which moving bodies may reach."""
+        side = self.held_side(grid)
+        return side is not None and self.on.plane is not None and is_side(grid, side, self.on.plane)
 
     def inward(self, grid: Nodes) -> float:
         """Planes lie beyond the material; elsewhere the direction points into it."""

@@ -20,7 +20,8 @@ TOLERANCE = 1e-12
 PROBE = 1e-6
 """Strain by which the stiffness at rest is measured, in compression: cohesionless soils have none in tension."""
 MOST_STRAIN = 3.0
-"""Logarithmic strain at which the search is given up."""
+"""Sum of the sizes of the normal components of logarithmic strain, and of the shear ones, at which the search is given
+up."""
 
 
 def stiffness_at_rest(m: Any, H: Array, keeps: bool) -> tuple[Array, Array]:
@@ -109,6 +110,8 @@ def _find(
         s0, s1, s2, s3, s4, s5, length = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0
         least = math.inf
         for _ in range(ITERATIONS):
+            if not (abs(e0) + abs(e1) + abs(e2) < MOST_STRAIN and abs(e3) + abs(e4) + abs(e5) < MOST_STRAIN):
+                break
             V = exponential_symmetric((e0, e1, e2, e3, e4, e5))
             F = (V[0], V[3], V[5], V[3], V[1], V[4], V[5], V[4], V[2])
             tau = kirchhoff_stress(m, F, F if keeps else IDENTITY, H, p, 0.0, False)
@@ -120,7 +123,7 @@ def _find(
                 least = largest
                 for k in range(6):
                     stretch[k, p] = V[k]
-            if not (largest > TOLERANCE and abs(e0) + abs(e1) + abs(e2) < MOST_STRAIN):
+            if not largest > TOLERANCE:
                 break
             c = compliance
             z0 = c[0, 0] * r0 + c[0, 1] * r1 + c[0, 2] * r2 + c[0, 3] * r3 + c[0, 4] * r4 + c[0, 5] * r5

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterator
 from types import SimpleNamespace
@@ -26,6 +27,8 @@ from mpmcli.scene.time_checks import check_times
 from mpmcli.scene.tree import Node, member_label
 from mpmcli.shapes import SHAPES
 
+MATERIAL_RANGE = (1e-100, 1e100)
+"""Sizes of numbers of materials of which formulas may take third powers."""
 NO_AXIS_Z = re.compile(r"there is no axis z\b|'z' does not exist in this analysis")
 AXIS_OF_RINGS = "; in axisymmetric analyses x is the radius and y the axis of symmetry"
 NAME = re.compile(r"\w[\w +-]*\Z")
@@ -135,8 +138,32 @@ def _check_materials(parts: Parts, root: Node, report: Report) -> None:
                 f"'{model.kind}' is not available in {parts.analysis.kind} analyses (available in {fitting})"
             )
             report(f"materials.{name}.kind", words, "analysis")
+        elif beyond := list(_beyond_range(model, f"materials.{name}")):
+            for path, value in beyond:
+                words = f"{value:g} is too large or too small to calculate with"
+                least, most = (f"{bound:.0e}" for bound in MATERIAL_RANGE)
+                report(
+                    path,
+                    f"{words}; numbers of materials are 0 or between {least} and {most} in size",
+                    "range",
+                )
         elif not _is_calculable(model, parts.analysis.kind):
             report(f"materials.{name}", "these numbers are too large or too small to calculate with", "range")
+
+
+def _beyond_range(value: Any, path: str) -> Iterator[tuple[str, float]]:
+    """Paths and values of given numbers of a material whose squares and products leave the range of floating point."""
+    if isinstance(value, float) and math.isfinite(value):
+        if value and not MATERIAL_RANGE[0] <= abs(value) <= MATERIAL_RANGE[1]:
+            yield path, value
+    elif isinstance(value, BaseModel):
+        for name in value.model_fields_set:
+            yield from _beyond_range(
+                getattr(value, name), f"{path}.{type(value).model_fields[name].alias or name}"
+            )
+    elif isinstance(value, tuple | list) and len(value) < 100:
+        for index, member in enumerate(value):
+            yield from _beyond_range(member, f"{path}.{index}")
 
 
 def _is_calculable(model: Any, kind: str) -> bool:

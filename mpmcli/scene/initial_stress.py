@@ -221,7 +221,22 @@ def start_stress(scene: Any, body: Any, X: Array) -> tuple[Array, list[Problem]]
         if not np.all(np.isfinite(stress[k])):
             words = f"'{value.source}' is not finite at some particles"
             found.append(Problem(f"bodies.{body.name}.stress.{name}", words, code="not_finite"))
+    if isinstance(asked, StressOfStrain) and not found:
+        found += _too_large(body, stress)
     return stress, found
+
+
+def _too_large(body: Any, strain: Array) -> list[Problem]:
+    """The problem, if any, that a strain (6, n) is beyond what is searched."""
+    from mpmcli.materials.initial_stress import MOST_STRAIN
+
+    for rows, noun in ((slice(0, 3), "normal"), (slice(3, 6), "shear")):
+        size = float(np.abs(strain[rows]).sum(axis=0).max(initial=0.0))
+        if not size < MOST_STRAIN:
+            words = f"the {noun} components of this logarithmic strain have sizes of {size:.4g} together"
+            words += f"; they must stay below {MOST_STRAIN:g}"
+            return [Problem(f"bodies.{body.name}.stress", words, code="range")]
+    return []
 
 
 def find_start(
@@ -272,4 +287,8 @@ def check_stress(scene: Any, body: Any, X: Array) -> list[Problem]:
     m = model.parameters(scene.analysis.kind, scene.is_adiabatic)
     H = history_at_start(model, len(chosen))
     turn_history(body, model, X[:, chosen], H)
-    return find_start(body, X[:, chosen], stress[:, chosen], m, H, keeps_strain(model), None)[1]
+    try:
+        return find_start(body, X[:, chosen], stress[:, chosen], m, H, keeps_strain(model), None)[1]
+    except ArithmeticError:  # what compiled formulas carry on with as infinity
+        words = f"this stress is too large or too small to calculate with the material '{body.material}'"
+        return [Problem(f"bodies.{body.name}.stress", words, code="range")]

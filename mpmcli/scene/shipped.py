@@ -12,7 +12,7 @@ from pathlib import Path
 
 TEMPLATES = Path(str(files("mpmcli.scene"))) / "templates"
 """Commented scenes to start from: each file in this folder is one."""
-STARTS = ("block_impact", "dam_break", "taylor_bar", "vibrating_bar")
+STARTS = ("block_impact", "dam_break", "granular_column", "taylor_bar", "vibrating_bar")
 """Scenes of ``inputs/`` that are listed with the templates."""
 SCHEMA = "scene.schema.json"
 """JSON Schema that the first line of a new scene names, in the folder of the scene."""

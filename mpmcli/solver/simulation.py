@@ -355,7 +355,12 @@ class Simulation(Parts):
         conditions = VelocityConditions(
             models, self.grid, self.plan.analysis, self._surface_nodes, self.clocks
         )
-        self._may_wait = {condition.name for condition in models if condition.may_wait(self.grid)}
+        is_moving = bool(self.plan.has_loads or self.particles.V.any())
+        self._may_wait = {
+            condition.name
+            for condition in models
+            if condition.may_wait(self.grid) and (is_moving or condition.kind == "symmetry")
+        }
         found = GridConditions(conditions, self.grid, self.plan.rigid_fields)
         setup.add_friction(found, models, self.grid, self.state, self.transfer)
         return found

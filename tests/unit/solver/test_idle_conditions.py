@@ -59,6 +59,13 @@ def test_a_condition_without_nodes_is_named_once(at, said, caplog):
     assert [record.message for record in caplog.records] == [words] * said
 
 
+@pytest.mark.parametrize(("moves", "said"), [("velocity: [0.1]", False), ("velocity: [0]", True)])
+def test_a_floor_on_a_side_of_the_grid_may_wait_for_a_body_that_moves(moves, said, caplog):
+    scene = SCENE.replace("AT", "20").replace("upper: [8]}", f"upper: [8]}}, {moves}")
+    Simulation(load_scene(scene)).step()
+    assert any("'support' holds no node" in record.message for record in caplog.records) == said
+
+
 FORCED = """\
 version: 1
 analysis: {kind: plane_strain}
