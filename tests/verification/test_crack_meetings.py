@@ -1,4 +1,4 @@
-"""Growth to the end of matter, with real particles: into a free edge, into another crack, along the border of a body."""
+"""Growth to the end of matter, with real particles: into a free edge, another crack, along the border of a body."""
 
 from __future__ import annotations
 
@@ -68,6 +68,6 @@ def test_into_another_crack(start):
 @pytest.mark.parametrize("height", [7.6, 7.9])
 def test_along_the_border_of_a_body(start, height):
     """Less than a cell beside the edge, where a row of particles is peeled off."""
-    run, events = grown(start, BORDER.replace("HEIGHT", str(height)), 0.05)
+    _, events = grown(start, BORDER.replace("HEIGHT", str(height)), 0.05)
     assert events[-1] == "mouth"
     assert set(events) == {"growth", "mouth"}
