@@ -2,8 +2,8 @@
 
     python benchmarks/crack_speed.py [--large] [--repeats N]
 
-A table in Markdown. CPU time of one thread; cases take turns, and the least of all samples counts. ``--large`` takes 200,000 particles in
-place of 12,800.
+A table in Markdown. CPU time of one thread; cases take turns, and the least of all samples counts. ``--large`` takes
+200,000 particles in place of 12,800.
 """
 
 from __future__ import annotations
