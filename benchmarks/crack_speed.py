@@ -2,8 +2,8 @@
 
     python benchmarks/crack_speed.py [--large] [--repeats N]
 
-CPU time of one thread; cases take turns, and the least of all samples counts. ``--large`` takes 200,000 particles in
-place of 12,800.
+A table in Markdown. CPU time of one thread; cases take turns, and the least of all samples counts. ``--large`` takes
+200,000 particles in place of 12,800.
 """
 
 from __future__ import annotations
@@ -92,6 +92,50 @@ class Timed:
         self.run(STEPS)
         self.least = min(self.least, (time.process_time() - begin) / STEPS)
 
+    @property
+    def bytes_per_node(self) -> float:
+        """Nodal arrays of a side beyond the first, per node."""
+        s = self.simulation
+        if s.cracks is None:
+            return 0.0
+        arrays = [a for a in vars(s.grid).values() if isinstance(a, np.ndarray)]
+        return sum(a.nbytes / len(a) for a in arrays if len(a) == len(s.grid.mp))
+
+    @property
+    def finding(self) -> float:
+        """CPU time of finding sides in a step [ns per particle that is listed near a crack]."""
+        s = self.simulation
+        if s.cracks is None:
+            return 0.0
+        listed = len(s.cracks.sides.candidates.particle)
+        return least_of(lambda: s.cracks.sides.find_cut(s.transfer, s.particles.F)) / max(listed, 1) * 1e9
+
+    @property
+    def cost_of_J(self) -> float:
+        """CPU time of J and K at a tip [ns per particle within its outer radius]."""
+        s = self.simulation
+        if s.cracks is None or s.cracks.tips is None:
+            return 0.0
+        tips, chain = s.cracks.tips, s.cracks.chains[0]
+        within = np.hypot(*(s.particles.X - chain.X[:, -1:])) < tips.outer
+
+        def look() -> None:
+            tips._found.clear()
+            tips.values(0, -1)
+
+        return least_of(look) / int(within.sum()) * 1e9
+
+
+def least_of(call: Any) -> float:
+    """Least CPU time of several calls [s]."""
+    call()
+    samples = []
+    for _ in range(20):
+        begin = time.process_time()
+        call()
+        samples.append(time.process_time() - begin)
+    return min(samples)
+
 
 def main() -> None:
     """Measure and print."""
@@ -100,7 +144,11 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=25)
     options = parser.parse_args()
     cells = 158 if options.large else 40
-    print(f"{'':24}{'us per step':>12}{'times none':>12}{'cut':>8}{'nodes':>8}{'bytes per cut particle':>25}")
+    print(
+        "| case | µs per step | times none | cut particles | crack nodes | bytes per cut particle | "
+        "bytes per crack node and side | finding sides [ns per listed particle] | J [ns per particle in its radius] |\n"
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"
+    )
     for shape in ("ugimp", "lcpdi"):
         cases = [Timed(f"{shape}, none", plate(cells, shape, []))]
         cases.append(Timed(f"{shape}, 1 straight", plate(cells, shape, straight(cells))))
@@ -115,8 +163,8 @@ def main() -> None:
             bytes_each = 0 if cut is None else sum(a.nbytes for a in (*cut[4:], cut.particle)) / rows
             nodes = 0 if cracks is None else cracks.nodes
             print(
-                f"{case.name:24}{case.least * 1e6:12.0f}{case.least / cases[0].least:12.3f}{rows:8}{nodes:8}"
-                f"{bytes_each:25.0f}",
+                f"| {case.name} | {case.least * 1e6:.0f} | {case.least / cases[0].least:.3f} | {rows} | {nodes} | "
+                f"{bytes_each:.0f} | {case.bytes_per_node:.0f} | {case.finding:.0f} | {case.cost_of_J:.0f} |",
                 flush=True,
             )
 

@@ -125,9 +125,9 @@ def draw_strip() -> None:
 
 
 def draw_bending() -> None:
-    """Draw the crack of an eccentrically notched beam, with cells of 2 and 1 mm."""
+    """Draw the crack of an eccentrically notched beam, with cells of 2, 1 and 0.5 mm."""
     figure, axes = new_figure(6.0, 3.6)
-    for number, cell in enumerate((2, 1)):
+    for number, cell in enumerate((2, 1, 0.5)):
         run = start("three_point_bending_growth.yaml", f"constants.cell={cell}")
         run.to(0.8)
         X = run.simulation.cracks.chains[0].X

@@ -165,6 +165,35 @@ GALLERY = (
         ),
     ),
     Shown(
+        "double_cantilever",
+        "A crack that grows and is arrested",
+        (),
+        (
+            Drawn(
+                "double_cantilever_stress",
+                ("--color", "stress_xx", "--time", "3.5"),
+                "Stress along a double cantilever whose ends are held apart, after its crack has been arrested.",
+            ),
+            Drawn(
+                "double_cantilever_length",
+                ("--column", "crack_length*"),
+                "Length of the crack over time; the ends are held from 2.5 ms on.",
+            ),
+        ),
+    ),
+    Shown(
+        "inclined_crack",
+        "A crack that turns",
+        ("-D", "growth=1", "--set", "time.end=0.56"),
+        (
+            Drawn(
+                "inclined_crack_stress",
+                ("--color", "stress_yy", "--time", "0.5"),
+                "Stress along the load around an inclined crack, which has turned normal to the load.",
+            ),
+        ),
+    ),
+    Shown(
         "dam_break",
         "Dam break",
         (),
