@@ -69,6 +69,8 @@ class Parted(NamedTuple):
 
 def row_of_particle(parted: Any, p: Any) -> Any:
     """Row of particle ``p`` among those that cracks part from nodes, −1 if it is none; −1 without cracks."""
+    if parted is None:
+        return -1
     at = np.searchsorted(parted.particle, p)
     return at if at < len(parted.particle) and parted.particle[at] == p else -1
 
