@@ -232,7 +232,7 @@ class ContactAccount:
         c = self._contacts
         slot, first = np.unique(c.fields.slot[: c.count], return_index=True)
         out = np.zeros((self._grid.node_count, *rows.shape[1:]))
-        out[c.nodes.node[slot[::-1]] % self._grid.node_count] = rows[first[::-1]]
+        out[self._grid.node_of(c.nodes.node[slot[::-1]])] = rows[first[::-1]]
         return out
 
     def _show_rigid_work(self) -> None:

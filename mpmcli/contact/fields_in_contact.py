@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.dofs import field_of
+from mpmcli.core.dofs import field_of, side_of
 
 Array = np.ndarray
 
@@ -198,7 +198,7 @@ def list_contacts(rules, nodes, mp, m, begin):
                 m.rigid[k] = True
                 m.alone[k] = True
                 k += 1
-        side = nodes.node[slot] // nodes.node_count
+        side = side_of(nodes.node[slot], nodes.node_count, 1)
         if side > 0:  # what no crack cuts meets one side after the other
             for row in range(begin[slot], k):
                 if not m.pair[row]:

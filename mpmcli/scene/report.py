@@ -21,6 +21,8 @@ MAX_SHOWN = 100
 """Problems that are shown; further ones are counted."""
 MAX_MESSAGE = 2000
 MAX_PATH = 200
+MAX_OWNERS = 4
+"""Kinds that a message names because they have a key that another kind lacks."""
 
 _NOUNS = {
     "materials": "material",
@@ -154,7 +156,9 @@ def _problems(details: dict[str, Any], root: Node, model: type[BaseModel]) -> li
         return [mark.problem(_join(path, str(loc[-1])), "is missing", "missing")]
     if kind == "extra_forbidden":
         keys = _keys_of(model, loc[:-1])
-        message = f"unknown key '{loc[-1]}'{_hint_of_key(str(loc[-1]), keys, model) or _choice(keys)}"
+        word = str(loc[-1])
+        hint = _owners_of_key(word, keys, model, loc[:-1]) or _hint_of_key(word, keys, model, path)
+        message = f"unknown key '{word}'{hint or _choice(keys)}"
         return [place.key.problem(path, message, "unknown_key")]
     if kind in {"union_tag_invalid", "union_tag_not_found"}:
         return [_tag_problem(kind, place, context)]
@@ -252,14 +256,38 @@ def _join(path: str, key: str) -> str:
     return f"{path}.{key}" if path else key
 
 
-def _hint_of_key(word: str, keys: list[str], model: type[BaseModel]) -> str:
-    """The key that a word means here, or stands for elsewhere in the scene, or is most like here."""
+def _hint_of_key(word: str, keys: list[str], model: type[BaseModel], path: str) -> str:
+    """The key that a word means here, or stands for elsewhere in the scene, or is most like here.
+
+    Members of lists and mappings of names ask for keys of their own section only.
+    """
     if len(word) <= MAX_WORD and searches_are_left() and synonym(word, keys) is None:
-        paths = _paths_of_sections(model)
+        paths, section = _paths_of_sections(model), path.split(".")[0]
+        field = model.model_fields.get(section)
+        is_member = field is not None and _has_members(field.annotation)
         for name in meanings(word):
-            if name in paths:
-                return f"; did you mean '{paths[name]}'?"
+            found = paths.get(name, path)
+            if found != path and (not is_member or found.startswith(f"{section}.")):
+                return f"; did you mean '{found}'?"
     return did_you_mean(word, keys)
+
+
+def _owners_of_key(word: str, keys: list[str], model: type[BaseModel], loc: Sequence[Any]) -> str:
+    """Which alternatives of the kind at a place have a key, where few of them do: "flip has no order; …"."""
+    if len(word) > MAX_WORD or synonym(word, keys) is not None or not searches_are_left():
+        return ""
+    *before, kind = loc or ("",)
+    owners = [c for c in _candidates(model, before) if word in c.model_fields]
+    kinds = [str(name) for owner in owners for name in _kinds(owner)[:1]]
+    if not 1 <= len(kinds) <= MAX_OWNERS or not any(kind in _kinds(c) for c in _candidates(model, before)):
+        return ""
+    have = "has" if len(kinds) == 1 else "have"
+    return f"; {kind} has no {word}, {' and '.join([', '.join(kinds[:-1]), kinds[-1]][len(kinds) == 1 :])} {have}"
+
+
+def _has_members(annotation: Any) -> bool:
+    """Whether an annotation is of a list or a mapping of names."""
+    return any(get_origin(part) in (tuple, list, dict) for part in (annotation, *get_args(annotation)))
 
 
 @cache
@@ -290,6 +318,12 @@ def _choice(keys: list[str]) -> str:
 
 def _keys_of(model: type[BaseModel], loc: Sequence[Any]) -> list[str]:
     """The keys that a mapping of the scene may have, found by the types of the models on the way to it."""
+    fields = [item for c in _candidates(model, loc) for item in c.model_fields.items()]
+    return list(dict.fromkeys(field.alias or name for name, field in fields))
+
+
+def _candidates(model: type[BaseModel], loc: Sequence[Any]) -> list[type[BaseModel]]:
+    """Models that a mapping of the scene may be of."""
     candidates = [model]
     for part in loc:
         tagged = [c for c in candidates if part in _kinds(c)]
@@ -300,9 +334,7 @@ def _keys_of(model: type[BaseModel], loc: Sequence[Any]) -> list[str]:
             candidates = [
                 m for field in fields for m in (*_models(field.annotation), *_models(field.metadata))
             ]
-    return list(
-        dict.fromkeys(field.alias or name for c in candidates for name, field in c.model_fields.items())
-    )
+    return candidates
 
 
 def _kinds(model: type[BaseModel]) -> tuple[Any, ...]:

@@ -21,7 +21,12 @@ Array = np.ndarray
 GROWTH = 1e-3
 """Growth per step (of the logarithm of the amplitude) above which a block is unstable."""
 FAST_GROWTH = 5e-3
-"""The same of fast endless rows: it stays small for some thousand steps, because it begins with round-off."""
+"""The same of fast endless rows: it stays small for some thousand steps, because it begins with round-off.
+
+It is also the bound of blocks at rest whose velocities carry gradients. With FLIP and two extrapolations per step they
+grow by 0.1 to 0.2 % per step at every Courant number below the limit, at the worst position only: a smaller step is no
+remedy, and moving blocks do not grow. The scene ``spinning_joint`` is quiet up to 0.9.
+"""
 FAST = 0.1
 """Speed over wave speed from which a row of particles is fast."""
 POSITIONS = {1: 21, 2: 11}
@@ -49,7 +54,8 @@ def is_stable(lattice: Lattice, scheme: Scheme, courant: float, speed: float = 0
         rests at its worst position within a cell.
     """
     if speed == 0.0:
-        return growth_at_rest(lattice, scheme, courant) <= GROWTH
+        allowed = FAST_GROWTH if scheme.velocity_gradient else GROWTH
+        return growth_at_rest(lattice, scheme, courant) <= allowed
     return growth_moving(lattice, scheme, courant, speed) <= (FAST_GROWTH if speed >= FAST else GROWTH)
 
 

@@ -128,8 +128,8 @@ class LinearStep:
             V = at.S @ (change + series @ start)
         else:
             V = at.S @ v
-        if strain.again:
-            v = full(self._extrapolate(at, V, state.L))
+        if strain.again:  # with the gradients of task 4, which belong to the new velocities
+            v = full(self._extrapolate(at, V, None if state.L is None else self._gradient(at, v)))
         state = replace(state, V=V)
         if strain.last > 0.0 or state.L is not None:
             L = self._gradient(at, v)

@@ -9,6 +9,7 @@ import numpy as np
 
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.contacts import ContactRows, TellsContacts
+from mpmcli.core.dofs import field_of, node_of
 from mpmcli.core.step import Step
 from mpmcli.core.transfer.nodal_field import Correction, NodalField
 
@@ -151,7 +152,7 @@ class HeatContact(Correction):
 
     def _inverse_capacity(self, dofs: Array) -> Array:
         c = self._nodal.mp[dofs, 0]
-        is_bath = self._is_bath[dofs // self._node_count % len(self._is_bath)]
+        is_bath = self._is_bath[field_of(dofs, self._node_count, len(self._is_bath))]
         return np.divide(1.0, c, out=np.zeros_like(c), where=(c > 0.0) & ~is_bath)
 
     def exchange(self, theta: Array) -> None:
@@ -206,7 +207,7 @@ class FrictionHeat:
         rubs = heat != 0.0
         dofs, heat, weight = dofs[rubs], heat[rubs], weight[rubs]
         if not self._nodal.nodes.by_field:
-            dofs = dofs % self._node_count
+            dofs = node_of(dofs, self._node_count)
         c = self._nodal.mp[dofs, 0]
         return dofs, np.divide(heat, c, out=np.zeros_like(c), where=c > 0.0), weight
 
@@ -219,4 +220,4 @@ class FrictionHeat:
         return share, 1.0 - share
 
     def _field_of(self, dofs: Array) -> Array:
-        return np.asarray(dofs // self._node_count % len(self._effusivity))
+        return np.asarray(field_of(dofs, self._node_count, len(self._effusivity)))

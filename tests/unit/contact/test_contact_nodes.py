@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 from mpmcli.contact.contact_nodes import images_of
+from mpmcli.contact.near_particles import row_of_particle
 from mpmcli.core.transfer.stencil import SEEN, fill_stencils, is_seen
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
@@ -232,3 +233,7 @@ def test_forces_of_the_table_are_what_the_bodies_gain():
     after = (s.particles.mass * s.particles.V)[:, b].sum(axis=1)
     assert np.abs(s.contact.view.force).max() > 0.0
     np.testing.assert_allclose((after - before) / s.state.dt, s.contact.view.force[0], rtol=1e-9, atol=1e-9)
+
+
+def test_no_particle_has_a_row_without_cracks():
+    assert row_of_particle(None, 3) == -1

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import mmap
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import mpmcli
 from mpmcli.core.dofs import dof_of, field_of, node_of, side_of
 from mpmcli.core.grid import Grid, unfold
 
@@ -78,6 +80,17 @@ def test_degrees_of_freedom_are_decoded_in_one_place(of):
                 )
                 seen.add(int(dof))
     assert seen == set(range(4 * fields * nodes))
+
+
+def test_no_other_code_decodes_degrees_of_freedom():
+    package = Path(mpmcli.__file__).parent
+    decoding = re.compile(r"(//|%)\s*\(?\s*[\w.]*node_count\b")
+    found = {
+        path.relative_to(package).as_posix()
+        for path in package.rglob("*.py")
+        if decoding.search(path.read_text())
+    }
+    assert found == {"core/dofs.py"}
 
 
 def sided(sides=4, fields=2, cells=5):

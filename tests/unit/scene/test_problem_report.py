@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
-from mpmcli.core.errors import Problem
+import pytest
+
+from mpmcli.core.errors import Problem, SceneError
+from mpmcli.scene.loader import load_scene
 from mpmcli.scene.report import as_json, as_text, describe, ordered
 
+ROOT = Path(__file__).parents[3]
 PROBLEMS = [
     Problem("b", "late", "a.yaml", 9, 1),
     Problem("a", "early", "a.yaml", 2, 7),
@@ -67,3 +72,26 @@ def test_values_in_messages() -> None:
         "a mapping",
         f"'{'x' * 57}…'",
     ]
+
+
+@pytest.mark.parametrize(
+    ("sets", "hint"),
+    [
+        (["method.transfer={kind: flip, order: 4}"], "; flip has no order, xpic and fmpm have"),
+        (
+            ["materials.rubber.friction=0.3"],
+            "; neo_hookean has no friction, drucker_prager and mohr_coulomb have",
+        ),
+        (["materials.rubber.interval=2"], " (allowed: field, density"),
+        (
+            ["loads=[{name: g, kind: gravity, acceleration: [0, 0], table: 1}]"],
+            " (allowed: name, kind, acceleration)",
+        ),
+        (["grid.dt=1"], "; did you mean 'time.step'?"),
+    ],
+)
+def test_a_hint_names_no_key_of_another_section_to_members(sets: list[str], hint: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        load_scene(ROOT / "inputs" / "two_disks.yaml", sets=sets)
+    (problem,) = caught.value.problems
+    assert hint in problem.message
