@@ -126,6 +126,7 @@ class CracksView:
     cohesive_work, debonded_length : energy spent by tractions, length along which they failed; both so far
     nodes, third : nodes whose particles lie on several sides; where a third crack was left out
     all_third : the latter, summed up over all steps so far
+    stretch : (2, cracks) largest and smallest length of a segment over its first one so far, where points stay
     tip : function of a crack's index and of 0 (start) or -1 (end) giving ``TipValues``
     speed : function of the same giving the speed of a tip that grows; 0 where it rests [velocity]
     particle_side : function giving the side on which each particle lies of the node that it feeds most, (N,)
@@ -139,6 +140,7 @@ class CracksView:
     nodes: int = 0
     third: int = 0
     all_third: int = 0
+    stretch: np.ndarray = field(default_factory=lambda: np.ones((2, 0)))
     tip: Callable[[int, int], TipValues] = lambda crack, end: TipValues(np.nan, np.nan, np.nan)
     speed: Callable[[int, int], float] = lambda crack, end: 0.0
     particle_side: Callable[[], np.ndarray] = lambda: np.zeros(0, dtype=np.int32)

@@ -15,6 +15,10 @@ ABOVE, BELOW = 0, 1
 """Places of the faces."""
 START, END = 0, -1
 """Places of the ends in a chain."""
+FOLDED = -math.sqrt(0.75)
+"""Cosine of the turn between two segments, 150 degrees, from which on a plane is folded."""
+STRETCHED, SHRUNK = 1.5, 0.25
+"""Lengths of segments over their first ones from which on a point is put in, or one is taken out."""
 
 
 class Chain:
@@ -28,7 +32,10 @@ class Chain:
     X : (2, P) points of the plane between the faces [length]
     faces : (2, 2, P) points of the face above and of that below [length]
     velocity : (2, 2, P) their velocities [velocity]
-    length0 : (P − 1,) lengths of the segments when they came into being [length]
+    length0 : (P − 1,) lengths of the segments when they came into being; parts and unions of segments keep the longest
+        [length]
+    usual : mean length of the segments at the start of the run [length]
+    dry : how many segments at the start and at the end lie outside of the matter at the start of the run, (2,)
     numbers : what else the points carry, by name, (…, P); 0 of new points
     """
 
@@ -39,6 +46,8 @@ class Chain:
         self.faces = np.stack([self.X, self.X])
         self.velocity = np.zeros_like(self.faces)
         self.length0 = segment_lengths(self.X)
+        self.usual = float(self.length0.mean())
+        self.dry = np.zeros(2)
         self.numbers: dict[str, Array] = {}
 
     @property
@@ -91,6 +100,39 @@ class Chain:
         for name, old in self.numbers.items():
             self.numbers[name] = _joined(end, old, np.zeros((*old.shape[:-1], n), dtype=old.dtype))
 
+    def limits(self) -> Array:
+        """Return the longest and the shortest that segments may be, (2, P) by their first points.
+
+        Segments much shorter than usual, as growth leaves them where it joins a crack, may shrink.
+        """
+        least = SHRUNK * self.usual
+        longest = np.append(STRETCHED * np.maximum(self.length0, least), np.inf)
+        return np.stack(
+            [longest, np.append(np.where(self.length0 >= least, SHRUNK * self.length0, 0.0), 0.0)]
+        )
+
+    def put_points(self, places: Array) -> None:
+        """Replace the points by those at ``places`` (n,), ascending indices of points or between two of them.
+
+        What points carry is interpolated linearly; whole numbers are those of the point before.
+        """
+        before = np.floor(places).astype(np.int64)
+        share, after = places - before, np.minimum(before + 1, self.count - 1)
+
+        def at_places(values: Array) -> Array:
+            if values.dtype.kind != "f":
+                return values[..., before].copy()
+            mixed = (1.0 - share) * values[..., before] + share * values[..., after]
+            return np.where(share > 0.0, mixed, values[..., before])
+
+        ends = zip(before[:-1], np.ceil(places[1:]).astype(np.int64), strict=True)
+        self.length0 = np.array([self.length0[first:last].max() for first, last in ends])
+        last = self.count - 1.0
+        start, end = np.interp([self.dry[0], last - self.dry[1]], places, np.arange(len(places)))
+        self.dry = np.array([start, len(places) - 1.0 - end])
+        self.X, self.faces, self.velocity = map(at_places, (self.X, self.faces, self.velocity))
+        self.numbers = {name: at_places(values) for name, values in self.numbers.items()}
+
     def close_tip(self, end: int, joined: bool) -> None:
         """Let a tip be one no more: a mouth, or the place where the crack has ``joined`` another one."""
         at = range(2)[end]
@@ -100,7 +142,7 @@ class Chain:
 
     def memory(self) -> dict[str, Any]:
         """What a checkpoint keeps of it."""
-        kept = ("X", "faces", "velocity", "length0")
+        kept = ("X", "faces", "velocity", "length0", "dry")
         own = {f"numbers.{name}": values for name, values in self.numbers.items()}
         return (
             {name: getattr(self, name) for name in kept} | {"tips": np.array([self.tips, self.joined])} | own
@@ -108,7 +150,7 @@ class Chain:
 
     def recall(self, memory: Mapping[str, Array]) -> None:
         """Take it back."""
-        for name in ("X", "faces", "velocity", "length0"):
+        for name in ("X", "faces", "velocity", "length0", "dry"):
             setattr(self, name, memory[name])
         for name in self.numbers:
             self.numbers[name] = memory[f"numbers.{name}"]
@@ -124,6 +166,35 @@ def _joined(end: int, old: Array, new: Array) -> Array:
 def segment_lengths(X: Array) -> Array:
     """Lengths (P − 1,) between consecutive points (2, P)."""
     return np.hypot(*np.diff(X, axis=1))
+
+
+def turns(X: Array) -> Array:
+    """Cosines (P − 2,) of the turns between consecutive segments of points (2, P); 1 beside segments without length."""
+    way = np.diff(X, axis=1)
+    length = np.hypot(*way)
+    product = length[1:] * length[:-1]
+    return np.where(
+        product > 0.0, (way[:, 1:] * way[:, :-1]).sum(axis=0) / np.where(product > 0.0, product, 1.0), 1.0
+    )
+
+
+def respaced(chain: Chain) -> Array:
+    """Return the places of the points of a chain (see ``put_points``) after segments are divided or joined.
+
+    Of a segment that is too short the inner point that has the shorter segment beyond it goes, but no end of the chain.
+    """
+    length, (longest, shortest) = segment_lengths(chain.X), chain.limits()
+    gone: set[int] = set()
+    for k in np.flatnonzero(length < shortest[:-1]).tolist():
+        beyond = [
+            (float(length[k - 1 if point == k else k + 1]), point)
+            for point in (k, k + 1)
+            if 0 < point < chain.count - 1 and not gone & {point - 1, point, point + 1}
+        ]
+        if beyond:
+            gone.add(min(beyond)[1])
+    kept = [float(k) for k in range(chain.count) if k not in gone]
+    return np.sort([*kept, *(np.flatnonzero(length > longest[:-1]) + 0.5)])
 
 
 def divide(corners: Array, longest: float) -> Array:

@@ -13,9 +13,18 @@ from mpmcli.core.grid import Grid
 from mpmcli.core.order import CellOrder
 from mpmcli.core.state import CracksView, State
 from mpmcli.core.step import Step
-from mpmcli.cracks.chain import carries_tractions, make_chain
+from mpmcli.cracks.chain import (
+    FOLDED,
+    SHRUNK,
+    STRETCHED,
+    Chain,
+    carries_tractions,
+    make_chain,
+    respaced,
+    turns,
+)
 from mpmcli.cracks.face_contact import FaceContact
-from mpmcli.cracks.motion import FaceMotion
+from mpmcli.cracks.motion import LONGEST, OUTSIDE, SHARPEST, SHORTEST, FaceMotion
 from mpmcli.cracks.point_forces import PointForces
 from mpmcli.cracks.sides import CrackSides
 
@@ -25,6 +34,8 @@ ACCOUNTS = ("force", "released", "interface_energy", "cohesive_work", "debonded_
 """What the view keeps of every crack."""
 FARTHEST = 0.5
 """Cells that a face may move in a step."""
+BEYOND = 0.5
+"""Cells beyond the sides of the grid up to which points may go."""
 STALE = 0.9
 """Cells that chains may move between two sorts."""
 
@@ -76,6 +87,7 @@ class Cracks:
         ring = isinstance(plan.analysis, Axisymmetric)
         rigid = np.array(plan.rigid_fields, dtype=bool) | ~_cut_fields(cuts, plan)
         self.view = CracksView(self.chains, force=np.zeros((n, 2)), released=np.zeros(n))
+        self.view.stretch = np.ones((2, n))
         for name in ACCOUNTS[2:]:
             setattr(self.view, name, np.zeros(n))
         self._transfer = transfer
@@ -118,8 +130,12 @@ class Cracks:
             )
             self.view.speed = self.growth.speed
         self._motion = FaceMotion(
-            self.sides, self.sides.points, self.faces.contacts.lattice, [model.moves for model in models]
-        )
+            self.sides, self.sides.points, self.faces.contacts.lattice, [model.moves for model in models],
+            [model.keep_apart for model in models], np.stack([grid.lower - BEYOND * grid.cell,
+            grid.upper + BEYOND * grid.cell], axis=1),
+        )  # fmt: skip
+        self._respaces = np.array([model.respace for model in models])
+        self._state = s.state
         self._drift = 0.0
         self._version = order.version
 
@@ -164,11 +180,9 @@ class Cracks:
             self._version, self._drift = self._order.version, 0.0
         farthest, crack, point = self._motion.move(self._particles, X, step.dt)
         if not farthest <= FARTHEST:
-            chain = self.chains[crack]
-            x, y = chain.X[:, point]
             raise SimulationError(
-                f"a face of crack '{chain.name}' moved by {farthest:.3g} cells in one step, at point {point + 1}, "
-                f"({x:.6g}, {y:.6g}), time {step.time:.6g}. Its matter is torn off, or the time step is too long"
+                f"a face of crack {self._place(crack, point)} moved by {farthest:.3g} cells in one step. Its matter is "
+                "torn off, or the time step is too long"
             )
         if self.tractions is not None:
             self.tractions.remember(step.time + step.dt)
@@ -176,6 +190,78 @@ class Cracks:
         self.sides.drift += farthest
         if self._drift > STALE:
             self._order.drift = np.inf
+        self._watch()
+
+    def _place(self, crack: int, point: int) -> str:
+        """Name a point of a crack, with its place and the step, in words."""
+        x, y = self.chains[crack].X[:, point]
+        return (
+            f"'{self.chains[crack].name}', point {point + 1} at ({x:.6g}, {y:.6g}), in step {self._state.step + 1} "
+            f"from time {self._state.time:.6g} on,"
+        )
+
+    def _watch(self) -> None:
+        """End cracks where they leave the grid, respace what has stretched, and refuse planes that have folded."""
+        found, view = self._motion.found, self.view
+        for crack in np.flatnonzero(found[:, OUTSIDE]).tolist():
+            self._leave(self.chains[crack])
+        stretched = (found[:, LONGEST] > 1.0) | (found[:, SHORTEST] < 1.0)
+        for crack in np.flatnonzero(stretched & self._respaces).tolist():
+            self._respace(self.chains[crack])
+        np.maximum(view.stretch[0], STRETCHED * found[:, LONGEST] * ~self._respaces, out=view.stretch[0])
+        np.minimum(
+            view.stretch[1], np.where(self._respaces, 1.0, SHRUNK * found[:, SHORTEST]), out=view.stretch[1]
+        )
+        for crack in np.flatnonzero((found[:, SHARPEST] < FOLDED) & self.sides.points.smooth).tolist():
+            chain = self.chains[crack]
+            point = 1 + int(np.argmin(turns(chain.X)))
+            if turns(chain.X)[point - 1] < FOLDED:
+                raise SimulationError(
+                    f"the plane of crack {self._place(crack, point)} is folded: its points are no longer in order, so "
+                    "that sides cannot be told. Matter is crushed there; "
+                    + (
+                        "use smaller cells"
+                        if self._respaces[crack]
+                        else "try 'respace: true' or smaller cells"
+                    )
+                )
+
+    def _leave(self, chain: Chain) -> None:
+        """End a crack whose mouth has left the grid where it does.
+
+        Raises
+        ------
+        SimulationError
+            For any other point that leaves the grid.
+        """
+        low, high = self._motion.bounds.T[:, :, None]
+        outside = ((chain.X < low) | (chain.X > high)).any(axis=0)
+        inside = np.flatnonzero(~outside)
+        first, last = (int(inside[0]), int(inside[-1])) if len(inside) else (0, -1)
+        start_is_mouth, end_is_mouth = (
+            not (is_tip or joined) for is_tip, joined in zip(chain.tips, chain.joined, strict=True)
+        )
+        lost = outside.copy()
+        lost[:first] &= not start_is_mouth
+        lost[last + 1 :] &= not end_is_mouth
+        if last <= first or lost.any():
+            point = int(np.flatnonzero(lost if lost.any() else outside)[0])
+            raise SimulationError(
+                f"crack {self._place(chain.index, point)} has left the grid; use a larger grid, or stop the run before"
+            )
+        chain.put_points(np.arange(first, last + 1.0))
+        self._order.drift = np.inf
+
+    def _respace(self, chain: Chain) -> None:
+        """Put points between those of segments that are too long, and take away one of those that are too short."""
+        places = respaced(chain)
+        new = np.flatnonzero(places % 1.0)
+        if len(places) == chain.count and not len(new):
+            return
+        chain.put_points(places)
+        if self.tractions is not None and len(new):
+            self.tractions.settle(chain, new)
+        self._order.drift = np.inf
 
     # ------------------------------------------------------------------ from one step to the next
 
@@ -188,6 +274,7 @@ class Cracks:
         return kept | {
             **{name: getattr(view, name) for name in ACCOUNTS},
             "all_third": view.all_third,
+            "stretch": view.stretch,
             "drift": self._drift,
         }
 
@@ -198,6 +285,7 @@ class Cracks:
             chain.recall({n.removeprefix(start): v for n, v in memory.items() if n.startswith(start)})
         for name in ACCOUNTS:
             getattr(self.view, name)[:] = memory[name]
+        self.view.stretch[:] = memory["stretch"]
         self.view.all_third, self._drift = int(memory["all_third"]), float(memory["drift"])
         if self.growth is not None:
             self.growth.recall(memory)

@@ -93,12 +93,24 @@ class Crack(Model):
     """Pressure in the crack on both faces, a number or an expression of x, y and t; none if left out."""
     moves: Literal["average", "mass", "fixed"] = "average"
     """How the plane between the faces moves: in their middle, with the mass of both sides, or not at all."""
+    keep_apart: bool = False
+    """Whether points of faces that have passed the plane between them are put back onto it, along its normal."""
+    respace: bool = False
+    """Whether long segments get a further point (1.5 times their first length) and short ones lose one (a quarter)."""
     growth: Growth | None = None
     """Growth of its tips; none if left out."""
 
     def values_at_start(self) -> dict[str, float]:
         """Return the values at time 0 of what expressions of growth know beside the time: length and speed."""
         return {"length": float(np.hypot(*np.diff(self.path.corners(), axis=0).T).sum()), "speed": 0.0}
+
+    @model_validator(mode="after")
+    def _faces_make_the_plane(self) -> Self:
+        if self.keep_apart and self.moves == "fixed":
+            raise ValueError(
+                "keep_apart puts faces onto a plane that moves with them; not with moves 'fixed'"
+            )
+        return self
 
     @model_validator(mode="after")
     def _tips_grow(self) -> Self:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mpmcli.cracks.chain import Chain
+from mpmcli.cracks.chain import FOLDED, Chain, turns
 
 Array = np.ndarray
 
@@ -18,6 +18,7 @@ class Points(NamedTuple):
     tips, mouths : (cracks, 2) whether start and end are tips, are mouths
     X : (2, n) points of the planes [length]
     faces, velocity : (2, 2, n) points above and below, and their velocities [length], [velocity]
+    longest, shortest : (n,) lengths that the segment from a point to the next one may have [length]
     """
 
     first: Array
@@ -26,6 +27,8 @@ class Points(NamedTuple):
     X: Array
     faces: Array
     velocity: Array
+    longest: Array
+    shortest: Array
 
 
 class AllPoints:
@@ -34,10 +37,15 @@ class AllPoints:
     Parameters
     ----------
     chains : of all cracks
+
+    Attributes
+    ----------
+    smooth : (cracks,) whether planes had no turn as sharp as ``FOLDED`` when they were gathered
     """
 
     def __init__(self, chains: list[Chain]):
         self._chains = chains
+        self.smooth = np.zeros(len(chains), dtype=bool)
         self._now = self._gather()
 
     def get(self) -> Points:
@@ -57,4 +65,6 @@ class AllPoints:
             mine = slice(first[chain.index], first[chain.index + 1])
             chain.X, chain.faces, chain.velocity = X[:, mine], faces[..., mine], velocity[..., mine]
         tips, joined = (np.array([getattr(chain, name) for chain in chains]) for name in ("tips", "joined"))
-        return Points(first, tips, ~(tips | joined), X, faces, velocity)
+        self.smooth = np.array([turns(chain.X).min(initial=1.0) > FOLDED for chain in chains])
+        longest, shortest = np.concatenate([chain.limits() for chain in chains], axis=1)
+        return Points(first, tips, ~(tips | joined), X, faces, velocity, longest, shortest)

@@ -38,25 +38,25 @@ class Pressures:
         matter: Sequence[tuple[Array, Array]], breadth: float | None, work: dict[str, float],
     ):  # fmt: skip
         self._breadth, self._work = breadth, work
-        self._of = [
-            (model.pressure, make(chain), outside(chain, *its))
-            for model, chain, its in zip(models, chains, matter, strict=True)
-            if model.pressure is not None
-        ]
+        self._of: list[tuple[Any, PointForces]] = []
+        for model, chain, its in zip(models, chains, matter, strict=True):
+            if model.pressure is not None:
+                chain.dry = np.array(outside(chain, *its))
+                self._of.append((model.pressure, make(chain)))
         work.setdefault("external_work", 0.0)
 
     def add_to(self, f: Array, time: float) -> None:
         """Add the forces at the start of a step to nodal forces (dofs, 2)."""
-        for pressure, forces, dry in self._of:
+        for pressure, forces in self._of:
             chain = forces.chain
             x, y = chain.X
-            up = normal_areas(chain, dry) * pressure(x, y, t=time)
+            up = normal_areas(chain, chain.dry) * pressure(x, y, t=time)
             up *= x if self._breadth is None else self._breadth
             forces.add_to(f, np.stack([up, -up]))
 
     def account(self, step: Step, v: Array) -> None:
         """Add the work of the step."""
-        for _, forces, _ in self._of:
+        for _, forces in self._of:
             self._work["external_work"] += forces.work(v, step.dt)
 
 
@@ -81,7 +81,7 @@ def is_inside(place: Array, X: Array, half: Array) -> bool:
     return bool((gap <= ROUND_OFF * half).all(axis=0).any())
 
 
-def normal_areas(chain: Chain, dry: tuple[float, float] = (0.0, 0.0)) -> Array:
+def normal_areas(chain: Chain, dry: Sequence[float] | Array = (0.0, 0.0)) -> Array:
     """Return the area vectors (2, P) of the points, per thickness, from below to above: half of both segments.
 
     Of the segments at the ends as many do not count as ``dry`` says.
@@ -95,7 +95,7 @@ def normal_areas(chain: Chain, dry: tuple[float, float] = (0.0, 0.0)) -> Array:
     return areas
 
 
-def inner_shares(count: int, dry: tuple[float, float]) -> tuple[Array, Array]:
+def inner_shares(count: int, dry: Sequence[float] | Array) -> tuple[Array, Array]:
     """Return which share of each of so many segments (n,) counts, and where in it the middle of that lies, 0 to 1."""
     j = np.arange(count)
     first = np.clip(dry[0] - j, 0.0, 1.0)

@@ -72,12 +72,13 @@ class Tractions:
     ):  # fmt: skip
         self._breadth, self._work, self._view = breadth, work, view
         self._laws: list[Any] = []
-        self._of: dict[int, tuple[PointForces, tuple[float, float]]] = {}
+        self._of: dict[int, PointForces] = {}
         for model, chain, its in zip(models, chains, matter, strict=True):
             if not carries_tractions(model):
                 continue
             start_numbers(chain)
-            self._of[chain.index] = make(chain), outside(chain, *its)
+            chain.dry = np.array(outside(chain, *its))
+            self._of[chain.index] = make(chain)
             for part in model.traction:
                 self._laws.append(part.law.parameters())
                 chain.numbers["law"][covered(chain, part.along)] = len(self._laws)
@@ -105,31 +106,41 @@ class Tractions:
         chain.numbers["release"][:, at] = np.array([*pull, opening])[:, None]
         chain.numbers["history"][:, at] = 0.0
 
+    def settle(self, chain: Chain, new: Array) -> None:
+        """Let the points ``new`` (n,), put between two others each, carry only what both of these carry."""
+        if chain.index not in self._of:
+            return
+        numbers = chain.numbers
+        law, broken, release = numbers["law"], numbers["history"][BREAKS], numbers["release"]
+        law[new] = np.where((law[new - 1] > 0) & (law[new + 1] > 0), law[new - 1], 0)
+        broken[new] = np.minimum(broken[new - 1], broken[new + 1])
+        release[:, new] *= (release[2, new - 1] > 0.0) & (release[2, new + 1] > 0.0)
+
     # ------------------------------------------------------------------ the places in the step
 
     def add_to(self, f: Array) -> None:
         """Add the forces at the start of a step to nodal forces (dofs, 2)."""
-        for forces, dry in self._of.values():
+        for forces in self._of.values():
             chain = forces.chain
             pull = self._tractions(chain)
             chain.numbers["traction"] = pull
-            load = areas(chain, dry, self._breadth) * pull
+            load = areas(chain, self._breadth) * pull
             forces.add_to(f, np.stack([load, -load]))
 
     def account(self, step: Step, v: Array) -> None:
         """Add the energy that tractions take out of the bodies in the step."""
-        for forces, _ in self._of.values():
+        for forces in self._of.values():
             self._work["interface_work"] -= forces.work(v, step.dt)
 
     def remember(self, time: float) -> None:
         """Let the points know of their openings, after the faces have moved; what fails is an event."""
         view = self._view
-        for index, (forces, dry) in self._of.items():
+        for index, forces in self._of.items():
             chain = forces.chain
             numbers, normal, jump = chain.numbers, chain.normals(), chain.faces[ABOVE] - chain.faces[BELOW]
             was_broken = numbers["history"][BREAKS] > 0.5
             spent, stored = np.zeros(chain.count), np.zeros(chain.count)
-            area = areas(chain, dry, self._breadth)
+            area = areas(chain, self._breadth)
             for which, law in enumerate(self._laws, start=1):
                 remember_openings[False](
                     law, AXES, which, numbers["law"], normal, jump, numbers["history"], numbers["damage"], spent,
@@ -140,7 +151,7 @@ class Tractions:
             view.cohesive_work[index] += float(spent @ area)
             view.interface_energy[index] += float(stored @ area)
             broken = (numbers["history"][BREAKS] > 0.5) & ~was_broken
-            length = areas(chain, dry, 1.0)
+            length = areas(chain, 1.0)
             view.debonded_length[index] += float(length[broken].sum())
             for k in np.flatnonzero(broken & (length > 0.0)):
                 x, y = chain.X[:, k].tolist()
@@ -193,13 +204,13 @@ def covered(chain: Chain, along: tuple[float, float] | None) -> Array:
     return np.asarray((way >= along[0] - margin) & (way <= along[1] + margin))
 
 
-def areas(chain: Chain, dry: tuple[float, float], breadth: float | None) -> Array:
+def areas(chain: Chain, breadth: float | None) -> Array:
     """Return the areas (P,) of the points: half of the segments between points that both carry something.
 
-    ``dry`` says how many segments at either end lie outside of the matter.
+    Segments outside of the matter do not count (``Chain.dry``).
     """
     carries = (chain.numbers["law"] > 0) | (chain.numbers["release"][2] > 0.0)
-    share, middle = inner_shares(chain.count - 1, dry)
+    share, middle = inner_shares(chain.count - 1, chain.dry)
     length = np.hypot(*np.diff(chain.X, axis=1)) * share * (carries[:-1] & carries[1:])
     found = np.zeros(chain.count)
     found[:-1] += length * (1.0 - middle)

@@ -14,7 +14,8 @@ def crack_facts(state: State) -> dict[str, Any]:
     -------
     dict
         ``cracks``: ``name``, ``length``, ``points``, ``tips`` (number of ends that are tips) and ``released_energy`` of
-        each; ``third_cracks``: nodes of all steps at which a third crack was left out.
+        each, and ``stretch``: largest and smallest length of its segments over their first one, where points stay;
+        ``third_cracks``: nodes of all steps at which a third crack was left out.
     """
     view = state.cracks
     if view is None:
@@ -26,6 +27,7 @@ def crack_facts(state: State) -> dict[str, Any]:
             "points": chain.count,
             "tips": sum(map(bool, chain.tips)),
             "released_energy": float(view.released[chain.index]) * state.full_ring,
+            "stretch": view.stretch[:, chain.index].tolist(),
         }
         for chain in view.chains
     ]
@@ -48,3 +50,14 @@ def third_in_words(count: int) -> str:
         f"at {count} nodes (of all steps) a third crack was left out, because a node has sides of two; use smaller "
         "cells where more than two cracks meet"
     )
+
+
+def stretch_in_words(crack: dict[str, Any]) -> str:
+    """Return the warning of a crack whose segments have stretched or shrunk too much, empty if none has."""
+    from mpmcli.cracks.chain import SHRUNK, STRETCHED
+
+    longest, shortest = crack["stretch"]
+    if longest <= STRETCHED and shortest >= SHRUNK:
+        return ""
+    what = f"grew to {longest:.3g}" if longest > STRETCHED else f"shrank to {shortest:.3g}"
+    return f"segments of crack '{crack['name']}' {what} times their first length; use 'respace: true' for it"

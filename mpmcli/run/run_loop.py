@@ -15,7 +15,7 @@ from mpmcli.core.errors import ArchiveError, SimulationError
 from mpmcli.core.state import State
 from mpmcli.output import manifest
 from mpmcli.output.checkpoint import Checkpoint, write_checkpoint
-from mpmcli.output.crack_report import crack_facts, third_in_words
+from mpmcli.output.crack_report import crack_facts, stretch_in_words, third_in_words
 from mpmcli.output.files import FAILED
 from mpmcli.output.interface_report import in_words, interface_facts, lost_in_words
 from mpmcli.output.recorder import Recorder
@@ -321,9 +321,12 @@ class RunLoop:
             LOGGER.warning("%s", lost_in_words(lost))
 
     def _report_cracks(self) -> None:
-        """Tell of nodes at which a crack was left out, once."""
-        if third := crack_facts(self.simulation.state).get("third_cracks"):
+        """Tell of nodes at which a crack was left out, and of segments that have stretched, once."""
+        facts = crack_facts(self.simulation.state)
+        if third := facts.get("third_cracks"):
             LOGGER.warning("%s", third_in_words(third))
+        for words in filter(None, map(stretch_in_words, facts.get("cracks", ()))):
+            LOGGER.warning("%s", words)
 
     def _summarise(self, outcome: Outcome) -> None:
         speed = self._nanoseconds()

@@ -161,9 +161,14 @@ def zones_of(crack: Any, bodies: Any, materials: Any, analysis: str) -> Iterator
     cut = [body.material for body in bodies if crack.cuts is None or body.name in crack.cuts]
     models = [materials[name] for name in cut if name in materials and materials[name].kind != "rigid"]
     modulus = min((plane_modulus(model, analysis) for model in models), default=math.inf)
-    for index, part in enumerate(crack.traction):
-        for mode, resistance in resistances(part.law):
-            yield f"traction.{index}.law.{mode}", process_zone(modulus, resistance)
+    laws = [(f"traction.{index}.law", part.law) for index, part in enumerate(crack.traction)]
+    ends = [] if crack.growth is None else [(key, getattr(crack.growth, key)) for key in ENDS]
+    laws += [
+        (f"growth.{key}.traction", end.traction) for key, end in ends if end is not None and end.traction
+    ]
+    for key, law in laws:
+        for mode, resistance in resistances(law):
+            yield f"{key}.{mode}", process_zone(modulus, resistance)
 
 
 def _check_zones(crack: Any, path: str, parts: Parts, report: Report) -> None:

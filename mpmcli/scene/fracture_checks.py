@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -63,7 +64,7 @@ def check_tips(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
 def _near(place: Array, scene: Any, filled: Sequence[BodyParticles]) -> Near:
     """Return the particles of deformable bodies in the domain of a tip, and a little beyond."""
     names = list(scene.materials)
-    reach = (scene.fracture.outer + 2.0) * min(scene.grid.cell)
+    reach = (_domain(scene.fracture)[0] + 2.0) * min(scene.grid.cell)
     parts = []
     for body, particles in zip(scene.bodies, filled, strict=True):
         if scene.materials[body.material].kind == "rigid":
@@ -98,7 +99,8 @@ def _without_modes(tip: Tip, near: Near, scene: Any) -> Iterator[Problem]:
 def _first_reached(tip: Tip, near: Near, tips: Sequence[Tip], scene: Any) -> Problem | None:
     """Warn if the domain of a tip reaches the surface of the bodies, another material or another tip."""
     cell = min(scene.grid.cell)
-    outer = scene.fracture.outer * cell
+    size, key = _domain(scene.fracture)
+    outer = size * cell
     distances = [
         (float(np.hypot(*(other.place - tip.place))), f"the tip '{other.name}'")
         for other in tips
@@ -113,7 +115,7 @@ def _first_reached(tip: Tip, near: Near, tips: Sequence[Tip], scene: Any) -> Pro
     if distance >= outer * (1.0 - ROUND_OFF):
         return None
     fits = np.floor(distance / cell * 10.0 + ROUND_OFF) / 10.0
-    advice = (
+    advice = f"use a size of at most {max(math.floor(fits - 0.5), 1)}" if key == "size" else (
         f"use at most {fits:g}" if fits >= scene.fracture.inner + 1.0
         else f"the largest that fits is {fits:g}, with a smaller 'inner' or smaller cells"
     )  # fmt: skip
@@ -121,7 +123,16 @@ def _first_reached(tip: Tip, near: Near, tips: Sequence[Tip], scene: Any) -> Pro
         f"the domain of the tip '{tip.name}' at {words_of(tip.place)} reaches {what}, {distance / cell:.3g} cells "
         f"away, and its energy release rate is less accurate; {advice}"
     )
-    return Problem("fracture.outer", words, code="domain", severity="warning")
+    return Problem(f"fracture.{key}", words, code="domain", severity="warning")
+
+
+def _domain(fracture: Any) -> tuple[float, str]:
+    """Return how far from a tip its integrals reach [cells], and the key that says so.
+
+    A contour runs along nodes around the one nearest to the tip, half a cell farther than its size.
+    """
+    size = fracture.half + 0.5 if fracture.integral == "contour" else 0.0
+    return (size, "size") if size > fracture.outer else (fracture.outer, "outer")
 
 
 def _distance(near: Near, place: Array) -> Array:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mpmcli.core.errors import SimulationError
+from mpmcli.core.step import Step
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 
@@ -90,3 +92,85 @@ def test_a_fixed_plane_stays_while_its_faces_move():
     assert np.array_equal(chain.X, start)
     far = chain.faces - start - simulation.time * np.array([[0.1], [0.05]])
     assert np.abs(far).max() < 1e-12
+
+
+MOUTH = ("cracks.0.path.points=[[-7.6, h], [a, h]]", "cracks.0.ends={start: mouth}")
+
+
+@pytest.mark.parametrize("moves", ["average", "mass"])
+def test_mouths_outside_of_the_matter_follow_it(moves):
+    simulation, chain, start = flow(*MOUTH, f"cracks.0.moves={moves}", "bodies.0.velocity=[1.5, 1]")
+    far = chain.X - start - simulation.time * np.array([[1.5], [1.0]])
+    assert np.abs(far).max() < 1e-12
+    assert np.abs(chain.faces - chain.X).max() < 1e-12
+
+
+def test_what_lies_outside_of_the_matter_turns_with_it_as_one():
+    simulation, cracks = start_of(*MOUTH, "constants.h=0.13")
+    p, dt, chain = simulation.particles, 1e-4, cracks.chains[0]
+    p.L[:] = np.array([0.1, -2.0, 2.0, 0.1]).reshape(4, 1)  # it also grows
+    before, length = chain.X.copy(), chain.length0.copy()
+    cracks._motion.move(p, p.X + dt * (p.L[:, 0].reshape(2, 2) @ p.X), dt)
+    outer = before[0] < -5.51  # no matter in the cells around
+    v = chain.velocity[0]
+    assert np.abs(v[1] - 2.0 * before[0] - 0.1 * before[1])[~outer].max() < 1e-10
+    assert v[1, outer] - v[1, outer.sum()] == pytest.approx(2.0 * (before[0, outer] - before[0, outer.sum()]))
+    stretch = np.hypot(*np.diff(chain.X, axis=1)) / length
+    assert np.abs(stretch[: outer.sum()] - 1.0).max() < 1e-7
+    assert stretch[-3:] == pytest.approx(1.0 + 0.1 * dt, abs=1e-7)
+
+
+def test_points_over_a_hole_keep_their_place_between_their_neighbours():
+    hole = "{kind: box, lower: [-2, -2], upper: [2, 2]}"
+    region = (
+        "{kind: difference, region: {kind: box, lower: [-5, -3], upper: [5, 3]}, subtract: [" + hole + "]}"
+    )
+    simulation, cracks = start_of("constants.a=4", f"bodies.0.region={region}")
+    p, dt, chain = simulation.particles, 0.01, cracks.chains[0]
+    p.L[:] = np.array([0.3, 0.0, 0.0, 0.0]).reshape(4, 1)
+    before = chain.X.copy()
+    cracks._motion.move(p, p.X + dt * (p.L[:, 0].reshape(2, 2) @ p.X), dt)
+    assert np.abs(chain.X[0] - (1.0 + 0.3 * dt) * before[0]).max() < 1e-12
+
+
+def test_faces_that_pass_the_plane_are_put_back_and_keep_their_slip():
+    for keeps in (False, True):
+        simulation, cracks = start_of("constants.h=0.13", f"cracks.0.keep_apart={str(keeps).lower()}")
+        p, chain = simulation.particles, cracks.chains[0]
+        p.L[:] = 0.0
+        up = np.where(p.X[1] > 0.13, 1.0, -1.0)
+        cracks._motion.move(p, p.X + 0.01 * np.stack([0.5 * up, -up]), 0.01)
+        inner = slice(4, -4)
+        normal, slip = chain.openings
+        assert normal[inner] == pytest.approx(0.0 if keeps else -0.02, abs=1e-12)
+        assert slip[inner] == pytest.approx(0.01)
+        assert chain.X[1, inner] == pytest.approx(0.13)
+
+
+def test_a_mouth_that_leaves_the_grid_ends_the_crack_and_any_other_point_ends_the_run():
+    simulation, cracks = start_of(*MOUTH)
+    chain = cracks.chains[0]
+    count, length = chain.count, chain.length
+    chain.faces[:, 0, :2] -= 1.0  # half a cell beyond the side at −8 is −8.25
+    p = simulation.particles
+    p.L[:] = 0.0
+    cracks.move(Step(None, 1e-6, 0.0), p.X)
+    assert chain.count == count - 2
+    assert chain.length == pytest.approx(length - chain.length0[:2].sum())
+    assert simulation.order.drift == np.inf
+    chain.faces[:, 0, -1] = 11.0
+    words = rf"crack 'main', point {chain.count} at \(11, 0\), in step 1 from time 0 on, has left the grid"
+    with pytest.raises(SimulationError, match=words):
+        cracks.move(Step(None, 1e-6, 0.0), p.X)
+
+
+@pytest.mark.parametrize("respace", ["false", "true"])
+def test_planes_that_fold_end_the_run(respace):
+    simulation, cracks = start_of(f"cracks.0.respace={respace}", "constants.a=3")
+    chain, p = cracks.chains[0], simulation.particles
+    p.L[:] = 0.0
+    chain.faces[:, 0, 7] = chain.X[0, 9]
+    chain.faces[:, 0, 8] = chain.X[0, 6] + 0.1
+    words = r"the plane of crack 'main', point [89] at .* in step 1 from time 0 on, is folded"
+    with pytest.raises(SimulationError, match=words):
+        cracks.move(Step(None, 1e-6, 0.0), p.X)

@@ -204,6 +204,15 @@ def test_domains_that_reach_the_border(path: str, outer: float, words: str) -> N
         assert words in problem.message
 
 
+def test_contours_that_reach_the_border() -> None:
+    """The tip is 8 cells from the border."""
+    for size, found in ((7, []), (8, ["use a size of at most 7"])):
+        fracture = f"fracture: {{outer: 4, integral: contour, size: {size}}}\n"
+        warnings = problems("[[-11, 0], [2, 0]]", more=fracture)
+        assert [problem.path for problem in warnings] == ["fracture.size"] * len(found)
+        assert all(words in problem.message for problem, words in zip(warnings, found, strict=True))
+
+
 def test_domains_that_reach_other_tips_materials_and_holes() -> None:
     other = "  - {name: other, path: {kind: points, points: [[4, 3], [4, -3]]}}\n"
     found = problems("[[-11, 0], [1, 0]]", more=other + DOMAIN.format(outer=4.5))
@@ -242,13 +251,17 @@ def test_process_zones_of_tractions() -> None:
         path="{kind: points, points: [[-11, 0], [2, 0]]}", ends="{start: mouth}", region=BOX, more="", left=-20,
         analysis="plane_strain",
     )).scene  # fmt: skip
-    crack = SimpleNamespace(cuts=None, traction=(SimpleNamespace(law=law),))
+    growth = SimpleNamespace(start=None, end=SimpleNamespace(traction=law))
+    crack = SimpleNamespace(cuts=None, traction=(SimpleNamespace(law=law),), growth=None)
     zones = dict(zones_of(crack, scene.bodies, scene.materials, "plane_strain"))
     E = 1000 / (1 - 0.33**2)
     assert zones == {
         "traction.0.law.normal": pytest.approx(E * 0.2 / 25),
         "traction.0.law.tangential": pytest.approx(E * 0.4 / 100),
     }
+    crack.traction, crack.growth = (), growth  # those that growth leaves behind
+    left = dict(zones_of(crack, scene.bodies, scene.materials, "plane_strain"))
+    assert left == {key.replace("traction.0.law", "growth.end.traction"): zone for key, zone in zones.items()}
     assert dict(zones_of(scene.cracks[0], scene.bodies, scene.materials, "plane_strain")) == {}
 
 
