@@ -135,7 +135,7 @@ class Cracks:
             grid.upper + BEYOND * grid.cell], axis=1),
         )  # fmt: skip
         self._respaces = np.array([model.respace for model in models])
-        self._state = s.state
+        self._state = state
         self._drift = 0.0
         self._version = order.version
 
