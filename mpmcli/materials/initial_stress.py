@@ -73,6 +73,8 @@ def find_stretches(
     at_rest, slope = stiffness_at_rest(m, H[:, :1], keeps)
     if not keeps:  # τ = Jσ, and J changes with the strain
         slope = slope - np.outer(at_rest, [1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    if not np.isfinite(slope).all():
+        return np.zeros((6, n)), np.full(n, np.inf)
     compliance = np.linalg.pinv(slope, rcond=1e-9)
     stretch, missed = np.zeros((6, n)), np.zeros(n)
     scale = float(np.abs(stress).max(initial=0.0))
