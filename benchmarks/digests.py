@@ -68,6 +68,11 @@ RUNS: dict[str, list[str]] = {
     "interface_ring": ["bonded_ring", "time.max_steps=40"],
     "interface_cohesive": ["delamination", "time.max_steps=60"],
     "interface_3d": ["two_ply_3d", "time.max_steps=8"],
+    "crack_edge": ["edge_crack", "time.max_steps=40"],
+    "crack_friction": ["closed_crack_friction", "time.max_steps=15"],
+    "heat_flying": ["heat_flying_disk", "time.max_steps=40"],
+    "heat_friction": ["friction_heating", "time.max_steps=60"],
+    "heat_coupled": ["thermoelastic_bar", "time.max_steps=80"],
     "contact_3d": ["sphere_collision_3d", "time.courant=0.29", "time.max_steps=40"],
 }  # fmt: skip
 """Scene of ``inputs/`` and the keys that a run sets."""
