@@ -140,13 +140,13 @@ class CracksView:
     nodes: int = 0
     third: int = 0
     all_third: int = 0
-    stretch: np.ndarray = field(default_factory=lambda: np.ones((2, 0)))
     tip: Callable[[int, int], TipValues] = lambda crack, end: TipValues(np.nan, np.nan, np.nan)
     speed: Callable[[int, int], float] = lambda crack, end: 0.0
     particle_side: Callable[[], np.ndarray] = lambda: np.zeros(0, dtype=np.int32)
     events: list[tuple[Any, ...]] = field(default_factory=list)
     cohesive_work: np.ndarray = field(default_factory=lambda: np.zeros(0))
     debonded_length: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    stretch: np.ndarray = field(default_factory=lambda: np.ones((2, 0)))
 
     def copy(self) -> CracksView:
         """Return the same with chains that keep their places."""

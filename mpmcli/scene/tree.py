@@ -344,6 +344,9 @@ def _syntax_problem(error: yaml.MarkedYAMLError, text: str, file: str) -> Proble
     if "\t" in before:
         message = "the line is indented with a tab; YAML needs spaces"
         return Problem("", message, file, line, before.index("\t") + 1, code="tab")
+    if error.problem == "exceeded maximum nesting depth":  # of the parser, which is beyond ours
+        message = f"the scene is nested deeper than the limit of {MAX_DEPTH} levels"
+        return Problem("", message, file, line, column, code="nesting")
     words = (error.problem or "this is not YAML").replace(
         "did not find expected", "did not find the expected"
     )

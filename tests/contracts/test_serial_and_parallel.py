@@ -22,6 +22,7 @@ from mpmcli.contact.model import Contact
 from mpmcli.contact.normals import NORMALS
 from mpmcli.contact.separation import SEPARATIONS
 from mpmcli.core.analysis import ANALYSES
+from mpmcli.core.identity import by_identity
 from mpmcli.materials import MATERIALS
 from mpmcli.output.columns import all_columns, evaluate
 from mpmcli.output.of_scene import context_of
@@ -96,6 +97,7 @@ def outcome(scene: dict[str, Any], parallel: bool, monkeypatch: pytest.MonkeyPat
     for _ in range(STEPS):
         s.step()
     found = {name: np.asarray(array).tobytes() for name, array in s.state_arrays().items()}
+    s.state.X0 = by_identity(s.particles.id, s.particles.X)
     snapshot, context = Snapshot(s.state), context_of(loaded.scene, s.state)
     columns = all_columns(context)
     numbers = dict(zip((c.name for c in columns), evaluate(columns, snapshot), strict=True))

@@ -56,6 +56,7 @@ def make_cracked(make_state, asked):
             np.array([0.25, 0.0]),
         )
         state.cracks = CracksView([main, side], force, released, energy, 7, 1, 9, tip)
+        state.cracks.stretch = np.array([[1.5, 1.0], [0.5, 1.0]])
         state.cracks.speed = lambda crack, end: 0.5 + end
         return state
 
@@ -379,6 +380,7 @@ def test_what_a_run_says_of_its_cracks(make_cracked, make_state):
         "points": 5,
         "tips": 1,
         "released_energy": 0.0,
+        "stretch": [1.5, 0.5],
     }
     assert facts["cracks"][1]["released_energy"] == pytest.approx(np.pi)
     assert in_words(facts["cracks"][0], "mm", "mJ") == "crack main: length 4 mm, 5 points, 1 tip"

@@ -53,7 +53,7 @@ REFUSED = {
         "has no particles left",
     ),
     "mass": (
-        scene_with(BODY).replace("density: 1", "density: 1e-320").replace("strain", "strain, thickness: 1e-9"),
+        scene_with(BODY).replace("density: 1", "density: 1e-5").replace("strain", "strain, thickness: 1e-320"),
         "bodies.a.material",
         "check density",
     ),

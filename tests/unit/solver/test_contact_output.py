@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mpmcli.core.identity import by_identity
 from mpmcli.output.columns import all_columns, evaluate
 from mpmcli.output.of_scene import context_of
 from mpmcli.output.probes import nodal_values
@@ -26,6 +27,7 @@ RIGID = {
 
 
 def table_of(run) -> dict[str, float]:
+    run.simulation.state.X0 = by_identity(run.simulation.particles.id, run.simulation.particles.X)
     columns = all_columns(context_of(run.loaded.scene, run.simulation.state))
     return dict(
         zip([c.name for c in columns], evaluate(columns, Snapshot(run.simulation.state)), strict=True)

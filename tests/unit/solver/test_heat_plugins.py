@@ -11,6 +11,7 @@ import yaml
 from mpmcli.boundary.base import CONDITIONS, LOADS, ConditionModel, LoadModel
 from mpmcli.boundary.face_heat import FaceHeat
 from mpmcli.boundary.place import Face
+from mpmcli.core.identity import by_identity
 from mpmcli.output.columns import all_columns, evaluate
 from mpmcli.output.of_scene import context_of
 from mpmcli.output.snapshot import Snapshot
@@ -138,6 +139,7 @@ def run(monkeypatch):
         s = Simulation(loaded, threads=1)
         for _ in range(50):
             s.step()
+        s.state.X0 = by_identity(s.particles.id, s.particles.X)
         columns = all_columns(context_of(loaded.scene, s.state))
         return s, dict(zip((c.name for c in columns), evaluate(columns, Snapshot(s.state)), strict=True))
 

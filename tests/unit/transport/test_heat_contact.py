@@ -60,6 +60,7 @@ def after(words: dict[str, Any], steps: int = 20) -> tuple[Simulation, dict[str,
     loaded, s = started(words)
     for _ in range(steps):
         s.step()
+    s.state.X0 = by_identity(s.particles.id, s.particles.X)
     columns = all_columns(context_of(loaded.scene, s.state))
     numbers = dict(zip((c.name for c in columns), evaluate(columns, Snapshot(s.state)), strict=True))
     return s, numbers
