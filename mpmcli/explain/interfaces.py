@@ -12,7 +12,7 @@ from mpmcli.core.suggest import listing
 from mpmcli.geometry.fill import fill_bodies
 from mpmcli.scene.interface_checks import plane_modulus, process_zone, resistances, starts_of_joints
 from mpmcli.solver.simulation import Simulation
-from mpmcli.stability.interfaces import LARGEST_PHI, springs_of
+from mpmcli.stability.springs import LARGEST_PHI, springs_of
 
 MOST_PAIRS = 6
 """Interfaces that are told one by one."""

@@ -10,6 +10,7 @@ import numpy as np
 from mpmcli.contact.geometry import Matter, Surroundings
 from mpmcli.contact.impulses import Place
 from mpmcli.contact.nodal_contact import NodalContact
+from mpmcli.contact.separation.base import UNKNOWN
 from mpmcli.core.dofs import field_of
 from mpmcli.core.order import CellOrder
 from mpmcli.core.state import InterfaceMeans, InterfaceView
@@ -111,7 +112,7 @@ class Interfaces:
             self._find_start_gaps()
         find_jumps[parallel](
             self._axes, self._way, self._sides, c.count, c.fields, c.table, around, c.nodes.near, matter,
-            self._particles.interface, self._start_gap, c.geometry, j,
+            self._particles.interface, np.nan_to_num(self._start_gap, nan=UNKNOWN), c.geometry, j,
         )  # fmt: skip
         if self._opens:
             open_areas[parallel](self._axes, self._sides, c.count, c.fields, c.table, around, c.geometry, j)
@@ -269,7 +270,7 @@ class Interfaces:
         a, b = (field_of(dof[mine], n, fields) for dof in (c.fields.alpha, c.fields.partner))
         pair, area = self._sides.pair[a, b], c.geometry.area[mine]
         for new in np.unique(pair[np.isnan(self._start_gap[pair])]):
-            its = (pair == new) & (area > 0.0)
+            its = (pair == new) & (area > 0.0) & (np.abs(c.geometry.separation[mine]) < UNKNOWN)
             if its.any():
                 self._start_gap[new] = np.average(c.geometry.separation[mine[its]], weights=area[its])
 

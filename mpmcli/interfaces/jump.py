@@ -108,7 +108,7 @@ def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, kep
     node along the normal; each particle tells its own by its deformation gradient, and the mean gradient of both sides
     pushes the difference forward: exact for affine motions of both. With ``EXTRAPOLATED`` the difference of mean
     displacements (Nairn 2023, Eq. 2.4); with ``EDGES`` the part along the normal is the separation less that of the
-    start, ``start_gap`` (pairs,).
+    start, ``start_gap`` (pairs,), where regression finds the edges of both sides.
 
     ``rows.apart`` tells whether the matter of a side that is nearest to the interface was not bonded at the start, by
     the histories ``kept`` (rows, N) of the particles.
@@ -131,11 +131,12 @@ def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, kep
             geometry.normal[k], sides, kept, reach, sums[k], jump[k],
         )  # fmt: skip
         apart[k] = not bonded
-        if way == EDGES:
+        first = start_gap[sides.pair[alpha, beta]] if way == EDGES else UNKNOWN
+        if abs(geometry.separation[k]) < UNKNOWN and abs(first) < UNKNOWN:
             along = 0.0
             for a in range(d):
                 along += jump[k, a] * geometry.normal[k, a]
-            opened = geometry.separation[k] - start_gap[sides.pair[alpha, beta]] - along
+            opened = geometry.separation[k] - first - along
             for a in range(d):
                 jump[k, a] += opened * geometry.normal[k, a]
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, TypeAdapter, ValidationInfo, WithJsonSchema
+from pydantic import AllowInfNan, BeforeValidator, TypeAdapter, ValidationInfo, WithJsonSchema
 
 from mpmcli.core.model import Quantity
 from mpmcli.core.suggest import did_you_mean
 from mpmcli.interfaces.springs import Elastic, Rigid
 
-_stiffness: TypeAdapter[Any] = TypeAdapter(Annotated[float, Quantity("pressure/length", ge=0)])
+_stiffness: TypeAdapter[Any] = TypeAdapter(
+    Annotated[float, Quantity("pressure/length", ge=0), AllowInfNan(False)]
+)
 
 
 def read_stiffness(value: Any, info: ValidationInfo) -> Any:

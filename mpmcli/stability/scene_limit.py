@@ -20,6 +20,7 @@ from mpmcli.scene.method import MAX_COURANT
 from mpmcli.stability.growth import is_stable
 from mpmcli.stability.models import Model, NoKnownLimit, largest_wave_speed, models_of, scheme_of
 from mpmcli.stability.speeds import largest_speed
+from mpmcli.stability.springs import springs_of
 from mpmcli.stability.tractions import limits_of_tractions
 
 SAFETY = 0.95
@@ -66,6 +67,12 @@ def stable_courant(scene: Any) -> StableCourant:
         allowed = courant_of_step(scene, traction.step) / SAFETY
         if allowed < limit:
             limit, because = allowed, f"the tractions of crack '{traction.crack}' are stiff"
+    if scene.contact is not None and scene.contact.interface.step == "oscillator":
+        for spring in springs_of(scene):
+            allowed = courant_of_step(scene, spring.longest_step()) / SAFETY
+            if allowed < limit:
+                pair = f"'{spring.joint.first}' and '{spring.joint.second}'"
+                limit, because = allowed, f"the interface of {pair} is stiff for step 'oscillator'"
     return StableCourant(math.floor(SAFETY * limit * 10**DIGITS + 1e-6) / 10**DIGITS, because)
 
 

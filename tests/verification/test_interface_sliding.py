@@ -73,3 +73,39 @@ def test_a_block_meets_a_step_later(law):
     assert abs(run.work) < 0.02 * 6.0
     assert run.kinetic == pytest.approx(contact.kinetic, abs=0.05 * 6.0)
     assert run.error < 1.2 * contact.error
+
+
+@pytest.mark.parametrize("separation", ["regression", "position_fit"])
+def test_jumps_of_edges_are_those_of_gradients(separation):
+    """Blocks drawn apart; contacts whose separation is unknown take the jump by gradients."""
+    found = []
+    for jump in ("gradient", "edges"):
+        scene = {
+            "version": 1,
+            "analysis": {"kind": "plane_strain"},
+            "grid": {"lower": [-8, -8], "upper": [8, 8], "cell": 1},
+            "method": {"shape": "ugimp", "transfer": {"kind": "flip"}},
+            "materials": {"soft": {"kind": "linear_elastic", "density": 1, "E": 100, "nu": 0.3}},
+            "bodies": [
+                {
+                    "name": n,
+                    "material": "soft",
+                    "velocity": [0, v],
+                    "region": {"kind": "box", "lower": a, "upper": b},
+                }
+                for n, v, a, b in (("low", -0.2, [-4, -4], [4, 0]), ("high", 0.2, [-4, 0], [4, 4]))
+            ],
+            "contact": {
+                "law": {"kind": "linear_interface", "normal": 50, "tangential": 20, "bonded": "x"},
+                "separation": {"kind": separation},
+                "interface": {"jump": jump},
+            },
+            "time": {"end": 1, "courant": 0.2},
+        }
+        s = Simulation(load_scene(yaml.safe_dump(scene)), threads=1)
+        for _ in range(20):
+            s.step()
+        i = s.contact.interfaces
+        assert np.abs(i.jumps.jump[i.rows()]).max() < 1.0
+        found.append(i.means().jump_normal[0])
+    assert found[1] == pytest.approx(found[0], rel=0.1)

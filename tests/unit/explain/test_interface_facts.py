@@ -86,6 +86,10 @@ def test_springs_that_oscillate_too_fast_are_warned_of():
     )
     for time in ({"courant": 0.19}, {"step": 0.019, "courant": None}):
         assert warnings_of_interfaces(loaded_with(stiff, time=time, **oscillator).scene) == []
+    stiffest = LINEAR | {"normal": 1e5}
+    chosen = loaded_with(stiffest, time={"courant": "auto"}, **oscillator).scene
+    assert warnings_of_interfaces(chosen) == []
+    assert max(spring.phi(first_step(chosen)) for spring in springs_of(chosen)) > 0.9
 
 
 def test_facts_of_an_interface():
