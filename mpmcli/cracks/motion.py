@@ -159,18 +159,18 @@ def move_point(k, before, end, at_tip, way, dt, points, sums, nodes, segments, t
             new[0, a] = new[1, a]
         elif below == 0.0:
             new[1, a] = new[0, a]
-    return move_faces(k, at_tip, way, above / (above + below), dt, points, lattice, new)
+    return move_faces(k, at_tip, way, above, below, dt, points, lattice, new)
 
 
 @compiled_too
-def move_faces(k, at_tip, way, share, dt, points, lattice, new):
+def move_faces(k, at_tip, way, above, below, dt, points, lattice, new):
     """Move point ``k`` with the velocities ``new`` (2, 3) of its faces; returns how far a face went [cells].
 
-    ``share`` is that of the face above in the velocity that both have in common.
+    ``above`` and ``below`` are the weights of the faces in the velocity that both have in common.
     """
     farthest = 0.0
     for a in range(2):
-        common = share * new[0, a] + (1.0 - share) * new[1, a]
+        common = (above * new[0, a] + below * new[1, a]) / (above + below)
         if at_tip:  # faces part behind a tip, not at it
             new[0, a] = new[1, a] = common
         for face in range(2):
@@ -203,17 +203,16 @@ def follow(k, begin, end, at_tip, way, dt, points, lattice, matter, spin, new):
         return 0.0
     for face in range(2):
         if first >= begin and last < end:
-            share = (k - first) / (last - first)
             for a in range(2):
                 v = points.velocity[face, a]
-                new[face, a] = (1.0 - share) * v[first] + share * v[last]
+                new[face, a] = ((last - k) * v[first] + (k - first) * v[last]) / (last - first)
         else:
             by = first if first >= begin else last
             v, turn = points.velocity[face, :, by], spin[face, by]
             x = points.faces[face, 0, k] - (points.faces[face, 0, by] - dt * v[0])
             y = points.faces[face, 1, k] - (points.faces[face, 1, by] - dt * v[1])
             new[face, 0], new[face, 1] = v[0] - turn * y, v[1] + turn * x
-    return move_faces(k, at_tip, way, 0.5, dt, points, lattice, new)
+    return move_faces(k, at_tip, way, 1.0, 1.0, dt, points, lattice, new)
 
 
 @compiled_too
