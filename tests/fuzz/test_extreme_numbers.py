@@ -18,7 +18,8 @@ from commands import spoken, unfit
 
 from mpmcli.materials import MATERIALS
 
-EXTREMES = [0, -0.0, 5e-324, 1e-300, 1e-160, 1e-12, 1e12, 1e160, 1e300, -1, -1e300, math.inf, math.nan]
+EXTREMES = [0, -0.0, 5e-324, 1e-99, 1e-50, 1e-12, 1e-6, 1e6, 1e12, 1e50, 1e99, 1e300, -1, math.inf, math.nan]
+"""Zero, numbers that materials may have, and some that they may not."""
 TRIED = int(os.environ.get("MPMCLI_EXTREMES", "40"))
 """Scenes per material that run, of several hundred."""
 SECONDS = 30.0
