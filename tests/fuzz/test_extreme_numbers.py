@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import copy
 import math
 import os
 from collections import Counter
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +13,7 @@ import numpy as np
 import pytest
 import yaml
 from commands import spoken, unfit
+from numbers_of_scenes import numbers_in, with_number
 
 from mpmcli.materials import MATERIALS
 
@@ -45,25 +44,6 @@ def scene_of(material: dict[str, Any]) -> dict[str, Any]:
         "time": {"end": 1, "max_steps": 3},
         "archive": {"globals": {"every": 0.5}},
     }
-
-
-def numbers_in(keys: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    """The path of each number."""
-    if isinstance(keys, dict | list):
-        for key, value in keys.items() if isinstance(keys, dict) else enumerate(keys):
-            yield from numbers_in(value, (*path, key))
-    elif not isinstance(keys, str | bool) and keys is not None:
-        yield path
-
-
-def with_number(keys: Any, path: tuple[Any, ...], value: Any) -> Any:
-    """A copy with one number in place of another."""
-    keys = copy.deepcopy(keys)
-    place = keys
-    for key in path[:-1]:
-        place = place[key]
-    place[path[-1]] = value
-    return keys
 
 
 def ways(kind: str) -> list[dict[str, Any]]:

@@ -5,9 +5,7 @@ A sample of those that are valid runs a step in plain Python, in which divisions
 
 from __future__ import annotations
 
-import copy
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +13,7 @@ import numpy as np
 import pytest
 import yaml
 from commands import spoken, unfit
+from numbers_of_scenes import numbers_in, with_number
 
 HOSTILE = [
     *(0, -1, 5e-324, 1e300, -1e300, 1e18, 3.7e-9, 1e9, math.nan, math.inf, True, None),
@@ -97,25 +96,6 @@ SCENES: dict[str, Any] = {
 }
 
 
-def numbers_in(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    """Paths of all numbers."""
-    if isinstance(value, dict | list):
-        for key, member in value.items() if isinstance(value, dict) else enumerate(value):
-            yield from numbers_in(member, (*path, key))
-    elif isinstance(value, int | float) and path != ("version",):
-        yield path
-
-
-def changed(keys: Any, path: tuple[Any, ...], value: Any) -> Any:
-    """A copy of a scene with another value at a path."""
-    keys = copy.deepcopy(keys)
-    place = keys
-    for key in path[:-1]:
-        place = place[key]
-    place[path[-1]] = value
-    return keys
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_hostile_numbers(name: str, tmp_path: Path, monkeypatch, plain_python):
@@ -127,7 +107,7 @@ def test_hostile_numbers(name: str, tmp_path: Path, monkeypatch, plain_python):
     findings, valid = [], []
     for place in own:
         for value in HOSTILE:
-            text = yaml.safe_dump(changed(base, place, value), sort_keys=False)
+            text = yaml.safe_dump(with_number(base, place, value), sort_keys=False)
             path.write_text(text, encoding="utf-8")
             code, written, seconds = spoken(["validate", str(path)])
             wrong = unfit(code, written) or ("" if code in (0, 3) else f"exit code {code}")
