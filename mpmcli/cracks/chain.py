@@ -17,6 +17,8 @@ START, END = 0, -1
 """Places of the ends in a chain."""
 FOLDED = -math.sqrt(0.75)
 """Cosine of the turn between two segments, 150 degrees, from which on a plane is folded."""
+VISIBLE = 0.25
+"""Length of the shorter segment at a fold [cells] from which on the grid sees it."""
 STRETCHED, SHRUNK = 1.5, 0.25
 """Lengths of segments over their first ones from which on a point is put in, or one is taken out."""
 
@@ -168,14 +170,13 @@ def segment_lengths(X: Array) -> Array:
     return np.hypot(*np.diff(X, axis=1))
 
 
-def turns(X: Array) -> Array:
-    """Cosines (P − 2,) of the turns between consecutive segments of points (2, P); 1 beside segments without length."""
+def turns(X: Array, least: float) -> Array:
+    """Cosines (P − 2,) of the turns between consecutive segments of points (2, P); 1 beside those below ``least``."""
     way = np.diff(X, axis=1)
     length = np.hypot(*way)
     product = length[1:] * length[:-1]
-    return np.where(
-        product > 0.0, (way[:, 1:] * way[:, :-1]).sum(axis=0) / np.where(product > 0.0, product, 1.0), 1.0
-    )
+    seen = (product > 0.0) & (np.minimum(length[1:], length[:-1]) >= least)
+    return np.where(seen, (way[:, 1:] * way[:, :-1]).sum(axis=0) / np.where(seen, product, 1.0), 1.0)
 
 
 def respaced(chain: Chain) -> Array:

@@ -17,6 +17,7 @@ from mpmcli.cracks.chain import (
     FOLDED,
     SHRUNK,
     STRETCHED,
+    VISIBLE,
     Chain,
     carries_tractions,
     make_chain,
@@ -213,9 +214,9 @@ class Cracks:
             view.stretch[1], np.where(self._respaces, 1.0, SHRUNK * found[:, SHORTEST]), out=view.stretch[1]
         )
         for crack in np.flatnonzero((found[:, SHARPEST] < FOLDED) & self.sides.points.smooth).tolist():
-            chain = self.chains[crack]
-            point = 1 + int(np.argmin(turns(chain.X)))
-            if turns(chain.X)[point - 1] < FOLDED:
+            sharpness = turns(self.chains[crack].X, VISIBLE * float(self._grid.cell.min()))
+            point = 1 + int(np.argmin(sharpness))
+            if sharpness[point - 1] < FOLDED:
                 raise SimulationError(
                     f"the plane of crack {self._place(crack, point)} is folded: its points are no longer in order, so "
                     "that sides cannot be told. Matter is crushed there; "

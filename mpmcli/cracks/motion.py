@@ -10,6 +10,7 @@ import numpy as np
 from mpmcli.contact.laws.impulse import TINIEST
 from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.kernel import inline
+from mpmcli.cracks.chain import VISIBLE
 from mpmcli.cracks.crossing import BITS, crosses, whole
 from mpmcli.cracks.points import AllPoints
 from mpmcli.cracks.sides import CrackSides
@@ -233,8 +234,11 @@ def part(k, begin, end, points):
 
 
 @compiled_too
-def watch(begin, end, bounds, points, found):
-    """Tell the state of the plane of a chain, into ``found`` (4,), as ``FaceMotion.found`` has it."""
+def watch(begin, end, bounds, visible, points, found):
+    """Tell the state of the plane of a chain, into ``found`` (4,), as ``FaceMotion.found`` has it.
+
+    Turns beside segments shorter than ``visible`` do not count.
+    """
     found[SHARPEST], found[LONGEST], found[SHORTEST], found[OUTSIDE] = 1.0, 0.0, np.inf, 0.0
     before_x, before_y = 0.0, 0.0
     for k in range(begin, end):
@@ -247,8 +251,9 @@ def watch(begin, end, bounds, points, found):
         length = math.sqrt(way_x * way_x + way_y * way_y)
         found[LONGEST] = max(found[LONGEST], length / points.longest[k])
         found[SHORTEST] = min(found[SHORTEST], (length + TINIEST) / (points.shortest[k] + TINIEST))
-        way_x, way_y = way_x / max(length, TINIEST), way_y / max(length, TINIEST)
-        found[SHARPEST] = min(found[SHARPEST], before_x * way_x + before_y * way_y) if k > begin else 1.0
+        scale = 1.0 / length if length > 0.0 and length >= visible else 0.0
+        way_x, way_y = way_x * scale, way_y * scale
+        found[SHARPEST] = min(found[SHARPEST], before_x * way_x + before_y * way_y)
         before_x, before_y = way_x, way_y
 
 
@@ -322,7 +327,7 @@ def move_points(
         if apart[crack]:
             for k in range(begin, end):
                 part(k, begin, end, points)
-        watch(begin, end, bounds, points, found[crack])
+        watch(begin, end, bounds, VISIBLE * min(lattice.cell[0], lattice.cell[1]), points, found[crack])
     return farthest
 
 

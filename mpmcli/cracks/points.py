@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mpmcli.cracks.chain import FOLDED, Chain, turns
+from mpmcli.cracks.chain import FOLDED, VISIBLE, Chain, turns
 
 Array = np.ndarray
 
@@ -37,14 +37,15 @@ class AllPoints:
     Parameters
     ----------
     chains : of all cracks
+    cell : smallest side of a cell [length]
 
     Attributes
     ----------
     smooth : (cracks,) whether planes had no turn as sharp as ``FOLDED`` when they were gathered
     """
 
-    def __init__(self, chains: list[Chain]):
-        self._chains = chains
+    def __init__(self, chains: list[Chain], cell: float):
+        self._chains, self._visible = chains, VISIBLE * cell
         self.smooth = np.zeros(len(chains), dtype=bool)
         self._now = self._gather()
 
@@ -65,6 +66,6 @@ class AllPoints:
             mine = slice(first[chain.index], first[chain.index + 1])
             chain.X, chain.faces, chain.velocity = X[:, mine], faces[..., mine], velocity[..., mine]
         tips, joined = (np.array([getattr(chain, name) for chain in chains]) for name in ("tips", "joined"))
-        self.smooth = np.array([turns(chain.X).min(initial=1.0) > FOLDED for chain in chains])
+        self.smooth = np.array([turns(chain.X, self._visible).min(initial=1.0) > FOLDED for chain in chains])
         longest, shortest = np.concatenate([chain.limits() for chain in chains], axis=1)
         return Points(first, tips, ~(tips | joined), X, faces, velocity, longest, shortest)

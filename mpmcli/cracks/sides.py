@@ -53,7 +53,7 @@ class CrackSides:
     def __init__(self, chains: list[Chain], cuts: Array, order: CellOrder, grid: Grid, follows: bool):
         self.chains, self._cuts = chains, cuts
         self._order, self._grid, self._follows = order, grid, follows
-        self.points = AllPoints(chains)
+        self.points = AllPoints(chains, float(grid.cell.min()))
         self._origin = grid.lower - grid.pad * grid.cell
         self._counts = np.zeros(2, dtype=np.int64)
         self.drift = 0.0

@@ -27,7 +27,7 @@ def segments_of(points, beyond=0.0, tips=(True, True), on=None):
     """Segments of one chain, as plain numbers: A, B (n, 2), whether A comes first."""
     on = on or grid()
     chain = Chain("c", 0, np.array(points, dtype=float).T, tips)
-    points = AllPoints([chain])
+    points = AllPoints([chain], 1.0)
     found = allocate_segments(points.get())
     find_segments(points.get(), beyond, on.lower - on.pad * on.cell, on.cell, found)
     return found

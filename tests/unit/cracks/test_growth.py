@@ -203,7 +203,7 @@ def test_a_tip_becomes_the_mouth_of_a_crack_at_the_end_of_the_body():
     assert chain.tips == (True, False)
     assert chain.joined == (False, False)
     assert chain.X[0, END] > 4.0
-    assert AllPoints(world.view.chains).get().mouths.tolist() == [[False, True]]
+    assert AllPoints(world.view.chains, 1.0).get().mouths.tolist() == [[False, True]]
 
 
 def test_a_tip_joins_another_crack():
@@ -214,7 +214,7 @@ def test_a_tip_joins_another_crack():
     chain = world.view.chains[0]
     assert (chain.tips, chain.joined) == ((True, False), (False, True))
     assert 2.2 < chain.X[0, END] < 2.2 + 2e-3 * CELL
-    points = AllPoints(world.view.chains).get()
+    points = AllPoints(world.view.chains, 1.0).get()
     assert not points.mouths.any()  # the other crack ends it, so that it is not continued beyond
     memory = {name: np.copy(value) for name, value in chain.memory().items()}
     again = Chain("main", 0, np.array([[0.5, 2.0], [1.0, 1.0]]), (True, True))

@@ -165,7 +165,7 @@ def test_a_mouth_that_leaves_the_grid_ends_the_crack_and_any_other_point_ends_th
 
 
 @pytest.mark.parametrize("respace", ["false", "true"])
-def test_planes_that_fold_end_the_run(respace):
+def test_planes_that_fold_end_the_run_where_the_grid_sees_it(respace):
     simulation, cracks = start_of(f"cracks.0.respace={respace}", "constants.a=3")
     chain, p = cracks.chains[0], simulation.particles
     p.L[:] = 0.0
@@ -174,3 +174,12 @@ def test_planes_that_fold_end_the_run(respace):
     words = r"the plane of crack 'main', point [89] at .* in step 1 from time 0 on, is folded"
     with pytest.raises(SimulationError, match=words):
         cracks.move(Step(None, 1e-6, 0.0), p.X)
+
+
+def test_folds_shorter_than_a_quarter_of_a_cell_are_below_what_the_grid_resolves():
+    simulation, cracks = start_of("constants.a=3")
+    chain, p = cracks.chains[0], simulation.particles
+    p.L[:] = 0.0
+    chain.faces[:, 0, 8] = chain.X[0, 7] - 0.1  # cells of 0.5
+    cracks.move(Step(None, 1e-6, 0.0), p.X)
+    assert chain.X[0, 8] < chain.X[0, 7]

@@ -61,7 +61,10 @@ def test_all_that_points_carry_is_interpolated():
 
 def test_turns():
     X = np.array([[0.0, 1.0, 1.0, 0.5, 0.5], [0.0, 0.0, 1.0, 1.0, 1.0]])
-    assert turns(X).tolist() == pytest.approx([0.0, 0.0, 1.0])
+    assert turns(X, 0.0).tolist() == pytest.approx([0.0, 0.0, 1.0])
+    back = np.array([[0.0, 1.0, 0.5, 0.8, 2.0], [0.0, 0.0, 0.0, 0.0, 0.0]])
+    assert turns(back, 0.0).tolist() == pytest.approx([-1.0, -1.0, 1.0])
+    assert turns(back, 0.4).tolist() == pytest.approx([-1.0, 1.0, 1.0])
 
 
 DRAWN = """
