@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.core.chunks import largest
 from mpmcli.core.compiled.runtime import available_threads
 from mpmcli.core.particles import Particles
 from mpmcli.materials.base import dissipated_heat
@@ -105,11 +106,11 @@ class StressUpdate:
                 p.material, p.stress_work, self._viscous(), self._thermal(i), dt, self._limits, self._speed2,
                 self._bad,
             )  # fmt: skip
-            bad = int(self._bad.max())
+            bad = int(largest(self._bad))
             if bad >= 0:
                 self._refuse(bad)
-            fastest = max(fastest, float(self._speed2.max()) * self._lightness[i])
-        self.wave_speed = float(np.sqrt(fastest))
+            fastest = max(fastest, largest(self._speed2) * self._lightness[i])
+        self.wave_speed = math.sqrt(fastest)
         if self._bath is not None:
             heat = float(self._bath.sum())
             self._work["bath_heat"] += heat

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from mpmcli.core.analysis import Analysis
-from mpmcli.core.chunks import CHUNKS
+from mpmcli.core.chunks import CHUNKS, largest
 from mpmcli.core.domains import turn_domains
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
@@ -323,7 +324,7 @@ class Transfer:
             self.speed_squared, self.travel, self.outside, self.bounds, damped, too,
         )  # fmt: skip
         self._moved = True
-        self.farthest = float(self.travel.max())
+        self.farthest = largest(self.travel)
         self.order.drift += self.farthest
 
     def add_powers(self, field: NodalField, power: Array, out: Array) -> None:
@@ -355,8 +356,8 @@ class Transfer:
     @property
     def largest_speed(self) -> float:
         """Largest particle speed after the last motion."""
-        return float(np.sqrt(self.speed_squared.max()))
+        return math.sqrt(largest(self.speed_squared))
 
     def particle_outside(self) -> int:
         """Memory place of a particle that left the domain in the last motion, or −1."""
-        return int(self.outside.max())
+        return int(largest(self.outside))
