@@ -10,7 +10,9 @@ import pytest
 DOCS = Path(__file__).parents[3] / "docs"
 PAGES = [DOCS.parent / "README.md", *sorted(DOCS.glob("*.md"))]
 PAGES += [
-    path for folder in ("verification", "studies", "gallery") for path in sorted((DOCS / folder).glob("*.md"))
+    path
+    for folder in ("theory", "verification", "studies", "gallery")
+    for path in sorted((DOCS / folder).glob("*.md"))
 ]
 PRIVATE = re.compile(
     r"\b(houses?|rooms?|sights?|stairs?(?!-stepped)|swing(?:s|ing)?|flights?|flies|fly|members?|clouds?|spare|idle|amid"
@@ -34,7 +36,7 @@ def test_words_are_those_of_the_field(path):
     assert found == []
 
 
-@pytest.mark.parametrize("folder", ["verification", "studies"])
+@pytest.mark.parametrize("folder", ["theory", "verification", "studies"])
 def test_a_topic_fits_on_a_page(folder):
     words = {
         path.stem: len(path.read_text(encoding="utf-8").split()) for path in (DOCS / folder).glob("*.md")
