@@ -264,10 +264,6 @@ class Units:
             size *= raised(self.scale(base), exponent)
         return next((text for power, text in _PREFIXES.items() if size == Fraction(10) ** power), None)
 
-    def as_dict(self) -> dict[str, str]:
-        """The declared base units by name."""
-        return {base: name for base, name in self.names.items() if name is not None}
-
 
 def raised(size: Fraction, exponent: Fraction) -> Fraction:
     """Power of a size, exact where the exponent is whole (that of a stress intensity is not)."""
