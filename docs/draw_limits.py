@@ -67,7 +67,7 @@ def measured(scene: str) -> list[dict[str, str]]:
     """Measured limits of a scene with its own method; a row without limits where there are none."""
     path, found = INPUTS / f"{scene}.yaml", []
     for row in rows_of("limits_of_scenes"):
-        if row["scene"] == scene and row["quiet"]:
+        if row["scene"] == scene:
             sets = [f"method.shape={row['shape']}", f"method.transfer={transfer_value(row['transfer'])}"]
             if load_scene(path).scene.method == load_scene(path, sets=sets).scene.method:
                 found.append(row)
@@ -80,12 +80,15 @@ def row_of_auto(row: dict[str, str]) -> tuple[float, str]:
     scene = load_scene(INPUTS / f"{row['scene']}.yaml", defines=defines).scene
     auto = stable_courant(scene).courant
     name = f"`{row['scene']}`" + (f", `{row['define']}`" if row["define"] else "")
+    least = "" if row["unstable"] else "≥ "  # no larger number was tried
+    bounded = f"{least}{row['stable']}" if row["stable"] else "–"
     if not row["quiet"]:
-        return 2.0, f"| {name} | {auto:.3f} | – | – | – |"
-    least = "" if row["unstable"] else "≥ "  # stable up to the largest number that was tried
+        return 2.0, f"| {name} | {auto:.3f} | {bounded} | – | – |"
     below = 1.0 - auto / float(row["quiet"])
-    limits = f"{least}{row['stable']} | {least}{row['quiet']} | {least}{100.0 * below:.0f} %"
-    return below, f"| {name} | {auto:.3f} | {limits} |"
+    share = f"{100.0 * below:.0f} %" if row["unstable"] else "–"
+    return below + (
+        not row["unstable"]
+    ), f"| {name} | {auto:.3f} | {bounded} | {least}{row['quiet']} | {share} |"
 
 
 def table_of_auto() -> str:
