@@ -3,7 +3,8 @@
     python docs/draw_limits.py
 
 Measured limits are those of ``tests/data/limits_of_the_bar.csv`` and ``limits_of_scenes.csv``, found with ``mpmcli
-stability``. Predicted ones, in brackets, and what ``courant: auto`` selects are found here, in a minute.
+stability``. Predicted ones, in brackets, and what ``courant: auto`` selects are found here, in a minute. A scene that
+was not measured has a row with what ``auto`` selects only.
 """
 
 from __future__ import annotations

@@ -39,7 +39,8 @@ AUTO = (DOCS / "tables" / "auto.md").read_text(encoding="utf-8")
 
 def test_every_scene_has_a_row_in_the_table_of_auto():
     rows = re.findall(r"^\| `(\w+)`", AUTO, re.MULTILINE)
-    assert set(rows) == {path.stem for path in (DOCS.parent / "inputs").glob("*.yaml")}
+    scenes = {path.stem for path in (DOCS.parent / "inputs").glob("*.yaml")}
+    assert set(rows) == scenes, "run: python docs/draw_limits.py"
 
 
 @pytest.mark.slow
