@@ -3,7 +3,8 @@
     python docs/draw_limits.py
 
 Measured limits are those of ``tests/data/limits_of_the_bar.csv`` and ``limits_of_scenes.csv``, found with ``mpmcli
-stability``. Predicted ones, in brackets, and what ``courant: auto`` selects are found here, in a minute.
+stability``. Predicted ones, in brackets, and what ``courant: auto`` selects are found here, in a minute. A scene that
+was not measured has a row with what ``auto`` selects only.
 """
 
 from __future__ import annotations
@@ -63,20 +64,40 @@ def table_of(cases: list[Case], digits: int) -> str:
     return "\n".join(lines) + "\n"
 
 
-def table_of_auto() -> str:
-    """What ``courant: auto`` selects beside the limits of the scenes as they come."""
-    found = []
+def measured(scene: str) -> list[dict[str, str]]:
+    """Measured limits of a scene with its own method; a row without limits where there are none."""
+    path, found = INPUTS / f"{scene}.yaml", []
     for row in rows_of("limits_of_scenes"):
-        path = INPUTS / f"{row['scene']}.yaml"
-        own = load_scene(path, defines=[row["define"]] if row["define"] else [])
-        sets = [f"method.shape={row['shape']}", f"method.transfer={transfer_value(row['transfer'])}"]
-        if row["quiet"] and own.scene.method == load_scene(path, sets=sets).scene.method:
-            auto, quiet = stable_courant(own.scene).courant, float(row["quiet"])
-            name = f"`{row['scene']}`" + (f", `{row['define']}`" if row["define"] else "")
-            found.append((1.0 - auto / quiet, f"| {name} | {auto:.3f} | {row['stable']} | {row['quiet']} |"))
+        if row["scene"] == scene:
+            sets = [f"method.shape={row['shape']}", f"method.transfer={transfer_value(row['transfer'])}"]
+            if load_scene(path).scene.method == load_scene(path, sets=sets).scene.method:
+                found.append(row)
+    return found or [{"scene": scene, "define": "", "stable": "", "unstable": "", "quiet": ""}]
+
+
+def row_of_auto(row: dict[str, str]) -> tuple[float, str]:
+    """How far ``auto`` is below the quiet limit (2 where it was not measured), and the row of the table."""
+    defines = [row["define"]] if row["define"] else []
+    scene = load_scene(INPUTS / f"{row['scene']}.yaml", defines=defines).scene
+    auto = stable_courant(scene).courant
+    name = f"`{row['scene']}`" + (f", `{row['define']}`" if row["define"] else "")
+    least = "" if row["unstable"] else "≥ "  # no larger number was tried
+    bounded = f"{least}{row['stable']}" if row["stable"] else "–"
+    if not row["quiet"]:
+        return 2.0, f"| {name} | {auto:.3f} | {bounded} | – | – |"
+    below = 1.0 - auto / float(row["quiet"])
+    share = f"{100.0 * below:.0f} %" if row["unstable"] else "–"
+    return below + (
+        not row["unstable"]
+    ), f"| {name} | {auto:.3f} | {bounded} | {least}{row['quiet']} | {share} |"
+
+
+def table_of_auto() -> str:
+    """What ``courant: auto`` selects for each scene of inputs/, beside the limits that were measured."""
+    scenes = sorted(path.stem for path in INPUTS.glob("*.yaml"))
+    rows = sorted(row_of_auto(row) for scene in scenes for row in measured(scene))
     lines = ["| scene | `auto` | bounded up to | quiet up to | below quiet |", "| --- " * 5 + "|"]
-    lines += [f"{words} {100.0 * below:.0f} % |" for below, words in sorted(found)]
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *(words for _, words in rows)]) + "\n"
 
 
 def main() -> None:

@@ -9,12 +9,15 @@ in ``--results`` and used again; they are found by their scene, so that figures 
 from __future__ import annotations
 
 import argparse
+import sys
 from itertools import groupby
 from pathlib import Path
 
 import figures
 from figures.base import IMAGES, PAGES, PAPERS, Figure, Runs, write_table
 from make_studies import draw_study
+
+sys.path.append(str(Path(__file__).parents[1] / "tests"))  # overlap.py, which one of the figures imports
 
 INDEX = """\
 # Gallery

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from overlap import find_overlapping
 
 from figures.base import Case, Figure, Runs, Table, panels, save
 from mpmcli.results.reading import Frame
-from mpmcli.study.overlap import find_overlapping
 
 CELL = "1/18"
 """72 particles in the height; the paper has 280."""

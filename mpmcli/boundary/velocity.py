@@ -22,7 +22,7 @@ class Velocity(Rough):
     kind: Literal["velocity"] = "velocity"
     """Kind of condition."""
     on: Place
-    """Where: nodes on a plane and beyond it, in a box or region, or seen by a body's surface particles."""
+    """Where: nodes on a plane and beyond it, in a box or region, or reached by a body's surface particles."""
     direction: Direction
     """Direction of the component, an axis or a vector; with friction in a box, region or on a face, into the body."""
     value: Annotated[Expression, Varying("velocity")]

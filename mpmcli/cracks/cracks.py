@@ -219,7 +219,7 @@ class Cracks:
             if sharpness[point - 1] < FOLDED:
                 raise SimulationError(
                     f"the plane of crack {self._place(crack, point)} is folded: its points are no longer in order, so "
-                    "that sides cannot be told. Matter is crushed there; "
+                    "that sides are not defined. Matter is crushed there; "
                     + (
                         "use smaller cells"
                         if self._respaces[crack]

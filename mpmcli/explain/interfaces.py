@@ -116,10 +116,10 @@ def _pair_in_words(pair: dict[str, Any], step: str) -> list[str]:
         parts.append(f"process zone {_by_mode(pair['zone_cells'])} cells")
     if pair["failure_cells"]:
         parts.append(f"failure at {_by_mode(pair['failure_cells'])} cells")
-    where = f"bonded at {pair['bonded']} of {pair['nodes']} nodes that see both at the start"
+    where = f"bonded at {pair['bonded']} of {pair['nodes']} nodes with mass of both bodies at the start"
     if not pair["bonded"]:
         gap = "" if pair["gap"] is None else f", gap {pair['gap']:.3g}"
-        where = f"never bonded: {pair['nodes']} nodes see both at the start{gap}"
+        where = f"never bonded: {pair['nodes']} nodes have mass of both bodies at the start{gap}"
     lines = [f"{first}|{second}: {', '.join([pair['law'], *parts])}; {where}"]
     if step == "oscillator" and pair["phi"]:
         verdict = "" if max(pair["phi"].values()) <= LARGEST_PHI else "; unstable here, use step: implicit"

@@ -176,10 +176,3 @@ def modes_of(hill: Hill, C: Stiffness) -> Modes:
     shears = (2.0 * C.G12 * hill.N, 2.0 * C.G23 * hill.L, 2.0 * C.G13 * hill.M)
     numbers = (*values[-2:], *v[:, 0], *v[:, 1], min(values[-2], *shears))
     return Modes(*(float(each) for each in numbers))
-
-
-def tension_at(hill: Hill, degrees: float) -> float:
-    """Yield stress over the flow stress of tension at an angle from axis 1 in the plane of axes 1 and 2."""
-    c, s = math.cos(math.radians(degrees)) ** 2, math.sin(math.radians(degrees)) ** 2
-    F, G, H, N = hill.F, hill.G, hill.H, hill.N
-    return 1.0 / math.sqrt(F * s * s + G * c * c + H * (c - s) ** 2 + 2.0 * N * s * c)

@@ -54,7 +54,7 @@ class NeoHookean(ElasticModel):
     volumetric: Literal["j_minus_inverse", "log"] = "j_minus_inverse"
     """Energy of a change of volume."""
     split: Literal["none", "isochoric"] = "none"
-    """Whether the shear part sees the change of volume (none) or only the shape (isochoric)."""
+    """Whether the shear part depends on the change of volume too (none) or on the shape only (isochoric)."""
 
     def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
         """Moduli, density, and the square of the wave speed at rest."""

@@ -121,7 +121,7 @@ QUANTITIES.add(
         "scalar",
         "global",
         _count("nodes"),
-        "number of nodes that see several velocity fields",
+        "number of nodes with mass of several velocity fields",
         exists=_with_contact,
     ),
     Quantity(

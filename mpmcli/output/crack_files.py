@@ -29,8 +29,6 @@ DIMENSIONS = {
     "crack": "1",
 }
 """Physical dimensions of the arrays."""
-OF_TRACTIONS = ("damage", "traction")
-"""Those that files have where points carry tractions."""
 EVENTS = {
     "time": "time",
     "crack": "",

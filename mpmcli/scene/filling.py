@@ -32,8 +32,8 @@ MOST_HEIGHTS = 3
 """Heights of the particles of a face that is made of flat ones."""
 NUMBERS_OF_HEAT = 4
 """The same of conduction: capacity, content, power, temperature; FLIP and the full-capacity loop have two more each."""
-MAX_DISTANCES = 5_000_000
-"""Distances between particles and points of loads after which no further points are checked."""
+MAX_DISTANCES = 20_000_000
+"""Distances between particles and points of loads up to which points are checked."""
 ON_NODE = 1e-6
 """How far from a node, in cells, a point still counts as on it."""
 MAX_PLACES = 1_000_000
@@ -233,30 +233,19 @@ def idle_nodal_forces(scene: Any, filled: Sequence[BodyParticles]) -> Iterator[P
     lower, upper, cell = (np.array(x)[:, None] for x in (grid.lower, grid.upper, grid.cell))
     is_periodic = np.isin(list("xyz")[: grid.dimensions], grid.periodic or ())[:, None]
     X, size = (np.concatenate([getattr(body, key) for body in filled], axis=1) for key in ("X", "size"))
-    reach = np.broadcast_to((1.0 if shape.grid_functions == "linear" else 1.5) * cell, X.shape)
-    if shape.domain != "point":
-        reach = reach + 0.5 * size
-    along = int(np.argmax(np.ptp(X, axis=1)))
-    order = np.argsort(X[along])
-    X, reach, left = X[:, order], reach[:, order], MAX_DISTANCES
-    farthest = float(reach[along].max()) + float(cell[along, 0])
-    for load in loads:
+    reach = (1.0 if shape.grid_functions == "linear" else 1.5) * cell + (shape.domain != "point") * 0.5 * size
+    for load in loads[: MAX_DISTANCES // X.shape[1]]:
         at = np.array(load.nodal_force_at(0.0)[0])[:, None]
         place = (at - lower) / cell
         place = np.where(np.abs(place - np.round(place)) < ON_NODE, np.round(place), place)
         first, last = lower + np.floor(place) * cell, lower + np.ceil(place) * cell
-        ends = np.searchsorted(X[along], [at[along, 0] - farthest, at[along, 0] + farthest])
-        near = slice(None) if is_periodic[along, 0] else slice(*ends)
-        apart = np.maximum(first - X[:, near], X[:, near] - last)
-        apart = np.where(is_periodic, np.minimum(apart, upper - lower - np.abs(X[:, near] - at)), apart)
-        if not (apart < reach[:, near]).all(axis=0).any():
+        apart = np.maximum(first - X, X - last)
+        apart = np.where(is_periodic, np.minimum(apart, upper - lower - np.abs(X - at)), apart)
+        if not (apart < reach).all(axis=0).any():
             point = ", ".join(f"{x:g}" for x in at[:, 0])
             words = f"the nodal force at ({point}) is at no node of a body at the start"
             words += " and has no effect until a body comes there"
             yield Problem(f"loads.{load.name}.at", words, code="no_effect", severity="warning")
-        left -= apart.shape[1]
-        if left < 0:
-            return
 
 
 def stair_stepped_faces(scene: Any, filled: Sequence[BodyParticles]) -> Iterator[Problem]:

@@ -282,14 +282,12 @@ def _untouched(start: Start, scene: Any) -> Problem:
     if not math.isfinite(start.gap):
         gap = f"above {LARGEST_GAP:g} cells"
     if start.seen > start.nodes == 0:
-        words = (
-            f"'{joint.law.bonded.source}' is positive at none of the {start.seen} nodes that see both sides"
-        )
+        words = f"'{joint.law.bonded.source}' is positive at none of the {start.seen} nodes with mass of both bodies"
         return Problem(f"{joint.path}.law.bonded", words, code="untouched")
     if start.nodes == 0:
         words = (
-            f"'{joint.first}' and '{joint.second}' never meet: no node of the grid sees both at the start, where the "
-            f"gap is {gap}, and the interface '{joint.law.kind}' would do nothing"
+            f"'{joint.first}' and '{joint.second}' are too far apart: no node has mass of both bodies at the start, "
+            f"where the gap is {gap}, and the interface '{joint.law.kind}' would have no effect"
         )
         return Problem(path, words, code="untouched")
     words = (
@@ -306,7 +304,7 @@ def _partly(start: Start, scene: Any) -> Problem:
     share = 100.0 * start.bonded / start.nodes
     words = (
         f"'{joint.first}' and '{joint.second}' touch only in part: at {start.nodes - start.bonded} of {start.nodes} "
-        f"nodes that see both the gap is above {scene.contact.interface.initial_gap:g} cells, and there is no "
-        f"interface there (bonded: {share:.0f} %)"
+        f"nodes with mass of both bodies the gap is above {scene.contact.interface.initial_gap:g} cells, and there is "
+        f"no interface there (bonded: {share:.0f} %)"
     )
     return Problem(path, words, code="untouched", severity="warning")

@@ -44,7 +44,7 @@ def _put(node: Node, keys: list[str], before: tuple[str, ...], value: Node, opti
         member = node.member(key)
         if member is None:
             names = [n.value["name"].value for n in node.value if n.is_mapping and "name" in n.value]
-            choice = f" ({listing(names)})" if names else f" (it has {len(node.value)} members)"
+            choice = f" ({listing(names)})" if names else f" (it has {len(node.value)} entries)"
             message = f"'{key}' is not a member of the list{did_you_mean(key, map(str, names))}{choice}"
             raise SceneError([mark.problem(path, message, "option")])
         new = _put(member, rest, (*before, key), value, option)

@@ -271,7 +271,7 @@ class _Composer:
                 is_long = len(members) > MAX_NUMBERS
                 if is_long or isinstance(members[-1].value, dict | str):
                     most = MAX_NUMBERS if is_long else MAX_MEMBERS
-                    self._stop(event, f"the list exceeds the limit of {most:,} members", "too_many")
+                    self._stop(event, f"the list exceeds the limit of {most:,} entries", "too_many")
         return members
 
     def _mapping(self, node: Node, depth: int) -> dict[str, Node]:

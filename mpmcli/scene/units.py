@@ -264,10 +264,6 @@ class Units:
             size *= raised(self.scale(base), exponent)
         return next((text for power, text in _PREFIXES.items() if size == Fraction(10) ** power), None)
 
-    def as_dict(self) -> dict[str, str]:
-        """The declared base units by name."""
-        return {base: name for base, name in self.names.items() if name is not None}
-
 
 def raised(size: Fraction, exponent: Fraction) -> Fraction:
     """Power of a size, exact where the exponent is whole (that of a stress intensity is not)."""
@@ -317,7 +313,6 @@ MAX_POWER = 400  # of ten, of a number with a unit: floating point holds 308
 MAX_EXPONENT = 100  # of a unit, as in ((m^9)^9)^9
 _SMALLEST_BASE = Fraction(1, 10**30)
 
-
 _shown = "{:.60}".format
 _TOO_LARGE = "'{}' is too large in the units of the scene"
 
@@ -339,11 +334,8 @@ def _size_and_dimension(unit: str) -> tuple[Fraction, Dimension] | None:
     try:
         quantity = _quantity("1", unit, unit)
         found = _dimension(quantity, unit)
-        if (
-            not quantity._is_multiplicative
-            or "delta_" in str(quantity.units)
-            or str(quantity.units) in _ANGLES
-        ):
+        name = str(quantity.units)
+        if not quantity._is_multiplicative or "delta_" in name or name in _ANGLES:
             return None
         return Fraction(quantity.to_root_units().magnitude) / raised(_ROOT_MASS, found.exponents[1]), found
     except (ValueError, ArithmeticError):

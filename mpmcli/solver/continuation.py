@@ -16,9 +16,6 @@ from mpmcli.core.errors import ArchiveError
 
 Array = np.ndarray
 
-BETWEEN = "|"
-"""Between the parts of the name of a body's face."""
-
 
 class Remembers(Protocol):
     """What goes into a checkpoint."""
@@ -44,24 +41,6 @@ class Speeds:
         """Take them back."""
         self._stress.wave_speed = float(memory["wave"])
         self._simulation.particle_speed = float(memory["particle"])
-
-
-class Surfaces:
-    """Identities of the particles on faces of bodies, by body, axis and side."""
-
-    def __init__(self, identities: dict[Any, Array]):
-        self._identities = identities
-
-    def memory(self) -> dict[str, Array]:
-        """Return them, by the name of the face."""
-        return {BETWEEN.join(map(str, key)): found for key, found in self._identities.items()}
-
-    def recall(self, memory: Mapping[str, Any]) -> None:
-        """Take them back."""
-        self._identities.clear()
-        for name, identities in memory.items():
-            body, axis, side = name.rsplit(BETWEEN, 2)
-            self._identities[body, int(axis), side] = identities
 
 
 def state_arrays(parts: Mapping[str, Remembers]) -> dict[str, Any]:

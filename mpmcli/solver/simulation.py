@@ -19,11 +19,10 @@ from mpmcli.contact.nodal_contact import NodalContact
 from mpmcli.core.compiled.compiler import use_threads
 from mpmcli.core.compiled.runtime import available_threads
 from mpmcli.core.errors import SimulationError
-from mpmcli.core.identity import by_identity, place_of_identity
+from mpmcli.core.identity import by_identity
 from mpmcli.core.order import CellOrder
 from mpmcli.core.state import State
 from mpmcli.core.step import Step
-from mpmcli.geometry.faces import surface_faces
 from mpmcli.scene.filling import check_start
 from mpmcli.scene.own_density import lightness
 from mpmcli.solver import continuation, setup
@@ -38,6 +37,7 @@ from mpmcli.solver.period import Period
 from mpmcli.solver.plan import PARALLEL_FROM, allocate_step_arrays, make_plan, make_velocity
 from mpmcli.solver.step import Task, tasks_of
 from mpmcli.solver.stress import StressUpdate
+from mpmcli.solver.surfaces import Surfaces
 from mpmcli.solver.transfer import Transfer
 from mpmcli.stability.scene_limit import chosen_courant
 
@@ -93,7 +93,6 @@ class Simulation(Parts):
         self.reached_order = self.plan.order
         self.last_step = Step(self.plan, 0.0, 0.0)
         self._last_good: State | None = None
-        self._surface_identities: dict[Any, Array] = {}
         self._make_parts(scene, turns)
         self.particle_speed = float(np.sqrt(np.square(self.particles.V).sum(axis=0).max()))
         self.make_tasks()
@@ -129,6 +128,7 @@ class Simulation(Parts):
             stores_weights=plan.stores_weights,
             turns=turns,
         )
+        self.surfaces = Surfaces(particles, state.bodies, self.transfer)
         self.clocks = setup.make_clocks(scene)
         self.conditions = self._make_conditions(scene)
         images = None if self.conditions is None else self.conditions.images
@@ -184,7 +184,7 @@ class Simulation(Parts):
         if plan.heat is not None:
             from mpmcli.solver.heat import make_conduction
 
-            self.heat = make_conduction(scene, self, mirror, self._shown)
+            self.heat = make_conduction(scene, self, mirror, self.surfaces.shown)
 
     def make_tasks(self) -> None:
         """List the tasks of a step, for every plan that steps may have."""
@@ -273,7 +273,7 @@ class Simulation(Parts):
             "speed": continuation.Speeds(self, self.stress),
             "order": self.order,
             "grid": self.grid,
-            "surface": continuation.Surfaces(self._surface_identities),
+            "surface": self.surfaces,
             **({"clocks": self.clocks} if self.clocks else {}),
             **self._start_positions(),
             **{name: part for name in parts if hasattr(part := getattr(self, name), "memory")},
@@ -349,7 +349,7 @@ class Simulation(Parts):
             return None
         models = scene.conditions_on("velocity")
         conditions = VelocityConditions(
-            models, self.grid, self.plan.analysis, self._surface_nodes, self.clocks
+            models, self.grid, self.plan.analysis, self.surfaces.nodes, self.clocks
         )
         is_moving = bool(self.plan.has_loads or self.particles.V.any())
         self._may_wait = {
@@ -373,29 +373,12 @@ class Simulation(Parts):
             shape=self.plan.shape,
             section=setup.section_of(scene),
             bodies=self.state.bodies,
-            shown=self._shown,
+            shown=self.surfaces.shown,
             rigid_dofs=None if rigid is None else lambda: rigid.dofs,
             completes_mass=completes_mass,
             parallel=self.parallel,
             impedance=lambda load: setup.impedance_of(scene, load),
         )
-
-    def _shown(self, body: str, face: Any) -> Array:
-        """Return the identities of the particles that show a face of a body now."""
-        p = self.particles
-        members = np.flatnonzero(p.body == self.state.bodies.index(body))
-        return p.id[surface_faces(p.X, p.size, face.index, face.side, members)]
-
-    def _surface_nodes(self, body: str, face: Any) -> Array:
-        """Nodes that the particles on a face of a body see now, or all of them; the face is that of the start."""
-        p, known = self.particles, self._surface_identities
-        if face is None:
-            return self.transfer.seen_nodes(np.flatnonzero(p.body == self.state.bodies.index(body)))
-        key = (body, face.index, face.side)
-        if key not in known:
-            known[key] = self._shown(body, face)
-        place = place_of_identity(p.id)[known[key]]
-        return self.transfer.seen_nodes(place[place >= 0])
 
     def _warn_of_idle(self, conditions: Any) -> None:
         for name in [] if conditions is None else conditions.idle():

@@ -257,7 +257,7 @@ class Transfer:
                 f"{who}: its domain, which '{self.shape.name}' deforms, spans more than {self.widest - 1} cells. For "
                 "fluids, use a shape function with undeformed domains, such as b2gimp"
             )
-        return f"{who} sees nodes outside the grid"
+        return f"{who} reaches nodes outside the grid"
 
     def internal_forces(self, tau: Array, f: Array, too: NamedTuple | None = None) -> None:
         """Task 2: f = −Gᵀ Ω τ; ``too`` is a task of ``scatter_too`` for another field."""

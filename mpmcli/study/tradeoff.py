@@ -358,7 +358,7 @@ def sentence(cases: Sequence[Case], within: float, against: str, cost: Cost = "r
     if chosen is None:
         best = min(able, key=lambda c: c.error if c.error is not None else np.inf)
         return (
-            f"No case comes within {100 * within:g} % of {against}; the nearest is {best.name}, "
+            f"No case is within {100 * within:g} % of {against}; the nearest is {best.name}, "
             f"with an error of {100 * (best.error or 0.0):.3g} % in {_price(best, cost)}."
         )
     words = (

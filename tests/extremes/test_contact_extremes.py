@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from overlap import find_overlapping
 
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
-from mpmcli.study.overlap import find_overlapping
 
 TRANSFERS = [{"kind": "flip"}, {"kind": "fmpm", "order": 4}]
 IDS = ["flip", "fmpm4"]

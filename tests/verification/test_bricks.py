@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import yaml
-
-from mpmcli.study.overlap import find_overlapping
+from overlap import find_overlapping
 
 THIN_LAYER = [([0, 1], [0, 1]), ([0, 1], [1, 1.125]), ([0, 1], [1.125, 2])]
 CORNERS = [([x, x + 0.5], [y, y + 1]) for y in (0, 1) for x in (0, 0.5)]

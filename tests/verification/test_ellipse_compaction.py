@@ -7,9 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from overlap import find_overlapping
 from PIL import Image
-
-from mpmcli.study.overlap import find_overlapping
 
 ROOT = Path(__file__).parents[2]
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import yaml
-
-from mpmcli.study.overlap import find_overlapping
+from overlap import find_overlapping
 
 DISK = {"kind": "disk", "center": [0.47, 0.52], "radius": 0.31}
 FMPM = {"kind": "fmpm", "order": 4}

@@ -37,8 +37,6 @@ class NormalModel(Model):
 
     shares_normal: ClassVar[bool] = True
     """Both sides use the normal ±n; otherwise each field finds its own, and momentum is not conserved."""
-    needs_gradients: ClassVar[bool] = True
-    """Whether the method, or what it falls back to, reads the gradients ``Neighbours.G``."""
     least_rigid_bias: ClassVar[float] = 1.0
     """Below it a bias towards rigid bodies changes nothing."""
     is_given: ClassVar[bool] = False

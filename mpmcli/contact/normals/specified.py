@@ -34,7 +34,6 @@ class SpecifiedModel(NormalModel):
     into the rigid body. Give either ``vector`` or angles.
     """
 
-    needs_gradients: ClassVar[bool] = False
     is_given: ClassVar[bool] = True
 
     kind: Literal["specified"]

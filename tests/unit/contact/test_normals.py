@@ -278,7 +278,6 @@ def test_bias_below_one_and_on_other_kinds_is_refused():
 
 def test_only_own_gradients_differ_between_sides():
     assert [kind for kind in NORMALS if not NORMALS[kind].shares_normal] == ["own_gradient"]
-    assert [kind for kind in NORMALS if not NORMALS[kind].needs_gradients] == ["specified"]
 
 
 # Specified

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import runpy
 from pathlib import Path
 
@@ -31,3 +32,17 @@ def test_cases_are_valid_scenes(name):
     cases = make_cases(source, few, columns=["energy_error"])
     assert len(cases) == 2 ** len(few)
     assert all(case.scene_hash for case in cases)
+
+
+AUTO = (DOCS / "tables" / "auto.md").read_text(encoding="utf-8")
+
+
+def test_every_scene_has_a_row_in_the_table_of_auto():
+    rows = re.findall(r"^\| `(\w+)`", AUTO, re.MULTILINE)
+    scenes = {path.stem for path in (DOCS.parent / "inputs").glob("*.yaml")}
+    assert set(rows) == scenes, "run: python docs/draw_limits.py"
+
+
+@pytest.mark.slow
+def test_the_table_of_auto_is_what_auto_selects_and_what_was_measured():
+    assert runpy.run_path(str(DOCS / "draw_limits.py"))["table_of_auto"]() == AUTO

@@ -99,3 +99,29 @@ def test_cut_particles_and_crack_nodes_are_those_of_the_first_step(shape: str, y
     simulation.step()
     assert facts["cut_particles"] == len(simulation.transfer.cut.particle)
     assert facts["crack_nodes"] == simulation.cracks.view.nodes
+
+
+SMALL = (
+    "grid.lower=[-3, -6]",
+    "grid.upper=[9, 6]",
+    "bodies.plate.region.lower=[0, -3]",
+    "bodies.plate.region.upper=[6, 3]",
+    "cracks.main.path.points=[[-2, 0.3], [3, 0.3]]",
+    "cracks.other.path.points=[[2, 2.2], [5, 2.2]]",
+    "fracture={inner: 1, outer: 2}",
+)
+FMPM = "method.transfer={kind: fmpm, order: 2}"
+CHANGES = {
+    "growth": (),
+    "fmpm": (FMPM,),
+    "mass": (FMPM, "cracks.main.moves=mass", "cracks.main.respace=true", "cracks.main.keep_apart=true"),
+    "pressure": ("cracks.main.pressure=1",),
+    "springs": ("cracks.other.faces.law={kind: linear_interface, normal: 40, tangential: perfect}",),
+    "dynamic": ("fracture.terms=2", "fracture.modes=interaction"),
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_kernels_are_those_that_run(name: str, kernels_that_run: Any) -> None:
+    loaded = load_scene(SCENE, sets=(*SMALL, *CHANGES[name]))
+    assert kernels_that_run(loaded, 2) == set(explain(loaded)["kernels"])

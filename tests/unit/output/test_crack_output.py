@@ -10,7 +10,7 @@ from mpmcli.core.errors import SceneError
 from mpmcli.core.state import CracksView, TipValues
 from mpmcli.cracks.chain import Chain
 from mpmcli.output.columns import all_columns, default_columns, evaluate, resolve_columns
-from mpmcli.output.crack_files import DIMENSIONS, OF_TRACTIONS, write_cracks
+from mpmcli.output.crack_files import DIMENSIONS, write_cracks
 from mpmcli.output.crack_report import crack_facts, in_words, third_in_words
 from mpmcli.output.of_scene import check_output, context_of
 from mpmcli.output.probes import make_probe, rows_of
@@ -265,7 +265,7 @@ def test_files_hold_the_plane_and_both_faces(make_cracked, tmp_path):
     assert values["face"].tolist() == [0] * 5 + [1] * 5 + [2] * 5 + [0, 0, 1, 1, 2, 2]
     assert values["state"].tolist() == [2, 0, 0, 0, 1] * 3 + [1, 1] * 3
     assert values["crack"].tolist() == [0] * 15 + [1] * 6
-    assert {*values, "Points", *OF_TRACTIONS} == set(DIMENSIONS)
+    assert {*values, "Points", "damage", "traction"} == set(DIMENSIONS)
     for name, shape in {"damage": (), "traction": (2,)}.items():
         main.numbers[name] = np.full((*shape, main.count), 0.5)
     write_cracks(tmp_path / "cracks.vtp", 0.25, view.chains)

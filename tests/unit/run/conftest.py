@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from mpmcli.core.analysis import PlaneStrain
+from mpmcli.core.errors import ArchiveError
 from mpmcli.core.particles import Particles
 from mpmcli.core.state import State
+from mpmcli.output.tables import Table
 from mpmcli.scene.archive import Archive
 from mpmcli.scene.method import Damping
 
@@ -112,3 +116,17 @@ def loaded(tmp_path):
 def simulation():
     """The class of the fake simulation."""
     return FakeSimulation
+
+
+@pytest.fixture
+def full_disk(monkeypatch):
+    """A disk on which tables have no space from row 50 on."""
+    write = Table.write
+
+    def write_or_fail(self, numbers):
+        if numbers[0] >= 50:
+            raise ArchiveError(f"cannot write {self.path}: {os.strerror(errno.ENOSPC)}")
+        write(self, numbers)
+
+    monkeypatch.setattr(Table, "write", write_or_fail)
+    return monkeypatch

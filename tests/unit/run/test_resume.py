@@ -23,7 +23,6 @@ from mpmcli.core.errors import ArchiveError, SceneError
 from mpmcli.output import checkpoint as checkpoint_files
 from mpmcli.output.checkpoint import DamagedCheckpoint, read_checkpoint, write_checkpoint
 from mpmcli.output.files import LOCK
-from mpmcli.output.tables import Table
 from mpmcli.run import run_loop
 from mpmcli.run.api import run
 from mpmcli.run.resume import differences, last_checkpoint, refuse_changes
@@ -194,20 +193,12 @@ def test_a_signal_during_set_up_of_a_resumed_run(go, loaded, tmp_path):
 # ---------------------------------------------------------------------- files in the folder
 
 
-def test_a_full_disk_leaves_the_last_checkpoint(go, save_every, tmp_path, monkeypatch, capfd):
+def test_a_full_disk_leaves_the_last_checkpoint(go, save_every, tmp_path, full_disk, capfd):
     save_every(every=0.2)
-    write = Table.write
-
-    def full(self, numbers):
-        if numbers[0] >= 50:
-            raise ArchiveError(f"cannot write {self.path}: {os.strerror(errno.ENOSPC)}")
-        write(self, numbers)
-
-    monkeypatch.setattr(Table, "write", full)
     assert go().exit_code == 5
     assert "No space left" in capfd.readouterr().err
     assert read_checkpoint(tmp_path / "out" / "checkpoint.npz").step == 40
-    monkeypatch.undo()
+    full_disk.undo()
     assert go(resume=True).exit_code == 0
     assert pandas.read_csv(tmp_path / "out" / "globals.csv")["step"].tolist() == list(range(0, 101, 10))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import json
 import logging
 import os
@@ -21,7 +20,6 @@ from filelock import FileLock
 from mpmcli.core.errors import ArchiveError, Problem, SceneError, SimulationError
 from mpmcli.core.state import ContactView, InterfaceMeans, InterfaceView
 from mpmcli.output.files import LOCK
-from mpmcli.output.tables import Table
 from mpmcli.results.info import describe
 from mpmcli.run.api import LOGGER, run
 from mpmcli.run.folder import default_folder
@@ -325,15 +323,7 @@ def test_the_file_of_a_failed_run_is_said_to_be_of_which_step(kept, words, go, l
     assert ("the run failed in step 38" in printed) == (kept == 30)
 
 
-def test_a_full_disk_ends_the_run_in_words(go, tmp_path, monkeypatch, capfd):
-    write = Table.write
-
-    def full(self, numbers):
-        if numbers[0] >= 50:
-            raise ArchiveError(f"cannot write {self.path}: {os.strerror(errno.ENOSPC)}")
-        write(self, numbers)
-
-    monkeypatch.setattr(Table, "write", full)
+def test_a_full_disk_ends_the_run_in_words(go, tmp_path, full_disk, capfd):
     assert go().exit_code == 5
     printed = capfd.readouterr().err
     assert "error: cannot write" in printed

@@ -119,7 +119,7 @@ def test_bodies_that_touch_in_part_are_told_the_share() -> None:
     [(path, words)] = warnings_of(load(bodies=bodies))
     assert path == "contact.pairs.0.between"
     assert (
-        "'low' and 'high' touch only in part: at 4 of 9 nodes that see both the gap is above 0.1 cells"
+        "'low' and 'high' touch only in part: at 4 of 9 nodes with mass of both bodies the gap is above 0.1 cells"
         in words
     )
     assert "(bonded: 56 %)" in words
@@ -141,14 +141,14 @@ def test_bodies_that_share_no_node_never_meet(gap: float, words: str) -> None:
     bodies = [box("low", [-4, -4], [4, 0]), box("high", [-4, gap], [4, gap + 2])]
     [problem] = problems_of(bodies=bodies)
     assert (problem.path, problem.code) == ("contact.pairs.0.between", "untouched")
-    assert f"no node of the grid sees both at the start, where the gap is {words}" in problem.message
+    assert f"no node has mass of both bodies at the start, where the gap is {words}" in problem.message
 
 
 def test_an_interface_for_all_fields_needs_one_pair_that_touches() -> None:
     apart = [box("low", [-4, -4], [4, -2]), box("high", [-4, 4], [4, 8])]
     [problem] = problems_of(law=None, bodies=apart, default=LINEAR)
     assert problem.path == "contact.law"
-    assert "never meet" in problem.message
+    assert "too far apart" in problem.message
     third = box("middle", [-4, -2], [4, 0])
     assert warnings_of(load(None, bodies=[*apart, third], default=LINEAR)) == []
 

@@ -198,12 +198,16 @@ def read_measured() -> list[dict[str, str]]:
 )
 @SLOW
 def test_auto_is_below_each_measured_limit(row):
-    """At most a third below the quiet limit; where it is more, the table says so."""
+    """At most a third below the quiet limit; where it is more, the table says so.
+
+    Rows without an unstable number hold the largest one that was tried: of some scenes the one of ``auto`` only.
+    """
     sets = [f"method.shape={row['shape']}", f"method.transfer={transfer_value(row['transfer'])}"]
     defines = tuple(d for d in [row["define"]] if d)
     auto = stable_courant(scene_of(row["scene"], *sets, defines=defines)).courant
     quiet = float(row["quiet"] or row["stable"])
-    assert auto < min(quiet, float(row["stable"]))
+    least = min(quiet, float(row["stable"]))
+    assert auto < least if row["unstable"] else auto <= least
     assert 1.0 - auto / quiet <= float(row["below"] or 1.0 / 3.0) + 0.002
 
 

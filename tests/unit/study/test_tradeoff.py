@@ -229,7 +229,7 @@ def test_front_and_sentence():
         "the most expensive one, k d, costs 2 times as much."
     )
     assert sentence(cases, 0.001, "the reference").startswith(
-        "No case comes within 0.1 % of the reference; the nearest is k d, with an error of 0.5 % in 4 s"
+        "No case is within 0.1 % of the reference; the nearest is k d, with an error of 0.5 % in 4 s"
     )
     assert sentence([], 0.1, "x") == "No case has results to compare."
 

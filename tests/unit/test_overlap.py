@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from mpmcli.study.overlap import find_overlapping
+from overlap import find_overlapping
 
 
 def identity(d, count):
