@@ -25,6 +25,7 @@ from mpmcli.core.step import Step
 from mpmcli.geometry.faces import surface_faces
 from mpmcli.scene.filling import check_start
 from mpmcli.scene.own_density import lightness
+from mpmcli.scene.own_numbers import materials_of
 from mpmcli.solver import continuation, setup
 from mpmcli.solver.averaging import VolumeAveraging
 from mpmcli.solver.clock import TaskClock
@@ -103,7 +104,7 @@ class Simulation(Parts):
     def _make_parts(self, scene: Any, turns: Array | None) -> None:
         """Make what the scene needs of the parts."""
         plan, grid, particles, state = self.plan, self.grid, self.particles, self.state
-        materials, J = list(scene.materials.values()), scene.domain.volume_ratio
+        materials, J = materials_of(scene), scene.domain.volume_ratio
         self.failures = Failures(particles, state, grid, self.time_step, J)
         self.stress = StressUpdate(
             plan, particles, materials, J, float(grid.cell.min()), self.parallel, self.failures.refuse_state,
