@@ -280,10 +280,11 @@ def _check_plane(model: Any, path: str, grid: Any, report: Report) -> None:
     except ValueError as error:
         report(f"{path}.{place}", str(error), "side")
     line = (plane.at - low) / cell
-    if model.kind == "symmetry" and abs(line - round(line)) > 1e-6:
+    if model.kind in ("symmetry", "absorbing") and abs(line - round(line)) > 1e-6:
+        noun = "a symmetry plane" if model.kind == "symmetry" else "a plane that absorbs waves"
         report(
             f"{path}.{place}.at",
-            f"a symmetry plane must lie on a grid line; this one is {line:.6g} cells from grid.lower",
+            f"{noun} must lie on a grid line; this one is {line:.6g} cells from grid.lower",
             "grid",
         )
 

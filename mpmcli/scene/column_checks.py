@@ -90,9 +90,11 @@ def _number_problems(
 
 
 def _absorbing(body: Any, parts: Parts) -> str | None:
-    """The name of a load that absorbs waves at a face of the body."""
+    """The name of a load that absorbs waves at a face of the body, or at a plane."""
     for _, load in parts.loads:
-        if "impedance_of" in load.effects() and load.loaded_face()[0] == body.name:
+        if "impedance_of" not in load.effects():
+            continue
+        if load.loaded_plane() is not None or load.loaded_face()[0] == body.name:
             return str(load.name)
     return None
 

@@ -79,7 +79,12 @@ def _of_condition(model: Any, axes: tuple[str, ...], dimensions: int) -> Found:
 
 
 def _of_load(model: Any, axes: tuple[str, ...], dimensions: int) -> Found:
-    if model.acts_on != "velocity" or not model.acts_on_face:
+    if model.acts_on != "velocity":
+        return
+    plane = model.loaded_plane()
+    if plane is not None and plane.axis in axes:
+        yield "on.plane.axis", f"no wave can leave across the periodic axis {plane.axis}"
+    if not model.acts_on_face:
         return
     face = model.loaded_face()[1]
     if face.axis in axes:

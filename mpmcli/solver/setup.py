@@ -185,7 +185,18 @@ def loads_by_clocks(scene: Any, clocks: Clocks) -> list[Any]:
 
 
 def impedance_of(scene: Any, load: Any) -> Array:
-    """Return the impedance (d,) of a load that absorbs waves, with the material of its body."""
+    """Return the impedance (d,) of a load that absorbs waves, with the material of its body; (materials, d) on a plane.
+
+    Rigid materials have none.
+    """
+    if load.loaded_plane() is not None:
+        kind, d = scene.analysis.kind, scene.dimensions
+        return np.array(
+            [
+                np.zeros(d) if model.kind == "rigid" else load.impedance_of(model, kind, d)
+                for model in scene.materials.values()
+            ]
+        )
     name, _ = load.loaded_face()
     body = next(body for body in scene.bodies if body.name == name)
     return np.asarray(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -383,7 +384,15 @@ class Simulation(Parts):
             completes_mass=completes_mass,
             parallel=self.parallel,
             impedance=lambda load: setup.impedance_of(scene, load),
+            areas=lambda weights: self._nodal_areas(weights),
         )
+
+    @cached_property
+    def _nodal_areas(self) -> Any:
+        """Areas that matter has at nodes, of real particles only: loads on nodes are completed as all forces are."""
+        from mpmcli.solver.nodal_areas import NodalAreas
+
+        return NodalAreas(self.transfer, self.particles, self.grid, None)
 
     def _shown(self, body: str, face: Any) -> Array:
         """Return the identities of the particles that show a face of a body now."""

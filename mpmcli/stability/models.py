@@ -121,11 +121,15 @@ def models_of(scene: Any) -> list[Model]:
 
 
 def _impedances(scene: Any, body: Any, material: Any) -> dict[int, np.ndarray]:
-    """Largest impedances (d,) along the axes of the loads that absorb waves at faces of a body, by the faces' axis."""
+    """Largest impedances (d,) along the axes of the loads that absorb waves at faces of a body, by the faces' axis.
+
+    Planes count as faces of every body.
+    """
     found: dict[int, np.ndarray] = {}
     for load in scene.loads_on("velocity"):
         if "impedance_of" in load.effects():
-            name, face = load.loaded_face()
+            plane = load.loaded_plane()
+            name, face = (body.name, plane) if plane is not None else load.loaded_face()
             if name == body.name:
                 impedance = load.impedance_of(material, scene.analysis.kind, scene.dimensions)
                 found[face.index] = np.maximum(impedance, found.get(face.index, 0.0))
