@@ -32,8 +32,9 @@ PLANE = "{plane: {axis: y, at: 1}}"
 
 def test_nodes_give_their_share_of_each_material(plain_python):
     """Forces on the plane are ρ c_p V_n and ρ c_s V_t of the materials above it, in all the area 2 + 2."""
-    s = Simulation(load_scene(SCENE.replace("PLACE", PLANE)))
-    s.step()
+    with plain_python():
+        s = Simulation(load_scene(SCENE.replace("PLACE", PLANE)))
+        s.step()
     force = s.loads.force
     at = s.grid.coordinates(np.arange(s.grid.node_count))
     rows = {y: np.abs(at[1] - y) < 1e-9 for y in (0.0, 1.0, 2.0, 3.0)}

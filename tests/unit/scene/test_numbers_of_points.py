@@ -51,6 +51,13 @@ def loaded(tmp_path):
     return load
 
 
+@pytest.fixture
+def in_python(plain_python):
+    """Nothing is compiled."""
+    with plain_python():
+        yield
+
+
 def state_after(loaded, steps=3):
     """Stresses and energies by identity after some steps of given length."""
     simulation = Simulation(loaded)
@@ -79,7 +86,7 @@ def state_after(loaded, steps=3):
     ],
     ids=lambda value: value.split(",")[0][7:] if isinstance(value, str) and "{" in value else None,
 )
-def test_each_particle_is_of_its_own_material(loaded, plain_python, material, column, values):
+def test_each_particle_is_of_its_own_material(loaded, in_python, material, column, values):
     """Stress and energy of a particle are those of a scene whose material has its number."""
     tau, energy, _ = state_after(loaded(material, column, [str(value) for value in values]))
     alone = []
@@ -100,7 +107,7 @@ def test_each_particle_is_of_its_own_material(loaded, plain_python, material, co
     assert np.array_equal(tau[:, 3:], state_after(loaded(material))[0][:, 3:])
 
 
-def test_the_stiffest_particle_gives_the_time_step(loaded, plain_python):
+def test_the_stiffest_particle_gives_the_time_step(loaded, in_python):
     plain = loaded(NEO)
     stiff = loaded(NEO, "E", ("10", "1000", "10"))
     assert largest_wave_speed(stiff.scene) == pytest.approx(10 * largest_wave_speed(plain.scene))
@@ -112,7 +119,7 @@ def test_the_stiffest_particle_gives_the_time_step(loaded, plain_python):
     assert simulation.wave_speed == pytest.approx(10 * other.wave_speed, rel=1e-3)
 
 
-def test_own_density_and_modulus_of_a_particle_belong_together(loaded, plain_python):
+def test_own_density_and_modulus_of_a_particle_belong_together(loaded, in_python):
     both = loaded(NEO, "E,density", ("1000,1000", "10,1", "40,1"))
     plain = loaded(NEO)
     assert largest_wave_speed(both.scene) == pytest.approx(2 * largest_wave_speed(plain.scene))
@@ -120,7 +127,7 @@ def test_own_density_and_modulus_of_a_particle_belong_together(loaded, plain_pyt
     assert Simulation(both).particles.mass.max() == 250.0
 
 
-def test_numbers_move_with_particles_and_are_not_shown(loaded, plain_python):
+def test_numbers_move_with_particles_and_are_not_shown(loaded, in_python):
     moving = loaded(NEO, "E", ("10", "40", "25"))
     simulation = Simulation(moving)
     p = simulation.particles
@@ -188,3 +195,57 @@ def test_stress_at_the_start_is_that_of_the_own_moduli(loaded):
     stretch, missed = find_stretches(m, H, stress, False, None)
     assert missed == pytest.approx(0.0, abs=1e-11)
     assert 1 - stretch[1, 0] == pytest.approx(40 * (1 - stretch[1, 1]), rel=0.03)
+
+
+def test_runs_go_on_with_the_numbers(loaded, in_python):
+    """A simulation that takes over the state of another one continues it to the last digit."""
+    scene = loaded(J2, "hardening.yield_stress,E", ("0.01,10", "0.002,40", "0.1,25"))
+    first, second = Simulation(scene), Simulation(scene)
+    for _ in range(3):
+        first.step()
+    second.particles.H[:] = 0.0
+    second.restore({name: np.copy(array) for name, array in first.state_arrays().items()})
+    for _ in range(3):
+        first.step()
+        second.step()
+    assert np.array_equal(first.particles.tau, second.particles.tau)
+    assert first.wave_speed == second.wave_speed
+
+
+BAR = """
+version: 1
+analysis: {kind: uniaxial_strain}
+grid: {lower: [-2], upper: [10], cell: 1}
+method: {shape: ugimp, transfer: {kind: fmpm, order: 2}}
+materials:
+  m: {kind: linear_elastic, E: 10, nu: 0.2, density: 1}
+  hard: {kind: linear_elastic, E: 40, nu: 0.2, density: 2}
+bodies:
+BODIES
+time: {end: 5, courant: 0.2}
+"""
+
+
+def test_a_bar_of_two_layers_is_one_body_or_two(tmp_path, in_python):
+    """Moduli and densities by column give the motion of two bodies with a material each."""
+    places = [(0.25 + 0.5 * k, 10 if k < 8 else 40, 1 if k < 8 else 2) for k in range(16)]
+    rows = [f"{x},0.5,{E},{rho}" for x, E, rho in places]
+    (tmp_path / "p.csv").write_text("\n".join(["x,volume,E,density", *rows]) + "\n")
+    one = ['{name: bar, material: m, region: {kind: points, file: p.csv}, velocity: ["0.05*x"]}']
+    two = [
+        '{name: a, material: m, region: {kind: box, lower: [0], upper: [4]}, velocity: ["0.05*x"]}',
+        '{name: b, material: hard, region: {kind: box, lower: [4], upper: [8]}, velocity: ["0.05*x"]}',
+    ]
+    simulations = []
+    for bodies in (one, two):
+        (tmp_path / "scene.yaml").write_text(
+            BAR.replace("BODIES", "\n".join(f"  - {body}" for body in bodies))
+        )
+        simulations.append(Simulation(load_scene(tmp_path / "scene.yaml")))
+    for simulation in simulations:
+        while simulation.time < 3.0:
+            simulation.step()
+    first, second = ([s.particles.X[0, np.argsort(s.particles.id)], s.time] for s in simulations)
+    assert first[1] == pytest.approx(second[1])
+    assert first[0] == pytest.approx(second[0], abs=1e-12)
+    assert np.ptp(first[0] - [x for x, _, _ in places]) > 0.1
