@@ -89,3 +89,67 @@ def test_waves_leave_along_periodic_axes_no_more_than_bodies_do():
     scene = SCENE.replace("cell: 1}", "cell: 1, periodic: [y]}").replace("PLACE", PLANE)
     with pytest.raises(SceneError, match="no wave can leave across the periodic axis y"):
         load_scene(scene)
+
+
+def column(analysis="plane_strain", periodic="", boundary="", contact="", bodies=("[0, 2], upper: [2, 10]",)):
+    """A column along the last axis, on an absorbing plane at 2, with a pulse that runs down; free sides or others."""
+    d = 1 if analysis.startswith("uniaxial") else 2
+    axis = "xy"[d - 1]
+    lower, upper = ([0] * d, [12] if d == 1 else [2, 12])
+    velocity = ["0"] * (d - 1) + [f"0.01*exp(-({axis} - 5)**2)"]
+    filled = "\n".join(
+        f"  - {{name: b{k}, material: m, region: {{kind: box, lower: {box}}}, velocity: {velocity}}}"
+        for k, box in enumerate(bodies)
+    )
+    return f"""
+version: 1
+analysis: {{kind: {analysis}}}
+grid: {{lower: {lower}, upper: {upper}, cell: 1{periodic}}}
+method: {{shape: ugimp, transfer: {{kind: fmpm, order: 2}}}}
+materials:
+  m: {{kind: linear_elastic, E: 4, nu: 0.25, density: 2}}
+bodies:
+{filled}
+{boundary}
+{contact}
+loads:
+  - {{name: base, kind: absorbing, on: {{plane: {{axis: {axis}, at: 2}}}}}}
+time: {{end: 20, step: 0.2}}
+"""
+
+
+SIDES = """boundary:
+  - {name: left, kind: symmetry, plane: {axis: x, at: 0}}
+  - {name: right, kind: symmetry, plane: {axis: x, at: 2}}"""
+ROLLERS = """boundary:
+  - {name: left, kind: velocity, on: {plane: {axis: x, at: 0}}, direction: x, value: 0}
+  - {name: right, kind: velocity, on: {plane: {axis: x, at: 2}}, direction: x, value: 0}"""
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        {"periodic": ", periodic: [x]"},
+        {"boundary": SIDES},
+        {"boundary": ROLLERS},
+        {"boundary": ROLLERS, "analysis": "axisymmetric"},
+        {
+            "boundary": ROLLERS,
+            "contact": "contact: {law: {kind: perfect}}",
+            "bodies": ("[0, 2], upper: [1, 10]", "[1, 2], upper: [2, 10]"),
+        },
+    ],
+    ids=["periodic", "symmetry", "rollers", "axisymmetric", "fields"],
+)
+def test_a_column_absorbs_as_a_bar_does(plain_python, words):
+    with plain_python():
+        bar = Simulation(load_scene(column("uniaxial_strain", bodies=("[2], upper: [10]",))))
+        wide = Simulation(load_scene(column(**words)))
+        for _ in range(30):
+            bar.step()
+            wide.step()
+    left = bar.particles.V[0][np.argsort(bar.particles.X[0])]
+    assert np.abs(left).max() < 0.004  # of 0.01, because half of the pulse has left
+    for height, speed in zip(wide.particles.X[1], wide.particles.V[1], strict=True):
+        exact = np.interp(height, np.sort(bar.particles.X[0]), left)
+        assert speed == pytest.approx(exact, abs=1e-8)
