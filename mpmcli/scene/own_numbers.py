@@ -155,7 +155,10 @@ def body_models(scene: Any, body: Any) -> list[Any]:
 
 
 def set_own_numbers(scene: Any, model: Any, body: Any, X: Array, H: Array) -> None:
-    """Write the numbers of a body's particles at positions X (d, n) into the history H (rows, n) of an OwnMaterial."""
+    """Write the numbers of a body's particles at positions X (d, n) into the history H (rows, n) of an OwnMaterial.
+
+    What the history starts with may depend on them.
+    """
     if not isinstance(model, OwnMaterial):
         return
     material = scene.materials[body.material]
@@ -163,5 +166,7 @@ def set_own_numbers(scene: Any, model: Any, body: Any, X: Array, H: Array) -> No
     rows, which = [material], np.zeros(X.shape[1], dtype=np.int64)
     if body.region.gives_particles and (own_keys(body, material) or body.region.density is not None):
         rows, which = own_models(body, material, X)
+    for name in material.initial_history():
+        H[material.history.index(name)] = np.array([each.initial_history()[name] for each in rows])[which]
     table = np.array([model.parameters(scene.analysis.kind, False) for model in rows])
     H[first : first + table.shape[1]] = table[which].T
