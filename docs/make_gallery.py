@@ -218,6 +218,18 @@ GALLERY = (
         ),
     ),
     Shown(
+        "snowballs",
+        "Two snowballs",
+        (),
+        (
+            Drawn(
+                "snowballs",
+                ("--what", "particles", "--color", "plastic_log_volume"),
+                "Logarithm of the plastic volume ratio after the impact: compacted snow is blue, loosened snow red.",
+            ),
+        ),
+    ),
+    Shown(
         "notched_plate",
         "Crack between two notches",
         (),

@@ -1,4 +1,4 @@
-"""A face that absorbs waves: dashpots with the impedance of the material."""
+"""A face or a grid plane that absorbs waves: dashpots with the impedance of the material."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from mpmcli.boundary.base import LOADS, Array, LoadModel
-from mpmcli.boundary.place import Face, Surface, check_axis
+from mpmcli.boundary.place import Face, Plane, SurfaceOrPlane, check_axis
 from mpmcli.core.model import Quantity
 
 Speed = Annotated[float, Quantity("velocity", ge=0)]
@@ -16,15 +16,16 @@ Speed = Annotated[float, Quantity("velocity", ge=0)]
 
 @LOADS.register
 class Absorbing(LoadModel):
-    """Lets waves leave through a face of a body, with the traction −ρ (c_p v_n n + c_s v_t) [lysmer1969].
+    """Lets waves leave through a face of a body or a grid plane, by the traction −ρ (c_p v_n n + c_s v_t) [lysmer1969].
 
-    The face carries no static load: nothing holds the body there.
+    It carries no static load: nothing holds bodies there. A face moves with its particles. A plane acts on whatever
+    matter ends on it, by the velocity of its nodes.
     """
 
     kind: Literal["absorbing"] = "absorbing"
     """Kind of load."""
-    on: Surface
-    """Body and face."""
+    on: SurfaceOrPlane
+    """Body and face, or a plane on a grid line."""
     pressure_wave: Speed | None = None
     """Speed c_p of waves along the normal; by default that of the material at rest."""
     shear_wave: Speed | None = None
@@ -35,9 +36,18 @@ class Absorbing(LoadModel):
         """Velocities change."""
         return True
 
+    @property
+    def acts_on_face(self) -> bool:
+        """Whether it is on a face of a body."""
+        return self.on.plane is None
+
     def loaded_face(self) -> tuple[str, Face]:
         """Return body and face."""
-        return self.on.body, self.on.face
+        return self.on.surface
+
+    def loaded_plane(self) -> Plane | None:
+        """Return the plane, if it is on one."""
+        return self.on.plane
 
     def impedance_of(self, material: Any, analysis: str, dimensions: int) -> Array:
         """Return ρ c (d,) along each axis [pressure/velocity]."""
@@ -47,13 +57,15 @@ class Absorbing(LoadModel):
         if c_s is None:
             c_s = math.sqrt(getattr(material, "shear_modulus", 0.0) / material.density)
         found = np.full(dimensions, c_s)
-        found[self.on.face.index] = c_p
+        found[(self.on.plane or self.on.surface[1]).index] = c_p
         return np.asarray(material.density * found)
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What does not fit an analysis with so many axes."""
-        return check_axis("on.face", self.on.face, dimensions)
+        return check_axis("on.plane", self.on.plane, dimensions) + check_axis(
+            "on.face", self.on.face, dimensions
+        )
 
     def bodies(self) -> list[tuple[str, str]]:
         """The body that it is on."""
-        return [("on.body", self.on.body)]
+        return [] if self.on.body is None else [("on.body", self.on.body)]

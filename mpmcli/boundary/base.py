@@ -243,7 +243,9 @@ class LoadModel(Model):
         raise TypeError(f"{type(self).__name__} has no water")
 
     def impedance_of(self, material: Any, analysis: str, dimensions: int) -> Array:
-        """Return the traction on ``loaded_face`` per velocity against it, (d,) along each axis [pressure/velocity].
+        """Return the traction per velocity against it, (d,) along each axis [pressure/velocity].
+
+        It acts on ``loaded_plane``, or else on ``loaded_face``.
 
         ``material`` is the model of the body's material, ``analysis`` the name of the kind of analysis.
         """
@@ -283,6 +285,10 @@ class LoadModel(Model):
     def loaded_face(self) -> tuple[str, Any]:
         """Return the name of the body, and the face (``place.Face``), that it acts on."""
         raise TypeError(f"{type(self).__name__} loads no face")
+
+    def loaded_plane(self) -> Any:
+        """Return the plane (``place.Plane``) that it acts on, or None."""
+        return None
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What is wrong in an analysis with so many axes: pairs of key and message."""

@@ -22,6 +22,7 @@ from mpmcli.core.transfer import nodes
 
 if TYPE_CHECKING:  # imported by scenes with concentrated forces
     from mpmcli.boundary.nodal_forces import NodalForces
+    from mpmcli.boundary.plane_dashpots import PlaneDashpots
 
 
 class Scatter(Protocol):
@@ -65,7 +66,9 @@ class Loads:
     parallel
         Whether parallel kernels are used.
     impedance
-        Gives the impedance (d,) of a load that resists the velocity of a face.
+        Gives the impedance (d,) of a load that resists the velocity of a face; (materials, d) of one on a plane.
+    areas
+        See ``plane_dashpots.PlaneDashpots``.
 
     Attributes
     ----------
@@ -89,11 +92,14 @@ class Loads:
         completes_mass: bool,
         parallel: bool,
         impedance: Callable[[LoadModel], Array],
+        areas: Callable[[Array], Array],
     ):
         self._particles, self._grid, self._order, self._transfer = particles, grid, order, transfer
         self._rigid_dofs, self._completes_mass, self._parallel = rigid_dofs, completes_mass, parallel
         self.on_particles = ParticleLoads(models, analysis, bodies, particles)
-        on_faces = [load for load in models if load.effects() & {"traction_at", "impedance_of"}]
+        on_faces = [
+            load for load in models if load.effects() & {"traction_at", "impedance_of"} and load.acts_on_face
+        ]
         self.faces = TractionFaces(
             [(load, shown(*load.loaded_face())) for load in on_faces], particles, grid, analysis, section,
             grid_functions=shape.grid_functions, domain=shape.domain, several_fields=grid.fields > 1,
@@ -104,6 +110,11 @@ class Loads:
             from mpmcli.boundary.nodal_forces import NodalForces
 
             self._on_nodes = NodalForces(on_nodes, grid, full_ring(analysis))
+        self._on_planes: PlaneDashpots | None = None
+        if on_planes := [load for load in models if load.loaded_plane() is not None]:
+            from mpmcli.boundary.plane_dashpots import PlaneDashpots
+
+            self._on_planes = PlaneDashpots([(load, impedance(load)) for load in on_planes], grid, areas)
         self.force = np.zeros((grid.dof_count, grid.dimensions))
         self._place: Array | None = None
         self._version: Any = None
@@ -126,6 +137,8 @@ class Loads:
             self.faces.add(time, self._particles, self._place, grid.mp, f)
         if self._on_nodes is not None:
             self._on_nodes.add(time, grid.mp, f)
+        if self._on_planes is not None:
+            self._on_planes.add(grid.mp, f, step.dt)
         if self._rigid_dofs is not None:
             f[self._rigid_dofs()] = 0.0
 

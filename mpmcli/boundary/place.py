@@ -93,6 +93,30 @@ class Surface(Model):
     """Which of its faces."""
 
 
+class SurfaceOrPlane(Model):
+    """Either ``plane``, or ``body`` with ``face``."""
+
+    plane: Plane | None = None
+    """A plane on a grid line; what ends on it or beyond it."""
+    body: str | None = None
+    """Name of the body."""
+    face: Face | None = None
+    """Which of its faces."""
+
+    @model_validator(mode="after")
+    def _one_place(self) -> SurfaceOrPlane:
+        if (self.plane is None) == (self.body is None) or (self.body is None) != (self.face is None):
+            raise ValueError("give either plane, or body with face")
+        return self
+
+    @property
+    def surface(self) -> tuple[str, Face]:
+        """Body and face."""
+        if self.body is None or self.face is None:
+            raise TypeError("a plane is no face of a body")
+        return self.body, self.face
+
+
 def _resolve_region(value: Any, info: ValidationInfo) -> Any:
     """Let the scene's context build the region; without one the value stays as it is (a region object)."""
     region = getattr(info.context, "region", None)

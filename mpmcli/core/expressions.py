@@ -380,6 +380,8 @@ def _refusal(node: ast.AST) -> str:
         return "'and', 'or', 'not' are not allowed in an expression; multiply comparisons, or use where(…)"
     if isinstance(node, ast.IfExp):
         return "'if' is not allowed in an expression; use where(condition, a, b)"
+    if isinstance(node, ast.Attribute) and node.attr == "csv":
+        return 'the name of a file needs quotes within an expression, as in interpolate(t, "file.csv")'
     words = {
         ast.Attribute: "a dot between names",
         ast.Subscript: "square brackets",

@@ -30,7 +30,9 @@ class Points(Region):
     """Particles given by a table (CSV with columns x, y, z, volume) or a VTU file, used as they are.
 
     A column `density` gives each particle its own mass density in place of that of the material. The wave speed of the
-    time step is then that of the lightest particle. A warning names the columns that nothing reads.
+    time step is then that of the lightest particle. Columns with the names of the material's numbers (`E`, `cohesion`,
+    `hardening.yield_stress`) give each particle its own, where the kind of material allows that. A warning names the
+    columns that nothing reads.
 
     As a place (e.g. of a boundary condition) it holds the points in the domain of any of its particles.
     """
@@ -129,6 +131,14 @@ class Points(Region):
     def has_column(self, name: str) -> bool:
         """Return whether the file has a column."""
         return name in self._columns
+
+    def numbers(self, names: Iterable[str]) -> dict[str, Array]:
+        """Return columns of the file, (n,) each, by name."""
+        return {name: self._columns[name] for name in names}
+
+    def place_of(self, row: int, column: str) -> str:
+        """Return where a number of the file stands, in words."""
+        return f"'{self.file}', {self._columns.place(row, column)}"
 
     def columns_beside(self, names: Iterable[str]) -> tuple[str, list[str]]:
         """Return where the file names its columns, in words, and those that neither the region nor ``names`` read."""

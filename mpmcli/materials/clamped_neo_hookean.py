@@ -22,6 +22,7 @@ from mpmcli.materials.defaults import with_defaults, yes
 from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
 from mpmcli.materials.hencky import HISTORY, elastic_tensor, elastic_volume, keep_tensor, trial_tensor
 from mpmcli.materials.neo_hookean import J_MINUS_INVERSE
+from mpmcli.materials.own_numbers import with_own_numbers
 from mpmcli.materials.principal import from_principal, principal_strains
 from mpmcli.materials.volumetric import volumetric_energy, volumetric_stiffness, volumetric_stress
 
@@ -98,6 +99,7 @@ def _energy(m: Any, trace: Any, log_J: Any) -> Any:
 
 
 needs_increment.register(Snow)(yes)
+with_own_numbers(Snow)
 
 
 @kirchhoff_stress.register(Snow)

@@ -23,6 +23,7 @@ from mpmcli.materials.hencky import (
     split_strain,
     trial_tensor,
 )
+from mpmcli.materials.own_numbers import with_own_numbers
 
 MATCHES = {"outer": 0, "inner": 1, "plane_strain": 2}
 """Number of each match, as the functions take it."""
@@ -45,7 +46,7 @@ class DruckerPrager(FrictionalModel):
         return Prager(*self.frictional_parameters(analysis), MATCHES[self.match])
 
 
-Prager = hencky_plastic(namedtuple("Prager", (*FrictionalPart._fields, "match")))  # type: ignore[misc]
+Prager = with_own_numbers(hencky_plastic(namedtuple("Prager", (*FrictionalPart._fields, "match"))))  # type: ignore[misc]
 
 
 @inline

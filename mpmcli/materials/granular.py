@@ -21,6 +21,7 @@ from mpmcli.materials.hencky import (
     split_strain,
     trial_tensor,
 )
+from mpmcli.materials.own_numbers import with_own_numbers
 
 OPENING = len(HISTORY)
 """Row of the logarithmic strain of volume by which grains are apart."""
@@ -92,7 +93,7 @@ class Grains(NamedTuple):
     """I₀/(d √ρ_s) [1/(time·√pressure)]."""
 
 
-hencky_plastic(Grains)
+with_own_numbers(hencky_plastic(Grains))
 
 
 @kirchhoff_stress.register(Grains)

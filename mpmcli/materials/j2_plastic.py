@@ -31,6 +31,7 @@ from mpmcli.materials.hardening import (
     flow_stress,
     stiffness_ratio,
 )
+from mpmcli.materials.own_numbers import with_own_numbers
 
 # rows of the history array after the six of the elastic strain
 STRAIN, WORK, TEMPERATURE, HEAT = 6, 7, 8, 9
@@ -141,6 +142,7 @@ def plastic_increment(m: Any, trial: float, stiffness: float, alpha: float, T: f
 for _law, _J2 in J2_WITH.items():
     with_defaults(_J2)
     needs_increment.register(_J2)(yes)
+    with_own_numbers(_J2)
     flow_stress.register(_J2)(flow_stress.implementations[_law])
     flow_slope.register(_J2)(flow_slope.implementations[_law])
     changes_stiffness.register(_J2)(changes_stiffness.implementations[_law])

@@ -17,6 +17,7 @@ from mpmcli.materials.base import (
 from mpmcli.materials.defaults import with_defaults
 from mpmcli.materials.elastic_constants import ElasticModel
 from mpmcli.materials.lateral import lateral_stretch, thickness_stretch
+from mpmcli.materials.own_numbers import with_own_numbers
 
 
 @MATERIALS.register
@@ -40,6 +41,7 @@ class LinearElastic(ElasticModel):
         )
 
 
+@with_own_numbers
 @with_defaults
 class Hencky(NamedTuple):
     """Numbers of a linear elastic material: λ, G [pressure], squares of wave and bulk speed [velocity²]."""

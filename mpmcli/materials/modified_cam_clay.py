@@ -32,6 +32,7 @@ from mpmcli.materials.hencky import (
     split_strain,
     trial_tensor,
 )
+from mpmcli.materials.own_numbers import with_own_numbers
 
 CONSOLIDATION = len(HISTORY)
 """Row of the preconsolidation pressure."""
@@ -122,6 +123,7 @@ class Clay(NamedTuple):
 
 
 needs_increment.register(Clay)(yes)
+with_own_numbers(Clay)
 
 
 @inline

@@ -15,6 +15,7 @@ from mpmcli.materials.friction_angle import (
     strength_at,
 )
 from mpmcli.materials.hencky import STRAIN, hencky_plastic, keep_plastic, keep_tensor, trial_tensor
+from mpmcli.materials.own_numbers import with_own_numbers
 from mpmcli.materials.principal import from_principal, principal_strains
 
 
@@ -33,7 +34,7 @@ class MohrCoulomb(FrictionalModel):
         return Coulomb(*self.frictional_parameters(analysis))
 
 
-Coulomb = hencky_plastic(namedtuple("Coulomb", FrictionalPart._fields))  # type: ignore[misc]
+Coulomb = with_own_numbers(hencky_plastic(namedtuple("Coulomb", FrictionalPart._fields)))  # type: ignore[misc]
 
 
 @inline

@@ -26,6 +26,7 @@ from mpmcli.materials.base import (
 )
 from mpmcli.materials.defaults import with_defaults
 from mpmcli.materials.elastic_constants import lateral_factor, wave_modulus
+from mpmcli.materials.own_numbers import with_own_numbers
 from mpmcli.materials.volumetric import (
     FORMS,
     volumetric_energy,
@@ -89,6 +90,7 @@ class MooneyRivlin(MaterialModel):
         return self.K - 2 * self.shear_modulus / 3
 
 
+@with_own_numbers
 @with_defaults
 class RubberNumbers(NamedTuple):
     """Numbers of a Mooney–Rivlin material."""

@@ -19,6 +19,7 @@ from mpmcli.materials.defaults import with_defaults
 from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
 from mpmcli.materials.isochoric import isochoric_energy, isochoric_stiffness, isochoric_stress
 from mpmcli.materials.lateral import lateral_stretch, search_lateral, search_thickness, thickness_stretch
+from mpmcli.materials.own_numbers import with_own_numbers
 from mpmcli.materials.volumetric import (
     FORMS,
     volumetric_energy,
@@ -71,6 +72,7 @@ class NeoHookean(ElasticModel):
         return IsochoricNeoHookean(*numbers) if isochoric else CoupledNeoHookean(*numbers)
 
 
+@with_own_numbers
 @with_defaults
 class CoupledNeoHookean(NamedTuple):
     """Numbers of a neo-Hookean material, ``split: none``."""
@@ -88,6 +90,7 @@ class CoupledNeoHookean(NamedTuple):
     """Wave stiffness of the analysis over that of uniaxial strain."""
 
 
+@with_own_numbers
 @with_defaults
 class IsochoricNeoHookean(NamedTuple):
     """Numbers of a neo-Hookean material, ``split: isochoric``; as above, the volumetric modulus is K."""

@@ -35,6 +35,7 @@ from mpmcli.materials.base import (
 )
 from mpmcli.materials.defaults import with_defaults
 from mpmcli.materials.lateral import thickness_stretch
+from mpmcli.materials.own_numbers import with_own_numbers
 
 Array = np.ndarray
 STIFFER = len(QUATERNION)
@@ -149,6 +150,7 @@ class Orthotropic(OrthotropicConstants, ElasticWithAxes):
     kind: Literal["orthotropic"]
 
 
+@with_own_numbers
 @in_space
 @with_defaults
 class OrthotropicSolid(NamedTuple):
@@ -168,6 +170,7 @@ class OrthotropicSolid(NamedTuple):
     """ρc² of the fastest wave at rest [pressure]."""
 
 
+@with_own_numbers
 @in_plane
 @with_defaults
 class OrthotropicPlanar(NamedTuple):

@@ -21,14 +21,13 @@ from mpmcli.scene.axes import check_axes
 from mpmcli.scene.event_checks import check_events
 from mpmcli.scene.initial_stress import has_upright_gravity, stress_problems
 from mpmcli.scene.lattice_checks import check_lattices
+from mpmcli.scene.own_numbers import MATERIAL_RANGE, is_calculable
 from mpmcli.scene.parts import LISTS, Parts
 from mpmcli.scene.report import locate
 from mpmcli.scene.time_checks import check_times
 from mpmcli.scene.tree import Node, member_label
 from mpmcli.shapes import SHAPES
 
-MATERIAL_RANGE = (1e-100, 1e100)
-"""Sizes of numbers of materials of which formulas may take third powers."""
 NO_AXIS_Z = re.compile(r"there is no axis z\b|'z' does not exist in this analysis")
 AXIS_OF_RINGS = "; in axisymmetric analyses x is the radius and y the axis of symmetry"
 NAME = re.compile(r"\w[\w +-]*\Z")
@@ -147,7 +146,7 @@ def _check_materials(parts: Parts, root: Node, report: Report) -> None:
                     f"{words}; numbers of materials are 0 or between {least} and {most} in size",
                     "range",
                 )
-        elif not _is_calculable(model, parts.analysis.kind):
+        elif not is_calculable(model, parts.analysis.kind):
             report(f"materials.{name}", "these numbers are too large or too small to calculate with", "range")
 
 
@@ -164,19 +163,6 @@ def _beyond_range(value: Any, path: str) -> Iterator[tuple[str, float]]:
     elif isinstance(value, tuple | list) and len(value) < 100:
         for index, member in enumerate(value):
             yield from _beyond_range(member, f"{path}.{index}")
-
-
-def _is_calculable(model: Any, kind: str) -> bool:
-    """Return whether the numbers that kernels need follow from those of a material."""
-    if model.kind == "rigid":
-        return True
-    try:
-        with np.errstate(all="ignore"):
-            numbers = model.parameters(kind, False)
-            model.initial_wave_speed(kind)
-    except (ArithmeticError, np.linalg.LinAlgError):
-        return False
-    return not any(value != value for value in numbers if isinstance(value, float))
 
 
 def _check_count(report: Report, path: str, vector: Any, dimensions: int) -> bool:
@@ -294,10 +280,11 @@ def _check_plane(model: Any, path: str, grid: Any, report: Report) -> None:
     except ValueError as error:
         report(f"{path}.{place}", str(error), "side")
     line = (plane.at - low) / cell
-    if model.kind == "symmetry" and abs(line - round(line)) > 1e-6:
+    if model.kind in ("symmetry", "absorbing") and abs(line - round(line)) > 1e-6:
+        noun = "a symmetry plane" if model.kind == "symmetry" else "a plane that absorbs waves"
         report(
             f"{path}.{place}.at",
-            f"a symmetry plane must lie on a grid line; this one is {line:.6g} cells from grid.lower",
+            f"{noun} must lie on a grid line; this one is {line:.6g} cells from grid.lower",
             "grid",
         )
 

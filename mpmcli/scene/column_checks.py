@@ -1,13 +1,23 @@
-"""What is wrong with the columns of files of points: those that nothing reads, and densities of particles."""
+"""What is wrong with the columns of files of points: those that nothing reads, densities and numbers of particles."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from mpmcli.core.analysis import STRESS_COMPONENTS
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.geometry.points import DENSITY
+from mpmcli.scene.own_numbers import (
+    MATERIAL_RANGE,
+    ColumnError,
+    can_differ,
+    is_calculable,
+    models_of_columns,
+    number_keys,
+)
 from mpmcli.scene.parts import Parts
 
 MOST_NAMED = 5
@@ -26,14 +36,22 @@ def column_problems(body: Any, parts: Parts) -> Iterator[tuple[str, str, str, st
     if stresses:
         words = f"{place}: nothing reads {_columns(stresses)}; give the body 'stress: {{kind: points}}'"
         yield ".region.file", words, "no_effect", "warning"
-    keys = () if material is None else type(material).model_fields.keys() - {"kind", "field"}
+    numbers = () if material is None or material.kind == "rigid" else tuple(number_keys(material))
+    keys = set(() if material is None else type(material).model_fields) - {"kind", "field", DENSITY} | set(
+        numbers
+    )
     own = [name for name in others if name in keys]
-    if own:
+    differ = numbers if own and numbers and can_differ(material, parts.analysis.kind) else ()
+    fixed = [name for name in own if name not in differ]
+    if fixed and material is not None:
+        allowed = f"in '{material.kind}' only density{''.join(f', {name}' for name in differ)} can"
         words = (
-            f"{place}: {_columns(own)} cannot differ from particle to particle, only density can; leave the column "
-            f"out, and give '{own[0]}' in the material, one body and material per value"
+            f"{place}: {_columns(fixed)} cannot differ from particle to particle, {allowed}; leave the column "
+            f"out, and give '{fixed[0]}' in the material, one body and material per value"
         )
         yield ".region.file", words, "column", "error"
+    elif own:
+        yield from _number_problems(body, material, own, place, parts)
     idle = [name for name in others if name not in (*stresses, *own)]
     if idle:
         known = (*STRESSES, DENSITY, "volume", *keys)
@@ -41,6 +59,44 @@ def column_problems(body: Any, parts: Parts) -> Iterator[tuple[str, str, str, st
         yield ".region.file", f"{place}: nothing reads {_columns(idle)}{hint}", "no_effect", "warning"
     if body.region.density is not None and material is not None:
         yield from _density_problems(body, material, place, parts)
+
+
+def _number_problems(
+    body: Any, material: Any, own: list[str], place: str, parts: Parts
+) -> Iterator[tuple[str, str, str, str]]:
+    """Yield what does not go with numbers of particles."""
+    reason = None
+    if parts.heat is not None or getattr(parts.method, "heating", None) == "adiabatic":
+        reason = "heat needs one set of numbers of the material"
+    elif parts.fracture is not None:
+        reason = "stress intensity factors need one set of numbers of the material"
+    elif (load := _absorbing(body, parts)) is not None:
+        reason = f"the load '{load}' absorbs waves of a material with one set of numbers"
+    if reason is not None:
+        yield ".region.file", f"{place}: {_columns(own)} cannot be used here: {reason}", "column", "error"
+        return
+    columns = body.region.numbers([*own, *([] if body.region.density is None else [DENSITY])])
+    try:
+        models, _ = models_of_columns(material, columns)
+    except ColumnError as error:
+        words = f"{body.region.place_of(error.row, error.column)}: {error.words}"
+        yield ".region.file", words, "column", "error"
+        return
+    sizes = np.abs(np.stack(list(columns.values())))
+    is_possible = ((sizes == 0.0) | ((sizes >= MATERIAL_RANGE[0]) & (sizes <= MATERIAL_RANGE[1]))).all()
+    if not is_possible or not all(is_calculable(model, parts.analysis.kind) for model in models):
+        words = f"{place}: some numbers of {_columns(own)} are too large or too small to calculate with"
+        yield ".region.file", words, "range", "error"
+
+
+def _absorbing(body: Any, parts: Parts) -> str | None:
+    """The name of a load that absorbs waves at a face of the body, or at a plane."""
+    for _, load in parts.loads:
+        if "impedance_of" not in load.effects():
+            continue
+        if load.loaded_plane() is not None or load.loaded_face()[0] == body.name:
+            return str(load.name)
+    return None
 
 
 def _density_problems(
@@ -56,10 +112,8 @@ def _density_problems(
         reason = "artificial viscosity needs one density of the material"
     elif getattr(body.stress, "kind", None) == "geostatic":
         reason = "geostatic stress needs one density of the material; give the stresses in the file"
-    else:
-        for _, load in parts.loads:
-            if "impedance_of" in load.effects() and load.loaded_face()[0] == body.name:
-                reason = f"the load '{load.name}' absorbs waves of a material with one density"
+    elif (load := _absorbing(body, parts)) is not None:
+        reason = f"the load '{load}' absorbs waves of a material with one density"
     if reason is not None:
         words = f"{place}: the column 'density' cannot be used here: {reason}"
         yield ".region.file", words, "column", "error"

@@ -14,7 +14,9 @@ from mpmcli.core.errors import Problem
 from mpmcli.core.expressions import Expression
 from mpmcli.core.model import Model, Quantity, Varying
 from mpmcli.materials.base import history_at_start, keeps_strain
+from mpmcli.materials.own_numbers import OwnMaterial
 from mpmcli.scene.axes import turn_history
+from mpmcli.scene.own_numbers import own_keys, set_own_numbers
 
 Array = np.ndarray
 
@@ -284,8 +286,11 @@ def check_stress(scene: Any, body: Any, X: Array) -> list[Problem]:
     extremes = {int(f(row)) for row in (*stress, stress[:3].sum(axis=0)) for f in (np.argmin, np.argmax)}
     chosen = np.array(sorted(extremes)[:SAMPLE])
     model = scene.materials[body.material]
+    if own_keys(body, model):
+        model = OwnMaterial(model, (), scene.analysis.kind)
     m = model.parameters(scene.analysis.kind, scene.is_adiabatic)
     H = history_at_start(model, len(chosen))
+    set_own_numbers(scene, model, body, X[:, chosen], H)
     turn_history(body, model, X[:, chosen], H)
     try:
         return find_start(body, X[:, chosen], stress[:, chosen], m, H, keeps_strain(model), None)[1]

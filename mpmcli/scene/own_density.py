@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from mpmcli.scene.own_numbers import own_keys
+
 
 def lightest_density(body: Any, material: Any) -> float:
     """Return the smallest mass density of the particles of a body of this material."""
@@ -12,10 +14,16 @@ def lightest_density(body: Any, material: Any) -> float:
 
 
 def lightness(scene: Any) -> list[float]:
-    """Return the density of each material over that of its lightest particle; 1 of those that give no own densities."""
+    """Return the density of each material over that of its lightest particle.
+
+    It is 1 of materials without own densities, and of those whose particles have further numbers of their own: their
+    wave speeds take them into account.
+    """
     found = []
     for name, material in scene.materials.items():
         bodies = [body for body in scene.bodies if body.material == name and material.kind != "rigid"]
+        if any(own_keys(body, material) for body in bodies):
+            bodies = []
         found.append(
             max((material.density / lightest_density(body, material) for body in bodies), default=1.0)
         )

@@ -32,9 +32,9 @@ def _of_methods(parts: Parts, axes: tuple[str, ...]) -> Found:
         yield "grid.periodic", "x is the radius in axisymmetric analyses and cannot be periodic; y can"
     for key in ("contact", "heat", "fracture"):
         if getattr(parts, key) is not None:
-            yield key, "not available with periodic axes of the grid"
+            yield key, f"not available with periodic axes of the grid; leave out grid.periodic, or {key}"
     if parts.cracks:
-        yield "cracks", "not available with periodic axes of the grid"
+        yield "cracks", "not available with periodic axes of the grid; leave out grid.periodic, or cracks"
     for name, material in parts.materials.items():
         if material.kind == "rigid":
             yield f"materials.{name}.kind", "rigid bodies are not available with periodic axes of the grid"
@@ -79,7 +79,12 @@ def _of_condition(model: Any, axes: tuple[str, ...], dimensions: int) -> Found:
 
 
 def _of_load(model: Any, axes: tuple[str, ...], dimensions: int) -> Found:
-    if model.acts_on != "velocity" or not model.acts_on_face:
+    if model.acts_on != "velocity":
+        return
+    plane = model.loaded_plane()
+    if plane is not None and plane.axis in axes:
+        yield "on.plane.axis", f"no wave can leave across the periodic axis {plane.axis}"
+    if not model.acts_on_face:
         return
     face = model.loaded_face()[1]
     if face.axis in axes:

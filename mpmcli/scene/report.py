@@ -162,7 +162,7 @@ def _problems(details: dict[str, Any], root: Node, model: type[BaseModel]) -> li
         return [place.key.problem(path, message, "unknown_key")]
     if kind in {"union_tag_invalid", "union_tag_not_found"}:
         return [_tag_problem(kind, place, context)]
-    return [mark.problem(path, _words(kind, context, details), kind if kind in _CODES else "invalid")]
+    return [mark.problem(path, words_of(kind, context, details), kind if kind in _CODES else "invalid")]
 
 
 _CODES = {*_LIMITS, "finite_number", "literal_error"}
@@ -201,7 +201,8 @@ def _tag_problem(kind: str, place: Place, context: dict[str, Any]) -> Problem:
     return node.mark.problem(_join(path, key), message, "unknown_kind")
 
 
-def _words(kind: str, context: dict[str, Any], details: dict[str, Any]) -> str:
+def words_of(kind: str, context: dict[str, Any], details: dict[str, Any]) -> str:
+    """An error of pydantic, of this kind, in words."""
     value = details.get("input")
     if kind in {"value_error", "assertion_error"}:
         return re.sub(r"^Input should be ", "must be ", str(context.get("error", details["msg"])))

@@ -26,6 +26,8 @@ MAX_NUMBERS = 10_000
 MAX_TEXT = 4000
 """Characters of one key or value."""
 MAX_REPEATED = 100
+CALL_WITH_COMMA = re.compile(r"\w\([^()'\"]*,")
+QUOTES = "; an expression with commas needs quotes"
 """Repeated keys after which reading stops."""
 PARSER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -291,7 +293,7 @@ class _Composer:
                 merged.extend(self._merge(value, mark))
             elif key in members:
                 first = node.keys[key].line
-                message = f"duplicate key '{key}'; the first is in line {first}"
+                message = f"duplicate key '{key}'; the first is in line {first}{_hint_of_quotes(members)}"
                 self.problems.append(mark.problem(key, message, "duplicate_key"))
                 if len(self.problems) >= MAX_REPEATED:
                     raise SceneError(self.problems)
@@ -335,6 +337,12 @@ def _tagged(event: Any) -> Any:
     return event.value
 
 
+def _hint_of_quotes(members: dict[str, Node]) -> str:
+    """What to do about a call that a comma has cut, as in ``{value: interpolate(t, 0, 0)}``."""
+    texts = [node.value for node in members.values() if isinstance(node.value, str)]
+    return QUOTES if any(text.count("(") > text.count(")") for text in texts) else ""
+
+
 def _syntax_problem(error: yaml.MarkedYAMLError, text: str, file: str) -> Problem:
     mark = error.problem_mark or error.context_mark
     line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
@@ -354,6 +362,8 @@ def _syntax_problem(error: yaml.MarkedYAMLError, text: str, file: str) -> Proble
         words += "; text that begins with it needs quotes"
     elif error.context and error.context_mark:
         words += f" ({error.context} that begins in line {error.context_mark.line + 1})"
+        if "flow" in error.context and CALL_WITH_COMMA.search(here):
+            words += QUOTES
     return Problem("", f"syntax: {words}", file, line, column, code="syntax")
 
 

@@ -25,11 +25,14 @@ class NodalAreas:
         self._transfer, self._particles, self._images = transfer, particles, images
         self._areas = np.zeros(grid.f.shape)
 
-    def __call__(self) -> Array:
-        """Return them at the positions of the start of the step (dofs, d) [area]; overwritten by the next call."""
+    def __call__(self, weights: Array | None = None) -> Array:
+        """Return them at the positions of the start of the step (dofs, d) [area]; overwritten by the next call.
+
+        ``weights`` (materials,) multiply the volumes of the particles of each material.
+        """
         p = self._particles
         unit = np.zeros(p.tau.shape)
-        unit[:3] = p.determinant()
+        unit[:3] = p.determinant() if weights is None else p.determinant() * weights[p.material]
         self._transfer.internal_forces(unit, self._areas)
         if self._images is not None:
             self._images.complete(self._areas, 0.0)

@@ -21,6 +21,7 @@ from mpmcli.geometry.bodies import BodyParticles
 from mpmcli.geometry.fill import fill_bodies
 from mpmcli.geometry.report import body_report, report_table
 from mpmcli.materials.base import history_at_start, needs_increment
+from mpmcli.materials.own_numbers import OwnMaterial
 from mpmcli.scene.axes import turn_history
 from mpmcli.scene.event_checks import clocked
 from mpmcli.scene.fields import covering, exchanges_by_area, law_table
@@ -32,6 +33,7 @@ from mpmcli.scene.filling import (
     start_temperature,
     start_velocity,
 )
+from mpmcli.scene.own_numbers import materials_of, set_own_numbers
 from mpmcli.solver.plan import Plan
 from mpmcli.solver.transfer import Transfer
 
@@ -70,7 +72,7 @@ def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[
     X = np.concatenate([body.X for body in filled], axis=1)
     index, vol0, mass = find_masses(scene, filled)
     material = np.array([names.index(body.material) for body in scene.bodies])[index]
-    models = list(scene.materials.values())
+    models = materials_of(scene)
     particles = Particles.at_rest(
         plan.analysis,
         X,
@@ -86,6 +88,7 @@ def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[
     for m, model in enumerate(models):
         if model.history:
             particles.H[: len(model.history), material == m] = history_at_start(model, 1)
+    _set_own_numbers(scene, particles, models)
     if any(model.bands for model in models):
         from mpmcli.scene.bands import set_bands
 
@@ -182,7 +185,18 @@ def loads_by_clocks(scene: Any, clocks: Clocks) -> list[Any]:
 
 
 def impedance_of(scene: Any, load: Any) -> Array:
-    """Return the impedance (d,) of a load that absorbs waves, with the material of its body."""
+    """Return the impedance (d,) of a load that absorbs waves, with the material of its body; (materials, d) on a plane.
+
+    Rigid materials have none.
+    """
+    if load.loaded_plane() is not None:
+        kind, d = scene.analysis.kind, scene.dimensions
+        return np.array(
+            [
+                np.zeros(d) if model.kind == "rigid" else load.impedance_of(model, kind, d)
+                for model in scene.materials.values()
+            ]
+        )
     name, _ = load.loaded_face()
     body = next(body for body in scene.bodies if body.name == name)
     return np.asarray(
@@ -231,6 +245,17 @@ def _allocate_temperatures(particles: Particles, models: list[Any], plan: Plan) 
         for model in used
     ):
         particles.T_stress = particles.T.copy()
+
+
+def _set_own_numbers(scene: Any, particles: Particles, models: list[Any]) -> None:
+    """Numbers that particles have from their files."""
+    for i, body in enumerate(scene.bodies):
+        model = models[list(scene.materials).index(body.material)]
+        if isinstance(model, OwnMaterial):
+            mine = np.flatnonzero(particles.body == i)
+            H = particles.H[:, mine]
+            set_own_numbers(scene, model, body, particles.X[:, mine], H)
+            particles.H[:, mine] = H
 
 
 def _set_initial_gradients(scene: Any, particles: Particles) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cached_property
 from time import perf_counter
 from typing import Any
 
@@ -25,6 +26,7 @@ from mpmcli.core.state import State
 from mpmcli.core.step import Step
 from mpmcli.scene.filling import check_start
 from mpmcli.scene.own_density import lightness
+from mpmcli.scene.own_numbers import materials_of
 from mpmcli.solver import continuation, setup
 from mpmcli.solver.averaging import VolumeAveraging
 from mpmcli.solver.courant import TimeStep
@@ -102,7 +104,7 @@ class Simulation(Parts):
     def _make_parts(self, scene: Any, turns: Array | None) -> None:
         """Make what the scene needs of the parts."""
         plan, grid, particles, state = self.plan, self.grid, self.particles, self.state
-        materials, J = list(scene.materials.values()), scene.domain.volume_ratio
+        materials, J = materials_of(scene), scene.domain.volume_ratio
         self.failures = Failures(particles, state, grid, self.time_step, J)
         self.stress = StressUpdate(
             plan, particles, materials, J, float(grid.cell.min()), self.parallel, self.failures.refuse_state,
@@ -378,7 +380,15 @@ class Simulation(Parts):
             completes_mass=completes_mass,
             parallel=self.parallel,
             impedance=lambda load: setup.impedance_of(scene, load),
+            areas=lambda weights: self._nodal_areas(weights),
         )
+
+    @cached_property
+    def _nodal_areas(self) -> Any:
+        """Areas that matter has at nodes, of real particles only: loads on nodes are completed as all forces are."""
+        from mpmcli.solver.nodal_areas import NodalAreas
+
+        return NodalAreas(self.transfer, self.particles, self.grid, None)
 
     def _warn_of_idle(self, conditions: Any) -> None:
         for name in [] if conditions is None else conditions.idle():

@@ -12,6 +12,7 @@ import numpy as np
 from mpmcli.core.functions import GRID_FUNCTIONS
 from mpmcli.materials.thermal import coupled_wave_speed
 from mpmcli.scene.own_density import lightest_density
+from mpmcli.scene.own_numbers import body_models, own_keys
 from mpmcli.shapes import SHAPES
 from mpmcli.stability.growth import FAST
 from mpmcli.stability.held import Holders
@@ -73,6 +74,8 @@ def largest_wave_speed(scene: Any) -> float:
 
 def _wave_speed(scene: Any, body: Any, material: Any) -> float:
     """Largest wave speed of a body at the start, adiabatic where heat and strain are coupled [velocity]."""
+    if own_keys(body, material):
+        return max(float(model.initial_wave_speed(scene.analysis.kind)) for model in body_models(scene, body))
     speed = coupled_wave_speed(material, scene.analysis.kind, scene.is_adiabatic)
     return speed * math.sqrt(material.density / lightest_density(body, material))
 
@@ -118,11 +121,15 @@ def models_of(scene: Any) -> list[Model]:
 
 
 def _impedances(scene: Any, body: Any, material: Any) -> dict[int, np.ndarray]:
-    """Largest impedances (d,) along the axes of the loads that absorb waves at faces of a body, by the faces' axis."""
+    """Largest impedances (d,) along the axes of the loads that absorb waves at faces of a body, by the faces' axis.
+
+    Planes count as faces of every body.
+    """
     found: dict[int, np.ndarray] = {}
     for load in scene.loads_on("velocity"):
         if "impedance_of" in load.effects():
-            name, face = load.loaded_face()
+            plane = load.loaded_plane()
+            name, face = (body.name, plane) if plane is not None else load.loaded_face()
             if name == body.name:
                 impedance = load.impedance_of(material, scene.analysis.kind, scene.dimensions)
                 found[face.index] = np.maximum(impedance, found.get(face.index, 0.0))

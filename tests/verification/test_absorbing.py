@@ -1,4 +1,4 @@
-"""Faces that absorb waves at normal incidence: what is left of the energy of a pulse."""
+"""Faces and grid planes that absorb waves at normal incidence: what is left of the energy of a pulse."""
 
 from __future__ import annotations
 
@@ -16,7 +16,11 @@ M = E * (1 - NU) / (1 + NU) / (1 - 2 * NU)
 G = E / 2 / (1 + NU)
 
 
-def pulse(analysis, transfer, axis, speed, loads):
+FACES = {side: {"body": "bar", "face": {"axis": "x", "side": side}} for side in ("lower", "upper")}
+PLANES = {side: {"plane": {"axis": "x", "at": at}} for side, at in (("lower", 0.0), ("upper", 40.0))}
+
+
+def pulse(analysis, transfer, axis, speed, loads, places=FACES):
     """A column whose pulse of velocity runs towards its upper end along x; periodic or free sides do not matter."""
     d = 1 if analysis.startswith("uniaxial") else 2
     size = [40.0, 4.0][:d]
@@ -51,16 +55,13 @@ def pulse(analysis, transfer, axis, speed, loads):
             }
         ],
         "boundary": rollers,
-        "loads": [
-            {"name": side, "kind": "absorbing", "on": {"body": "bar", "face": {"axis": "x", "side": side}}}
-            | loads
-            for side in ("lower", "upper")
-        ],
+        "loads": [{"name": side, "kind": "absorbing", "on": place} | loads for side, place in places.items()],
         "time": {"end": float(2 * 40.0 / speed), "courant": 0.2},
     }
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("places", [FACES, PLANES], ids=["faces", "planes"])
 @pytest.mark.parametrize("transfer", [{"kind": "flip"}, {"kind": "fmpm", "order": 4}])
 @pytest.mark.parametrize(
     ("analysis", "axis", "speed"),
@@ -71,9 +72,9 @@ def pulse(analysis, transfer, axis, speed, loads):
         ("plane_strain", 1, np.sqrt(G / RHO)),
     ],
 )
-def test_pulses_leave(analysis, axis, speed, transfer):
+def test_pulses_leave(analysis, axis, speed, transfer, places):
     """The pulse splits in two, which leave at both ends: a 10⁻⁵ of the energy remains at most, and the books close."""
-    s = Simulation(load_scene(yaml.safe_dump(pulse(analysis, transfer, axis, speed, {}))))
+    s = Simulation(load_scene(yaml.safe_dump(pulse(analysis, transfer, axis, speed, {}, places))))
     balance, error = EnergyBalance(), 0.0
     p = s.particles
 
@@ -87,6 +88,22 @@ def test_pulses_leave(analysis, axis, speed, transfer):
     assert energy() < 1e-5 * start
     assert -s.state.work["external_work"] == pytest.approx(start, rel=0.02)
     assert error < 0.02
+
+
+def test_what_comes_to_a_plane_later_leaves():
+    """A bar flies to an absorbing plane and stops after a wave has gone to its free end and back."""
+    words = pulse("uniaxial_strain", {"kind": "flip"}, 0, 1.0, {}, {"upper": PLANES["upper"]})
+    words["bodies"][0] |= {"region": {"kind": "box", "lower": [29], "upper": [39]}, "velocity": [0.1]}
+    words["time"]["end"] = 40.0
+    s = Simulation(load_scene(yaml.safe_dump(words)))
+    p = s.particles
+    while s.time < 4.5:
+        s.step()
+    assert p.V == pytest.approx(0.1)
+    while s.time < 30.0:
+        s.step()
+    assert np.abs(p.V).max() < 0.01
+    assert 40.0 < p.X.max() < 40.6
 
 
 def test_speeds_may_be_given():

@@ -124,6 +124,8 @@ def _fields(job: Job, header: Command) -> list[str]:
 def column_of(job: Job, command: Command, names: list[tuple[str, str]]) -> str | None:
     """The column of a command with ``type`` and perhaps a material, or None after a note."""
     kind = job.source.plain(command.get("type") or "").strip()
+    if kind.lower() in {"reactionx", "reactiony", "reactionz", "reactionr"}:
+        return _reaction(job, command, kind.lower()[8:].replace("r", "x"))
     of = None
     if any(word in command.attributes for word in ("matname", "mat", "material")):
         number = command.attributes.get("mat") or command.attributes.get("material") or ""
@@ -137,13 +139,6 @@ def column_of(job: Job, command: Command, names: list[tuple[str, str]]) -> str |
                 job.note("ignored", command, "there is no such material")
                 return None
     low = kind.lower()
-    if low.startswith("reaction"):
-        job.note(
-            "ignored",
-            command,
-            f"add '{low[:8]}_{low[8:]}[NAME]' to the columns, with the name of a condition",
-        )
-        return None
     rigid = [m.key for m in job.materials if m.used and m.is_rigid and m.direction == 8]
     if low.startswith("contact") and low[7:] in job.axes and low[7:] and rigid and "contact" in job.scene:
         return f"contact_force_{low[7:]}[{rigid[0]}]"
@@ -178,6 +173,26 @@ def column_of(job: Job, command: Command, names: list[tuple[str, str]]) -> str |
     return None
 
 
+def _reaction(job: Job, command: Command, axis: str) -> str | None:
+    """The reaction of the condition that has the number of the command as its ``id``; without one that of all."""
+    asked = command.get("mat") or command.get("material") or "0"
+    command.get("matname")
+    number = abs(round(job.plain(Command("mat", {}, command.line, asked), None)))
+    named = [
+        str(made["name"]) for label, made in job.conditions if "name" in made and number in {0, abs(label)}
+    ]
+    if axis in job.axes and len(named) == 1:
+        return f"reaction_{axis}[{named[0]}]"
+    columns = ", ".join(f"reaction_{axis}[{name}]" for name in named[:5])
+    words = (
+        f"the reaction is the sum of the columns {columns}"
+        if columns
+        else f"no condition has the id {number}"
+    )
+    job.note("ignored", command, words if axis in job.axes else f"there is no axis {axis}")
+    return None
+
+
 _PERIODIC = {
     "FMPMOrder",
     "XPICOrder",
@@ -192,6 +207,9 @@ _PERIODIC = {
 }
 
 
+_RAMPS = "loads of kind heat_source and conditions of kind temperature change them"
+
+
 def tasks(job: Job, root: Command) -> None:
     """Custom tasks that have a counterpart."""
     for block in (*root.all("CustomTasks"), root):
@@ -203,6 +221,8 @@ def tasks(job: Job, root: Command) -> None:
                 job.ignored(task, f"{name}: archive.particles writes VTU files")
             elif name == "AdjustTimeStep":
                 job.ignored(task, "AdjustTimeStep: steps follow the current wave speeds")
+            elif name in {"ThermalRamp", "PropertyRamp"}:
+                job.unsupported(task, f"{name}: temperatures that are given to particles; {_RAMPS}")
             elif name != "ReverseLoad":
                 job.unsupported(task, f"the custom task '{name}'")
 
@@ -261,6 +281,8 @@ def heat(job: Job, root: Command) -> None:
                 friction = True
             elif inside.name == "ContactHeatFlow":
                 job.unsupported(inside, "its conductances; heat.contact has one")
+            elif inside.name == "Isothermal":
+                job.unsupported(inside, f"a ramp of all temperatures; {_RAMPS}")
             elif inside.name == "NoAVHeating":
                 job.ignored(inside, "there is no artificial viscosity")
             else:

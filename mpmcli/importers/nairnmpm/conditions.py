@@ -17,7 +17,14 @@ Made = dict[str, Any]
 _PLACES = ("BCLine", "BCArc", "BCBox", "BCShape", "LdRect")
 _DIRECTIONS = {1: (0,), 2: (1,), 3: (2,), 12: (0, 1), 13: (0, 2), 23: (1, 2), 123: (0, 1, 2)}
 """Axes of a direction of velocity conditions."""
-_FACES = {1: ("y", "lower"), 2: ("x", "upper"), 3: ("y", "upper"), 4: ("x", "lower")}
+_FACES = {
+    1: ("y", "lower"),
+    2: ("x", "upper"),
+    3: ("y", "upper"),
+    4: ("x", "lower"),
+    5: ("z", "lower"),
+    6: ("z", "upper"),
+}
 
 
 def raw(value: Value) -> str:
@@ -80,9 +87,15 @@ def grid_conditions(job: Job, block: Command) -> list[Made]:
                 several = sum(child.name in {"DisBC", "TempBC"} for child in shape.children) > 1
                 along = entry.get("direction", "temperature")
                 end = f"_{along if isinstance(along, str) else 'oblique'}" if several else ""
-                made.append(
-                    {"name": _name(f"{place.name}{end}", names), "kind": entry.pop("kind"), "on": on, **entry}
-                )
+                rest = dict(entry)
+                entry.clear()
+                entry |= {
+                    "name": _name(f"{place.name}{end}", names),
+                    "kind": rest.pop("kind"),
+                    "on": on,
+                    **rest,
+                }
+                made.append(entry)
     return made
 
 
@@ -90,8 +103,8 @@ def _condition(job: Job, command: Command) -> Made | None:
     if command.name == "DisBC":
         code = round(job.plain(command, "dir"))
         angles = [job.plain(command, name) for name in ("angle", "angle2")]
-        for name in ("id", "depth"):
-            command.get(name)
+        command.get("depth")
+        number = round(job.plain(command, "id"))
         velocity = job.number(command, "vel", "velocity") or job.number(command, "disp", "velocity")
         command.get("disp")
         command.get("vel")
@@ -102,7 +115,9 @@ def _condition(job: Job, command: Command) -> Made | None:
         value = history(job, command, velocity, "velocity", waits=False)
         if value is None:
             return None
-        return {"kind": "velocity", "direction": _direction(job, code, *angles), "value": value}
+        made = {"kind": "velocity", "direction": _direction(job, code, *angles), "value": value}
+        job.conditions.append((number, made))
+        return made
     if command.name == "TempBC":
         value = history(job, command, job.number(command, "value"), "temperature", waits=False)
         return None if value is None else {"kind": "temperature", "value": value}
@@ -215,7 +230,8 @@ def _on_faces(job: Job, load: Command, place: Where | None, bodies: Bodies) -> l
     if value is None or place is None:
         return []
     side = _FACES.get(face)
-    if job.analysis == "3d" or side is None or (heat and code != 1) or (not heat and code not in {1, 2, 11}):
+    directions = {1} if heat else {11, *range(1, len(job.axes) + 1)}
+    if side is None or side[0] not in "xyz"[: len(job.axes)] or code not in directions:
         job.note("not_supported", load, f"direction {code} on face {face} of particles")
         return []
     found = _whole_faces(job, place, bodies, side)
@@ -256,14 +272,15 @@ def _silent(job: Job, load: Command, place: Where | None, bodies: Bodies) -> lis
 
 
 def _whole_faces(job: Job, place: Where, bodies: Bodies, side: tuple[str, str]) -> list[str]:
-    """The rectangular bodies of whose particles a box holds the outermost row at a side, all of it and no others.
+    """The rectangular bodies of whose particles a box holds the outermost layer at a side, all of it and no others.
 
     None if it holds particles of bodies in any other way.
     """
     if place.region is not None:
         return []
-    axis, upper = "xy".index(side[0]), side[1] == "upper"
-    across, sign = 1 - axis, 1 if upper else -1
+    axes = range(len(job.axes))
+    axis, upper = "xyz".index(side[0]), side[1] == "upper"
+    sign = 1 if upper else -1
     per_axis = job.scene.get("_particles_per_axis") or 2
     spacing = [cell / per_axis for cell in job.cell]
     found = []
@@ -276,7 +293,7 @@ def _whole_faces(job: Job, place: Where, bodies: Bodies, side: tuple[str, str]) 
         )
         if any(
             place.upper[a] < first[a] - job.tolerance or place.lower[a] > last[a] + job.tolerance
-            for a in (0, 1)
+            for a in axes
         ):
             continue
         edge = last[axis] if upper else first[axis]
@@ -287,8 +304,12 @@ def _whole_faces(job: Job, place: Where, bodies: Bodies, side: tuple[str, str]) 
             and not place.lower[axis] - job.tolerance
             <= edge - sign * spacing[axis]
             <= place.upper[axis] + job.tolerance
-            and place.lower[across] <= first[across] + job.tolerance
-            and place.upper[across] >= last[across] - job.tolerance
+            and all(
+                place.lower[across] <= first[across] + job.tolerance
+                and place.upper[across] >= last[across] - job.tolerance
+                for across in axes
+                if across != axis
+            )
         )
         if not covers:
             return []

@@ -150,6 +150,10 @@ def _normal(job: Job, mode: Command) -> dict[str, Any]:
             made["polar"] = polar or 0
     elif bias is not None and bias.number > 1 and code not in {1, 3}:
         made["rigid_bias"] = bias
+        bias = None
+    if bias is not None:
+        why = "1 or less has no effect" if bias.number <= 1 else f"Normals {code} have no bias"
+        job.note("ignored", mode, f"attribute RigidBias: {why}")
     return made
 
 

@@ -189,8 +189,14 @@ def method(job: Job, command: Command) -> None:
         order = round(job.plain(inside, "order", 2.0))
         made["transfer"] = {"kind": "xpic", "order": max(1, order)}
     for inside in command.all("FractionFLIP"):
-        if job.plain(inside, None) != 1.0:
-            job.unsupported(inside, "a mixture of FLIP and PIC")
+        share = job.plain(inside, None)
+        if share == 0.0:
+            made["transfer"] = {"kind": "xpic", "order": 1}
+            job.made.comments.pop(("method", "transfer"), None)
+        elif share != 1.0:
+            job.unsupported(
+                inside, f"{share:g} of FLIP mixed with PIC; XPIC or FMPM of order 2 filter noise instead"
+            )
     for inside in command.all("DefGradTerms"):
         job.ignored(inside, "increments of deformation are exact exponentials")
     for inside in command.all("ExtrapolateRigid"):

@@ -72,6 +72,8 @@ class Job:
     tips: list[str] = field(default_factory=list)
     """Ends of cracks that have a material at their tip, ``crack:end``; NairnMPM finds J and growth of no others."""
     shape: str = "linear"
+    conditions: list[tuple[int, dict[str, Any]]] = field(default_factory=list)
+    """Conditions of velocities on nodes, by the number (``id``) that reactions have."""
 
     @property
     def axes(self) -> str:

@@ -603,6 +603,129 @@ def test_faces_of_a_box_that_no_hole_touches_take_tractions(tmp_path, hole, is_l
         assert scene_of(tmp_path, **parts)["loads"][0]["traction"] == [0, 3]
 
 
+CUBE = """<?xml version="1.0"?>
+<JANFEAInput version="3"><Header><Analysis>12</Analysis></Header>
+<MPMHeader><MaxTime units="ms">1</MaxTime><GIMP/><MatlPtsPerElement>8</MatlPtsPerElement></MPMHeader>
+<Mesh><Grid xmin="-2" xmax="6" ymin="-2" ymax="6" zmin="-2" zmax="6"><Horiz cellsize="1"/><Vert cellsize="1"/>
+<Depth cellsize="1"/></Grid></Mesh>
+<MaterialPoints><Body mat="1"><Box xmin="0" xmax="4" ymin="0" ymax="4" zmin="0" zmax="2"/></Body></MaterialPoints>
+MATERIAL<ParticleBCs><BCBox PLACE>LOAD</BCBox></ParticleBCs></JANFEAInput>
+""".replace("MATERIAL", MATERIAL)
+TOP = 'xmin="-1" xmax="5" ymin="-1" ymax="5" zmin="1.7" zmax="3"'
+BOTTOM = 'xmin="-1" xmax="5" ymin="-1" ymax="5" zmin="-1" zmax=".3"'
+RIGHT = 'xmin="3.7" xmax="5" ymin="0" ymax="4" zmin="0" zmax="2"'
+
+
+@pytest.mark.parametrize(
+    ("place", "load", "expected"),
+    [
+        (TOP, 'dir="3" face="6" stress="3"', {"face": "z upper", "traction": [0, 0, 3]}),
+        (TOP, 'dir="1" face="6" style="2" stress="3"', {"face": "z upper", "traction": ["3*t", 0, 0]}),
+        (TOP, 'dir="11" face="6" stress="3"', {"face": "z upper", "pressure": -3}),
+        (BOTTOM, 'dir="2" face="5" stress="1"', {"face": "z lower", "traction": [0, 1, 0]}),
+        (RIGHT, 'dir="11" face="2" stress="2"', {"face": "x upper", "pressure": -2}),
+        (TOP, 'dir="3" face="7" stress="3"', "direction 3 on face 7"),
+        (TOP, 'dir="12" face="6" stress="3"', "direction 12 on face 6"),
+        (TOP.replace('ymax="5"', 'ymax="2"'), 'dir="3" face="6" stress="3"', "not whole faces"),
+        (TOP.replace("1.7", "1.2"), 'dir="3" face="6" stress="3"', "not whole faces"),
+    ],
+)  # fmt: skip
+def test_tractions_in_space_are_on_six_faces(tmp_path, place, load, expected):
+    made = translated(tmp_path, CUBE.replace("PLACE", place).replace("LOAD", f"<TractionBC {load}/>"))
+    if isinstance(expected, str):
+        assert any(expected in str(problem) for problem in made.problems(partial=False))
+        return
+    assert made.problems(partial=False) == []
+    [found] = load_of(made)
+    axis, side = expected["face"].split()
+    assert found["on"]["face"] == {"axis": axis, "side": side}
+    for key in {"traction", "pressure"} & set(expected):
+        assert found[key] == expected[key]
+
+
+def load_of(made):
+    """The loads of a translation, whose scene is valid."""
+    load(write(made))
+    return made.scene["loads"]
+
+
+@pytest.mark.parametrize(
+    ("share", "transfer"), [("1", {"kind": "flip"}), ("0", {"kind": "xpic", "order": 1}), ("0.5", None)]
+)
+def test_shares_of_flip(tmp_path, share, transfer):
+    setup = f"<FractionFLIP>{share}</FractionFLIP>"
+    if transfer is not None:
+        assert scene_of(tmp_path, setup=setup)["method"]["transfer"] == transfer
+        return
+    [problem] = translated(tmp_path, source(setup=setup)).problems(partial=False)
+    assert "not supported: 0.5 of FLIP mixed with PIC" in str(problem)
+
+
+HELD = """<GridBCs><BCLine x1="-1" x2="5" y1="0" y2="0" tolerance=".1"><DisBC dir="2" id="-3" vel="0"/></BCLine>
+  <BCLine x1="-1" x2="5" y1="4" y2="4" tolerance=".1"><DisBC dir="2" id="-4" vel="0"/></BCLine></GridBCs>"""
+
+
+@pytest.mark.parametrize(
+    ("attributes", "column", "words"),
+    [
+        ('type="reactiony" mat="-3"', "reaction_y[nodes_1]", ""),
+        ('type="reactiony" material="4"', "reaction_y[nodes_2]", ""),
+        ('type="reactiony"', None, "sum of the columns reaction_y[nodes_1], reaction_y[nodes_2]"),
+        ('type="reactiony" mat="9"', None, "no condition has the id 9"),
+        ('type="reactionz"', None, "there is no axis z"),
+    ],
+)
+def test_reactions_are_those_of_conditions_by_their_number(tmp_path, attributes, column, words):
+    setup = f'<GlobalArchive type="kinetic energy"/><GlobalArchive {attributes}/>'
+    made = translated(tmp_path, source(setup=f"<GlobalArchiveTime>1</GlobalArchiveTime>{setup}", more=HELD))
+    assert made.problems(partial=False) == []
+    load(write(made))
+    names = [condition["name"] for condition in made.scene["boundary"]]
+    found = [each for each in made.scene["archive"]["globals"]["columns"] if each != "kinetic_energy"]
+    for number, name in enumerate(names, start=1):
+        column = column and column.replace(f"nodes_{number}", name)
+        words = words.replace(f"nodes_{number}", name)
+    assert found == ([] if column is None else [column])
+    if words:
+        assert any(words in str(note) for note in made.notes)
+
+
+RAMP = """<CustomTasks><Schedule name="ThermalRamp"><Parameter name="DeltaT">9</Parameter></Schedule></CustomTasks>"""
+
+
+@pytest.mark.parametrize(
+    ("parts", "words"),
+    [
+        ({"more": "<Thermal><Isothermal time='1'>20</Isothermal></Thermal>"}, "supported: a ramp of all temperatures"),
+        ({"more": RAMP}, "not supported: ThermalRamp: temperatures that are given to particles"),
+        ({"more": HELD.replace('vel="0"', 'vel="0" style="1" time="2"', 1)}, "begins later than at time 0"),
+        (
+            {"more": HELD.replace('vel="0"', 'style="6" function="t" time="2"', 1)},
+            "begins later than at time 0",
+        ),
+    ],
+)  # fmt: skip
+def test_what_has_no_counterpart_is_an_error_with_its_line(tmp_path, parts, words):
+    [problem] = translated(tmp_path, source(**parts)).problems(partial=False)
+    assert words in str(problem)
+    assert problem.line > 1
+
+
+@pytest.mark.parametrize(
+    ("attributes", "words"),
+    [
+        ('Normals="2" RigidBias="1"', "RigidBias: 1 or less has no effect"),
+        ('Normals="3" RigidBias="10"', "RigidBias: Normals 3 have no bias"),
+        ('Normals="2" RigidBias="10"', ""),
+    ],
+)
+def test_a_bias_without_effect_is_ignored_in_words(tmp_path, attributes, words):
+    made = translated(tmp_path, source(setup=f"<MultiMaterialMode {attributes}/>"))
+    found = [str(note) for note in made.notes if "RigidBias" in str(note)]
+    assert len(found) == bool(words)
+    assert all(words in note for note in found)
+
+
 @pytest.mark.parametrize(
     ("attributes", "direction"),
     [

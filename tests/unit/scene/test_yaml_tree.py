@@ -81,6 +81,23 @@ def test_every_repeated_key_is_told() -> None:
     assert "line 1" in caught.value.problems[0].message
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["{value: interpolate(t, 0, 0, 1, 1)}", 'a: {value: interpolate(t, "table.csv")}', "a: [f(1, 'b' 2]"],
+)
+def test_expressions_that_a_comma_cuts_are_told_to_need_quotes(text: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        compose(f"{text}\n", "a.yaml")
+    assert caught.value.problems[0].message.endswith("; an expression with commas needs quotes")
+
+
+@pytest.mark.parametrize("text", ["{a: 1, a: 2}", "a: [1, 2", "{title: (1), title: 2}"])
+def test_other_texts_need_no_quotes(text: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        compose(f"{text}\n", "a.yaml")
+    assert "quotes" not in caught.value.problems[0].message
+
+
 def test_aliases_and_merging() -> None:
     assert read("base: &b {x: 1, y: [2]}\nc: {<<: *b, x: 3}\nd: *b\n") == {
         "base": {"x": 1, "y": [2]},

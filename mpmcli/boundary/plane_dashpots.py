@@ -1,0 +1,46 @@
+"""Dashpots on grid planes: nodes on a plane and beyond it resist their velocity by the impedance of the matter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from mpmcli.boundary.base import Array, LoadModel
+from mpmcli.boundary.place import beyond
+from mpmcli.core.grid import Grid
+
+
+class PlaneDashpots:
+    """Forces −Z A v of the nodes on planes, with the area A that matter ends on and its impedance Z.
+
+    A force takes at most all momentum along its axis: nodes that see little matter would be unstable.
+
+    Parameters
+    ----------
+    loads : pairs of a load on a plane, and its impedance (materials, d) along each axis [pressure/velocity]
+    grid : the grid
+    areas : gives −Σ_p w_p V_p ∇S_pi (dofs, d) for a number w per material (materials,); overwritten by the next call
+    """
+
+    def __init__(self, loads: Sequence[tuple[LoadModel, Array]], grid: Grid, areas: Callable[[Array], Array]):
+        self._grid, self._areas = grid, areas
+        self._planes = [(load.loaded_plane(), Z) for load, Z in loads]
+        self._dofs: list[Array] = []
+        self._version = -1
+
+    def add(self, mp: Array, f: Array, dt: float) -> None:
+        """Add the forces of a step ``dt`` to ``f`` (dofs, d), by its first masses and momenta ``mp`` (dofs, 1 + d)."""
+        grid = self._grid
+        if grid.active_version != self._version:
+            self._version = grid.active_version
+            nodes = grid.active % grid.node_count
+            self._dofs = [grid.active[beyond(grid, nodes, plane)] for plane, _ in self._planes]
+        for (plane, Z), dofs in zip(self._planes, self._dofs, strict=True):
+            inward = 1.0 if plane.side_on(grid) == "lower" else -1.0
+            mass = mp[dofs, 0]
+            for axis in range(Z.shape[1]):
+                if axis == 0 or not np.array_equal(Z[:, axis], Z[:, axis - 1]):
+                    drag = np.maximum(inward * self._areas(Z[:, axis])[dofs, plane.index], 0.0)
+                    rate = np.divide(drag, mass, out=np.zeros_like(mass), where=mass > 0.0)
+                f[dofs, axis] -= np.minimum(rate, 1.0 / dt) * mp[dofs, 1 + axis]
