@@ -42,6 +42,7 @@ class StressUpdate:
     Attributes
     ----------
     wave_speed : largest wave speed after the last update [velocity]
+    knows_temperature : temperatures change a stress, or are changed by one
     """
 
     def __init__(
@@ -68,9 +69,9 @@ class StressUpdate:
         self._thermals = [self._thermal_of(plan, i) for i in range(len(materials))]
         self._limits = (float(volume_ratio[0]), float(volume_ratio[1]))
         self._used = [i for i in range(len(materials)) if np.any(particles.material == i)]
-        self.starts_with_stress = any(
-            "stress_free_at_rest" not in materials[i].properties or self._thermals[i] is not None
-            for i in self._used
+        self.knows_temperature = any(self._thermals[i] is not None for i in self._used)
+        self.starts_with_stress = self.knows_temperature or any(
+            "stress_free_at_rest" not in materials[i].properties for i in self._used
         )
         self.wave_speed = max(
             materials[i].initial_wave_speed(name) * math.sqrt(lightness[i]) for i in self._used
