@@ -151,13 +151,16 @@ class StressUpdate:
         if numbers is None:
             return None
         history = self._materials[index].history
-        rows = {name: p.H[history.index(name)] for name in ("temperature", "heat_energy") if name in history}
+        rows = {name: p.H[row] for row, name in enumerate(history)}
+        expands = numbers.expansion is not None
         return numbers._replace(
             T=p.T,
             T_carried=p.T_carried,
             T_stress=p.T_stress,
             tracked=rows.get("temperature"),
             heat=rows.get("heat_energy") if numbers.own else None,
+            plastic_work=rows.get("plastic_work") if expands else None,
+            heat_energy=rows.get("heat_energy") if expands else None,
             entropy=p.entropy,
             heat_inflow=p.heat_inflow,
             bath=self._bath,
