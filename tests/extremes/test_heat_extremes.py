@@ -140,8 +140,7 @@ def test_ratios_of_a_million_across_a_body(transfer, changes, hold):
 def test_ratios_of_a_million_across_a_contact(plain_python, transfer, contact, changes, hold):
     """Two bodies that touch keep their heat, and exchange none, a little or all that one body would."""
     kind = contact if isinstance(contact, str) else f"conductance {contact['conductance']}"
-    what = ", ".join(f"{name.replace('_', ' ')} {value:g} beside 1" for name, value in changes.items())
-    what = f"contact, {kind}: {what}"
+    what = f"conductivity, capacity, both 1e6 across a contact, {kind}"
     law = {"contact": {"law": {"kind": "perfect"}}}
     bodies, heat = ((5, 400, {}), (5, 300, changes)), {"transfer": transfer, "contact": contact}
     with plain_python():
