@@ -11,7 +11,7 @@ from mpmcli.solver.simulation import Simulation
 from mpmcli.stability.conduction import Conduction, filter_factor
 from mpmcli.stability.heat import SHORTEST_REACH, HeatForecast, conduction_of
 
-STEP_SHARE = 0.45
+STEP_SHARE = 0.5
 """Rough cost of a heat step over that of a step of FLIP."""
 FAR = 99.0
 """Per cent below the stable Fourier number from which on they are not told."""
