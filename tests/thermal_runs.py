@@ -134,12 +134,15 @@ class Run:
         """The numbers with the arrays of the particle."""
         p, history = self.p, self.model.history
         rows = {name: p.H[i] for i, name in enumerate(history)}
+        expands = self.numbers is not None and self.numbers.expansion is not None
         return self.numbers and self.numbers._replace(
             T=p.T,
             T_carried=p.T_carried,
             T_stress=p.T_stress,
             tracked=rows.get("temperature"),
             heat=rows.get("heat_energy") if self.numbers.own else None,
+            plastic_work=rows.get("plastic_work") if expands else None,
+            heat_energy=rows.get("heat_energy") if expands else None,
             entropy=p.entropy,
             heat_inflow=p.heat_inflow,
             bath=self.bath,

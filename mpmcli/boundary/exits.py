@@ -79,8 +79,6 @@ class Exits:
             state.work.setdefault("boundary_work", 0.0)
         if policy == "delete":
             state.extra.update(deleted_particles=0.0, deleted_mass=0.0)
-            if particles.heat_inflow is not None:
-                state.extra["deleted_heat"] = 0.0
 
     def apply(self) -> None:
         """Task 6: apply the policy to every particle outside the domain.
@@ -129,20 +127,21 @@ class Exits:
         matter = self._without_rigid(gone)
         state.extra["deleted_mass"] += float(p.mass[matter].sum()) * state.full_ring
         state.work["boundary_work"] -= self._kinetic_energy(matter) + float(p.stress_work[matter].sum())
-        if p.heat_inflow is not None:
+        if "deleted_heat" in state.extra:
             state.extra["deleted_heat"] += self._heat_of(matter) * state.full_ring
         if len(gone) == p.count:
             raise SimulationError(f"the last particle left the grid at time {state.time:.6g}")
         self._remove(inside)
 
     def _heat_of(self, chosen: Array) -> float:
-        """Heat that goes with these particles; what they carry beyond what is seen goes too, so that sums balance."""
-        p, state = self._particles, self._state
-        heat = np.asarray(p.heat_inflow)[chosen].copy()
-        if p.T_carried is not None:
-            c = np.array([m.specific_heat or 0.0 for m in state.material_models])
-            heat += p.mass[chosen] * c[p.material[chosen]] * (p.T_carried - np.asarray(p.T))[chosen]
-        return float(heat.sum())
+        """Heat that goes with these particles, by the temperatures that they carry, so that sums balance."""
+        p = self._particles
+        c = np.array([m.specific_heat or 0.0 for m in self._state.material_models])
+        C = p.mass[chosen] * c[p.material[chosen]]
+        carried = np.asarray(p.T if p.T_carried is None else p.T_carried)[chosen]
+        if p.heat_inflow is None:
+            return float((C * (carried - np.asarray(p.T_start)[chosen])).sum())
+        return float((p.heat_inflow[chosen] + C * (carried - np.asarray(p.T)[chosen])).sum())
 
     def _advice(self, side: tuple[int, int]) -> str:
         """What may be done about particles that left at a side of the grid, and is not done yet."""

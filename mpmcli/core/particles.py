@@ -36,8 +36,11 @@ class Particles:
         that expand or warm by themselves [temperature]
     T_carried : (N,) or None; temperature that FLIP carries to the grid, which has noise that T does not
         [temperature]
+    T_start : (N,) or None; temperature at the start, with conduction if nothing else changes temperatures
+        [temperature]
     heat_inflow, entropy : (N,) or None; heat that a particle has received by conduction, from loads, conditions and
-        friction, and what its entropy has grown by; only with conduction [energy], [energy/temperature]
+        friction, and what its entropy has grown by; only with conduction where work changes temperatures, too
+        [energy], [energy/temperature]
     heat_flux : (d, N) or None; flux of heat −κ∇T [power/area]
     T_stress : (N,) or None; temperature of the last stress, only with materials that expand and whose law needs
         increments [temperature]
@@ -66,6 +69,7 @@ class Particles:
     X0: Array | None = None
     T: Array | None = None
     T_carried: Array | None = None
+    T_start: Array | None = None
     heat_inflow: Array | None = None
     entropy: Array | None = None
     heat_flux: Array | None = None

@@ -11,13 +11,13 @@ from mpmcli.solver.simulation import Simulation
 from mpmcli.stability.conduction import Conduction, filter_factor
 from mpmcli.stability.heat import SHORTEST_REACH, HeatForecast, conduction_of
 
-STEP_SHARE = 0.45
+STEP_SHARE = 0.5
 """Rough cost of a heat step over that of a step of FLIP."""
 FAR = 99.0
 """Per cent below the stable Fourier number from which on they are not told."""
 ON_LINE = 1e-6
 """How far from a grid line, in cells, a plane still counts as on it."""
-PARTICLE_ARRAYS = ("T", "T_carried", "heat_inflow", "entropy", "heat_flux")
+PARTICLE_ARRAYS = ("T", "T_carried", "T_start", "heat_inflow", "entropy", "heat_flux")
 WAVELENGTHS = (4, 8, 16)
 """Wavelengths in cells of which is told what a step of FMPM removes."""
 

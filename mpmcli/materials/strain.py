@@ -40,6 +40,7 @@ from mpmcli.materials.components import (
 from mpmcli.materials.thermal import (
     BLOCK,
     expand,
+    expand_work,
     lanes_of,
     prepare,
     scale,
@@ -168,6 +169,7 @@ def stress_particles(
             Fe = F1
         else:
             heat = value_at(thermal.heat, p, 0.0)
+            worked, heated = value_at(thermal.plastic_work, p, 0.0), value_at(thermal.heat_energy, p, 0.0)
             F1, Fe, dF, cube, stiffer, growth = expand(
                 thermal.expansion, thermal, analysis, m, F, F1, dF, L, H, p, dt, lane
             )
@@ -210,6 +212,8 @@ def stress_particles(
         speed2 = wave_speed_squared(m, Fe, H, p)
         if thermal is not None:
             set_at(thermal.heat, p, heat + viscous_work)
+            expand_work(thermal.plastic_work, p, worked, cube, 0.0)
+            expand_work(thermal.heat_energy, p, heated, cube, viscous_work)
             settle(
                 thermal.capacity, thermal.bath, thermal, m, Fe, dF, H, p, dt, vol0[p], cube, growth, viscous_work
             )  # fmt: skip

@@ -69,6 +69,10 @@ class Thermal(NamedTuple):
     """(N,) temperature in the history of the material."""
     heat: Any = None
     """(N,) dissipated heat in the history of an equation of state [pressure]."""
+    plastic_work: Any = None
+    """(N,) plastic work in the history of a material that expands [pressure]."""
+    heat_energy: Any = None
+    """(N,) dissipated heat in the history of a material that expands [pressure]."""
     entropy: Any = None
     heat_inflow: Any = None
     bath: Any = None
@@ -309,13 +313,27 @@ def work_of_law(
 
 
 @compiled_too
-def dissipation(own: Any, tracked: Any, capacity: Any, m: Any, Fe: Any, dFe: Any, H: Any, p: Any, dt: Any, cube: Any,
-    warm: Any, viscous: Any) -> Any:  # fmt: skip
-    """Heat per initial volume that a step has dissipated."""
+def expand_work(row: Any, p: Any, before: Any, cube: Any, viscous: Any) -> Any:
+    """Count per initial volume what a law has added to a row of its history, ``before`` a step, per volume ϑ³.
+
+    ``viscous`` is the part of it that is the work of artificial viscosity, which is one per initial volume.
+    """
+    if row is not None:
+        added = row[p] - before
+        row[p] = before + viscous + cube * (added - viscous)
+
+
+@compiled_too
+def dissipation(expansion: Any, own: Any, tracked: Any, capacity: Any, m: Any, Fe: Any, dFe: Any, H: Any, p: Any,
+    dt: Any, cube: Any, warm: Any, viscous: Any) -> Any:  # fmt: skip
+    """Heat per initial volume that a step has dissipated; what a law counts is per volume ϑ³."""
     if own is not None:
         return viscous
     if tracked is not None:
-        return capacity * (tracked[p] - warm)
+        found = capacity * (tracked[p] - warm)
+        if expansion is None:
+            return found
+        return viscous + cube * (found - viscous)
     return viscous + cube * dissipated_heat(m, Fe, dFe, H, p, dt)
 
 
@@ -340,9 +358,15 @@ def settle(
     if capacity is None:
         return
     tracked, own, C, T = thermal.tracked, thermal.own, capacity * volume, thermal.T[p]
-    dissipated = dissipation(own, tracked, capacity, m, Fe, dFe, H, p, dt, cube, T, viscous)
+    dissipated = dissipation(
+        thermal.expansion, own, tracked, capacity, m, Fe, dFe, H, p, dt, cube, T, viscous
+    )
     if bath is None:
-        end = value_at(tracked, p, T + dissipated / capacity)
+        if thermal.expansion is None:
+            end = value_at(tracked, p, T + dissipated / capacity)
+        else:
+            end = T + dissipated / capacity
+            set_at(tracked, p, end)
         thermal.T[p] = end
         add_at(thermal.T_carried, p, end - T)
         add_at(thermal.entropy, p, -C * logarithm(1.0 - dissipated / (capacity * end)))

@@ -24,11 +24,11 @@ def _with_bath(context: Context) -> bool:
 
 
 def _inflow(s: Snapshot) -> float:
-    return s.total(np.asarray(s.particles.heat_inflow)) * s.full_ring  # type: ignore[no-any-return]
+    return s.total(s.heat_inflow + s.carried_heat)  # type: ignore[no-any-return]
 
 
 def _entropy(s: Snapshot) -> float:
-    return s.total(np.asarray(s.particles.entropy)) * s.full_ring  # type: ignore[no-any-return]
+    return s.total(s.entropy)  # type: ignore[no-any-return]
 
 
 def _part(name: str) -> Callable[[Snapshot], float]:
@@ -39,7 +39,7 @@ def _heat_error(s: Snapshot) -> float:
     parts = [_part(name)(s) for name in ("boundary_heat", "friction_heat", "source_heat")]
     left = s.state.extra.get("deleted_heat", 0.0)
     content = s.total(s.heat_capacity * s.temperature)
-    moved = s.total(np.abs(np.asarray(s.particles.heat_inflow))) * s.full_ring
+    moved = s.total(np.abs(s.heat_inflow))
     largest = max(moved, *map(abs, parts), NEXT_TO_NOTHING * content)
     return (_inflow(s) + left - sum(parts)) / largest if largest > 0.0 else 0.0
 
@@ -50,13 +50,11 @@ def _thermal_energy(s: Snapshot) -> float:
 
 
 def _internal_energy(s: Snapshot) -> float:
-    return s.total(s.particles.stress_work + np.asarray(s.particles.heat_inflow)) * s.full_ring  # type: ignore[no-any-return]
+    return s.total(s.particles.stress_work) * s.full_ring + _inflow(s)  # type: ignore[no-any-return]
 
 
 def _helmholtz_energy(s: Snapshot) -> float:
-    p = s.particles
-    free = p.stress_work + np.asarray(p.heat_inflow) - s.temperature * np.asarray(p.entropy)
-    return s.total(free) * s.full_ring  # type: ignore[no-any-return]
+    return _internal_energy(s) - s.total(s.temperature * s.entropy)  # type: ignore[no-any-return]
 
 
 def _extreme(choose: Callable[[Any], Any]) -> Callable[[Snapshot], float]:
@@ -224,14 +222,14 @@ QUANTITIES.add(
         "heat_inflow",
         "Q",
         "energy",
-        lambda s: np.asarray(s.particles.heat_inflow) * s.full_ring,
+        lambda s: s.heat_inflow,
         "heat that a particle has received",
     ),
     _of_particle(
         "entropy",
         "S",
         "energy/temperature",
-        lambda s: np.asarray(s.particles.entropy) * s.full_ring,
+        lambda s: s.entropy,
         "entropy that a particle has received, 0 at its temperature in the scene",
     ),
     _of_particle(

@@ -60,6 +60,34 @@ class Snapshot:
         c = [model.specific_heat or 0.0 for model in self.state.material_models]
         return self.mass * np.array(c)[self.particles.material]
 
+    @cached_property
+    def heat_inflow(self) -> Array:
+        """Heat that each particle has received, of the full ring, shape (N,) [energy]."""
+        p = self.particles
+        if p.heat_inflow is None:
+            return self.heat_capacity * (self.temperature - np.asarray(p.T_start))
+        return p.heat_inflow * self.full_ring
+
+    @cached_property
+    def entropy(self) -> Array:
+        """What the entropy of each particle has grown by, of the full ring, shape (N,) [energy/temperature]."""
+        p = self.particles
+        if p.entropy is None:
+            start = np.asarray(p.T_start)
+            return self.heat_capacity * np.log1p((self.temperature - start) / start)
+        return p.entropy * self.full_ring
+
+    @property
+    def carried_heat(self) -> Array:
+        """Heat of the temperatures that particles carry beyond those that are seen, shape (N,) [energy].
+
+        It is 0 in all until particles leave.
+        """
+        p = self.particles
+        if p.T_carried is None:
+            return np.zeros(p.count)
+        return self.heat_capacity * (p.T_carried - self.temperature)
+
     @property
     def cracks(self) -> CracksView:
         """Cracks of the state."""

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.errors import Problem
 from mpmcli.core.expressions import Expression
 from mpmcli.core.suggest import listing
 from mpmcli.scene.checks import Report, label
-from mpmcli.scene.contact_checks import Fields, read_fields
+from mpmcli.scene.contact_checks import read_fields
+from mpmcli.scene.heat_contradictions import check_places
+from mpmcli.scene.heat_of_scene import HeatOfScene
 from mpmcli.scene.parts import Parts
 from mpmcli.scene.report import locate
 from mpmcli.scene.tree import Node
@@ -21,10 +20,6 @@ from mpmcli.scene.tree import Node
 ABSOLUTE = "temperatures are absolute and must be above 0"
 LARGEST_STRAIN = 1.0
 """Thermal strain of a body at the start above which it is an error of units."""
-ON_LINE = 1e-6
-"""Cells between two planes at the same place."""
-ALIKE = 1e-9
-"""Relative difference between two temperatures of a face that is no round-off."""
 LARGEST = 1e30
 """Temperatures, fluxes, coefficients and powers are below this."""
 
@@ -41,13 +36,12 @@ def check_heat(parts: Parts, root: Node) -> list[Problem]:
     fields = read_fields(root, contact if has_contact else None)
     if fields.complete and all(member.is_rigid for member in fields.members):
         return []  # reported already
-    scene = _Scene(parts, root, fields)
+    scene = HeatOfScene(parts, root, fields)
     _check_materials(scene, report)
     _check_body_temperatures(scene, report)
     _check_conditions(scene, report)
     _check_axis_faces(scene, report)
-    _check_faces(scene, report)
-    _check_planes(scene, report)
+    check_places(scene, report)
     _check_pairs(scene, report)
     if scene.has_heat and parts.heat is not None:
         _check_heat_section(scene, report)
@@ -56,54 +50,10 @@ def check_heat(parts: Parts, root: Node) -> list[Problem]:
     return problems
 
 
-class _Scene:
-    """The parts of a scene, and what follows from them for temperatures."""
-
-    def __init__(self, parts: Parts, root: Node, fields: Fields):
-        self.parts, self.root, self.fields = parts, root, fields
-        heat = root.value.get("heat")
-        self.has_heat = heat is not None and heat.value is not None
-        heating = None if parts.method is None else parts.method.heating
-        self.is_adiabatic = heating != "isothermal" if self.has_heat else heating == "adiabatic"
-        self.rigid = {member.name for member in fields.members if member.is_rigid}
-        self.used = {body.material for _, body in parts.bodies}
-        self.has_fields = len(fields.names) > 1
-
-    def warms(self, material: Any) -> bool:
-        """Whether the temperature of a material may change during the run."""
-        return self.has_heat or (self.is_adiabatic and getattr(material, "specific_heat", None) is not None)
-
-    def needs_temperature(self, material: Any) -> bool:
-        """Whether anything depends on the temperature of a deformable material."""
-        return (
-            self.warms(material)
-            or getattr(material, "expansion", 0.0) > 0.0
-            or "temperature" in getattr(material, "history", ())
-        )
-
-    def box_of(self, body: Any) -> tuple[np.ndarray, np.ndarray] | None:
-        """Corners (d,) of the part of a body's box that is in the grid; None where they do not fit each other."""
-        grid, analysis = self.parts.grid, self.parts.analysis
-        if grid is None or analysis is None or ANALYSES[analysis.kind]().dimensions != grid.dimensions:
-            return None
-        if any(body.region.misfits(grid.dimensions)):
-            return None
-        low, high = (
-            np.clip(corner, grid.lower, grid.upper) for corner in body.region.bounds(grid.dimensions)
-        )
-        return low, high
-
-    def deformable(self) -> Iterator[tuple[str, Any]]:
-        """Name and model of each material with mass that a body uses, as far as it can be read."""
-        for name, model in self.parts.materials.items():
-            if name in self.used and model.kind != "rigid":
-                yield name, model
-
-
 # ---------------------------------------------------------------- materials and bodies
 
 
-def _check_materials(scene: _Scene, report: Report) -> None:
+def _check_materials(scene: HeatOfScene, report: Report) -> None:
     for name, model in scene.deformable():
         if scene.has_heat:
             _check_conducting(scene, name, model, report)
@@ -116,7 +66,7 @@ def _check_materials(scene: _Scene, report: Report) -> None:
         report("heat", words, "no_effect", "warning")
 
 
-def _check_conducting(scene: _Scene, name: str, model: Any, report: Report) -> None:
+def _check_conducting(scene: HeatOfScene, name: str, model: Any, report: Report) -> None:
     """What conduction needs of a material."""
     bodies = [f"'{body.name}'" for _, body in scene.parts.bodies if body.material == name]
     needs = [
@@ -141,7 +91,7 @@ def _check_stiffness(name: str, model: Any, report: Report) -> None:
         report(f"materials.{name}", words, "unstable", "warning")
 
 
-def _check_idle(scene: _Scene, name: str, model: Any, report: Report) -> None:
+def _check_idle(scene: HeatOfScene, name: str, model: Any, report: Report) -> None:
     """Keys of a material that change nothing without conduction."""
 
     def no_effect(key: str, reason: str) -> None:
@@ -158,13 +108,13 @@ def _check_idle(scene: _Scene, name: str, model: Any, report: Report) -> None:
         no_effect("expansion", f"because the temperature stays {model.T0:g} (T0) without 'heat'")
 
 
-def _all_at_start(scene: _Scene, name: str, model: Any) -> bool:
+def _all_at_start(scene: HeatOfScene, name: str, model: Any) -> bool:
     """Whether all bodies of a material have its temperature without stress."""
     given = [body.temperature for _, body in scene.parts.bodies if body.material == name]
     return all(value is None or (value.is_constant and float(value()) == model.T0) for value in given)
 
 
-def _check_heating(scene: _Scene, report: Report) -> None:
+def _check_heating(scene: HeatOfScene, report: Report) -> None:
     tracking = {"temperature", "internal_energy"}
     models = scene.parts.materials.values()
     if models and not any(scene.warms(model) or tracking & set(model.history) for model in models):
@@ -172,7 +122,7 @@ def _check_heating(scene: _Scene, report: Report) -> None:
         report("method.heating", words, "no_effect", "warning")
 
 
-def _check_body_temperatures(scene: _Scene, report: Report) -> None:
+def _check_body_temperatures(scene: HeatOfScene, report: Report) -> None:
     for index, body in scene.parts.bodies:
         if body.temperature is None or body.material not in scene.parts.materials:
             continue
@@ -191,7 +141,7 @@ def _check_body_temperatures(scene: _Scene, report: Report) -> None:
             _check_stretch(scene, body, material, path, report)
 
 
-def _check_stretch(scene: _Scene, body: Any, material: Any, path: str, report: Report) -> None:
+def _check_stretch(scene: HeatOfScene, body: Any, material: Any, path: str, report: Report) -> None:
     """A body must not begin far from the temperature at which it is free of stress."""
     box = scene.box_of(body)
     if box is None or material.expansion == 0.0:
@@ -210,7 +160,7 @@ def _check_stretch(scene: _Scene, body: Any, material: Any, path: str, report: R
         report(path, words, "doubtful", "warning")
 
 
-def _exchanges(scene: _Scene) -> bool:
+def _exchanges(scene: HeatOfScene) -> bool:
     """Whether velocity fields exchange heat by a conductance."""
     heat, contact = scene.parts.heat, scene.parts.contact
     if heat is None:
@@ -222,16 +172,8 @@ def _exchanges(scene: _Scene) -> bool:
 # ---------------------------------------------------------------- conditions and loads
 
 
-def _acting(scene: _Scene) -> Iterator[tuple[str, Any]]:
-    """Path and model of each condition and load that acts on temperatures."""
-    for key in ("boundary", "loads"):
-        for index, model in getattr(scene.parts, key):
-            if model.acts_on == "temperature":
-                yield label(scene.root, key, index), model
-
-
-def _check_conditions(scene: _Scene, report: Report) -> None:
-    for path, model in _acting(scene):
+def _check_conditions(scene: HeatOfScene, report: Report) -> None:
+    for path, model in scene.acting():
         if not scene.has_heat:
             words = f"'{model.kind}' needs conduction of heat; add 'heat: {{}}' to the scene"
             report(f"{path}.kind", words, "needs_heat")
@@ -261,12 +203,12 @@ def _check_sizes(path: str, model: Any, report: Report) -> None:
             report(f"{path}.{key}", "has no effect, because it is 0", "no_effect", "warning")
 
 
-def _check_axis_faces(scene: _Scene, report: Report) -> None:
+def _check_axis_faces(scene: HeatOfScene, report: Report) -> None:
     """Faces on the axis of an axisymmetric body have no area."""
     analysis = scene.parts.analysis
     if analysis is None or analysis.kind != "axisymmetric":
         return
-    for path, model in _acting(scene):
+    for path, model in scene.acting():
         is_load = hasattr(model, "acts_on_face")
         place = (model.loaded_face() if model.acts_on_face else None) if is_load else model.held_face()
         if place is None or (place[1].axis, place[1].side) != ("x", "lower"):
@@ -278,122 +220,10 @@ def _check_axis_faces(scene: _Scene, report: Report) -> None:
             report(f"{path}.on", words, "no_effect", "warning")
 
 
-def _check_faces(scene: _Scene, report: Report) -> None:
-    """Faces that two conditions hold at different temperatures, and loads on faces that are held."""
-    held: dict[tuple[str, str, str], tuple[str, Any]] = {}
-    for index, model in scene.parts.boundary:
-        place = model.held_face() if model.acts_on == "temperature" else None
-        if place is None:
-            continue
-        path, key = label(scene.root, "boundary", index), _key(place)
-        if key not in held:
-            held[key] = path, model
-        elif not _agree(scene, place, held[key][1], model):
-            first, line = held[key][1].name, locate(scene.root, held[key][0], "").line
-            words = f"the face is held at another temperature by '{first}' in line {line}"
-            report(f"{path}.value", words, "contradiction")
-    for path, model in _acting(scene):
-        is_on_face = getattr(model, "acts_on_face", False)
-        found = held.get(_key(model.loaded_face())) if is_on_face else None
-        if found is not None:
-            words = f"has no effect on the body, because '{found[1].name}' holds the temperature of this face"
-            report(f"{path}.on", words, "no_effect", "warning")
-
-
-@dataclass(frozen=True)
-class _Side:
-    """Where a condition holds temperatures: a plane, or a plane face of a body.
-
-    Attributes
-    ----------
-    path, model : of the condition
-    axis, side, at : number of the axis that it is normal to, where bodies are not, and its coordinate
-    box : corners (d,) of the face's body, or of the grid
-    is_face : whether it is a face
-    """
-
-    path: str
-    model: Any
-    axis: int
-    side: str
-    at: float
-    box: tuple[np.ndarray, np.ndarray]
-    is_face: bool
-
-
-def _sides(scene: _Scene) -> Iterator[_Side]:
-    grid, boxes = scene.parts.grid, {body.name: body for _, body in scene.parts.bodies}
-    for index, model in scene.parts.boundary:
-        if model.acts_on != "temperature" or grid is None:
-            continue
-        path, place = label(scene.root, "boundary", index), model.held_face()
-        plane = getattr(getattr(model, "on", None), "plane", None)
-        if place is not None:
-            body = boxes.get(place[0])
-            box = None if body is None or body.region.kind != "box" else scene.box_of(body)
-            if box is not None and place[1].index < grid.dimensions:
-                at = box[place[1].side == "upper"][place[1].index]
-                yield _Side(path, model, place[1].index, place[1].side, float(at), box, True)
-        elif plane is not None and plane.index < grid.dimensions:
-            try:
-                side = plane.side_on(grid)
-            except ValueError:
-                continue  # reported already
-            box = np.array(grid.lower, dtype=float), np.array(grid.upper, dtype=float)
-            yield _Side(path, model, plane.index, side, float(plane.at), box, False)
-
-
-def _check_planes(scene: _Scene, report: Report) -> None:
-    """Planes that are held at another temperature than a plane or a face at the same place."""
-    sides = list(_sides(scene))
-    for k, second in enumerate(sides):
-        for first in sides[:k]:
-            if first.is_face and second.is_face:
-                continue
-            margin = ON_LINE * float(scene.parts.grid.cell[first.axis])
-            is_same = (first.axis, first.side) == (second.axis, second.side)
-            if not is_same or abs(first.at - second.at) > margin:
-                continue
-            face = first if first.is_face else second
-            if not _alike(face.box, face.axis, face.at, first.model, second.model):
-                line = locate(scene.root, first.path, "").line
-                words = f"this place is held at another temperature by '{first.model.name}' in line {line}"
-                report(f"{second.path}.value", words, "contradiction")
-                break
-
-
-def _key(place: tuple[str, Any]) -> tuple[str, str, str]:
-    body, face = place
-    return body, face.axis, face.side
-
-
-def _agree(scene: _Scene, place: tuple[str, Any], first: Any, second: Any) -> bool:
-    """Whether two conditions hold a face at the same temperature at the start, at points spread over it."""
-    body = next((body for _, body in scene.parts.bodies if body.name == place[0]), None)
-    box = None if body is None else scene.box_of(body)
-    if box is None or place[1].index >= len(box[0]):
-        return True
-    axis = place[1].index
-    return _alike(box, axis, box[place[1].side == "upper"][axis], first, second)
-
-
-def _alike(box: tuple[np.ndarray, np.ndarray], axis: int, at: float, first: Any, second: Any) -> bool:
-    """Whether two conditions ask for the same at the start, at points of a box (corners (d,)) on a plane."""
-    low, high = box
-    points = low[:, None] + (high - low)[:, None] * np.array([[0.1, 0.35, 0.6, 0.85]])
-    points[axis] = at
-    with np.errstate(all="ignore"):
-        one, other = (
-            np.broadcast_to(model.face_temperature_at(points, 0.0), points.shape[1:])
-            for model in (first, second)
-        )
-    return not bool((np.abs(one - other) > ALIKE * np.abs(one)).any())
-
-
 # ---------------------------------------------------------------- contact
 
 
-def _check_pairs(scene: _Scene, report: Report) -> None:
+def _check_pairs(scene: HeatOfScene, report: Report) -> None:
     heat, contact = scene.parts.heat, scene.parts.contact
     for index, pair in enumerate(() if contact is None else contact.pairs):
         path = f"contact.pairs.{index}.heat"
@@ -408,7 +238,7 @@ def _check_pairs(scene: _Scene, report: Report) -> None:
             _check_bath(scene, pair, path, report)
 
 
-def _check_bath(scene: _Scene, pair: Any, path: str, report: Report) -> None:
+def _check_bath(scene: HeatOfScene, pair: Any, path: str, report: Report) -> None:
     """A rigid side conducts heat only where it has a temperature."""
     for name in pair.between:
         owners = [m.name for m in scene.fields.members if name in (m.owner, m.field) and m.is_rigid]
@@ -418,7 +248,7 @@ def _check_bath(scene: _Scene, pair: Any, path: str, report: Report) -> None:
             report(path, words, "no_effect", "warning")
 
 
-def _check_baths(scene: _Scene, report: Report) -> None:
+def _check_baths(scene: HeatOfScene, report: Report) -> None:
     """Rigid bodies that a conductance for all pairs passes over."""
     given = {body.name for _, body in scene.parts.bodies if body.temperature is not None}
     rigid = [member for member in scene.fields.members if member.is_rigid]
@@ -430,7 +260,7 @@ def _check_baths(scene: _Scene, report: Report) -> None:
         report("heat.contact", words, "no_effect", "warning")
 
 
-def _check_heat_section(scene: _Scene, report: Report) -> None:
+def _check_heat_section(scene: HeatOfScene, report: Report) -> None:
     """Choices of conduction that change nothing, or do not go together."""
     heat, time = scene.parts.heat, scene.parts.time
     given = heat.model_fields_set

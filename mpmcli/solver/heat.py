@@ -42,12 +42,21 @@ def choose_conduction(scene: Any) -> Choices:
 
 def allocate_particles(scene: Any, particles: Particles) -> None:
     """Allocate what conduction needs on particles, whose temperatures ``T`` are known."""
-    n = particles.count
     if choose_conduction(scene).carries:
         particles.T_carried = None if particles.T is None else particles.T.copy()
-    particles.heat_inflow, particles.entropy = np.zeros(n), np.zeros(n)
     if shows(scene.archive, scene.probes, "heat_flux"):
         particles.heat_flux = np.zeros_like(particles.X)
+
+
+def allocate_accounts(particles: Particles, work_heats: bool) -> None:
+    """Allocate what accounts of heat and entropy need; ``work_heats``: work changes temperatures, or a bath takes it.
+
+    Without, they follow from the temperatures of the start and of now.
+    """
+    if work_heats:
+        particles.heat_inflow, particles.entropy = np.zeros(particles.count), np.zeros(particles.count)
+    else:
+        particles.T_start = np.array(particles.T)
 
 
 def make_heat_field(
@@ -158,5 +167,8 @@ def make_conduction(
             shown=shown, conductivity=conduction.conductivity_along,
         )  # fmt: skip
     s.transfer.fields.append(nodal)
+    allocate_accounts(s.particles, s.stress.knows_temperature)
+    if scene.domain.on_exit == "delete":
+        s.state.extra["deleted_heat"] = 0.0
     conduction.begin()
     return conduction

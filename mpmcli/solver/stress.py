@@ -43,6 +43,7 @@ class StressUpdate:
     Attributes
     ----------
     wave_speed : largest wave speed after the last update [velocity]
+    knows_temperature : temperatures change a stress, or are changed by one
     """
 
     def __init__(
@@ -69,9 +70,9 @@ class StressUpdate:
         self._thermals = [self._thermal_of(plan, i) for i in range(len(materials))]
         self._limits = (float(volume_ratio[0]), float(volume_ratio[1]))
         self._used = [i for i in range(len(materials)) if np.any(particles.material == i)]
-        self.starts_with_stress = any(
-            "stress_free_at_rest" not in materials[i].properties or self._thermals[i] is not None
-            for i in self._used
+        self.knows_temperature = any(self._thermals[i] is not None for i in self._used)
+        self.starts_with_stress = self.knows_temperature or any(
+            "stress_free_at_rest" not in materials[i].properties for i in self._used
         )
         self.wave_speed = max(
             materials[i].initial_wave_speed(name) * math.sqrt(lightness[i]) for i in self._used
@@ -151,13 +152,16 @@ class StressUpdate:
         if numbers is None:
             return None
         history = self._materials[index].history
-        rows = {name: p.H[history.index(name)] for name in ("temperature", "heat_energy") if name in history}
+        rows = {name: p.H[row] for row, name in enumerate(history)}
+        expands = numbers.expansion is not None
         return numbers._replace(
             T=p.T,
             T_carried=p.T_carried,
             T_stress=p.T_stress,
             tracked=rows.get("temperature"),
             heat=rows.get("heat_energy") if numbers.own else None,
+            plastic_work=rows.get("plastic_work") if expands else None,
+            heat_energy=rows.get("heat_energy") if expands else None,
             entropy=p.entropy,
             heat_inflow=p.heat_inflow,
             bath=self._bath,

@@ -15,7 +15,6 @@ from mpmcli.core.state import State
 from mpmcli.core.step import Step
 from mpmcli.core.transfer.full_mass import OrderRule, add_full_mass_increments
 from mpmcli.core.transfer.nodal_field import NodalField
-from mpmcli.core.transfer.nodes import clear_nodes
 from mpmcli.transport import kernels
 from mpmcli.transport.contact import FrictionHeat, HeatContact
 from mpmcli.transport.kernels import AnisotropicConduction, GiveChanges, GiveValues, IsotropicConduction
@@ -144,7 +143,6 @@ class Conduction:
         self._bad = np.full(CHUNKS, -1, dtype=np.int64)
         self._capacity_version = (-1, -1)
         self._C = self._C_of_nodes = np.zeros(0)
-        self._pairs: Any = np.zeros((nodal.v.shape[0], 2)) if choices.carries else None
         if choices.order > 1:
             nodal.allocate_loop(is_dynamic=False)
 
@@ -171,7 +169,6 @@ class Conduction:
         if not self.acts:
             return
         nodal, theta = self.nodal, self.nodal.v
-        clear_nodes[self._parallel](nodal.nodes.active, nodal.f)
         if self.contact is not None:
             self.contact.join(theta, counts=not self._is_flip)
         if self.sources is not None:
@@ -192,24 +189,30 @@ class Conduction:
         """Task 3.h: nodal values θ⁺(k) and, for FLIP, their change."""
         if not self.acts:
             return
-        nodal, active = self.nodal, self.nodal.nodes.active
+        nodal, active, parallel = self.nodal, self.nodal.nodes.active, self._parallel
         theta = nodal.v
         nodal.complete(nodal.f)
-        kernels.update_values[self._parallel](active, nodal.mp, nodal.f, self.elapsed, theta)
+        if self._is_simple:
+            kernels.update_pairs[parallel](active, nodal.mp, nodal.f, self.elapsed)
+            return
+        kernels.update_values[parallel](active, nodal.mp, nodal.f, self.elapsed, theta)
         if self.contact is not None:
             self.contact.begin(self.elapsed)
             self.contact.exchange(theta)
         if self.held is not None:
             self.held.impose(theta, counts=True)
-        is_flip = self._is_flip
-        if is_flip:
-            kernels.find_changes[self._parallel](active, nodal.mp, theta)
-        if not is_flip or not self.choices.replaces:
+        is_flip, has_loop = self._is_flip, self.choices.order > 1
+        refines_changes = has_loop and not self.choices.replaces
+        if refines_changes:
+            kernels.find_changes[parallel](active, nodal.mp, theta)
+        if refines_changes or (has_loop and not is_flip):
             self._add_increments(step)
         if self.friction is not None:
             self._add_friction()
-        if is_flip:
-            kernels.pair_values[self._parallel](active, nodal.mp, theta, self._pairs)
+        if refines_changes:
+            kernels.pair_changes[parallel](active, nodal.mp, theta)
+        elif is_flip:
+            kernels.pair_values[parallel](active, nodal.mp, theta)
 
     def to_give(self) -> GiveValues | GiveChanges | None:
         """Task 4.h: return what gives particles their values; None where conduction waits."""
@@ -217,7 +220,7 @@ class Conduction:
             return None
         self._bad[:] = -1
         if self._is_flip:
-            return GiveChanges(self._pairs.reshape(-1), *self._accounts(self._limit()))
+            return GiveChanges(self.nodal.mp.reshape(-1), *self._accounts(self._limit()))
         return GiveValues(self.nodal.v.reshape(-1), *self._accounts(self._limit()))
 
     def _accounts(self, limit: float) -> tuple[Any, ...]:
@@ -248,8 +251,7 @@ class Conduction:
     def nodal_arrays(self) -> dict[str, Array]:
         """Return every array over the nodes by name."""
         nodal = self.nodal
-        own = {"mp": nodal.mp, "f": nodal.f, "v": nodal.v, "pairs": self._pairs}
-        return {name: array for name, array in own.items() if array is not None} | nodal.nodal_arrays()
+        return {"mp": nodal.mp, "f": nodal.f, "v": nodal.v} | nodal.nodal_arrays()
 
     def conductivity_along(self, particles: Array, n: Array) -> Array:
         """Return the conductivity (m,) of particles at these places in memory along unit vectors ``n`` (m, d)."""
@@ -297,6 +299,12 @@ class Conduction:
             return True
         return choices.every is not None and (self.acted + 1) % choices.every != 0
 
+    @property
+    def _is_simple(self) -> bool:
+        """Whether the change of nodal values is that of powers alone."""
+        parts = (self.contact, self.held, self.friction)
+        return self._is_flip and self.choices.order == 1 and all(part is None for part in parts)
+
     def _limit(self) -> float:
         """A value that no particle can have after a step: twice the largest before it, conditions included."""
         largest = float(np.asarray(self.particles.T).max())
@@ -307,14 +315,13 @@ class Conduction:
 
     def _find_values(self, time: float) -> None:
         nodal = self.nodal
-        kernels.find_values[self._parallel](nodal.nodes.active, nodal.mp, nodal.v)
+        kernels.find_values[self._parallel](nodal.nodes.active, nodal.mp, nodal.v, nodal.f)
         if self.held is not None:
             self.held.select(time)
 
     def _add_increments(self, step: Step) -> None:
         rule = OrderRule(self.choices.order, lambda order: 1.0, None)
-        if self.choices.order > 1:
-            add_full_mass_increments(self.nodal, self._transfer, step, rule, counts_reactions=True)
+        add_full_mass_increments(self.nodal, self._transfer, step, rule, counts_reactions=True)
 
     def _add_friction(self) -> None:
         """Heat of friction, which no increment filters; at nodes that conditions hold it leaves through these."""

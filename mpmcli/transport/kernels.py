@@ -151,12 +151,13 @@ def find_conductivities(analysis, k, material, F, particles, n, along):
 
 
 @kernel
-def find_values(active, mp, theta):
-    """Nodal values θ = (C T)/C from capacity and content ``mp`` (n, 2); 0 where there is no capacity."""
+def find_values(active, mp, theta, q):
+    """Nodal values θ = (C T)/C from capacity and content ``mp`` (n, 2), 0 without capacity; clears powers ``q``."""
     for j in prange(active.shape[0]):
         i = np.uint64(active[j])
         c = mp[i, 0]
         theta[i, 0] = mp[i, 1] / c if c > 0.0 else 0.0
+        q[i, 0] = 0.0
 
 
 @kernel
@@ -178,13 +179,35 @@ def find_changes(active, mp, theta):
 
 
 @kernel
-def pair_values(active, mp, theta, pairs):
-    """From Δθ in ``theta`` (n, 1): θ + Δθ and Δθ, side by side in ``pairs`` (n, 2)."""
+def pair_values(active, mp, theta):
+    """θ⁺ and Δθ take the places of capacity and content in ``mp`` (n, 2); ``theta`` (n, 1) is θ⁺."""
     for j in prange(active.shape[0]):
         i = np.uint64(active[j])
         c = mp[i, 0]
-        pairs[i, 0] = theta[i, 0] + (mp[i, 1] / c if c > 0.0 else 0.0)
-        pairs[i, 1] = theta[i, 0]
+        mp[i, 0] = theta[i, 0]
+        mp[i, 1] = theta[i, 0] - (mp[i, 1] / c if c > 0.0 else 0.0)
+
+
+@kernel
+def pair_changes(active, mp, theta):
+    """The same where ``theta`` (n, 1) is Δθ."""
+    for j in prange(active.shape[0]):
+        i = np.uint64(active[j])
+        c = mp[i, 0]
+        mp[i, 0] = theta[i, 0] + (mp[i, 1] / c if c > 0.0 else 0.0)
+        mp[i, 1] = theta[i, 0]
+
+
+@kernel
+def update_pairs(active, mp, q, dt):
+    """``update_values`` and ``pair_values`` at once, where nothing acts between them."""
+    for j in prange(active.shape[0]):
+        i = np.uint64(active[j])
+        c = mp[i, 0]
+        per_capacity = 1.0 / c if c > 0.0 else 0.0
+        change = q[i, 0] * dt * per_capacity
+        mp[i, 0] = mp[i, 1] * per_capacity + change
+        mp[i, 1] = change
 
 
 @compiled_too
@@ -203,7 +226,7 @@ class GiveValues(NamedTuple):
     theta : (n,) θ⁺(k)
     C, T : (N,) capacity and value; particles without capacity are left alone
     carried : (N,) carried value, or None
-    inflow, entropy : (N,) grow by C ΔT and by C ln(T⁺/T)
+    inflow, entropy : (N,) grow by C ΔT and by C ln(T⁺/T); None where they follow from the values of start and end
     limit : values above it are impossible, as are negative ones
     bad : (chunks,) a particle whose value is impossible, else as before
     is_by_field : 1 where nodes have values for each velocity field, else 0 (unsigned)
@@ -213,8 +236,8 @@ class GiveValues(NamedTuple):
     C: Array
     T: Array
     carried: Any
-    inflow: Array
-    entropy: Array
+    inflow: Any
+    entropy: Any
     limit: float
     bad: Array
     is_by_field: Any
@@ -230,8 +253,8 @@ class GiveChanges(NamedTuple):
     C: Array
     T: Array
     carried: Array
-    inflow: Array
-    entropy: Array
+    inflow: Any
+    entropy: Any
     limit: float
     bad: Array
     is_by_field: Any
@@ -248,9 +271,10 @@ def _(task, analysis, weights, corner, base, offsets, across, slot, p):
 
 @gather_particle.register(GiveChanges)
 def _(task, analysis, weights, corner, base, offsets, across, slot, p):
+    first = corner + (base - corner) * task.is_by_field
+    # found of all particles, so that the compiler shares what it needs with the gathers of velocities
+    new, change = gather_vector(weights, analysis, (0.0, 0.0), first, offsets, across, task.theta)
     if task.C[p] > 0.0:
-        first = corner + (base - corner) * task.is_by_field
-        new, change = gather_vector(weights, analysis, (0.0, 0.0), first, offsets, across, task.theta)
         task.carried[p] += change
         account(task.C, task.T, task.inflow, task.entropy, task.limit, task.bad, new, slot, p)
 
@@ -265,10 +289,10 @@ def keep_value(carried, new, p):
 @compiled_too
 def account(C, T, inflow, entropy, limit, bad, new, slot, p):
     """Let ``new`` be the seen value of particle ``p``, and keep the accounts of it."""
-    old = T[p]
-    T[p] = new
-    inflow[p] += C[p] * (new - old)
-    if (new > 0.0) & (new <= limit):
-        entropy[p] += C[p] * log_ratio(new, old)
-    else:
+    if not ((new > 0.0) & (new <= limit)):
         bad[slot] = np.int64(p)
+    elif inflow is not None:
+        old = T[p]
+        inflow[p] += C[p] * (new - old)
+        entropy[p] += C[p] * log_ratio(new, old)
+    T[p] = new

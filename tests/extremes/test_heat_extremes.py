@@ -124,6 +124,49 @@ def test_ratios_of_a_million_across_a_body(transfer, changes, hold):
 
 
 @every_transfer
+@pytest.mark.parametrize(
+    "contact", ["shared", "insulated", {"conductance": "perfect"}, {"conductance": 0.5}], ids=str
+)
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"conductivity": 1e-6},
+        {"heat_capacity": 1e6},
+        {"heat_capacity": 1e6, "conductivity": 1e6},
+        {"heat_capacity": 1e6, "conductivity": 1e-6},
+    ],
+    ids=str,
+)
+def test_ratios_of_a_million_across_a_contact(plain_python, transfer, contact, changes, hold):
+    """Two bodies that touch keep their heat, and exchange none, a little or all that one body would."""
+    kind = contact if isinstance(contact, str) else f"conductance {contact['conductance']}"
+    what = f"conductivity, capacity, both 1e6 across a contact, {kind}"
+    law = {"contact": {"law": {"kind": "perfect"}}}
+    bodies, heat = ((5, 400, {}), (5, 300, changes)), {"transfer": transfer, "contact": contact}
+    with plain_python():
+        bar = Bar(*bodies, transfer=transfer, step=0.2, cells=20, heat=heat, **law)
+        bar.steps(60)
+        hold(what, named(transfer), "change of heat", bar.drift, 1e-12)
+        margin = 0.0 if transfer is FLIP else 0.14  # overshoot at the interface
+        beyond = max(300 - bar.T.min(), bar.T.max() - 400, 0.0) / 100
+        hold(what, named(transfer), "beyond the start, of the jump", beyond, margin + 1e-10)
+        if contact == {"conductance": "perfect"}:
+            one = Bar(*bodies, transfer=transfer, step=0.2, cells=20).steps(60)
+            hold(what, named(transfer), "from one body, of the jump", np.abs(bar.T - one.T).max() / 100, 1e-9)
+    given = 400 * 5 - bar.mass[bar.X0 < 5] @ bar.T[bar.X0 < 5]
+    if contact == "insulated":
+        hold(what, named(transfer), "heat that crosses, of that of a body", abs(given) / 500, 1e-12)
+    else:
+        assert given > 0.0
+    if contact == {"conductance": 0.5} and changes == {"heat_capacity": 1e6, "conductivity": 1e6}:
+        # the other body stays at 300 K: a slab of 5 cells behind a film, insulated at its far end, with an error of
+        # first order in the cell
+        lost = 1 - exact.slab_film((np.arange(1000) + 0.5) / 1000, 60 * 0.2 / 25, 0.5 * 5).mean()
+        off = abs(given / 500 / lost - 1)
+        hold(what, named(transfer), "heat that crosses, from that through a film", off, 0.08)
+
+
+@every_transfer
 def test_one_particle_and_one_alone_in_its_cell(transfer, hold):
     for bodies in [((0.5, 321.0, {}),), ((4, 400, {}), (0.5, 321.0, {}))]:
         bar = Bar(*bodies, transfer=transfer, at=0.3, gap=4.0, velocity=0.03).steps(100)

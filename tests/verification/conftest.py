@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mpmcli.output.snapshot import Snapshot
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 
@@ -48,6 +49,11 @@ class Run:
         out = np.empty_like(array)
         out[..., self.particles.id] = array
         return out
+
+    def received(self, name: str) -> np.ndarray:
+        """``heat_inflow`` or ``entropy`` of the particles, ordered by identity, per radian if axisymmetric."""
+        snapshot = Snapshot(self.simulation.state)
+        return getattr(snapshot, name)[snapshot.order] / snapshot.full_ring
 
     @property
     def X(self) -> np.ndarray:

@@ -19,7 +19,7 @@ def test_two_bars_come_to_one_temperature(start, method):
     heat, bar = 350.0 * 10, run.particles.mass.sum() / 2
 
     def watch(r):
-        return float(r.particles.entropy.sum()), float(r.particles.heat_inflow.sum())
+        return float(r.received("entropy").sum()), float(r.received("heat_inflow").sum())
 
     start_of_all = watch(run)
     entropy, inflow = np.array([start_of_all, *run.to(250, watch)]).T

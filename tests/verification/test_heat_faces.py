@@ -36,7 +36,7 @@ def check(found, row, method):
 def heat_in_is_heat_stored(run):
     """Heat of the loads and conditions, and that of the particles, of the whole run: round-off is that of Σ C T."""
     work, p, heat = run.simulation.state.work, run.particles, run.simulation.heat
-    given, stored = work["boundary_heat"] + work["source_heat"], float(p.heat_inflow.sum())
+    given, stored = work["boundary_heat"] + work["source_heat"], float(run.received("heat_inflow").sum())
     assert abs(given) > 0.0
     assert stored == pytest.approx(given, rel=1e-12, abs=1e-12 * float(heat.capacity() @ p.T))
 

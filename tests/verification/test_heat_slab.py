@@ -173,7 +173,7 @@ def test_heat_across_a_gap_of_half_a_cell(start, method, shift):
 
     def left_heat(way, gap, law="frictionless"):
         run = two_fields(start, method, way, law, shift, gap)
-        return float(run.ordered("heat_inflow")[run.ordered("body") == 0].sum())
+        return float(run.received("heat_inflow")[run.ordered("body") == 0].sum())
 
     across = left_heat("shared", 0.0)
     assert across < -1.0

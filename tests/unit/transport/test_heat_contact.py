@@ -154,7 +154,7 @@ def test_friction_heats_once(velocities_by, temperatures_by):
 def test_friction_is_shared_by_effusivity_and_rigid_sides_take_none():
     law = {"contact": {"law": {"kind": "coulomb", "friction": 0.3}}}
     s, numbers = after(scene({"contact": "insulated"}, SLIDING, **law), 30)
-    heat = np.bincount(s.particles.body, s.particles.heat_inflow)
+    heat = np.bincount(s.particles.body, Snapshot(s.state).heat_inflow)
     assert heat[1] / heat.sum() == pytest.approx(2 / 3, rel=1e-9)  # κ is 1 and 4
     rigid = [SLIDING[0], box("plate", 7, 11, material="wall", velocity=[-0.02, -0.3])]
     s, numbers = after(scene({"contact": "insulated"}, rigid, **law), 30)
