@@ -19,7 +19,6 @@ from mpmcli.cracks.chain import (
     STRETCHED,
     VISIBLE,
     Chain,
-    carries_tractions,
     make_chain,
     respaced,
     turns,
@@ -108,7 +107,7 @@ class Cracks:
             self.view.tip = self.tips.values
         self.pressures = self.tractions = None
         loaded = any(model.pressure is not None for model in models)
-        carrying = any(carries_tractions(model) for model in models)
+        carrying = any(model.carries_tractions for model in models)
         if loaded or carrying:
             X, half = particles.X, np.broadcast_to(transfer.reach, particles.X.shape)
             parted = [cuts[k, particles.body] for k in range(n)]

@@ -100,6 +100,11 @@ class Crack(Model):
     growth: Growth | None = None
     """Growth of its tips; none if left out."""
 
+    @property
+    def carries_tractions(self) -> bool:
+        """Whether its points may carry tractions."""
+        return bool(self.traction) or (self.growth is not None and self.growth.leaves_tractions)
+
     def values_at_start(self) -> dict[str, float]:
         """Return the values at time 0 of what expressions of growth know beside the time: length and speed."""
         return {"length": float(np.hypot(*np.diff(self.path.corners(), axis=0).T).sum()), "speed": 0.0}
