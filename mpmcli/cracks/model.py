@@ -18,6 +18,7 @@ from mpmcli.cracks.point_laws import of_points
 
 Name = Annotated[str, Field(min_length=1, max_length=80)]
 End = Literal["tip", "mouth"]
+Separation = Literal["displacement", "faces", "position_offset", "regression"]
 
 
 class Ends(Model):
@@ -38,8 +39,10 @@ class Faces(Model):
 
     law: Annotated[Any, OneOf(LAWS)] = Field(default_factory=_frictionless)
     """Contact law, or law of an interface whose directions are springs."""
-    separation: Literal["displacement"] = "displacement"
-    """How the distance of the faces is found: from the jump of displacement, so that faces are closed at the start."""
+    separation: Separation = "displacement"
+    """How the distance of the faces is found, for laws of contact: from the jump of displacement at the node; from the
+    faces of the chain nearest to it (``faces``); or from the particles of both sides, as in contact of bodies, by their
+    mean positions (``position_offset``) or by their edges (``regression``)."""
 
 
 class Traction(Model):
