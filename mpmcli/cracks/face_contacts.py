@@ -401,14 +401,14 @@ class FaceContacts:
     def _make_room(self, slots: int, room: int) -> None:
         d, fields = 2, len(self._rigid)
         if slots > self._slots:
-            self._slots = slots = max(slots, 2 * self._slots)
+            self._slots = slots = max(slots, self._slots + self._slots // 4)
             self.planes = Planes(np.zeros((slots, 2, d)), np.zeros((slots, 2)), np.zeros((slots, 2)))
             self.begin = np.zeros(slots + 1, dtype=np.int64)
             self._first = np.zeros(slots + 1, dtype=np.int64)
             self._dof = np.zeros(slots * SIDES * fields, dtype=np.int64)
         if room <= self._room:
             return
-        self._room = room = max(room, 2 * self._room)
+        self._room = room = max(room, self._room + self._room // 4)
         self.fields = allocate_fields(room)
         self.faces = Faces(
             np.zeros(room, dtype=np.int64),
