@@ -21,6 +21,8 @@ def test_a_wedge_splits_a_block(start):
     grows = times > 0.9
     assert np.abs(a - exact)[grows].max() < 2.0
     assert force[grows].mean() == pytest.approx(wedge_force(exact[grows]).mean(), rel=0.12)
-    later = times > 0.3
-    assert np.abs(np.sum(parts, axis=0) / work - 1.0)[later].max() < 0.06
+    excess = (np.sum(parts, axis=0) / work - 1.0)[times > 0.3]
+    assert np.abs(excess).max() < 0.08  # an increment counts at once, before its waves take the energy
+    block = int(0.24 / 2.0 * len(u))
+    assert np.abs(np.convolve(excess, np.full(block, 1.0 / block), "valid")).max() < 0.04
     assert parts[2][-1] / work[-1] == pytest.approx(WEDGE_FRICTION, rel=0.05)
