@@ -1,10 +1,11 @@
 """Draw what the verification of explicit cracks shows.
 
-    python docs/make_cracks.py [path | bending | cantilever | strip]
+    python docs/make_cracks.py [path | bending | cantilever | strip | wedge]
 
 ``path``: growth of the crack of ``inputs/inclined_crack.yaml``; ``bending``: that of
 ``inputs/three_point_bending_growth.yaml``; ``cantilever``: loads and openings of ``inputs/double_cantilever.yaml`` and
-``inputs/cohesive_cantilever.yaml``; ``strip``: J of the crack that runs through ``inputs/strip_running_crack.yaml``.
+``inputs/cohesive_cantilever.yaml``; ``strip``: J of the crack that runs through ``inputs/strip_running_crack.yaml``;
+``wedge``: energies of ``inputs/wedge_splitting.yaml``.
 One to five minutes each; writes to ``docs/images``.
 """
 
@@ -25,7 +26,7 @@ TESTS = HERE.parent / "tests"
 IMAGES = HERE / "images"
 sys.path.insert(0, str(TESTS))
 
-from crack_runs import tip  # noqa: E402
+from crack_runs import tip, wedge_force, wedge_opening, wedge_run  # noqa: E402
 
 BENDING, CORRECTION = 2300.0 / (1.0 - 0.33**2) * 18.0, 0.669 * 6.0
 """E'I of an arm [N mm²] and χh [mm] of ``double_cantilever.yaml``."""
@@ -140,7 +141,33 @@ def draw_bending() -> None:
     write(figure, axes, "cracks_bending")
 
 
-MAKE = {"path": draw_path, "bending": draw_bending, "cantilever": draw_cantilever, "strip": draw_strip}
+def draw_wedge() -> None:
+    """Draw where the work of the wedge goes while it splits a block."""
+    figure, axes = new_figure(6.0, 3.6)
+    run = start("wedge_splitting.yaml")
+    u, a, force, work, *parts = np.array(run.to(2.0, wedge_run)).T
+    names = ("stored", "kinetic", "friction", "damping", "released by growth")
+    axes.stackplot(u / 0.3, [parts[2], parts[4], parts[0], parts[1] + parts[3]], alpha=0.7,
+                   labels=[names[2], names[4], names[0], "kinetic and damping"])  # fmt: skip
+    axes.plot(u / 0.3, work, "k-", lw=1, label="work of the wedge")
+    lengths = np.linspace(20.0, 40.0, 500)
+    exact = np.interp(u, wedge_opening(lengths), lengths)
+    block = int(0.12 / 2.0 * len(u))
+    for at in range(block, len(u) - block, block):
+        mean = force[at - block : at + block].mean()
+        print(np.round([u[at] / 0.3, a[at], exact[at], mean, wedge_force(exact[at]), sum(parts)[at] / work[at],
+                        parts[2][at] / work[at], *(part[at] for part in parts)], 3).tolist(), flush=True)  # fmt: skip
+    axes.set(xlabel="way of the wedge [mm]", ylabel="energy [mJ/mm]", xlim=(0.0, 2.5), ylim=(0.0, None))
+    write(figure, axes, "cracks_wedge")
+
+
+MAKE = {
+    "path": draw_path,
+    "bending": draw_bending,
+    "cantilever": draw_cantilever,
+    "strip": draw_strip,
+    "wedge": draw_wedge,
+}
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])

@@ -64,3 +64,36 @@ CROSS = 0.8636 * np.sqrt(3.0 * np.pi)
 """K_I of ``crossing_cracks.yaml`` under biaxial tension in an infinite plate."""
 PENNY = 2.0 * np.sqrt(4.0 / np.pi)
 """K_I of ``penny_crack.yaml`` in an infinite body."""
+
+
+WEDGE_STIFFNESS, WEDGE_REACH = 2300.0 / (1.0 - 0.33**2) * 8.0**3 / 12.0, 0.669 * 8.0
+"""E'I of an arm [N mm²] and χh [mm] of ``wedge_splitting.yaml``."""
+WEDGE_MOMENT = np.sqrt(0.2 * WEDGE_STIFFNESS)
+"""Moment at the tip of its crack at which M²/(E'I) is the toughness [N]."""
+WEDGE_RATIO, WEDGE_FRICTION = (0.3 + 0.2) / (1.0 - 0.3 * 0.2), 0.2 * (1.0 + 0.3**2) / (0.3 + 0.2)
+"""Half the force on the wedge over the force across an arm; share of its work that friction takes."""
+
+
+def wedge_force(a: Array) -> Array:
+    """Force on the wedge while its crack grows, by its length [N]; its half acts at half the height of an arm, too."""
+    return np.asarray(2.0 * WEDGE_RATIO * WEDGE_MOMENT / (a + WEDGE_REACH - 4.0 * WEDGE_RATIO))
+
+
+def wedge_opening(a: Array) -> Array:
+    """Opening of each arm at the edge of the slot while the crack grows, by its length [mm]."""
+    reach, across = a + WEDGE_REACH, wedge_force(a) / (2.0 * WEDGE_RATIO)
+    return np.asarray(across * reach**2 * (reach / 3.0 - 2.0 * WEDGE_RATIO) / WEDGE_STIFFNESS)
+
+
+def wedge_run(run: Any) -> Array:
+    """Place of the wedge times its slope, length of the crack, force, work of the wedge and its parts, (9,).
+
+    The parts: stored, kinetic, taken by friction, by damping, and released by growth.
+    """
+    state, p = run.simulation.state, run.particles
+    block, view = p.body == 0, state.contact
+    kinetic = 0.5 * float((p.mass * (p.V**2).sum(axis=0))[block].sum())
+    parts = (run.strain_energy, kinetic, state.work["contact_work"], state.work["damping_work"])
+    place, length = 0.3 * 1.25 * min(run.time, 2.0), 50.0 - chain(run).X[0, 0]
+    force, released = abs(float(view.force[0, 0])), float(state.cracks.released[0])
+    return np.array([place, length, force, view.rigid_work["wedge"], *parts, released])

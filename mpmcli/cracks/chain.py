@@ -211,11 +211,6 @@ def divide(corners: Array, longest: float) -> Array:
     return np.array(points).T
 
 
-def carries_tractions(model: Any) -> bool:
-    """Whether points of a crack of the scene may carry tractions."""
-    return bool(model.traction) or (model.growth is not None and model.growth.leaves_tractions)
-
-
 def with_point(corners: Array, length: float) -> Array:
     """Polyline (n, 2) with a further corner at a length along it, if it is that long and has none there."""
     way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])

@@ -31,9 +31,9 @@ class Candidates(NamedTuple):
     seen : (c,) ``NEAR`` where the rest is known
     corner : (c,) first node of the stencil, unsigned
     place : (c, 2) position at the start of the step [length]
-    S, G : (c, m), (c, 2 m) shape function values and gradients
+    S : (c, m) shape function values
     number : (c, m) how many cracks lie between particle and node
-    crack, segment : (c, m, 2) the two of lowest index, and the segment that is crossed
+    segment : (c, m, 2) of the two of lowest index the segment that is crossed; (c, m, 1) in scenes with one crack
     side : (c, m) side of the node, unsigned
     """
 
@@ -44,11 +44,20 @@ class Candidates(NamedTuple):
     corner: Array
     place: Array
     S: Array
-    G: Array
     number: Array
-    crack: Array
     segment: Array
     side: Array
+
+
+class CutRows(NamedTuple):
+    """Candidates that see nodes on other sides, the first ones of the arrays.
+
+    row : (at least, c) places among the candidates
+    G : (at least, c, 2 m) gradients of their shape functions
+    """
+
+    row: Array
+    G: Array
 
 
 class CrackNodes(NamedTuple):
@@ -126,9 +135,7 @@ def find_crossings_in_chunk(
         if n == 0:
             continue
         S, number = candidates.S[q], candidates.number[q]
-        base = fill(
-            shape, geometry, across, X, F, size, p, S, candidates.G[q], stencil.W[slot], stencil.status
-        )
+        base = fill(shape, geometry, across, X, F, size, p, S, None, stencil.W[slot], stencil.status)
         candidates.corner[q] = base
         candidates.seen[q] = NEAR
         columns = np.int64(geometry.stride[1])
@@ -151,7 +158,6 @@ def find_crossings_in_chunk(
                             crossed = s
                 if times % 2 == 1:
                     if number[j] < 2:
-                        candidates.crack[q, j, number[j]] = crack
                         candidates.segment[q, j, number[j]] = crossed
                     number[j] += 1
 
@@ -189,7 +195,7 @@ def name_crack(nodes, slot, crack):
 
 
 @inline
-def name_nodes(candidates, offsets, nodes):
+def name_nodes(candidates, offsets, segments, nodes):
     """List the nodes that cracks part from particles, with their cracks; returns how many."""
     count = 0
     for q in range(len(candidates.particle)):
@@ -209,7 +215,7 @@ def name_nodes(candidates, offsets, nodes):
                 nodes.third[slot] = 0
                 count += 1
             for k in range(min(number, 2)):
-                name_crack(nodes, slot, candidates.crack[q, j, k])
+                name_crack(nodes, slot, segments.crack[candidates.segment[q, j, k]])
             if number > 2:
                 nodes.third[slot] = 1
     return count
@@ -272,7 +278,7 @@ def list_entries(candidates, offsets, nodes, count, entries):
                         first[at + 1] += 1
                     elif at >= 0:
                         entries.row[first[at]] = q
-                        entries.column[first[at]] = j
+                        entries.column[first[at]] = np.uint8(j)
                         first[at] += 1
         if turn == 0:
             for slot in range(count):
@@ -284,19 +290,21 @@ def list_entries(candidates, offsets, nodes, count, entries):
 
 @inline
 def find_sides(
-    shape, grid, across, X, F, size, stencil, reach, candidates, nodes, entries, points, origin, cell, counts
-):
-    """Name the crack nodes, find the sides of all candidates and list their entries.
+    shape, grid, across, X, F, size, stencil, reach, candidates, segments, nodes, entries, points, origin, cell, cut,
+    counts,
+):  # fmt: skip
+    """Name the crack nodes, find the sides of all candidates, and list their entries and the ones that are ``cut``.
 
-    ``counts`` (2,) receives the number of crack nodes, and of those with the others around faces.
+    ``counts`` (3,) receives the number of crack nodes, of those with the others around faces, and of cut candidates.
 
     Nodes are few and each counts on those before it: serial. ``reach`` is how far particles see [cells].
     """
     geometry = unfold(grid)
-    counts[0] = name_nodes(candidates, stencil.offsets, nodes)
+    counts[0] = name_nodes(candidates, stencil.offsets, segments, nodes)
     counts[1] = name_face_nodes(points, origin, cell, np.int64(geometry.stride[1]), nodes, counts[0])
+    rows = 0
     for q in range(len(candidates.particle)):
-        p, offsets = candidates.particle[q], stencil.offsets
+        p, offsets, parted = candidates.particle[q], stencil.offsets, False
         side, number = candidates.side[q], candidates.number[q]
         for a in range(2):
             candidates.place[q, a] = X[a, p]
@@ -306,11 +314,18 @@ def find_sides(
             for j in range(offsets.shape[0]):
                 for k in range(min(number[j], 2)):
                     at = nodes.slot_of_node[np.int64(candidates.corner[q] + offsets[j])]
-                    crack = candidates.crack[q, j, k]
+                    crack = segments.crack[candidates.segment[q, j, k]]
                     if crack == nodes.crack[at, 0]:
                         side[j] += np.uint8(1)
                     elif crack == nodes.crack[at, 1]:
                         side[j] += np.uint8(2)
+                parted = parted or side[j] > 0
+            if parted:
+                cut.row[rows] = q
+                fill(
+                    shape, geometry, across, X, F, size, p, stencil.S[0], cut.G[rows], stencil.W[0], stencil.status
+                )  # fmt: skip
+                rows += 1
         elif sees_crack_node(geometry, reach, X, p, nodes):
             candidates.seen[q] = NEAR
             candidates.corner[q] = fill(
@@ -322,10 +337,11 @@ def find_sides(
                 size,
                 p,
                 candidates.S[q],
-                candidates.G[q],
+                None,
                 stencil.W[0],
                 stencil.status,
             )
             for j in range(offsets.shape[0]):
                 number[j] = 0
+    counts[2] = rows
     list_entries(candidates, stencil.offsets, nodes, counts[1], entries)

@@ -19,12 +19,12 @@ from mpmcli.cracks.chain import (
     STRETCHED,
     VISIBLE,
     Chain,
-    carries_tractions,
     make_chain,
     respaced,
     turns,
 )
 from mpmcli.cracks.face_contact import FaceContact
+from mpmcli.cracks.face_contacts import SEPARATIONS, Separations
 from mpmcli.cracks.motion import LONGEST, OUTSIDE, SHARPEST, SHORTEST, FaceMotion
 from mpmcli.cracks.point_forces import PointForces
 from mpmcli.cracks.sides import CrackSides
@@ -94,8 +94,8 @@ class Cracks:
         self._transfer = transfer
         self.view.particle_side = self._particle_sides
         self.faces = FaceContact(
-            [model.faces.law for model in models], self.sides, rigid, grid, particles, conditions, mirror,
-            state.work, plan.update, ring, self.view,
+            [model.faces.law for model in models], _separations(scene, cuts), self.sides, rigid, grid,
+            particles, conditions, mirror, state.work, plan.update, ring, self.view,
         )  # fmt: skip
         self._make_forces = lambda chain: PointForces(
             chain, self.sides, self.faces.contacts.lattice, rigid, grid
@@ -108,7 +108,7 @@ class Cracks:
             self.view.tip = self.tips.values
         self.pressures = self.tractions = None
         loaded = any(model.pressure is not None for model in models)
-        carrying = any(carries_tractions(model) for model in models)
+        carrying = any(model.carries_tractions for model in models)
         if loaded or carrying:
             X, half = particles.X, np.broadcast_to(transfer.reach, particles.X.shape)
             parted = [cuts[k, particles.body] for k in range(n)]
@@ -290,6 +290,23 @@ class Cracks:
         self.view.all_third, self._drift = int(memory["all_third"]), float(memory["drift"])
         if self.growth is not None:
             self.growth.recall(memory)
+
+
+def _separations(scene: Any, cuts: Array) -> Separations:
+    """How the distance of the faces of each crack is found; ``cuts`` (cracks, bodies)."""
+    cell = tuple(scene.grid.cell)
+    ways, offsets = [], []
+    for crack, mine in zip(scene.cracks, cuts, strict=True):
+        bodies = [body for body, is_cut in zip(scene.bodies, mine, strict=True) if is_cut]
+        fewest = min(min(np.ravel(body.particles_per_axis)) for body in bodies)
+        ways.append(SEPARATIONS[crack.faces.separation])
+        usual = 0.0
+        if crack.faces.separation == "position_offset":
+            from mpmcli.contact.separation.position_offset import PositionOffset
+
+            (usual,) = PositionOffset(kind="position_offset").parameters(2, cell, fewest)
+        offsets.append(usual)
+    return Separations(np.array(ways, dtype=np.int64), np.array(offsets))
 
 
 def _cut_fields(cuts: Array, plan: Any) -> Array:

@@ -14,7 +14,7 @@ from mpmcli.core.particles import Particles
 from mpmcli.core.state import CracksView
 from mpmcli.core.step import Step
 from mpmcli.core.variants import StrainUpdate
-from mpmcli.cracks.face_contacts import FaceContacts
+from mpmcli.cracks.face_contacts import FaceContacts, Separations
 from mpmcli.cracks.sides import CrackSides
 
 Array = np.ndarray
@@ -44,6 +44,7 @@ class FaceContact(ContactImpulses):
     Parameters
     ----------
     laws : of the cracks, one each
+    separations : how the distance of the faces of each crack is found
     sides : of the step
     rigid : (fields,) whether a field belongs to a rigid body
     grid, particles, conditions, mirror, work : of the simulation
@@ -53,15 +54,16 @@ class FaceContact(ContactImpulses):
     """
 
     def __init__(
-        self, laws: list[Any], sides: CrackSides, rigid: Array, grid: Grid, particles: Particles, conditions: Any,
-        mirror: Any, work: dict[str, float], update: StrainUpdate, ring: bool, view: CracksView,
+        self, laws: list[Any], separations: Separations, sides: CrackSides, rigid: Array, grid: Grid,
+        particles: Particles, conditions: Any, mirror: Any, work: dict[str, float], update: StrainUpdate, ring: bool,
+        view: CracksView,
     ):  # fmt: skip
         models: list[Any] = []
         for law in laws:
             if law not in models:
                 models.append(law)
         of_crack = np.array([models.index(law) for law in laws])
-        self.contacts = FaceContacts(sides, of_crack, models, rigid, grid, particles, ring)
+        self.contacts = FaceContacts(sides, of_crack, models, separations, rigid, grid, particles, ring)
         super().__init__(self.contacts, models, range(len(models)), Ways(), grid, conditions)
         self._particles, self._mirror, self._work = particles, mirror, work
         self._view = view

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from mpmcli.contact.area import contact_area, perpendicular_size
 from mpmcli.contact.fields_in_contact import NodeTable, allocate_fields, put_contact
 from mpmcli.contact.geometry import allocate_geometry, unsure
 from mpmcli.contact.impulses import allocate_rows
+from mpmcli.contact.laws.impulse import TINIEST
 from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.dofs import dof_of, field_of, side_of
@@ -21,6 +23,13 @@ from mpmcli.interfaces.jump import add_inverse_times
 
 Array = np.ndarray
 
+DISPLACEMENT, FACES, POSITION_OFFSET, REGRESSION = 0, 1, 2, 3
+SEPARATIONS = {
+    "displacement": DISPLACEMENT, "faces": FACES, "position_offset": POSITION_OFFSET, "regression": REGRESSION,
+}  # fmt: skip
+"""How the distance of faces is found: ``faces.separation`` of a crack."""
+FAR_AWAY = 1e300
+"""Beyond every distance [length]; compiled code knows no infinity."""
 SIDES = 4
 """Sides that a node has at most."""
 LIGHT = 1e-5
@@ -64,6 +73,18 @@ class Matter(NamedTuple):
     vol0: Array
     mass: Array
     field: Array
+    size: Array
+
+
+class Separations(NamedTuple):
+    """How the distance of the faces of each crack is found.
+
+    way : (cracks,) ``DISPLACEMENT``, ``FACES``, ``POSITION_OFFSET`` or ``REGRESSION``
+    offset : (cracks,) distance of mean positions of faces that touch [cells]
+    """
+
+    way: Array
+    offset: Array
 
 
 class Lattice(NamedTuple):
@@ -89,8 +110,8 @@ def find_planes(count, candidates, entries, nodes, segments, lattice, matter, pl
                 q, j = entries.row[at], entries.column[at]
                 p = candidates.particle[q]
                 for k in range(min(candidates.number[q, j], 2)):
-                    if candidates.crack[q, j, k] == crack:
-                        s = candidates.segment[q, j, k]
+                    s = candidates.segment[q, j, k]
+                    if segments.crack[s] == crack:
                         w = candidates.S[q, j] * determinant_of_particle(matter.F, p) * matter.vol0[p]
                         if lattice.ring:
                             w /= matter.X[0, p]
@@ -187,6 +208,41 @@ def list_faces(
 
 
 @compiled_too
+def opening_of_chain(points, crack, x, y, n):
+    """Opening along ``n`` (2,) of the faces of a crack where its plane is nearest to a node [length]."""
+    nearest, opening = FAR_AWAY, 0.0
+    for k in range(points.first[crack], points.first[crack + 1] - 1):
+        wx, wy = points.X[0, k + 1] - points.X[0, k], points.X[1, k + 1] - points.X[1, k]
+        dx, dy = x - points.X[0, k], y - points.X[1, k]
+        along = min(max((dx * wx + dy * wy) / max(wx * wx + wy * wy, TINIEST), 0.0), 1.0)
+        away = (dx - along * wx) ** 2 + (dy - along * wy) ** 2
+        if away < nearest:
+            nearest, opening = away, 0.0
+            for a in range(2):
+                before = points.faces[0, a, k] - points.faces[1, a, k]
+                after = points.faces[0, a, k + 1] - points.faces[1, a, k + 1]
+                opening += n[a] * ((1.0 - along) * before + along * after)
+    return opening
+
+
+@compiled_too
+def reach_of_particle(F, size, p, nx, ny):
+    """How far the deformed inscribed ellipse of a particle reaches along a unit vector [nairn2020, Eq. 25] [length]."""
+    a, b, c, d = F[0, p], F[1, p], F[2, p], F[3, p]
+    determinant = a * d - b * c
+    x, y = (d * nx - b * ny) / (determinant * size[0, p]), (a * ny - c * nx) / (determinant * size[1, p])
+    return 1.0 / math.sqrt(x * x + y * y)
+
+
+@compiled_too
+def separation_of_sides(way, offset, h, means, edges):
+    """Distance of two sides by ``means``, below and above, or by the ``edges`` of their particles [length]."""
+    if way == POSITION_OFFSET:
+        return means[1] - means[0] - offset * h
+    return edges[1] - edges[0]
+
+
+@compiled_too
 def find_face_geometry(
     axes,
     count,
@@ -200,12 +256,14 @@ def find_face_geometry(
     lattice,
     matter,
     planes,
+    separations,
+    points,
     geometry,
 ):
     """Jump, separation and area of every pair of sides, from the particles that its node sees.
 
     The jump is the difference of the reference positions of the matter that is at the crack now, as that of interfaces;
-    its normal part is the separation, so that faces start closed.
+    its normal part is the separation, so that faces start closed, unless ``separations`` says otherwise.
     """
     normal, separation, distances, area, status = (
         geometry.normal, geometry.separation, geometry.distances, geometry.area, geometry.status,
@@ -230,6 +288,8 @@ def find_face_geometry(
         for a in range(8):
             total[a] = 0.0
         m_a, m_b, volume_a, volume_b = 0.0, 0.0, 0.0, 0.0
+        way = separations.way[faces.crack[k]]
+        mean_a, mean_b, edge_a, edge_b = 0.0, 0.0, -FAR_AWAY, FAR_AWAY
         here = jump[k]
         for at in range(entries.first[slot], entries.first[slot + 1]):
             q, j = entries.row[at], entries.column[at]
@@ -246,6 +306,17 @@ def find_face_geometry(
             for a in range(4):
                 F[a] += w * matter.F[a, p]
             volume = S * determinant_of_particle(matter.F, p) * matter.vol0[p]
+            if way == POSITION_OFFSET:
+                along = w * (n[0] * matter.X[0, p] + n[1] * matter.X[1, p])
+                mean_a += along if is_a else 0.0
+                mean_b += 0.0 if is_a else along
+            elif way == REGRESSION:
+                along = n[0] * matter.X[0, p] + n[1] * matter.X[1, p]
+                reach = reach_of_particle(matter.F, matter.size, p, n[0], n[1])
+                if is_a:
+                    edge_a = max(edge_a, along + reach)
+                else:
+                    edge_b = min(edge_b, along - reach)
             if is_a:
                 m_a += w
                 volume_a += volume
@@ -261,15 +332,22 @@ def find_face_geometry(
         opening = here[0] * n[0] + here[1] * n[1]
         h = perpendicular_size(axes, lattice.cell, n)
         distances[k, 0], distances[k, 1] = away - 0.5 * opening, away + 0.5 * opening
-        separation[k] = opening + unsure(axes, h, lattice.shape, lattice.origin, lattice.cell)
+        gap = opening
+        if way == FACES:
+            gap = opening_of_chain(points, faces.crack[k], x, y, n)
+        elif way != DISPLACEMENT and m_a > 0.0 and m_b > 0.0:
+            gap = separation_of_sides(
+                way, separations.offset[faces.crack[k]], h, (mean_a / m_a, mean_b / m_b), (edge_a, edge_b)
+            )
+        separation[k] = gap + unsure(axes, h, lattice.shape, lattice.origin, lattice.cell)
         area[k] = contact_area(volume_a, volume_b, h, distances[k])
         status[k] = 0
 
 
 @inline
 def find_faces(
-    nodes, count, candidates, entries, segments, lattice, matter, planes, laws, skipped, screened, rigid, node_count,
-    mp, dof, first, m, faces, begin, geometry,
+    nodes, count, candidates, entries, segments, lattice, matter, planes, laws, skipped, screened, separations, points,
+    rigid, node_count, mp, dof, first, m, faces, begin, geometry,
 ):  # fmt: skip
     """Find the pairs of sides in contact and their geometry; returns how many.
 
@@ -281,7 +359,7 @@ def find_faces(
     )
     find_face_geometry(
         (0.0, 0.0), found, m, faces, nodes, node_count, rigid.shape[0], candidates, entries, lattice, matter, planes,
-        geometry,
+        separations, points, geometry,
     )  # fmt: skip
     return found
 
@@ -294,6 +372,7 @@ class FaceContacts:
     sides : of the step
     laws : (cracks,) index of the law of each crack
     models : the laws
+    separations : how the distance of the faces of each crack is found
     rigid : (fields,) whether a field belongs to a rigid body
     grid, particles : of the simulation
     ring : the analysis is axisymmetric
@@ -304,10 +383,11 @@ class FaceContacts:
     """
 
     def __init__(
-        self, sides: CrackSides, laws: Array, models: list[Any], rigid: Array, grid: Grid, particles: Particles,
-        ring: bool,
+        self, sides: CrackSides, laws: Array, models: list[Any], separations: Separations, rigid: Array, grid: Grid,
+        particles: Particles, ring: bool,
     ):  # fmt: skip
         self._sides, self._laws, self._rigid = sides, laws, rigid
+        self._separations = separations
         self._grid, self._particles = grid, particles
         self._skipped = np.array([model.skipped for model in models])
         self._screened = np.array([model.screened for model in models])
@@ -321,14 +401,14 @@ class FaceContacts:
     def _make_room(self, slots: int, room: int) -> None:
         d, fields = 2, len(self._rigid)
         if slots > self._slots:
-            self._slots = slots = max(slots, 2 * self._slots)
+            self._slots = slots = max(slots, self._slots + self._slots // 4)
             self.planes = Planes(np.zeros((slots, 2, d)), np.zeros((slots, 2)), np.zeros((slots, 2)))
             self.begin = np.zeros(slots + 1, dtype=np.int64)
             self._first = np.zeros(slots + 1, dtype=np.int64)
             self._dof = np.zeros(slots * SIDES * fields, dtype=np.int64)
         if room <= self._room:
             return
-        self._room = room = max(room, 2 * self._room)
+        self._room = room = max(room, self._room + self._room // 4)
         self.fields = allocate_fields(room)
         self.faces = Faces(
             np.zeros(room, dtype=np.int64),
@@ -346,11 +426,11 @@ class FaceContacts:
         if count == 0:
             return 0
         self._make_room(count, count * (1 if grid.sides == 2 else SIDES) * len(self._rigid) ** 2)
-        matter = Matter(p.X, p.X0, F, p.vol0, p.mass, p.velocity_field)
+        matter = Matter(p.X, p.X0, F, p.vol0, p.mass, p.velocity_field, p.size)
         self.count = find_faces(
             sides.nodes, count, sides.candidates, sides.entries, sides.segments, self.lattice, matter, self.planes,
-            self._laws, self._skipped, self._screened, self._rigid, grid.node_count, grid.mp, self._dof, self._first,
-            self.fields, self.faces, self.begin, self.geometry,
+            self._laws, self._skipped, self._screened, self._separations, sides.points.get(), self._rigid,
+            grid.node_count, grid.mp, self._dof, self._first, self.fields, self.faces, self.begin, self.geometry,
         )  # fmt: skip
         first = self._first[: count + 1]
         self.table = NodeTable(

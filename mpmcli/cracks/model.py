@@ -18,6 +18,7 @@ from mpmcli.cracks.point_laws import of_points
 
 Name = Annotated[str, Field(min_length=1, max_length=80)]
 End = Literal["tip", "mouth"]
+Separation = Literal["displacement", "faces", "position_offset", "regression"]
 
 
 class Ends(Model):
@@ -38,8 +39,10 @@ class Faces(Model):
 
     law: Annotated[Any, OneOf(LAWS)] = Field(default_factory=_frictionless)
     """Contact law, or law of an interface whose directions are springs."""
-    separation: Literal["displacement"] = "displacement"
-    """How the distance of the faces is found: from the jump of displacement, so that faces are closed at the start."""
+    separation: Separation = "displacement"
+    """How the distance of the faces is found, for laws of contact: from the jump of displacement at the node; from the
+    faces of the chain nearest to it (``faces``); or from the particles of both sides, as in contact of bodies, by their
+    mean positions (``position_offset``) or by their edges (``regression``)."""
 
 
 class Traction(Model):
@@ -99,6 +102,11 @@ class Crack(Model):
     """Whether long segments get a further point (1.5 times their first length) and short ones lose one (a quarter)."""
     growth: Growth | None = None
     """Growth of its tips; none if left out."""
+
+    @property
+    def carries_tractions(self) -> bool:
+        """Whether its points may carry tractions."""
+        return bool(self.traction) or (self.growth is not None and self.growth.leaves_tractions)
 
     def values_at_start(self) -> dict[str, float]:
         """Return the values at time 0 of what expressions of growth know beside the time: length and speed."""

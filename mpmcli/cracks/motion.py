@@ -28,7 +28,7 @@ WAYS = {"average": AVERAGE, "mass": MASS, "fixed": FIXED}
 
 @inline
 def sum_motion(count, candidates, entries, mass, X, L, dt, nodes, lattice, out):
-    """Mass, momentum at the node and Σ S m L of each side of every crack node, into ``out`` (slots, 4, 7).
+    """Mass, momentum at the node and Σ S m L of each side of every crack node, into ``out`` (slots, sides, 7).
 
     Momenta are those of the motion of the step, to ``X`` (2, N): the velocities that FLIP carries may differ from it.
     """
@@ -356,7 +356,7 @@ class FaceMotion:
         self._sides, self._points, self._lattice = sides, points, lattice
         self._ways = np.array([WAYS[way] for way in moves], dtype=np.int64)
         self._apart, self.bounds = np.array(apart), bounds
-        self._sums = np.zeros((0, 4, 7))
+        self._sums = np.zeros((0, 2 if len(moves) == 1 else 4, 7))
         self._new = np.zeros((2, 3))
         self._matter, self._spin = np.zeros(0, dtype=np.bool_), np.zeros((2, 0))
         self._worst = np.zeros(2, dtype=np.int64)
@@ -369,7 +369,7 @@ class FaceMotion:
         """
         sides, points = self._sides, self._points.get()
         if len(self._sums) < sides.listed:
-            self._sums = np.zeros((2 * sides.listed, 4, 7))
+            self._sums = np.zeros((sides.listed + sides.listed // 4, *self._sums.shape[1:]))
         if len(self._matter) != points.X.shape[1]:
             self._matter, self._spin = np.zeros(points.X.shape[1], dtype=np.bool_), np.zeros_like(points.X)
         farthest = move_points(

@@ -12,7 +12,15 @@ from mpmcli.core.grid import Grid
 from mpmcli.core.order import CellOrder, or_shifted
 from mpmcli.core.transfer.cut import Cut, first_rows, make_cut
 from mpmcli.cracks.chain import Chain
-from mpmcli.cracks.crack_nodes import NEAR, Candidates, CrackNodes, Entries, find_crossings, find_sides
+from mpmcli.cracks.crack_nodes import (
+    NEAR,
+    Candidates,
+    CrackNodes,
+    CutRows,
+    Entries,
+    find_crossings,
+    find_sides,
+)
 from mpmcli.cracks.crossing import (
     UNIT,
     Hash,
@@ -55,7 +63,7 @@ class CrackSides:
         self._order, self._grid, self._follows = order, grid, follows
         self.points = AllPoints(chains, float(grid.cell.min()))
         self._origin = grid.lower - grid.pad * grid.cell
-        self._counts = np.zeros(2, dtype=np.int64)
+        self._counts = np.zeros(3, dtype=np.int64)
         self.drift = 0.0
         self._version, self._listed_at = -1, 0.0
         self.segments: Segments
@@ -117,8 +125,9 @@ class CrackSides:
         return away
 
     def _list_candidates(self) -> None:
-        """List the particles near cracks, and the segments near each cell."""
+        """List the particles near cracks, of bodies that some crack cuts, and the segments near each cell."""
         grid, X = self._grid, self._order.particles.X
+        is_cut: Array = np.logical_or.reduce(self._cuts, axis=0)[self._order.particles.body]
         self.segments = allocate_segments(self.points.get())
         self._find_segments(self.points.get(), self.segments)
         near, far = self._reach + 2 * SLACK, 2.0 * self._reach + 2 * SLACK
@@ -132,7 +141,8 @@ class CrackSides:
                 self._find_segments(points._replace(X=points.faces[face]), of_face)
                 away = np.minimum(away, self._distances(X, of_face, far))
         self.hash = hash_segments(self.segments, math.ceil(near))
-        particle = np.flatnonzero(away <= far).astype(np.uint64)
+        # faces move with what their crack may cut: not with a wedge between them
+        particle = np.flatnonzero((away <= far) & is_cut).astype(np.uint64)
         c, m, d = len(particle), grid.width**grid.dimensions, grid.dimensions
         self.candidates = Candidates(
             particle=particle,
@@ -142,10 +152,8 @@ class CrackSides:
             corner=np.zeros(c, dtype=np.uint64),
             place=np.zeros((c, d)),
             S=np.zeros((c, m)),
-            G=np.zeros((c, d * m)),
             number=np.zeros((c, m), dtype=np.uint8),
-            crack=np.zeros((c, m, 2), dtype=np.int32),
-            segment=np.zeros((c, m, 2), dtype=np.int32),
+            segment=np.zeros((c, m, min(len(self.chains), 2)), dtype=np.int32),
             side=np.zeros((c, m), dtype=np.uint8),
         )
         longest = int(np.diff(self.hash.first).max(initial=0))
@@ -153,8 +161,10 @@ class CrackSides:
         self.entries = Entries(
             np.zeros(len(self.nodes.node) + 1, dtype=np.int64),
             np.zeros(c * m, dtype=np.int32),
-            np.zeros(c * m, dtype=np.int32),
+            np.zeros(c * m, dtype=np.uint8),
         )
+        most = int(np.count_nonzero(self.candidates.close))  # untouched room costs nothing
+        self._cut = CutRows(np.empty(most, dtype=np.int64), np.empty((most, d * m)))
         self._version, self._listed_at, self.drift = self._order.version, self._order.drift, 0.0
 
     def _make_room(self, most: int) -> None:
@@ -200,10 +210,10 @@ class CrackSides:
             self._kept,
         )
         find_sides(
-            *operator, self._reach, c, self.nodes, self.entries, self.points.get(), self._origin, self._grid.cell,
-            self._counts,
+            *operator, self._reach, c, self.segments, self.nodes, self.entries, self.points.get(), self._origin,
+            self._grid.cell, self._cut, self._counts,
         )  # fmt: skip
         if self.count == 0:
             return None
-        rows = np.flatnonzero(c.side.any(axis=1))
-        return make_cut(transfer, c.particle[rows], c.corner[rows], c.S[rows], c.G[rows], c.side[rows])
+        rows, G = self._cut.row[: self._counts[2]], self._cut.G[: self._counts[2]].copy()
+        return make_cut(transfer, c.particle[rows], c.corner[rows], c.S[rows], G, c.side[rows])

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mpmcli.cracks.integrals.elastic import PlaneElasticity
+if TYPE_CHECKING:
+    from mpmcli.cracks.integrals.elastic import PlaneElasticity
 
 NAN = float("nan")
 

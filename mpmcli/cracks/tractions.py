@@ -15,7 +15,7 @@ import numpy as np
 from mpmcli.core.compiled.kernel import kernel, prange
 from mpmcli.core.state import CracksView
 from mpmcli.core.step import Step
-from mpmcli.cracks.chain import ABOVE, BELOW, END, Chain, carries_tractions
+from mpmcli.cracks.chain import ABOVE, BELOW, END, Chain
 from mpmcli.cracks.point_forces import PointForces
 from mpmcli.cracks.pressure import inner_shares, outside
 from mpmcli.interfaces.base import BREAKS, HISTORY, MOST_NORMAL, damage, remember, stored_energy, traction
@@ -74,7 +74,7 @@ class Tractions:
         self._laws: list[Any] = []
         self._of: dict[int, PointForces] = {}
         for model, chain, its in zip(models, chains, matter, strict=True):
-            if not carries_tractions(model):
+            if not model.carries_tractions:
                 continue
             start_numbers(chain)
             chain.dry = np.array(outside(chain, *its))

@@ -40,6 +40,13 @@ def crack_facts(scene: Any, simulation: Simulation) -> dict[str, Any]:
                 "length": chain.length,
                 "ends": ["tip" if is_tip else "mouth" for is_tip in chain.tips],
                 "law": model.faces.law.kind,
+                "separation": model.faces.separation,
+                "pressure": None if model.pressure is None else model.pressure.source,
+                "tractions": _tractions(chain),
+                "gradual": model.growth is not None and model.growth.leaves_tractions,
+                "moves": model.moves,
+                "keep_apart": model.keep_apart,
+                "respace": model.respace,
                 "grows": model.growth is not None,
                 "zone_cells": {
                     key: zone / max(scene.grid.cell)
@@ -59,6 +66,12 @@ def crack_facts(scene: Any, simulation: Simulation) -> dict[str, Any]:
         "tips": _domains(scene, simulation),
         "growth": _fastest_growth(simulation),
     }
+
+
+def _tractions(chain: Any) -> int:
+    """Return how many points of a crack carry tractions at the start."""
+    law = chain.numbers.get("law")
+    return 0 if law is None else int(np.count_nonzero(law))
 
 
 def _cut_particles(scene: Any, simulation: Simulation) -> tuple[int, int, int]:
@@ -165,13 +178,30 @@ def cracks_in_words(facts: dict[str, Any]) -> list[str]:
 
 def _crack_in_words(crack: dict[str, Any]) -> str:
     start, end = crack["ends"]
-    growth = ", grows" if crack["grows"] else ""
+    words = [
+        f"{crack['name']}: {crack['points']} points, length {crack['length']:.4g}",
+        f"from a {start} to a {end}",
+        f"faces {crack['law']}",
+    ]
+    if crack["separation"] != "displacement":
+        words.append(f"their distance by {crack['separation']}")
+    if crack["tractions"]:
+        words.append(f"cohesive tractions on {crack['tractions']} points")
+    if crack["pressure"] is not None:
+        words.append(f"pressure {crack['pressure']}")
+    if crack["grows"]:
+        words.append("grows and leaves tractions" if crack["gradual"] else "grows")
+    if crack["moves"] != "average":
+        words.append(
+            {"mass": "plane moves with the mass of both sides", "fixed": "plane is fixed"}[crack["moves"]]
+        )
+    if crack["keep_apart"]:
+        words.append("faces that pass the plane are put back")
+    if crack["respace"]:
+        words.append("points are respaced")
     if crack["zone_cells"]:
-        growth += f", smallest process zone {min(crack['zone_cells'].values()):.3g} cells"
-    return (
-        f"{crack['name']}: {crack['points']} points, length {crack['length']:.4g}, from a {start} to a {end}, faces "
-        f"{crack['law']}{growth}"
-    )
+        words.append(f"smallest process zone {min(crack['zone_cells'].values()):.3g} cells")
+    return ", ".join(words)
 
 
 def _bytes(count: int) -> str:

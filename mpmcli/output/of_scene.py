@@ -8,10 +8,8 @@ from typing import Any
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.state import State
-from mpmcli.cracks.chain import carries_tractions
 from mpmcli.output.columns import resolve_columns, resolve_fields
 from mpmcli.output.contact_quantities import pair_name
-from mpmcli.output.crack_probes import resolve_crack_probe
 from mpmcli.output.criteria import check_conditions
 from mpmcli.output.probes import resolve_grid_fields, resolve_pair
 from mpmcli.output.quantities import Context
@@ -83,13 +81,13 @@ def _cracks_of(scene: Any) -> dict[str, Any]:
         "cracks": tuple(crack.name for crack in scene.cracks),
         "tips": tuple(f"{crack.name}:{key}" for crack, key in ends if getattr(crack.ends, key) == "tip"),
         "crack_interfaces": tuple(
-            crack.name for crack in scene.cracks if crack.faces.law.is_interface or carries_tractions(crack)
+            crack.name for crack in scene.cracks if crack.faces.law.is_interface or crack.carries_tractions
         ),
-        "crack_tractions": tuple(crack.name for crack in scene.cracks if carries_tractions(crack)),
+        "crack_tractions": tuple(crack.name for crack in scene.cracks if crack.carries_tractions),
         "has_fracture": scene.fracture is not None,
         "growing": tuple(f"{crack.name}:{key}" for crack, key in ends if _grows(crack, key)),
         "has_crack_events": any(_grows(crack, key) for crack, key in ends)
-        or any(carries_tractions(crack) for crack in scene.cracks),
+        or any(crack.carries_tractions for crack in scene.cracks),
     }
 
 
@@ -154,6 +152,8 @@ def check_output(scene: Any) -> None:
         elif probe.kind == "pair":
             collect(resolve_pair, probe.between, probe.columns, context, f"probes.{index}")
         elif probe.kind in ("crack_tip", "crack_opening"):
+            from mpmcli.output.crack_probes import resolve_crack_probe
+
             collect(resolve_crack_probe, probe, context, f"probes.{index}")
         else:
             collect(resolve_grid_fields, probe.columns, context, path)

@@ -15,7 +15,6 @@ from mpmcli.core.errors import ArchiveError, SimulationError
 from mpmcli.core.state import State
 from mpmcli.output import manifest
 from mpmcli.output.checkpoint import Checkpoint, write_checkpoint
-from mpmcli.output.crack_report import crack_facts, stretch_in_words, third_in_words
 from mpmcli.output.files import FAILED
 from mpmcli.output.interface_report import in_words, interface_facts, lost_in_words
 from mpmcli.output.recorder import Recorder
@@ -266,9 +265,17 @@ class RunLoop:
             **self._contacts(),
             **({} if self.events is None else self.events.facts()),
             **interface_facts(self.simulation.state, self.recorder.balance.largest),
-            **crack_facts(self.simulation.state),
+            **self._cracks(),
             energy_error=self.recorder.energy_error,
         )
+
+    def _cracks(self) -> dict[str, Any]:
+        """What the manifest keeps of cracks; nothing without them."""
+        if self.simulation.state.cracks is None:
+            return {}
+        from mpmcli.output.crack_report import crack_facts
+
+        return crack_facts(self.simulation.state)
 
     def _abandon(self, ended: str) -> None:
         """Close what can be closed; the first error is the one to be seen."""
@@ -322,7 +329,11 @@ class RunLoop:
 
     def _report_cracks(self) -> None:
         """Tell of nodes at which a crack was left out, and of segments that have stretched, once."""
-        facts = crack_facts(self.simulation.state)
+        facts = self._cracks()
+        if not facts:
+            return
+        from mpmcli.output.crack_report import stretch_in_words, third_in_words
+
         if third := facts.get("third_cracks"):
             LOGGER.warning("%s", third_in_words(third))
         for words in filter(None, map(stretch_in_words, facts.get("cracks", ()))):

@@ -139,6 +139,17 @@ def _check_law(crack: Any, path: str, report: Report) -> None:
     elif getattr(law, "bonded", None) is not None:
         words = "has no meaning on the faces of a crack, which the law joins everywhere; remove this key"
         report(f"{path}.faces.law.bonded", words, "combination")
+    way = crack.faces.separation
+    if way != "displacement" and (law.is_interface or law.skipped or not law.needs_normal):
+        reason = (
+            "takes the jump of displacement"
+            if law.is_interface
+            else "does not ask for the distance of the faces"
+        )
+        words = (
+            f"'{way}' has no effect: the law '{law.kind}' {reason}; remove this key, or use a law of contact"
+        )
+        report(f"{path}.faces.separation", words, "combination")
 
 
 def _check_along(crack: Any, path: str, report: Report) -> None:

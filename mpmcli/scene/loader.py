@@ -20,7 +20,6 @@ from mpmcli.scene.checks import check
 from mpmcli.scene.constants import read_constants
 from mpmcli.scene.contact_checks import check_contact
 from mpmcli.scene.context import Context
-from mpmcli.scene.crack_checks import check_cracks
 from mpmcli.scene.heat_checks import check_heat
 from mpmcli.scene.models import BaseUnits, Scene
 from mpmcli.scene.override import apply_defines, apply_sets
@@ -195,11 +194,24 @@ def _read(root: Node, base: Path, allow_outside_files: bool) -> tuple[Scene | No
     except ValidationError as error:
         problems += translate(error, root, Scene)
         parts = Parts.salvage(plain, context)
-    for find in (check, check_contact, check_cracks, check_heat):
+    for find in (check, check_contact, _check_cracks, check_heat):
         problems += find(parts, root)
     if constant_problems or unit_problems:
         problems = [p for p in problems if not _is_echo(p, root, constants, bool(unit_problems))]
     return scene, context, [*unit_problems, *constant_problems, *problems]
+
+
+def _check_cracks(parts: Parts, root: Node) -> list[Problem]:
+    """What cracks have against the rest, in scenes that name them."""
+    if (
+        root.value.get("cracks") is None
+        and parts.fracture is None
+        and (parts.archive is None or parts.archive.cracks is None)
+    ):
+        return []
+    from mpmcli.scene.crack_checks import check_cracks
+
+    return check_cracks(parts, root)
 
 
 def _is_echo(problem: Problem, root: Node, constants: dict[str, float], units_failed: bool) -> bool:

@@ -6,13 +6,15 @@ A new criterion is one new file here and its row in ``KINDS``.
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.expressions import Expression
 from mpmcli.core.model import Model, Varying
 from mpmcli.core.registry import Registry
-from mpmcli.cracks.tip_state import TipState
+
+if TYPE_CHECKING:
+    from mpmcli.cracks.tip_state import TipState
 
 KINDS = {
     "empirical": "empirical",

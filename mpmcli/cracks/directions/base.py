@@ -5,11 +5,13 @@ A new direction is one new file here and its row in ``KINDS``.
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from mpmcli.core.model import Model
 from mpmcli.core.registry import Registry
-from mpmcli.cracks.tip_state import TipState
+
+if TYPE_CHECKING:
+    from mpmcli.cracks.tip_state import TipState
 
 KINDS = {
     "given": "given",

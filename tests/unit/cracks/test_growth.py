@@ -10,7 +10,7 @@ from mpmcli.core.analysis import PlaneStrain
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.particles import Particles
 from mpmcli.core.state import CracksView, State, TipValues
-from mpmcli.cracks.chain import END, START, Chain, carries_tractions
+from mpmcli.cracks.chain import END, START, Chain
 from mpmcli.cracks.fracture import Fracture
 from mpmcli.cracks.growth import CrackGrowth
 from mpmcli.cracks.meeting import first_meeting
@@ -362,7 +362,7 @@ def test_growth_leaves_tractions_behind():
         mode: {"shape": "triangular", "strength": 1, "toughness": 1} for mode in MODES
     }
     model = Crack.model_validate(crack(**grows(traction=law)))
-    assert carries_tractions(model)
+    assert model.carries_tractions
     assert [key for key, _ in laws_of_points(model)] == ["growth.end.traction"]
     with pytest.raises(ValidationError, match="release 'gradual' has tractions of its own"):
         Crack.model_validate(crack(**grows(traction=law, release="gradual")))

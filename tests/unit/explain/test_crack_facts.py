@@ -39,7 +39,8 @@ def test_chains_sides_and_domains() -> None:
     cracks = facts["cracks"]
     assert cracks["cracks"][0] == {
         "name": "main", "points": 15, "length": pytest.approx(7.0), "ends": ["mouth", "tip"], "law": "frictionless",
-        "grows": True, "zone_cells": {},
+        "grows": True, "zone_cells": {}, "separation": "displacement", "pressure": None, "tractions": 0,
+        "gradual": False, "moves": "average", "keep_apart": False, "respace": False,
     }  # fmt: skip
     assert [tip["tip"] for tip in cracks["tips"]] == ["main:end", "other:start", "other:end"]
     # four particles per cell in a disk of four cells around a tip
@@ -53,6 +54,28 @@ def test_chains_sides_and_domains() -> None:
         "main:end grows at most at 152.2 (one increment while waves cross the ring)" in text
     )  # ½ cell, 4 cells
     assert "cracks: sides of nodes, faces" not in text
+
+
+def test_faces_and_points() -> None:
+    """Tractions, pressure, respacing, and whatever else differs from the usual, in words."""
+    mode = "{shape: triangular, strength: 1, toughness: 1}"
+    law = f"{{kind: cohesive, normal: {mode}, tangential: {mode}}}"
+    cracks = facts_of(
+        "cracks.0.growth.end.release=gradual", "cracks.0.respace=true", "cracks.0.keep_apart=true",
+        "cracks.0.moves=mass", f"cracks.1.traction={{along: [2, 4], law: {law}}}", "cracks.1.pressure=2*t",
+        "cracks.1.faces.separation=regression", "cracks.1.moves=fixed",
+    )  # fmt: skip
+    main, other = cracks["cracks"]["cracks"]
+    assert (main["gradual"], main["respace"], main["keep_apart"], main["moves"]) == (True, True, True, "mass")
+    assert (other["tractions"], other["pressure"], other["separation"]) == (5, "2*t", "regression")
+    assert (
+        "faces frictionless, grows and leaves tractions, plane moves with the mass of both sides, faces that pass the "
+        "plane are put back, points are respaced"
+    ) in cracks["text"]
+    assert (
+        "faces coulomb, their distance by regression, cohesive tractions on 5 points, pressure 2*t, plane is fixed, "
+        "smallest process zone "
+    ) in cracks["text"]
 
 
 def test_fastest_growth() -> None:

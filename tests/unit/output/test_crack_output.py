@@ -278,7 +278,7 @@ def test_files_hold_the_plane_and_both_faces(make_cracked, tmp_path):
 class Named:
     """What a recorder reads of the cracks of a scene."""
 
-    growth, traction = None, ()
+    growth, traction, carries_tractions = None, (), False
 
     def __init__(self, name: str, start: str, end: str):
         self.name = name

@@ -156,6 +156,35 @@ def test_running_imports_no_writers_and_nothing_of_heat_and_interfaces(reports):
     assert reports[-1]["modules"] == []
 
 
+COMMAND = """
+import json, sys
+from mpmcli.cli.main import main
+sys.argv = ["mpmcli", "run", "scene.yaml", "-q", "--until", "1e-9"]
+try:
+    main()
+finally:
+    print(json.dumps(sorted(m for m in sys.modules if m.startswith("mpmcli.") and "crack" in m)))
+"""
+KEYS_OF_CRACKS = {"", ".criteria", ".criteria.base", ".directions", ".directions.base", ".fracture", ".growth_model",
+                  ".model", ".paths", ".point_laws"}  # fmt: skip
+"""Modules that say which keys a scene may have."""
+
+
+def test_a_run_without_cracks_imports_their_keys_and_columns_only(flip_scene, tmp_path):
+    (tmp_path / "scene.yaml").write_text(yaml.safe_dump(flip_scene), encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-c", COMMAND],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    expected = {f"mpmcli.cracks{name}" for name in KEYS_OF_CRACKS} | {"mpmcli.output.crack_quantities"}
+    assert set(json.loads(done.stdout.splitlines()[-1])) == expected
+
+
 def arrays_of(run) -> set[str]:
     """Names of the arrays that exist, but for those of the grid itself."""
     s = run.simulation
