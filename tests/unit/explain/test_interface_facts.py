@@ -132,6 +132,7 @@ def test_facts_of_an_interface():
         "interface  jump gradient, step implicit (no limit of the time step), area opening; gaps up to 0.1 cells ",
         " are bonded; particles keep X0 ",
         "task 1.a holds perfect directions; tractions act in 3.a on updated momenta\n",
+        "a bond that slips by more than half a cell, 0.5, breaks; beyond an opening of a cell, 1, tractions fade",
         "where three or more fields meet at a node, all pairs are coupled",
         "left|right: cohesive, φ = ",
         "process zone 10 (normal) cells, failure at 0.2 (normal) cells; bonded at 5 of 5 nodes",
