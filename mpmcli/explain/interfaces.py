@@ -101,8 +101,8 @@ def interfaces_in_words(facts: dict[str, Any]) -> list[str]:
         f"task 1.a holds perfect directions; tractions act in 3.a on updated momenta{loop}",
     ]
     lines.append(
-        f"a bond that slips by more than half a cell, {facts['largest_slip']:.3g}, breaks; beyond an opening of a cell, "
-        f"{facts['largest_opening']:.3g}, tractions fade (column interface_lost counts both)"
+        f"a bond that slips by more than half a cell, {facts['largest_slip']:.3g}, breaks; beyond an opening of a "
+        f"cell, {facts['largest_opening']:.3g}, tractions fade (column interface_lost counts both)"
     )
     if facts["couples"]:
         lines.append("where three or more fields meet at a node, all pairs are coupled")
