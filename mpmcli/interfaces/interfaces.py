@@ -279,7 +279,7 @@ class Interfaces:
             self._room = room
             d = self._grid.dimensions
             vectors = {name: np.zeros((room, d)) for name in ("jump", "end", "aside", "force")}
-            numbers = {name: np.zeros(room) for name in ("work", "stored", "spent", "broke")}
+            numbers = {name: np.zeros(room) for name in ("mass", "work", "stored", "spent", "broke")}
             flags = {name: np.zeros(room, dtype=bool) for name in ("lost", "apart")}
             self.jumps = JumpRows(
                 **vectors, **numbers, **flags, history=np.zeros((room, HISTORY)), now=np.zeros((room, 2)),

@@ -29,6 +29,7 @@ class JumpRows(NamedTuple):
     jump : (k, d) δ(0) = u_β − u_α at the start of the step [length]
     end : (k, d) δ(Δt) at its end [length]
     aside : (k, d) by how much the jump at the node exceeds that at the interface beside it [length]
+    mass : (k,) m_red over the area where an interface lies on a node: half a cell of both sides [mass/area]
     force : (k, d) m_red (f_β/m_β − f_α/m_α) without the interface [force]
     history : (k, 3) largest openings so far, and whether it is broken
     now : (k, 2) openings at the end of the step [length]
@@ -43,6 +44,7 @@ class JumpRows(NamedTuple):
     jump: Array
     end: Array
     aside: Array
+    mass: Array
     force: Array
     history: Array
     now: Array
@@ -118,7 +120,7 @@ def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, kep
     the histories ``kept`` (rows, N) of the particles.
     """
     d = len(axes)
-    jump, aside, sums, apart = rows.jump, rows.aside, rows.sums, rows.apart
+    jump, aside, mass, sums, apart = rows.jump, rows.aside, rows.mass, rows.sums, rows.apart
     reach = REACH * max_of(axes, around.cell)
     for k in prange(count):
         if not sides.law[fields.law[k]]:
@@ -130,11 +132,12 @@ def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, kep
         knows_place = abs(beside) < UNKNOWN
         if not knows_place:
             beside = 0.0
-        bonded = find_jump(
+        bonded, density = find_jump(
             axes, way, slot, i, alpha, beta, fields.rigid[k], around, near, matter, beside, knows_place,
             geometry.normal[k], sides, kept, reach, sums[k], jump[k], aside[k],
         )  # fmt: skip
         apart[k] = not bonded
+        mass[k] = 0.5 * perpendicular_size(axes, around.cell, geometry.normal[k]) * density
         first = start_gap[sides.pair[alpha, beta]] if way == EDGES else UNKNOWN
         if abs(geometry.separation[k]) < UNKNOWN and abs(first) < UNKNOWN:
             along = 0.0
@@ -159,7 +162,8 @@ def find_jump(
     axes, way, slot, i, alpha, beta, rigid, around, near, matter, beside, knows_place, normal, sides, kept, reach, sums,
     out, aside,
 ):  # fmt: skip
-    """``find_jumps`` for one contact, ``beside`` it along the normal; returns whether both sides were bonded.
+    """``find_jumps`` for one contact, ``beside`` it along the normal; returns whether both sides were bonded, and
+    ρ_α ρ_β/(ρ_α + ρ_β), ρ_α beside a rigid body.
 
     Matter is that of the particle nearest to the interface; where this is not known (``knows_place``), along the
     surface only. ``sums`` is scratch.
@@ -171,7 +175,7 @@ def find_jump(
     along_alpha, along_beta = sums[2 * d : 3 * d], sums[3 * d : 4 * d]
     for j in range(4 * d + d * d):
         sums[j] = 0.0
-    m_alpha, m_beta, m_both = 0.0, 0.0, 0.0
+    m_alpha, m_beta, m_both, v_alpha, v_beta = 0.0, 0.0, 0.0, 0.0, 0.0
     at = near.head[slot]
     while at >= 0:
         p, turned = near.particle[at], near.flag[at]
@@ -219,8 +223,10 @@ def find_jump(
                             F[d * a + b] += w * turn(turn(matter.F[d * a + b, p], turned, a), turned, b)
             if is_beta:
                 m_beta += w
+                v_beta += near.S[at] * matter.vol0[p]
             else:
                 m_alpha += w
+                v_alpha += near.S[at] * matter.vol0[p]
         at = near.next[at]
     for a in range(d):
         sees_both = m_alpha > 0.0 and m_beta > 0.0
@@ -233,7 +239,10 @@ def find_jump(
             for b in range(d):
                 out[a] += F[d * a + b] * at_alpha[b] / m_both if m_both > 0.0 else 0.0
                 aside[a] += F[d * a + b] * along_alpha[b] / m_both if m_both > 0.0 else 0.0
-    return bonded_alpha <= other_alpha + reach and bonded_beta <= other_beta + reach
+    density = 0.0
+    if m_alpha > 0.0 and m_beta > 0.0:
+        density = m_alpha / v_alpha if rigid else 1.0 / (v_alpha / m_alpha + v_beta / m_beta)
+    return bonded_alpha <= other_alpha + reach and bonded_beta <= other_beta + reach, density
 
 
 @inline

@@ -71,6 +71,7 @@ def test_the_way_to_the_node_is_strained():
     normal = c.geometry.normal[:2, 0]
     sign = np.sign(normal) if c.fields.alpha[0] < c.fields.partner[0] else -np.sign(normal)
     np.testing.assert_allclose(jumps.aside[:2, 0] * sign, strain * F * away, rtol=0.02)
+    np.testing.assert_allclose(jumps.mass[:2], 0.25, rtol=1e-12)
     # they cancel over the nodes
     assert abs(np.sum(c.geometry.area[:2] * jumps.aside[:2, 0])) < 2e-4
 
@@ -81,14 +82,17 @@ def test_a_jump_by_mean_displacements_has_no_place():
 
 
 def test_stiff_springs_act_at_the_node():
-    """J = m_red/Δt (φ²/(1 + φ²))² times the way to the node, by direction."""
+    """J = m_red/Δt φ²/(1 + φ²) times a share of the way to the node, by direction."""
     law = LAWS["linear_interface"].model_validate(
         {"kind": "linear_interface", "normal": 50, "tangential": 0.5}
     )
     n, slip, aside = np.array([0.6, 0.8]), np.array([0.8, -0.6]), np.array([0.01, 0.03])
-    area, reduced, dt, out = 0.7, 0.2, 0.1, np.zeros(2)
-    go_to_node(law.parameters(), (0.0, 0.0), n, area, np.zeros(2), aside, np.zeros(HISTORY), reduced, dt, out)
+    area, reduced, mass, dt, out = 0.7, 0.2, 0.25, 0.1, np.zeros(2)
+    go_to_node(
+        law.parameters(), (0.0, 0.0), n, area, np.zeros(2), aside, mass, np.zeros(HISTORY), reduced, dt, out
+    )
     for direction, stiffness in ((n, 50.0), (slip, 0.5)):
         square = stiffness * area * dt**2 / reduced
-        share = (square / (1.0 + square)) ** 2
+        common = stiffness * dt**2 / mass
+        share = square / (1.0 + square) * common / (1.0 + common)
         assert out @ direction == pytest.approx(reduced / dt * share * (aside @ direction), rel=1e-12)
