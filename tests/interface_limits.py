@@ -22,10 +22,12 @@ materials: {bar: {kind: linear_elastic, density: 1e-3, E: 1000, nu: 0}}
 bodies:
   - name: left
     material: bar
+    particles_along: region
     region: {kind: box, lower: ["shift - 10"], upper: ["shift"]}
     velocity: ["1e-6*sin(1e4*x**2)"]
   - name: right
     material: bar
+    particles_along: region
     region: {kind: box, lower: ["shift"], upper: ["shift + 10"]}
     velocity: ["1e-6*sin(3e4*x**2)"]
 contact:

@@ -180,7 +180,7 @@ def check_time_step(loaded: LoadedScene) -> None:
     except SceneError as error:
         raise loaded.locate(error) from None
     _add_warning(loaded, warning_of(loaded.scene))
-    if loaded.scene.contact is not None and loaded.scene.contact.interface.step == "oscillator":
+    if loaded.scene.contact is not None:
         from mpmcli.stability.interfaces import warnings_of_interfaces
 
         for warning in warnings_of_interfaces(loaded.scene):

@@ -57,10 +57,11 @@ class FaceInterfaces:
         jump = self._contacts.faces.jump
         if self._rows is None or self._rows.jump is not jump:
             room = len(jump)
-            numbers = {name: np.zeros(room) for name in ("work", "stored", "spent", "broke")}
+            numbers = {name: np.zeros(room) for name in ("mass", "work", "stored", "spent", "broke")}
             flags = {name: np.zeros(room, dtype=bool) for name in ("lost", "apart")}
             self._rows = JumpRows(
-                jump=jump, end=np.zeros((room, 2)), force=np.zeros((room, 2)), **numbers, **flags,
+                jump=jump, end=np.zeros((room, 2)), aside=np.zeros((room, 2)), force=np.zeros((room, 2)), **numbers,
+                **flags,
                 history=np.zeros((room, HISTORY)), now=np.zeros((room, 2)), sums=np.zeros((room, 0)),
             )  # fmt: skip
         return self._rows

@@ -10,6 +10,7 @@ from mpmcli.contact.choice import ContactChoice
 from mpmcli.core.compiled.kernel import Kernel
 from mpmcli.core.suggest import listing
 from mpmcli.geometry.fill import fill_bodies
+from mpmcli.interfaces.interfaces import LOST, SLIPPED
 from mpmcli.scene.interface_checks import plane_modulus, process_zone, resistances, starts_of_joints
 from mpmcli.solver.simulation import Simulation
 from mpmcli.stability.springs import LARGEST_PHI, springs_of
@@ -55,6 +56,8 @@ def interface_facts(
         "step": words.step,
         "area": words.area,
         "initial_gap": words.initial_gap,
+        "largest_opening": LOST * max(scene.grid.cell),
+        "largest_slip": SLIPPED * max(scene.grid.cell),
         "couples": len(contact.fields) > 2,
         "has_loop": bool(contact.increments),
         "pairs": pairs,
@@ -90,12 +93,17 @@ def interfaces_in_words(facts: dict[str, Any]) -> list[str]:
         return []
     memory = ", ".join(f"{name} {size / 2**20:.2g} MiB" for name, size in facts["arrays"].items())
     loop = " and in 3.b on every increment of the FMPM loop" if facts["has_loop"] else ""
-    free = " (no limit of the time step)" if facts["step"] == "implicit" else ""
+    is_free = facts["step"] == "implicit" and facts["jump"] != "extrapolated"
+    free = " (no limit of the time step)" if is_free else ""
     lines = [
         f"jump {facts['jump']}, step {facts['step']}{free}, area {facts['area']}; gaps up to "
         f"{facts['initial_gap']:g} cells are bonded; particles keep {memory}",
         f"task 1.a holds perfect directions; tractions act in 3.a on updated momenta{loop}",
     ]
+    lines.append(
+        f"a bond that slips by more than half a cell, {facts['largest_slip']:.3g}, breaks; beyond an opening of a "
+        f"cell, {facts['largest_opening']:.3g}, tractions fade (column interface_lost counts both)"
+    )
     if facts["couples"]:
         lines.append("where three or more fields meet at a node, all pairs are coupled")
     for pair in facts["pairs"][:MOST_PAIRS]:

@@ -98,6 +98,14 @@ def jump_impulse(
 
 
 @generic
+def tangents(law: Any, axes: Any, n: Any, jump: Any, history: Any) -> Any:
+    """Slopes of the traction along the normal and along the surface at the jump ``jump`` (d,) [pressure/length].
+
+    Zero where it softens, where it is closed by contact, and along perfect directions.
+    """
+
+
+@generic
 def traction(law: Any, axes: Any, n: Any, jump: Any, history: Any, out: Any) -> Any:
     """Traction on α at the jump ``jump`` (d,), into ``out`` (d,) [pressure]; zero along perfect directions."""
 

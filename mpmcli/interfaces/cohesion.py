@@ -16,9 +16,10 @@ from mpmcli.interfaces.base import (
     openings,
     remember,
     stored_energy,
+    tangents,
     traction,
 )
-from mpmcli.interfaces.independent import add_tangential_impulse, compliance_of, slip_of, tractions_of
+from mpmcli.interfaces.independent import add_tangential_impulse, compliance_of, rise, slip_of, tractions_of
 from mpmcli.interfaces.mixing import fail_together
 from mpmcli.interfaces.softening import has_failed, lost, lost_share, worn
 from mpmcli.interfaces.springs import mean_pull, pull, stored
@@ -71,6 +72,14 @@ def _(law, axes, dp, n, jump, force, area, reduced_mass, dt, history, oscillates
 @held_impulse.register(Cohesion)
 def _(law, axes, dp, n, out):
     return leave(axes, out)
+
+
+@tangents.register(Cohesion)
+def _(law, axes, n, jump, history):
+    opening = dot(axes, jump, n)
+    slip = slip_of(axes, n, jump, opening)
+    normal = rise(law.normal, opening, history[MOST_NORMAL]) if opening >= 0.0 else 0.0
+    return normal, rise(law.tangential, slip, history[MOST_TANGENTIAL])
 
 
 @traction.register(Cohesion)

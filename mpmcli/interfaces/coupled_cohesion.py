@@ -21,6 +21,7 @@ from mpmcli.interfaces.base import (
     openings,
     remember,
     stored_energy,
+    tangents,
     traction,
 )
 from mpmcli.interfaces.cohesion import press
@@ -134,6 +135,17 @@ def pull_oscillating(law, axes, dp, n, jump, force, per_mass, dt, compliance, ba
 @held_impulse.register(CoupledCohesion)
 def _(law, axes, dp, n, out):
     return leave(axes, out)
+
+
+@tangents.register(CoupledCohesion)
+def _(law, axes, n, jump, history):
+    opening = dot(axes, jump, n)
+    most = most_of(law, history)
+    if relative(law, opening, slip_of(axes, n, jump, opening)) > most:
+        return 0.0, 0.0
+    h = secant(law.shape, most)
+    normal = h * law.normal_strength / law.normal_opening if opening >= 0.0 else 0.0
+    return normal, h * law.tangential_strength / law.tangential_opening
 
 
 @traction.register(CoupledCohesion)

@@ -8,7 +8,7 @@ from mpmcli.contact import increments
 from mpmcli.contact.coupled_pairs import take_total, wanted_by_pair
 from mpmcli.contact.fields_in_contact import is_rigid
 from mpmcli.contact.impulses import relative_momentum, share_of_work
-from mpmcli.contact.laws.impulse import dot, law_impulse, law_impulse_at_end
+from mpmcli.contact.laws.impulse import TINIEST, dot, law_impulse, law_impulse_at_end
 from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.interfaces.base import (
     BREAKS,
@@ -17,9 +17,10 @@ from mpmcli.interfaces.base import (
     openings,
     remember,
     stored_energy,
+    tangents,
     traction,
 )
-from mpmcli.interfaces.independent import slip_of
+from mpmcli.interfaces.independent import compliance_of, slip_of
 
 Array = np.ndarray
 
@@ -55,6 +56,8 @@ def impulse_of(
     gap,
     gap_now,
     jump,
+    aside,
+    mass,
     force,
     history,
     reduced,
@@ -89,10 +92,38 @@ def impulse_of(
             closed, axes, wanted, normal, gap_now, area, reduced, here.dt, here.displacement_only, 0.0, out
         )
     if acts:
-        return jump_impulse(
+        state = jump_impulse(
             law, axes, wanted, normal, jump, force, area, reduced, here.dt, history, oscillates, out
         )
+        if not oscillates:
+            go_to_node(law, axes, normal, area, jump, aside, mass, history, reduced, here.dt, out)
+        return state
     return held_impulse(law, axes, wanted, normal, out)
+
+
+@inline
+def go_to_node(law, axes, n, area, jump, aside, mass, history, reduced, dt, out):
+    """Add to the impulse ``out`` (d,) what a share of ``aside`` (d,) asks for, by direction.
+
+    An implicit step adds the velocities at the node to the jump, which is that at the interface beside the node. Stiff
+    springs are unstable with FMPM of high order unless both belong to one place; soft ones keep the jump of the
+    interface. The share is φ²/(1 + φ²) with the ``mass`` per area of a node on the interface: it is the same at all
+    nodes across, which share its area such that these parts of their tractions cancel.
+    """
+    along, (normal, tangential) = dot(axes, aside, n), tangents(law, axes, n, jump, history)
+    compliance = compliance_of(area * dt, dt / max(reduced, TINIEST))
+    of_normal = share_of(normal * compliance) * share_of(normal * compliance_of(dt, dt / max(mass, TINIEST)))
+    of_tangential = share_of(tangential * compliance) * share_of(
+        tangential * compliance_of(dt, dt / max(mass, TINIEST))
+    )
+    for a in range(len(axes)):
+        out[a] += reduced / dt * (of_normal * along * n[a] + of_tangential * (aside[a] - along * n[a]))
+
+
+@inline
+def share_of(square):
+    """φ²/(1 + φ²), also where φ² is no number any more."""
+    return 1.0 - 1.0 / (1.0 + square)
 
 
 @kernel
@@ -121,8 +152,8 @@ def find_jump_impulses(
             separation_now[k] = geometry.separation[k]
         state[k] = impulse_of(
             law, closed, axes, wanted, geometry.normal[k], geometry.area[k], geometry.separation[k],
-            separation_now[k], jumps.jump[k], jumps.force[k], jumps.history[k], reduced, here, acts, oscillates,
-            given,
+            separation_now[k], jumps.jump[k], jumps.aside[k], jumps.mass[k], jumps.force[k], jumps.history[k],
+            reduced, here, acts, oscillates, given,
         )  # fmt: skip
         if here.of_increment:
             increments.finish_increment(
@@ -148,8 +179,8 @@ def find_pair_impulses(
             )
         rows.state[k] = impulse_of(
             law, closed, axes, wanted, geometry.normal[k], geometry.area[k], geometry.separation[k],
-            rows.separation_now[k], jumps.jump[k], jumps.force[k], jumps.history[k], reduced, here, acts,
-            oscillates, found,
+            rows.separation_now[k], jumps.jump[k], jumps.aside[k], jumps.mass[k], jumps.force[k],
+            jumps.history[k], reduced, here, acts, oscillates, found,
         )  # fmt: skip
         moved, whole = take_total(axes, found, rows.total[k])
         change, size = change + moved, size + whole

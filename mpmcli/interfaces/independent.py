@@ -17,9 +17,10 @@ from mpmcli.interfaces.base import (
     openings,
     remember,
     stored_energy,
+    tangents,
     traction,
 )
-from mpmcli.interfaces.springs import is_linear, is_perfect, mean_pull, pull, stored
+from mpmcli.interfaces.springs import is_linear, is_perfect, mean_pull, pull, rate, stored
 
 SOFTEST = 1e150
 """Largest compliance A Δt²/m_red: beyond it products of lengths and pressures are no numbers."""
@@ -130,6 +131,21 @@ def tractions_of(axes, normal, tangential, n, jump, opening, most, out):
     drawn = pull(tangential, slip, most) if slip > 0.0 else 0.0
     for a in range(len(axes)):
         out[a] = normal * n[a] + (drawn * (out[a] / slip) if slip > 0.0 else 0.0)
+
+
+@inline
+def rise(spring, opening, most):
+    """Slope of a spring's traction, 0 where it softens or is perfect."""
+    return max(rate(spring, opening, most), 0.0)
+
+
+@tangents.register(Independent)
+def _(law, axes, n, jump, history):
+    opening = dot(axes, jump, n)
+    slip = slip_of(axes, n, jump, opening)
+    return rise(law.normal, opening, history[MOST_NORMAL]), rise(
+        law.tangential, slip, history[MOST_TANGENTIAL]
+    )
 
 
 @traction.register(Independent)

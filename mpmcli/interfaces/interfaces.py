@@ -278,12 +278,12 @@ class Interfaces:
         if room > self._room:
             self._room = room
             d = self._grid.dimensions
-            vectors = {name: np.zeros((room, d)) for name in ("jump", "end", "force")}
-            numbers = {name: np.zeros(room) for name in ("work", "stored", "spent", "broke")}
+            vectors = {name: np.zeros((room, d)) for name in ("jump", "end", "aside", "force")}
+            numbers = {name: np.zeros(room) for name in ("mass", "work", "stored", "spent", "broke")}
             flags = {name: np.zeros(room, dtype=bool) for name in ("lost", "apart")}
             self.jumps = JumpRows(
                 **vectors, **numbers, **flags, history=np.zeros((room, HISTORY)), now=np.zeros((room, 2)),
-                sums=np.zeros((room, 2 * d + d * d)),
+                sums=np.zeros((room, 4 * d + d * d)),
             )  # fmt: skip
         return self.jumps
 

@@ -28,6 +28,8 @@ class JumpRows(NamedTuple):
 
     jump : (k, d) δ(0) = u_β − u_α at the start of the step [length]
     end : (k, d) δ(Δt) at its end [length]
+    aside : (k, d) by how much the jump at the node exceeds that at the interface beside it [length]
+    mass : (k,) m_red over the area where an interface lies on a node: half a cell of both sides [mass/area]
     force : (k, d) m_red (f_β/m_β − f_α/m_α) without the interface [force]
     history : (k, 3) largest openings so far, and whether it is broken
     now : (k, 2) openings at the end of the step [length]
@@ -36,11 +38,13 @@ class JumpRows(NamedTuple):
     broke : (k,) area that broke in the step [area]
     lost : (k,) whether its jump is too large for the grid
     apart : (k,) whether matter of either side was not bonded at the start of the run
-    sums : (k, 2 d + d d) scratch
+    sums : (k, 4 d + d d) scratch
     """
 
     jump: Array
     end: Array
+    aside: Array
+    mass: Array
     force: Array
     history: Array
     now: Array
@@ -110,11 +114,13 @@ def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, kep
     displacements (Nairn 2023, Eq. 2.4); with ``EDGES`` the part along the normal is the separation less that of the
     start, ``start_gap`` (pairs,), where regression finds the edges of both sides.
 
+    ``rows.aside`` is what the gradients of both sides add to the jump on the way to the node.
+
     ``rows.apart`` tells whether the matter of a side that is nearest to the interface was not bonded at the start, by
     the histories ``kept`` (rows, N) of the particles.
     """
     d = len(axes)
-    jump, sums, apart = rows.jump, rows.sums, rows.apart
+    jump, aside, mass, sums, apart = rows.jump, rows.aside, rows.mass, rows.sums, rows.apart
     reach = REACH * max_of(axes, around.cell)
     for k in prange(count):
         if not sides.law[fields.law[k]]:
@@ -126,11 +132,12 @@ def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, kep
         knows_place = abs(beside) < UNKNOWN
         if not knows_place:
             beside = 0.0
-        bonded = find_jump(
+        bonded, density = find_jump(
             axes, way, slot, i, alpha, beta, fields.rigid[k], around, near, matter, beside, knows_place,
-            geometry.normal[k], sides, kept, reach, sums[k], jump[k],
+            geometry.normal[k], sides, kept, reach, sums[k], jump[k], aside[k],
         )  # fmt: skip
         apart[k] = not bonded
+        mass[k] = 0.5 * perpendicular_size(axes, around.cell, geometry.normal[k]) * density
         first = start_gap[sides.pair[alpha, beta]] if way == EDGES else UNKNOWN
         if abs(geometry.separation[k]) < UNKNOWN and abs(first) < UNKNOWN:
             along = 0.0
@@ -153,20 +160,22 @@ def max_of(axes, values):
 @inline
 def find_jump(
     axes, way, slot, i, alpha, beta, rigid, around, near, matter, beside, knows_place, normal, sides, kept, reach, sums,
-    out,
+    out, aside,
 ):  # fmt: skip
-    """``find_jumps`` for one contact, ``beside`` it along the normal; returns whether both sides were bonded.
+    """``find_jumps`` for one contact, ``beside`` it along the normal; returns whether both sides were bonded, and
+    ρ_α ρ_β/(ρ_α + ρ_β), ρ_α beside a rigid body.
 
     Matter is that of the particle nearest to the interface; where this is not known (``knows_place``), along the
     surface only. ``sums`` is scratch.
     """
     d = len(axes)
     bonded_alpha, bonded_beta, other_alpha, other_beta = math.inf, math.inf, math.inf, math.inf
-    # unfolded: mean reference positions of α and of β relative to the node, and the mean F of both
-    at_alpha, at_beta, F = sums[:d], sums[d : 2 * d], sums[2 * d :]
-    for j in range(2 * d + d * d):
+    # unfolded: mean reference positions of α and of β relative to the node, mean F⁻¹ n of both, and the mean F
+    at_alpha, at_beta, F = sums[:d], sums[d : 2 * d], sums[4 * d :]
+    along_alpha, along_beta = sums[2 * d : 3 * d], sums[3 * d : 4 * d]
+    for j in range(4 * d + d * d):
         sums[j] = 0.0
-    m_alpha, m_beta, m_both = 0.0, 0.0, 0.0
+    m_alpha, m_beta, m_both, v_alpha, v_beta = 0.0, 0.0, 0.0, 0.0, 0.0
     at = near.head[slot]
     while at >= 0:
         p, turned = near.particle[at], near.flag[at]
@@ -204,6 +213,9 @@ def find_jump(
                 other_alpha = min(other_alpha, distance)
             if way != EXTRAPOLATED:
                 add_inverse_times(axes, matter.F, p, w, turned, out, mine)
+                if beside != 0.0:
+                    along = along_beta if is_beta else along_alpha
+                    add_inverse_times(axes, matter.F, p, w, turned, normal, along)
                 if of_rigid or not rigid:  # beside a rigid body the jump is in its frame
                     m_both += w
                     for a in range(d):
@@ -211,18 +223,26 @@ def find_jump(
                             F[d * a + b] += w * turn(turn(matter.F[d * a + b, p], turned, a), turned, b)
             if is_beta:
                 m_beta += w
+                v_beta += near.S[at] * matter.vol0[p]
             else:
                 m_alpha += w
+                v_alpha += near.S[at] * matter.vol0[p]
         at = near.next[at]
     for a in range(d):
-        at_alpha[a] = at_alpha[a] / m_alpha - at_beta[a] / m_beta if m_alpha > 0.0 and m_beta > 0.0 else 0.0
+        sees_both = m_alpha > 0.0 and m_beta > 0.0
+        at_alpha[a] = at_alpha[a] / m_alpha - at_beta[a] / m_beta if sees_both else 0.0
+        along_alpha[a] = beside * (along_beta[a] / m_beta - along_alpha[a] / m_alpha) if sees_both else 0.0
     for a in range(d):
-        out[a] = at_alpha[a]
+        out[a], aside[a] = at_alpha[a], 0.0
         if way != EXTRAPOLATED:
             out[a] = 0.0
             for b in range(d):
                 out[a] += F[d * a + b] * at_alpha[b] / m_both if m_both > 0.0 else 0.0
-    return bonded_alpha <= other_alpha + reach and bonded_beta <= other_beta + reach
+                aside[a] += F[d * a + b] * along_alpha[b] / m_both if m_both > 0.0 else 0.0
+    density = 0.0
+    if m_alpha > 0.0 and m_beta > 0.0:
+        density = m_alpha / v_alpha if rigid else 1.0 / (v_alpha / m_alpha + v_beta / m_beta)
+    return bonded_alpha <= other_alpha + reach and bonded_beta <= other_beta + reach, density
 
 
 @inline

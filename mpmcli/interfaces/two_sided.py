@@ -64,7 +64,7 @@ def _(spring, opening, most):
 
 @rate.register(OneSided)
 def _(spring, opening, most):
-    return spring.tension if opening > 0.0 else 0.0
+    return spring.tension  # closed it is stiffer still
 
 
 @stored.register(TwoSided)

@@ -51,6 +51,7 @@ def lost_in_words(lost: int) -> str:
     """Return the warning of interfaces that opened too far for the grid."""
     return (
         f"in {lost} contacts (of all steps) an intact interface opened by more than a cell, where nodes no longer "
-        "receive both sides and tractions fade, or slipped by more than half a cell, where it breaks; use larger "
-        "cells, a stiffer interface or a law that fails earlier"
+        "receive both sides and tractions fade, or slipped by more than half a cell, where it breaks whatever its law "
+        "says, because nodes then join matter that was not bonded; use larger cells, a stiffer interface or a law that "
+        "fails earlier"
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -338,7 +339,7 @@ def _check_choices(parts: Parts, fields: Fields, report: Report) -> None:
     """Choices of a contact that change nothing, or do not go together."""
     contact = parts.contact
     given = contact.model_fields_set
-    laws = [contact.law, *(pair.law for pair in contact.pairs)]
+    laws = _laws_in_use(contact, fields)
 
     def no_effect(key: str, reason: str) -> None:
         report(f"contact.{key}", f"has no effect, because {reason}", "no_effect", "warning")
@@ -384,6 +385,18 @@ def _check_choices(parts: Parts, fields: Fields, report: Report) -> None:
         elif any(law.kind == "perfect" for law in laws):
             words = "with 'once', bodies in perfect contact do not move exactly as one body"
             report("contact.once", words, "inaccurate", "warning")
+
+
+def _laws_in_use(contact: Any, fields: Fields) -> list[Any]:
+    """Laws of a contact that some pair of fields has; all of them if the fields are not known."""
+    owners = {member.owner: member.field for member in fields.members} | {name: name for name in fields.names}
+    if not fields.complete or any(name not in owners for pair in contact.pairs for name in pair.between):
+        return [contact.law, *(pair.law for pair in contact.pairs)]
+    own = {frozenset(owners[name] for name in pair.between): pair.law for pair in contact.pairs}
+    names, rigid = fields.names, {name for name in fields.names if fields.is_rigid(name)}
+    pairs = [frozenset(pair) for pair in itertools.combinations(names, 2) if not rigid.issuperset(pair)]
+    found = [own.get(pair, contact.law) for pair in pairs]
+    return [law for index, law in enumerate(found) if law not in found[:index]]
 
 
 def _check_size(parts: Parts, fields: Fields, report: Report) -> None:

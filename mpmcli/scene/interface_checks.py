@@ -132,31 +132,56 @@ def _places_of_laws(contact: Any) -> Iterator[tuple[str, Any]]:
 
 def _check_resolution(parts: Parts, fields: Any, joints: Sequence[Joint], report: Report) -> None:
     """Warn of openings that are large beside a cell, and of process zones of few cells; once per law."""
-    cell = min(parts.grid.cell)
+    smallest, largest = min(parts.grid.cell), max(parts.grid.cell)
     seen: set[str] = set()
     for joint in joints:
         for mode, resistance in resistances(joint.law):
-            path = f"{joint.path}.law.{mode}"
-            if path in seen:
-                continue
-            if resistance.opening > LAST_OPENING * cell:
-                words = (
-                    f"fails at a{'n' * (mode == 'normal')} {MODES[mode]} of {resistance.opening:.3g}, "
-                    f"{resistance.opening / cell:.2g} cells; use cells of at least "
-                    f"{resistance.opening / LAST_OPENING:.3g} (failure within a quarter of a cell), or a law that "
-                    "fails earlier"
-                )
-                report(path, words, "resolution", "warning")
-                seen.add(path)
             zone = _process_zone(parts, fields, joint, resistance)
-            cells = zone / max(parts.grid.cell)
-            if cells < FEWEST_CELLS:
-                words = (
-                    f"the process zone E'G/σ² is {zone:.3g} long, {cells:.2g} cells; use cells of at most "
-                    f"{zone / FEWEST_CELLS:.3g} ({FEWEST_CELLS:g} cells per zone), or less strength"
-                )
+            words = _words_on_cells(mode, resistance, zone, smallest, largest)
+            path = f"{joint.path}.law.{mode}"
+            if words is not None and path not in seen:
                 report(path, words, "resolution", "warning")
                 seen.add(path)
+        path, last = f"{joint.path}.law", joint.law.last_opening
+        is_cohesive = any(resistances(joint.law))
+        if not is_cohesive and LAST_OPENING * smallest < last < math.inf and path not in seen:
+            words = (
+                f"transmits tractions up to an opening of {last:.3g}, {last / smallest:.2g} cells; use cells of at "
+                f"least {last / LAST_OPENING:.3g} (the law ends within a quarter of a cell), more stiffness, or a "
+                "lower peak"
+            )
+            report(path, words, "resolution", "warning")
+            seen.add(path)
+
+
+def _words_on_cells(mode: str, resistance: Any, zone: float, smallest: float, largest: float) -> str | None:
+    """Advice on the size of cells: from the opening at failure on, up to a share of the process zone."""
+    opening, share = resistance.opening, MODES[mode]
+    least, most = opening / LAST_OPENING, zone / FEWEST_CELLS
+    if smallest >= least and largest <= most:
+        return None
+    fails = f"fails at a{'n' * (mode == 'normal')} {share} of {opening:.3g}, {opening / smallest:.2g} cells"
+    length = f"the process zone E'G/σ² is {zone:.3g} long, {zone / largest:.2g} cells"
+    if least > most:
+        # G = a σ δ_c: the smallest cells shrink with 1/σ, the largest with 1/σ²
+        strength = resistance.strength * most / least
+        return (
+            f"{fails}, and {length}; no size of cells fits both: failure within a quarter of a cell needs cells of at "
+            f"least {least:.3g}, {FEWEST_CELLS:g} cells per process zone need cells of at most {most:.3g}. Use a "
+            f"strength of at most {strength:.3g} with this toughness"
+        )
+    if smallest < least:
+        limit = (
+            f" and at most {most:.3g} ({FEWEST_CELLS:g} cells per process zone)" if most < math.inf else ""
+        )
+        return (
+            f"{fails}; use cells of at least {least:.3g} (failure within a quarter of a cell){limit}, or a law that "
+            "fails earlier"
+        )
+    return (
+        f"{length}; use cells of at most {most:.3g} ({FEWEST_CELLS:g} cells per zone) and at least {least:.3g} "
+        "(failure within a quarter of a cell), or less strength"
+    )
 
 
 def resistances(law: Any) -> Iterator[tuple[str, Any]]:

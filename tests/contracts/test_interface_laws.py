@@ -16,6 +16,7 @@ from mpmcli.interfaces.base import (
     openings,
     remember,
     stored_energy,
+    tangents,
     traction,
 )
 
@@ -146,6 +147,36 @@ def test_without_area_only_perfect_and_closed_directions_act(model):
         held = np.zeros(3)
         held_impulse(model.parameters(), (0.0,) * 3, c.dp[k], c.n[k], held)
         np.testing.assert_allclose(out[k], held, rtol=1e-12, atol=1e-15 * np.abs(c.dp[k]).max())
+
+
+@every
+def test_tangents_are_slopes_of_the_traction(model):
+    """Of small openings and slips along the surface; where they are none, the direction is perfect."""
+    law, axes, n = model.parameters(), (0.0,) * 3, np.array([0.6, 0.0, 0.8])
+    along_surface = np.array([0.8, 0.0, -0.6])
+    h = 1e-9
+    for history in (np.zeros(HISTORY), np.array([1e-3, 1e-3, 0.0])):
+        jump = 1e-6 * n + 2e-6 * along_surface
+        slopes = tangents(law, axes, n, jump, history)
+        for slope, direction in zip(slopes, (n, along_surface), strict=True):
+            ends = np.zeros((2, 3))
+            for end, sign in zip(ends, (-1.0, 1.0), strict=True):
+                traction(law, axes, n, jump + sign * h * direction, history, end)
+            found, round_off = (ends[1] - ends[0]) @ direction / (2 * h), 1e-15 * np.abs(ends).max() / h
+            assert found == pytest.approx(slope, rel=1e-3, abs=1e-9 + round_off)
+            held = np.zeros(3)
+            held_impulse(law, axes, direction, n, held)
+            assert slope >= 0
+            assert slope == 0 or held @ direction == 0
+
+
+@every
+def test_tangents_are_never_negative(model):
+    c = Joints(3, count=100)
+    for k in range(len(c.jump)):
+        slopes = tangents(model.parameters(), (0.0,) * 3, c.n[k], c.jump[k], c.history[k])
+        assert min(slopes) >= 0
+        assert np.isfinite(slopes).all()
 
 
 def path_of(kind, seed, d=2):

@@ -9,16 +9,15 @@ pytestmark = pytest.mark.slow
 
 ALONE = {
     ("FLIP", 0): 0.588,
-    ("FLIP", 0.37): 0.644,
+    ("FLIP", 0.37): 0.7,
     ("FMPM(2)", 0): 0.447,
-    ("FMPM(2)", 0.37): 0.494,
+    ("FMPM(2)", 0.37): 0.512,
     ("FMPM(4)", 0): 0.325,
-    ("FMPM(4)", 0.37): 0.391,
+    ("FMPM(4)", 0.37): 0.381,
     ("FMPM(8)", 0): 0.241,
-    ("FMPM(8)", 0.37): 0.325,
+    ("FMPM(8)", 0.37): 0.292,
 }
 """Limits of the bars alone within 3 %, by transfer and place of the faces that meet [cells off a grid line]."""
-FALLS = pytest.mark.xfail(strict=True, reason="FMPM(8) across a stiff interface off the grid lines grows")
 
 
 @pytest.mark.parametrize(("method", "shift"), list(ALONE))
@@ -30,8 +29,6 @@ def test_limits_of_the_bars_alone(start, method, shift):
 
 @pytest.mark.parametrize("k", [*STIFFNESSES])
 @pytest.mark.parametrize(("method", "shift"), list(ALONE))
-def test_an_interface_does_not_lower_the_limit(start, method, shift, k, request):
+def test_an_interface_does_not_lower_the_limit(start, method, shift, k):
     """At 0.95 of the limit alone, whatever the stiffness D Δx/E."""
-    if (method, shift) == ("FMPM(8)", 0.37) and k > 1.0:
-        request.applymarker(FALLS)
     assert is_stable(start, method, 0.95 * ALONE[method, shift], k, shift)

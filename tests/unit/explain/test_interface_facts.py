@@ -90,6 +90,25 @@ def test_springs_that_oscillate_too_fast_are_warned_of():
     assert max(spring.phi(first_step(chosen)) for spring in springs_of(chosen)) > 0.9
 
 
+def test_jumps_that_contain_more_strain_than_the_spring_has_are_warned_of():
+    """1/D − 0.375 Δx (1/M + 1/M) is negative above 133 (M = 100), and above 67 along the surface (μ = 50)."""
+    extrapolated = {"interface": {"jump": "extrapolated"}}
+    law = LINEAR | {"normal": 132.0, "tangential": 66.0}
+    assert warnings_of_interfaces(loaded_with(law, **extrapolated).scene) == []
+    law = LINEAR | {"normal": 134.0, "tangential": 68.0}
+    assert warnings_of_interfaces(loaded_with(law).scene) == []
+    normal, tangential = warnings_of_interfaces(loaded_with(law, **extrapolated).scene)
+    assert (normal.path, tangential.path) == (
+        "contact.pairs.0.law.normal",
+        "contact.pairs.0.law.tangential",
+    )
+    assert normal.message == (
+        "is too stiff along the normal for jump 'extrapolated', which contains the strain of 0.375 cells of each side: "
+        "runs may be unstable at any time step. Use jump 'gradient' (the default), or at most 133 of stiffness"
+    )
+    assert "at most 66.7 of stiffness" in tangential.message
+
+
 def test_facts_of_an_interface():
     facts = facts_of(COHESIVE)
     found = facts["interfaces"]
@@ -111,6 +130,7 @@ def test_facts_of_an_interface():
         "interface  jump gradient, step implicit (no limit of the time step), area opening; gaps up to 0.1 cells ",
         " are bonded; particles keep X0 ",
         "task 1.a holds perfect directions; tractions act in 3.a on updated momenta\n",
+        "a bond that slips by more than half a cell, 0.5, breaks; beyond an opening of a cell, 1, tractions fade",
         "where three or more fields meet at a node, all pairs are coupled",
         "left|right: cohesive, φ = ",
         "process zone 10 (normal) cells, failure at 0.2 (normal) cells; bonded at 5 of 5 nodes",

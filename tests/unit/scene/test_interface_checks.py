@@ -165,8 +165,8 @@ def test_openings_above_a_quarter_of_a_cell_are_warned_of() -> None:
     [(path, words)] = warnings_of(load(cohesive({"strength": 2.0, "opening": 0.26})))
     assert path == "contact.pairs.0.law.normal"
     assert words == (
-        "fails at an opening of 0.26, 0.26 cells; use cells of at least 1.04 (failure within a quarter of a cell), or "
-        "a law that fails earlier"
+        "fails at an opening of 0.26, 0.26 cells; use cells of at least 1.04 (failure within a quarter of a cell) and "
+        "at most 17.3 (4 cells per process zone), or a law that fails earlier"
     )
     assert warnings_of(load(cohesive({"strength": 2.0, "opening": 0.25}))) == []
 
@@ -177,8 +177,8 @@ def test_process_zones_below_four_cells_are_warned_of() -> None:
     [(path, words)] = warnings_of(load(cohesive({"strength": 7.4, "toughness": 0.2})))
     assert path == "contact.pairs.0.law.normal"
     assert words == (
-        "the process zone E'G/σ² is 3.9 long, 3.9 cells; use cells of at most 0.974 (4 cells per zone), or less "
-        "strength"
+        "the process zone E'G/σ² is 3.9 long, 3.9 cells; use cells of at most 0.974 (4 cells per zone) and at least "
+        "0.216 (failure within a quarter of a cell), or less strength"
     )
     # in plane stress E′ = E, and the softer side decides
     assert warnings_of(load(cohesive({"strength": 7.2, "toughness": 0.2}), analysis="plane_stress"))
@@ -188,6 +188,49 @@ def test_process_zones_below_four_cells_are_warned_of() -> None:
     assert len(warnings_of(load(cohesive({"strength": 20.0, "toughness": 0.2}), bodies=mixed))) == 1
     rigid = [stiff[0], box("high", [-4, 0], [4, 4], "tool")]
     assert warnings_of(load(cohesive({"strength": 20.0, "toughness": 0.2}), bodies=rigid)) == []
+
+
+@pytest.mark.parametrize("shape", ["triangular", "cubic"])
+def test_advice_on_cells_never_contradicts_itself(shape: str) -> None:
+    """Where no size of cells fits, the law must change; with the strength that is told there is one."""
+    law = {"shape": shape, "strength": 50.0, "toughness": 10.0}
+    [(path, words)] = warnings_of(load(cohesive(law)))
+    assert path == "contact.pairs.0.law.normal"
+    assert "no size of cells fits both" in words
+    strength = float(words.split("strength of at most ")[1].split()[0])
+    assert 30.0 < strength < 50.0
+    [(_, words)] = warnings_of(load(cohesive(law | {"strength": 0.99 * strength})))
+    least = float(words.split("cells of at least ")[1].split()[0])
+    most = float(words.split(" at most ")[1].split()[0])
+    assert 1.0 < least < most
+    [(_, words)] = warnings_of(load(cohesive(law | {"strength": 1.01 * strength})))
+    assert "no size of cells fits both" in words
+
+
+def test_bonds_of_morse_that_act_over_more_than_a_quarter_of_a_cell_are_warned_of() -> None:
+    """Its traction is below 1 % of the peak N from 4 N ln(400)/D on."""
+    law = {"kind": "morse_interface", "stiffness": 100.0, "peak": 1.0}
+    assert warnings_of(load(law)) == []
+    [(path, words)] = warnings_of(load(law | {"peak": 1.1}))
+    assert path == "contact.pairs.0.law"
+    assert words == (
+        "transmits tractions up to an opening of 0.264, 0.26 cells; use cells of at least 1.05 (the law ends within a "
+        "quarter of a cell), more stiffness, or a lower peak"
+    )
+
+
+def test_choices_that_no_interface_reads_are_warned_of() -> None:
+    """Also where another law is the default, if every pair of fields has an interface."""
+    for choice, words in (
+        ({"mass_ratio": 1e-4}, "'linear_interface' applies at all nodes"),
+        ({"overlap_removal": 0.2}, "'linear_interface' does not remove overlap"),
+    ):
+        [(path, told)] = warnings_of(load(**choice))
+        assert path == f"contact.{next(iter(choice))}"
+        assert told.startswith("has no effect, because the law ")
+        assert told.endswith(words)
+        third = [box("low", [-4, -4], [4, 0]), box("high", [-4, 0], [4, 4]), box("side", [4, -4], [8, 4])]
+        assert warnings_of(load(bodies=third, **choice)) == []
 
 
 # ---------------------------------------------------------------------- in runs
