@@ -267,7 +267,8 @@ def test_faces_of_two_bodies_that_touch(transfer, contact, hold):
     for _ in range(100):
         simulation.step()
     p, state = simulation.particles, simulation.state
-    into = [float(p.heat_inflow[p.body == k].sum()) for k in (0, 1)]
+    inflow = Snapshot(state).heat_inflow
+    into = [float(inflow[p.body == k].sum()) for k in (0, 1)]
     what = f"faces of two bodies, {contact}"
     hold(what, transfer, "heat in − heat stored", abs(sum(into) / state.work["boundary_heat"] - 1), 1e-12)
     if contact == "insulated":
