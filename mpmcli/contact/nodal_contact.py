@@ -148,7 +148,8 @@ class NodalContact(ContactImpulses):
             if self._direction is not None:
                 self._direction.look(p)
         if self.interfaces is not None:
-            self.interfaces.find(matter, self._around, parallel)
+            order = step.plan.order if step.plan.has_full_mass_loop else 1
+            self.interfaces.find(matter, self._around, parallel, order)
         return c.count
 
     def _parted(self) -> Parted | None:

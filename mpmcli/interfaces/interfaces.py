@@ -36,6 +36,8 @@ Array = np.ndarray
 WAYS = {"gradient": GRADIENT, "extrapolated": EXTRAPOLATED, "edges": EDGES}
 LOST = 1.0
 """Opening from which nodes begin to lose sight of one side of an interface, in cells."""
+HIGHEST_AT_INTERFACE = 4
+"""Highest order of FMPM at which stiff springs are stable with the jump at the interface, without that at the node."""
 SLIPPED = 0.5
 """Slip from which most of the matter that meets at a node was bonded elsewhere, in cells."""
 
@@ -102,8 +104,11 @@ class Interfaces:
 
     # ------------------------------------------------------------------ the places in the step
 
-    def find(self, matter: Matter, around: Surroundings, parallel: bool) -> None:
-        """Jumps, areas and histories at the start of the step, once the geometry of contacts is known."""
+    def find(self, matter: Matter, around: Surroundings, parallel: bool, order: int) -> None:
+        """Jumps, areas and histories at the start of the step, once the geometry of contacts is known.
+
+        ``order`` is that of the FMPM loop, 1 without one.
+        """
         c = self._contacts
         self._acts = False
         j = self._make_room(len(c.fields.slot))
@@ -114,6 +119,8 @@ class Interfaces:
             self._axes, self._way, self._sides, c.count, c.fields, c.table, around, c.nodes.near, matter,
             self._particles.interface, np.nan_to_num(self._start_gap, nan=UNKNOWN), c.geometry, j,
         )  # fmt: skip
+        if order <= HIGHEST_AT_INTERFACE:
+            j.aside[:] = 0.0
         if self._opens:
             open_areas[parallel](self._axes, self._sides, c.count, c.fields, c.table, around, c.geometry, j)
         p = self._particles

@@ -37,7 +37,7 @@ def test_a_pulse_passes_as_the_filter_says(start, method, k, shift):
 def test_flip_disperses_the_pulse(start, k, shift):
     """Where most of it is reflected, it deviates as at a free end, which is no interface at all."""
     T, R = wave_errors(start, "FLIP", k, shift)
-    assert T < 0.03
+    assert T < 0.045
     free = wave_errors(start, "FLIP", 0, shift)[1]
     assert R < max(0.045, 1.01 * free)
     assert free < 0.05
@@ -50,7 +50,7 @@ def test_the_extrapolated_jump_is_worse(start, method, k, shift):
     """It takes strain of the bars for a jump: a bar that is 0.75 cells shorter."""
     exact_to = np.hypot(*wave_errors(start, method, k, shift))
     found = np.hypot(*wave_errors(start, method, k, shift, EXTRAPOLATED))
-    assert 2.0 * exact_to < found < 10.0 * exact_to
+    assert 2.0 * exact_to < found < 0.08
     if k >= 0.3:
         assert found > 3.0 * exact_to
 
