@@ -8,6 +8,7 @@ import numpy as np
 
 from mpmcli.boundary.base import Array, LoadModel
 from mpmcli.boundary.place import beyond
+from mpmcli.core.dofs import node_of
 from mpmcli.core.grid import Grid
 
 
@@ -34,7 +35,7 @@ class PlaneDashpots:
         grid = self._grid
         if grid.active_version != self._version:
             self._version = grid.active_version
-            nodes = grid.active % grid.node_count
+            nodes = node_of(grid.active, grid.node_count)
             self._dofs = [grid.active[beyond(grid, nodes, plane)] for plane, _ in self._planes]
         for (plane, Z), dofs in zip(self._planes, self._dofs, strict=True):
             inward = 1.0 if plane.side_on(grid) == "lower" else -1.0

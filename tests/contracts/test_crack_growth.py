@@ -112,12 +112,14 @@ def grow(criterion, direction=None):
     return chain.count - before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", list(CRITERIA))
 def test_values_of_criteria_may_depend_on_all_variables_that_they_document(kind):
     keys = with_all_variables(CRITERIA[kind], {"kind": kind} | examples.CRITERIA.get(kind, {}))
     assert (grow(keys) == 0) == (kind == "never")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", list(DIRECTIONS))
 def test_tips_grow_in_every_direction(kind):
     keys = with_all_variables(DIRECTIONS[kind], {"kind": kind} | examples.DIRECTIONS.get(kind, {}))

@@ -139,6 +139,7 @@ def test_what_only_runs_can_tell_is_a_question():
     )
 
 
+@pytest.mark.slow
 def test_measured_shares_add_up_and_leave_the_scene_alone():
     scene = loaded(PERFECT | {"contact": COULOMB, "method.transfer": FMPM | {"order": 16}})
     found = measure(scene, threads=1, seconds=0.1)
