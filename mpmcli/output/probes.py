@@ -158,6 +158,7 @@ class GridField:
     among : another field, which is zero where this one has no value; empty for sums, which are of the full ring
     of_contact : exists only in scenes where contact knows normals
     of_interface : exists only in scenes with an interface law
+    of_heat : exists only in scenes that conduct heat
     sides : exists only where nodes may have so many sides
     """
 
@@ -167,6 +168,7 @@ class GridField:
     among: str = ""
     of_contact: bool = False
     of_interface: bool = False
+    of_heat: bool = False
     sides: int = 1
 
 
@@ -219,6 +221,16 @@ GRID_FIELDS = {
     "interface_damage": _of_interface(
         "1", False, "share of its stiffness that the interface has lost; 1: broken, 0 without an interface"
     ),
+    "heat_capacity": GridField(
+        "energy/temperature", False, "heat capacity in the last step that conducted", of_heat=True
+    ),
+    "temperature": GridField(
+        "temperature",
+        False,
+        "temperature after the last step that conducted, mean by capacity of all velocity fields",
+        among="heat_capacity",
+        of_heat=True,
+    ),
     **{name: entry for side in range(4) for name, entry in _of_side(side).items()},
 }
 """Nodal fields by name; rigid bodies are in none of them but those of contact."""
@@ -231,6 +243,7 @@ def grid_fields(context: Context) -> dict[str, GridField]:
         for name, entry in GRID_FIELDS.items()
         if (context.has_normals or not entry.of_contact)
         and (context.interfaces or not entry.of_interface)
+        and (context.has_heat or not entry.of_heat)
         and context.sides >= entry.sides
     }
 

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.errors import ArchiveError
+from mpmcli.core.errors import ArchiveError, SimulationError
 from mpmcli.core.state import State
+from mpmcli.core.suggest import listing
 from mpmcli.output.columns import evaluate, resolve_columns, resolve_fields
 from mpmcli.output.files import CRACK_EVENTS, FAILED, FAILED_CRACKS, GLOBALS, cannot_write, make_folder
 from mpmcli.output.global_quantities import EnergyBalance
@@ -115,8 +116,18 @@ class Recorder:
         def record(snapshot: Snapshot) -> None:
             # only here, so that the error does not depend on how often other files are written
             self.energy_error = self.balance.update(snapshot)
-            state = snapshot.state
-            table.write([state.step, state.time, state.dt, *evaluate(self.columns, snapshot)])
+            state, numbers = snapshot.state, evaluate(self.columns, snapshot)
+            infinite = [
+                column.name
+                for column, number in zip(self.columns, numbers, strict=True)
+                if math.isinf(number)
+            ]
+            if infinite:
+                raise SimulationError(
+                    f"no number is large enough for {listing(infinite)} in step {state.step}, time {state.time:.6g}; "
+                    "check the numbers and units of materials, stresses and temperatures"
+                )
+            table.write([state.step, state.time, state.dt, *numbers])
 
         self._parts.append(_TablePart("globals", Schedule(asked.every), record, table))
 

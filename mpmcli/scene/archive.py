@@ -202,6 +202,13 @@ def shows(archive: Archive, probes: Iterable[Any], field: str) -> bool:
     return field in asked or any(probe.kind == "particle" and field in probe.columns for probe in probes)
 
 
+def grid_shows(archive: Archive, probes: Iterable[Any], fields: Iterable[str]) -> bool:
+    """Return whether archives of the grid or probes at points have one of some fields."""
+    asked = set() if archive.grid is None else set(archive.grid.fields)
+    asked.update(*(probe.columns for probe in probes if probe.kind == "point"))
+    return not asked.isdisjoint(fields)
+
+
 def tables_show(scene: Any, word: str) -> bool:
     """Return whether columns of tables, or criteria of the end of the run and of events, use a word."""
     columns = () if scene.archive.globals is None else scene.archive.globals.columns or ()

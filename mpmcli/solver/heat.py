@@ -14,9 +14,10 @@ from mpmcli.boundary.mirror import Mirror
 from mpmcli.core.grid import Grid, SharedNodes
 from mpmcli.core.particles import Particles
 from mpmcli.core.transfer.nodal_field import NodalField
-from mpmcli.scene.archive import shows
+from mpmcli.scene.archive import grid_shows, shows
 from mpmcli.scene.fields import conductance_table, velocity_fields
 from mpmcli.scene.filling import section_of
+from mpmcli.solver.grid_view import show_on_grid
 from mpmcli.solver.parts import Parts
 from mpmcli.transport.conduction import Choices, Conduction
 from mpmcli.transport.contact import FrictionHeat, HeatContact
@@ -170,5 +171,24 @@ def make_conduction(
     allocate_accounts(s.particles, s.stress.knows_temperature)
     if scene.domain.on_exit == "delete":
         s.state.extra["deleted_heat"] = 0.0
+    if grid_shows(scene.archive, scene.probes, ("temperature", "heat_capacity")):
+        conduction.shown = np.zeros((len(nodal.mp), 2))
+        assert s.state.grid is not None
+        show_on_grid(s.state.grid, s.grid, _nodal_fields(conduction.shown, s, is_shared))
     conduction.begin()
     return conduction
+
+
+def _nodal_fields(shown: Array, s: Parts, is_shared: bool) -> dict[str, Callable[[], Array]]:
+    """Heat capacity and temperature of all velocity fields but rigid ones, per node of the grid."""
+    deformable = None if s.contact is None else ~np.array(s.contact.choice.rigid_fields)
+
+    def summed(values: Array) -> Array:
+        return values if is_shared else s.grid.sum_of_fields(values, deformable)
+
+    def temperature() -> Array:
+        C = summed(shown[:, 0])
+        heat = summed(shown[:, 0] * shown[:, 1])
+        return np.divide(heat, C, out=np.zeros_like(heat), where=C > 0.0)
+
+    return {"heat_capacity": lambda: summed(shown[:, 0]), "temperature": temperature}

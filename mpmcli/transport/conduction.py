@@ -118,6 +118,7 @@ class Conduction:
         friction; None where the scene has none
     elapsed : time over which conduction acts in this step, 0 where it waits
     acted : number of steps in which it acted
+    shown : (n, 2) capacity and value of the nodes in the last step in which it acted, for output; None unless asked for
     """
 
     def __init__(
@@ -140,6 +141,7 @@ class Conduction:
         self.contact: HeatContact | None = None
         self.friction: FrictionHeat | None = None
         self.elapsed, self.acted = 0.0, 0
+        self.shown: Array | None = None
         self._bad = np.full(CHUNKS, -1, dtype=np.int64)
         self._capacity_version = (-1, -1)
         self._C = self._C_of_nodes = np.zeros(0)
@@ -189,6 +191,12 @@ class Conduction:
         """Task 3.h: nodal values θ⁺(k) and, for FLIP, their change."""
         if not self.acts:
             return
+        self._update(step)
+        if self.shown is not None:
+            active = self.nodal.nodes.active
+            self.shown[active, 1] = (self.nodal.mp if self._is_flip else self.nodal.v)[active, 0]
+
+    def _update(self, step: Step) -> None:
         nodal, active, parallel = self.nodal, self.nodal.nodes.active, self._parallel
         theta = nodal.v
         nodal.complete(nodal.f)
@@ -267,12 +275,15 @@ class Conduction:
 
     def memory(self) -> dict[str, Any]:
         """Return what a checkpoint keeps of it."""
-        return {"acted": self.acted} | self.interval.memory()
+        shown = {} if self.shown is None else {"shown": self.shown}
+        return {"acted": self.acted} | shown | self.interval.memory()
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Take it back."""
         self.acted = int(memory["acted"])
         self.interval.recall(memory)
+        if self.shown is not None:
+            self.shown[:] = memory["shown"]
 
     def capacity(self) -> Array:
         """Return what each particle (N,) gives to the capacity of nodes; baths the more, the more they are there."""
@@ -316,6 +327,9 @@ class Conduction:
     def _find_values(self, time: float) -> None:
         nodal = self.nodal
         kernels.find_values[self._parallel](nodal.nodes.active, nodal.mp, nodal.v, nodal.f)
+        if self.shown is not None:
+            self.shown[:] = 0.0
+            self.shown[nodal.nodes.active, 0] = nodal.mp[nodal.nodes.active, 0]
         if self.held is not None:
             self.held.select(time)
 

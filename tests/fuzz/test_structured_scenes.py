@@ -247,6 +247,8 @@ def warm_up(dice: Dice, scene: dict[str, Any], d: int) -> None:
     has_heat = dice.rarely(0.8)
     if has_heat:
         scene["heat"] = heat(dice, "contact" in scene)
+        if dice.rarely() and "grid" not in scene["archive"]:
+            scene["archive"]["grid"] = {"every": 1e5, "fields": ["temperature", "heat_capacity"]}
         if scene["heat"].get("contact", "shared") != "shared":
             for pair in scene["contact"].get("pairs", ()):
                 pair["heat"] = dice.one_of(
@@ -461,7 +463,9 @@ def add_rare_keys(dice: Dice, scene: dict[str, Any], d: int) -> None:
         scene["grid"]["periodic"] = [axis]
         face = {"axis": "x", "side": "lower"} if axis != "x" or d == 1 else {"axis": "y", "side": "lower"}
     if dice.rarely(0.1) and scene["grid"].get("periodic") != [face["axis"]]:
-        loads.append({"name": "rest", "kind": "absorbing", "on": {"body": "a", "face": face}})
+        plane = {"plane": {"axis": face["axis"], "at": dice.one_of([1, 3]), "side": "lower"}}
+        on = dice.one_of([{"body": "a", "face": face}, plane])
+        loads.append({"name": "rest", "kind": "absorbing", "on": on})
     if dice.rarely(0.1) and not any(load["kind"] == "gravity" for load in loads):
         loads.append({"name": "weight", "kind": "gravity", "acceleration": [0] * (d - 1) + [-1]})
         loads.append({"name": "water", "kind": "buoyancy", "level": dice.one_of([3, "3+t"]), "density": 0.5})

@@ -171,7 +171,8 @@ SLOW: dict[str, dict[str, Any]] = {
     "hot metal": scene_of(
         "plane_strain", 6, {"kind": "flip"},
         method={"update": "usavg", "heating": "isothermal"},
-        heat={}, materials={"soft": WARM | {"kind": "j2_plastic", "expansion": 1e-3,
+        heat={"interval": 3}, archive={"grid": {"every": 0.05, "fields": ["temperature", "heat_capacity"]}},
+        materials={"soft": WARM | {"kind": "j2_plastic", "expansion": 1e-3,
                                             "hardening": {"kind": "linear", "yield_stress": 1}}},
         bodies=[body("block", [-3, -2], [3, 2], ["x", "-y"], temperature="300 + 9*x*y")],
     ),

@@ -36,6 +36,18 @@ def test_energy_from_nowhere_ends_the_run(loaded, simulation, tmp_path, capfd):
     assert (tmp_path / "out" / "failed.vtu").exists()
 
 
+def test_columns_beyond_all_numbers_end_the_run(loaded, simulation, tmp_path, capfd):
+    def overflow():
+        loaded.simulation.state.strain_energy_density = lambda: np.array([np.inf, 0.0])
+
+    loaded.at[30] = overflow
+    outcome = go(loaded, simulation, tmp_path)
+    assert outcome.exit_code == 4
+    assert "no number is large enough for strain_energy in step " in capfd.readouterr().err
+    assert "inf" not in (tmp_path / "out" / "globals.csv").read_text()
+    assert (tmp_path / "out" / "failed.vtu").exists()
+
+
 def test_a_little_is_warned_of_once(loaded, simulation, tmp_path, capfd):
     speed_up(loaded, 1.002)
     assert go(loaded, simulation, tmp_path).exit_code == 0
