@@ -16,6 +16,8 @@ from overlap import find_overlapping
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 
+pytestmark = pytest.mark.slow
+
 TRANSFERS = [{"kind": "flip"}, {"kind": "fmpm", "order": 4}]
 IDS = ["flip", "fmpm4"]
 
@@ -231,7 +233,6 @@ def test_a_body_squeezed_to_one_cell(transfer):
     assert deepest < 0.125  # of centres, on impact: 0 and 0.098
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("transfer", TRANSFERS, ids=IDS)
 def test_the_later_of_two_rigid_bodies_at_a_node_has_its_way(transfer):
     """Plates swapped in the scene squeeze a body into its mirror image, but the body leaves the middle."""
@@ -293,7 +294,6 @@ def test_particles_leave(transfer):
     run.check()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("transfer", TRANSFERS, ids=IDS)
 @pytest.mark.parametrize("kind", ["axisymmetric", "uniaxial_strain", "uniaxial_stress", "3d"])
 def test_other_analyses(kind, transfer):
@@ -339,14 +339,12 @@ def rest(transfer: dict, steps: int) -> None:
     assert p.X[0, upper].mean() == pytest.approx(2.0, abs=1e-6)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("transfer", TRANSFERS, ids=IDS)
 def test_at_rest_under_gravity(transfer):
     """10⁴ steps: the upper block stays where it is, and the contact force is its weight."""
     rest(transfer, 10_000)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("transfer", TRANSFERS, ids=IDS)
 def test_long_at_rest_under_gravity(transfer):
     """10⁵ steps."""

@@ -16,6 +16,8 @@ from mpmcli.output.snapshot import Snapshot
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 
+pytestmark = pytest.mark.slow
+
 SOLID = {"kind": "linear_elastic", "density": 1.0, "nu": 0.0, "heat_capacity": 1.0}
 TRANSFERS = {"FLIP": {"kind": "flip"}, "FMPM(4)": {"kind": "fmpm", "order": 4}}
 every_transfer = pytest.mark.parametrize("transfer", list(TRANSFERS))
@@ -167,7 +169,6 @@ ALL = {
 }
 
 
-@pytest.mark.slow
 @every_transfer
 @pytest.mark.parametrize("conductivity", [1.0, [3.0, 0.5, 1.0]], ids=["isotropic", "anisotropic"])
 @pytest.mark.parametrize("shape", ["ugimp", "lcpdi"])
@@ -237,7 +238,6 @@ def test_a_run_with_heat_loads_resumes_to_the_same_bytes(transfer):
     ] == []
 
 
-@pytest.mark.slow
 @every_transfer
 @pytest.mark.parametrize("contact", ["shared", "insulated"])
 def test_faces_of_two_bodies_that_touch(transfer, contact, hold):

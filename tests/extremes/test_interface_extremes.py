@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from joined_runs import JOINT, SOFT, JoinedRun, box
 
+pytestmark = pytest.mark.slow
+
 TRANSFERS = [{"kind": "flip"}, {"kind": "fmpm", "order": 4}]
 IDS = ["flip", "fmpm4"]
 PEEL: dict[str, Any] = {
@@ -26,7 +28,6 @@ def is_finite(run: JoinedRun) -> bool:
     return all(np.isfinite(getattr(run.s.particles, name)).all() for name in ("X", "V", "F", "tau"))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("transfer", TRANSFERS, ids=IDS)
 @pytest.mark.parametrize("ratio", [1e6, 1e-6])
 @pytest.mark.parametrize("what", ["density", "E"])
@@ -75,7 +76,7 @@ def test_any_stiffness(stiffness, transfer):
 @pytest.mark.parametrize("law", [JOINT, PEEL], ids=["linear", "cohesive"])
 @pytest.mark.parametrize(
     "share",
-    [pytest.param(0.1, marks=pytest.mark.slow), 1e-3, pytest.param(1e-6, marks=pytest.mark.slow), 1e-9],
+    [0.1, 1e-3, 1e-6, 1e-9],
 )
 def test_nodes_of_small_mass_ratio(share, law, transfer):
     """The interface lies so near to the next row of nodes that one side hardly reaches it."""
@@ -139,7 +140,6 @@ def rest(law: dict[str, Any], transfer: dict[str, Any], steps: int) -> None:
     assert run.view.cohesive_work.sum() == run.view.broken_area.sum() == 0.0
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("transfer", TRANSFERS, ids=IDS)
 @pytest.mark.parametrize("law", [JOINT, PEEL], ids=["linear", "cohesive"])
 def test_at_rest_under_load(law, transfer):
@@ -147,7 +147,6 @@ def test_at_rest_under_load(law, transfer):
     rest(law, transfer, 10_000)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("transfer", TRANSFERS, ids=IDS)
 def test_long_at_rest_under_load(transfer):
     """10⁵ steps of the cohesive joint."""

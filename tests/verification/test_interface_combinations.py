@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from joined_runs import JOINT, JoinedRun, Mode, box
 
+pytestmark = pytest.mark.slow
+
 MODE = Mode()
 UPDATES = ["usf", "usl", "usl+", "usavg", "usavg+"]
 TRANSFERS: dict[str, dict[str, Any]] = {
@@ -68,23 +70,9 @@ def check_mode(run: JoinedRun, jump: float, energy: float) -> None:
     assert run.view.all_lost == 0
 
 
-QUICK = {
-    ("usl", "flip"),
-    ("usl", "xpic2"),
-    ("usl", "fmpm4"),
-    ("usavg+", "fmpm2_gradient"),
-}
-
-
 @pytest.mark.parametrize("offset", [0.0, 0.37])
-@pytest.mark.parametrize(
-    ("update", "transfer"),
-    [
-        pytest.param(u, t, marks=() if (u, t) in QUICK else pytest.mark.slow)
-        for u in UPDATES
-        for t in TRANSFERS
-    ],
-)
+@pytest.mark.parametrize("transfer", TRANSFERS)
+@pytest.mark.parametrize("update", UPDATES)
 def test_every_update_and_transfer(update, transfer, offset):
     """In one dimension, on a grid line and off it (there are light nodes where an interface on a line closes)."""
     run = bars(
@@ -94,7 +82,6 @@ def test_every_update_and_transfer(update, transfer, offset):
     check_mode(run, 0.055 if offset else 0.1, 0.25 if again and not offset else 0.1)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("shape", ["linear", "ugimp", "bspline2", "b2gimp", "lcpdi", "qcpdi"])
 @pytest.mark.parametrize("kind", ["uniaxial_strain", "plane_strain", "axisymmetric", "3d"])
 def test_every_shape_in_every_analysis(kind, shape):
@@ -156,7 +143,7 @@ def blocks(d: int, **changes: Any) -> JoinedRun:
 
 
 @pytest.mark.parametrize("angle", ANGLES)
-@pytest.mark.parametrize("d", [2, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("d", [2, 3])
 def test_bodies_that_turn_together_have_no_jump(d, angle):
     """By any angle; the jump of displacements as extrapolated is 0.75 Δx 2 sin(θ/2) at the least."""
     for jump, bound in (("gradient", 1e-13), ("extrapolated", np.inf)):
@@ -171,7 +158,7 @@ def test_bodies_that_turn_together_have_no_jump(d, angle):
 
 
 @pytest.mark.parametrize("angle", [0.0, *ANGLES])
-@pytest.mark.parametrize("d", [2, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("d", [2, 3])
 def test_the_jump_of_affine_deformations_is_exact_and_turns(d, angle):
     """Both bodies stretched, sheared and turned by F, the second moved by c: the jump is c at every contact."""
     run = blocks(d)
@@ -233,7 +220,7 @@ THREE = [
 
 
 @pytest.mark.parametrize("off", [0.0, 0.37])
-@pytest.mark.parametrize("others", ["joint", pytest.param("coulomb", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("others", ["joint", "coulomb"])
 def test_three_bodies_at_a_node(others, off):
     """Joined in all three pairs, or in one with friction in the others; momentum, mirror image and order."""
     law = JOINT if others == "joint" else {"kind": "coulomb", "friction": 0.3}
@@ -271,7 +258,7 @@ def _of_body(run: JoinedRun, body: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("transfer", ["flip", "fmpm4"])
-@pytest.mark.parametrize("d", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("d", [1, 2])
 def test_a_bar_joined_to_a_rigid_plate(d, transfer):
     """The plate stops after pulling by u: σ = u/(L/E + 1/D) with ν = 0, and what it worked is stored or damped."""
     D, E, L, u = 20.0, 100.0, 4.0, 0.05
