@@ -18,7 +18,7 @@ START, END = 0, -1
 FOLDED = -math.sqrt(0.75)
 """Cosine of the turn between two segments, 150 degrees, from which on a plane is folded."""
 VISIBLE = 0.25
-"""Length of the shorter segment at a fold [cells] from which on the grid sees it."""
+"""Length of the shorter segment at a fold [cells] below which the grid does not resolve the fold."""
 STRETCHED, SHRUNK = 1.5, 0.25
 """Lengths of segments over their first ones from which on a point is put in, or one is taken out."""
 

@@ -117,10 +117,9 @@ class Interfaces:
             self._find_start_gaps()
         find_jumps[parallel](
             self._axes, self._way, self._sides, c.count, c.fields, c.table, around, c.nodes.near, matter,
-            self._particles.interface, np.nan_to_num(self._start_gap, nan=UNKNOWN), c.geometry, j,
+            self._particles.interface, np.nan_to_num(self._start_gap, nan=UNKNOWN), c.geometry,
+            order > HIGHEST_AT_INTERFACE, j,
         )  # fmt: skip
-        if order <= HIGHEST_AT_INTERFACE:
-            j.aside[:] = 0.0
         if self._opens:
             open_areas[parallel](self._axes, self._sides, c.count, c.fields, c.table, around, c.geometry, j)
         p = self._particles

@@ -105,7 +105,9 @@ def add_inverse_times(axes, F, p, weight, turned, r, out):
 
 
 @kernel
-def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, kept, start_gap, geometry, rows):
+def find_jumps(
+    axes, way, sides, count, fields, nodes, around, near, matter, kept, start_gap, geometry, to_node, rows
+):  # fmt: skip
     """Jump δ(0) of every contact whose law is one of interfaces, into ``rows.jump``.
 
     With ``GRADIENT`` the difference of the reference positions of the matter that is at the interface now, beside the
@@ -114,7 +116,7 @@ def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, kep
     displacements (Nairn 2023, Eq. 2.4); with ``EDGES`` the part along the normal is the separation less that of the
     start, ``start_gap`` (pairs,), where regression finds the edges of both sides.
 
-    ``rows.aside`` is what the gradients of both sides add to the jump on the way to the node.
+    ``rows.aside`` is what the gradients of both sides add to the jump on the way to the node; 0 unless ``to_node``.
 
     ``rows.apart`` tells whether the matter of a side that is nearest to the interface was not bonded at the start, by
     the histories ``kept`` (rows, N) of the particles.
@@ -134,7 +136,7 @@ def find_jumps(axes, way, sides, count, fields, nodes, around, near, matter, kep
             beside = 0.0
         bonded, density = find_jump(
             axes, way, slot, i, alpha, beta, fields.rigid[k], around, near, matter, beside, knows_place,
-            geometry.normal[k], sides, kept, reach, sums[k], jump[k], aside[k],
+            geometry.normal[k], sides, kept, reach, sums[k], to_node, jump[k], aside[k],
         )  # fmt: skip
         apart[k] = not bonded
         mass[k] = 0.5 * perpendicular_size(axes, around.cell, geometry.normal[k]) * density
@@ -160,7 +162,7 @@ def max_of(axes, values):
 @inline
 def find_jump(
     axes, way, slot, i, alpha, beta, rigid, around, near, matter, beside, knows_place, normal, sides, kept, reach, sums,
-    out, aside,
+    to_node, out, aside,
 ):  # fmt: skip
     """``find_jumps`` for one contact, ``beside`` it along the normal; returns whether both sides were bonded, and
     ρ_α ρ_β/(ρ_α + ρ_β), ρ_α beside a rigid body.
@@ -213,7 +215,7 @@ def find_jump(
                 other_alpha = min(other_alpha, distance)
             if way != EXTRAPOLATED:
                 add_inverse_times(axes, matter.F, p, w, turned, out, mine)
-                if beside != 0.0:
+                if to_node and beside != 0.0:
                     along = along_beta if is_beta else along_alpha
                     add_inverse_times(axes, matter.F, p, w, turned, normal, along)
                 if of_rigid or not rigid:  # beside a rigid body the jump is in its frame
