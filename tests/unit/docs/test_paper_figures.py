@@ -127,7 +127,8 @@ def test_a_figure_is_made_by_its_command(tmp_path):
     """In a copy of ``docs``: its numbers are those of the page, its picture is drawn."""
     made_here = shutil.ignore_patterns("_build", "_generated", "__pycache__")
     docs = shutil.copytree(DOCS, tmp_path / "docs", ignore=made_here)
-    (tmp_path / "inputs").symlink_to(ROOT / "inputs")
+    for beside in ("inputs", "tests"):
+        (tmp_path / beside).symlink_to(ROOT / beside)
     name = "nairn2020_fig07"
     table, picture = docs / "gallery" / f"{name}.csv", docs / "images" / "papers" / f"{name}.png"
     table.unlink()
