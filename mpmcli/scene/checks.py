@@ -363,7 +363,7 @@ def _check_faces(parts: Parts, root: Node, report: Report) -> None:
         return
     words = f"need linear or quadratic grid functions; '{parts.method.shape}' has others"
     for index, model in parts.loads:
-        if model.acts_on_face:
+        if model.loaded_face() is not None:
             report(f"{label(root, 'loads', index)}.kind", f"loads on faces {words}", "shape")
     for index, model in parts.boundary:
         if model.held_face() is not None:

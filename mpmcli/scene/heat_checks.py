@@ -209,8 +209,7 @@ def _check_axis_faces(scene: HeatOfScene, report: Report) -> None:
     if analysis is None or analysis.kind != "axisymmetric":
         return
     for path, model in scene.acting():
-        is_load = hasattr(model, "acts_on_face")
-        place = (model.loaded_face() if model.acts_on_face else None) if is_load else model.held_face()
+        place = model.held_face() if hasattr(model, "held_face") else model.loaded_face()
         if place is None or (place[1].axis, place[1].side) != ("x", "lower"):
             continue
         body = next((body for _, body in scene.parts.bodies if body.name == place[0]), None)

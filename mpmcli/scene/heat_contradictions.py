@@ -39,8 +39,8 @@ def _check_faces(scene: HeatOfScene, report: Report) -> None:
             words = f"the face is held at another temperature by '{first}' in line {line}"
             report(f"{path}.value", words, "contradiction")
     for path, model in scene.acting():
-        is_on_face = getattr(model, "acts_on_face", False)
-        found = held.get(_key(model.loaded_face())) if is_on_face else None
+        place = None if hasattr(model, "held_face") else model.loaded_face()
+        found = None if place is None else held.get(_key(place))
         if found is not None:
             words = f"has no effect on the body, because '{found[1].name}' holds the temperature of this face"
             report(f"{path}.on", words, "no_effect", "warning")

@@ -84,11 +84,9 @@ def _of_load(model: Any, axes: tuple[str, ...], dimensions: int) -> Found:
     plane = model.loaded_plane()
     if plane is not None and plane.axis in axes:
         yield "on.plane.axis", f"no wave can leave across the periodic axis {plane.axis}"
-    if not model.acts_on_face:
-        return
-    face = model.loaded_face()[1]
-    if face.axis in axes:
-        yield "on.face.axis", f"a body has no face across the periodic axis {face.axis}"
+    face = model.loaded_face()
+    if face is not None and face[1].axis in axes:
+        yield "on.face.axis", f"a body has no face across the periodic axis {face[1].axis}"
 
 
 def _number(axis: str) -> int:
