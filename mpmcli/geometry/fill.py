@@ -18,6 +18,7 @@ from mpmcli.geometry.base import Region
 from mpmcli.geometry.bodies import BodyParticles, BodyRequest
 from mpmcli.geometry.lattice import GridBox, GridLattice, OwnLattice
 from mpmcli.geometry.overlap import settle_overlaps
+from mpmcli.geometry.vectors import in_words
 
 Array = np.ndarray
 
@@ -183,7 +184,7 @@ def _check_extent(body: BodyRequest, lattice: GridLattice | OwnLattice, hint: st
     """Refuse regions so large that testing all their sub-cells, or those out of the grid, would take long."""
     whole = float(np.prod((lattice.last - lattice.first).astype(float)))
     lower, upper = body.region.bounds(len(lattice.total))
-    spans = f"the region of body '{body.name}' spans {_point(lower)} to {_point(upper)}"
+    spans = f"the region of body '{body.name}' spans {in_words(lower)} to {in_words(upper)}"
     if whole > max(MAX_OUTSIDE, 2 * lattice.within):
         raise ValueError(
             f"{spans} and extends far beyond the grid{hint or '; intersect it with a bounded region'}"
@@ -205,13 +206,9 @@ def _chunks(first: Array, last: Array) -> Iterator[Array]:
         yield index
 
 
-def _point(x: Array) -> str:
-    return "[" + ", ".join(f"{value:g}" for value in x) + "]"
-
-
 def _outside_words(body: BodyRequest, grid: GridBox, count: int, example: Array) -> str:
     what = "1 particle" if count == 1 else f"{count} particles"
-    words = f"body '{body.name}' extends beyond the grid: {what} outside, the first at {_point(example)}"
+    words = f"body '{body.name}' extends beyond the grid: {what} outside, the first at {in_words(example)}"
     return words + scale_hint(body.region, grid)
 
 
@@ -230,10 +227,10 @@ def _nothing_words(body: BodyRequest, grid: GridBox) -> str:
     lower, upper = body.region.bounds(len(grid.lower))
     if (upper < grid.lower).any() or (lower > grid.upper).any():
         return (
-            f"body '{body.name}', from {_point(lower)} to {_point(upper)}, lies outside the grid, "
-            f"which spans {_point(grid.lower)} to {_point(grid.upper)}{scale_hint(body.region, grid)}"
+            f"body '{body.name}', from {in_words(lower)} to {in_words(upper)}, lies outside the grid, "
+            f"which spans {in_words(grid.lower)} to {in_words(grid.upper)}{scale_hint(body.region, grid)}"
         )
     return (
         f"body '{body.name}' has no particles, because no centre of a sub-cell is inside its region, which spans "
-        f"{_point(lower)} to {_point(upper)} (cell {_point(grid.cell)}){scale_hint(body.region, grid)}"
+        f"{in_words(lower)} to {in_words(upper)} (cell {in_words(grid.cell)}){scale_hint(body.region, grid)}"
     )

@@ -12,6 +12,7 @@ from mpmcli.core.analysis import Analysis, Axisymmetric
 from mpmcli.geometry.base import Region
 from mpmcli.geometry.bodies import BodyParticles, BodyRequest
 from mpmcli.geometry.lattice import GridBox
+from mpmcli.geometry.vectors import in_words
 
 Array = np.ndarray
 
@@ -181,8 +182,8 @@ def report_table(reports: Sequence[BodyReport], units: dict[str, str] | None = N
                 "rigid" if r.mass is None else f"{r.mass:.6g}",
                 f"{r.volume:.6g}",
                 f"{100 * r.difference:+.3f} %" if r.exact else f"~{100 * r.difference:+.2f} %",
-                _point(r.center),
-                f"{_point(r.lower)} to {_point(r.upper)}",
+                in_words(r.center, 5),
+                f"{in_words(r.lower, 5)} to {in_words(r.upper, 5)}",
             ]
         )
     widths = [max(len(row[k]) for row in rows) for k in range(len(heads))]
@@ -200,7 +201,3 @@ def report_table(reports: Sequence[BodyReport], units: dict[str, str] | None = N
 
 def _head(name: str, unit: str) -> str:
     return f"{name} [{unit}]" if unit else name
-
-
-def _point(x: Array) -> str:
-    return "[" + ", ".join(f"{value:.5g}" for value in x) + "]"

@@ -60,3 +60,8 @@ Point2 = Annotated[tuple[Length, ...], Count(2, 2)]
 Point3 = Annotated[tuple[Length, ...], Count(3, 3)]
 Direction = Annotated[tuple[Number, ...], Count(1, 3), AfterValidator(has_length)]
 """One number per axis of the grid, not all of them zero."""
+
+
+def in_words(x: Any, digits: int = 6) -> str:
+    """A point as messages show it: ``[1, 2.5]``."""
+    return "[" + ", ".join(f"{value:.{digits}g}" for value in x) + "]"

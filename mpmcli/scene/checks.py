@@ -17,6 +17,7 @@ from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.expressions import Expression
 from mpmcli.core.suggest import listing
 from mpmcli.geometry.fill import scale_hint
+from mpmcli.geometry.vectors import in_words
 from mpmcli.scene.axes import check_axes
 from mpmcli.scene.event_checks import check_events
 from mpmcli.scene.initial_stress import has_upright_gravity, stress_problems
@@ -190,8 +191,10 @@ def _check_bounds(body: Any, path: str, parts: Parts, report: Report) -> None:
             report(path, misfit + hint, "points")
         return
     if (upper <= low).any() or (lower >= high).any():
-        words = f"the region spans {_point(lower)} to {_point(upper)} and lies outside the grid, which spans"
-        report(path, f"{words} {_point(low)} to {_point(high)}{hint}", "outside")
+        words = (
+            f"the region spans {in_words(lower)} to {in_words(upper)} and lies outside the grid, which spans"
+        )
+        report(path, f"{words} {in_words(low)} to {in_words(high)}{hint}", "outside")
         return
     # the outermost row of particles has its centres half a sub-cell inside the region's bounds
     reach = 0.5 * cell / np.array(body.particles_per_axis) + 1e-9 * cell
@@ -201,15 +204,9 @@ def _check_bounds(body: Any, path: str, parts: Parts, report: Report) -> None:
         under[0] = False
     if (over | under).any():
         is_exact = body.region.kind == "box" and body.region.rotate is None
-        words = (
-            f"the region spans {_point(lower)} to {_point(upper)} and extends beyond the grid, which spans"
-        )
+        words = f"the region spans {in_words(lower)} to {in_words(upper)} and extends beyond the grid, which spans"
         severity = "error" if is_exact else "warning"
-        report(path, f"{words} {_point(low)} to {_point(high)}{hint}", "outside", severity)
-
-
-def _point(x: Any) -> str:
-    return "[" + ", ".join(f"{value:g}" for value in x) + "]"
+        report(path, f"{words} {in_words(low)} to {in_words(high)}{hint}", "outside", severity)
 
 
 def _check_conditions(
@@ -263,7 +260,9 @@ def _check_loaded_point(load: Any, path: str, grid: Any, report: Report) -> None
         return
     at, low, high = (np.array(x) for x in (load.nodal_force_at(0.0)[0], grid.lower, grid.upper))
     if not np.all(np.abs(2.0 * at - low - high) <= high - low + 2e-6 * np.array(grid.cell)):
-        words = f"the point {_point(at)} lies outside the grid, which spans {_point(low)} to {_point(high)}"
+        words = (
+            f"the point {in_words(at)} lies outside the grid, which spans {in_words(low)} to {in_words(high)}"
+        )
         report(f"{path}.at", words, "outside")
 
 
@@ -281,7 +280,7 @@ def _check_probes(parts: Parts, dimensions: int, report: Report) -> None:
         elif _check_count(report, f"{path}.at", probe.at, dimensions) and parts.grid is not None:
             ends = zip(parts.grid.lower, probe.at, parts.grid.upper, strict=False)
             if not all(low <= x <= high for low, x, high in ends):
-                report(f"{path}.at", f"the point {_point(probe.at)} lies outside the grid", "outside")
+                report(f"{path}.at", f"the point {in_words(probe.at)} lies outside the grid", "outside")
 
 
 def _check_start(parts: Parts, report: Report) -> None:

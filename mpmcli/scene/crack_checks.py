@@ -12,6 +12,7 @@ import numpy as np
 
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.geometry.vectors import in_words
 from mpmcli.scene.contact_checks import read_fields
 from mpmcli.scene.interface_checks import FEWEST_CELLS, plane_modulus, process_zone, resistances
 from mpmcli.scene.parts import Parts
@@ -61,11 +62,6 @@ def check_cracks(parts: Parts, report: Report) -> None:
                 _check_zones(crack, path, parts, report)
     if is_plane and parts.grid is not None and parts.grid.dimensions == 2:
         _check_tips(parts, report)
-
-
-def words_of(point: Any) -> str:
-    """A point in words."""
-    return "[" + ", ".join(f"{x:g}" for x in point) + "]"
 
 
 def tips_of(crack: Any) -> Iterator[tuple[str, Array]]:
@@ -204,13 +200,13 @@ def _check_path(crack: Any, path: str, parts: Parts, report: Report) -> None:
     outside = np.flatnonzero(((corners < lower - 1e-9 * cell) | (corners > upper + 1e-9 * cell)).any(axis=1))
     if len(outside):
         where, words = place(int(outside[0]))
-        words += f"the point {words_of(corners[outside[0]])} lies outside the grid, which spans "
-        report(where, f"{words}{words_of(lower)} to {words_of(upper)}", "outside")
+        words += f"the point {in_words(corners[outside[0]])} lies outside the grid, which spans "
+        report(where, f"{words}{in_words(lower)} to {in_words(upper)}", "outside")
         return
     pieces = np.hypot(*np.diff(corners, axis=0).T) / cell.min()
     if pieces.min() < SHORTEST:
         where, words = place(int(pieces.argmin()) + 1)
-        words += f"the point {words_of(corners[pieces.argmin() + 1])} is only {pieces.min():.2g} cells from the one "
+        words += f"the point {in_words(corners[pieces.argmin() + 1])} is only {pieces.min():.2g} cells from the one "
         report(where, f"{words}before; at least {SHORTEST:g} cells are needed", "resolution")
         return
     count = 1.0 + np.ceil(pieces / crack.spacing).sum()
@@ -239,7 +235,7 @@ def _check_symmetry(
     if len(inside):
         where, words = place(int(inside[0]))
         words += (
-            f"the crack runs in {name} from {words_of(corners[inside[0]])} on; leave the crack out and hold that "
+            f"the crack runs in {name} from {in_words(corners[inside[0]])} on; leave the crack out and hold that "
             "plane only where the body is whole"
         )
         report(where, words, "symmetry")

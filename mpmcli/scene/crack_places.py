@@ -11,7 +11,8 @@ import numpy as np
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.suggest import listing
 from mpmcli.geometry.bodies import BodyParticles
-from mpmcli.scene.crack_checks import ENDS, words_of
+from mpmcli.geometry.vectors import in_words
+from mpmcli.scene.crack_checks import ENDS
 
 Array = np.ndarray
 
@@ -64,8 +65,8 @@ def _faults_of(crack: Any, scene: Any, filled: Sequence[BodyParticles]) -> list[
     if not is_cut(matter, corners, cell):
         lower, upper = (matter.X - matter.half).min(axis=1), (matter.X + matter.half).max(axis=1)
         words = (
-            f"cuts nothing: the path from {words_of(corners[0])} to {words_of(corners[-1])} does not run through "
-            f"{bodies}, within {words_of(lower)} to {words_of(upper)}; correct the path, or leave the crack out"
+            f"cuts nothing: the path from {in_words(corners[0])} to {in_words(corners[-1])} does not run through "
+            f"{bodies}, within {in_words(lower)} to {in_words(upper)}; correct the path, or leave the crack out"
         )
         return [Problem(f"cracks.{crack.name}.path", words, code="cuts_nothing")]
     found = []
@@ -75,7 +76,7 @@ def _faults_of(crack: Any, scene: Any, filled: Sequence[BodyParticles]) -> list[
             distance, name = distance_to(matter, point)
             if distance > ROUND_OFF * cell:
                 words = (
-                    f"the tip at {words_of(point)} lies outside every body that the crack cuts, {distance:.3g} "
+                    f"the tip at {in_words(point)} lies outside every body that the crack cuts, {distance:.3g} "
                     f"({distance / cell:.2g} cells) from '{name}'; move it into the body, or use 'mouth'"
                 )
                 found.append(Problem(path, words, code="tip_outside"))
@@ -83,7 +84,7 @@ def _faults_of(crack: Any, scene: Any, filled: Sequence[BodyParticles]) -> list[
             depth, name = depth_along(matter, point, point - inner, ROUND_OFF * cell)
             if depth > DEEPEST * cell:
                 words = (
-                    f"the mouth at {words_of(point)} lies inside '{name}', whose surface is {depth:.3g} "
+                    f"the mouth at {in_words(point)} lies inside '{name}', whose surface is {depth:.3g} "
                     f"({depth / cell:.2g} cells) further along the crack; extend the path, or use 'tip'"
                 )
                 found.append(Problem(path, words, code="mouth_inside"))

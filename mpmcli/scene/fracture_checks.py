@@ -13,7 +13,8 @@ from mpmcli.core.errors import Problem, SceneError
 from mpmcli.cracks.integrals.elastic import has_plane_elasticity
 from mpmcli.geometry.bodies import BodyParticles
 from mpmcli.geometry.domains import in_a_domain
-from mpmcli.scene.crack_checks import tips_of, words_of
+from mpmcli.geometry.vectors import in_words
+from mpmcli.scene.crack_checks import tips_of
 from mpmcli.scene.crack_places import ROUND_OFF
 
 Array = np.ndarray
@@ -120,7 +121,7 @@ def _first_reached(tip: Tip, near: Near, tips: Sequence[Tip], scene: Any) -> Pro
         else f"the largest that fits is {fits:g}, with a smaller 'inner' or smaller cells"
     )  # fmt: skip
     words = (
-        f"the domain of the tip '{tip.name}' at {words_of(tip.place)} reaches {what}, {distance / cell:.3g} cells "
+        f"the domain of the tip '{tip.name}' at {in_words(tip.place)} reaches {what}, {distance / cell:.3g} cells "
         f"away, and its energy release rate is less accurate; {advice}"
     )
     return Problem(f"fracture.{key}", words, code="domain", severity="warning")
