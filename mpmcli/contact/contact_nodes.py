@@ -1,9 +1,8 @@
 """Which nodes see several velocity fields, and which particles each of them sees.
 
 Nodes that may meet two fields, and the particles near them, are listed once per sort of the particles; everything
-else happens at those alone. The particles near a node, those
-at which its shape function is not zero, hang together in a list, in an order that does not depend on the number of
-threads.
+else happens at those alone. The particles near a node, those at which its shape function is not zero, hang together
+in a list, in an order that does not depend on the number of threads.
 """
 
 from __future__ import annotations

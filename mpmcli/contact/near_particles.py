@@ -20,7 +20,7 @@ NEAREST = 8
 
 
 class NearParticles(NamedTuple):
-    """NearParticles of particles and nodes, linked by node.
+    """Pairs of a contact node and a particle near it, linked by node.
 
     head, number : (slots,) last entry of each contact node (−1: none) and how many it has
     next : (room,) the entry before it in its list

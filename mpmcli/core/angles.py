@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
 
-from mpmcli.core.expressions import parse
+from mpmcli.core.expressions import number_in
 from mpmcli.core.model import has_unit
 
 IN_DEGREES = {
@@ -36,7 +36,7 @@ def _in_degrees(value: Any, info: ValidationInfo) -> Any:
         )
     if info.context is not None:
         return factor * info.context.number(text.strip(), "1")
-    return factor * float(parse(text.strip(), constants={}, variables=())())
+    return factor * number_in(text.strip())
 
 
 Angle = Annotated[

@@ -24,10 +24,10 @@ from __future__ import annotations
 
 import ast
 import math
-import types
 import warnings
 from collections.abc import Mapping
 from functools import reduce
+from types import CodeType, MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -59,14 +59,29 @@ _OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
 
 
 class Expression:
-    """A checked expression of x, y, z and t; made by ``parse`` or ``Expression.constant``, never changed.
+    """A checked expression of x, y, z, t or other variables; never changed.
+
+    Parameters
+    ----------
+    source
+        The text.
+    constants
+        Names with values.
+    variables
+        Names that may occur besides.
+    read_table
+        Gives the table (2, n) of a file by its name; without it no file may be named.
 
     Attributes
     ----------
-    source : str
-        The text as written.
     variables : frozenset of str
-        Those of x, y, z, t that occur in it.
+        Those that occur.
+
+    Raises
+    ------
+    ValueError
+        With words for the user: bad syntax, an unknown name, anything that is not arithmetic, a constant
+        expression that is not finite.
     """
 
     __slots__ = ("_code", "_constants", "_files", "_tables", "_value", "source", "variables")
@@ -75,7 +90,7 @@ class Expression:
     _constants: tuple[tuple[str, float], ...]
     _tables: dict[str, Table]
     _files: dict[str, Table]
-    _code: types.CodeType | None
+    _code: CodeType | None
     _value: float | None
 
     def __init__(
@@ -84,34 +99,37 @@ class Expression:
     ):  # fmt: skip
         builder = _Builder(constants, variables, read_table)
         tree = ast.Expression(builder.build(_syntax(source)))
-        put = object.__setattr__
-        put(self, "source", source)
-        put(self, "variables", frozenset(builder.used_variables))
-        put(self, "_constants", tuple(sorted(builder.used_constants.items())))
-        put(self, "_tables", builder.tables)
-        put(self, "_files", builder.files)
-        put(self, "_code", compile(ast.fix_missing_locations(tree), "<expression>", "eval"))
-        put(self, "_value", None)
+        self._put(
+            source=source, variables=frozenset(builder.used_variables),
+            _constants=tuple(sorted(builder.used_constants.items())), _tables=builder.tables, _files=builder.files,
+            _code=compile(ast.fix_missing_locations(tree), "<expression>", "eval"), _value=None,
+        )  # fmt: skip
         if not self.variables:
             value = self._evaluate(0.0, 0.0, 0.0, 0.0)
             if not np.isfinite(value):
                 raise ValueError(f"'{source}' is {float(value)}; a finite number is needed")
-            put(self, "_value", float(value))
+            self._put(_value=float(value))
 
     @classmethod
     def constant(cls, value: float) -> Expression:
         """The expression that is the same number everywhere and always."""
         if not math.isfinite(value):
             raise ValueError(f"{value} is not a finite number")
-        made = object.__new__(cls)
-        number, put = float(value), object.__setattr__
-        for name, content in (("source", repr(number)), ("variables", frozenset()), ("_constants", ())):
-            put(made, name, content)
-        for name in ("_tables", "_files"):
-            put(made, name, {})
-        put(made, "_code", None)
-        put(made, "_value", number)
+        made, number = object.__new__(cls), float(value)
+        made._put(
+            source=repr(number),
+            variables=frozenset(),
+            _constants=(),
+            _tables={},
+            _files={},
+            _code=None,
+            _value=number,
+        )
         return made
+
+    def _put(self, **contents: Any) -> None:
+        for name, content in contents.items():
+            object.__setattr__(self, name, content)
 
     @property
     def is_constant(self) -> bool:
@@ -182,29 +200,9 @@ class Expression:
         )
 
 
-def parse(
-    text: str, constants: Mapping[str, float], variables: tuple[str, ...], read_table: ReadTable | None = None
-) -> Expression:
-    """Read an expression.
-
-    Parameters
-    ----------
-    text : str
-        The expression.
-    constants : mapping of str to float
-        Names with values.
-    variables : tuple of str
-        Those of x, y, z, t that may occur, and others of the value.
-    read_table : callable, optional
-        Gives the table (2, n) of a file by its name; without it no file may be named.
-
-    Raises
-    ------
-    ValueError
-        With words for the user: bad syntax, an unknown name, anything that is not arithmetic, a constant
-        expression that is not finite.
-    """
-    return Expression(text, constants, variables, read_table)
+def number_in(text: str, constants: Mapping[str, float] = MappingProxyType({})) -> float:
+    """The value of text without variables, such as ``"2*pi*r"``; raises as ``Expression`` does."""
+    return float(Expression(text, constants, ())())
 
 
 def _syntax(text: str) -> ast.expr:

@@ -23,7 +23,7 @@ from pydantic import (
     model_validator,
 )
 
-from mpmcli.core.expressions import Expression, parse
+from mpmcli.core.expressions import Expression, number_in
 
 
 class Resolver(Protocol):
@@ -106,7 +106,7 @@ def _resolve_number(dimension: str) -> Any:
             return value
         if info.context is not None:
             return info.context.number(value, dimension)
-        return float(parse(value, constants={}, variables=())())
+        return number_in(value)
 
     return resolve
 
@@ -148,10 +148,10 @@ def _resolve_field(dimension: str, variables: tuple[str, ...]) -> Any:
             return Expression.constant(float(value))
         resolver = info.context
         if resolver is None:
-            return parse(value, constants={}, variables=variables)
+            return Expression(value, {}, variables)
         if has_unit(value):
             return Expression.constant(resolver.number(value, dimension))
-        return parse(value, resolver.constants, variables, getattr(resolver, "table", None))
+        return Expression(value, resolver.constants, variables, getattr(resolver, "table", None))
 
     return resolve
 

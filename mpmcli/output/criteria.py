@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.errors import Problem, SceneError
-from mpmcli.core.expressions import CONSTANTS, FUNCTIONS, parse
+from mpmcli.core.expressions import CONSTANTS, FUNCTIONS, Expression
 from mpmcli.core.state import State
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.columns import Column, all_columns, evaluate, resolve_fields, unknown_column
@@ -77,7 +77,7 @@ class Criteria:
             ):
                 continue
             sources[word] = word if word in CLOCK else self._column(word)
-        expression = parse(plain, self._constants, tuple(sources))
+        expression = Expression(plain, self._constants, tuple(sources))
         if not expression.variables:
             raise ValueError(f"'{text}' names no column, so that it never changes")
         return Condition(text, expression, {name: sources[name] for name in sorted(expression.variables)})

@@ -7,7 +7,7 @@ import math
 import re
 
 from mpmcli.core.errors import Problem
-from mpmcli.core.expressions import RESERVED, parse
+from mpmcli.core.expressions import RESERVED, number_in
 from mpmcli.core.model import has_unit
 from mpmcli.scene.tree import Node
 from mpmcli.scene.units import Units
@@ -105,7 +105,7 @@ class _Reader:
                 raise
             except ValueError:
                 raise ValueError(f"needs the constant '{word}', which has no value") from None
-        return float(parse(value, constants=self.known, variables=())())
+        return number_in(value, self.known)
 
 
 def _names(text: str) -> set[str]:

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from pydantic import TypeAdapter
 
 from mpmcli.core.expression_functions import Table
-from mpmcli.core.expressions import parse
+from mpmcli.core.expressions import number_in
 from mpmcli.core.model import has_unit
 from mpmcli.core.registry import OneOf
 from mpmcli.scene.units import Units, split_unit
@@ -61,7 +61,7 @@ class Context:
                 if parts is not None and parts[1] in self.constants:
                     raise ValueError(f"'{text}' needs an operator: write {parts[0]}*{parts[1]}") from None
                 raise error
-        return float(parse(text, constants=self.constants, variables=())())
+        return number_in(text, self.constants)
 
     def table(self, name: str) -> Table:
         """The points (2, n) of a function in a file; ValueError with words for the user."""

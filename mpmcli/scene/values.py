@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
-from mpmcli.core.expressions import Expression, parse
+from mpmcli.core.expressions import Expression, number_in
 from mpmcli.core.model import Length, PositiveLength, Varying
 
 Name = Annotated[str, Field(min_length=1, max_length=80)]
@@ -33,7 +33,7 @@ def _read_counts(value: Any, info: ValidationInfo) -> int | tuple[int, ...]:
 def _read_count(value: Any, info: ValidationInfo) -> int:
     if isinstance(value, str):
         constants = {} if info.context is None else info.context.constants
-        value = parse(value, constants=constants, variables=())()
+        value = number_in(value, constants)
     if isinstance(value, bool) or not isinstance(value, int | float) or value != value // 1:
         raise ValueError(f"{value!r} is not a whole number")
     if not 1 <= value <= MAX_PARTICLES_PER_AXIS:

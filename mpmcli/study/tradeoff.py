@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from mpmcli.core.errors import ArchiveError, SceneError
-from mpmcli.core.expressions import parse
+from mpmcli.core.expressions import Expression
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.core.version import VERSION
 from mpmcli.output.files import make_folder, write_text
@@ -267,7 +267,7 @@ class Measure:
             raise ValueError(
                 f"'{self.column}' has no exact solution; write --error '{self.column}=EXPRESSION' of t and constants"
             )
-        function = parse(text, constants=dict(constants), variables=("t",))
+        function = Expression(text, constants, ("t",))
         return lambda t: np.broadcast_to(np.asarray(function(t=t), dtype=float), t.shape)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import os
 import warnings
 from bisect import bisect_left
 from collections.abc import Iterator
@@ -13,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.output.files import cannot_write, make_folder
+from mpmcli.output.files import make_folder, write_pieces
 from mpmcli.results.pictures.errors import PictureError, matplotlib
 
 FORMATS = (".png", ".svg", ".pdf", ".jpg", ".jpeg")
@@ -65,13 +64,7 @@ def save(figure: Any, path: Path) -> None:
 def write_bytes(path: Path, contents: bytes) -> None:
     """Replace a file in one move; its folder is made. ArchiveError if it cannot be written."""
     make_folder(path.parent)
-    partial = path.with_name(path.name + ".part")
-    try:
-        partial.write_bytes(contents)
-        os.replace(partial, path)
-    except OSError as error:
-        partial.unlink(missing_ok=True)
-        raise cannot_write(path, error) from error
+    write_pieces(path, [contents])
 
 
 def shorten(text: str, width: int = 90) -> str:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from tip_fields import STEEL, Plate
 
 from mpmcli.contact.laws import LAWS
-from mpmcli.core.expressions import parse
+from mpmcli.core.expressions import Expression
 from mpmcli.core.state import State
 from mpmcli.cracks.chain import END, START, Chain
 from mpmcli.cracks.fracture import Fracture
@@ -131,7 +131,7 @@ def test_open_faces_have_no_tractions():
 @pytest.mark.parametrize("angle", [0.0, 2.5])
 def test_pressure_in_an_open_crack(angle):
     plate = Plate(1e-3, 2e-4, STRAIN, tip=(0.01, 0.02), angle=angle, pressed=(-2e-3, 0.0))
-    tips = tips_of(plate, SMOOTH, pressure=parse("2e-3*(t < 1)", {}, ("x", "y", "t")))
+    tips = tips_of(plate, SMOOTH, pressure=Expression("2e-3*(t < 1)", {}, ("x", "y", "t")))
     J, K_I, K_II = tips._find(tips._chains[0], END)
     assert (K_I, K_II) == pytest.approx((1e-3, 2e-4), abs=1e-5)
     assert J == pytest.approx(1.04e-6 / STRAIN.modulus, rel=0.01)

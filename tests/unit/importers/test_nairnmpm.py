@@ -90,9 +90,9 @@ def scene_of(tmp_path, **parts):
     ],
 )
 def test_expressions_have_the_values_of_nairnmpm(theirs, values):
-    from mpmcli.core.expressions import parse as parse_ours
+    from mpmcli.core.expressions import Expression
 
-    ours = parse_ours(expressions.translate(theirs), constants={}, variables=("t",))
+    ours = Expression(expressions.translate(theirs), {}, ("t",))
     for t, value in values.items():
         assert float(ours(t=t)) == pytest.approx(value)
 
