@@ -266,6 +266,10 @@ def _hint_of_key(word: str, keys: list[str], model: type[BaseModel], path: str) 
         paths, section = _paths_of_sections(model), path.split(".")[0]
         field = model.model_fields.get(section)
         is_member = field is not None and _has_members(field.annotation)
+        if field is not None and not is_member:  # what the section itself has further inside comes first
+            inner = (*_models(field.annotation), *_models(field.metadata))
+            inside = [pair for each in inner for pair in _paths_of_sections(each, 1).items()]
+            paths = paths | {key: f"{section}.{place}" for key, place in reversed(inside)}
         for name in meanings(word):
             found = paths.get(name, path)
             if found != path and (not is_member or found.startswith(f"{section}.")):
