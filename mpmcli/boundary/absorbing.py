@@ -36,14 +36,9 @@ class Absorbing(LoadModel):
         """Velocities change."""
         return True
 
-    @property
-    def acts_on_face(self) -> bool:
-        """Whether it is on a face of a body."""
-        return self.on.plane is None
-
-    def loaded_face(self) -> tuple[str, Face]:
-        """Return body and face."""
-        return self.on.surface
+    def loaded_face(self) -> tuple[str, Face] | None:
+        """Return body and face, if it is on one."""
+        return self.on.surface if self.on.plane is None else None
 
     def loaded_plane(self) -> Plane | None:
         """Return the plane, if it is on one."""

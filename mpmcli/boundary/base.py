@@ -190,11 +190,6 @@ class LoadModel(Model):
         return frozenset(name for name in possible if getattr(cls, name) is not getattr(LoadModel, name))
 
     @property
-    def acts_on_face(self) -> bool:
-        """Whether it acts on a face of a body."""
-        return bool(self.effects() & FACE_EFFECTS)
-
-    @property
     def varies(self) -> bool:
         """Whether its value at a particle may change during the run."""
         return True
@@ -282,9 +277,9 @@ class LoadModel(Model):
         """
         return None
 
-    def loaded_face(self) -> tuple[str, Any]:
-        """Return the name of the body, and the face (``place.Face``), that it acts on."""
-        raise TypeError(f"{type(self).__name__} loads no face")
+    def loaded_face(self) -> tuple[str, Any] | None:
+        """Return the name of the body, and the face (``place.Face``) of it, that it acts on, or None."""
+        return None
 
     def loaded_plane(self) -> Any:
         """Return the plane (``place.Plane``) that it acts on, or None."""

@@ -23,7 +23,7 @@ class TractionFaces:
     Parameters
     ----------
     loads
-        Pairs of a load with a traction and the identities (n,) of the particles that have the loaded face.
+        Load, its face, and the identities (n,) of the particles that have it.
     particles
         All particles, at the start of the simulation.
     grid
@@ -46,7 +46,7 @@ class TractionFaces:
 
     def __init__(
         self,
-        loads: Sequence[tuple[LoadModel, Array]],
+        loads: Sequence[tuple[LoadModel, Face, Array]],
         particles: Particles,
         grid: Nodes,
         analysis: Analysis,
@@ -57,18 +57,17 @@ class TractionFaces:
         several_fields: bool = False,
         impedances: Mapping[int, Array] | None = None,
     ):
-        self._loads = [(load, np.asarray(ids, dtype=np.int64)) for load, ids in loads]
-        faces = [load.loaded_face()[1] for load, _ in loads]
+        self._loads = [(load, face, np.asarray(ids, dtype=np.int64)) for load, face, ids in loads]
         self._cells = Cells.of(grid, grid_functions, domain)
         self._several_fields = several_fields
         self._axisymmetric = isinstance(analysis, Axisymmetric)
         self._section = section
-        follows = [load.follows for load, _ in loads]
         self.faces, self._centres, self._rows = list_faces(
-            faces, [ids for _, ids in self._loads], follows, particles
-        )
+            [face for _, face, _ in loads], [ids for *_, ids in self._loads],
+            [load.follows for load, *_ in loads], particles,
+        )  # fmt: skip
         self._evaluated = False
-        self._varies = any(load.varies for load, _ in loads)
+        self._varies = any(load.varies for load, *_ in loads)
         self._impedances = impedances or {}
 
     def __bool__(self) -> bool:
@@ -106,17 +105,16 @@ class TractionFaces:
             )
 
     def _resist(self, particles: Particles, position_of_id: Array) -> None:
-        for (load, ids), rows in zip(self._loads, self._rows, strict=True):
+        for (load, _, ids), rows in zip(self._loads, self._rows, strict=True):
             if (Z := self._impedances.get(id(load))) is not None:
                 self.faces.traction[rows] = -Z * particles.V[:, position_of_id[ids]].T
 
     def _evaluate(self, time: float, particles: Particles, position_of_id: Array) -> None:
-        for (load, ids), rows in zip(self._loads, self._rows, strict=True):
+        for (load, face, ids), rows in zip(self._loads, self._rows, strict=True):
             if id(load) in self._impedances:
                 continue
             centres = self._centres[:, rows]
             if load.follows_positions:
-                face = load.loaded_face()[1]
                 centres = present_centres(face, particles, position_of_id[ids])
             for a, value in enumerate(load.traction_at(centres, time)):
                 self.faces.traction[rows, a] = finite(value, load, time)

@@ -103,8 +103,11 @@ class HeatLoads:
         self._held = list(conditions)
         self._on_faces = [load for load in loads if "heat_flux_at" in load.effects()]
         self._sources = [load for load in loads if "heat_power_at" in load.effects()]
-        held = [face for condition in conditions if (face := condition.held_face()) is not None]
-        self._list_faces([*held, *(load.loaded_face() for load in self._on_faces)], shown)
+        places = [
+            *(each.held_face() for each in conditions),
+            *(each.loaded_face() for each in self._on_faces),
+        ]
+        self._list_faces([place for place in places if place is not None], shown)
         self._chosen = [self._choose(load, list(bodies)) for load in self._sources]
         self._power = np.zeros(0)
         self._source_powers: dict[str, float] = {}

@@ -97,13 +97,11 @@ class Loads:
         self._particles, self._grid, self._order, self._transfer = particles, grid, order, transfer
         self._rigid_dofs, self._completes_mass, self._parallel = rigid_dofs, completes_mass, parallel
         self.on_particles = ParticleLoads(models, analysis, bodies, particles)
-        on_faces = [
-            load for load in models if load.effects() & {"traction_at", "impedance_of"} and load.acts_on_face
-        ]
+        on_faces = [(load, face) for load in models if (face := load.loaded_face()) is not None]
         self.faces = TractionFaces(
-            [(load, shown(*load.loaded_face())) for load in on_faces], particles, grid, analysis, section,
+            [(load, face[1], shown(*face)) for load, face in on_faces], particles, grid, analysis, section,
             grid_functions=shape.grid_functions, domain=shape.domain, several_fields=grid.fields > 1,
-            impedances={id(load): impedance(load) for load in on_faces if "impedance_of" in load.effects()},
+            impedances={id(load): impedance(load) for load, _ in on_faces if "impedance_of" in load.effects()},
         )  # fmt: skip
         self._on_nodes: NodalForces | None = None
         if on_nodes := [load for load in models if "nodal_force_at" in load.effects()]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
@@ -40,7 +41,7 @@ class Ways(NamedTuple):
     coupled: bool = True
 
 
-class ContactImpulses(Correction):
+class ContactImpulses(Correction, ABC):
     """Corrects momenta at the contacts that ``find`` finds at the start of every step.
 
     Parameters
@@ -73,9 +74,9 @@ class ContactImpulses(Correction):
         self._removes_overlap = False
         self.interfaces: Any = None
 
+    @abstractmethod
     def find(self, step: Step) -> int:
         """Find the contacts of the step; returns how many."""
-        raise NotImplementedError
 
     @property
     def _parallel(self) -> bool:

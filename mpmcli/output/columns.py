@@ -171,6 +171,19 @@ def resolve_columns(
     return list(chosen.values())
 
 
+def chosen_names(names: Iterable[str], noun: str, known: Iterable[str], path: str, code: str) -> list[str]:
+    """The names, each once; SceneError lists all that are not known, with the nearest one."""
+    names, known = list(names), list(known)
+    problems = [
+        Problem(f"{path}.{index}", unknown_name(name, noun, known), code=code)
+        for index, name in enumerate(names)
+        if name not in known
+    ]
+    if problems:
+        raise SceneError(problems)
+    return list(dict.fromkeys(names))
+
+
 def unknown_name(name: str, noun: str, names: Iterable[str]) -> str:
     """``'masss' is no column of this scene; did you mean 'mass'? (…)``."""
     known = list(names)
@@ -238,16 +251,4 @@ def resolve_fields(
 ) -> list[Quantity]:
     """The quantities of particles with these names, each once; SceneError names all that are unknown."""
     known = fields_of(context)
-    names = list(names)
-    problems = [
-        Problem(
-            path=f"{path}.{index}",
-            message=unknown_name(name, "field of particles", known),
-            code="unknown_field",
-        )
-        for index, name in enumerate(names)
-        if name not in known
-    ]
-    if problems:
-        raise SceneError(problems)
-    return [known[name] for name in dict.fromkeys(names)]
+    return [known[name] for name in chosen_names(names, "field of particles", known, path, "unknown_field")]

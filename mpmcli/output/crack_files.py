@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.output.vtu import Body, save
+from mpmcli.output.files import write_pieces
+from mpmcli.output.vtu import Body
 
 Array = np.ndarray
 
@@ -82,7 +83,9 @@ def write_cracks(path: Path, time: float, chains: Sequence[Any]) -> None:
         "</PolyData>",
         '<AppendedData encoding="raw">',
     ]
-    save(path, [("\n".join(lines) + "\n_").encode(), *body.pieces, b"\n</AppendedData>\n</VTKFile>\n"])
+    write_pieces(
+        path, [("\n".join(lines) + "\n_").encode(), *body.pieces, b"\n</AppendedData>\n</VTKFile>\n"]
+    )
 
 
 def _arrays_of(chain: Any, carries: bool) -> dict[str, Array]:

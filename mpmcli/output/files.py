@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from mpmcli.core.errors import ArchiveError
@@ -39,15 +40,21 @@ PICTURE = re.compile(
 
 
 def write_text(path: Path, text: str) -> None:
-    """Replace a file by text in one move: readers see the old or the new file, never a part."""
+    """Replace a file by text; see ``write_pieces``."""
+    # names of files that the locale cannot decode are written as the bytes that they are
+    write_pieces(path, [text.encode("utf-8", "surrogateescape")])
+
+
+def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
+    """Replace a file by pieces of bytes in one move: readers see the old or the new file, never a part."""
     partial = path.with_name(path.name + ".part")
     try:
-        # names of files that the locale cannot decode are written as the bytes that they are
-        with open(partial, "w", encoding="utf-8", errors="surrogateescape", newline="\n") as stream:
-            stream.write(text)
+        with partial.open("wb") as stream:
+            stream.writelines(pieces)
         os.replace(partial, path)
     except OSError as error:
-        partial.unlink(missing_ok=True)
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
         raise cannot_write(path, error) from error
 
 

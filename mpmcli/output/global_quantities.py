@@ -129,11 +129,13 @@ def never(context: Context) -> bool:
     return False
 
 
-def _deformable_materials(context: Context) -> tuple[str, ...]:
+def deformable_materials(context: Context) -> tuple[str, ...]:
+    """The materials that have mass."""
     return tuple(name for name in context.materials if name not in context.rigid_materials)
 
 
-def _deformable_bodies(context: Context) -> tuple[str, ...]:
+def deformable_bodies(context: Context) -> tuple[str, ...]:
+    """The bodies that are not rigid."""
     return tuple(name for name in context.bodies if name not in context.rigid_bodies)
 
 
@@ -246,7 +248,7 @@ QUANTITIES.add(
         "material",
         _average_stress("material"),
         "Cauchy stress of a material, mean over its current volume",
-        owners=_deformable_materials,
+        owners=deformable_materials,
     ),
     Quantity(
         "strain",
@@ -256,7 +258,7 @@ QUANTITIES.add(
         "material",
         _average_strain("material"),
         "logarithmic strain ½ ln(F Fᵀ) of a material, mean over its current volume",
-        owners=_deformable_materials,
+        owners=deformable_materials,
         is_default=never,
     ),
     Quantity(
@@ -299,7 +301,7 @@ QUANTITIES.add(
         "body",
         _average_stress("body"),
         "Cauchy stress of a body, mean over its current volume",
-        owners=_deformable_bodies,
+        owners=deformable_bodies,
         is_default=never,
     ),
     Quantity(
@@ -310,7 +312,7 @@ QUANTITIES.add(
         "body",
         _average_strain("body"),
         "logarithmic strain of a body, mean over its current volume",
-        owners=_deformable_bodies,
+        owners=deformable_bodies,
         is_default=never,
     ),
     Quantity(

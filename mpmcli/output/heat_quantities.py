@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.output.contact_quantities import MOST_PAIRS
+from mpmcli.output.global_quantities import deformable_bodies, deformable_materials
 from mpmcli.output.quantities import QUANTITIES, Context, Quantity
 from mpmcli.output.snapshot import Snapshot
 
@@ -87,18 +88,6 @@ def _global(
         exists=_with_heat,
         is_default=_with_heat,
     )
-
-
-def _deformable(kind: str) -> Callable[[Context], tuple[str, ...]]:
-    def owners(context: Context) -> tuple[str, ...]:
-        every, rigid = (
-            (context.bodies, context.rigid_bodies)
-            if kind == "body"
-            else (context.materials, context.rigid_materials)
-        )
-        return tuple(name for name in every if name not in rigid)
-
-    return owners
 
 
 def _of_particle(
@@ -183,9 +172,9 @@ QUANTITIES.add(
             _mean_over(owner),
             f"temperature of a {owner}, mean by heat capacity",
             exists=_with_heat,
-            owners=_deformable(owner),
+            owners=owners,
         )
-        for owner in ("material", "body")
+        for owner, owners in (("material", deformable_materials), ("body", deformable_bodies))
     ),
     Quantity(
         "contact_heat",

@@ -12,7 +12,7 @@ import numpy as np
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.state import GridView, State
 from mpmcli.core.suggest import did_you_mean, listing
-from mpmcli.output.columns import resolve_fields, unknown_name
+from mpmcli.output.columns import chosen_names, resolve_fields
 from mpmcli.output.quantities import AXES, QUANTITIES, Context, Quantity, columns_of
 from mpmcli.output.snapshot import Snapshot
 
@@ -252,16 +252,7 @@ def resolve_grid_fields(
     names: Iterable[str], context: Context, path: str = "archive.grid.fields"
 ) -> list[str]:
     """The names, each once; SceneError names all that the scene does not have."""
-    names = list(names)
-    known = grid_fields(context)
-    problems = [
-        Problem(f"{path}.{index}", unknown_name(name, "field of the grid", known), code="unknown_field")
-        for index, name in enumerate(names)
-        if name not in known
-    ]
-    if problems:
-        raise SceneError(problems)
-    return list(dict.fromkeys(names))
+    return chosen_names(names, "field of the grid", grid_fields(context), path, "unknown_field")
 
 
 def nodal_values(snapshot: Snapshot, name: str) -> np.ndarray:
@@ -345,17 +336,8 @@ def resolve_pair(
     if names is None:
         usual = OF_INTERFACES if pair in context.interfaces else OF_CONTACTS
         names = [name for name in usual if name in there]
-    names = list(names)
-    problems = [
-        Problem(
-            f"{path}.columns.{index}", unknown_name(name, "column of this pair", there), code="unknown_column"
-        )
-        for index, name in enumerate(names)
-        if name not in there
-    ]
-    if problems:
-        raise SceneError(problems)
-    return pair, ways[pair], [there[name] for name in dict.fromkeys(names)]
+    chosen = chosen_names(names, "column of this pair", there, f"{path}.columns", "unknown_column")
+    return pair, ways[pair], [there[name] for name in chosen]
 
 
 def make_probe(model: Any, state: State, context: Context, path: str) -> Probe | Profile:

@@ -6,7 +6,6 @@ the arrays never change within a series. Particles are ordered by ``id``, one ve
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from html import escape  # that of xml.sax imports the web
 from pathlib import Path
@@ -16,7 +15,7 @@ import numpy as np
 
 from mpmcli.core.state import GridView
 from mpmcli.output.appended import COMPRESSORS, packed, tag
-from mpmcli.output.files import SERIES, cannot_write, make_folder, write_text
+from mpmcli.output.files import SERIES, cannot_write, make_folder, write_pieces, write_text
 from mpmcli.output.probes import nodal_values
 from mpmcli.output.quantities import Quantity
 from mpmcli.output.snapshot import Snapshot
@@ -116,7 +115,9 @@ class VtuWriter:
             "</UnstructuredGrid>",
             '<AppendedData encoding="raw">',
         ]
-        save(path, [("\n".join(lines) + "\n_").encode(), *body.pieces, b"\n</AppendedData>\n</VTKFile>\n"])
+        write_pieces(
+            path, [("\n".join(lines) + "\n_").encode(), *body.pieces, b"\n</AppendedData>\n</VTKFile>\n"]
+        )
 
     def _ready(self, values: np.ndarray) -> np.ndarray:
         """Values as they stand in the file."""
@@ -144,21 +145,6 @@ class Body:
         self.pieces += pieces
         self.length += sum(map(len, pieces))
         return element
-
-
-def save(path: Path, pieces: list[Any]) -> None:
-    """Write pieces of bytes to a file, which appears when it is whole."""
-    partial = path.with_name(path.name + ".part")
-    try:
-        try:
-            with partial.open("wb") as file:
-                file.writelines(pieces)
-            os.replace(partial, path)
-        except OSError:
-            partial.unlink(missing_ok=True)
-            raise
-    except OSError as error:
-        raise cannot_write(path, error) from error
 
 
 def particle_arrays(

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,9 +14,8 @@ from pydantic import BaseModel
 
 from mpmcli.boundary.velocity import check_variables
 from mpmcli.core.analysis import ANALYSES
-from mpmcli.core.errors import Problem
 from mpmcli.core.expressions import Expression
-from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.core.suggest import listing
 from mpmcli.geometry.fill import scale_hint
 from mpmcli.scene.axes import check_axes
 from mpmcli.scene.event_checks import check_events
@@ -23,9 +23,8 @@ from mpmcli.scene.initial_stress import has_upright_gravity, stress_problems
 from mpmcli.scene.lattice_checks import check_lattices
 from mpmcli.scene.own_numbers import MATERIAL_RANGE, is_calculable
 from mpmcli.scene.parts import LISTS, Parts
-from mpmcli.scene.report import locate
+from mpmcli.scene.problems import Report
 from mpmcli.scene.time_checks import check_times
-from mpmcli.scene.tree import Node, member_label
 from mpmcli.shapes import SHAPES
 
 NO_AXIS_Z = re.compile(r"there is no axis z\b|'z' does not exist in this analysis")
@@ -33,70 +32,46 @@ AXIS_OF_RINGS = "; in axisymmetric analyses x is the radius and y the axis of sy
 NAME = re.compile(r"\w[\w +-]*\Z")
 NAME_WORDS = "use letters, digits, spaces, _, + and -"
 
-Report = Callable[..., None]
 
-
-def check(parts: Parts, root: Node) -> list[Problem]:
-    """Everything that the parts of a scene have against each other."""
-    problems: list[Problem] = []
-
-    ring = parts.analysis is not None and parts.analysis.kind == "axisymmetric"
-
-    def report(path: str, message: str, code: str = "invalid", severity: str = "error") -> None:
-        message += AXIS_OF_RINGS if ring and NO_AXIS_Z.match(message) else ""
-        problems.append(locate(root, path, message, code, severity))
-
-    _check_names(root, report)
-    _check_materials(parts, root, report)
+def check(parts: Parts, report: Report) -> None:
+    """Report everything that the parts of a scene have against each other."""
+    _check_names(report)
+    _check_materials(parts, report)
     if parts.analysis is not None:
         dimensions = ANALYSES[parts.analysis.kind]().dimensions
         _check_grid(parts, dimensions, report)
-        _check_bodies(parts, dimensions, root, report)
-        check_lattices(parts, dimensions, root, report)
+        _check_bodies(parts, dimensions, report)
+        check_lattices(parts, dimensions, report)
         for key in ("boundary", "loads"):
-            _check_conditions(getattr(parts, key), key, parts, dimensions, root, report)
-        _check_probes(parts, dimensions, root, report)
+            _check_conditions(getattr(parts, key), key, parts, dimensions, report)
+        _check_probes(parts, dimensions, report)
         if parts.grid is not None and parts.grid.periodic and parts.grid.dimensions == dimensions:
             from mpmcli.scene.periodic_checks import check_periodic
 
-            check_periodic(parts, dimensions, root, report)
+            check_periodic(parts, dimensions, report)
         for index, load in parts.loads:
             if "water_at" in load.effects() and not has_upright_gravity(parts.loads, dimensions):
                 words = "needs gravity along one axis of the grid, by loads of kind gravity"
-                report(f"{label(root, 'loads', index)}.kind", words, "gravity")
-    check_events(parts, root, report)
-    _check_start(parts, root, report)
-    check_times(parts, root, report)
+                report(f"{report.label('loads', index)}.kind", words, "gravity")
+    check_events(parts, report)
+    _check_start(parts, report)
+    check_times(parts, report)
     _check_effects(parts, report)
-    _check_faces(parts, root, report)
-    return problems
+    _check_faces(parts, report)
+    if parts.analysis is not None and parts.analysis.kind == "axisymmetric":
+        report.problems = [
+            replace(p, message=p.message + AXIS_OF_RINGS) if NO_AXIS_Z.match(p.message) else p
+            for p in report.problems
+        ]
 
 
-def label(root: Node, key: str, index: int) -> str:
-    """The path of a member of a list of the scene."""
-    return f"{key}.{member_label(root.value[key].value[index], index)}"
-
-
-def names_of(root: Node, key: str) -> list[str]:
-    """Names of the members of a mapping or list, valid or not."""
-    node = root.value.get(key)
-    if node is None:
-        return []
-    if node.is_mapping:
-        return list(node.value)
-    members = node.value if node.is_sequence else []
-    found = [m.value["name"].value for m in members if m.is_mapping and "name" in m.value]
-    return [name for name in found if isinstance(name, str)]
-
-
-def _check_names(root: Node, report: Report) -> None:
-    for material in names_of(root, "materials"):
+def _check_names(report: Report) -> None:
+    for material in report.names_of("materials"):
         if not NAME.match(material):
             report(f"materials.{material}", f"'{material}' is not a valid name; {NAME_WORDS}", "name")
     for key in LISTS:
-        node = root.value.get(key)
         lines: dict[str, int | None] = {}
-        for index, member in enumerate(node.value if node is not None and node.is_sequence else []):
+        for index, member in enumerate(report.members(key)):
             name = member.value.get("name") if member.is_mapping else None
             if name is None or not isinstance(name.value, str):
                 continue
@@ -109,22 +84,15 @@ def _check_names(root: Node, report: Report) -> None:
             lines.setdefault(name.value, name.mark.line)
 
 
-def _check_reference(report: Report, path: str, name: str, names: list[str], noun: str) -> None:
-    if name not in names:
-        hint = did_you_mean(name, names) or (f" ({listing(names)})" if names else "")
-        report(path, f"there is no {noun} '{name}'{hint}", "unknown_reference")
-
-
-def _check_materials(parts: Parts, root: Node, report: Report) -> None:
-    names = names_of(root, "materials")
+def _check_materials(parts: Parts, report: Report) -> None:
+    names = report.names_of("materials")
     used = set()
-    bodies = root.value.get("bodies")
-    for index, body in enumerate(bodies.value if bodies is not None and bodies.is_sequence else []):
+    for index, body in enumerate(report.members("bodies")):
         material = body.member("material") if body.is_mapping else None
         if material is not None and isinstance(material.value, str):
             used.add(material.value)
-            path = f"{label(root, 'bodies', index)}.material"
-            _check_reference(report, path, material.value, names, "material")
+            path = f"{report.label('bodies', index)}.material"
+            report.check_reference(path, material.value, names, "material")
     for name in names:
         if name not in used:
             report(f"materials.{name}", "no body uses this material", "unused", "warning")
@@ -181,9 +149,9 @@ def _check_grid(parts: Parts, dimensions: int, report: Report) -> None:
         report("grid.lower.0", "x is the radius in axisymmetric analyses and must not be negative", "range")
 
 
-def _check_bodies(parts: Parts, dimensions: int, root: Node, report: Report) -> None:
+def _check_bodies(parts: Parts, dimensions: int, report: Report) -> None:
     for index, body in parts.bodies:
-        path = label(root, "bodies", index)
+        path = report.label("bodies", index)
         counts = body.particles_per_axis
         fits = not isinstance(counts, tuple) or _check_count(
             report, f"{path}.particles_per_axis", counts, dimensions
@@ -245,16 +213,16 @@ def _point(x: Any) -> str:
 
 
 def _check_conditions(
-    members: list[tuple[int, Any]], key: str, parts: Parts, dimensions: int, root: Node, report: Report
+    members: list[tuple[int, Any]], key: str, parts: Parts, dimensions: int, report: Report
 ) -> None:
-    bodies = names_of(root, "bodies")
+    bodies = report.names_of("bodies")
     for index, model in members:
-        path = label(root, key, index)
+        path = report.label(key, index)
         found = list(model.problems(dimensions))
         for place, words in found:
             report(f"{path}.{place}" if place else path, words, "axes")
         for place, name in model.bodies():
-            _check_reference(report, f"{path}.{place}", name, bodies, "body")
+            report.check_reference(f"{path}.{place}", name, bodies, "body")
         if parts.grid is not None and parts.grid.dimensions == dimensions and not found:
             _check_plane(model, path, parts.grid, report)
             if key == "loads":
@@ -299,24 +267,24 @@ def _check_loaded_point(load: Any, path: str, grid: Any, report: Report) -> None
         report(f"{path}.at", words, "outside")
 
 
-def _check_probes(parts: Parts, dimensions: int, root: Node, report: Report) -> None:
-    bodies = names_of(root, "bodies")
+def _check_probes(parts: Parts, dimensions: int, report: Report) -> None:
+    bodies = report.names_of("bodies")
     for index, probe in parts.probes:
-        path = label(root, "probes", index)
+        path = report.label("probes", index)
         if probe.kind == "particle":
-            _check_reference(report, f"{path}.body", probe.body, bodies, "body")
+            report.check_reference(f"{path}.body", probe.body, bodies, "body")
             _check_count(report, f"{path}.near", probe.near, dimensions)
         elif probe.kind == "pair":
             continue  # which fields there are is known when the scene is whole
         elif probe.kind in ("crack_tip", "crack_opening"):
-            _check_reference(report, f"{path}.crack", probe.crack, names_of(root, "cracks"), "crack")
+            report.check_reference(f"{path}.crack", probe.crack, report.names_of("cracks"), "crack")
         elif _check_count(report, f"{path}.at", probe.at, dimensions) and parts.grid is not None:
             ends = zip(parts.grid.lower, probe.at, parts.grid.upper, strict=False)
             if not all(low <= x <= high for low, x, high in ends):
                 report(f"{path}.at", f"the point {_point(probe.at)} lies outside the grid", "outside")
 
 
-def _check_start(parts: Parts, root: Node, report: Report) -> None:
+def _check_start(parts: Parts, report: Report) -> None:
     """Every expression has a finite value somewhere in the grid at time 0."""
     if parts.grid is None:
         return
@@ -324,7 +292,7 @@ def _check_start(parts: Parts, root: Node, report: Report) -> None:
     for key in LISTS:
         for index, model in getattr(parts, key):
             others = model.values_at_start() if key == "cracks" else {}
-            for path, expression in expressions_in(model, label(root, key, index)):
+            for path, expression in expressions_in(model, report.label(key, index)):
                 values = expression(x, y, z, 0.0, **others)
                 if not np.isfinite(values).any():
                     value = np.ravel(values)[0]
@@ -357,17 +325,17 @@ def expressions_in(value: Any, path: str) -> Iterator[tuple[str, Expression]]:
             yield from expressions_in(member, f"{path}.{index}")
 
 
-def _check_faces(parts: Parts, root: Node, report: Report) -> None:
+def _check_faces(parts: Parts, report: Report) -> None:
     """Faces give force and heat to the nodes as the grid functions ask, which must be known."""
     if parts.method is None or SHAPES[parts.method.shape].grid_functions != "other":
         return
     words = f"need linear or quadratic grid functions; '{parts.method.shape}' has others"
     for index, model in parts.loads:
-        if model.acts_on_face:
-            report(f"{label(root, 'loads', index)}.kind", f"loads on faces {words}", "shape")
+        if model.loaded_face() is not None:
+            report(f"{report.label('loads', index)}.kind", f"loads on faces {words}", "shape")
     for index, model in parts.boundary:
         if model.held_face() is not None:
-            report(f"{label(root, 'boundary', index)}.on", f"temperatures of faces {words}", "shape")
+            report(f"{report.label('boundary', index)}.on", f"temperatures of faces {words}", "shape")
 
 
 def _check_effects(parts: Parts, report: Report) -> None:

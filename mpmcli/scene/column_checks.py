@@ -92,9 +92,8 @@ def _number_problems(
 def _absorbing(body: Any, parts: Parts) -> str | None:
     """The name of a load that absorbs waves at a face of the body, or at a plane."""
     for _, load in parts.loads:
-        if "impedance_of" not in load.effects():
-            continue
-        if load.loaded_plane() is not None or load.loaded_face()[0] == body.name:
+        face = load.loaded_face()
+        if "impedance_of" in load.effects() and (face is None or face[0] == body.name):
             return str(load.name)
     return None
 

@@ -9,15 +9,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from mpmcli.core.errors import Problem
 from mpmcli.core.suggest import did_you_mean, listing
-from mpmcli.scene.checks import NAME, NAME_WORDS, Report, label, names_of
+from mpmcli.scene.checks import NAME, NAME_WORDS
 from mpmcli.scene.contact_combinations import check_combinations
 from mpmcli.scene.interface_checks import check_interfaces
 from mpmcli.scene.models import MAX_NODES
 from mpmcli.scene.normal_checks import check_specified_normal
 from mpmcli.scene.parts import Parts
-from mpmcli.scene.report import locate
+from mpmcli.scene.problems import Report
 from mpmcli.scene.tree import Node
 
 MAX_FIELDS = 200
@@ -57,32 +56,26 @@ class Fields:
         return all(member.is_rigid for member in self.members if member.field == field)
 
 
-def check_contact(parts: Parts, root: Node) -> list[Problem]:
-    """Everything that contact, fields and rigid bodies have against the rest of a scene."""
-    problems: list[Problem] = []
-
-    def report(path: str, message: str, code: str = "invalid", severity: str = "error") -> None:
-        problems.append(locate(root, path, message, code, severity))
-
-    contact = root.value.get("contact")
-    has_contact = contact is not None and contact.value is not None
-    fields = read_fields(root, contact if has_contact else None)
+def check_contact(parts: Parts, report: Report) -> None:
+    """Report everything that contact, fields and rigid bodies have against the rest of a scene."""
+    contact = report.section("contact")
+    has_contact, fields = contact is not None, read_fields(report)
     count = len(fields.names)
     if has_contact and count > MAX_FIELDS:
         words = f"the scene has {count} velocity fields, at most {MAX_FIELDS} are allowed; let bodies share a 'field'"
         report("contact.fields", words, "range")
-        return problems
-    _check_field_keys(root, fields, has_contact, report)
+        return
+    _check_field_keys(fields, has_contact, report)
     covering = _covering(parts)
     _check_rigid(fields, has_contact, covering, report)
-    _check_motion(parts, root, fields, report)
+    _check_motion(parts, fields, report)
     _check_transfer(parts, fields, has_contact, report)
-    if not has_contact:
-        return problems
+    if contact is None:
+        return
     if fields.complete and len(fields.names) == 1:
-        report("contact", f"has no effect, because {_why_single(fields)}", "no_effect", "warning")
+        report.no_effect("contact", _why_single(fields))
     else:
-        _check_pairs(contact, root, fields, report)
+        _check_pairs(contact, fields, report)
         if parts.contact is not None:
             _check_choices(parts, fields, report)
             check_interfaces(parts, fields, report)
@@ -91,22 +84,20 @@ def check_contact(parts: Parts, root: Node) -> list[Problem]:
     if parts.contact is not None and parts.grid is not None:
         for place, words in parts.contact.problems(parts.grid.dimensions):
             report(f"contact.{place}", words, "axes")
-    return problems
 
 
-def read_fields(root: Node, contact: Node | None) -> Fields:
+def read_fields(report: Report) -> Fields:
     """The bodies of a scene and their velocity fields; bodies that cannot be read are left out."""
+    contact, materials = report.section("contact"), report.root.value.get("materials")
     by_material = contact is not None and _text(contact, "fields") == "material"
-    bodies = root.value.get("bodies")
-    materials = root.value.get("materials")
     found = []
-    nodes = bodies.value if bodies is not None and bodies.is_sequence else []
+    nodes = report.members("bodies")
     for index, body in enumerate(nodes):
         name, material = _text(body, "name"), _text(body, "material")
         made_of = materials.member(material) if materials is not None and material is not None else None
         if name is None or material is None or made_of is None:
             continue
-        path = label(root, "bodies", index)
+        path = report.label("bodies", index)
         owner, node = (material, made_of) if by_material else (name, body)
         field_path = f"materials.{material}.field" if by_material else f"{path}.field"
         is_rigid = _text(made_of, "kind") == "rigid"
@@ -131,20 +122,18 @@ def _why_single(fields: Fields) -> str:
     return f"{words}, which all {'bodies' if fields.noun == 'body' else 'materials'} share"
 
 
-def _check_field_keys(root: Node, fields: Fields, has_contact: bool, report: Report) -> None:
+def _check_field_keys(fields: Fields, has_contact: bool, report: Report) -> None:
     """Keys ``field`` that change nothing, or name a field that no one else has but for a letter."""
     other = "body" if fields.noun == "material" else "material"
     given: dict[str, str] = {}
-    for path, noun, node in _holders(root):
+    for path, noun, node in _holders(report):
         field = _text(node, "field")
         if field is None:
             continue
         if not NAME.match(field):
             report(f"{path}.field", f"'{field}' is not a valid name; {NAME_WORDS}", "name")
         elif not has_contact:
-            report(
-                f"{path}.field", "has no effect, because the scene has no 'contact'", "no_effect", "warning"
-            )
+            report.no_effect(f"{path}.field", "the scene has no 'contact'")
         elif noun == other:
             words = f"has no effect with contact.fields: {fields.noun}; give this key to the {_plural(fields.noun)}"
             report(f"{path}.field", words, "no_effect", "warning")
@@ -158,12 +147,10 @@ def _check_field_keys(root: Node, fields: Fields, has_contact: bool, report: Rep
             report(path, words, "unused", "warning")
 
 
-def _holders(root: Node) -> list[tuple[str, str, Node]]:
+def _holders(report: Report) -> list[tuple[str, str, Node]]:
     """Path, noun and node of everything that may have a key ``field``."""
-    bodies, materials = root.value.get("bodies"), root.value.get("materials")
-    found = []
-    if bodies is not None and bodies.is_sequence:
-        found += [(label(root, "bodies", i), "body", node) for i, node in enumerate(bodies.value)]
+    materials = report.root.value.get("materials")
+    found = [(report.label("bodies", i), "body", node) for i, node in enumerate(report.members("bodies"))]
     if materials is not None and materials.is_mapping:
         found += [(f"materials.{name}", "material", node) for name, node in materials.value.items()]
     return found
@@ -211,12 +198,12 @@ def _check_rigid(fields: Fields, has_contact: bool, covering: set[str], report: 
             report(member.field_path, words, "rigid")
 
 
-def _check_motion(parts: Parts, root: Node, fields: Fields, report: Report) -> None:
+def _check_motion(parts: Parts, fields: Fields, report: Report) -> None:
     """Only rigid bodies move as the scene says, and nothing else moves them."""
     kinds = {member.name: member.is_rigid for member in fields.members}
     moves: dict[str, tuple[str, tuple[Any, ...]]] = {}
     for index, body in parts.bodies:
-        path = f"{label(root, 'bodies', index)}.velocity"
+        path = f"{report.label('bodies', index)}.velocity"
         if kinds.get(body.name, True):
             _check_shared_motion(body, fields, moves, path, report)
             continue
@@ -228,14 +215,14 @@ def _check_motion(parts: Parts, root: Node, fields: Fields, report: Report) -> N
     for key in ("boundary", "loads"):
         for index, model in getattr(parts, key):
             for place, name in model.bodies() if model.acts_on == "velocity" else ():
-                path = f"{label(root, key, index)}.{place}"
+                path = f"{report.label(key, index)}.{place}"
                 if place == "on.covered_by" and not kinds.get(name, True):
                     report(path, f"the body '{name}' is not rigid; only rigid bodies cover nodes", "rigid")
                 if place == "on.covered_by" or not kinds.get(name, False):
                     continue
                 words = f"the body '{name}' is rigid, and its 'velocity' prescribes its motion"
                 if key == "loads":
-                    report(path, f"has no effect, because {words}", "no_effect", "warning")
+                    report.no_effect(path, words)
                 else:
                     report(path, words, "rigid")
 
@@ -263,7 +250,7 @@ def _check_transfer(parts: Parts, fields: Fields, has_contact: bool, report: Rep
         return
     path = "method.transfer.contact_correction"
     if not has_contact:
-        report(path, "has no effect, because the scene has no 'contact'", "no_effect", "warning")
+        report.no_effect(path, "the scene has no 'contact'")
     elif parts.method.transfer.order == 1:
         report(path, "has no effect with XPIC(1), which has no filter", "no_effect", "warning")
 
@@ -278,7 +265,7 @@ def _named_pairs(contact: Node) -> Iterator[tuple[int, tuple[str, str]]]:
             yield index, (names[0], names[1])
 
 
-def _check_pairs(contact: Node, root: Node, fields: Fields, report: Report) -> None:
+def _check_pairs(contact: Node, fields: Fields, report: Report) -> None:
     owners = {member.owner: member.field for member in fields.members}
     names = list(dict.fromkeys([*owners, *fields.names]))
     lines: dict[frozenset[str], int | None] = {}
@@ -288,7 +275,9 @@ def _check_pairs(contact: Node, root: Node, fields: Fields, report: Report) -> N
         for place, name in enumerate(between):
             if name not in names:
                 words = f"there is no {fields.noun} or velocity field '{name}'"
-                report(f"{path}.{place}", words + _other_kind(name, names, root, fields), "unknown_reference")
+                report(
+                    f"{path}.{place}", words + _other_kind(name, names, fields, report), "unknown_reference"
+                )
             elif name in fields.names and owners.get(name, name) != name:
                 words = (
                     f"'{name}' is a velocity field and also a {fields.noun} of the field '{owners[name]}'; "
@@ -298,13 +287,13 @@ def _check_pairs(contact: Node, root: Node, fields: Fields, report: Report) -> N
             else:
                 found.append(name if name in fields.names else owners[name])
         if len(found) == 2:
-            _check_pair(between, found, path, lines, root, fields, report)
+            _check_pair(between, found, path, lines, fields, report)
 
 
-def _other_kind(name: str, names: list[str], root: Node, fields: Fields) -> str:
+def _other_kind(name: str, names: list[str], fields: Fields, report: Report) -> str:
     """What else a name may have been meant for."""
     other = "bodies" if fields.noun == "material" else "materials"
-    if name in names_of(root, other):
+    if name in report.names_of(other):
         noun = "body" if other == "bodies" else "material"
         return f"; it is a {noun}, but velocity fields belong to {_plural(fields.noun)} ({listing(names)})"
     return did_you_mean(name, names) or f" ({listing(names)})"
@@ -315,7 +304,6 @@ def _check_pair(
     found: list[str],
     path: str,
     lines: dict[frozenset[str], int | None],
-    root: Node,
     fields: Fields,
     report: Report,
 ) -> None:
@@ -329,10 +317,9 @@ def _check_pair(
         words = f"the pair of '{a}' and '{b}' already has a law in line {lines[pair]}"
         report(path, words, "duplicate_pair")
         return
-    lines[pair] = locate(root, path, "").line
+    lines[pair] = report.line(path)
     if fields.is_rigid(found[0]) and fields.is_rigid(found[1]):
-        words = "has no effect, because both are rigid"
-        report(path, words, "no_effect", "warning")
+        report.no_effect(path, "both are rigid")
 
 
 def _check_choices(parts: Parts, fields: Fields, report: Report) -> None:
@@ -342,7 +329,7 @@ def _check_choices(parts: Parts, fields: Fields, report: Report) -> None:
     laws = _laws_in_use(contact, fields)
 
     def no_effect(key: str, reason: str) -> None:
-        report(f"contact.{key}", f"has no effect, because {reason}", "no_effect", "warning")
+        report.no_effect(f"contact.{key}", reason)
 
     kinds = " and ".join(dict.fromkeys(f"'{law.kind}'" for law in laws))
     if not any(law.needs_normal for law in laws):

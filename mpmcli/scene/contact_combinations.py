@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.scene.checks import Report
 from mpmcli.scene.parts import Parts
+from mpmcli.scene.problems import Report
 
 
 def check_combinations(parts: Parts, report: Report) -> None:

@@ -11,13 +11,11 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.analysis import ANALYSES
-from mpmcli.core.errors import Problem
 from mpmcli.core.suggest import did_you_mean, listing
-from mpmcli.scene.checks import Report, label, names_of
 from mpmcli.scene.contact_checks import read_fields
 from mpmcli.scene.interface_checks import FEWEST_CELLS, plane_modulus, process_zone, resistances
 from mpmcli.scene.parts import Parts
-from mpmcli.scene.report import locate
+from mpmcli.scene.problems import Report
 from mpmcli.scene.tree import Node
 
 Array = np.ndarray
@@ -33,43 +31,36 @@ IN_PLANE = 1e-6
 """Distance from a symmetry plane, in cells, within which a point lies in it."""
 
 
-def check_cracks(parts: Parts, root: Node) -> list[Problem]:
-    """Everything that cracks have against the rest of a scene, apart from where its particles are."""
-    problems: list[Problem] = []
-
-    def report(path: str, message: str, code: str = "invalid", severity: str = "error") -> None:
-        problems.append(locate(root, path, message, code, severity))
-
-    node = root.value.get("cracks")
-    if node is None or node.value is None or (node.is_sequence and not node.value):
+def check_cracks(parts: Parts, report: Report) -> None:
+    """Report everything that cracks have against the rest of a scene, apart from where its particles are."""
+    node = report.section("cracks")
+    if node is None or (node.is_sequence and not node.value):
         if parts.archive is not None and parts.archive.cracks is not None:
-            words = "has no effect, because the scene has no 'cracks'"
-            report("archive.cracks", words, "no_effect", "warning")
+            report.no_effect("archive.cracks", "the scene has no 'cracks'")
         if parts.fracture is not None:
             report("fracture", "needs the tip of a crack, but the scene has no 'cracks'", "no_tip")
-        return problems
+        return
     if not node.is_sequence:
-        return problems
+        return
 
     cracks = [crack for _, crack in parts.cracks]
     has_tips = len(cracks) < len(node.value) or any(True for crack in cracks for _ in tips_of(crack))
     if parts.fracture is not None and not has_tips:
         report("fracture", "needs the tip of a crack, but all ends of cracks are mouths", "no_tip")
-    _check_analysis(parts, root, report)
-    _check_bodies(root, node, report)
+    _check_analysis(parts, report)
+    _check_bodies(node, report)
     is_plane = parts.analysis is None or ANALYSES[parts.analysis.kind]().dimensions == 2
     for index, crack in parts.cracks:
-        path = label(root, "cracks", index)
+        path = report.label("cracks", index)
         _check_law(crack, path, report)
-        _check_growth(crack, path, root, report)
+        _check_growth(crack, path, report)
         if is_plane and parts.grid is not None and parts.grid.dimensions == 2:
             _check_path(crack, path, parts, report)
             _check_along(crack, path, report)
             if parts.analysis is not None:
                 _check_zones(crack, path, parts, report)
     if is_plane and parts.grid is not None and parts.grid.dimensions == 2:
-        _check_tips(parts, root, report)
-    return problems
+        _check_tips(parts, report)
 
 
 def words_of(point: Any) -> str:
@@ -85,7 +76,7 @@ def tips_of(crack: Any) -> Iterator[tuple[str, Array]]:
             yield key, corner
 
 
-def _check_analysis(parts: Parts, root: Node, report: Report) -> None:
+def _check_analysis(parts: Parts, report: Report) -> None:
     if parts.analysis is not None and ANALYSES[parts.analysis.kind]().dimensions != 2:
         plane = sorted(name for name, kind in ANALYSES.items() if kind().dimensions == 2)
         words = (
@@ -93,27 +84,22 @@ def _check_analysis(parts: Parts, root: Node, report: Report) -> None:
             "interface law between two bodies (contact.pairs)"
         )
         report("cracks", words, "analysis")
-    heat = root.value.get("heat")
-    if heat is not None and heat.value is not None:
+    if report.section("heat") is not None:
         words = (
             "cannot be combined with cracks, through which heat would be conducted; remove 'heat' or 'cracks'"
         )
         report("heat", words, "combination")
 
 
-def _check_bodies(root: Node, cracks: Node, report: Report) -> None:
+def _check_bodies(cracks: Node, report: Report) -> None:
     """``cuts`` names bodies that deform, each once."""
-    bodies = names_of(root, "bodies")
-    contact = root.value.get("contact")
-    members = read_fields(
-        root, contact if contact is not None and contact.value is not None else None
-    ).members
-    rigid = {member.name for member in members if member.is_rigid}
+    bodies = report.names_of("bodies")
+    rigid = {member.name for member in read_fields(report).members if member.is_rigid}
     soft = [name for name in bodies if name not in rigid]
     for index, crack in enumerate(cracks.value):
         cuts = crack.value.get("cuts") if crack.is_mapping else None
         names = [name.value for name in cuts.value] if cuts is not None and cuts.is_sequence else []
-        path = f"{label(root, 'cracks', index)}.cuts"
+        path = f"{report.label('cracks', index)}.cuts"
         for place, name in enumerate(names):
             if not isinstance(name, str):
                 continue
@@ -196,11 +182,10 @@ def _check_zones(crack: Any, path: str, parts: Parts, report: Report) -> None:
             report(f"{path}.{key}", words, "resolution", "warning")
 
 
-def _check_growth(crack: Any, path: str, root: Node, report: Report) -> None:
+def _check_growth(crack: Any, path: str, report: Report) -> None:
     if crack.growth is None:
         return
-    fracture = root.value.get("fracture")
-    if fracture is None or fracture.value is None:
+    if report.section("fracture") is None:
         words = "needs the section 'fracture', which says how the energy release rate is found (fracture: {})"
         report(f"{path}.growth", words, "missing")
     if crack.faces.law.kind == "perfect":
@@ -278,11 +263,11 @@ def _check_symmetry(
             return
 
 
-def _check_tips(parts: Parts, root: Node, report: Report) -> None:
+def _check_tips(parts: Parts, report: Report) -> None:
     """Two tips may not be nearer to each other than the segments are long."""
     cell = min(parts.grid.cell)
     tips = [
-        (label(root, "cracks", index), key, corner, crack.spacing * cell, crack.name)
+        (report.label("cracks", index), key, corner, crack.spacing * cell, crack.name)
         for index, crack in parts.cracks
         for key, corner in tips_of(crack)
     ]

@@ -2,29 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
-from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.scene.parts import Parts
-from mpmcli.scene.tree import Node, member_label
+from mpmcli.scene.problems import Report
 
 
-def check_events(parts: Parts, root: Node, report: Callable[..., None]) -> None:
+def check_events(parts: Parts, report: Report) -> None:
     """Refuse events of unknown names, and of what has no clock."""
     known = [name for name, _ in clocked(parts.boundary, parts.loads, parts.bodies, parts.materials)]
     others = {model.name for key in ("boundary", "loads", "bodies") for _, model in getattr(parts, key)}
     for index, event in parts.events:
-        label = f"events.{member_label(root.value['events'].value[index], index)}"
+        label = report.label("events", index)
         for place, name in enumerate(event.to or ()):
-            if name in known:
-                continue
-            if name in others:
+            if name in others and name not in known:
                 words = f"'{name}' has no clock; events act on velocity conditions, loads and rigid bodies"
+                report(f"{label}.to.{place}", words, "unknown_reference")
             else:
-                hint = did_you_mean(name, known) or (f" ({listing(known)})" if known else "")
-                words = f"there is no condition, load or rigid body '{name}'{hint}"
-            report(f"{label}.to.{place}", words, "unknown_reference")
+                report.check_reference(f"{label}.to.{place}", name, known, "condition, load or rigid body")
 
 
 def clocked(boundary: Any, loads: Any, bodies: Any, materials: dict[str, Any]) -> list[tuple[str, Any]]:

@@ -252,9 +252,10 @@ def stair_stepped_faces(scene: Any, filled: Sequence[BodyParticles]) -> Iterator
     """Warn of heat through faces of curved or oblique bodies: faces of particles have more area than such a surface."""
     particles = {body.name: particles for body, particles in zip(scene.bodies, filled, strict=True)}
     for load in scene.loads_on("temperature"):
-        if not load.acts_on_face:
+        place = load.loaded_face()
+        if place is None:
             continue
-        name, face = load.loaded_face()
+        name, face = place
         X, size = particles[name].X, particles[name].size
         shown = surface_faces(X, size, face.index, face.side)
         heights = np.unique(np.rint(X[face.index, shown] / size[face.index].min())).size

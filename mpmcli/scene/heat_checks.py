@@ -6,16 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.errors import Problem
 from mpmcli.core.expressions import Expression
 from mpmcli.core.suggest import listing
-from mpmcli.scene.checks import Report, label
 from mpmcli.scene.contact_checks import read_fields
 from mpmcli.scene.heat_contradictions import check_places
 from mpmcli.scene.heat_of_scene import HeatOfScene
 from mpmcli.scene.parts import Parts
-from mpmcli.scene.report import locate
-from mpmcli.scene.tree import Node
+from mpmcli.scene.problems import Report
 
 ABSOLUTE = "temperatures are absolute and must be above 0"
 LARGEST_STRAIN = 1.0
@@ -24,19 +21,12 @@ LARGEST = 1e30
 """Temperatures, fluxes, coefficients and powers are below this."""
 
 
-def check_heat(parts: Parts, root: Node) -> list[Problem]:
-    """Everything that heat and temperatures have against the rest of a scene."""
-    problems: list[Problem] = []
-
-    def report(path: str, message: str, code: str = "invalid", severity: str = "error") -> None:
-        problems.append(locate(root, path, message, code, severity))
-
-    contact = root.value.get("contact")
-    has_contact = contact is not None and contact.value is not None
-    fields = read_fields(root, contact if has_contact else None)
+def check_heat(parts: Parts, report: Report) -> None:
+    """Report everything that heat and temperatures have against the rest of a scene."""
+    fields = read_fields(report)
     if fields.complete and all(member.is_rigid for member in fields.members):
-        return []  # reported already
-    scene = HeatOfScene(parts, root, fields)
+        return  # reported already
+    scene = HeatOfScene(parts, report, fields)
     _check_materials(scene, report)
     _check_body_temperatures(scene, report)
     _check_conditions(scene, report)
@@ -47,7 +37,6 @@ def check_heat(parts: Parts, root: Node) -> list[Problem]:
         _check_heat_section(scene, report)
     if parts.method is not None and parts.method.heating == "adiabatic":
         _check_heating(scene, report)
-    return problems
 
 
 # ---------------------------------------------------------------- materials and bodies
@@ -118,15 +107,14 @@ def _check_heating(scene: HeatOfScene, report: Report) -> None:
     tracking = {"temperature", "internal_energy"}
     models = scene.parts.materials.values()
     if models and not any(scene.warms(model) or tracking & set(model.history) for model in models):
-        words = "has no effect, because no material has a heat_capacity"
-        report("method.heating", words, "no_effect", "warning")
+        report.no_effect("method.heating", "no material has a heat_capacity")
 
 
 def _check_body_temperatures(scene: HeatOfScene, report: Report) -> None:
     for index, body in scene.parts.bodies:
         if body.temperature is None or body.material not in scene.parts.materials:
             continue
-        path = f"{label(scene.root, 'bodies', index)}.temperature"
+        path = f"{report.label('bodies', index)}.temperature"
         material = scene.parts.materials[body.material]
         if material.kind == "rigid":
             if not _exchanges(scene):
@@ -135,8 +123,7 @@ def _check_body_temperatures(scene: HeatOfScene, report: Report) -> None:
                 )
                 report(path, words, "no_effect", "warning")
         elif not scene.needs_temperature(material):
-            words = f"has no effect, because material '{body.material}' has no temperature"
-            report(path, words, "no_effect", "warning")
+            report.no_effect(path, f"material '{body.material}' has no temperature")
         else:
             _check_stretch(scene, body, material, path, report)
 
@@ -200,7 +187,7 @@ def _check_sizes(path: str, model: Any, report: Report) -> None:
         if not abs(float(value())) < LARGEST:
             report(f"{path}.{key}", f"is {float(value()):g}; must be below {LARGEST:g}", "range")
         elif key in ("flux", "power") and float(value()) == 0.0:
-            report(f"{path}.{key}", "has no effect, because it is 0", "no_effect", "warning")
+            report.no_effect(f"{path}.{key}", "it is 0")
 
 
 def _check_axis_faces(scene: HeatOfScene, report: Report) -> None:
@@ -209,15 +196,13 @@ def _check_axis_faces(scene: HeatOfScene, report: Report) -> None:
     if analysis is None or analysis.kind != "axisymmetric":
         return
     for path, model in scene.acting():
-        is_load = hasattr(model, "acts_on_face")
-        place = (model.loaded_face() if model.acts_on_face else None) if is_load else model.held_face()
+        place = model.held_face() if hasattr(model, "held_face") else model.loaded_face()
         if place is None or (place[1].axis, place[1].side) != ("x", "lower"):
             continue
         body = next((body for _, body in scene.parts.bodies if body.name == place[0]), None)
         box = None if body is None else scene.box_of(body)
         if box is not None and box[0][0] <= 0.0:
-            words = f"has no effect, because this face of '{place[0]}' is on the axis"
-            report(f"{path}.on", words, "no_effect", "warning")
+            report.no_effect(f"{path}.on", f"this face of '{place[0]}' is on the axis")
 
 
 # ---------------------------------------------------------------- contact
@@ -244,8 +229,7 @@ def _check_bath(scene: HeatOfScene, pair: Any, path: str, report: Report) -> Non
         owners = [m.name for m in scene.fields.members if name in (m.owner, m.field) and m.is_rigid]
         given = {body.name for _, body in scene.parts.bodies if body.temperature is not None}
         if owners and not given & set(owners):
-            words = f"has no effect, because the rigid body '{owners[0]}' has no 'temperature'"
-            report(path, words, "no_effect", "warning")
+            report.no_effect(path, f"the rigid body '{owners[0]}' has no 'temperature'")
 
 
 def _check_baths(scene: HeatOfScene, report: Report) -> None:
@@ -266,7 +250,7 @@ def _check_heat_section(scene: HeatOfScene, report: Report) -> None:
     given = heat.model_fields_set
 
     def no_effect(key: str, reason: str) -> None:
-        report(f"heat.{key}", f"has no effect, because {reason}", "no_effect", "warning")
+        report.no_effect(f"heat.{key}", reason)
 
     if scene.fields.complete and not scene.has_fields:
         for key in ("contact", "friction"):

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.scene.checks import Report, label
 from mpmcli.scene.heat_of_scene import HeatOfScene
-from mpmcli.scene.report import locate
+from mpmcli.scene.problems import Report
 
 ON_LINE = 1e-6
 """Cells between two planes at the same place."""
@@ -31,16 +30,16 @@ def _check_faces(scene: HeatOfScene, report: Report) -> None:
         place = model.held_face() if model.acts_on == "temperature" else None
         if place is None:
             continue
-        path, key = label(scene.root, "boundary", index), _key(place)
+        path, key = scene.report.label("boundary", index), _key(place)
         if key not in held:
             held[key] = path, model
         elif not _agree(scene, place, held[key][1], model):
-            first, line = held[key][1].name, locate(scene.root, held[key][0], "").line
+            first, line = held[key][1].name, report.line(held[key][0])
             words = f"the face is held at another temperature by '{first}' in line {line}"
             report(f"{path}.value", words, "contradiction")
     for path, model in scene.acting():
-        is_on_face = getattr(model, "acts_on_face", False)
-        found = held.get(_key(model.loaded_face())) if is_on_face else None
+        place = None if hasattr(model, "held_face") else model.loaded_face()
+        found = None if place is None else held.get(_key(place))
         if found is not None:
             words = f"has no effect on the body, because '{found[1].name}' holds the temperature of this face"
             report(f"{path}.on", words, "no_effect", "warning")
@@ -72,7 +71,7 @@ def _sides(scene: HeatOfScene) -> Iterator[_Side]:
     for index, model in scene.parts.boundary:
         if model.acts_on != "temperature" or grid is None:
             continue
-        path, place = label(scene.root, "boundary", index), model.held_face()
+        path, place = scene.report.label("boundary", index), model.held_face()
         plane = getattr(getattr(model, "on", None), "plane", None)
         if place is not None:
             body = boxes.get(place[0])
@@ -102,7 +101,7 @@ def _check_planes(scene: HeatOfScene, report: Report) -> None:
                 continue
             face = first if first.is_face else second
             if not _alike(face.box, face.axis, face.at, first.model, second.model):
-                line = locate(scene.root, first.path, "").line
+                line = report.line(first.path)
                 words = f"this place is held at another temperature by '{first.model.name}' in line {line}"
                 report(f"{second.path}.value", words, "contradiction")
                 break

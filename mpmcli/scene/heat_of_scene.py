@@ -8,19 +8,17 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.analysis import ANALYSES
-from mpmcli.scene.checks import label
 from mpmcli.scene.contact_checks import Fields
 from mpmcli.scene.parts import Parts
-from mpmcli.scene.tree import Node
+from mpmcli.scene.problems import Report
 
 
 class HeatOfScene:
     """The parts of a scene, and what follows from them for temperatures."""
 
-    def __init__(self, parts: Parts, root: Node, fields: Fields):
-        self.parts, self.root, self.fields = parts, root, fields
-        heat = root.value.get("heat")
-        self.has_heat = heat is not None and heat.value is not None
+    def __init__(self, parts: Parts, report: Report, fields: Fields):
+        self.parts, self.report, self.fields = parts, report, fields
+        self.has_heat = report.section("heat") is not None
         heating = None if parts.method is None else parts.method.heating
         self.is_adiabatic = heating != "isothermal" if self.has_heat else heating == "adiabatic"
         self.rigid = {member.name for member in fields.members if member.is_rigid}
@@ -62,4 +60,4 @@ class HeatOfScene:
         for key in ("boundary", "loads"):
             for index, model in getattr(self.parts, key):
                 if model.acts_on == "temperature":
-                    yield label(self.root, key, index), model
+                    yield self.report.label(key, index), model

@@ -13,9 +13,9 @@ import numpy as np
 from mpmcli.boundary.velocity import check_variables
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.geometry.bodies import BodyParticles
-from mpmcli.scene.checks import Report
 from mpmcli.scene.fields import law_table, owners_of_fields, velocity_fields
 from mpmcli.scene.parts import Parts
+from mpmcli.scene.problems import Report
 
 LAST_OPENING = 0.25
 """Opening at failure, in cells, from which on nodes begin to lose sight of one side before the interface fails."""
@@ -65,8 +65,7 @@ def check_interfaces(parts: Parts, fields: Any, report: Report) -> None:
                 report(f"contact.{place}", words, "axes")
     if not any(law.is_interface for law in laws):
         if "interface" in contact.model_fields_set:
-            words = "has no effect, because no law of this contact is an interface law"
-            report("contact.interface", words, "no_effect", "warning")
+            report.no_effect("contact.interface", "no law of this contact is an interface law")
         return
     owners = {member.owner: member.field for member in fields.members} | {name: name for name in fields.names}
     joints = joints_of(contact, fields.names, owners)

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from mpmcli.geometry.lattice import is_by_right_angles
 from mpmcli.scene.parts import Parts
-from mpmcli.scene.tree import Node, member_label
+from mpmcli.scene.problems import Report
 from mpmcli.shapes import SHAPES
 
 
-def check_lattices(parts: Parts, dimensions: int, root: Node, report: Callable[..., None]) -> None:
+def check_lattices(parts: Parts, dimensions: int, report: Report) -> None:
     """Report bodies that have no sides of their own, and what needs sides along the grid."""
     turned = set()
     for index, body in parts.bodies:
         if body.particles_along != "region" or list(body.region.misfits(dimensions)):
             continue
-        path = f"bodies.{member_label(root.value['bodies'].value[index], index)}"
+        path = report.label("bodies", index)
         if body.region.gives_particles:
             words = (
                 f"not allowed for a region of kind '{body.region.kind}', which is itself a list of particles"
@@ -41,5 +40,5 @@ def check_lattices(parts: Parts, dimensions: int, root: Node, report: Callable[.
             on: Any = getattr(model, "on", None)
             if getattr(on, "face", None) is not None and on.body in turned:
                 words = f"the particles of body '{on.body}' are rotated, so none of their faces is normal to an axis"
-                path = f"{key}.{member_label(root.value[key].value[index], index)}.on.face"
+                path = f"{report.label(key, index)}.on.face"
                 report(path, f"{words}; use 'particles_along: grid', or hold a region", "lattice")

@@ -25,6 +25,7 @@ from mpmcli.scene.models import BaseUnits, Scene
 from mpmcli.scene.override import apply_defines, apply_sets
 from mpmcli.scene.parts import Parts
 from mpmcli.scene.plugins import check_plugins, plugins_of
+from mpmcli.scene.problems import Report
 from mpmcli.scene.report import as_text, locate, ordered, translate
 from mpmcli.scene.tree import Mark, Node, compose
 from mpmcli.scene.units import BASE, Units, check_base_unit
@@ -194,24 +195,22 @@ def _read(root: Node, base: Path, allow_outside_files: bool) -> tuple[Scene | No
     except ValidationError as error:
         problems += translate(error, root, Scene)
         parts = Parts.salvage(plain, context)
+    report = Report(root)
     for find in (check, check_contact, _check_cracks, check_heat):
-        problems += find(parts, root)
+        find(parts, report)
+    problems += report.problems
     if constant_problems or unit_problems:
         problems = [p for p in problems if not _is_echo(p, root, constants, bool(unit_problems))]
     return scene, context, [*unit_problems, *constant_problems, *problems]
 
 
-def _check_cracks(parts: Parts, root: Node) -> list[Problem]:
-    """What cracks have against the rest, in scenes that name them."""
-    if (
-        root.value.get("cracks") is None
-        and parts.fracture is None
-        and (parts.archive is None or parts.archive.cracks is None)
-    ):
-        return []
-    from mpmcli.scene.crack_checks import check_cracks
+def _check_cracks(parts: Parts, report: Report) -> None:
+    """Report what cracks have against the rest, in scenes that name them."""
+    asked = parts.fracture is not None or getattr(parts.archive, "cracks", None) is not None
+    if asked or report.section("cracks") is not None:
+        from mpmcli.scene.crack_checks import check_cracks
 
-    return check_cracks(parts, root)
+        check_cracks(parts, report)
 
 
 def _is_echo(problem: Problem, root: Node, constants: dict[str, float], units_failed: bool) -> bool:

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.scene.checks import Report
 from mpmcli.scene.parts import Parts
+from mpmcli.scene.problems import Report
 
 Array = np.ndarray
 

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 from mpmcli.boundary.place import unit_vector
 from mpmcli.scene.parts import Parts
-from mpmcli.scene.tree import Node, member_label
+from mpmcli.scene.problems import Report
 
-Report = Callable[..., None]
 Found = Iterator[tuple[str, str]]
 
 
-def check_periodic(parts: Parts, dimensions: int, root: Node, report: Report) -> None:
+def check_periodic(parts: Parts, dimensions: int, report: Report) -> None:
     """Report parts of a scene with periodic axes that do not know of them, or lie on their sides."""
     axes = parts.grid.periodic
     for path, words in _of_methods(parts, axes):
@@ -23,8 +22,7 @@ def check_periodic(parts: Parts, dimensions: int, root: Node, report: Report) ->
             if list(model.problems(dimensions)):
                 continue
             for place, words in find(model, axes, dimensions):
-                path = f"{key}.{member_label(root.value[key].value[index], index)}"
-                report(f"{path}.{place}", words, "periodic")
+                report(f"{report.label(key, index)}.{place}", words, "periodic")
 
 
 def _of_methods(parts: Parts, axes: tuple[str, ...]) -> Found:
@@ -84,11 +82,9 @@ def _of_load(model: Any, axes: tuple[str, ...], dimensions: int) -> Found:
     plane = model.loaded_plane()
     if plane is not None and plane.axis in axes:
         yield "on.plane.axis", f"no wave can leave across the periodic axis {plane.axis}"
-    if not model.acts_on_face:
-        return
-    face = model.loaded_face()[1]
-    if face.axis in axes:
-        yield "on.face.axis", f"a body has no face across the periodic axis {face.axis}"
+    face = model.loaded_face()
+    if face is not None and face[1].axis in axes:
+        yield "on.face.axis", f"a body has no face across the periodic axis {face[1].axis}"
 
 
 def _number(axis: str) -> int:

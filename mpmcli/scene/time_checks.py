@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from mpmcli.scene.parts import Parts
-from mpmcli.scene.tree import Node, member_label
+from mpmcli.scene.problems import Report
 
 MAX_OUTPUTS = 1_000_000
 """Most rows of a table, files of a series, or checkpoints by simulated time."""
 MAX_STEPS = 10_000_000_000
 """Most time steps of a run: the smallest scene takes a week for them."""
 
-Report = Callable[..., None]
 
-
-def check_times(parts: Parts, root: Node, report: Report) -> None:
+def check_times(parts: Parts, report: Report) -> None:
     """Steps longer than the run, and more steps or outputs than can be made."""
     if parts.time is None:
         return
@@ -27,7 +24,7 @@ def check_times(parts: Parts, root: Node, report: Report) -> None:
     if parts.time.step is not None and parts.time.step > end:
         report("time.step", f"is longer than the run, which ends at {end:g}", "interval", "warning")
     _check_steps(parts, report)
-    for path, every in _intervals(parts, root):
+    for path, every in _intervals(parts, report):
         if every > end:
             words = f"{every:g} is longer than the run, which ends at {end:g}"
             report(path, words, "interval", "warning")
@@ -36,7 +33,7 @@ def check_times(parts: Parts, root: Node, report: Report) -> None:
             report(path, words, "interval")
 
 
-def _intervals(parts: Parts, root: Node) -> list[tuple[str, float]]:
+def _intervals(parts: Parts, report: Report) -> list[tuple[str, float]]:
     """Path and value of every time between outputs that the scene gives."""
     found = []
     for name in ("particles", "globals", "grid", "checkpoint"):
@@ -45,8 +42,7 @@ def _intervals(parts: Parts, root: Node) -> list[tuple[str, float]]:
             found.append((f"archive.{name}.every", asked.every))
     for index, probe in parts.probes:
         if probe.every is not None:
-            label = member_label(root.value["probes"].value[index], index)
-            found.append((f"probes.{label}.every", probe.every))
+            found.append((f"{report.label('probes', index)}.every", probe.every))
     return found
 
 

@@ -26,9 +26,9 @@ MAX_NUMBERS = 10_000
 MAX_TEXT = 4000
 """Characters of one key or value."""
 MAX_REPEATED = 100
+"""Repeated keys after which reading stops."""
 CALL_WITH_COMMA = re.compile(r"\w\([^()'\"]*,")
 QUOTES = "; an expression with commas needs quotes"
-"""Repeated keys after which reading stops."""
 PARSER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 _NULL = {"", "~", "null", "Null", "NULL"}

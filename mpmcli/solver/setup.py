@@ -189,7 +189,8 @@ def impedance_of(scene: Any, load: Any) -> Array:
 
     Rigid materials have none.
     """
-    if load.loaded_plane() is not None:
+    face = load.loaded_face()
+    if face is None:
         kind, d = scene.analysis.kind, scene.dimensions
         return np.array(
             [
@@ -197,8 +198,7 @@ def impedance_of(scene: Any, load: Any) -> Array:
                 for model in scene.materials.values()
             ]
         )
-    name, _ = load.loaded_face()
-    body = next(body for body in scene.bodies if body.name == name)
+    body = next(body for body in scene.bodies if body.name == face[0])
     return np.asarray(
         load.impedance_of(scene.materials[body.material], scene.analysis.kind, scene.dimensions)
     )

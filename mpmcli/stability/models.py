@@ -128,8 +128,7 @@ def _impedances(scene: Any, body: Any, material: Any) -> dict[int, np.ndarray]:
     found: dict[int, np.ndarray] = {}
     for load in scene.loads_on("velocity"):
         if "impedance_of" in load.effects():
-            plane = load.loaded_plane()
-            name, face = (body.name, plane) if plane is not None else load.loaded_face()
+            name, face = load.loaded_face() or (body.name, load.loaded_plane())
             if name == body.name:
                 impedance = load.impedance_of(material, scene.analysis.kind, scene.dimensions)
                 found[face.index] = np.maximum(impedance, found.get(face.index, 0.0))

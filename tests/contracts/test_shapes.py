@@ -242,7 +242,8 @@ def loaded_block(name, kind, grid, G, shift, way):
     for axis in range(d):
         for side, end in (("lower", cells[axis].min()), ("upper", cells[axis].max())):
             on = {"body": "block", "face": {"axis": "xyz"[axis], "side": side}}
-            loads.append((Traction(name=side, on=on, pressure=1), np.flatnonzero(cells[axis] == end)))
+            load = Traction(name=side, on=on, pressure=1)
+            loads.append((load, load.on.face, np.flatnonzero(cells[axis] == end)))
     faces = TractionFaces(
         loads, particles, grid, analysis, grid_functions=shape.grid_functions, domain=shape.domain
     )

@@ -123,7 +123,9 @@ def test_ratios_of_a_million_across_a_body(transfer, changes, hold):
             )
 
 
-@every_transfer
+@pytest.mark.parametrize(
+    "transfer", [FLIP, pytest.param(FMPM, marks=pytest.mark.slow)], ids=["flip", "fmpm4"]
+)
 @pytest.mark.parametrize(
     "contact", ["shared", "insulated", {"conductance": "perfect"}, {"conductance": 0.5}], ids=str
 )
@@ -131,7 +133,6 @@ def test_ratios_of_a_million_across_a_body(transfer, changes, hold):
     "changes",
     [
         {"conductivity": 1e-6},
-        {"heat_capacity": 1e6},
         {"heat_capacity": 1e6, "conductivity": 1e6},
         {"heat_capacity": 1e6, "conductivity": 1e-6},
     ],

@@ -69,7 +69,7 @@ time: {{end: 10, courant: 0.5}}
 """
 
 
-@pytest.mark.parametrize("kind", ["linear_elastic", "neo_hookean"])
+@pytest.mark.parametrize("kind", ["linear_elastic", pytest.param("neo_hookean", marks=pytest.mark.slow)])
 def test_a_strained_bar_swings_when_it_is_free(tmp_path, kind):
     """Waves from both ends meet after L/2c, when all of the energy moves the bar; after L/c it is pressed."""
     path = tmp_path / "bar.yaml"

@@ -11,6 +11,8 @@ import yaml
 
 from mpmcli.interfaces.base import BREAKS, MOST_NORMAL, MOST_TANGENTIAL
 
+pytestmark = pytest.mark.slow
+
 AREA, STRENGTH, TOUGHNESS = 10.0, 5.0, 0.5
 SHAPES: list[dict[str, Any]] = [
     {"shape": "triangular"},
@@ -19,9 +21,6 @@ SHAPES: list[dict[str, Any]] = [
     {"shape": "exponential", "alpha": 2.0},
 ]
 NAMES = [keys["shape"] for keys in SHAPES]
-SLOW = [
-    pytest.param(keys, marks=pytest.mark.slow if i else (), id=keys["shape"]) for i, keys in enumerate(SHAPES)
-]
 
 
 def words(keys: dict[str, Any], toughness: float = TOUGHNESS) -> str:
@@ -66,7 +65,7 @@ class Pull:
         return dict(zip(names, np.array(self.rows).T, strict=True))
 
 
-@pytest.mark.parametrize("keys", SLOW)
+@pytest.mark.parametrize("keys", SHAPES, ids=NAMES)
 def test_strength_and_toughness_of_every_shape(start, keys):
     """What the blocks feel follows the envelope; it peaks at σ, and all that the grip worked is G A in the end."""
     mode = exact.Mode(keys, STRENGTH, TOUGHNESS)
@@ -85,7 +84,6 @@ def test_strength_and_toughness_of_every_shape(start, keys):
     assert np.all(np.diff(seen["spent"]) >= 0.0)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("keys", SHAPES, ids=NAMES)
 def test_unloading_and_reloading_go_through_the_origin(start, keys):
     """Turned back at about half the opening at failure and pulled again: a line, nothing spent on the way."""
@@ -104,7 +102,6 @@ def test_unloading_and_reloading_go_through_the_origin(start, keys):
     assert seen["spent"][-1] == pytest.approx(TOUGHNESS * AREA, rel=0.01)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("exponent", [1, 2])
 @pytest.mark.parametrize("angle", [30, 45, 60])
 def test_mixed_modes_fail_on_the_curve(start, angle, exponent):

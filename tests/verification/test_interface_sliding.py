@@ -75,7 +75,7 @@ def test_a_block_meets_a_step_later(law):
     assert run.error < 1.2 * contact.error
 
 
-@pytest.mark.parametrize("separation", ["regression", "position_fit"])
+@pytest.mark.parametrize("separation", ["regression", pytest.param("position_fit", marks=pytest.mark.slow)])
 def test_jumps_of_edges_are_those_of_gradients(separation):
     """Blocks drawn apart; contacts whose separation is unknown take the jump by gradients."""
     found = []

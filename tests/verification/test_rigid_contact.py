@@ -206,6 +206,7 @@ def test_block_slides_down_an_incline(start, transfer):
     assert abs(way[1]) < 0.01
 
 
+@SLOW
 def test_block_stays_on_an_incline(start):
     """Where tan θ < μ the block only shears; friction is the weight's share, not more."""
     run = start("block_on_incline.yaml", "constants.friction=0.7")

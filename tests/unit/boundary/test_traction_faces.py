@@ -65,7 +65,7 @@ def faces_of(grid, particles, traction, kind=None, section=1.0, **seen):
     face = traction.on.face
     ids = surface(particles, face.axis, face.side)
     analysis = ANALYSES[kind or KIND[particles.X.shape[0]]]()
-    return TractionFaces([(traction, ids)], particles, grid, analysis, section, **seen)
+    return TractionFaces([(traction, face, ids)], particles, grid, analysis, section, **seen)
 
 
 def apply(faces, grid, particles, time=0.0):

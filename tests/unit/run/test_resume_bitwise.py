@@ -69,7 +69,7 @@ SCENES: dict[str, dict[str, Any]] = {
         "plane_strain", 6, {"kind": "fmpm", "order": 2},
         materials={"soft": SOFT, "tool": {"kind": "rigid"}},
         bodies=[*TWO, body("tool", [-4, 2], [4, 3], ["sin(t)", "-2 - t"], "tool")],
-        contact={"law": {"kind": "coulomb", "friction": 0.3}, "normal": {"kind": "logistic_regression", "reuse": True}},
+        contact={"law": {"kind": "coulomb", "friction": 0.3}},
         boundary=[FLOOR],
         loads=[{"name": "weight", "kind": "gravity", "acceleration": [0, "-9.81*t"]}],
         probes=[{"name": "joint", "kind": "point", "at": [0, 0], "columns": ["velocity", "contact_normal"]}],
@@ -87,6 +87,9 @@ SCENES: dict[str, dict[str, Any]] = {
         domain={"on_exit": "delete"},
         probes=[{"name": "gone", "kind": "particle", "body": "flying", "near": [5, 0]}],
     ),
+}  # fmt: skip
+
+SLOW: dict[str, dict[str, Any]] = {
     "ring": scene_of(
         "axisymmetric", 6, {"kind": "fmpm", "order": 3, "dynamic": {"metric": "means", "tolerance": 0.02}},
         bodies=[body("ring", [0, 1], [3, 4], ["-0.5*x", "1 - x"])],
@@ -94,9 +97,6 @@ SCENES: dict[str, dict[str, Any]] = {
                    "direction": "y", "value": "1 - t"}],
         loads=[{"name": "spin", "kind": "body_force", "acceleration": ["x", "-y*t"], "coordinates": "initial"}],
     ),
-}  # fmt: skip
-
-SLOW: dict[str, dict[str, Any]] = {
     "space": scene_of(
         "3d", 4, {"kind": "xpic", "order": 3},
         method={"shape": "lcpdi", "update": "usavg+"},
@@ -252,7 +252,6 @@ def test_a_resumed_run_gives_the_same_bytes(name, tmp_path, monkeypatch):
     straight = check_resuming(SCENES[name], tmp_path, monkeypatch)
     arrays = read_checkpoint(straight.directory / "checkpoint.npz").arrays
     if name == "contact":
-        assert len(arrays["simulation.contact.guesses"]) > 0
         assert arrays["simulation.order.version"] > 1
     if name == "adhesion":
         bond = arrays["simulation.particles.bond"]
@@ -266,6 +265,8 @@ def test_a_resumed_run_gives_the_same_bytes(name, tmp_path, monkeypatch):
 def test_a_resumed_run_gives_the_same_bytes_in_large(name, tmp_path, monkeypatch):
     straight = check_resuming(SLOW[name], tmp_path, monkeypatch)
     arrays = read_checkpoint(straight.directory / "checkpoint.npz").arrays
+    if name == "space":
+        assert len(arrays["simulation.contact.guesses"]) > 0
     if name == "hot metal":
         assert arrays["simulation.state.work.bath_heat"] != 0
         assert np.ptp(arrays["simulation.particles.T_stress"]) > 10

@@ -129,6 +129,7 @@ def test_wheel_holds_every_scene(wheel):
     assert {"mpmcli/study/CITATION.cff", "mpmcli/study/references.bib"} <= held
 
 
+@pytest.mark.slow
 def test_installed_wheel_offers_them(wheel, tmp_path):
     zipfile.ZipFile(wheel).extractall(tmp_path / "site")
     code = (

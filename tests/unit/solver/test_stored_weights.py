@@ -26,24 +26,29 @@ time: {end: 1e3, step: 0.05}
 FLIP, SECOND, FOURTH = "{kind: flip}", "{kind: fmpm, order: 2}", "{kind: fmpm, order: 4}"
 
 
-@pytest.mark.parametrize(
-    ("velocity", "heat", "stores"),
-    [
-        (FLIP, FLIP, False),
-        (FLIP, SECOND, False),
-        (FLIP, FOURTH, True),
-        (SECOND, SECOND, True),
-        (FOURTH, FOURTH, True),
-    ],
-)
-@pytest.mark.parametrize(("shape", "update"), [("lcpdi", "usavg+"), ("ugimp", "usl+")])
-def test_kept_weights_change_no_bit(shape, update, velocity, heat, stores):
+SEVERAL_PASSES = [(FLIP, FOURTH), (SECOND, SECOND), (FOURTH, FOURTH)]
+
+
+def started(shape, update, velocity, heat):
     text = SCENE.replace("SHAPE", shape).replace("UPDATE", update).replace("VELOCITY", velocity)
+    return Simulation(load_scene(text.replace("HEAT", heat)), threads=1)
+
+
+@pytest.mark.parametrize(("velocity", "heat"), [(FLIP, FLIP), (FLIP, SECOND), *SEVERAL_PASSES])
+def test_weights_are_kept_where_several_passes_use_them(velocity, heat):
+    keeps = started("ugimp", "usl+", velocity, heat).transfer._stores
+    assert keeps == ((velocity, heat) in SEVERAL_PASSES)
+
+
+@pytest.mark.parametrize(("velocity", "heat"), SEVERAL_PASSES)
+@pytest.mark.parametrize(
+    ("shape", "update"), [pytest.param("lcpdi", "usavg+", marks=pytest.mark.slow), ("ugimp", "usl+")]
+)
+def test_kept_weights_change_no_bit(shape, update, velocity, heat):
     found = []
     for keeps in (True, False):
-        simulation = Simulation(load_scene(text.replace("HEAT", heat)), threads=1)
-        assert simulation.transfer._stores == stores
-        simulation.transfer._stores = stores and keeps
+        simulation = started(shape, update, velocity, heat)
+        simulation.transfer._stores = keeps
         for _ in range(30):
             simulation.step()
         found.append(simulation.particles.arrays())

@@ -76,7 +76,7 @@ PERFECT = {"contact": {"law": {"kind": "perfect"}}}
 
 @pytest.mark.parametrize(
     "transfer",
-    [pytest.param(t, marks=[] if t in (FLIP, TRANSFERS[-2]) else pytest.mark.slow) for t in TRANSFERS],
+    [pytest.param(t, marks=[] if t is FLIP else pytest.mark.slow) for t in TRANSFERS],
 )
 def test_perfect_contact_is_that_of_one_field(transfer):
     one, _ = after(scene({"transfer": transfer}, TWO))
