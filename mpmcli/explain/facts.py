@@ -113,6 +113,7 @@ def explain(
         "grid_bytes": grid_bytes,
         "wave_speed": wave_speed,
         "time_step": dt,
+        "time_unit": loaded.units.label("time") if loaded.units.are_declared else None,
         "courant": courant,
         "courant_is_chosen": scene.time.courant == "auto",
         "stable_courant": stable,

@@ -30,7 +30,7 @@ def as_text(facts: dict[str, Any]) -> str:
         "",
         f"arrays     particles {facts['particle_bytes'] / 2**20:.1f} MiB, grid {facts['grid_bytes'] / 2**20:.1f} MiB "
         f"if all nodes are active ({', '.join(facts['arrays'])}); {size:.1f} MiB in total",
-        f"time step  {facts['time_step']:.4g} at the start: {_courant_in_words(facts)}",
+        f"time step  {facts['time_step']:.4g}{_unit(facts['time_unit'])} at the start: {_courant_in_words(facts)}",
         *interfaces_in_words(facts["interfaces"]),
         *cracks_in_words(facts["cracks"]),
         *heat_in_words(facts["heat"]),
@@ -46,6 +46,10 @@ def as_text(facts: dict[str, Any]) -> str:
         *(f"  {question}" for question in facts["questions"]),
     ]
     return "\n".join(lines)
+
+
+def _unit(name: str | None) -> str:
+    return "" if name is None else f" {name}"
 
 
 def _tasks_in_words(kernels: dict[str, list[str]]) -> list[str]:

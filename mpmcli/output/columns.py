@@ -18,6 +18,7 @@ from mpmcli.output import (  # noqa: F401  (they fill the registry)
 )
 from mpmcli.output.quantities import QUANTITIES, Context, Quantity
 from mpmcli.output.snapshot import Snapshot
+from mpmcli.scene.archive import FIELDS, FIELDS_OF_SOME
 
 DEFAULT = "default"
 """The word for "the columns that this scene has by itself" in a list of columns."""
@@ -235,6 +236,14 @@ def _history(name: str) -> Quantity:
     return Quantity(
         name, name, dimension, "scalar", "particle", lambda snapshot: snapshot.history(name), text
     )
+
+
+def archived_names(asked: Iterable[str] | None, context: Context) -> Iterable[str]:
+    """What ``archive.particles.fields`` asks for, or what archives have without it."""
+    if asked is not None:
+        return asked
+    known = fields_of(context)
+    return (*FIELDS, *(name for name in FIELDS_OF_SOME if name in known))
 
 
 def resolve_fields(

@@ -8,7 +8,7 @@ from typing import Any
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.state import State
-from mpmcli.output.columns import resolve_columns, resolve_fields
+from mpmcli.output.columns import archived_names, resolve_columns, resolve_fields
 from mpmcli.output.contact_quantities import pair_name
 from mpmcli.output.criteria import check_conditions
 from mpmcli.output.probes import resolve_grid_fields, resolve_pair
@@ -142,7 +142,7 @@ def check_output(scene: Any) -> None:
     if archive.globals is not None:
         collect(resolve_columns, archive.globals.columns, context)
     if archive.particles is not None:
-        collect(resolve_fields, archive.particles.fields, context)
+        collect(resolve_fields, archived_names(archive.particles.fields, context), context)
     if archive.grid is not None:
         collect(resolve_grid_fields, archive.grid.fields, context)
     for index, probe in enumerate(scene.probes):

@@ -12,7 +12,7 @@ import numpy as np
 from mpmcli.core.errors import ArchiveError, SimulationError
 from mpmcli.core.state import State
 from mpmcli.core.suggest import listing
-from mpmcli.output.columns import evaluate, resolve_columns, resolve_fields
+from mpmcli.output.columns import archived_names, evaluate, resolve_columns, resolve_fields
 from mpmcli.output.files import CRACK_EVENTS, FAILED, FAILED_CRACKS, GLOBALS, cannot_write, make_folder
 from mpmcli.output.global_quantities import EnergyBalance
 from mpmcli.output.manifest import Manifest
@@ -157,7 +157,8 @@ class Recorder:
             return
         from mpmcli.output.vtu import Series, VtuWriter, write_particles
 
-        fields = resolve_fields([*ALWAYS, *asked.fields], self.context)
+        names = archived_names(asked.fields, self.context)
+        fields = resolve_fields([*ALWAYS, *names], self.context)
         writer = VtuWriter(asked.precision, asked.compression)
         series = Series(self.directory, "particles", self._times("particles"))
         self.frames = len(series.times)

@@ -48,13 +48,23 @@ ClockTime = Annotated[
 """A time by the clock, with its unit."""
 
 
+FIELDS = ("displacement", "velocity", "stress", "deformation_gradient")
+"""Quantities that archives of particles have without being asked."""
+FIELDS_OF_SOME = ("temperature", "equivalent_plastic_strain", "damage")
+"""Further ones of the scenes that have them."""
+
+
 class ParticleArchive(Model):
     """Files of all particles."""
 
     every: PositiveTime
     """Time between files."""
-    fields: tuple[Column, ...] = ("displacement", "velocity", "stress", "deformation_gradient")
-    """Quantities to write, besides position, identity, body and material."""
+    fields: tuple[Column, ...] | None = None
+    """Quantities to write, besides position, identity, body and material.
+
+    Without it displacement, velocity, stress and deformation_gradient, and of temperature, equivalent_plastic_strain
+    and damage those that the scene has.
+    """
     precision: Literal["float32", "float64"] = "float32"
     """Precision of the numbers."""
     compression: Literal["none", "lz4", "zlib"] = "none"
@@ -198,7 +208,8 @@ Probe = Annotated[
 
 def shows(archive: Archive, probes: Iterable[Any], field: str) -> bool:
     """Return whether archives of particles or probes that follow one have a field."""
-    asked = () if archive.particles is None else archive.particles.fields
+    particles = archive.particles
+    asked = () if particles is None else FIELDS if particles.fields is None else particles.fields
     return field in asked or any(probe.kind == "particle" and field in probe.columns for probe in probes)
 
 

@@ -266,6 +266,8 @@ def _hint_of_key(word: str, keys: list[str], model: type[BaseModel], path: str) 
         paths, section = _paths_of_sections(model), path.split(".")[0]
         field = model.model_fields.get(section)
         is_member = field is not None and _has_members(field.annotation)
+        if field is not None and not is_member:  # what the section has itself comes first
+            paths = paths | _paths_of_sections(model, only=section)
         for name in meanings(word):
             found = paths.get(name, path)
             if found != path and (not is_member or found.startswith(f"{section}.")):
@@ -292,16 +294,16 @@ def _has_members(annotation: Any) -> bool:
 
 
 @cache
-def _paths_of_sections(model: type[BaseModel], depth: int = 2) -> dict[str, str]:
+def _paths_of_sections(model: type[BaseModel], depth: int = 2, only: str | None = None) -> dict[str, str]:
     """Dotted paths of the keys of a model's sections (mappings that are no lists and no names of the user), by key.
 
-    Of several the shortest.
+    Of several the shortest. With ``only`` those of one section.
     """
     found: dict[str, str] = {}
     inner_models = [
         (section, inner)
         for section, field in model.model_fields.items()
-        if get_origin(field.annotation) not in (tuple, list, dict)
+        if get_origin(field.annotation) not in (tuple, list, dict) and only in (None, section)
         for inner in (*_models(field.annotation), *_models(field.metadata))
     ]
     for section, inner in inner_models:

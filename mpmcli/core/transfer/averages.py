@@ -16,7 +16,7 @@ from mpmcli.core.grid import unfold
 from mpmcli.core.transfer.cut import is_cut
 from mpmcli.core.transfer.gather_scatter import TWO, ZERO, rows_of, value_at
 from mpmcli.core.transfer.kernels import gradients_for, scatter_particle
-from mpmcli.core.transfer.stencil import Table, weigh
+from mpmcli.core.transfer.stencil import CutTable, weigh
 
 Array = np.ndarray
 
@@ -117,5 +117,5 @@ def shift_rows(
             )
         if cut is not None:
             for q in range(cut.chunks[slot], cut.chunks[slot + np.uint64(1)]):
-                mean = gather_mean(analysis, Table(cut.S[q], None), ZERO, cut.dof[q], across, sums)
+                mean = gather_mean(analysis, CutTable(cut.S[q], None), ZERO, cut.dof[q], across, sums)
                 shift_particle(mean, value, rows, A, cut.particle[q], out)

@@ -29,7 +29,7 @@ from mpmcli.core.transfer.gather_scatter import (
     scatter_vector,
     zero_vector,
 )
-from mpmcli.core.transfer.stencil import Table, keep, weigh, weigh_gathers
+from mpmcli.core.transfer.stencil import CutTable, keep, weigh, weigh_gathers
 from mpmcli.core.transfer.tasks import (
     AffineMassAndMomentum,
     AffineProjection,
@@ -158,7 +158,7 @@ def scatter(task, zero, too, analysis, shape, grid, across, bands, stencil, X, F
                     scatter_too(too, analysis, weights, corner, base, offsets, across, p)
             if cut is not None:
                 for q in range(cut.bands[b], cut.bands[b + np.uint64(1)]):
-                    weights = Table(cut.S[q], gradients_for(task, cut.G[q]))
+                    weights = CutTable(cut.S[q], gradients_for(task, cut.G[q]))
                     scatter_particle(
                         task, analysis, zero, geometry, weights, cut.corner[q], ZERO, cut.dof[q], across, X,
                         cut.particle[q],
@@ -257,12 +257,12 @@ def move_particles(
         if cut is not None:
             for q in range(cut.chunks[slot], cut.chunks[slot + np.uint64(1)]):
                 if too is not None:
-                    weights = Table(cut.S[q], None)
+                    weights = CutTable(cut.S[q], None)
                     gather_particle(
                         too, analysis, weights, ZERO, ZERO, cut.dof[q], across, slot, cut.particle[q]
                     )
                 found = move_particle(
-                    analysis, zero, Table(cut.S[q], buffer_for(L, cut.G[q])), ZERO, cut.dof[q], across,
+                    analysis, zero, CutTable(cut.S[q], buffer_for(L, cut.G[q])), ZERO, cut.dof[q], across,
                     geometry.inverse_cell, cut.particle[q], v, w, start, alpha, damping, dt, flip, X, V, X_new, L, M,
                     bounds, damped, found,
                 )  # fmt: skip
@@ -290,7 +290,7 @@ def gather(task, analysis, shape, grid, across, chunks, stencil, X, F, size, fie
             gather_particle(task, analysis, weights, corner, base, offsets, across, slot, p)
         if cut is not None:
             for q in range(cut.chunks[slot], cut.chunks[slot + np.uint64(1)]):
-                weights = Table(cut.S[q], None)
+                weights = CutTable(cut.S[q], None)
                 gather_particle(
                     task, analysis, weights, ZERO, ZERO, cut.dof[q], across, slot, cut.particle[q]
                 )
@@ -317,7 +317,7 @@ def find_velocity_gradients(
             gather_gradient(weights, analysis, zero, base, offsets, across, v, None, X, p, L)
         if cut is not None:
             for q in range(cut.chunks[slot], cut.chunks[slot + np.uint64(1)]):
-                weights = Table(cut.S[q], cut.G[q])
+                weights = CutTable(cut.S[q], cut.G[q])
                 gather_gradient(
                     weights, analysis, zero, ZERO, cut.dof[q], across, v, None, X, cut.particle[q], L
                 )

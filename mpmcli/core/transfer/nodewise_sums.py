@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from mpmcli.core.analysis import Axisymmetric, Solid
-from mpmcli.core.compiled.registers import each, load, pack, plus, read, store, zeros
+from mpmcli.core.compiled.registers import each, load, pack, plus, read, store, total, zeros
 from mpmcli.core.transfer.gather_scatter import (
     ALL,
     LINE,
     PLANE,
     THREE,
     TWO,
+    ZERO,
     column,
     for_each,
     gather_gradient,
@@ -23,6 +25,7 @@ from mpmcli.core.transfer.gather_scatter import (
     gather_vector,
     nodes_of,
     put_rows,
+    rows_of,
     scatter_flux,
     scatter_momentum,
     scatter_stress,
@@ -30,12 +33,19 @@ from mpmcli.core.transfer.gather_scatter import (
     scatter_vector,
     value_at,
 )
-from mpmcli.core.transfer.stencil import Table
+from mpmcli.core.transfer.stencil import CutTable, Table
 
-of_table = partial(for_each, weights=Table)
+of_whole = partial(for_each, weights=Table)
+of_cut = partial(for_each, weights=CutTable)
+
+
+def of_table(declared: Any, *analyses: type) -> Any:
+    """Register an implementation for whole and for cut particles."""
+    return lambda function: of_whole(declared, *analyses)(of_cut(declared, *analyses)(function))
 
 
 @value_at.register(Table)
+@value_at.register(CutTable)
 def _(weights, row, a, across):
     return weights.S[row * np.uint64(len(across)) + a]
 
@@ -162,10 +172,10 @@ def _(weights, analysis, zero, base, offsets, across, v, w, X, p, L):
     return each(Sv), each(Sv if w is None else Sw)
 
 
-# Scalars
+# Scalars of cut particles
 
 
-@of_table(gather_scalar, *ALL)
+@of_cut(gather_scalar, *ALL)
 def _(weights, analysis, base, offsets, across, v):
     S, found = weights.S, 0.0
     for j in range(nodes_of(analysis, across)):
@@ -173,7 +183,7 @@ def _(weights, analysis, base, offsets, across, v):
     return found
 
 
-@of_table(gather_slope, *LINE)
+@of_cut(gather_slope, *LINE)
 def _(weights, analysis, base, offsets, across, v):
     x = 0.0
     for j in range(nodes_of(analysis, across)):
@@ -181,7 +191,7 @@ def _(weights, analysis, base, offsets, across, v):
     return (x,)
 
 
-@of_table(gather_slope, *PLANE, Axisymmetric)
+@of_cut(gather_slope, *PLANE, Axisymmetric)
 def _(weights, analysis, base, offsets, across, v):
     G, m = weights.G, nodes_of(analysis, across)
     x, y = 0.0, 0.0
@@ -192,7 +202,7 @@ def _(weights, analysis, base, offsets, across, v):
     return x, y
 
 
-@of_table(gather_slope, Solid)
+@of_cut(gather_slope, Solid)
 def _(weights, analysis, base, offsets, across, v):
     G, m = weights.G, nodes_of(analysis, across)
     x, y, z = 0.0, 0.0, 0.0
@@ -204,21 +214,84 @@ def _(weights, analysis, base, offsets, across, v):
     return x, y, z
 
 
-@of_table(scatter_flux, *LINE)
+@of_cut(scatter_flux, *LINE)
 def _(weights, analysis, base, offsets, across, h, f):
     for j in range(nodes_of(analysis, across)):
         f[base + offsets[j]] += h[0] * weights.G[j]
 
 
-@of_table(scatter_flux, *PLANE, Axisymmetric)
+@of_cut(scatter_flux, *PLANE, Axisymmetric)
 def _(weights, analysis, base, offsets, across, h, f):
     G, m = weights.G, nodes_of(analysis, across)
     for j in range(m):
         f[base + offsets[j]] += h[0] * G[j] + h[1] * G[m + j]
 
 
-@of_table(scatter_flux, Solid)
+@of_cut(scatter_flux, Solid)
 def _(weights, analysis, base, offsets, across, h, f):
     G, m = weights.G, nodes_of(analysis, across)
     for j in range(m):
         f[base + offsets[j]] += h[0] * G[j] + h[1] * G[m + j] + h[2] * G[m + m + j]
+
+
+# Scalars of whole particles: the nodes of a row are neighbours in memory, and one register
+
+
+@of_whole(gather_scalar, *ALL)
+def _(weights, analysis, base, offsets, across, v):
+    w, found = np.uint64(len(across)), zeros(across)
+    for r in range(rows_of(analysis, across)):
+        found = plus(found, load(weights.S, r * w, across), read(v, base + offsets[r * w], across))
+    return total(found)
+
+
+@of_whole(gather_slope, *LINE)
+def _(weights, analysis, base, offsets, across, v):
+    return (total(load(weights.G, ZERO, across) * read(v, base, across)),)
+
+
+@of_whole(gather_slope, *PLANE, Axisymmetric)
+def _(weights, analysis, base, offsets, across, v):
+    G, w, m = weights.G, np.uint64(len(across)), nodes_of(analysis, across)
+    x, y = zeros(across), zeros(across)
+    for r in range(w):
+        row = read(v, base + offsets[r * w], across)
+        x = plus(x, load(G, r * w, across), row)
+        y = plus(y, load(G, m + r * w, across), row)
+    return total(x), total(y)
+
+
+@of_whole(gather_slope, Solid)
+def _(weights, analysis, base, offsets, across, v):
+    G, w, m = weights.G, np.uint64(len(across)), nodes_of(analysis, across)
+    x, y, z = zeros(across), zeros(across), zeros(across)
+    for r in range(w * w):
+        row = read(v, base + offsets[r * w], across)
+        x = plus(x, load(G, r * w, across), row)
+        y = plus(y, load(G, m + r * w, across), row)
+        z = plus(z, load(G, m + m + r * w, across), row)
+    return total(x), total(y), total(z)
+
+
+@of_whole(scatter_flux, *LINE)
+def _(weights, analysis, base, offsets, across, h, f):
+    store(f, base, plus(load(f, base, across), h[0], load(weights.G, ZERO, across)))
+
+
+@of_whole(scatter_flux, *PLANE, Axisymmetric)
+def _(weights, analysis, base, offsets, across, h, f):
+    G, w, m = weights.G, np.uint64(len(across)), nodes_of(analysis, across)
+    for r in range(w):
+        i = base + offsets[r * w]
+        row = plus(load(f, i, across), h[0], load(G, r * w, across))
+        store(f, i, plus(row, h[1], load(G, m + r * w, across)))
+
+
+@of_whole(scatter_flux, Solid)
+def _(weights, analysis, base, offsets, across, h, f):
+    G, w, m = weights.G, np.uint64(len(across)), nodes_of(analysis, across)
+    for r in range(w * w):
+        i = base + offsets[r * w]
+        row = plus(load(f, i, across), h[0], load(G, r * w, across))
+        row = plus(row, h[1], load(G, m + r * w, across))
+        store(f, i, plus(row, h[2], load(G, m + m + r * w, across)))

@@ -45,6 +45,13 @@ class Table(NamedTuple):
     G: Any
 
 
+class CutTable(NamedTuple):
+    """The same of a particle that is cut: nodes of a row may be on different sides, far apart in memory."""
+
+    S: Any
+    G: Any
+
+
 class Corners(NamedTuple):
     """Weights of gathers: the domain at whose corners linear grid functions are interpolated, in cells.
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from mpmcli.output.columns import archived_names
+from mpmcli.output.of_scene import context_of
+from mpmcli.scene.archive import FIELDS, FIELDS_OF_SOME
 from mpmcli.scene.loader import load_scene
 
 CHOOSE = Path(__file__).parents[3] / "docs" / "choose.md"
@@ -42,8 +45,16 @@ def test_the_advice_and_the_defaults_are_the_same():
 
 
 def test_archives_have_what_pictures_and_warps_need():
-    fields = load_scene(SCENE).scene.archive.particles.fields
-    assert fields == ("displacement", "velocity", "stress", "deformation_gradient")
+    def names(text: str) -> tuple[str, ...]:
+        scene = load_scene(text).scene
+        return tuple(archived_names(scene.archive.particles.fields, context_of(scene)))
+
+    always = ("displacement", "velocity", "stress", "deformation_gradient")
+    assert names(SCENE) == always
+    metal = SCENE.replace("neo_hookean,", "j2_plastic, hardening: {kind: linear, yield_stress: 0.1},")
+    assert names(metal) == (*always, "temperature", "equivalent_plastic_strain")
+    brittle = SCENE.replace("neo_hookean,", "isotropic_softening, strength: 1, toughness: 1,")
+    assert names(brittle) == (*always, "damage")
     text = (CHOOSE.parent / "files.md").read_text(encoding="utf-8")
     (sentence,) = re.findall(r"The default fields are ([^;]+);", text)
-    assert tuple(re.findall(r"`(\w+)`", sentence)) == fields
+    assert tuple(re.findall(r"`(\w+)`", sentence)) == (*FIELDS, *FIELDS_OF_SOME)

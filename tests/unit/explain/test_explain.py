@@ -57,6 +57,13 @@ def test_without_contact_there_is_nothing_of_it():
     assert "1 velocity field\n" in facts["text"]
 
 
+def test_the_time_step_has_the_unit_that_is_declared():
+    assert " at the start: Courant" in facts_of()["text"]
+    declared = BLOCKS | {"units": {"length": "mm", "mass": "g", "time": "ms"}}
+    facts = explain(load_scene(yaml.safe_dump(declared)))
+    assert f"time step  {facts['time_step']:.4g} ms at the start: Courant" in facts["text"]
+
+
 def test_contact_says_what_it_chooses_and_what_it_looks_at():
     facts = facts_of({})
     contact = facts["contact"]

@@ -74,6 +74,7 @@ HINTS = [
     ("time: {end: 0.1}", "order: 4\ntime: {end: 0.1}", "order", "did you mean 'method.transfer.order'?"),
     ("time: {end: 0.1}", "time: {end: 0.1, dt: 0.1}", "time.dt", "did you mean 'step'?"),
     ("time: {end: 0.1}", "time: {end: 0.1, cell: 1}", "time.cell", "did you mean 'grid.cell'?"),
+    ("archive:", "archive:\n  every: 1", "archive.every", "did you mean 'archive.particles.every'?"),
     ("time: {end: 0.1}", "time: {end: 0.1, cuorant: 1}", "time.cuorant", "did you mean 'courant'?"),
     ("kind: box", "kind: rectangle", "bodies.block.region.kind", "did you mean 'box'?"),
     ("kind: box", "kind: circle", "bodies.block.region.kind", "did you mean 'disk'?"),
