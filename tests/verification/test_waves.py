@@ -112,6 +112,7 @@ def test_weight_at_once_doubles_the_stress(start):
     assert reaction[(t > 36) & (t < 44)].mean() == pytest.approx(0.08, rel=0.06)
 
 
+@pytest.mark.slow
 def test_elastic_plastic_wave(start):
     """An elastic precursor of −Y(1−ν)/(1−2ν) at the longitudinal speed, then yielding at the bulk speed."""
     E, nu, Y, rho = 1.0, 0.3, 1e-3, 1.0

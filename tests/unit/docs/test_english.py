@@ -53,18 +53,12 @@ LISTS = re.compile(r"\bmembers? (by name|of the list)|name its members\b")
 """A list of YAML or of regions has members."""
 
 
-def is_docstring(node: ast.AST, parents: dict[ast.AST, ast.AST]) -> bool:
-    return isinstance(parents[node], ast.Expr)
-
-
 def messages(path: Path) -> list[str]:
     """The texts of a module that are no docstrings."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    parents = {child: node for node in ast.walk(tree) for child in ast.iter_child_nodes(node)}
-    texts = [
-        node for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)
-    ]
-    return [node.value for node in texts if not is_docstring(node, parents) and " " in node.value]
+    nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+    docstrings = {node.value for node in nodes if isinstance(node, ast.Expr)}
+    texts = [node for node in nodes if isinstance(node, ast.Constant) and node not in docstrings]
+    return [node.value for node in texts if isinstance(node.value, str) and " " in node.value]
 
 
 def private_words(text: str) -> list[str]:
