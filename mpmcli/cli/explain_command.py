@@ -34,18 +34,15 @@ def command(
     loaded = load_checked(scene, changes)
     check_time_step(loaded)
     show_warnings(loaded)
-    from mpmcli.core.errors import SceneError
     from mpmcli.explain.facts import explain
 
-    try:
+    with loaded.located():
         measured = None
         if measures:
             from mpmcli.explain.shares import measure
 
             measured = measure(loaded, threads)
         report = explain(loaded, threads, measured)
-    except SceneError as error:
-        raise loaded.locate(error) from None
     if as_object:
         contents = {key: value for key, value in report.items() if key != "text"}
         click.echo(json.dumps(contents, indent=1, ensure_ascii=False))

@@ -146,14 +146,11 @@ def load_checked(scene: str, changes: SceneChanges) -> LoadedScene:
 
 def check_start(loaded: LoadedScene) -> None:
     """Refuse what a run would refuse when it sets up the scene, or add a warning that this is left to the run."""
-    from mpmcli.core.errors import SceneError
     from mpmcli.scene.filling import check_filling
 
-    try:
+    with loaded.located():
         for warning in check_filling(loaded.scene):
             _add_warning(loaded, warning)
-    except SceneError as error:
-        raise loaded.locate(error) from None
 
 
 def _add_warning(loaded: LoadedScene, warning: Problem | None) -> None:
@@ -172,13 +169,10 @@ def check_time_step(loaded: LoadedScene) -> None:
     SceneError
         If the Courant number is ``auto`` and no stability limit is known.
     """
-    from mpmcli.core.errors import SceneError
     from mpmcli.stability.scene_limit import chosen_courant, warning_of
 
-    try:
+    with loaded.located():
         chosen_courant(loaded.scene)
-    except SceneError as error:
-        raise loaded.locate(error) from None
     _add_warning(loaded, warning_of(loaded.scene))
     if loaded.scene.contact is not None:
         from mpmcli.stability.interfaces import warnings_of_interfaces
@@ -188,10 +182,8 @@ def check_time_step(loaded: LoadedScene) -> None:
     if loaded.scene.cracks:
         from mpmcli.stability.interfaces import check_tractions
 
-        try:
+        with loaded.located():
             check_tractions(loaded.scene)
-        except SceneError as error:
-            raise loaded.locate(error) from None
     if loaded.scene.heat is not None:
         from mpmcli.stability.heat import warnings_of_heat
 

@@ -14,7 +14,6 @@ import numpy as np
 
 from mpmcli.core.compiled import runtime
 from mpmcli.core.compiled.kernel import Call
-from mpmcli.core.errors import SceneError
 from mpmcli.output.of_scene import check_output
 from mpmcli.run.compiling import Compilers
 from mpmcli.run.folder import default_folder, locked_folder, owned_folder, refuse_occupied
@@ -94,13 +93,11 @@ def run(
     else:
         loaded = scene
     directory = default_folder(loaded.path or "scene") if directory is None else Path(directory)
-    try:
+    with loaded.located():
         return _run(
             loaded, directory, threads, until, overwrite, resume, max_walltime, dry_run, verbosity, progress,
             make_simulation or _solver(),
         )  # fmt: skip
-    except SceneError as error:
-        raise loaded.locate(error) from None
 
 
 def resume(directory: Path | str, **options: Any) -> Outcome:
@@ -210,11 +207,8 @@ def compile_scenes(
     calls: dict[Call, None] = {}
     with Compilers(processes) as compilers, np.errstate(all="ignore"):
         for loaded in scenes:
-            with shown.waiting(f"setting up {loaded.path}"):
-                try:
-                    calls |= dict.fromkeys(_calls_of(_solver()(loaded), loaded))
-                except SceneError as error:
-                    raise loaded.locate(error) from None
+            with shown.waiting(f"setting up {loaded.path}"), loaded.located():
+                calls |= dict.fromkeys(_calls_of(_solver()(loaded), loaded))
         return _compile(compilers, list(calls), shown)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mpmcli.core.errors import SceneError
 from mpmcli.core.suggest import few_suggestions
 from mpmcli.output.of_scene import check_output
 from mpmcli.scene.loader import LoadedScene, load_scene
@@ -37,8 +36,6 @@ def load(
     """
     with few_suggestions():
         loaded = load_scene(source, sets=sets, defines=defines, allow_outside_files=allow_outside_files)
-        try:
+        with loaded.located():
             check_output(loaded.scene)
-        except SceneError as error:
-            raise loaded.locate(error) from None
     return loaded

@@ -5,6 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -100,6 +102,14 @@ class LoadedScene:
             place = locate(self.root, p.path, p.message, p.code, p.severity)
             located.append(place if p.line is None and p.file is None else p)
         return scene_error(located)
+
+    @contextmanager
+    def located(self) -> Iterator[None]:
+        """Raise a ``SceneError`` from inside with file, line and column."""
+        try:
+            yield
+        except SceneError as error:
+            raise self.locate(error) from None
 
 
 def _for_json(value: Any) -> Any:
