@@ -24,6 +24,7 @@ from mpmcli.materials.hencky import HISTORY, elastic_tensor, elastic_volume, kee
 from mpmcli.materials.neo_hookean import J_MINUS_INVERSE
 from mpmcli.materials.own_numbers import with_own_numbers
 from mpmcli.materials.principal import from_principal, principal_strains
+from mpmcli.materials.rows import log1p
 from mpmcli.materials.volumetric import volumetric_energy, volumetric_stiffness, volumetric_stress
 
 VOLUME, WORK, LAST = 6, 7, 8
@@ -62,8 +63,8 @@ class ClampedNeoHookean(ElasticModel):
             density=self.density,
             rest2=self.initial_wave_speed(analysis) ** 2,
             lateral=lateral_factor(self.lame_modulus, self.shear_modulus, analysis),
-            lowest=math.log1p(-self.compression),
-            highest=math.log1p(self.extension),
+            lowest=log1p(-self.compression),
+            highest=log1p(self.extension),
             hardening=self.hardening,
         )
 

@@ -22,6 +22,7 @@ from mpmcli.materials.hencky import (
     trial_tensor,
 )
 from mpmcli.materials.own_numbers import with_own_numbers
+from mpmcli.materials.rows import log, sqrt
 
 OPENING = len(HISTORY)
 """Row of the logarithmic strain of volume by which grains are apart."""
@@ -72,12 +73,12 @@ class Granular(ElasticModel):
             lateral=lateral_factor(self.lame_modulus, self.shear_modulus, analysis),
             mu_s=self.mu_s,
             mu_2=self.mu_2,
-            fluidity=self.I0 / (self.grain_diameter * math.sqrt(self.grain_density)),
+            fluidity=self.I0 / (self.grain_diameter * sqrt(self.grain_density)),
         )
 
     def initial_history(self) -> dict[str, float]:
         """Grains start apart if the density is below the critical one."""
-        return {"opening": math.log((self.critical_density or self.density) / self.density)}
+        return {"opening": log((self.critical_density or self.density) / self.density)}
 
 
 class Grains(NamedTuple):

@@ -54,6 +54,7 @@ from mpmcli.materials.hardening import (
 from mpmcli.materials.hill_anisotropy import Hill, HillAnisotropy, Modes, modes_of
 from mpmcli.materials.lateral import thickness_stretch
 from mpmcli.materials.orthotropic import OrthotropicConstants
+from mpmcli.materials.own_numbers import with_own_numbers
 
 Array = np.ndarray
 
@@ -334,6 +335,7 @@ def plane_thickness(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
 for (_law, _planar), _Hill in HILL_WITH.items():
     with_defaults((in_plane if _planar else in_space)(_Hill))
     needs_increment.register(_Hill)(yes)
+    with_own_numbers(_Hill)
     flow_stress.register(_Hill)(flow_stress.implementations[_law])
     flow_slope.register(_Hill)(flow_slope.implementations[_law])
 

@@ -33,6 +33,7 @@ from mpmcli.materials.hencky import (
     trial_tensor,
 )
 from mpmcli.materials.own_numbers import with_own_numbers
+from mpmcli.materials.rows import sqrt
 
 CONSOLIDATION = len(HISTORY)
 """Row of the preconsolidation pressure."""
@@ -103,7 +104,7 @@ class ModifiedCamClay(MaterialModel):
     def initial_wave_speed(self, analysis: str) -> float:
         """√((K + 4G/3 + p)/ρ) [velocity], K = p(1 + e0)/κ."""
         m = self.parameters(analysis, False)
-        return math.sqrt(m.pressure * ((1 + 4 / 3 * m.shear) / m.swelling + 1) / m.density)
+        return sqrt(m.pressure * ((1 + 4 / 3 * m.shear) / m.swelling + 1) / m.density)
 
 
 @with_defaults

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.core.analysis import ANALYSES
@@ -27,6 +26,7 @@ from mpmcli.materials.base import (
 from mpmcli.materials.defaults import with_defaults
 from mpmcli.materials.elastic_constants import lateral_factor, wave_modulus
 from mpmcli.materials.own_numbers import with_own_numbers
+from mpmcli.materials.rows import sqrt
 from mpmcli.materials.volumetric import (
     FORMS,
     volumetric_energy,
@@ -83,7 +83,7 @@ class MooneyRivlin(MaterialModel):
 
     def initial_wave_speed(self, analysis: str) -> float:
         """That of isotropic elasticity with K and G = G1 + G2 [velocity]."""
-        return math.sqrt(wave_modulus(self._lame, self.shear_modulus, analysis) / self.density)
+        return sqrt(wave_modulus(self._lame, self.shear_modulus, analysis) / self.density)
 
     @property
     def _lame(self) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from mpmcli.core.functions import GRID_FUNCTIONS
 from mpmcli.materials.thermal import coupled_wave_speed
 from mpmcli.scene.own_density import lightest_density
-from mpmcli.scene.own_numbers import body_models, own_keys
+from mpmcli.scene.own_numbers import fastest_wave, own_keys
 from mpmcli.shapes import SHAPES
 from mpmcli.stability.growth import FAST
 from mpmcli.stability.held import Holders
@@ -75,7 +75,7 @@ def largest_wave_speed(scene: Any) -> float:
 def _wave_speed(scene: Any, body: Any, material: Any) -> float:
     """Largest wave speed of a body at the start, adiabatic where heat and strain are coupled [velocity]."""
     if own_keys(body, material):
-        return max(float(model.initial_wave_speed(scene.analysis.kind)) for model in body_models(scene, body))
+        return fastest_wave(scene, body)
     speed = coupled_wave_speed(material, scene.analysis.kind, scene.is_adiabatic)
     return speed * math.sqrt(material.density / lightest_density(body, material))
 
