@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.core.exponentials import exponential_1d, exponential_symmetric, logarithm
 from mpmcli.core.model import PositivePressure, Quantity
+from mpmcli.core.rows import sqrt
 from mpmcli.core.tensors import determinant
 from mpmcli.materials.base import (
     MATERIALS,
@@ -30,7 +31,6 @@ from mpmcli.materials.hencky import (
     trial_tensor,
 )
 from mpmcli.materials.own_numbers import with_own_numbers
-from mpmcli.materials.rows import sqrt
 from mpmcli.materials.tait_fluid import Tait, TaitModel, tait_energy, tait_mean
 
 

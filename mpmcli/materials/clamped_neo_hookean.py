@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_1d
 from mpmcli.core.model import Quantity
+from mpmcli.core.rows import log1p
 from mpmcli.core.tensors import largest_eigenvalue_bound, smallest_eigenvalue_bound
 from mpmcli.materials.base import (
     MATERIALS,
@@ -24,7 +25,6 @@ from mpmcli.materials.hencky import HISTORY, elastic_tensor, elastic_volume, kee
 from mpmcli.materials.neo_hookean import J_MINUS_INVERSE
 from mpmcli.materials.own_numbers import with_own_numbers
 from mpmcli.materials.principal import from_principal, principal_strains
-from mpmcli.materials.rows import log1p
 from mpmcli.materials.volumetric import volumetric_energy, volumetric_stiffness, volumetric_stress
 
 VOLUME, WORK, LAST = 6, 7, 8

@@ -8,8 +8,8 @@ from pydantic import model_validator
 
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.model import Quantity
+from mpmcli.core.rows import sqrt
 from mpmcli.materials.base import MaterialModel
-from mpmcli.materials.rows import sqrt
 
 
 class ElasticModel(MaterialModel):

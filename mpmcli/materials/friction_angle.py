@@ -10,9 +10,9 @@ from pydantic import Field, model_validator
 from mpmcli.core.angles import Angle
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.model import Quantity
+from mpmcli.core.rows import radians, sin
 from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
 from mpmcli.materials.hencky import HISTORY
-from mpmcli.materials.rows import radians, sin
 
 Strength = Annotated[float, Quantity("pressure", ge=0, lt=1e30)]
 AcuteAngle = Annotated[Angle, Field(ge=0, lt=90)]

@@ -9,6 +9,7 @@ from pydantic import model_validator
 
 from mpmcli.core.exponentials import exponential_symmetric
 from mpmcli.core.model import Density, Quantity
+from mpmcli.core.rows import log, sqrt
 from mpmcli.materials.base import MATERIALS, bulk_speed_squared, kirchhoff_stress
 from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
 from mpmcli.materials.hencky import (
@@ -22,7 +23,6 @@ from mpmcli.materials.hencky import (
     trial_tensor,
 )
 from mpmcli.materials.own_numbers import with_own_numbers
-from mpmcli.materials.rows import log, sqrt
 
 OPENING = len(HISTORY)
 """Row of the logarithmic strain of volume by which grains are apart."""

@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_1d, exponential_symmetric, logarithm
 from mpmcli.core.model import PositivePressure, Quantity
+from mpmcli.core.rows import sqrt
 from mpmcli.materials.base import (
     MATERIALS,
     MaterialModel,
@@ -33,7 +34,6 @@ from mpmcli.materials.hencky import (
     trial_tensor,
 )
 from mpmcli.materials.own_numbers import with_own_numbers
-from mpmcli.materials.rows import sqrt
 
 CONSOLIDATION = len(HISTORY)
 """Row of the preconsolidation pressure."""

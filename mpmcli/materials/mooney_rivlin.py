@@ -8,6 +8,7 @@ from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_1d, logarithm
 from mpmcli.core.model import Quantity
+from mpmcli.core.rows import sqrt
 from mpmcli.core.tensors import (
     Symmetric,
     determinant,
@@ -26,7 +27,6 @@ from mpmcli.materials.base import (
 from mpmcli.materials.defaults import with_defaults
 from mpmcli.materials.elastic_constants import lateral_factor, wave_modulus
 from mpmcli.materials.own_numbers import with_own_numbers
-from mpmcli.materials.rows import sqrt
 from mpmcli.materials.volumetric import (
     FORMS,
     volumetric_energy,

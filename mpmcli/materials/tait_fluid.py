@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_1d, logarithm
 from mpmcli.core.model import PositivePressure, Quantity
+from mpmcli.core.rows import sqrt
 from mpmcli.core.tensors import determinant, multiply
 from mpmcli.materials.base import (
     MATERIALS,
@@ -21,7 +22,6 @@ from mpmcli.materials.base import (
 )
 from mpmcli.materials.defaults import with_defaults, yes
 from mpmcli.materials.own_numbers import with_own_numbers
-from mpmcli.materials.rows import sqrt
 
 
 class TaitModel(MaterialModel):

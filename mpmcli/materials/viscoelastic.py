@@ -13,6 +13,7 @@ from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_1d, logarithm
 from mpmcli.core.model import Model, Quantity
+from mpmcli.core.rows import sqrt
 from mpmcli.core.tensors import determinant, push_forward, smallest_eigenvalue_bound
 from mpmcli.materials.base import (
     MATERIALS,
@@ -28,7 +29,6 @@ from mpmcli.materials.defaults import with_defaults, yes
 from mpmcli.materials.elastic_constants import lateral_factor, wave_modulus
 from mpmcli.materials.isochoric import isochoric_energy, isochoric_stiffness, isochoric_stress
 from mpmcli.materials.own_numbers import with_own_numbers
-from mpmcli.materials.rows import sqrt
 from mpmcli.materials.volumetric import (
     FORMS,
     volumetric_energy,

@@ -72,8 +72,6 @@ def _number_problems(
         reason = "heat needs one set of numbers of the material"
     elif parts.fracture is not None:
         reason = "stress intensity factors need one set of numbers of the material"
-    elif (load := _absorbing(body, parts)) is not None:
-        reason = f"the load '{load}' absorbs waves of a material with one set of numbers"
     if reason is not None:
         yield ".region.file", f"{place}: {_columns(own)} cannot be used here: {reason}", "column", "error"
         return
@@ -94,16 +92,6 @@ def _number_problems(
         yield ".region.file", words, "range", "error"
 
 
-def _absorbing(body: Any, parts: Parts) -> str | None:
-    """The name of a load that absorbs waves at a face of the body, or at a plane."""
-    for _, load in parts.loads:
-        if "impedance_of" not in load.effects():
-            continue
-        if load.loaded_plane() is not None or load.loaded_face()[0] == body.name:
-            return str(load.name)
-    return None
-
-
 def _density_problems(
     body: Any, material: Any, place: str, parts: Parts
 ) -> Iterator[tuple[str, str, str, str]]:
@@ -117,8 +105,6 @@ def _density_problems(
         reason = "artificial viscosity needs one density of the material"
     elif getattr(body.stress, "kind", None) == "geostatic":
         reason = "geostatic stress needs one density of the material; give the stresses in the file"
-    elif (load := _absorbing(body, parts)) is not None:
-        reason = f"the load '{load}' absorbs waves of a material with one density"
     if reason is not None:
         words = f"{place}: the column 'density' cannot be used here: {reason}"
         yield ".region.file", words, "column", "error"

@@ -9,9 +9,9 @@ from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
+from mpmcli.core.rows import RowError, by_rows
 from mpmcli.geometry.points import DENSITY
 from mpmcli.materials.own_numbers import TWINS, OwnMaterial
-from mpmcli.materials.rows import RowError, by_rows
 from mpmcli.scene.report import words_of
 
 Array = np.ndarray
@@ -210,9 +210,18 @@ def with_numbers(
     )
 
 
-def _numbers_at(body: Any, material: Any, X: Array, kind: str) -> RowNumbers:
-    """Return what the material makes of a body's rows for particles at positions X (d, n) at the start."""
-    return numbers_of_columns(material, body.region.columns_at(_own_columns(body, material), X), kind)
+def values_of_particles(
+    body: Any, material: Any, values: Callable[[Any], tuple[Any, ...]], X: Array | None = None
+) -> Array:
+    """Return values (k, n) of the models of a body's particles at positions X (d, n) at the start, by default all.
+
+    Without columns of their own they have the same (k, 1).
+    """
+    keys = _own_columns(body, material)
+    if not keys:
+        return np.array(values(material))[:, None]
+    columns = body.region.numbers(keys) if X is None else body.region.columns_at(keys, X)
+    return values_of_rows(material, columns, values)
 
 
 def _own_columns(body: Any, material: Any) -> list[str]:
@@ -255,7 +264,8 @@ def set_own_numbers(scene: Any, model: Any, body: Any, X: Array, H: Array) -> No
         numbers = np.array(material.parameters(kind, False))
         H[first : first + len(numbers)] = numbers[:, None]
         return
-    found = _numbers_at(body, material, X, kind)
+    columns = body.region.columns_at(_own_columns(body, material), X)
+    found = numbers_of_columns(material, columns, kind)
     for name, start in found.history.items():
         H[material.history.index(name)] = start
     H[first : first + len(found.table)] = found.table

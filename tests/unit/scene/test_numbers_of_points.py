@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 import yaml
 
+from mpmcli.core import rows
 from mpmcli.core.errors import SceneError
-from mpmcli.materials import MATERIALS, rows
+from mpmcli.materials import MATERIALS
 from mpmcli.materials.base import KINDS, history_at_start
 from mpmcli.materials.initial_stress import find_stretches
 from mpmcli.scene.loader import load_scene
@@ -290,12 +291,15 @@ def test_rows_that_make_no_material_are_named(loaded, material, names, row, word
     assert any(words in problem.message for problem in error.value.problems), error.value.problems
 
 
-def test_heat_and_absorbing_faces_need_one_material(loaded):
-    load = "loads: [{name: quiet, kind: absorbing, on: {body: b, face: {axis: y, side: upper}}}]\n"
-    with pytest.raises(
-        SceneError, match="the load 'quiet' absorbs waves of a material with one set of numbers"
-    ):
-        loaded(NEO, "E", ("10", "20", "30"), load)
+def test_heat_needs_one_material(loaded):
+    heat = "heat: {}\n"
+    with pytest.raises(SceneError, match="heat needs one set of numbers of the material"):
+        loaded(
+            NEO.replace("density", "heat_capacity: 1, conductivity: 1, density"),
+            "E",
+            ("10", "20", "30"),
+            heat,
+        )
 
 
 def test_stress_at_the_start_is_that_of_the_own_moduli(loaded):
