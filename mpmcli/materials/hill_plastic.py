@@ -213,11 +213,16 @@ def reduced_in_space(m: Any, parts: Any, k: Any) -> Any:
 def return_factor(m: Any, parts: Any, trial: float, alpha: float, T: float, dt: float) -> Any:
     """k = Δα/σ̄ with σ̄(k) = Y(α + Δα, Δα/dt, T), and σ̄: Newton's method for 1/σ̄ = 1/Y, kept inside its bracket.
 
-    The last step starts from an error below 1e-7 and is quadratic, so that its end needs no evaluation.
+    The first step starts from k = 0, where it needs neither roots nor quotients but its own. The last one starts from
+    an error below 1e-5 and is quadratic, so that its end needs no evaluation.
     """
     rate = 1.0 / dt if dt > 0.0 else 0.0
-    low, high = 0.0, (trial / max(flow_stress(m, alpha, 0.0, T), LEAST * trial) - 1.0) / m.least
-    k, stress, change = 0.0, trial, 0.0
+    Y = max(flow_stress(m, alpha, 0.0, T), LEAST * trial)
+    low, high = 0.0, (trial / Y - 1.0) / m.least
+    square, fall = reduced(m, parts, 0.0)
+    slope = flow_slope(m, alpha, 0.0, T, dt)
+    k = min(high, (trial - Y) * Y * square / (slope * square * square + fall * Y * Y))
+    stress, change = trial, 0.0
     for _ in range(60):
         square, fall = reduced(m, parts, k)
         stress = math.sqrt(square)
@@ -227,7 +232,7 @@ def return_factor(m: Any, parts: Any, trial: float, alpha: float, T: float, dt: 
         # dσ̄/dk = −fall/σ̄, dΔα/dk = (σ̄² − k fall)/σ̄
         hardening = flow_slope(m, alpha + step, step * rate, T, dt) * (square - k * fall)
         change = excess * Y * square / (hardening * square + fall * Y * Y)
-        if abs(excess) <= 1e-7 * trial:
+        if abs(excess) <= 1e-5 * trial:
             k, stress = max(0.0, k + change), stress - change * fall / stress
             break
         if excess > 0.0:
