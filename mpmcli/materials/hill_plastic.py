@@ -292,7 +292,8 @@ def flowed(m: Any, A: Any, E: Any, X: Any) -> Any:
     """A of elastic strain E after the plastic strain X of the strain E + X, without change of volume.
 
     A·exp(½ ln AᵀA − E) has it if both have the same axes and E is small; one correction for the rest. Where E + X is
-    small, it is taken for ½ ln AᵀA, which the correction covers too.
+    small, it is taken for ½ ln AᵀA, which the correction covers too. The trace of the strain follows from the volume
+    and the shape: what it exceeds that of E by comes second.
     """
     if double_product(X, X) > SMALL * SMALL:
         X = deviator(combine(0.5, log_symmetric(squared(m, A)), -1.0, E))
@@ -303,8 +304,10 @@ def flowed(m: Any, A: Any, E: Any, X: Any) -> Any:
         e = combine(-1.0, X, 0.5, combine(1.0, X2, -1.0 / 3.0, multiply_commuting(X, X2)))
         e = (1.0 + e[0], 1.0 + e[1], 1.0 + e[2], e[3], e[4], e[5])
     B = multiply(A, (e[0], e[3], e[5], e[3], e[1], e[4], e[5], e[4], e[2]))
-    Y = deviator(combine(1.0, strain_of(m, B), -1.0, E))
-    return minus(B, Y, 1.0 + double_product(Y, Y) / 6.0)
+    Y = combine(1.0, strain_of(m, B), -1.0, E)
+    dilation = Y[0] + Y[1] + Y[2]
+    Y = deviator(Y)
+    return minus(B, Y, 1.0 + double_product(Y, Y) / 6.0), dilation
 
 
 @inline
@@ -358,11 +361,13 @@ for (_law, _planar), _Hill in HILL_WITH.items():
         if k > 0.0:
             X = slope_of(m, T)
             X = combine(k, X, 0.0, X)
-            A = flowed(m, A, combine(1.0, E, -1.0, X), X)
+            A, dilation = flowed(m, A, combine(1.0, E, -1.0, X), X)
             if commit:
                 step = k * end
                 rate = step / dt if dt > 0.0 else 0.0
+                # the pressure takes its part of what flow changes the trace of the elastic strain by
                 work = 0.5 * (min(end, flow_stress(m, alpha, rate, temperature)) + end) * step
+                work -= (T[0] + T[1] + T[2]) / 3.0 * dilation
                 H[STRAIN, p] = alpha + step
                 H[WORK, p] += work
                 H[TEMPERATURE, p] = temperature + m.heating * m.chi * work
