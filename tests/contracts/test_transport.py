@@ -121,6 +121,24 @@ def test_heat_is_conserved_and_a_constant_stays(plain_python, shape, analysis, t
         assert abs(float(s.particles.mass @ s.particles.T) / before - 1) < 1e-13
 
 
+@pytest.mark.parametrize("heating", ["isothermal", "adiabatic"])
+@pytest.mark.parametrize("transfer", TRANSFERS)
+def test_particles_and_nodes_carry_little_more(plain_python, transfer, heating):
+    """At most 40 bytes per particle, 32 per node, and 16 more where there is a loop."""
+    method = {"shape": "ugimp", "transfer": {"kind": "flip"}, "heating": heating}
+    solid = {"kind": "neo_hookean", "density": 1.3, "E": 4, "nu": 0.3}
+    warm = solid | {"expansion": 1e-5, "heat_capacity": 2.1, "conductivity": 0.3}
+    with plain_python():
+        s = simulation(scene_of("ugimp", "3d", transfer, method=method, materials={"m": warm}))
+        plain = scene_of("ugimp", "3d", transfer, materials={"m": solid})
+        del plain["heat"]
+        bare = simulation(plain)
+    held, few = (sum(a.nbytes for a in each.particles.arrays().values()) for each in (s, bare))
+    assert few < held <= few + 40 * s.particles.count - s.heat.capacity().nbytes
+    nodal = sum(a.nbytes for a in s.heat.nodal_arrays().values())
+    assert nodal <= (32 + 16 * (s.heat.choices.order > 1)) * len(s.heat.nodal.v)
+
+
 MOTIONS: dict[str, dict[str, Any]] = {
     "flip": {"kind": "flip"},
     "gradient": {"kind": "flip", "velocity_gradient": True},
