@@ -103,7 +103,7 @@ class Cracks:
         if scene.fracture is not None:
             from mpmcli.cracks.tips import Tips, thickness_of
 
-            self.tips = Tips(scene.fracture, self.chains, models, state, grid, thickness_of(scene))
+            self.tips = Tips(scene.fracture, self.chains, models, state, grid, thickness_of(scene), order)
             self.view.tip = self.tips.values
         self.pressures = self.tractions = None
         loaded = any(model.pressure is not None for model in models)
