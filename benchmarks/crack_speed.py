@@ -107,7 +107,7 @@ class Timed:
         cracks = self.simulation.cracks
         if cracks is None:
             return 0
-        from mpmcli.cracks.crack_nodes import CROSSINGS
+        from mpmcli.cracks.sights import CROSSINGS
 
         sides = cracks.sides
         found = sum(a[: sides.seen].nbytes for a in sides.sights) + sum(a.nbytes for a in sides.candidates)

@@ -7,145 +7,32 @@ side 1·(c₁ lies between them) + 2·(c₂ lies between them) of the node (Nair
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.dofs import dof_of
 from mpmcli.core.grid import unfold
-from mpmcli.core.transfer.cut import Cut
 from mpmcli.core.transfer.stencil import fill
-from mpmcli.cracks.crossing import BITS, CRACK, S, cell_of, crosses, find_segments, list_near, whole
+from mpmcli.cracks.calls import called_once
+from mpmcli.cracks.crossing import (
+    AX,
+    AY,
+    BITS,
+    CRACK,
+    DX,
+    DY,
+    MINE,
+    S,
+    cell_of,
+    find_segments,
+    list_near,
+    whole,
+)
+from mpmcli.cracks.sights import CROSSINGS, CUT, LISTED, NODES, SIGHTS, THIRD
 
-Array = np.ndarray
-
-NODES, LISTED, CUT, SIGHTS, CROSSINGS, THIRD = range(6)
-"""Counts of a step: crack nodes, of those with the others around faces, cut particles, rows of ``Sights``, of
-``Crossings``, nodes at which a third crack is left out."""
-
-
-class Candidates(NamedTuple):
-    """Particles near cracks, by ascending place in memory, and what was known of them when they were listed.
-
-    particle : (c,) places in memory, unsigned
-    away : (c,) distance from the boxes around segments and faces, along the axis where it is more [cells]
-    """
-
-    particle: Array
-    away: Array
-
-
-class Sights(NamedTuple):
-    """Particles that see listed nodes, first the cut ones, each by ascending place; m nodes per stencil.
-
-    particle : (at least, r) places in memory, unsigned
-    corner : (at least, r) first node of the stencil, unsigned
-    place : (at least, r, 2) position at the start of the step [length]
-    S : (at least, r, m) shape function values
-    at : (at least, r, m) place of the side that the particle feeds, −1 for a node that it does not see or is not listed
-
-    The place of a side is (slot · sides + side) · fields + field, with the place of the node in ``CrackNodes``.
-    """
-
-    particle: Array
-    corner: Array
-    place: Array
-    S: Array
-    at: Array
-
-
-class CutRows(NamedTuple):
-    """What only cut particles have, beside their rows of ``Sights``: as in ``core.transfer.cut.Cut``.
-
-    G : (at least, c, 2 m) gradients of their shape functions
-    dof : (at least, c, m) degrees of freedom, unsigned
-    mask : (N,) 1 for those that are cut
-    bands, chunks : first row of each band and of each chunk of particles, and the end, unsigned
-    """
-
-    G: Array
-    dof: Array
-    mask: Array
-    bands: Array
-    chunks: Array
-
-
-class Crossings(NamedTuple):
-    """Lines of sight that cross cracks, of a particle and a node at most the two cracks of lowest index.
-
-    row, column : (at least, n) row of ``Sights`` and node of its stencil
-    segment : (at least, n) the segment that is crossed
-    """
-
-    row: Array
-    column: Array
-    segment: Array
-
-
-class CrackNodes(NamedTuple):
-    """Nodes whose particles lie on several sides, and after them other nodes around faces.
-
-    slot_of_node : (n,) place in the following arrays, −1 elsewhere
-    node : (slots, at least) nodes
-    crack : (slots, at least, 2) their cracks c₁ and c₂, −1 without
-    third : (slots, at least) 1 where a third crack was left out
-    """
-
-    slot_of_node: Array
-    node: Array
-    crack: Array
-    third: Array
-
-
-def allocate_nodes(node_count: int, most: int) -> CrackNodes:
-    """Make room for crack nodes of a grid of so many nodes."""
-    return CrackNodes(
-        slot_of_node=np.full(node_count, -1, dtype=np.int32),
-        node=np.zeros(most, dtype=np.int64),
-        crack=np.zeros((most, 2), dtype=np.int64),
-        third=np.zeros(most, dtype=np.uint8),
-    )
-
-
-def allocate_sights(most: int, m: int) -> Sights:
-    """Make room for so many particles that see listed nodes; untouched room costs nothing."""
-    return Sights(
-        particle=np.empty(most, dtype=np.uint64),
-        corner=np.empty(most, dtype=np.uint64),
-        place=np.empty((most, 2)),
-        S=np.empty((most, m)),
-        at=np.empty((most, m), dtype=np.int32),
-    )
-
-
-def allocate_cut(most: int, m: int, particles: int, bands: int, chunks: int) -> CutRows:
-    """Make room for so many cut particles."""
-    return CutRows(
-        G=np.empty((most, 2 * m)),
-        dof=np.empty((most, m), dtype=np.uint64),
-        mask=np.zeros(particles, dtype=np.uint8),
-        bands=np.zeros(bands, dtype=np.uint64),
-        chunks=np.zeros(chunks, dtype=np.uint64),
-    )
-
-
-def allocate_crossings(most: int) -> Crossings:
-    """Make room for so many lines of sight."""
-    return Crossings(
-        row=np.empty(most, dtype=np.int32),
-        column=np.empty(most, dtype=np.uint8),
-        segment=np.empty(most, dtype=np.int32),
-    )
-
-
-def cut_of(sights: Sights, rows: CutRows, count: int) -> Cut:
-    """The cut particles of a step, ``count`` of them, as transfers take them."""
-    return Cut(
-        rows.mask, sights.particle[:count], rows.bands, rows.chunks, sights.corner[:count], sights.S[:count],
-        rows.G[:count], rows.dof[:count],
-    )  # fmt: skip
+CELL = 1 << BITS
+"""Side of a cell in whole numbers."""
 
 
 @compiled_too
@@ -186,15 +73,41 @@ def name_crack(nodes, slot, crack):
         nodes.third[slot] = 1
 
 
+@compiled_too
+def cross_nodes(near, k, last, x0, y0, across, times, crossed):
+    """Count how often lines of sight to the nodes of a stencil cross one crack: segments ``k`` to ``last`` of a list.
+
+    The first node is at (x0, y0) from the point whose list ``near`` is. ``crossed`` (m,) receives the segment that
+    stands for all: of three the middle one, from whichever end the chain is followed. See ``crossing.crosses``.
+    """
+    for j in range(len(times)):
+        times[j] = 0
+    for at in range(k, last):
+        ax, ay, dx, dy, mine = near[at, AX], near[at, AY], near[at, DX], near[at, DY], near[at, MINE] == 1
+        area, j, y = dx * (y0 - ay) - dy * (x0 - ax), 0, y0
+        for _ in across:
+            here, x = area, x0
+            for _ in across:
+                if (here >= 0) != mine and (x * ay - y * ax >= 0) != (x * (ay + dy) - y * (ax + dx) >= 0):
+                    times[j] += 1
+                    if times[j] < 3:
+                        crossed[j] = near[at, S]
+                here -= dy << BITS
+                x += CELL
+                j += 1
+            area += dx << BITS
+            y += CELL
+
+
 # fmt: off
 @compiled_too
-def find_crossings(shape, geometry, across, X, F, size, stencil, reach, clear, candidates, body, cuts, segments, table, near, nodes, sights, G, crossings, counts):  # noqa: E501
+def find_crossings(shape, geometry, across, X, F, size, stencil, reach, clear, candidates, body, cuts, segments, table, scratch, nodes, sights, G, crossings, counts):  # noqa: E501
     """Find the lines of sight that cross cracks, and name the crack nodes; returns how many particles have some.
 
     These get rows of ``sights`` with their weights, and of ``G``. Candidates farther than ``clear`` have none [cells].
     """
-    w, rows, found, count = len(across), 0, 0, 0
-    columns = np.int64(geometry.stride[1])
+    rows, found, count, columns = 0, 0, 0, np.int64(geometry.stride[1])
+    near, times, crossed, number = scratch.near, scratch.times, scratch.crossed, scratch.number
     for q in range(len(candidates.particle)):
         if candidates.away[q] > clear:
             continue
@@ -207,35 +120,30 @@ def find_crossings(shape, geometry, across, X, F, size, stencil, reach, clear, c
             continue
         weights = sights.S[rows]
         base = fill(shape, geometry, across, X, F, size, p, weights, G[rows], stencil.W[0], stencil.status)
-        x0, y0 = np.int64(base) % columns, np.int64(base) // columns
-        before = found
-        for j in range(w * w):
-            if weights[j] <= 0.0:
-                continue
-            x, y = ((x0 + j % w) << BITS) - px, ((y0 + j // w) << BITS) - py
-            k, number = 0, 0
-            while k < n:
-                crack = near[k, CRACK]
-                times, crossed = 0, np.int64(-1)
-                while k < n and near[k, CRACK] == crack:
-                    if crosses(near, k, x, y):
-                        times += 1
-                        if times < 3:  # of three the middle one, from whichever end the chain is followed
-                            crossed = near[k, S]
-                    k += 1
-                if times % 2 == 0:
+        x0, y0 = (np.int64(base) % columns << BITS) - px, (np.int64(base) // columns << BITS) - py
+        before, k = found, 0
+        for j in range(len(number)):
+            number[j] = 0
+        while k < n:
+            crack, last = near[k, CRACK], k
+            while last < n and near[last, CRACK] == crack:
+                last += 1
+            cross_nodes(near, k, last, x0, y0, across, times, crossed)
+            k = last
+            for j in range(len(number)):
+                if times[j] % 2 == 0 or weights[j] <= 0.0:
                     continue
                 i = np.int64(base + stencil.offsets[j])
                 count = list_node(nodes, i, count)
                 slot = nodes.slot_of_node[i]
-                if number < 2:
+                if number[j] < 2:
                     name_crack(nodes, slot, crack)
                     crossings.row[found], crossings.column[found] = rows, j
-                    crossings.segment[found] = crossed
+                    crossings.segment[found] = crossed[j]
                     found += 1
                 else:
                     nodes.third[slot] = 1
-                number += 1
+                number[j] += 1
         if found > before:
             sights.particle[rows], sights.corner[rows] = p, base
             rows += 1
@@ -311,6 +219,17 @@ def keep_cut(tried, offsets, X, field, sides, fields, segments, nodes, side, sig
 
 
 @compiled_too
+def mark_cells(count, nodes, reach, columns, mark, value):
+    """Write ``value`` into the cells from which particles may see one of the ``count`` listed nodes: (n,) by corner."""
+    far, lines = math.ceil(reach), len(mark) // columns
+    for slot in range(count):
+        x, y = nodes.node[slot] % columns, nodes.node[slot] // columns
+        for line in range(max(y - far - 1, 0), min(y + far + 1, lines)):
+            for column in range(max(x - far - 1, 0), min(x + far + 1, columns)):
+                mark[line * columns + column] = value
+
+
+@compiled_too
 def sees_listed(geometry, reach, X, p, nodes):
     """Whether a listed node is in the reach of particle ``p`` [cells]."""
     columns = np.int64(geometry.stride[1])
@@ -335,23 +254,23 @@ def list_first_rows(particle, count, ranges, out):
         out[b] = row
 
 
-@inline
+@called_once
 def find_sides(
     shape, grid, across, X, F, size, stencil, bands, chunks, field, body, fields, sides, cuts, candidates, points,
-    beyond, origin, cell, reach, clear, segments, table, near, side, nodes, sights, cut, crossings, counts,
+    beyond, origin, cell, reach, clear, segments, table, scratch, nodes, sights, cut, crossings, counts,
 ):  # fmt: skip
     """Find the segments, the crack nodes, and the sides of all particles that see them: one call, see ``CrackSides``.
 
     ``counts`` (6,) holds the counts of the step before and receives those of this one. Nodes are few, and the place of
-    each depends on those before it: serial. ``near`` and ``side`` are scratch.
+    each depends on those before it: serial.
     """
-    geometry = unfold(grid)
+    geometry, side = unfold(grid), scratch.number
     clear_step(nodes, sights, cut.mask, counts)
     find_segments(points, beyond, origin, cell, segments)
     whole_reach = np.int64(reach * (1 << BITS))
     tried = find_crossings(
         shape, geometry, across, X, F, size, stencil, whole_reach, clear, candidates, body, cuts, segments, table,
-        near, nodes, sights, cut.G, crossings, counts,
+        scratch, nodes, sights, cut.G, crossings, counts,
     )  # fmt: skip
     columns = np.int64(geometry.stride[1])
     counts[LISTED] = name_face_nodes(points, origin, cell, columns, nodes, counts[NODES])
@@ -361,9 +280,15 @@ def find_sides(
     for j in range(len(stencil.offsets)):
         side[j] = 0
     rows = counts[CUT]
+    mark_cells(counts[LISTED], nodes, reach, columns, scratch.mark, 1)
     for q in range(len(candidates.particle)):
         p = candidates.particle[q]
-        if cut.mask[p] == 0 and sees_listed(geometry, reach, X, p, nodes):
+        x = np.int64((X[0, p] - geometry.origin[0]) * geometry.inverse_cell[0])
+        y = np.int64((X[1, p] - geometry.origin[1]) * geometry.inverse_cell[1])
+        inside = 0 <= x < columns and 0 <= y * columns < len(scratch.mark)
+        if not inside or scratch.mark[y * columns + x] == 0 or cut.mask[p] == 1:
+            continue
+        if sees_listed(geometry, reach, X, p, nodes):
             base = fill(
                 shape, geometry, across, X, F, size, p, sights.S[rows], None, stencil.W[0], stencil.status
             )
@@ -371,6 +296,7 @@ def find_sides(
                 rows, p, base, side, X, stencil.offsets, sides, fields, np.int64(field[p]), nodes, sights
             )
             rows += 1
+    mark_cells(counts[LISTED], nodes, reach, columns, scratch.mark, 0)
     counts[SIGHTS] = rows
     for slot in range(counts[NODES]):
         counts[THIRD] += nodes.third[slot]

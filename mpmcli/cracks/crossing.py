@@ -15,7 +15,7 @@ import numpy as np
 
 from mpmcli.contact.laws.impulse import TINIEST
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.points import Points
 
 Array = np.ndarray
@@ -138,7 +138,7 @@ def put_segment(segments, s, x, y, x_next, y_next, origin, cell):
     segments.at[s, 0], segments.at[s, 1] = x, y
 
 
-@inline
+@called_once
 def find_segments(points, beyond, origin, cell, segments):
     """Write the segments of all chains; behind a mouth the last one goes on by ``beyond`` [length]."""
     s = 0
@@ -201,7 +201,7 @@ def hash_segments(segments: Segments, reach: int) -> Hash:
     return Hash(corner, place.reshape(ny, nx), np.append(first, len(order)).astype(np.int64), segment[order])
 
 
-@inline
+@called_once
 def find_distances(X, origin, inverse_cell, segments, table, away):
     """How far particles are from the boxes around segments, along the axis where it is more, into ``away`` (N,).
 

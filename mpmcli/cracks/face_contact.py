@@ -100,16 +100,16 @@ class FaceContact(ContactImpulses):
     def account(self, step: Step, v: Array) -> None:
         """Sum up forces and friction work of the step."""
         c, view = self.contacts, self._view
-        view.force[:] = 0.0
-        view.interface_energy[:] = 0.0
+        if self.interfaces is not None:
+            view.interface_energy[:] = 0.0
         if c.count == 0:
+            view.force[:] = 0.0
             return
         weight = NOTHING if self._mirror is None else self._mirror.share_of(c.fields.alpha[: c.count])
         self._work["contact_work"] += close(
             c.count, self._pairs, c.faces.crack, c.fields.law, self._springs, keeps_start_impulses(step.plan), weight,
-            self._grid.mp, v, c.rows.friction, view.force,
+            step.dt, self._grid.mp, v, c.rows.friction, view.force,
         )  # fmt: skip
         if self.interfaces is not None:
             shares = weight if len(weight) else np.ones(c.count)
             self.interfaces.close(c.rows.prior, shares, step.dt)
-        view.force /= step.dt

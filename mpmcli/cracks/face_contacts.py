@@ -10,14 +10,14 @@ from mpmcli.contact.fields_in_contact import NodeTable, allocate_fields, put_con
 from mpmcli.contact.geometry import allocate_geometry
 from mpmcli.contact.impulses import allocate_rows
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.dofs import dof_of, side_of
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles, determinant_of_particle
-from mpmcli.cracks.crack_nodes import CROSSINGS, NODES, SIGHTS
+from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.crossing import BITS, is_left
 from mpmcli.cracks.face_geometry import SUMS, Lattice, Matter, Separations, find_face_geometry
 from mpmcli.cracks.sides import CrackSides
+from mpmcli.cracks.sights import CROSSINGS, NODES, SIGHTS
 
 Array = np.ndarray
 
@@ -48,7 +48,7 @@ class Faces(NamedTuple):
     bit : (k,) 0 for faces of c₁, 1 for those of c₂
     crack : (k,) index of the crack
     jump : (k, 2) δ = u_β − u_α at the start of the step [length]
-    at : (k, 2) places of α and of the partner, as in ``crack_nodes.Sights``
+    at : (k, 2) places of α and of the partner, as in ``sights.Sights``
     """
 
     bit: Array
@@ -164,7 +164,7 @@ def list_faces(
     return k
 
 
-@inline
+@called_once
 def find_faces(
     counts, nodes, sights, crossings, segments, lattice, matter, planes, laws, skipped, screened, separations, points,
     rigid, node_count, sides, width, mp, dof, first, m, faces, begin, sums, M, geometry,

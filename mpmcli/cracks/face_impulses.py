@@ -13,7 +13,7 @@ import numpy as np
 from mpmcli.contact.increments import start_increments
 from mpmcli.contact.laws.impulse import is_soft, law_impulse, law_impulse_at_end, leave, slip_work
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.cracks.calls import called_once
 
 Array = np.ndarray
 
@@ -63,7 +63,7 @@ def relative_momentum(i, j, mp, out):
     return reduced
 
 
-@inline
+@called_once
 def meet(law, count, first, keeps_start, dt, pairs, mp, f):
     """Let momenta satisfy contact: those extrapolated in the step's ``first`` turn, else updated ones and forces.
 
@@ -104,15 +104,17 @@ def meet(law, count, first, keeps_start, dt, pairs, mp, f):
                 pairs.slip[k, a] /= reduced
 
 
-@inline
-def close(count, pairs, crack, law, springs, keeps_start, weight, mp, v, friction, force):
-    """Sum up a step: adds the impulses on the matter above to ``force`` (cracks, 2), and returns the friction work.
+@called_once
+def close(count, pairs, crack, law, springs, keeps_start, weight, dt, mp, v, friction, force):
+    """Sum up a step: writes the forces on the matter above into ``force`` (cracks, 2), and returns the friction work.
 
     ``crack`` and ``law`` (k,) are those of the pairs. ``v`` (dofs, 2) are the velocities at its end; the relative ones
     that the impulses leave go into ``pairs.prior``, whose rows are free now. ``weight`` (k,) are shares of real
     particles, all of them where it has no rows; ``springs`` (laws,) are laws without friction.
     """
     work = 0.0
+    for k in range(force.shape[0]):
+        force[k, 0] = force[k, 1] = 0.0
     for k in range(count):
         i, j, after = pairs.alpha[k], pairs.partner[k], pairs.prior[k]
         m_i, m_j = mp[i, 0], mp[j, 0]
@@ -128,4 +130,6 @@ def close(count, pairs, crack, law, springs, keeps_start, weight, mp, v, frictio
         work += share * friction[k]
         for a in range(2):
             force[crack[k], a] -= share * pairs.net[k, a]
+    for k in range(force.shape[0]):
+        force[k, 0], force[k, 1] = force[k, 0] / dt, force[k, 1] / dt
     return work

@@ -9,12 +9,12 @@ import numpy as np
 
 from mpmcli.contact.laws.impulse import TINIEST
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.grid import Grid
+from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.chain import FOLDED, SHRUNK, STRETCHED, VISIBLE
-from mpmcli.cracks.crack_nodes import LISTED, SIGHTS
 from mpmcli.cracks.crossing import BITS, CRACK, cell_of, crosses, list_near, whole
 from mpmcli.cracks.sides import CrackSides
+from mpmcli.cracks.sights import LISTED, SIGHTS
 
 Array = np.ndarray
 
@@ -274,7 +274,7 @@ def watch(begin, end, bounds, visible, points, found):
         before_x, before_y = way_x, way_y
 
 
-@inline
+@called_once
 def move_points(
     counts, sights, width, sides, mass, X, L, nodes, segments, table, near, lattice, moves, ways, apart, bounds, dt,
     points, smooth, respaces, stretch, sums, new, matter, spin, found, worst,

@@ -11,23 +11,7 @@ from mpmcli.core.grid import Grid
 from mpmcli.core.order import CellOrder, or_shifted
 from mpmcli.core.transfer.cut import Cut
 from mpmcli.cracks.chain import Chain
-from mpmcli.cracks.crack_nodes import (
-    CUT,
-    LISTED,
-    NODES,
-    SIGHTS,
-    THIRD,
-    Candidates,
-    Crossings,
-    CutRows,
-    Sights,
-    allocate_crossings,
-    allocate_cut,
-    allocate_nodes,
-    allocate_sights,
-    cut_of,
-    find_sides,
-)
+from mpmcli.cracks.crack_nodes import find_sides
 from mpmcli.cracks.crossing import (
     Hash,
     Segments,
@@ -37,6 +21,23 @@ from mpmcli.cracks.crossing import (
     hash_segments,
 )
 from mpmcli.cracks.points import AllPoints, Points
+from mpmcli.cracks.sights import (
+    CUT,
+    LISTED,
+    NODES,
+    SIGHTS,
+    THIRD,
+    Candidates,
+    Crossings,
+    CutRows,
+    Scratch,
+    Sights,
+    allocate_crossings,
+    allocate_cut,
+    allocate_nodes,
+    allocate_sights,
+    cut_of,
+)
 
 Array = np.ndarray
 
@@ -64,7 +65,6 @@ class CrackSides:
     candidates : particles near cracks
     nodes, sights, crossings : of the step
     segments, hash : of the chains in the step; where segments are near cells
-    near : room for the longest list of the hash
     drift : how far points have moved since the candidates were listed, at most [cells]
     """
 
@@ -79,11 +79,12 @@ class CrackSides:
         self._beyond = (grid.width + 2) * float(grid.cell.max())
         self.segments: Segments
         self.hash: Hash
-        self.near: Array
         self.candidates: Candidates
         self.sights: Sights
         self.crossings: Crossings
         self._cut: CutRows
+        self._scratch: Scratch
+        self._mark = np.zeros(grid.node_count, dtype=np.uint8)
         self.nodes = allocate_nodes(grid.node_count, 0)
 
     @property
@@ -107,8 +108,13 @@ class CrackSides:
         return int(self._counts[THIRD])
 
     @property
+    def near(self) -> Array:
+        """Room for the longest list of the hash, see ``crossing.list_near``."""
+        return self._scratch.near
+
+    @property
     def counts(self) -> Array:
-        """(6,) all counts of the step, as ``crack_nodes`` has them."""
+        """(6,) all counts of the step, as ``sights`` has them."""
         return self._counts
 
     @property
@@ -174,7 +180,8 @@ class CrackSides:
         close = int(np.count_nonzero(away[particle] <= near + 10.0 * ROUND_OFF))
         self._clear()
         longest = int(np.diff(self.hash.first).max(initial=0))
-        self.near, self._side = np.zeros((longest, 7), dtype=np.int64), np.zeros(m, dtype=np.int64)
+        numbers = (np.zeros(m, dtype=np.int64) for _ in range(3))
+        self._scratch = Scratch(np.zeros((longest, 7), dtype=np.int64), *numbers, self._mark)
         self.sights = allocate_sights(c, m)
         bands, chunks = self._order.bands.first, self._order.chunks
         self._cut = allocate_cut(close, m, X.shape[1], len(bands), len(chunks))
@@ -209,7 +216,6 @@ class CrackSides:
             transfer.shape.parameters, transfer.geometry, transfer.across, p.X, F, p.size, transfer.stencil,
             order.bands.first, order.chunks, p.velocity_field, p.body, grid.fields, grid.sides, self._cuts,
             self.candidates, self.points.get(), self._beyond, self._origin, grid.cell, self._reach, clear,
-            self.segments, self.hash, self.near, self._side, self.nodes, self.sights, self._cut, self.crossings,
-            self._counts,
+            self.segments, self.hash, self._scratch, self.nodes, self.sights, self._cut, self.crossings, self._counts,
         )  # fmt: skip
         return cut_of(self.sights, self._cut, int(self._counts[CUT])) if self.count > 0 else None

@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmcli.core.analysis import Analysis, Axisymmetric
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.cracks.calls import called_once
 
 Array = np.ndarray
 
@@ -200,7 +200,7 @@ def find_near(X, F, vol0, body, skipped, chunks, margin, x, y, radius, near):
     return n, cosine, sine
 
 
-@inline
+@called_once
 def gather(
     X, F, tau, vol0, mass, work, body, skipped, chunks, margin, x, y, c, s, radius, thickness, elastic, is_ring, near,
     out,
@@ -246,7 +246,7 @@ def gather(
     return n
 
 
-@inline
+@called_once
 def gather_motion(near, V, A, L, c, s, velocity, acceleration, rate):
     """Write v, a and v_j,1 of the particles ``near`` (n,) in the frame of e₁ = (c, s), (2, n) each."""
     for k in range(near.shape[0]):

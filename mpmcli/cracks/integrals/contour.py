@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.integrals.base import Frame, Matter
 from mpmcli.cracks.integrals.domain import face_terms
 from mpmcli.cracks.integrals.faces import NO_FACES, REACH, Faces, add_to_fit, fitted
@@ -124,7 +124,7 @@ def _crossings(a: Array, b: Array, plane: Array) -> list[float]:
     return [float(w) for w in way[hits]]
 
 
-@inline
+@called_once
 def fit_in_sight(points, x, segments, fields, reach, sums, out):
     """Write values of fields (q, n) at points (2, k) into ``out`` (q, k), by those known at ``x`` (2, n) within reach.
 

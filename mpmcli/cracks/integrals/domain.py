@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.integrals.base import Matter, weight_at
 from mpmcli.cracks.integrals.faces import NO_FACES, Faces
 
@@ -31,7 +31,7 @@ def face_terms(faces: Faces) -> Array:
     return np.asarray(work + (faces.energy[0] - faces.energy[1]) * faces.normal[0])
 
 
-@inline
+@called_once
 def sum_over_domain(m, inner, outer, faces):
     """Return the sums over particles and faces of ``energy_release_rate``."""
     moves, is_ring = m.velocity.shape[1] > 0, m.ring.radius.shape[0] > 0

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.integrals.base import NO_VECTORS, Matter
 from mpmcli.cracks.integrals.seen import Crack, angle_beside, opening_of, piece, side_at
 
@@ -31,7 +31,7 @@ class Faces(NamedTuple):
     slope : (2, 2, k) u_j,1 by side
     stress : (2, 3, k) Cauchy stress 11, 22, 12 by side [pressure]
     energy : (2, k) energy per volume by side, kinetic energy included where inertia counts [pressure]
-    angle : (2, k) of ``elastic.tip_field`` by side
+    angle : (2, k) from e₁ by side; behind the tip, beyond π in size on the other side of e₁ [rad]
     """
 
     x: Array
@@ -93,7 +93,7 @@ def faces_near(
     )  # fmt: skip
 
 
-@inline
+@called_once
 def find_faces(
     plane, jump, holds, passes, grip, pressure, given, is_own, own, left, x, fields, is_ring, radius, outer, cell,
     modulus, places, sums, found, begin, out,

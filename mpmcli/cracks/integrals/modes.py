@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.integrals.base import Matter, weight_at
 from mpmcli.cracks.integrals.elastic import PlaneElasticity, field_of_mode
 from mpmcli.cracks.integrals.faces import NO_FACES, Faces
@@ -35,7 +35,7 @@ def modes_by_interaction(
     return float(K_I), float(K_II)
 
 
-@inline
+@called_once
 def sum_modes(m, inner, outer, shear, kappa, angles, faces, out):
     """Write the sums over particles and faces of M into ``out`` (2,), mode by mode.
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.chain import START
 
 Array = np.ndarray
@@ -94,7 +94,7 @@ def opening_of(jump: Any, k: Any, wx: Any, wy: Any) -> Any:
     return wx * jy - wy * jx, wx * jx + wy * jy
 
 
-@inline
+@called_once
 def see_crack(X, faces, x, y, c, s, span, always, passes, far, outer, cell, plane, jump):
     """Turn the points of a chain within ``span`` of a tip at (x, y), with their neighbours, into the frame of the tip.
 
@@ -150,7 +150,7 @@ def angle_beside(x: Any, y: Any, is_left: Any) -> Any:
     return angle - 2.0 * math.pi if not is_left and angle > 0.0 else angle
 
 
-@inline
+@called_once
 def find_angles(plane, left, x, angles):
     """Angles (n,) from e₁ of points (2, n) on both sides of the tip's own crack; ``left`` as ``Crack.left``."""
     for i in range(x.shape[1]):

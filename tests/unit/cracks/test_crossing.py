@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from mpmcli.core.grid import Grid
 from mpmcli.cracks.chain import Chain, divide
+from mpmcli.cracks.crack_nodes import cross_nodes
 from mpmcli.cracks.crossing import (
     BITS,
     UNIT,
@@ -123,6 +124,26 @@ def test_random_places_are_exact_on_the_lattice_of_positions(points, P, Q):
     assert count(found, p, q, unit=1) == count_exactly(
         exact, tuple(map(Fraction, p)), tuple(map(Fraction, q))
     )
+
+
+@given(
+    chain=st.lists(few, min_size=2, max_size=6), P=st.tuples(st.integers(0, 8), st.integers(0, 8)), first=few
+)
+def test_lines_of_sight_to_all_nodes_of_a_stencil_are_those_to_each(chain, P, first):
+    found = segments_of(np.array(chain) + 5)
+    px, py = (int(UNIT * (5 + 0.25 * v)) for v in P)
+    x0, y0 = ((5 + first[0]) << BITS) - px, ((5 + first[1]) << BITS) - py
+    table, near = hash_segments(found, 20), np.zeros((len(found.ax), 7), dtype=np.int64)
+    cell = cell_of(table, px >> BITS, py >> BITS)
+    n = list_near(found, table, cell, px, py, 20 << BITS, np.zeros((1, 1), dtype=bool), -1, near)
+    times, crossed = np.zeros(9, dtype=np.int64), np.full(9, -1)
+    cross_nodes(near, 0, n, x0, y0, range(3), times, crossed)
+    for j in range(9):
+        x, y = x0 + ((j % 3) << BITS), y0 + ((j // 3) << BITS)
+        each = [int(near[k, 0]) for k in range(n) if crosses(near, k, x, y)]
+        assert times[j] == len(each)
+        if each:
+            assert crossed[j] == each[min(1, len(each) - 1)]
 
 
 def test_no_line_of_sight_slips_round_a_mouth():

@@ -11,8 +11,8 @@ import yaml
 
 from mpmcli.contact.fields_in_contact import FieldsInContact
 from mpmcli.core.dofs import dof_of, field_of, side_of
-from mpmcli.cracks.crack_nodes import CrackNodes
 from mpmcli.cracks.face_contacts import FaceContacts, Faces, Planes, list_faces
+from mpmcli.cracks.sights import CrackNodes
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 
