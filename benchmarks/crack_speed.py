@@ -105,9 +105,13 @@ class Timed:
     def bytes_of_lists(self) -> int:
         """Lists of the particles near cracks and of the nodes that they see."""
         cracks = self.simulation.cracks
-        return (
-            0 if cracks is None else sum(a.nbytes for a in (*cracks.sides.candidates, *cracks.sides.entries))
-        )
+        if cracks is None:
+            return 0
+        from mpmcli.cracks.sights import CROSSINGS
+
+        sides = cracks.sides
+        found = sum(a[: sides.seen].nbytes for a in sides.sights) + sum(a.nbytes for a in sides.candidates)
+        return found + sum(a[: sides.counts[CROSSINGS]].nbytes for a in sides.crossings)
 
     @property
     def finding(self) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,13 +11,46 @@ from mpmcli.core.analysis import Analysis, PlaneStrain, PlaneStress
 from mpmcli.core.particles import Particles
 from mpmcli.cracks.chain import Chain
 from mpmcli.cracks.integrals.base import Frame
-from mpmcli.cracks.integrals.elastic import PlaneElasticity, mixed, strain_of, tip_field
+from mpmcli.cracks.integrals.elastic import PlaneElasticity, field_of_mode
 from mpmcli.materials import MATERIALS
+
+Array = np.ndarray
 
 STEEL = MATERIALS["linear_elastic"].model_validate(
     {"kind": "linear_elastic", "density": 1.3, "E": 1000.0, "nu": 0.3}
 )
 PLANE_STRAIN = PlaneStrain()
+
+
+class TipField(NamedTuple):
+    """Stress and displacement gradients of a tip.
+
+    stress : (3, n) 11, 22, 12 [pressure]
+    slope : (2, n) u_1,1 and u_2,1 [-]
+    """
+
+    stress: Array
+    slope: Array
+
+
+def tip_field(x: Array, K_I: float, K_II: float, elasticity: PlaneElasticity) -> TipField:
+    """Return the field of a tip (Williams 1957) at ``x`` (2, n) in its frame."""
+    at = np.arctan2(x[1], x[0])
+    half = 0.5 * np.exp(-0.5j * at) / np.sqrt(2.0 * np.pi * np.hypot(*x))
+    one, two = (np.stack(field_of_mode(half, np.exp(2j * at), mode, elasticity.kappa)) for mode in (1, 2))
+    field = K_I * one + K_II * two
+    return TipField(field[:3], field[3:] / (2.0 * elasticity.shear))
+
+
+def strain_of(stress: Array, elasticity: PlaneElasticity) -> Array:
+    """Strain 11, 22, 12 in the plane of a stress (3, n)."""
+    mean = 0.25 * (3.0 - elasticity.kappa) * (stress[0] + stress[1])
+    return np.stack([stress[0] - mean, stress[1] - mean, stress[2]]) / (2.0 * elasticity.shear)
+
+
+def mixed(stress: Array, strain: Array) -> Array:
+    """σ:ε of components 11, 22, 12, each (3, n)."""
+    return np.asarray(stress[0] * strain[0] + stress[1] * strain[1] + 2.0 * stress[2] * strain[2])
 
 
 @dataclass

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, Literal
 
-import numpy as np
-
-from mpmcli.boundary.base import LOADS, Array, LoadModel
+from mpmcli.boundary.base import LOADS, LoadModel
 from mpmcli.boundary.place import Face, Plane, SurfaceOrPlane, check_axis
 from mpmcli.core.model import Quantity
+from mpmcli.core.rows import sqrt
 
 Speed = Annotated[float, Quantity("velocity", ge=0)]
 
@@ -44,16 +42,15 @@ class Absorbing(LoadModel):
         """Return the plane, if it is on one."""
         return self.on.plane
 
-    def impedance_of(self, material: Any, analysis: str, dimensions: int) -> Array:
-        """Return ρ c (d,) along each axis [pressure/velocity]."""
+    def impedance_of(self, material: Any, analysis: str, dimensions: int) -> tuple[Any, ...]:
+        """Return ρ c along each axis [pressure/velocity]."""
         c_p, c_s = self.pressure_wave, self.shear_wave
         if c_p is None:
             c_p = material.initial_wave_speed(analysis)
         if c_s is None:
-            c_s = math.sqrt(getattr(material, "shear_modulus", 0.0) / material.density)
-        found = np.full(dimensions, c_s)
-        found[(self.on.plane or self.on.surface[1]).index] = c_p
-        return np.asarray(material.density * found)
+            c_s = sqrt(getattr(material, "shear_modulus", 0.0) / material.density)
+        normal = (self.on.plane or self.on.surface[1]).index
+        return tuple(material.density * (c_p if axis == normal else c_s) for axis in range(dimensions))
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What does not fit an analysis with so many axes."""

@@ -237,12 +237,13 @@ class LoadModel(Model):
         """Return level along gravity and density of the water that lifts the chosen particles, at points (d, n)."""
         raise TypeError(f"{type(self).__name__} has no water")
 
-    def impedance_of(self, material: Any, analysis: str, dimensions: int) -> Array:
-        """Return the traction per velocity against it, (d,) along each axis [pressure/velocity].
+    def impedance_of(self, material: Any, analysis: str, dimensions: int) -> Sequence[Any]:
+        """Return the traction per velocity against it, along each of d axes [pressure/velocity].
 
         It acts on ``loaded_plane``, or else on ``loaded_face``.
 
-        ``material`` is the model of the body's material, ``analysis`` the name of the kind of analysis.
+        ``material`` is the model of the body's material, ``analysis`` the name of the kind of analysis. Numbers of the
+        material may be ``core.rows.Rows``, if its particles have numbers of their own.
         """
         raise TypeError(f"{type(self).__name__} has no impedance")
 

@@ -37,7 +37,7 @@ class TractionFaces:
     several_fields
         Forces go to the nodes of the velocity field of the face's particle.
     impedances
-        By the load's id: traction per velocity against it, (d,), of loads that resist velocities.
+        By the load's id: traction per velocity against it, (N, d) by identity, of loads that resist velocities.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class TractionFaces:
     def _resist(self, particles: Particles, position_of_id: Array) -> None:
         for (load, _, ids), rows in zip(self._loads, self._rows, strict=True):
             if (Z := self._impedances.get(id(load))) is not None:
-                self.faces.traction[rows] = -Z * particles.V[:, position_of_id[ids]].T
+                self.faces.traction[rows] = -Z[ids] * particles.V[:, position_of_id[ids]].T
 
     def _evaluate(self, time: float, particles: Particles, position_of_id: Array) -> None:
         for (load, face, ids), rows in zip(self._loads, self._rows, strict=True):

@@ -85,6 +85,8 @@ class HeldTemperatures(Correction):
         capacity = self._field.mp[self._node, 0]
         self._check(time, wanted, capacity)
         self._share = capacity if self._mirror is None else capacity * self._mirror.share_of(self._node)
+        if self._grid.periodic:  # copies of a node are that node
+            self._share = np.where(self._grid.without_periods(self._node) == self._node, capacity, 0.0)
 
     def _find_nodes(self, time: float) -> None:
         found = []

@@ -66,7 +66,7 @@ class Loads:
     parallel
         Whether parallel kernels are used.
     impedance
-        Gives the impedance (d,) of a load that resists the velocity of a face; (materials, d) of one on a plane.
+        Gives the impedance of a load that resists velocities (N, d), by the identities of particles.
     areas
         See ``plane_dashpots.PlaneDashpots``.
 

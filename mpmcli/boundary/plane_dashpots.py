@@ -19,14 +19,14 @@ class PlaneDashpots:
 
     Parameters
     ----------
-    loads : pairs of a load on a plane, and its impedance (materials, d) along each axis [pressure/velocity]
+    loads : pairs of a load on a plane, and its impedance (N, d) along each axis, by identity [pressure/velocity]
     grid : the grid
-    areas : gives −Σ_p w_p V_p ∇S_pi (dofs, d) for a number w per material (materials,); overwritten by the next call
+    areas : gives −Σ_p w_p V_p ∇S_pi (dofs, d) for numbers w by identity (N,); overwritten by the next call
     """
 
     def __init__(self, loads: Sequence[tuple[LoadModel, Array]], grid: Grid, areas: Callable[[Array], Array]):
         self._grid, self._areas = grid, areas
-        self._planes = [(load.loaded_plane(), Z) for load, Z in loads]
+        self._planes = [(load.loaded_plane(), _different(Z)) for load, Z in loads]
         self._dofs: list[Array] = []
         self._version = -1
 
@@ -40,8 +40,20 @@ class PlaneDashpots:
         for (plane, Z), dofs in zip(self._planes, self._dofs, strict=True):
             inward = 1.0 if plane.side_on(grid) == "lower" else -1.0
             mass = mp[dofs, 0]
-            for axis in range(Z.shape[1]):
-                if axis == 0 or not np.array_equal(Z[:, axis], Z[:, axis - 1]):
-                    drag = np.maximum(inward * self._areas(Z[:, axis])[dofs, plane.index], 0.0)
-                    rate = np.divide(drag, mass, out=np.zeros_like(mass), where=mass > 0.0)
-                f[dofs, axis] -= np.minimum(rate, 1.0 / dt) * mp[dofs, 1 + axis]
+            for axes, of_particles in Z:
+                drag = np.maximum(inward * self._areas(of_particles)[dofs, plane.index], 0.0)
+                rate = np.divide(drag, mass, out=np.zeros_like(mass), where=mass > 0.0)
+                for axis in axes:
+                    f[dofs, axis] -= np.minimum(rate, 1.0 / dt) * mp[dofs, 1 + axis]
+
+
+def _different(Z: Array) -> list[tuple[list[int], Array]]:
+    """Return the columns that differ, each with the axes that have it."""
+    found: list[tuple[list[int], Array]] = []
+    for axis, column in enumerate(Z.T):
+        same = next((axes for axes, other in found if np.array_equal(other, column)), None)
+        if same is None:
+            found.append(([axis], column.copy()))
+        else:
+            same.append(axis)
+    return found

@@ -7,179 +7,58 @@ side 1·(c₁ lies between them) + 2·(c₂ lies between them) of the node (Nair
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from mpmcli.core.compiled.kernel import inline, kernel, prange
+from mpmcli.core.compiled.compiler import compiled_too
+from mpmcli.core.dofs import dof_of
 from mpmcli.core.grid import unfold
 from mpmcli.core.transfer.stencil import fill
-from mpmcli.cracks.crossing import BITS, crosses, is_left, whole
+from mpmcli.cracks.calls import called_once
+from mpmcli.cracks.crossing import (
+    AX,
+    AY,
+    BITS,
+    CRACK,
+    DX,
+    DY,
+    MINE,
+    S,
+    cell_of,
+    find_segments,
+    list_near,
+    whole,
+)
+from mpmcli.cracks.sights import CROSSINGS, CUT, LISTED, NODES, SIGHTS, THIRD
 
-Array = np.ndarray
-
-FAR, NEAR = 0, 1
-"""Whether a candidate sees crack nodes, so that its weights are known."""
-
-
-class Candidates(NamedTuple):
-    """Particles near cracks, by ascending place in memory; m nodes per stencil.
-
-    particle : (c,) places in memory, unsigned
-    ranges : first of each chunk of particles and the end, unsigned
-    close : (c,) whether a crack may part it from nodes
-    seen : (c,) ``NEAR`` where the rest is known
-    corner : (c,) first node of the stencil, unsigned
-    place : (c, 2) position at the start of the step [length]
-    S : (c, m) shape function values
-    number : (c, m) how many cracks lie between particle and node
-    segment : (c, m, 2) of the two of lowest index the segment that is crossed; (c, m, 1) in scenes with one crack
-    side : (c, m) side of the node, unsigned
-    """
-
-    particle: Array
-    ranges: Array
-    close: Array
-    seen: Array
-    corner: Array
-    place: Array
-    S: Array
-    number: Array
-    segment: Array
-    side: Array
+CELL = 1 << BITS
+"""Side of a cell in whole numbers."""
 
 
-class CutRows(NamedTuple):
-    """Candidates that see nodes on other sides, the first ones of the arrays.
-
-    row : (at least, c) places among the candidates
-    G : (at least, c, 2 m) gradients of their shape functions
-    """
-
-    row: Array
-    G: Array
-
-
-class CrackNodes(NamedTuple):
-    """Nodes whose particles lie on several sides, and after them other nodes around faces.
-
-    slot_of_node : (n,) place in the following arrays, −1 elsewhere
-    node : (slots, at least) nodes
-    crack : (slots, at least, 2) their cracks c₁ and c₂, −1 without
-    third : (slots, at least) 1 where a third crack was left out
-    """
-
-    slot_of_node: Array
-    node: Array
-    crack: Array
-    third: Array
+@compiled_too
+def clear_step(nodes, sights, mask, counts):
+    """Forget the nodes and the cut particles of the step before."""
+    for slot in range(counts[LISTED]):
+        nodes.slot_of_node[nodes.node[slot]] = -1
+    for row in range(counts[CUT]):
+        mask[sights.particle[row]] = 0
+    for k in range(len(counts)):
+        counts[k] = 0
 
 
-class Entries(NamedTuple):
-    """Candidates and the crack nodes that they see, node after node.
-
-    first : (slots + 1, at least) where the entries of each node begin
-    row, column : (entries, at least) candidate and node of its stencil
-    """
-
-    first: Array
-    row: Array
-    column: Array
-
-
-@inline
-def find_crossings_in_chunk(
-    shape, geometry, across, X, F, size, stencil, slot, reach, candidates, body, cuts, segments, table, kept
-):
-    """``find_crossings`` for the candidates of chunk ``slot``; ``kept`` (n,) is scratch for segments."""
-    ranges = candidates.ranges
-    for q in range(np.int64(ranges[slot]), np.int64(ranges[slot + np.uint64(1)])):
-        p = candidates.particle[q]
-        w = len(across)
-        cx = np.int64(np.floor((X[0, p] - geometry.origin[0]) * geometry.inverse_cell[0]))
-        cy = np.int64(np.floor((X[1, p] - geometry.origin[1]) * geometry.inverse_cell[1]))
-        row, column = cy - table.low[1], cx - table.low[0]
-        candidates.seen[q] = FAR
-        if (
-            not candidates.close[q]
-            or row < 0
-            or column < 0
-            or row >= table.place.shape[0]
-            or column >= table.place.shape[1]
-        ):
-            continue
-        cell = table.place[row, column]
-        if cell < 0:
-            continue
-        px = whole(X[0, p], geometry.origin[0], geometry.inverse_cell[0])
-        py = whole(X[1, p], geometry.origin[1], geometry.inverse_cell[1])
-        left, right, bottom, top = px - reach, px + reach, py - reach, py + reach
-        n = 0
-        for at in range(table.first[cell], table.first[cell + 1]):
-            s = table.segment[at]
-            if not cuts[segments.crack[s], body[p]]:
-                continue
-            ax, ay, bx, by = segments.ax[s], segments.ay[s], segments.bx[s], segments.by[s]
-            if max(ax, bx) < left or min(ax, bx) > right or max(ay, by) < bottom or min(ay, by) > top:
-                continue
-            mine = is_left(ax, ay, bx, by, px, py)
-            if (
-                is_left(ax, ay, bx, by, left, bottom) == mine
-                and is_left(ax, ay, bx, by, right, bottom) == mine
-                and is_left(ax, ay, bx, by, left, top) == mine
-                and is_left(ax, ay, bx, by, right, top) == mine
-            ):
-                continue
-            kept[n] = s
-            n += 1
-        if n == 0:
-            continue
-        S, number = candidates.S[q], candidates.number[q]
-        base = fill(shape, geometry, across, X, F, size, p, S, None, stencil.W[slot], stencil.status)
-        candidates.corner[q] = base
-        candidates.seen[q] = NEAR
-        columns = np.int64(geometry.stride[1])
-        x0, y0 = np.int64(base) % columns, np.int64(base) // columns
-        for j in range(w * w):
-            number[j] = 0
-            if S[j] <= 0.0:
-                continue
-            x, y = (x0 + j % w) << BITS, (y0 + j // w) << BITS
-            k = 0
-            while k < n:
-                crack = segments.crack[kept[k]]
-                times, crossed = 0, np.int64(-1)
-                while k < n and segments.crack[kept[k]] == crack:
-                    s = kept[k]
-                    k += 1
-                    if crosses(segments.ax[s], segments.ay[s], segments.bx[s], segments.by[s], px, py, x, y):
-                        times += 1
-                        if times < 3:  # of three the middle one, from whichever end the chain is followed
-                            crossed = s
-                if times % 2 == 1:
-                    if number[j] < 2:
-                        candidates.segment[q, j, number[j]] = crossed
-                    number[j] += 1
+@compiled_too
+def list_node(nodes, i, count):
+    """Give node ``i`` a place after ``count`` others, unless it has one; returns how many there are then."""
+    if nodes.slot_of_node[i] >= 0:
+        return count
+    nodes.slot_of_node[i] = count
+    nodes.node[count] = i
+    nodes.crack[count, 0] = nodes.crack[count, 1] = -1
+    nodes.third[count] = 0
+    return count + 1
 
 
-@kernel
-def find_crossings(
-    shape, grid, across, X, F, size, stencil, reach, candidates, body, cuts, segments, table, kept
-):
-    """Weigh the candidates that cracks may part from nodes, and find these cracks.
-
-    ``reach`` is how far particles see, ``cuts`` (cracks, bodies) says which bodies a crack cuts, ``table`` is a
-    ``Hash``, ``kept`` (chunks, most) scratch.
-    """
-    for c in prange(candidates.ranges.shape[0] - 1):
-        slot = np.uint64(c)
-        find_crossings_in_chunk(
-            shape, unfold(grid), across, X, F, size, stencil, slot, reach, candidates, body, cuts, segments, table,
-            kept[slot],
-        )  # fmt: skip
-
-
-@inline
+@compiled_too
 def name_crack(nodes, slot, crack):
     """Let a crack be one of the two of a node, if its index is low enough."""
     first, second = nodes.crack[slot, 0], nodes.crack[slot, 1]
@@ -194,34 +73,86 @@ def name_crack(nodes, slot, crack):
         nodes.third[slot] = 1
 
 
-@inline
-def name_nodes(candidates, offsets, segments, nodes):
-    """List the nodes that cracks part from particles, with their cracks; returns how many."""
-    count = 0
+@compiled_too
+def cross_nodes(near, k, last, x0, y0, across, times, crossed):
+    """Count how often lines of sight to the nodes of a stencil cross one crack: segments ``k`` to ``last`` of a list.
+
+    The first node is at (x0, y0) from the point whose list ``near`` is. ``crossed`` (m,) receives the segment that
+    stands for all: of three the middle one, from whichever end the chain is followed. See ``crossing.crosses``.
+    """
+    for j in range(len(times)):
+        times[j] = 0
+    for at in range(k, last):
+        ax, ay, dx, dy, mine = near[at, AX], near[at, AY], near[at, DX], near[at, DY], near[at, MINE] == 1
+        area, j, y = dx * (y0 - ay) - dy * (x0 - ax), 0, y0
+        for _ in across:
+            here, x = area, x0
+            for _ in across:
+                if (here >= 0) != mine and (x * ay - y * ax >= 0) != (x * (ay + dy) - y * (ax + dx) >= 0):
+                    times[j] += 1
+                    if times[j] < 3:
+                        crossed[j] = near[at, S]
+                here -= dy << BITS
+                x += CELL
+                j += 1
+            area += dx << BITS
+            y += CELL
+
+
+# fmt: off
+@compiled_too
+def find_crossings(shape, geometry, across, X, F, size, stencil, reach, clear, candidates, body, cuts, segments, table, scratch, nodes, sights, G, crossings, counts):  # noqa: E501
+    """Find the lines of sight that cross cracks, and name the crack nodes; returns how many particles have some.
+
+    These get rows of ``sights`` with their weights, and of ``G``. Candidates farther than ``clear`` have none [cells].
+    """
+    rows, found, count, columns = 0, 0, 0, np.int64(geometry.stride[1])
+    near, times, crossed, number = scratch.near, scratch.times, scratch.crossed, scratch.number
     for q in range(len(candidates.particle)):
-        if candidates.seen[q] == FAR:
+        if candidates.away[q] > clear:
             continue
-        for j in range(len(offsets)):
-            number = candidates.number[q, j]
-            if number == 0:
-                continue
-            i = np.int64(candidates.corner[q] + offsets[j])
-            slot = np.int64(nodes.slot_of_node[i])
-            if slot < 0:
-                slot = np.int64(count)
-                nodes.slot_of_node[i] = slot
-                nodes.node[slot] = i
-                nodes.crack[slot, 0] = nodes.crack[slot, 1] = -1
-                nodes.third[slot] = 0
-                count += 1
-            for k in range(min(number, 2)):
-                name_crack(nodes, slot, segments.crack[candidates.segment[q, j, k]])
-            if number > 2:
-                nodes.third[slot] = 1
-    return count
+        p = candidates.particle[q]
+        px = whole(X[0, p], geometry.origin[0], geometry.inverse_cell[0])
+        py = whole(X[1, p], geometry.origin[1], geometry.inverse_cell[1])
+        cell = cell_of(table, px >> BITS, py >> BITS)
+        n = list_near(segments, table, cell, px, py, reach, cuts, np.int64(body[p]), near)
+        if n == 0:
+            continue
+        weights = sights.S[rows]
+        base = fill(shape, geometry, across, X, F, size, p, weights, G[rows], stencil.W[0], stencil.status)
+        x0, y0 = (np.int64(base) % columns << BITS) - px, (np.int64(base) // columns << BITS) - py
+        before, k = found, 0
+        for j in range(len(number)):
+            number[j] = 0
+        while k < n:
+            crack, last = near[k, CRACK], k
+            while last < n and near[last, CRACK] == crack:
+                last += 1
+            cross_nodes(near, k, last, x0, y0, across, times, crossed)
+            k = last
+            for j in range(len(number)):
+                if times[j] % 2 == 0 or weights[j] <= 0.0:
+                    continue
+                i = np.int64(base + stencil.offsets[j])
+                count = list_node(nodes, i, count)
+                slot = nodes.slot_of_node[i]
+                if number[j] < 2:
+                    name_crack(nodes, slot, crack)
+                    crossings.row[found], crossings.column[found] = rows, j
+                    crossings.segment[found] = crossed[j]
+                    found += 1
+                else:
+                    nodes.third[slot] = 1
+                number[j] += 1
+        if found > before:
+            sights.particle[rows], sights.corner[rows] = p, base
+            rows += 1
+    counts[NODES], counts[CROSSINGS] = count, found
+    return rows
+# fmt: on
 
 
-@inline
+@compiled_too
 def name_face_nodes(points, origin, cell, columns, nodes, count):
     """List the nodes around the faces, too, after the ``count`` crack nodes; returns how many there are then.
 
@@ -234,21 +165,73 @@ def name_face_nodes(points, origin, cell, columns, nodes, count):
             y = np.int64(np.floor((points.faces[face, 1, k] - origin[1]) / cell[1]))
             for j in range(4):
                 column, row = x + j % 2, y + j // 2
-                if column < 0 or row < 0 or column >= columns or row >= rows:
-                    continue
-                i = row * columns + column
-                if nodes.slot_of_node[i] < 0:
-                    nodes.slot_of_node[i] = count
-                    nodes.node[count] = i
-                    nodes.crack[count, 0] = nodes.crack[count, 1] = -1
-                    nodes.third[count] = 0
-                    count += 1
+                if column >= 0 and row >= 0 and column < columns and row < rows:
+                    count = list_node(nodes, row * columns + column, count)
     return count
 
 
-@inline
-def sees_crack_node(geometry, reach, X, p, nodes):
-    """Whether a crack node is in the reach of particle ``p`` [cells]."""
+@compiled_too
+def place_sight(row, p, base, side, X, offsets, sides, fields, field, nodes, sights):
+    """Complete row ``row`` of ``sights`` of a particle that is on the sides ``side`` (m,) of its nodes."""
+    sights.particle[row], sights.corner[row] = p, base
+    sights.place[row, 0], sights.place[row, 1] = X[0, p], X[1, p]
+    for j in range(len(offsets)):
+        slot = np.int64(nodes.slot_of_node[np.int64(base + offsets[j])])
+        seen = slot >= 0 and sights.S[row, j] > 0.0
+        sights.at[row, j] = (slot * sides + side[j]) * fields + field if seen else -1
+
+
+@compiled_too
+def keep_cut(tried, offsets, X, field, sides, fields, segments, nodes, side, sights, cut, crossings, counts):
+    """Keep those of the ``tried`` first rows that see nodes on other sides: others only see third cracks."""
+    rows, at, kept = 0, 0, 0
+    for r in range(tried):
+        p, base, parted, begin = sights.particle[r], sights.corner[r], False, kept
+        for j in range(len(offsets)):
+            side[j] = 0
+        while at < counts[CROSSINGS] and crossings.row[at] == r:
+            column, s = crossings.column[at], crossings.segment[at]
+            at += 1
+            slot = nodes.slot_of_node[np.int64(base + offsets[column])]
+            bit = 1 if segments.crack[s] == nodes.crack[slot, 0] else 2
+            if bit == 2 and segments.crack[s] != nodes.crack[slot, 1]:
+                continue
+            side[column] += bit
+            parted = True
+            crossings.row[kept], crossings.column[kept], crossings.segment[kept] = rows, column, s
+            kept += 1
+        if not parted:
+            kept = begin
+            continue
+        if rows < r:
+            for j in range(len(offsets)):
+                sights.S[rows, j] = sights.S[r, j]
+            for j in range(2 * len(offsets)):
+                cut.G[rows, j] = cut.G[r, j]
+        of_field = np.int64(field[p])
+        place_sight(rows, p, base, side, X, offsets, sides, fields, of_field, nodes, sights)
+        for j in range(len(offsets)):
+            i = np.int64(base + offsets[j])
+            cut.dof[rows, j] = dof_of(i, of_field, side[j], len(nodes.slot_of_node), fields)
+        cut.mask[p] = 1
+        rows += 1
+    counts[CUT], counts[CROSSINGS] = rows, kept
+
+
+@compiled_too
+def mark_cells(count, nodes, reach, columns, mark, value):
+    """Write ``value`` into the cells from which particles may see one of the ``count`` listed nodes: (n,) by corner."""
+    far, lines = math.ceil(reach), len(mark) // columns
+    for slot in range(count):
+        x, y = nodes.node[slot] % columns, nodes.node[slot] // columns
+        for line in range(max(y - far - 1, 0), min(y + far + 1, lines)):
+            for column in range(max(x - far - 1, 0), min(x + far + 1, columns)):
+                mark[line * columns + column] = value
+
+
+@compiled_too
+def sees_listed(geometry, reach, X, p, nodes):
+    """Whether a listed node is in the reach of particle ``p`` [cells]."""
     columns = np.int64(geometry.stride[1])
     rows = len(nodes.slot_of_node) // columns
     x = (X[0, p] - geometry.origin[0]) * geometry.inverse_cell[0]
@@ -261,87 +244,61 @@ def sees_crack_node(geometry, reach, X, p, nodes):
     return False
 
 
-@inline
-def list_entries(candidates, offsets, nodes, count, entries):
-    """Write the entries of the ``count`` crack nodes, in the order of the candidates."""
-    first = entries.first
-    for slot in range(count + 1):
-        first[slot] = 0
-    for turn in range(2):
-        for q in range(len(candidates.particle)):
-            if candidates.seen[q] == FAR:
-                continue
-            for j in range(len(offsets)):
-                if candidates.S[q, j] > 0.0:
-                    at = nodes.slot_of_node[np.int64(candidates.corner[q] + offsets[j])]
-                    if at >= 0 and turn == 0:
-                        first[at + 1] += 1
-                    elif at >= 0:
-                        entries.row[first[at]] = q
-                        entries.column[first[at]] = np.uint8(j)
-                        first[at] += 1
-        if turn == 0:
-            for slot in range(count):
-                first[slot + 1] += first[slot]
-    for slot in range(count, 0, -1):
-        first[slot] = first[slot - 1]
-    first[0] = 0
+@compiled_too
+def list_first_rows(particle, count, ranges, out):
+    """First row of each band or chunk of particles, and the end, among the first ``count`` rows."""
+    row = 0
+    for b in range(len(ranges)):
+        while row < count and particle[row] < ranges[b]:
+            row += 1
+        out[b] = row
 
 
-@inline
+@called_once
 def find_sides(
-    shape, grid, across, X, F, size, stencil, reach, candidates, segments, nodes, entries, points, origin, cell, cut,
-    counts,
+    shape, grid, across, X, F, size, stencil, bands, chunks, field, body, fields, sides, cuts, candidates, points,
+    beyond, origin, cell, reach, clear, segments, table, scratch, nodes, sights, cut, crossings, counts,
 ):  # fmt: skip
-    """Name the crack nodes, find the sides of all candidates, and list their entries and the ones that are ``cut``.
+    """Find the segments, the crack nodes, and the sides of all particles that see them: one call, see ``CrackSides``.
 
-    ``counts`` (3,) receives the number of crack nodes, of those with the others around faces, and of cut candidates.
-
-    Nodes are few and each counts on those before it: serial. ``reach`` is how far particles see [cells].
+    ``counts`` (6,) holds the counts of the step before and receives those of this one. Nodes are few, and the place of
+    each depends on those before it: serial.
     """
-    geometry = unfold(grid)
-    counts[0] = name_nodes(candidates, stencil.offsets, segments, nodes)
-    counts[1] = name_face_nodes(points, origin, cell, np.int64(geometry.stride[1]), nodes, counts[0])
-    rows = 0
+    geometry, side = unfold(grid), scratch.number
+    clear_step(nodes, sights, cut.mask, counts)
+    find_segments(points, beyond, origin, cell, segments)
+    whole_reach = np.int64(reach * (1 << BITS))
+    tried = find_crossings(
+        shape, geometry, across, X, F, size, stencil, whole_reach, clear, candidates, body, cuts, segments, table,
+        scratch, nodes, sights, cut.G, crossings, counts,
+    )  # fmt: skip
+    columns = np.int64(geometry.stride[1])
+    counts[LISTED] = name_face_nodes(points, origin, cell, columns, nodes, counts[NODES])
+    keep_cut(
+        tried, stencil.offsets, X, field, sides, fields, segments, nodes, side, sights, cut, crossings, counts
+    )
+    for j in range(len(stencil.offsets)):
+        side[j] = 0
+    rows = counts[CUT]
+    mark_cells(counts[LISTED], nodes, reach, columns, scratch.mark, 1)
     for q in range(len(candidates.particle)):
-        p, offsets, parted = candidates.particle[q], stencil.offsets, False
-        side, number = candidates.side[q], candidates.number[q]
-        for a in range(2):
-            candidates.place[q, a] = X[a, p]
-        for j in range(offsets.shape[0]):
-            side[j] = 0
-        if candidates.seen[q] == NEAR:
-            for j in range(offsets.shape[0]):
-                for k in range(min(number[j], 2)):
-                    at = nodes.slot_of_node[np.int64(candidates.corner[q] + offsets[j])]
-                    crack = segments.crack[candidates.segment[q, j, k]]
-                    if crack == nodes.crack[at, 0]:
-                        side[j] += np.uint8(1)
-                    elif crack == nodes.crack[at, 1]:
-                        side[j] += np.uint8(2)
-                parted = parted or side[j] > 0
-            if parted:
-                cut.row[rows] = q
-                fill(
-                    shape, geometry, across, X, F, size, p, stencil.S[0], cut.G[rows], stencil.W[0], stencil.status
-                )  # fmt: skip
-                rows += 1
-        elif sees_crack_node(geometry, reach, X, p, nodes):
-            candidates.seen[q] = NEAR
-            candidates.corner[q] = fill(
-                shape,
-                geometry,
-                across,
-                X,
-                F,
-                size,
-                p,
-                candidates.S[q],
-                None,
-                stencil.W[0],
-                stencil.status,
+        p = candidates.particle[q]
+        x = np.int64((X[0, p] - geometry.origin[0]) * geometry.inverse_cell[0])
+        y = np.int64((X[1, p] - geometry.origin[1]) * geometry.inverse_cell[1])
+        inside = 0 <= x < columns and 0 <= y * columns < len(scratch.mark)
+        if not inside or scratch.mark[y * columns + x] == 0 or cut.mask[p] == 1:
+            continue
+        if sees_listed(geometry, reach, X, p, nodes):
+            base = fill(
+                shape, geometry, across, X, F, size, p, sights.S[rows], None, stencil.W[0], stencil.status
             )
-            for j in range(offsets.shape[0]):
-                number[j] = 0
-    counts[2] = rows
-    list_entries(candidates, stencil.offsets, nodes, counts[1], entries)
+            place_sight(
+                rows, p, base, side, X, stencil.offsets, sides, fields, np.int64(field[p]), nodes, sights
+            )
+            rows += 1
+    mark_cells(counts[LISTED], nodes, reach, columns, scratch.mark, 0)
+    counts[SIGHTS] = rows
+    for slot in range(counts[NODES]):
+        counts[THIRD] += nodes.third[slot]
+    list_first_rows(sights.particle, counts[CUT], bands, cut.bands)
+    list_first_rows(sights.particle, counts[CUT], chunks, cut.chunks)

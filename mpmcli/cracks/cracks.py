@@ -15,8 +15,6 @@ from mpmcli.core.state import CracksView, State
 from mpmcli.core.step import Step
 from mpmcli.cracks.chain import (
     FOLDED,
-    SHRUNK,
-    STRETCHED,
     VISIBLE,
     Chain,
     make_chain,
@@ -24,7 +22,7 @@ from mpmcli.cracks.chain import (
     turns,
 )
 from mpmcli.cracks.face_contact import FaceContact
-from mpmcli.cracks.face_contacts import SEPARATIONS, Separations
+from mpmcli.cracks.face_geometry import SEPARATIONS, Separations
 from mpmcli.cracks.motion import LONGEST, OUTSIDE, SHARPEST, SHORTEST, FaceMotion
 from mpmcli.cracks.point_forces import PointForces
 from mpmcli.cracks.sides import CrackSides
@@ -86,7 +84,8 @@ class Cracks:
         mirror = None if conditions is None or conditions.images is None else conditions.images.mirror
         n = len(models)
         ring = isinstance(plan.analysis, Axisymmetric)
-        rigid = np.array(plan.rigid_fields, dtype=bool) | ~_cut_fields(cuts, plan)
+        fields = _cut_fields(cuts, plan)
+        rigid = np.array(plan.rigid_fields, dtype=bool) | ~fields.any(axis=0)
         self.view = CracksView(self.chains, force=np.zeros((n, 2)), released=np.zeros(n))
         self.view.stretch = np.ones((2, n))
         for name in ACCOUNTS[2:]:
@@ -104,7 +103,7 @@ class Cracks:
         if scene.fracture is not None:
             from mpmcli.cracks.tips import Tips, thickness_of
 
-            self.tips = Tips(scene.fracture, self.chains, models, state, grid, thickness_of(scene))
+            self.tips = Tips(scene.fracture, self.chains, models, state, grid, thickness_of(scene), order)
             self.view.tip = self.tips.values
         self.pressures = self.tractions = None
         loaded = any(model.pressure is not None for model in models)
@@ -130,12 +129,12 @@ class Cracks:
                 models, self.tips, cuts, state, order, ring, wave_speed, self.view, self.tractions
             )
             self.view.speed = self.growth.speed
-        self._motion = FaceMotion(
-            self.sides, self.sides.points, self.faces.contacts.lattice, [model.moves for model in models],
-            [model.keep_apart for model in models], np.stack([grid.lower - BEYOND * grid.cell,
-            grid.upper + BEYOND * grid.cell], axis=1),
-        )  # fmt: skip
         self._respaces = np.array([model.respace for model in models])
+        self._motion = FaceMotion(
+            self.sides, grid, self.faces.contacts.lattice, fields, [model.moves for model in models],
+            [model.keep_apart for model in models], self._respaces, self.view.stretch,
+            np.stack([grid.lower - BEYOND * grid.cell, grid.upper + BEYOND * grid.cell], axis=1),
+        )  # fmt: skip
         self._state = state
         self._drift = 0.0
         self._version = order.version
@@ -171,8 +170,8 @@ class Cracks:
             self.tractions.account(step, v)
         if self.tips is not None:
             self.tips.note_velocities(step.dt)
-        view, nodes, count = self.view, self.sides.nodes, self.sides.count
-        view.nodes, view.third = count, int(np.count_nonzero(nodes.third[:count]))
+        view, sides = self.view, self.sides
+        view.nodes, view.third = sides.count, sides.third
         view.all_third += view.third
 
     def move(self, step: Step, X: Array) -> None:
@@ -191,7 +190,8 @@ class Cracks:
         self.sides.drift += farthest
         if self._drift > STALE:
             self._order.drift = np.inf
-        self._watch()
+        if self._motion.acts:
+            self._watch()
 
     def _place(self, crack: int, point: int) -> str:
         """Name a point of a crack, with its place and the step, in words."""
@@ -203,16 +203,12 @@ class Cracks:
 
     def _watch(self) -> None:
         """End cracks where they leave the grid, respace what has stretched, and refuse planes that have folded."""
-        found, view = self._motion.found, self.view
+        found = self._motion.found
         for crack in np.flatnonzero(found[:, OUTSIDE]).tolist():
             self._leave(self.chains[crack])
         stretched = (found[:, LONGEST] > 1.0) | (found[:, SHORTEST] < 1.0)
         for crack in np.flatnonzero(stretched & self._respaces).tolist():
             self._respace(self.chains[crack])
-        np.maximum(view.stretch[0], STRETCHED * found[:, LONGEST] * ~self._respaces, out=view.stretch[0])
-        np.minimum(
-            view.stretch[1], np.where(self._respaces, 1.0, SHRUNK * found[:, SHORTEST]), out=view.stretch[1]
-        )
         for crack in np.flatnonzero((found[:, SHARPEST] < FOLDED) & self.sides.points.smooth).tolist():
             sharpness = turns(self.chains[crack].X, VISIBLE * float(self._grid.cell.min()))
             point = 1 + int(np.argmin(sharpness))
@@ -310,7 +306,8 @@ def _separations(scene: Any, cuts: Array) -> Separations:
 
 
 def _cut_fields(cuts: Array, plan: Any) -> Array:
-    """(fields,) whether some crack cuts a body of a velocity field; ``cuts`` (cracks, bodies)."""
-    found = np.zeros(len(plan.fields), dtype=bool)
-    found[np.array(plan.field_of_body)[cuts.any(axis=0)]] = True
-    return found
+    """(cracks, fields) whether a crack cuts a body of a velocity field; ``cuts`` (cracks, bodies)."""
+    of_body = np.array(plan.field_of_body)
+    return np.array(
+        [[bool(mine[of_body == field].any()) for field in range(len(plan.fields))] for mine in cuts]
+    )

@@ -15,7 +15,7 @@ import numpy as np
 
 from mpmcli.contact.laws.impulse import TINIEST
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.points import Points
 
 Array = np.ndarray
@@ -57,12 +57,61 @@ def is_left(ax: Any, ay: Any, bx: Any, by: Any, x: Any, y: Any) -> Any:
     return (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0
 
 
+S, CRACK, AX, AY, DX, DY, MINE = range(7)
+"""Columns of the list of segments near a point: index and crack, A relative to the point, B − A, its side (0, 1)."""
+
+
 @compiled_too
-def crosses(ax: Any, ay: Any, bx: Any, by: Any, px: Any, py: Any, x: Any, y: Any) -> Any:
-    """Whether the line of sight from (px, py) to (x, y) crosses the segment from A to B; A comes before B."""
-    return is_left(ax, ay, bx, by, px, py) != is_left(ax, ay, bx, by, x, y) and is_left(
-        px, py, x, y, ax, ay
-    ) != is_left(px, py, x, y, bx, by)
+def list_near(
+    segments: Any, table: Any, cell: Any, px: Any, py: Any, reach: Any, cuts: Any, body: Any, near: Any
+) -> Any:
+    """List in ``near`` (longest, 7) the segments that may part a point from one within ``reach``; returns how many.
+
+    ``cell`` is the place of the point's cell in the hash ``table``, negative where no segment is near. ``cuts``
+    (cracks, bodies) says which cracks count for a body; all do for a negative ``body``.
+    """
+    n = 0
+    if cell < 0:
+        return n
+    for at in range(table.first[cell], table.first[cell + 1]):
+        s = table.segment[at]
+        crack = segments.crack[s]
+        if body >= 0 and not cuts[crack, body]:
+            continue
+        ax, ay = segments.ax[s] - px, segments.ay[s] - py
+        dx, dy = segments.bx[s] - px - ax, segments.by[s] - py - ay
+        if ax > reach or ax + dx < -reach or min(ay, ay + dy) > reach or max(ay, ay + dy) < -reach:
+            continue
+        area = dy * ax - dx * ay
+        most = reach * (dx + abs(dy))
+        if area >= most or area < -most:  # the whole box around the point is on its side of the line
+            continue
+        near[n, S], near[n, CRACK], near[n, MINE] = s, crack, 1 if area >= 0 else 0
+        near[n, AX], near[n, AY], near[n, DX], near[n, DY] = ax, ay, dx, dy
+        n += 1
+    return n
+
+
+@compiled_too
+def crosses(near: Any, k: Any, x: Any, y: Any) -> Any:
+    """Whether the line of sight from a point to (x, y), relative to it, crosses segment ``k`` of its list.
+
+    It does if its ends are on different sides of the segment, and the ends of the segment on different sides of it;
+    what is on a line is on its left.
+    """
+    ax, ay, dx, dy = near[k, AX], near[k, AY], near[k, DX], near[k, DY]
+    if (dx * (y - ay) - dy * (x - ax) >= 0) == (near[k, MINE] == 1):
+        return False
+    return (x * ay - y * ax >= 0) != (x * (ay + dy) - y * (ax + dx) >= 0)
+
+
+@compiled_too
+def cell_of(table: Any, x: Any, y: Any) -> Any:
+    """Place in the hash of a cell of the grid, −1 where no segment is near."""
+    row, column = y - table.low[1], x - table.low[0]
+    if row < 0 or column < 0 or row >= table.place.shape[0] or column >= table.place.shape[1]:
+        return np.int64(-1)
+    return np.int64(table.place[row, column])
 
 
 def allocate_segments(points: Points) -> Segments:
@@ -74,7 +123,7 @@ def allocate_segments(points: Points) -> Segments:
     return Segments(**whole_numbers, crack=crack, normal=np.zeros((n, 2)), at=np.zeros((n, 2)))
 
 
-@inline
+@compiled_too
 def put_segment(segments, s, x, y, x_next, y_next, origin, cell):
     """Write segment ``s`` from one point to the next."""
     ax, ay = whole(x, origin[0], 1.0 / cell[0]), whole(y, origin[1], 1.0 / cell[1])
@@ -89,7 +138,7 @@ def put_segment(segments, s, x, y, x_next, y_next, origin, cell):
     segments.at[s, 0], segments.at[s, 1] = x, y
 
 
-@inline
+@called_once
 def find_segments(points, beyond, origin, cell, segments):
     """Write the segments of all chains; behind a mouth the last one goes on by ``beyond`` [length]."""
     s = 0
@@ -152,7 +201,7 @@ def hash_segments(segments: Segments, reach: int) -> Hash:
     return Hash(corner, place.reshape(ny, nx), np.append(first, len(order)).astype(np.int64), segment[order])
 
 
-@inline
+@called_once
 def find_distances(X, origin, inverse_cell, segments, table, away):
     """How far particles are from the boxes around segments, along the axis where it is more, into ``away`` (N,).
 

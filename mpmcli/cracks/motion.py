@@ -9,11 +9,12 @@ import numpy as np
 
 from mpmcli.contact.laws.impulse import TINIEST
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.core.compiled.kernel import inline
-from mpmcli.cracks.chain import VISIBLE
-from mpmcli.cracks.crossing import BITS, crosses, whole
-from mpmcli.cracks.points import AllPoints
+from mpmcli.core.grid import Grid
+from mpmcli.cracks.calls import called_once
+from mpmcli.cracks.chain import FOLDED, SHRUNK, STRETCHED, VISIBLE
+from mpmcli.cracks.crossing import BITS, CRACK, cell_of, crosses, list_near, whole
 from mpmcli.cracks.sides import CrackSides
+from mpmcli.cracks.sights import LISTED, SIGHTS
 
 Array = np.ndarray
 
@@ -26,47 +27,60 @@ WAYS = {"average": AVERAGE, "mass": MASS, "fixed": FIXED}
 """How planes move: ``moves`` of a crack."""
 
 
-@inline
-def sum_motion(count, candidates, entries, mass, X, L, dt, nodes, lattice, out):
-    """Mass, momentum at the node and Σ S m L of each side of every crack node, into ``out`` (slots, sides, 7).
-
-    Momenta are those of the motion of the step, to ``X`` (2, N): the velocities that FLIP carries may differ from it.
-    """
-    for slot in range(count):
-        for side in range(out.shape[1]):
-            for a in range(7):
-                out[slot, side, a] = 0.0
-        x = lattice.origin[0] + nodes.node[slot] % lattice.shape[0] * lattice.cell[0]
-        y = lattice.origin[1] + nodes.node[slot] // lattice.shape[0] * lattice.cell[1]
-        for at in range(entries.first[slot], entries.first[slot + 1]):
-            q, j = entries.row[at], entries.column[at]
-            p = candidates.particle[q]
-            w, total = candidates.S[q, j] * mass[p], out[slot, candidates.side[q, j]]
-            was_x, was_y = candidates.place[q, 0], candidates.place[q, 1]
-            dx, dy = x - was_x, y - was_y
-            total[0] += w
-            total[1] += w * ((X[0, p] - was_x) / dt + L[0, p] * dx + L[1, p] * dy)
-            total[2] += w * ((X[1, p] - was_y) / dt + L[2, p] * dx + L[3, p] * dy)
-            for a in range(4):
-                total[3 + a] += w * L[a, p]
+WEIGHT, MOMENTUM, RATE = 0, 1, 3
+SUMS = 7
+"""Sums over the matter of a side, by column: mass, momentum at the node, Σ S m L."""
 
 
 @compiled_too
-def sides_at(px, py, x, y, cell, segments, table, crack):
-    """Side of a node (x, y), whose cracks are ``crack`` (2,), on which a point is; ``cell`` of the hash is near.
+def sum_motion(rows, sights, width, places, mass, X, L, dt, lattice, out):
+    """Mass, momentum at the node and Σ S m L of each side of every listed node, into ``out`` (places, SUMS).
 
-    −1 where a crack parts the point from a node that has no cracks: its matter is none of the point's.
+    Momenta are those of the motion of the step, to ``X`` (2, N): the velocities that FLIP carries may differ from it.
     """
-    if cell < 0:  # no crack is near
-        return 0
-    side, at = 0, table.first[cell]
-    while at < table.first[cell + 1]:
-        which, times = segments.crack[table.segment[at]], 0
-        while at < table.first[cell + 1] and segments.crack[table.segment[at]] == which:
-            s = table.segment[at]
-            at += 1
-            if crosses(segments.ax[s], segments.ay[s], segments.bx[s], segments.by[s], px, py, x, y):
+    for at in range(places):
+        for a in range(SUMS):
+            out[at, a] = 0.0
+    for row in range(rows):
+        p, corner = sights.particle[row], np.int64(sights.corner[row])
+        was_x, was_y = sights.place[row, 0], sights.place[row, 1]
+        left = lattice.origin[0] + corner % lattice.shape[0] * lattice.cell[0] - was_x
+        y = lattice.origin[1] + corner // lattice.shape[0] * lattice.cell[1] - was_y
+        vx, vy = (X[0, p] - was_x) / dt, (X[1, p] - was_y) / dt
+        xx, xy, yx, yy = L[0, p], L[1, p], L[2, p], L[3, p]
+        m, j = mass[p], 0
+        for _ in range(width):
+            x = left
+            for _ in range(width):
+                at = sights.at[row, j]
+                if at >= 0:
+                    w, total = sights.S[row, j] * m, out[at]
+                    total[WEIGHT] += w
+                    total[MOMENTUM] += w * (vx + xx * x + xy * y)
+                    total[MOMENTUM + 1] += w * (vy + yx * x + yy * y)
+                    total[RATE] += w * xx
+                    total[RATE + 1] += w * xy
+                    total[RATE + 2] += w * yx
+                    total[RATE + 3] += w * yy
+                x += lattice.cell[0]
+                j += 1
+            y += lattice.cell[1]
+
+
+@compiled_too
+def side_seen(near, count, x, y, crack):
+    """Side of a node, at (x, y) from a point, on which the point is; ``crack`` (2,) are the node's cracks.
+
+    ``near`` are the ``count`` segments near the point. −1 where a crack parts the point from a node that has no cracks:
+    its matter is none of the point's.
+    """
+    side, k = 0, 0
+    while k < count:
+        which, times = near[k, CRACK], 0
+        while k < count and near[k, CRACK] == which:
+            if crosses(near, k, x, y):
                 times += 1
+            k += 1
         if times % 2 == 1:
             if crack[0] < 0:
                 return -1
@@ -75,26 +89,29 @@ def sides_at(px, py, x, y, cell, segments, table, crack):
 
 
 @compiled_too
-def face_velocity(plane, normal, face, sums, nodes, segments, table, lattice, out):
-    """Velocity and spin of a point ``face`` (2,) of a face into ``out`` (3,); returns the mass of its matter.
+def face_velocity(
+    chain, plane, normal, face, sides, sums, nodes, segments, table, near, lattice, moves, out
+):  # fmt: skip
+    """Velocity and spin of a point ``face`` (2,) of a face of crack ``chain`` into ``out`` (3,); returns its mass.
 
-    It is the mean of what the sides of the four nodes around tell of the point, from their
-    velocities and gradients: exact for affine motion, whichever nodes there are. ``plane`` (2,) is the point of the
-    plane beside it, ``normal`` (2,) points from the plane to the face.
+    It is the mean of what the sides of the four nodes around tell of the point, from their velocities and gradients:
+    exact for affine motion, whichever nodes there are. The matter is that of the fields that ``moves`` (cracks, fields)
+    names. ``plane`` (2,) is the point of the plane beside it, ``normal`` (2,) points from the plane to the face.
     """
     # it looks from its own side of the plane, wherever the faces have gone
+    inverse_x, inverse_y = 1.0 / lattice.cell[0], 1.0 / lattice.cell[1]
+    face_x, face_y = face[0] - lattice.origin[0], face[1] - lattice.origin[1]
     tiny_x, tiny_y = BESIDE * lattice.cell[0] * normal[0], BESIDE * lattice.cell[1] * normal[1]
     away = (face[0] - plane[0]) * normal[0] + (face[1] - plane[1]) * normal[1]
     back = min(away, 0.0)
     x, y = face[0] - back * normal[0] + tiny_x, face[1] - back * normal[1] + tiny_y
-    cx = np.int64(np.floor((face[0] - lattice.origin[0]) / lattice.cell[0]))
-    cy = np.int64(np.floor((face[1] - lattice.origin[1]) / lattice.cell[1]))
+    cx, cy = np.int64(np.floor(face_x * inverse_x)), np.int64(np.floor(face_y * inverse_y))
     out[0] = out[1] = out[2] = 0.0
-    row, column, cell = cy - table.low[1], cx - table.low[0], np.int64(-1)
-    if row >= 0 and column >= 0 and row < table.place.shape[0] and column < table.place.shape[1]:
-        cell = np.int64(table.place[row, column])
-    px = whole(x, lattice.origin[0], 1.0 / lattice.cell[0])
-    py = whole(y, lattice.origin[1], 1.0 / lattice.cell[1])
+    px, py = whole(x, lattice.origin[0], inverse_x), whole(y, lattice.origin[1], inverse_y)
+    fields = moves.shape[1]
+    reach = max(abs(px - (cx << BITS)), abs(((cx + 1) << BITS) - px))
+    reach = max(reach, max(abs(py - (cy << BITS)), abs(((cy + 1) << BITS) - py)))
+    count = list_near(segments, table, cell_of(table, cx, cy), px, py, reach, moves, -1, near)
     total, mass = 0.0, 0.0
     for turn in range(2):  # crack nodes first: then others, which see matter of one face alone
         for j in range(4):
@@ -104,19 +121,25 @@ def face_velocity(plane, normal, face, sums, nodes, segments, table, lattice, ou
             slot = nodes.slot_of_node[ny * lattice.shape[0] + nx]
             if slot < 0 or (turn == 0 and nodes.crack[slot, 0] < 0):
                 continue
-            side = sides_at(px, py, nx << BITS, ny << BITS, cell, segments, table, nodes.crack[slot])
+            side = side_seen(near, count, (nx << BITS) - px, (ny << BITS) - py, nodes.crack[slot])
             if side < 0:
                 continue
-            here = sums[slot, side]
-            m = here[0]
+            m, v, w, spin = 0.0, 0.0, 0.0, 0.0
+            dx, dy = face_x - nx * lattice.cell[0], face_y - ny * lattice.cell[1]
+            for field in range(fields):
+                if moves[chain, field]:
+                    here = sums[(slot * sides + side) * fields + field]
+                    m += here[WEIGHT]
+                    v += here[MOMENTUM] + here[RATE] * dx + here[RATE + 1] * dy
+                    w += here[MOMENTUM + 1] + here[RATE + 2] * dx + here[RATE + 3] * dy
+                    spin += here[RATE + 2] - here[RATE + 1]
             if m <= 0.0:
                 continue
-            dx = face[0] - lattice.origin[0] - nx * lattice.cell[0]
-            dy = face[1] - lattice.origin[1] - ny * lattice.cell[1]
-            N = max(1.0 - abs(dx) / lattice.cell[0], 0.0) * max(1.0 - abs(dy) / lattice.cell[1], 0.0)
-            out[0] += N * (here[1] + here[3] * dx + here[4] * dy) / m
-            out[1] += N * (here[2] + here[5] * dx + here[6] * dy) / m
-            out[2] += 0.5 * N * (here[5] - here[4]) / m
+            N = max(1.0 - abs(dx) * inverse_x, 0.0) * max(1.0 - abs(dy) * inverse_y, 0.0)
+            part = N / m
+            out[0] += part * v
+            out[1] += part * w
+            out[2] += 0.5 * part * spin
             mass += N * m
             total += N
         if total > 0.0:
@@ -127,7 +150,9 @@ def face_velocity(plane, normal, face, sums, nodes, segments, table, lattice, ou
 
 
 @compiled_too
-def move_point(k, before, end, at_tip, way, dt, points, sums, nodes, segments, table, lattice, new):
+def move_point(
+    chain, k, before, end, at_tip, way, dt, points, sides, sums, nodes, segments, table, near, lattice, moves, new
+):  # fmt: skip
     """Move point ``k`` of a chain with the matter of its sides; returns how far a face went [cells], −1 without matter.
 
     ``before`` (2,) is where the one before it was, ``end`` the end of the chain. ``new`` (2, 3) receives velocities and
@@ -137,21 +162,13 @@ def move_point(k, before, end, at_tip, way, dt, points, sums, nodes, segments, t
     tx, ty = points.X[0, after] - before[0], points.X[1, after] - before[1]
     size = math.sqrt(tx * tx + ty * ty)
     plane = (points.X[0, k], points.X[1, k])
-    left = (-ty / size, tx / size)
     above = face_velocity(
-        plane,
-        left,
-        (points.faces[0, 0, k], points.faces[0, 1, k]),
-        sums,
-        nodes,
-        segments,
-        table,
-        lattice,
-        new[0],
-    )
+        chain, plane, (-ty / size, tx / size), (points.faces[0, 0, k], points.faces[0, 1, k]), sides, sums, nodes,
+        segments, table, near, lattice, moves, new[0],
+    )  # fmt: skip
     below = face_velocity(
-        plane, (-left[0], -left[1]), (points.faces[1, 0, k], points.faces[1, 1, k]), sums, nodes, segments, table,
-        lattice, new[1],
+        chain, plane, (ty / size, -tx / size), (points.faces[1, 0, k], points.faces[1, 1, k]), sides, sums, nodes,
+        segments, table, near, lattice, moves, new[1],
     )  # fmt: skip
     if above == 0.0 and below == 0.0:
         return -1.0
@@ -257,37 +274,21 @@ def watch(begin, end, bounds, visible, points, found):
         before_x, before_y = way_x, way_y
 
 
-@inline
+@called_once
 def move_points(
-    count,
-    candidates,
-    entries,
-    mass,
-    X,
-    L,
-    nodes,
-    segments,
-    table,
-    lattice,
-    ways,
-    apart,
-    bounds,
-    dt,
-    points,
-    sums,
-    new,
-    matter,
-    spin,
-    found,
-    worst,
-):
+    counts, sights, width, sides, mass, X, L, nodes, segments, table, near, lattice, moves, ways, apart, bounds, dt,
+    points, smooth, respaces, stretch, sums, new, matter, spin, found, worst,
+):  # fmt: skip
     """Move all points for a step; returns how far a face went [cells].
 
     ``new`` (2, 3), ``matter`` (n,) and ``spin`` (2, n) are scratch, ``worst`` (2,) receives the crack and the point
     that went farthest, ``found`` (cracks, 4) what ``watch`` tells. A distance that is no number counts as the farthest.
+    Also returns whether ``found`` asks for action: of cracks outside, of those that ``respaces`` names, or whose planes
+    were ``smooth``. ``stretch`` (2, cracks) is the most that segments of the others were stretched and shrunk.
     """
-    sum_motion(count, candidates, entries, mass, X, L, dt, nodes, lattice, sums)
-    farthest = 0.0
+    places = counts[LISTED] * sides * moves.shape[1]
+    sum_motion(counts[SIGHTS], sights, width, places, mass, X, L, dt, lattice, sums)
+    farthest, acts = 0.0, False
     for crack in range(len(points.first) - 1):
         begin, end = points.first[crack], points.first[crack + 1]
         before, alone = (points.X[0, begin], points.X[1, begin]), False
@@ -299,20 +300,9 @@ def move_points(
                 if turn == 0:
                     here = (points.X[0, k], points.X[1, k])
                     went = move_point(
-                        k,
-                        before,
-                        end,
-                        at_tip,
-                        ways[crack],
-                        dt,
-                        points,
-                        sums,
-                        nodes,
-                        segments,
-                        table,
-                        lattice,
-                        new,
-                    )
+                        crack, k, before, end, at_tip, ways[crack], dt, points, sides, sums, nodes, segments, table,
+                        near, lattice, moves, new,
+                    )  # fmt: skip
                     before = here
                     matter[k] = not went < 0.0
                     spin[0, k], spin[1, k] = new[0, 2], new[1, 2]
@@ -327,8 +317,15 @@ def move_points(
         if apart[crack]:
             for k in range(begin, end):
                 part(k, begin, end, points)
-        watch(begin, end, bounds, VISIBLE * min(lattice.cell[0], lattice.cell[1]), points, found[crack])
-    return farthest
+        state = found[crack]
+        watch(begin, end, bounds, VISIBLE * min(lattice.cell[0], lattice.cell[1]), points, state)
+        acts = acts or state[OUTSIDE] > 0.0 or (smooth[crack] and state[SHARPEST] < FOLDED)
+        if respaces[crack]:
+            acts = acts or state[LONGEST] > 1.0 or state[SHORTEST] < 1.0
+        else:
+            stretch[0, crack] = max(stretch[0, crack], STRETCHED * state[LONGEST])
+            stretch[1, crack] = min(stretch[1, crack], SHRUNK * state[SHORTEST])
+    return farthest, acts
 
 
 class FaceMotion:
@@ -337,10 +334,12 @@ class FaceMotion:
     Parameters
     ----------
     sides : of the step
-    points : of all chains
-    lattice : of the grid
+    grid, lattice : of the simulation
+    fields : (cracks, fields) whether a crack cuts bodies of a velocity field, with whose matter it moves
     moves : how the plane of each crack moves: ``average``, ``mass`` or ``fixed``
     apart : whether faces of each crack that pass the plane are put back onto it
+    respaces : whether segments of each crack that are too long or too short are divided or joined
+    stretch : (2, cracks) the most that segments of the others were stretched and shrunk, which it keeps up to date
     bounds : (2, 2) first and last coordinate that points may have along each axis [length]
 
     Attributes
@@ -348,15 +347,18 @@ class FaceMotion:
     found : (cracks, 4) after a step: cosine of the sharpest turn of the plane (``SHARPEST``), largest length of a
         segment over the longest that it may have (``LONGEST``), smallest over the shortest (``SHORTEST``), points
         outside of the bounds (``OUTSIDE``)
+    acts : whether any of it asks for action
     """
 
     def __init__(
-        self, sides: CrackSides, points: AllPoints, lattice: Any, moves: list[str], apart: list[bool], bounds: Array
+        self, sides: CrackSides, grid: Grid, lattice: Any, fields: Array, moves: list[str], apart: list[bool],
+        respaces: Array, stretch: Array, bounds: Array,
     ):  # fmt: skip
-        self._sides, self._points, self._lattice = sides, points, lattice
+        self._sides, self._grid, self._lattice, self._fields = sides, grid, lattice, fields
         self._ways = np.array([WAYS[way] for way in moves], dtype=np.int64)
-        self._apart, self.bounds = np.array(apart), bounds
-        self._sums = np.zeros((0, 2 if len(moves) == 1 else 4, 7))
+        self._apart, self._respaces, self._stretch, self.bounds = np.array(apart), respaces, stretch, bounds
+        self.acts = False
+        self._sums = np.zeros((0, SUMS))
         self._new = np.zeros((2, 3))
         self._matter, self._spin = np.zeros(0, dtype=np.bool_), np.zeros((2, 0))
         self._worst = np.zeros(2, dtype=np.int64)
@@ -367,15 +369,16 @@ class FaceMotion:
 
         Returns the farthest that a face went [cells], and the crack and the point that did.
         """
-        sides, points = self._sides, self._points.get()
-        if len(self._sums) < sides.listed:
-            self._sums = np.zeros((sides.listed + sides.listed // 4, *self._sums.shape[1:]))
+        sides, grid, points = self._sides, self._grid, self._sides.points.get()
+        places = sides.listed * grid.sides * self._fields.shape[1]
+        if len(self._sums) < places:
+            self._sums = np.zeros((places + places // 4, SUMS))
         if len(self._matter) != points.X.shape[1]:
             self._matter, self._spin = np.zeros(points.X.shape[1], dtype=np.bool_), np.zeros_like(points.X)
-        farthest = move_points(
-            sides.listed, sides.candidates, sides.entries, p.mass, X, p.L, sides.nodes, sides.segments, sides.hash,
-            self._lattice, self._ways, self._apart, self.bounds, dt, points, self._sums, self._new, self._matter,
-            self._spin, self.found, self._worst,
+        farthest, self.acts = move_points(
+            sides.counts, sides.sights, grid.width, grid.sides, p.mass, X, p.L, sides.nodes, sides.segments, sides.hash,
+            sides.near, self._lattice, self._fields, self._ways, self._apart, self.bounds, dt, points,
+            sides.points.smooth, self._respaces, self._stretch, self._sums, self._new, self._matter, self._spin,
+            self.found, self._worst,
         )  # fmt: skip
-        crack, point = self._worst.tolist()
-        return float(farthest), crack, point
+        return float(farthest), int(self._worst[0]), int(self._worst[1])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
@@ -26,9 +27,9 @@ class Path(Model):
 
     noun: ClassVar[str] = "path"
 
+    @abstractmethod
     def corners(self) -> Array:
         """Return the corners (n, 2) of the polyline [length]."""
-        raise NotImplementedError
 
     def where(self, point: int) -> tuple[str, str]:
         """Return the key below ``path`` where a scene gives a point, and words that say which one it is."""

@@ -6,12 +6,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.dofs import dof_of
 from mpmcli.core.grid import Grid
+from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.chain import ABOVE, Chain
-from mpmcli.cracks.crossing import BITS, UNIT, whole
-from mpmcli.cracks.motion import BESIDE, sides_at
+from mpmcli.cracks.crossing import BITS, UNIT, cell_of, list_near, whole
+from mpmcli.cracks.motion import BESIDE, side_seen
 from mpmcli.cracks.sides import CrackSides
 
 Array = np.ndarray
@@ -31,8 +31,10 @@ class ForceRows(NamedTuple):
     force: Array
 
 
-@inline
-def share_out(plane, normal, faces, force, nodes, segments, table, lattice, rigid, node_count, mp, rows):
+@called_once
+def share_out(
+    plane, normal, faces, force, nodes, segments, table, near, lattice, rigid, node_count, mp, rows
+):
     """Write the forces (2, 2, P) on both faces of a chain into ``rows``: to the nodes of each side by N_i m_i.
 
     Returns how many faces have no matter around them. ``plane``, ``normal`` and ``faces`` as in
@@ -43,10 +45,7 @@ def share_out(plane, normal, faces, force, nodes, segments, table, lattice, rigi
     for k in range(points):
         px = np.int64(np.floor((plane[0, k] - lattice.origin[0]) / lattice.cell[0]))
         py = np.int64(np.floor((plane[1, k] - lattice.origin[1]) / lattice.cell[1]))
-        row, column = py - table.low[1], px - table.low[0]
-        cell = np.int64(-1)
-        if row >= 0 and column >= 0 and row < table.place.shape[0] and column < table.place.shape[1]:
-            cell = np.int64(table.place[row, column])
+        cell = cell_of(table, px, py)
         for face in range(2):
             begin, total = at, 0.0
             sign = 1.0 if face == ABOVE else -1.0
@@ -59,6 +58,9 @@ def share_out(plane, normal, faces, force, nodes, segments, table, lattice, rigi
             x = (faces[face, 0, k] - lattice.origin[0]) / lattice.cell[0]
             y = (faces[face, 1, k] - lattice.origin[1]) / lattice.cell[1]
             cx, cy = np.int64(np.floor(x)), np.int64(np.floor(y))
+            reach = max(abs((cx << BITS) - sx), abs(((cx + 1) << BITS) - sx))
+            reach = max(reach, max(abs((cy << BITS) - sy), abs(((cy + 1) << BITS) - sy)))
+            count = list_near(segments, table, cell, sx, sy, reach, table.place, -1, near)
             for j in range(CORNERS):
                 nx, ny = cx + j % 2, cy + j // 2
                 inside = nx >= 0 and ny >= 0 and nx < lattice.shape[0] and ny < lattice.shape[1] and cell >= 0
@@ -66,7 +68,7 @@ def share_out(plane, normal, faces, force, nodes, segments, table, lattice, rigi
                 N, side = (1.0 - abs(x - nx)) * (1.0 - abs(y - ny)), np.int64(0)
                 if inside:  # the nodes around faces are listed
                     crack = nodes.crack[nodes.slot_of_node[node]]
-                    side = sides_at(sx, sy, nx << BITS, ny << BITS, cell, segments, table, crack)
+                    side = side_seen(near, count, (nx << BITS) - sx, (ny << BITS) - sy, crack)
                     inside = side >= 0
                 for field in range(fields):
                     rows.dof[at] = -1
@@ -125,7 +127,7 @@ class PointForces:
         )  # whoever holds them
         self.alone = share_out(
             X, chain.normals(), faces, force, sides.nodes, sides.segments, sides.hash,
-            self._lattice, self._rigid, grid.node_count, grid.mp, self._rows,
+            sides.near, self._lattice, self._rigid, grid.node_count, grid.mp, self._rows,
         )  # fmt: skip
         met = np.flatnonzero(self._rows.dof[:room] >= 0)
         self._dof, self._force = self._rows.dof[met], self._rows.force[met]

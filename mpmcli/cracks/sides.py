@@ -7,22 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.chunks import CHUNKS
 from mpmcli.core.grid import Grid
 from mpmcli.core.order import CellOrder, or_shifted
-from mpmcli.core.transfer.cut import Cut, first_rows, make_cut
+from mpmcli.core.transfer.cut import Cut
 from mpmcli.cracks.chain import Chain
-from mpmcli.cracks.crack_nodes import (
-    NEAR,
-    Candidates,
-    CrackNodes,
-    CutRows,
-    Entries,
-    find_crossings,
-    find_sides,
-)
+from mpmcli.cracks.crack_nodes import find_sides
 from mpmcli.cracks.crossing import (
-    UNIT,
     Hash,
     Segments,
     allocate_segments,
@@ -31,6 +21,23 @@ from mpmcli.cracks.crossing import (
     hash_segments,
 )
 from mpmcli.cracks.points import AllPoints, Points
+from mpmcli.cracks.sights import (
+    CUT,
+    LISTED,
+    NODES,
+    SIGHTS,
+    THIRD,
+    Candidates,
+    Crossings,
+    CutRows,
+    Scratch,
+    Sights,
+    allocate_crossings,
+    allocate_cut,
+    allocate_nodes,
+    allocate_sights,
+    cut_of,
+)
 
 Array = np.ndarray
 
@@ -38,6 +45,8 @@ DRIFT = 1
 """Cells that chains and particles may move between two sorts."""
 SLACK = 0.2
 """Cells that they may move before candidates are listed anew."""
+ROUND_OFF = 1e-6
+"""Cells by which distances may be wrong: positions are whole numbers of 2⁻²⁴ cells."""
 
 
 class CrackSides:
@@ -53,8 +62,9 @@ class CrackSides:
     Attributes
     ----------
     points : of all chains
-    candidates, nodes, entries : of the step
-    segments, hash : of the chains in the step
+    candidates : particles near cracks
+    nodes, sights, crossings : of the step
+    segments, hash : of the chains in the step; where segments are near cells
     drift : how far points have moved since the candidates were listed, at most [cells]
     """
 
@@ -63,27 +73,49 @@ class CrackSides:
         self._order, self._grid, self._follows = order, grid, follows
         self.points = AllPoints(chains, float(grid.cell.min()))
         self._origin = grid.lower - grid.pad * grid.cell
-        self._counts = np.zeros(3, dtype=np.int64)
+        self._counts = np.zeros(6, dtype=np.int64)
         self.drift = 0.0
         self._version, self._listed_at = -1, 0.0
+        self._beyond = (grid.width + 2) * float(grid.cell.max())
         self.segments: Segments
-        self.candidates: Candidates
-        self.entries: Entries
-        nothing = np.zeros(0, dtype=np.int64)
-        self.nodes = CrackNodes(
-            np.full(grid.node_count, -1, dtype=np.int32), nothing, nothing.reshape(0, 2), nothing
-        )
         self.hash: Hash
+        self.candidates: Candidates
+        self.sights: Sights
+        self.crossings: Crossings
+        self._cut: CutRows
+        self._scratch: Scratch
+        self._mark = np.zeros(grid.node_count, dtype=np.uint8)
+        self.nodes = allocate_nodes(grid.node_count, 0)
 
     @property
     def count(self) -> int:
         """Number of crack nodes: the first ones of ``nodes``."""
-        return int(self._counts[0])
+        return int(self._counts[NODES])
 
     @property
     def listed(self) -> int:
-        """Number of all nodes that ``nodes`` and ``entries`` list."""
-        return int(self._counts[1])
+        """Number of all nodes that ``nodes`` lists."""
+        return int(self._counts[LISTED])
+
+    @property
+    def seen(self) -> int:
+        """Number of particles that see listed nodes: rows of ``sights``."""
+        return int(self._counts[SIGHTS])
+
+    @property
+    def third(self) -> int:
+        """Number of crack nodes at which a third crack is left out."""
+        return int(self._counts[THIRD])
+
+    @property
+    def near(self) -> Array:
+        """Room for the longest list of the hash, see ``crossing.list_near``."""
+        return self._scratch.near
+
+    @property
+    def counts(self) -> Array:
+        """(6,) all counts of the step, as ``sights`` has them."""
+        return self._counts
 
     @property
     def _reach(self) -> float:
@@ -114,8 +146,7 @@ class CrackSides:
         return cells.low - below, mark
 
     def _find_segments(self, points: Points, segments: Segments) -> None:
-        beyond = (self._grid.width + 2) * float(self._grid.cell.max())
-        find_segments(points, beyond, self._origin, self._grid.cell, segments)
+        find_segments(points, self._beyond, self._origin, self._grid.cell, segments)
 
     def _distances(self, X: Array, segments: Segments, far: float) -> Array:
         """How far particles are from segments (N,), where it is not more than ``far`` [cells]."""
@@ -143,77 +174,48 @@ class CrackSides:
         self.hash = hash_segments(self.segments, math.ceil(near))
         # faces move with what their crack may cut: not with a wedge between them
         particle = np.flatnonzero((away <= far) & is_cut).astype(np.uint64)
-        c, m, d = len(particle), grid.width**grid.dimensions, grid.dimensions
-        self.candidates = Candidates(
-            particle=particle,
-            ranges=first_rows(particle, self._order.chunks),
-            close=away[particle] <= near,
-            seen=np.zeros(c, dtype=np.uint8),
-            corner=np.zeros(c, dtype=np.uint64),
-            place=np.zeros((c, d)),
-            S=np.zeros((c, m)),
-            number=np.zeros((c, m), dtype=np.uint8),
-            segment=np.zeros((c, m, min(len(self.chains), 2)), dtype=np.int32),
-            side=np.zeros((c, m), dtype=np.uint8),
-        )
+        # rounded down: what may be parted is never passed over
+        self.candidates = Candidates(particle, (away[particle] - ROUND_OFF).astype(np.float32))
+        c, m = len(particle), grid.width**grid.dimensions
+        close = int(np.count_nonzero(away[particle] <= near + 10.0 * ROUND_OFF))
+        self._clear()
         longest = int(np.diff(self.hash.first).max(initial=0))
-        self._kept = np.zeros((CHUNKS, longest), dtype=np.int64)
-        self.entries = Entries(
-            np.zeros(len(self.nodes.node) + 1, dtype=np.int64),
-            np.zeros(c * m, dtype=np.int32),
-            np.zeros(c * m, dtype=np.uint8),
-        )
-        most = int(np.count_nonzero(self.candidates.close))  # untouched room costs nothing
-        self._cut = CutRows(np.empty(most, dtype=np.int64), np.empty((most, d * m)))
+        times, crossed, number = (np.zeros(m, dtype=np.int64) for _ in range(3))
+        self._scratch = Scratch(np.zeros((longest, 7), dtype=np.int64), times, crossed, number, self._mark)
+        self.sights = allocate_sights(c, m)
+        bands, chunks = self._order.bands.first, self._order.chunks
+        self._cut = allocate_cut(close, m, X.shape[1], len(bands), len(chunks))
+        self.crossings = allocate_crossings(close * m * min(len(self.chains), 2))
         self._version, self._listed_at, self.drift = self._order.version, self._order.drift, 0.0
 
     def _make_room(self, most: int) -> None:
         self._clear()
-        self.nodes = self.nodes._replace(
-            node=np.zeros(most, dtype=np.int64),
-            crack=np.zeros((most, 2), dtype=np.int64),
-            third=np.zeros(most, dtype=np.uint8),
-        )
-        self.entries = self.entries._replace(first=np.zeros(most + 1, dtype=np.int64))
+        self.nodes = allocate_nodes(0, most)._replace(slot_of_node=self.nodes.slot_of_node)
 
     def part_all(self) -> None:
-        """Let the first crack part all candidates from the first node of their stencils, in a step that is not run."""
-        c, grid = self.candidates, self._grid
-        cell = np.floor((self._order.particles.X - self._origin[:, None]) / grid.cell[:, None]).astype(
-            np.uint64
-        )
-        c.corner[:] = np.array(grid.stride, dtype=np.uint64) @ cell[:, c.particle]
-        c.seen[:], c.number[:, 0], c.S[:, 0] = NEAR, 1, 1.0
+        """Move all particles of a simulation that is not run to where the first crack parts them from nodes."""
+        X, cell = self.chains[0].X[:, :2], self._grid.cell
+        way = (X[:, 1] - X[:, 0]) / cell
+        beside = ROUND_OFF * np.array([-way[1], way[0]]) / np.hypot(*way)
+        self._order.particles.X[:] = (X.mean(axis=1) + beside * cell)[:, None]
 
     def _clear(self) -> None:
-        self.nodes.slot_of_node[self.nodes.node[: self._counts[1]]] = -1
+        self.nodes.slot_of_node[self.nodes.node[: self.listed]] = -1
         self._counts[:] = 0
 
     def find_cut(self, transfer: Any, F: Array) -> Cut | None:
         """Find the sides of this step; ``F`` (nF, N) are the deformation gradients that its stencils are built from."""
-        if self._version != self._order.version:  # a run that goes on from a checkpoint
+        order, grid = self._order, self._grid
+        if self._version != order.version:  # a run that goes on from a checkpoint
             self.sorted()
-        elif max(self.drift, self._order.drift - self._listed_at) > SLACK:
+        elif max(self.drift, order.drift - self._listed_at) > SLACK:
             self._list_candidates()
-        self._clear()
-        self._find_segments(self.points.get(), self.segments)
-        p, c, stencil = transfer.particles, self.candidates, transfer.stencil
-        operator = (transfer.shape.parameters, transfer.geometry, transfer.across, p.X, F, p.size, stencil)
-        find_crossings[transfer.parallel](
-            *operator,
-            np.int64(self._reach * UNIT),
-            c,
-            p.body,
-            self._cuts,
-            self.segments,
-            self.hash,
-            self._kept,
-        )
+        p = transfer.particles
+        clear = self._reach + self.drift + (order.drift - self._listed_at) + ROUND_OFF
         find_sides(
-            *operator, self._reach, c, self.segments, self.nodes, self.entries, self.points.get(), self._origin,
-            self._grid.cell, self._cut, self._counts,
+            transfer.shape.parameters, transfer.geometry, transfer.across, p.X, F, p.size, transfer.stencil,
+            order.bands.first, order.chunks, p.velocity_field, p.body, grid.fields, grid.sides, self._cuts,
+            self.candidates, self.points.get(), self._beyond, self._origin, grid.cell, self._reach, clear,
+            self.segments, self.hash, self._scratch, self.nodes, self.sights, self._cut, self.crossings, self._counts,
         )  # fmt: skip
-        if self.count == 0:
-            return None
-        rows, G = self._cut.row[: self._counts[2]], self._cut.G[: self._counts[2]].copy()
-        return make_cut(transfer, c.particle[rows], c.corner[rows], c.S[rows], G, c.side[rows])
+        return cut_of(self.sights, self._cut, int(self._counts[CUT])) if self.count > 0 else None

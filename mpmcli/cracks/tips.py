@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.analysis import PlaneStress
+from mpmcli.core.order import CellOrder
 from mpmcli.core.state import State, TipValues
 from mpmcli.cracks.chain import START, Chain
 from mpmcli.cracks.fracture import Fracture
-from mpmcli.cracks.integrals.base import Frame, Matter, matter_near
+from mpmcli.cracks.integrals.base import EVERYWHERE, Frame, Matter, Room, matter_near
 from mpmcli.cracks.integrals.contour import contour_around, energy_release_rate_by_contour
 from mpmcli.cracks.integrals.domain import energy_release_rate
 from mpmcli.cracks.integrals.elastic import (
@@ -21,18 +22,9 @@ from mpmcli.cracks.integrals.elastic import (
     plane_elasticity,
     rayleigh_speed,
 )
-from mpmcli.cracks.integrals.faces import (
-    REACH,
-    Crack,
-    Faces,
-    angles_beside,
-    bends,
-    faces_of,
-    must_be_found,
-    side_of,
-    together,
-)
+from mpmcli.cracks.integrals.faces import NO_FACES, REACH, Faces, faces_near
 from mpmcli.cracks.integrals.modes import modes_by_interaction, modes_by_opening
+from mpmcli.cracks.integrals.seen import Crack, find_angles, see_crack
 
 Array = np.ndarray
 NAN = float("nan")
@@ -49,6 +41,7 @@ class Tips:
     state : of the simulation
     grid : whose nodes contours run along
     thickness : across the plane; 1 around an axis [length]
+    order : of the particles, by which those near a tip are found
 
     Attributes
     ----------
@@ -63,6 +56,7 @@ class Tips:
         state: State,
         grid: Any,
         thickness: float,
+        order: CellOrder | None = None,
     ):
         self.model, self._chains, self._models, self._state, self._grid = model, chains, models, state, grid
         self.cell = cell = float(grid.cell.min())
@@ -71,7 +65,7 @@ class Tips:
         if model.integral == "contour":
             self._far = max(self.outer, (model.half + 0.5) * math.hypot(*grid.cell))
         self._reach = self._far + REACH * float(grid.cell.max())
-        self.thickness = thickness
+        self.thickness, self._order, self._room = thickness, order, Room()
         self._found: dict[tuple[int, int], TipValues] = {}
         self._materials: dict[tuple[int, int], PlaneElasticity | None] = {}
         self._step = -1
@@ -135,9 +129,12 @@ class Tips:
         if not chain.tips[end]:
             return UNKNOWN
         frame = frame_of(chain, end)
-        own = self._seen(chain, frame, end)
-        cracks = [own, *(self._seen(other, frame, None) for other in self._others_near(chain, frame))]
-        counted = [crack for crack in cracks if must_be_found(crack, self._far, self.cell)]
+        own, asks, bends = self._seen(chain, frame, end)
+        cracks, counted = [own], [own] if asks else []
+        for other in self._others_near(chain, frame):
+            crack, asks, _ = self._seen(other, frame, None)
+            cracks.append(crack)
+            counted += [crack] if asks else []
         has_edge = bool(counted) or self.model.integral == "contour"
         matter, near = self._matter(frame, self._reach if has_edge else self._far)
         if not near.size:
@@ -145,21 +142,21 @@ class Tips:
         elasticity = self._elasticity_of(int(near[np.argmin(matter.r)]))
         self._materials[chain.index, end] = elasticity
         modulus = None if elasticity is None else elasticity.modulus
-        found = [faces_of(crack, own, matter, self._far, self.cell, modulus) for crack in counted]
-        faces = together([each for each in found if each is not None])
+        faces = NO_FACES
+        if counted:
+            faces = faces_near(counted, own, matter, self._far, self.cell, modulus)
         J = self._energy_release_rate(frame, matter, cracks, faces)
         if elasticity is None:
             return TipValues(J, NAN, NAN)
         if self.model.modes == "opening":
             return TipValues(J, *modes_by_opening(J, *opening_behind(chain, end), elasticity))
         angle = None
-        if bends(own, self.outer, self.cell):
-            angle = angles_beside(own, matter.x, side_of(own, matter.x)[0])
+        if bends:
+            angle = np.empty(matter.r.size)
+            find_angles(own.plane, own.left, matter.x, angle)
         return TipValues(J, *modes_by_interaction(matter, self.inner, self.outer, elasticity, angle, faces))
 
-    def _energy_release_rate(
-        self, frame: Frame, matter: Matter, cracks: list[Crack], faces: Faces | None
-    ) -> float:
+    def _energy_release_rate(self, frame: Frame, matter: Matter, cracks: list[Crack], faces: Faces) -> float:
         if self.model.integral == "domain":
             return energy_release_rate(matter, self.inner, self.outer, faces)
         contour = contour_around(frame, self._grid.lower, self._grid.cell, self.model.half)
@@ -168,21 +165,24 @@ class Tips:
     def rehearse(self) -> None:
         """Call all that numbers of tips may call, at the first particle, wherever tips are."""
         frame = Frame(self._state.particles.X[:, 0].copy(), np.array([1.0, 0.0]))
-        own = self._seen(self._chains[0], frame, START)._replace(
-            plane=np.array([[-self.cell, 0.0], [0.0, 0.0]])
+        own = self._seen(self._chains[0], frame, START)[0]._replace(
+            plane=np.array([[-self.cell, 0.0], [0.0, 0.0]]), jump=np.zeros((2, 2)), pressure=None, given=None
         )
-        own = own._replace(jump=np.zeros((2, 2)), pressure=None)
         matter, _ = self._matter(frame, self.outer)
-        faces = faces_of(own, own, matter, self.outer, self.cell, None)
+        faces, angle = faces_near([own], own, matter, self.outer, self.cell, None), np.empty(matter.r.size)
         self._energy_release_rate(frame, matter, [own], faces)
-        angle = angles_beside(own, matter.x, side_of(own, matter.x)[0])
+        find_angles(own.plane, own.left, matter.x, angle)
         modes_by_interaction(matter, self.inner, self.outer, PlaneElasticity(1.0, 2.0), angle, faces)
 
     def _matter(self, frame: Frame, radius: float) -> tuple[Matter, Array]:
-        state = self._state
+        state, order = self._state, self._order
+        margin = EVERYWHERE
+        if order is not None:  # a line of cells, and as far as particles may have gone since they were sorted
+            margin = min((2.0 + 2.0 * order.drift) * float(self._grid.cell[1]), EVERYWHERE)
         return matter_near(
             state.particles, state.analysis, frame, radius, self.thickness,
             acceleration=self._acceleration(), rigid=state.rigid, elastic=self.model.energies == "elastic",
+            chunks=None if order is None else order.chunks, margin=margin, room=self._room,
         )  # fmt: skip
 
     def _others_near(self, chain: Chain, frame: Frame) -> list[Chain]:
@@ -194,24 +194,32 @@ class Tips:
         owner = np.repeat(np.arange(len(self._chains)), [each.count for each in self._chains])
         return [self._chains[k] for k in np.unique(owner[near]).tolist() if k != chain.index]
 
-    def _seen(self, chain: Chain, frame: Frame, end: int | None) -> Crack:
-        """The part of a crack near a tip, in the frame of the tip."""
+    def _seen(self, chain: Chain, frame: Frame, end: int | None) -> tuple[Crack, bool, bool]:
+        """The part of a crack near a tip, in the frame of the tip; whether its faces may count; whether it bends."""
         model = self._models[chain.index]
         law, pressure = model.faces.law, None
-        away = np.abs(chain.X - frame.point[:, None]).max(axis=0)
-        near = np.flatnonzero(away < self._reach + 2.0 * chain.length0.max())
-        first, last = (max(near[0] - 1, 0), near[-1] + 2) if near.size else (0, 2)
-        X, faces = chain.X[:, first:last], chain.faces[:, :, first:last]
-        plane, jump = frame.turn(X - frame.point[:, None]), frame.turn(faces[0] - faces[1])
+        laws = chain.numbers.get("law")
+        carries = laws is not None and bool(
+            laws.any()
+        )  # tractions of the scene, and those that growth has left behind
+        holds = law.is_interface or law.kind == "perfect"
+        always = end is None or holds or carries or model.pressure is not None
+        plane, jump = np.empty((2, chain.count)), np.empty((2, chain.count))
+        span = self._reach + 2.0 * float(chain.length0.max())
+        first, n, asks, bends = see_crack(
+            np.ascontiguousarray(chain.X), np.ascontiguousarray(chain.faces), *frame.point.tolist(),
+            *frame.ahead.tolist(), span, always, law.skipped, self._far, self.outer, self.cell, plane, jump,
+        )  # fmt: skip
+        X = chain.X[:, first : first + n]
         if model.pressure is not None:
             x, y = 0.5 * (X[:, 1:] + X[:, :-1])
             pressure = model.pressure(x, y, t=self._state.time)
-        given, laws = None, chain.numbers.get("law")
-        if laws is not None and laws.any():  # those of the scene, and those that growth has left behind
-            at_points = (chain.numbers["traction"] * (laws > 0))[:, first:last]
+        given = None
+        if laws is not None and carries:
+            at_points = (chain.numbers["traction"] * (laws > 0))[:, first : first + n]
             given = frame.turn(0.5 * (at_points[:, 1:] + at_points[:, :-1]))
-        holds = law.is_interface or law.kind == "perfect"
-        return Crack(plane, jump, holds, law.skipped, grip_of(law), pressure, given, end)
+        plane, jump = np.ascontiguousarray(plane[:, :n]), np.ascontiguousarray(jump[:, :n])
+        return Crack(plane, jump, holds, law.skipped, grip_of(law), pressure, given, end), asks, bends
 
     def _acceleration(self) -> Array | None:
         """Accelerations (2, N) in the last step; None where inertia does not count."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from functools import cached_property
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import field_validator, model_validator
@@ -148,8 +148,11 @@ class Points(Region):
 
     def columns_at(self, names: Iterable[str], X: Array) -> dict[str, Array]:
         """Return those of the named columns that the file has, (n,) each, for particles of it at positions X (d, n)."""
-        own = {place.tobytes(): row for row, place in enumerate(self.particles(len(X))[0].T.copy())}
-        rows = [own[place.tobytes()] for place in np.ascontiguousarray(X.T)]
+        places = self.particles(len(X))[0]
+        rows: Any = slice(None)
+        if not np.array_equal(places, X):
+            own = {place.tobytes(): row for row, place in enumerate(places.T.copy())}
+            rows = [own[place.tobytes()] for place in np.ascontiguousarray(X.T)]
         return {name: self._columns[name][rows] for name in names if name in self._columns}
 
     def _inside(self, points: Array) -> Array:

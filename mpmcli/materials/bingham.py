@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.core.exponentials import exponential_1d, exponential_symmetric, logarithm
 from mpmcli.core.model import PositivePressure, Quantity
+from mpmcli.core.rows import sqrt
 from mpmcli.core.tensors import determinant
 from mpmcli.materials.base import (
     MATERIALS,
@@ -29,6 +30,7 @@ from mpmcli.materials.hencky import (
     split_strain,
     trial_tensor,
 )
+from mpmcli.materials.own_numbers import with_own_numbers
 from mpmcli.materials.tait_fluid import Tait, TaitModel, tait_energy, tait_mean
 
 
@@ -61,11 +63,12 @@ class Bingham(TaitModel):
 
     def initial_wave_speed(self, analysis: str) -> float:
         """√((K + 4G/3)/ρ) [velocity]."""
-        return math.sqrt((self.K + 4.0 / 3.0 * self.shear_modulus) / self.density)
+        return sqrt((self.K + 4.0 / 3.0 * self.shear_modulus) / self.density)
 
 
 Slurry: Any = with_defaults(namedtuple("Slurry", (*Tait._fields, "shear", "yield_stress")))  # type: ignore[misc]
 needs_increment.register(Slurry)(yes)
+with_own_numbers(Slurry)
 
 
 @kirchhoff_stress.register(Slurry)

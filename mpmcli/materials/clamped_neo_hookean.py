@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_1d
 from mpmcli.core.model import Quantity
+from mpmcli.core.rows import log1p
 from mpmcli.core.tensors import largest_eigenvalue_bound, smallest_eigenvalue_bound
 from mpmcli.materials.base import (
     MATERIALS,
@@ -62,8 +63,8 @@ class ClampedNeoHookean(ElasticModel):
             density=self.density,
             rest2=self.initial_wave_speed(analysis) ** 2,
             lateral=lateral_factor(self.lame_modulus, self.shear_modulus, analysis),
-            lowest=math.log1p(-self.compression),
-            highest=math.log1p(self.extension),
+            lowest=log1p(-self.compression),
+            highest=log1p(self.extension),
             hardening=self.hardening,
         )
 

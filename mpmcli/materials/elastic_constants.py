@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, ClassVar, Self
 
 from pydantic import model_validator
 
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.model import Quantity
+from mpmcli.core.rows import sqrt
 from mpmcli.materials.base import MaterialModel
 
 
@@ -65,7 +65,7 @@ class ElasticModel(MaterialModel):
 
     def initial_wave_speed(self, analysis: str) -> float:
         """√((K+4G/3)/ρ); √(E/(ρ(1−ν²))) in plane stress; √(E/ρ) in uniaxial stress [velocity]."""
-        return math.sqrt(wave_modulus(self.lame_modulus, self.shear_modulus, analysis) / self.density)
+        return sqrt(wave_modulus(self.lame_modulus, self.shear_modulus, analysis) / self.density)
 
 
 def wave_modulus(lame: float, shear: float, analysis: str) -> float:

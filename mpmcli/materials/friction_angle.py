@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from mpmcli.core.angles import Angle
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.model import Quantity
+from mpmcli.core.rows import radians, sin
 from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
 from mpmcli.materials.hencky import HISTORY
 
@@ -78,7 +79,7 @@ class FrictionalModel(ElasticModel):
         """Moduli and strengths as numbers."""
         cohesion, friction, dilation = self.softened
         start, end = self.softening_start or 0.0, self.softening_end
-        phi, psi = math.radians(self.friction), math.radians(self.dilation)
+        phi, psi = radians(self.friction), radians(self.dilation)
         return FrictionalPart(
             bulk=self.bulk_modulus,
             shear=self.shear_modulus,
@@ -87,12 +88,12 @@ class FrictionalModel(ElasticModel):
             cohesion=self.cohesion,
             friction=phi,
             dilation=psi,
-            sin_friction=math.sin(phi),
-            sin_dilation=math.sin(psi),
+            sin_friction=sin(phi),
+            sin_dilation=sin(psi),
             tension=1e300 if self.tension is None else self.tension,
             more_cohesion=cohesion - self.cohesion,
-            more_friction=math.radians(friction) - phi,
-            more_dilation=math.radians(dilation) - psi,
+            more_friction=radians(friction) - phi,
+            more_dilation=radians(dilation) - psi,
             start=start,
             softening=0.0 if end is None else 1.0 / (end - start),
         )

@@ -9,6 +9,7 @@ from pydantic import model_validator
 
 from mpmcli.core.exponentials import exponential_symmetric
 from mpmcli.core.model import Density, Quantity
+from mpmcli.core.rows import log, sqrt
 from mpmcli.materials.base import MATERIALS, bulk_speed_squared, kirchhoff_stress
 from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
 from mpmcli.materials.hencky import (
@@ -72,12 +73,12 @@ class Granular(ElasticModel):
             lateral=lateral_factor(self.lame_modulus, self.shear_modulus, analysis),
             mu_s=self.mu_s,
             mu_2=self.mu_2,
-            fluidity=self.I0 / (self.grain_diameter * math.sqrt(self.grain_density)),
+            fluidity=self.I0 / (self.grain_diameter * sqrt(self.grain_density)),
         )
 
     def initial_history(self) -> dict[str, float]:
         """Grains start apart if the density is below the critical one."""
-        return {"opening": math.log((self.critical_density or self.density) / self.density)}
+        return {"opening": log((self.critical_density or self.density) / self.density)}
 
 
 class Grains(NamedTuple):

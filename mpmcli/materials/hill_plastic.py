@@ -54,6 +54,7 @@ from mpmcli.materials.hardening import (
 from mpmcli.materials.hill_anisotropy import Hill, HillAnisotropy, Modes, modes_of
 from mpmcli.materials.lateral import thickness_stretch
 from mpmcli.materials.orthotropic import OrthotropicConstants
+from mpmcli.materials.own_numbers import with_own_numbers
 
 Array = np.ndarray
 
@@ -212,11 +213,16 @@ def reduced_in_space(m: Any, parts: Any, k: Any) -> Any:
 def return_factor(m: Any, parts: Any, trial: float, alpha: float, T: float, dt: float) -> Any:
     """k = Δα/σ̄ with σ̄(k) = Y(α + Δα, Δα/dt, T), and σ̄: Newton's method for 1/σ̄ = 1/Y, kept inside its bracket.
 
-    The last step starts from an error below 1e-7 and is quadratic, so that its end needs no evaluation.
+    The first step starts from k = 0, where it needs neither roots nor quotients but its own. The last one starts from
+    an error below 1e-5 and is quadratic, so that its end needs no evaluation.
     """
     rate = 1.0 / dt if dt > 0.0 else 0.0
-    low, high = 0.0, (trial / max(flow_stress(m, alpha, 0.0, T), LEAST * trial) - 1.0) / m.least
-    k, stress, change = 0.0, trial, 0.0
+    Y = max(flow_stress(m, alpha, 0.0, T), LEAST * trial)
+    low, high = 0.0, (trial / Y - 1.0) / m.least
+    square, fall = reduced(m, parts, 0.0)
+    slope = flow_slope(m, alpha, 0.0, T, dt)
+    k = min(high, (trial - Y) * Y * square / (slope * square * square + fall * Y * Y))
+    stress, change = trial, 0.0
     for _ in range(60):
         square, fall = reduced(m, parts, k)
         stress = math.sqrt(square)
@@ -226,7 +232,7 @@ def return_factor(m: Any, parts: Any, trial: float, alpha: float, T: float, dt: 
         # dσ̄/dk = −fall/σ̄, dΔα/dk = (σ̄² − k fall)/σ̄
         hardening = flow_slope(m, alpha + step, step * rate, T, dt) * (square - k * fall)
         change = excess * Y * square / (hardening * square + fall * Y * Y)
-        if abs(excess) <= 1e-7 * trial:
+        if abs(excess) <= 1e-5 * trial:
             k, stress = max(0.0, k + change), stress - change * fall / stress
             break
         if excess > 0.0:
@@ -286,7 +292,8 @@ def flowed(m: Any, A: Any, E: Any, X: Any) -> Any:
     """A of elastic strain E after the plastic strain X of the strain E + X, without change of volume.
 
     A·exp(½ ln AᵀA − E) has it if both have the same axes and E is small; one correction for the rest. Where E + X is
-    small, it is taken for ½ ln AᵀA, which the correction covers too.
+    small, it is taken for ½ ln AᵀA, which the correction covers too. The trace of the strain follows from the volume
+    and the shape: what it exceeds that of E by comes second.
     """
     if double_product(X, X) > SMALL * SMALL:
         X = deviator(combine(0.5, log_symmetric(squared(m, A)), -1.0, E))
@@ -297,8 +304,10 @@ def flowed(m: Any, A: Any, E: Any, X: Any) -> Any:
         e = combine(-1.0, X, 0.5, combine(1.0, X2, -1.0 / 3.0, multiply_commuting(X, X2)))
         e = (1.0 + e[0], 1.0 + e[1], 1.0 + e[2], e[3], e[4], e[5])
     B = multiply(A, (e[0], e[3], e[5], e[3], e[1], e[4], e[5], e[4], e[2]))
-    Y = deviator(combine(1.0, strain_of(m, B), -1.0, E))
-    return minus(B, Y, 1.0 + double_product(Y, Y) / 6.0)
+    Y = combine(1.0, strain_of(m, B), -1.0, E)
+    dilation = Y[0] + Y[1] + Y[2]
+    Y = deviator(Y)
+    return minus(B, Y, 1.0 + double_product(Y, Y) / 6.0), dilation
 
 
 @inline
@@ -334,6 +343,7 @@ def plane_thickness(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
 for (_law, _planar), _Hill in HILL_WITH.items():
     with_defaults((in_plane if _planar else in_space)(_Hill))
     needs_increment.register(_Hill)(yes)
+    with_own_numbers(_Hill)
     flow_stress.register(_Hill)(flow_stress.implementations[_law])
     flow_slope.register(_Hill)(flow_slope.implementations[_law])
 
@@ -351,11 +361,13 @@ for (_law, _planar), _Hill in HILL_WITH.items():
         if k > 0.0:
             X = slope_of(m, T)
             X = combine(k, X, 0.0, X)
-            A = flowed(m, A, combine(1.0, E, -1.0, X), X)
+            A, dilation = flowed(m, A, combine(1.0, E, -1.0, X), X)
             if commit:
                 step = k * end
                 rate = step / dt if dt > 0.0 else 0.0
+                # the pressure takes its part of what flow changes the trace of the elastic strain by
                 work = 0.5 * (min(end, flow_stress(m, alpha, rate, temperature)) + end) * step
+                work -= (T[0] + T[1] + T[2]) / 3.0 * dilation
                 H[STRAIN, p] = alpha + step
                 H[WORK, p] += work
                 H[TEMPERATURE, p] = temperature + m.heating * m.chi * work

@@ -28,6 +28,7 @@ from mpmcli.materials.base import (
 from mpmcli.materials.defaults import with_defaults
 from mpmcli.materials.elastic_constants import ElasticModel
 from mpmcli.materials.lateral import lateral_stretch, search_lateral, search_thickness, thickness_stretch
+from mpmcli.materials.own_numbers import with_own_numbers
 
 BAND, NORMAL, DRIVER, DAMAGE, OPENING, DISSIPATED = 0, 3, 6, 7, 8, 9
 
@@ -64,14 +65,19 @@ class IsotropicSoftening(ElasticModel):
     softening: Literal["linear", "exponential"] = "linear"
     """Stress against opening after the strength is reached."""
 
-    def band_problem(self, largest: float) -> str | None:
-        """Return why a band is too wide: its stored energy would exceed the fracture energy."""
+    @property
+    def widest_band(self) -> float:
+        """Width of a band whose stored energy is the fracture energy when its strength is reached [length]."""
         E = 9 * self.bulk_modulus * self.shear_modulus / (3 * self.bulk_modulus + self.shear_modulus)
-        limit = (
+        return (
             E
             * (self.toughness / self.strength / self.strength)
             * (2.0 if self.softening == "linear" else 1.0)
         )
+
+    def band_problem(self, largest: float) -> str | None:
+        """Return why a band is too wide: its stored energy would exceed the fracture energy."""
+        limit = self.widest_band
         if largest < limit:
             return None
         words = "2 E·toughness/strength²" if self.softening == "linear" else "E·toughness/strength²"
@@ -93,6 +99,7 @@ class IsotropicSoftening(ElasticModel):
         )
 
 
+@with_own_numbers
 @with_defaults
 class LinearSoftening(NamedTuple):
     """Numbers of the material: λ, G [pressure], squares of wave and bulk speed, strength, energy per area."""
@@ -105,6 +112,7 @@ class LinearSoftening(NamedTuple):
     toughness: float
 
 
+@with_own_numbers
 @with_defaults
 class ExponentialSoftening(NamedTuple):
     """The same, for exponential softening."""

@@ -120,10 +120,14 @@ globals().update({made.__name__: made for made in J2_WITH.values()})  # where th
 
 @inline
 def plastic_increment(m: Any, trial: float, stiffness: float, alpha: float, T: float, dt: float) -> float:
-    """Δα ≥ 0 with trial − stiffness·Δα = Y(α + Δα, Δα/dt, T), by Newton's method kept inside its bracket."""
+    """Δα ≥ 0 with trial − stiffness·Δα = Y(α + Δα, Δα/dt, T), by Newton's method kept inside its bracket.
+
+    The first step starts from Δα = 0; the last one from an error below 1e-7, and is quadratic.
+    """
     low, high = 0.0, trial / stiffness
     rate = 1.0 / dt if dt > 0.0 else 0.0
-    step = 0.0
+    step = (trial - flow_stress(m, alpha, 0.0, T)) / (stiffness + flow_slope(m, alpha, 0.0, T, dt))
+    step = min(step, high)
     for _ in range(60):
         Y = flow_stress(m, alpha + step, step * rate, T)
         excess = trial - stiffness * step - Y
@@ -134,6 +138,9 @@ def plastic_increment(m: Any, trial: float, stiffness: float, alpha: float, T: f
         else:
             high = step
         step += excess / (stiffness + flow_slope(m, alpha + step, step * rate, T, dt))
+        if abs(excess) <= 1e-7 * trial:
+            step = max(0.0, step)
+            break
         if step <= low or step > high:
             step = 0.5 * (low + high)
     return step

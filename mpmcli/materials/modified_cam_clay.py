@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_1d, exponential_symmetric, logarithm
 from mpmcli.core.model import PositivePressure, Quantity
+from mpmcli.core.rows import sqrt
 from mpmcli.materials.base import (
     MATERIALS,
     MaterialModel,
@@ -103,7 +104,7 @@ class ModifiedCamClay(MaterialModel):
     def initial_wave_speed(self, analysis: str) -> float:
         """√((K + 4G/3 + p)/ρ) [velocity], K = p(1 + e0)/κ."""
         m = self.parameters(analysis, False)
-        return math.sqrt(m.pressure * ((1 + 4 / 3 * m.shear) / m.swelling + 1) / m.density)
+        return sqrt(m.pressure * ((1 + 4 / 3 * m.shear) / m.swelling + 1) / m.density)
 
 
 @with_defaults

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_1d, logarithm
 from mpmcli.core.model import Quantity
+from mpmcli.core.rows import sqrt
 from mpmcli.core.tensors import (
     Symmetric,
     determinant,
@@ -83,7 +83,7 @@ class MooneyRivlin(MaterialModel):
 
     def initial_wave_speed(self, analysis: str) -> float:
         """That of isotropic elasticity with K and G = G1 + G2 [velocity]."""
-        return math.sqrt(wave_modulus(self._lame, self.shear_modulus, analysis) / self.density)
+        return sqrt(wave_modulus(self._lame, self.shear_modulus, analysis) / self.density)
 
     @property
     def _lame(self) -> float:

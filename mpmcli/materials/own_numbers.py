@@ -8,13 +8,11 @@ of a particle and call those of the law. Scenes without such materials never com
 from __future__ import annotations
 
 import functools
-import inspect
 import sys
 from collections import namedtuple
-from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypeVar
 
-from mpmcli.core.compiled.compiler import compiled_too
+from mpmcli.core.compiled.compiler import compiled_as, compiled_too
 from mpmcli.materials.base import (
     absorb_heat,
     absorb_work,
@@ -31,24 +29,29 @@ from mpmcli.materials.lateral import lateral_stretch, thickness_stretch
 
 Parameters = TypeVar("Parameters", bound=type)
 
-OF_PARTICLES = (
-    absorb_heat,
-    absorb_work,
-    bulk_slope,
-    bulk_speed_squared,
-    dissipated_heat,
-    kirchhoff_stress,
-    lateral_stretch,
-    strain_energy,
-    thickness_stretch,
-    wave_speed_squared,
-)
-"""Functions of a law that take a particle."""
-OF_LAW = (isentropic_growth, needs_increment)
-"""Those that take none: no number of a law may matter to them."""
-
 TWINS: dict[type, Any] = {}
 """The tuple of a material with own numbers for that of its law."""
+
+
+def column_of(rows: Any, first: Any, count: Any, p: Any) -> Any:
+    """Return ``count`` numbers of column ``p`` of ``rows``, from row ``first`` on, as a tuple."""
+    return tuple(rows[first : first + count, p])
+
+
+@compiled_as(column_of)
+def _choose_column(rows: Any, first: Any, count: Any, p: Any) -> Any:
+    length = getattr(count, "literal_value", 0)
+    half, rest = length // 2, length - length // 2
+
+    def one(rows: Any, first: Any, count: Any, p: Any) -> Any:
+        return (rows[first, p],)
+
+    def two_halves(rows: Any, first: Any, count: Any, p: Any) -> Any:
+        return column_of(rows, first, half, p) + column_of(rows, first + half, rest, p)
+
+    if length == 0:
+        return None  # the compiler asks again, with the number
+    return one if length == 1 else two_halves
 
 
 def with_own_numbers(law: Parameters) -> Parameters:
@@ -59,31 +62,58 @@ def with_own_numbers(law: Parameters) -> Parameters:
     """
     twin = namedtuple(f"Own{law.__name__}", ("first",), module=law.__module__)  # type: ignore[misc]
     setattr(sys.modules[law.__module__], twin.__name__, twin)
-    members = ", ".join(f"H[m.first + {i}, p]" for i in range(len(law._fields)))  # type: ignore[attr-defined]
-    numbers = compiled_too(_written("numbers", "m, H, p", f"law({members})", {"law": law}))
-    for function in OF_PARTICLES:
-        names = list(inspect.signature(function).parameters)
-        call = f"function({', '.join(['numbers(m, H, p)', *names[1:]])})"
-        function.register(twin)(
-            _written("by_particle", ", ".join(names), call, {"function": function, "numbers": numbers})
-        )
-    for function in OF_LAW:
-        function.register(twin)(function.implementations[law])
     TWINS[law] = twin
+    count = len(law._fields)  # type: ignore[attr-defined]
+
+    @compiled_too
+    def own(m: Any, H: Any, p: Any) -> Any:
+        return law(*column_of(H, m.first, count, p))
+
+    # no number of a law may matter to functions that take no particle
+    needs_increment.register(twin)(needs_increment.implementations[law])
+    isentropic_growth.register(twin)(isentropic_growth.implementations[law])
+
+    @kirchhoff_stress.register(twin)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
+        return kirchhoff_stress(own(m, H, p), F, dF, H, p, dt, commit)
+
+    @thickness_stretch.register(twin)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+        return thickness_stretch(own(m, H, p), F, dF, H, p, dt)
+
+    @lateral_stretch.register(twin)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+        return lateral_stretch(own(m, H, p), F, dF, H, p, dt)
+
+    @strain_energy.register(twin)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        return strain_energy(own(m, H, p), F, H, p)
+
+    @wave_speed_squared.register(twin)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        return wave_speed_squared(own(m, H, p), F, H, p)
+
+    @bulk_speed_squared.register(twin)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        return bulk_speed_squared(own(m, H, p), F, H, p)
+
+    @bulk_slope.register(twin)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        return bulk_slope(own(m, H, p), F, H, p)
+
+    @absorb_work.register(twin)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, work: Any, viscous: Any) -> Any:
+        return absorb_work(own(m, H, p), F, dF, H, p, work, viscous)
+
+    @absorb_heat.register(twin)
+    def _(m: Any, H: Any, p: Any, dT: Any) -> Any:
+        return absorb_heat(own(m, H, p), H, p, dT)
+
+    @dissipated_heat.register(twin)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+        return dissipated_heat(own(m, H, p), F, dF, H, p, dt)
+
     return law
-
-
-def _written(name: str, parameters: str, value: str, scope: dict[str, Any]) -> Callable[..., Any]:
-    """A function of one line; the compiler wants the very parameters of the generic one."""
-    exec(_code(f"def {name}({parameters}):\n    return {value}"), scope)
-    function: Callable[..., Any] = scope[name]
-    return function
-
-
-@functools.cache
-def _code(source: str) -> Any:
-    """Laws of as many members share it: compiling it takes most of the time."""
-    return compile(source, "<own numbers>", "exec")
 
 
 class OwnMaterial:
@@ -92,12 +122,12 @@ class OwnMaterial:
     Parameters
     ----------
     model : of the scene
-    models : of its particles, which differ in numbers only
+    fastest : wave speed at rest of the particle with the fastest waves [velocity]
     analysis : name of the kind of analysis
     """
 
-    def __init__(self, model: Any, models: Sequence[Any], analysis: str):
-        self._model, self._models, self._analysis = model, models, analysis
+    def __init__(self, model: Any, fastest: float, analysis: str):
+        self._model, self._fastest, self._analysis = model, fastest, analysis
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._model, name)
@@ -112,10 +142,6 @@ class OwnMaterial:
         """Where the numbers of particles start."""
         found: NamedTuple = TWINS[type(self._model.parameters(analysis, False))](len(self._model.history))
         return found
-
-    @functools.cached_property
-    def _fastest(self) -> float:
-        return max(float(model.initial_wave_speed(self._analysis)) for model in self._models)
 
     def initial_wave_speed(self, analysis: str) -> float:
         """That of the particle with the fastest waves [velocity]."""

@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_1d, logarithm
 from mpmcli.core.model import PositivePressure, Quantity
+from mpmcli.core.rows import sqrt
 from mpmcli.core.tensors import determinant, multiply
 from mpmcli.materials.base import (
     MATERIALS,
@@ -20,6 +21,7 @@ from mpmcli.materials.base import (
     wave_speed_squared,
 )
 from mpmcli.materials.defaults import with_defaults, yes
+from mpmcli.materials.own_numbers import with_own_numbers
 
 
 class TaitModel(MaterialModel):
@@ -65,7 +67,7 @@ class TaitFluid(TaitModel):
 
     def initial_wave_speed(self, analysis: str) -> float:
         """√(K/ρ) [velocity]."""
-        return math.sqrt(self.K / self.density)
+        return sqrt(self.K / self.density)
 
 
 @with_defaults
@@ -83,6 +85,7 @@ class Tait(NamedTuple):
 
 
 needs_increment.register(Tait)(yes)
+with_own_numbers(Tait)
 
 
 @inline

@@ -13,6 +13,7 @@ from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_1d, logarithm
 from mpmcli.core.model import Model, Quantity
+from mpmcli.core.rows import sqrt
 from mpmcli.core.tensors import determinant, push_forward, smallest_eigenvalue_bound
 from mpmcli.materials.base import (
     MATERIALS,
@@ -27,6 +28,7 @@ from mpmcli.materials.base import (
 from mpmcli.materials.defaults import with_defaults, yes
 from mpmcli.materials.elastic_constants import lateral_factor, wave_modulus
 from mpmcli.materials.isochoric import isochoric_energy, isochoric_stiffness, isochoric_stress
+from mpmcli.materials.own_numbers import with_own_numbers
 from mpmcli.materials.volumetric import (
     FORMS,
     volumetric_energy,
@@ -141,7 +143,7 @@ class Viscoelastic(MaterialModel):
         )
         terms = (number for term in self.terms for number in (term.time, term.G, term.K))
         made = (MAXWELL if self.wlf is None else SHIFTED)[len(self.terms)]
-        return made(*(float(number) for number in (*numbers, *terms, *shift)))  # type: ignore[no-any-return]
+        return made(*numbers, *terms, *shift)  # type: ignore[no-any-return]
 
     def initial_history(self) -> dict[str, float]:
         """The temperature starts at T0."""
@@ -149,7 +151,7 @@ class Viscoelastic(MaterialModel):
 
     def initial_wave_speed(self, analysis: str) -> float:
         """That of isotropic elasticity with the moduli of fast deformation [velocity]."""
-        return math.sqrt(wave_modulus(self._lame, self.shear_modulus, analysis) / self.density)
+        return sqrt(wave_modulus(self._lame, self.shear_modulus, analysis) / self.density)
 
     @property
     def _lame(self) -> float:
@@ -250,6 +252,7 @@ for _Maxwell in SHIFTED.values():
 for _Maxwell in (*MAXWELL.values(), *SHIFTED.values()):
     with_defaults(_Maxwell)
     needs_increment.register(_Maxwell)(yes)
+    with_own_numbers(_Maxwell)
 
     @kirchhoff_stress.register(_Maxwell)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:

@@ -13,20 +13,33 @@ import numpy as np
 
 from mpmcli.core.errors import Problem
 from mpmcli.core.particles import Particles
+from mpmcli.scene.own_numbers import own_keys, row_of, values_of_rows, with_numbers
 
 
 def band_problems(scene: Any) -> list[Problem]:
     """Return what materials have against the widths of cells."""
-    used = {body.material for body in scene.bodies}
     largest = float(np.max(scene.grid.cell))
-    words = {
-        name: model.band_problem(largest)
-        for name, model in scene.materials.items()
-        if model.bands and name in used
-    }
-    return [
-        Problem(f"materials.{name}", message, code="cell_size") for name, message in words.items() if message
-    ]
+    found: dict[str, str | None] = {}
+    for body in scene.bodies:
+        model = scene.materials[body.material]
+        if not model.bands:
+            continue
+        if own_keys(body, model):
+            place, model = _first_to_crack(body, model)
+            found[f"bodies.{body.name}.region.file"] = words = model.band_problem(largest)
+            if words is not None:
+                found[f"bodies.{body.name}.region.file"] = f"{place}: {words}"
+        else:
+            found[f"materials.{body.material}"] = model.band_problem(largest)
+    return [Problem(path, words, code="cell_size") for path, words in found.items() if words is not None]
+
+
+def _first_to_crack(body: Any, material: Any) -> tuple[str, Any]:
+    """Return where the row of a body's file stands that allows the narrowest bands only, and its model."""
+    columns = body.region.numbers(own_keys(body, material))
+    (widest,) = values_of_rows(material, columns, lambda model: (model.widest_band,))
+    row = int(widest.argmin())
+    return body.region.place_of(row, next(iter(columns))), with_numbers(material, row_of(columns, row))
 
 
 def set_bands(scene: Any, particles: Particles, models: Sequence[Any]) -> None:

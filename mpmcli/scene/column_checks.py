@@ -13,10 +13,10 @@ from mpmcli.geometry.points import DENSITY
 from mpmcli.scene.own_numbers import (
     MATERIAL_RANGE,
     ColumnError,
+    RowNumbers,
     can_differ,
-    is_calculable,
-    models_of_columns,
     number_keys,
+    numbers_of_columns,
 )
 from mpmcli.scene.parts import Parts
 
@@ -45,6 +45,8 @@ def column_problems(body: Any, parts: Parts) -> Iterator[tuple[str, str, str, st
     fixed = [name for name in own if name not in differ]
     if fixed and material is not None:
         allowed = f"in '{material.kind}' only density{''.join(f', {name}' for name in differ)} can"
+        if "equation_of_state" in material.properties:
+            allowed = f"because '{material.kind}' is an equation of state, which has one set of numbers"
         words = (
             f"{place}: {_columns(fixed)} cannot differ from particle to particle, {allowed}; leave the column "
             f"out, and give '{fixed[0]}' in the material, one body and material per value"
@@ -70,32 +72,24 @@ def _number_problems(
         reason = "heat needs one set of numbers of the material"
     elif parts.fracture is not None:
         reason = "stress intensity factors need one set of numbers of the material"
-    elif (load := _absorbing(body, parts)) is not None:
-        reason = f"the load '{load}' absorbs waves of a material with one set of numbers"
     if reason is not None:
         yield ".region.file", f"{place}: {_columns(own)} cannot be used here: {reason}", "column", "error"
         return
     columns = body.region.numbers([*own, *([] if body.region.density is None else [DENSITY])])
+    found: RowNumbers | None = None
     try:
-        models, _ = models_of_columns(material, columns)
+        found = numbers_of_columns(material, columns, parts.analysis.kind)
     except ColumnError as error:
         words = f"{body.region.place_of(error.row, error.column)}: {error.words}"
         yield ".region.file", words, "column", "error"
         return
+    except ArithmeticError:
+        pass
     sizes = np.abs(np.stack(list(columns.values())))
     is_possible = ((sizes == 0.0) | ((sizes >= MATERIAL_RANGE[0]) & (sizes <= MATERIAL_RANGE[1]))).all()
-    if not is_possible or not all(is_calculable(model, parts.analysis.kind) for model in models):
+    if found is None or not is_possible or np.isnan(found.table).any():
         words = f"{place}: some numbers of {_columns(own)} are too large or too small to calculate with"
         yield ".region.file", words, "range", "error"
-
-
-def _absorbing(body: Any, parts: Parts) -> str | None:
-    """The name of a load that absorbs waves at a face of the body, or at a plane."""
-    for _, load in parts.loads:
-        face = load.loaded_face()
-        if "impedance_of" in load.effects() and (face is None or face[0] == body.name):
-            return str(load.name)
-    return None
 
 
 def _density_problems(
@@ -111,8 +105,6 @@ def _density_problems(
         reason = "artificial viscosity needs one density of the material"
     elif getattr(body.stress, "kind", None) == "geostatic":
         reason = "geostatic stress needs one density of the material; give the stresses in the file"
-    elif (load := _absorbing(body, parts)) is not None:
-        reason = f"the load '{load}' absorbs waves of a material with one density"
     if reason is not None:
         words = f"{place}: the column 'density' cannot be used here: {reason}"
         yield ".region.file", words, "column", "error"

@@ -287,7 +287,7 @@ def check_stress(scene: Any, body: Any, X: Array) -> list[Problem]:
     chosen = np.array(sorted(extremes)[:SAMPLE])
     model = scene.materials[body.material]
     if own_keys(body, model):
-        model = OwnMaterial(model, (), scene.analysis.kind)
+        model = OwnMaterial(model, 0.0, scene.analysis.kind)
     m = model.parameters(scene.analysis.kind, scene.is_adiabatic)
     H = history_at_start(model, len(chosen))
     set_own_numbers(scene, model, body, X[:, chosen], H)

@@ -219,6 +219,17 @@ class Method(Model):
     """Artificial viscosity; off unless given."""
     heating: Literal["isothermal", "adiabatic"] | None = None
     """Whether work of the stress heats the materials; by default only with heat conduction."""
+    precision: Literal["double"] = "double"
+    """Precision of particle and grid arrays."""
+
+    @field_validator("precision", mode="before")
+    @classmethod
+    def _double_only(cls, precision: Any) -> Any:
+        if precision == "single":
+            raise ValueError(
+                "'single' is not available, because it would save less than 10 % of a step; use 'double'"
+            )
+        return precision
 
     @field_validator("shape")
     @classmethod

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from types import NoneType, UnionType
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin
 
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
+from mpmcli.core.rows import RowError, by_rows
 from mpmcli.geometry.points import DENSITY
 from mpmcli.materials.own_numbers import TWINS, OwnMaterial
 from mpmcli.scene.report import words_of
@@ -22,12 +23,23 @@ MATERIAL_RANGE = (1e-100, 1e100)
 
 
 def number_keys(model: Any) -> Iterator[str]:
-    """Yield the keys of a material's numbers, those of its parts as ``part.key``, without density and heat."""
+    """Yield the keys of a material's numbers without density and heat; those of its parts as ``part.key``.
+
+    Those of the parts of a list are ``list.index.key``, as in every path of a scene.
+    """
     for name, value, is_number in _members(model):
         if isinstance(value, BaseModel):
-            yield from (f"{name}.{inner}" for inner, _, is_inner in _members(value) if is_inner)
+            yield from _keys_of_part(name, value)
+        elif isinstance(value, tuple):
+            for index, part in enumerate(value):
+                if isinstance(part, BaseModel):
+                    yield from _keys_of_part(f"{name}.{index}", part)
         elif is_number and name not in OF_HEAT and name != DENSITY:
             yield name
+
+
+def _keys_of_part(path: str, part: BaseModel) -> Iterator[str]:
+    return (f"{path}.{name}" for name, _, is_number in _members(part) if is_number)
 
 
 def _members(model: Any) -> Iterator[tuple[str, Any, bool]]:
@@ -54,7 +66,7 @@ def own_keys(body: Any, material: Any) -> list[str]:
 
 def can_differ(material: Any, analysis: str) -> bool:
     """Return whether particles may have numbers of the material of their own."""
-    return type(material.parameters(analysis, False)) in TWINS and not material.bands
+    return type(material.parameters(analysis, False)) in TWINS
 
 
 def is_calculable(model: Any, kind: str) -> bool:
@@ -70,24 +82,15 @@ def is_calculable(model: Any, kind: str) -> bool:
     return not any(value != value for value in numbers if isinstance(value, float))
 
 
-def models_of_columns(material: Any, columns: dict[str, Array]) -> tuple[list[Any], Array]:
-    """Return the different models that columns (n,) by key make of a material, and which one each row has, (n,).
+class RowNumbers(NamedTuple):
+    """What a material makes of rows of numbers."""
 
-    Raises
-    ------
-    ColumnError
-        If a row makes no material.
-    """
-    values, first, rows = np.unique(
-        np.stack(list(columns.values()), axis=1), axis=0, return_index=True, return_inverse=True
-    )
-    found = []
-    for value, row in zip(values, first, strict=True):
-        try:
-            found.append(_with_numbers(material, dict(zip(columns, map(float, value), strict=True))))
-        except ValidationError as error:
-            raise ColumnError(int(row), list(columns), error) from None
-    return found, rows.ravel()
+    table: Array
+    """Numbers of its law (members, n)."""
+    speed: Array
+    """Wave speed at rest (n,) [velocity]."""
+    history: dict[str, Array]
+    """Start values (n,) of history variables, by name."""
 
 
 class ColumnError(ValueError):
@@ -108,29 +111,132 @@ class ColumnError(ValueError):
         super().__init__(self.words)
 
 
-def _with_numbers(material: Any, numbers: dict[str, float]) -> Any:
-    """Return a material with other numbers, by key; raises ValidationError."""
-    given = _given(material)
-    for key, value in numbers.items():
-        part, _, inner = key.partition(".")
-        if inner:
-            given[part] = type(given[part])(**(_given(given[part]) | {inner: value}))
-        else:
-            given[part] = value
-    return type(material)(**given)
+def numbers_of_columns(material: Any, columns: Mapping[str, Array], kind: str) -> RowNumbers:
+    """Return what a material makes of columns (n,) by key, for a kind of analysis.
+
+    The model is made for the rows with the extremes of a column, whose ranges then hold for all rows; its checks of
+    several numbers, and what it makes of them, are evaluated for all rows at once.
+
+    Raises
+    ------
+    ColumnError
+        If a row makes no material.
+    RowError
+        If numbers are too large or too small to calculate with.
+    """
+    extremes = {int(find(column)): None for column in columns.values() for find in (np.argmin, np.argmax)}
+    for row in extremes:
+        _check_row(material, columns, row)
+    names = tuple(material.initial_history())
+
+    def evaluate(model: Any) -> tuple[Any, ...]:
+        _check_again(model)
+        start = model.initial_history()
+        return (
+            *model.parameters(kind, False),
+            model.initial_wave_speed(kind),
+            *(start[name] for name in names),
+        )
+
+    try:
+        found = values_of_rows(material, columns, evaluate)
+    except RowError as error:
+        _check_row(material, columns, error.row)
+        raise
+    last = len(found) - len(names)
+    return RowNumbers(found[: last - 1], found[last - 1], dict(zip(names, found[last:], strict=True)))
 
 
-def _given(model: Any) -> dict[str, Any]:
+def values_of_rows(
+    material: Any, columns: Mapping[str, Array], values: Callable[[Any], tuple[Any, ...]]
+) -> Array:
+    """Return values (k, n) of the models that rows of columns (n,) by key make; raises RowError."""
+    return by_rows(lambda numbers: values(with_numbers(material, numbers, _unchecked)), columns)
+
+
+def row_of(columns: Mapping[str, Array], row: int) -> dict[str, float]:
+    """Return the numbers of a row by key."""
+    return {key: float(column[row]) for key, column in columns.items()}
+
+
+def _check_row(material: Any, columns: Mapping[str, Array], row: int) -> None:
+    try:
+        with_numbers(material, row_of(columns, row))
+    except ValidationError as error:
+        raise ColumnError(row, list(columns), error) from None
+
+
+def _checked(model: Any, changed: dict[str, Any]) -> Any:
+    """Return a model with other values, by field; raises ValidationError."""
     fields = type(model).model_fields
-    return {fields[name].alias or name: getattr(model, name) for name in model.model_fields_set}
+    given = {name: getattr(model, name) for name in model.model_fields_set} | changed
+    return type(model)(**{fields[name].alias or name: value for name, value in given.items()})
 
 
-def own_models(body: Any, material: Any, X: Array) -> tuple[list[Any], Array]:
-    """Return the models of a body's particles at positions X (d, n) at the start, and which one each has, (n,)."""
-    keys = own_keys(body, material)
-    if body.region.density is not None:
-        keys.append(DENSITY)
-    return models_of_columns(material, body.region.columns_at(keys, X))
+def _unchecked(model: Any, changed: dict[str, Any]) -> Any:
+    return model.model_copy(update=changed)
+
+
+def _check_again(model: Any) -> None:
+    """Let a model and its parts check that its values go together; raises ValueError."""
+    for name, check in type(model).__pydantic_decorators__.model_validators.items():
+        if check.info.mode == "after":
+            getattr(model, name)()
+    for name in type(model).model_fields:
+        value = getattr(model, name)
+        for part in value if isinstance(value, tuple) else (value,):
+            if isinstance(part, BaseModel):
+                _check_again(part)
+
+
+def with_numbers(
+    model: Any, numbers: Mapping[str, Any], remade: Callable[[Any, dict[str, Any]], Any] = _checked
+) -> Any:
+    """Return a material with other numbers, by key; raises ValidationError."""
+    parts: dict[str, dict[str, Any]] = {}
+    for key, value in numbers.items():
+        if not key:
+            return value
+        first, _, rest = key.partition(".")
+        parts.setdefault(first, {})[rest] = value
+    if isinstance(model, tuple):
+        return tuple(with_numbers(part, parts.get(str(i), {}), remade) for i, part in enumerate(model))
+    if not parts:
+        return model
+    names = {field.alias or name: name for name, field in type(model).model_fields.items()}
+    return remade(
+        model,
+        {names[key]: with_numbers(getattr(model, names[key]), inner, remade) for key, inner in parts.items()},
+    )
+
+
+def values_of_particles(
+    body: Any, material: Any, values: Callable[[Any], tuple[Any, ...]], X: Array | None = None
+) -> Array:
+    """Return values (k, n) of the models of a body's particles at positions X (d, n) at the start, by default all.
+
+    Without columns of their own they have the same (k, 1).
+    """
+    keys = _own_columns(body, material)
+    if not keys:
+        return np.array(values(material))[:, None]
+    columns = body.region.numbers(keys) if X is None else body.region.columns_at(keys, X)
+    return values_of_rows(material, columns, values)
+
+
+def _own_columns(body: Any, material: Any) -> list[str]:
+    """Return the columns of the body's file that the material reads."""
+    density = [] if getattr(body.region, DENSITY, None) is None else [DENSITY]
+    return own_keys(body, material) + density
+
+
+def fastest_wave(scene: Any, body: Any) -> float:
+    """Return the largest wave speed at rest of a body's particles, by their own numbers [velocity]."""
+    material, kind = scene.materials[body.material], scene.analysis.kind
+    columns = body.region.numbers(keys) if (keys := _own_columns(body, material)) else {}
+    if not columns:
+        return float(material.initial_wave_speed(kind))
+    return float(numbers_of_columns(material, columns, kind).speed.max())
 
 
 def materials_of(scene: Any) -> list[Any]:
@@ -138,20 +244,11 @@ def materials_of(scene: Any) -> list[Any]:
     found: list[Any] = []
     for name, material in scene.materials.items():
         bodies = [body for body in scene.bodies if body.material == name]
-        if not any(own_keys(body, material) for body in bodies):
-            found.append(material)
-            continue
-        models = [model for body in bodies for model in body_models(scene, body)]
-        found.append(OwnMaterial(material, models, scene.analysis.kind))
+        if any(own_keys(body, material) for body in bodies):
+            fastest = max(fastest_wave(scene, body) for body in bodies)
+            material = OwnMaterial(material, fastest, scene.analysis.kind)
+        found.append(material)
     return found
-
-
-def body_models(scene: Any, body: Any) -> list[Any]:
-    """Return the different models of a body's particles."""
-    material = scene.materials[body.material]
-    if not own_keys(body, material) and getattr(body.region, DENSITY, None) is None:
-        return [material]
-    return own_models(body, material, body.region.particles(scene.dimensions)[0])[0]
 
 
 def set_own_numbers(scene: Any, model: Any, body: Any, X: Array, H: Array) -> None:
@@ -161,12 +258,14 @@ def set_own_numbers(scene: Any, model: Any, body: Any, X: Array, H: Array) -> No
     """
     if not isinstance(model, OwnMaterial):
         return
-    material = scene.materials[body.material]
+    material, kind = scene.materials[body.material], scene.analysis.kind
     first = len(material.history)
-    rows, which = [material], np.zeros(X.shape[1], dtype=np.int64)
-    if body.region.gives_particles and (own_keys(body, material) or body.region.density is not None):
-        rows, which = own_models(body, material, X)
-    for name in material.initial_history():
-        H[material.history.index(name)] = np.array([each.initial_history()[name] for each in rows])[which]
-    table = np.array([model.parameters(scene.analysis.kind, False) for model in rows])
-    H[first : first + table.shape[1]] = table[which].T
+    if not _own_columns(body, material):
+        numbers = np.array(material.parameters(kind, False))
+        H[first : first + len(numbers)] = numbers[:, None]
+        return
+    columns = body.region.columns_at(_own_columns(body, material), X)
+    found = numbers_of_columns(material, columns, kind)
+    for name, start in found.history.items():
+        H[material.history.index(name)] = start
+    H[first : first + len(found.table)] = found.table

@@ -28,7 +28,7 @@ def check_periodic(parts: Parts, dimensions: int, report: Report) -> None:
 def _of_methods(parts: Parts, axes: tuple[str, ...]) -> Found:
     if parts.analysis.kind == "axisymmetric" and "x" in axes:
         yield "grid.periodic", "x is the radius in axisymmetric analyses and cannot be periodic; y can"
-    for key in ("contact", "heat", "fracture"):
+    for key in ("contact", "fracture"):
         if getattr(parts, key) is not None:
             yield key, f"not available with periodic axes of the grid; leave out grid.periodic, or {key}"
     if parts.cracks:
@@ -49,8 +49,8 @@ def _of_methods(parts: Parts, axes: tuple[str, ...]) -> Found:
 
 def _of_condition(model: Any, axes: tuple[str, ...], dimensions: int) -> Found:
     if model.acts_on != "velocity":
-        return  # reported with heat
-    if model.kind == "symmetry":
+        yield from _of_temperature(model, axes)
+    elif model.kind == "symmetry":
         words = "symmetry planes are not available with periodic axes of the grid"
         yield "kind", f"{words}; hold the velocity across a plane with kind: velocity"
     elif model.kind not in ("velocity", "wall"):
@@ -76,9 +76,20 @@ def _of_condition(model: Any, axes: tuple[str, ...], dimensions: int) -> Found:
         yield "value", f"must not vary along the periodic axis {varying[0]}"
 
 
+def _of_temperature(model: Any, axes: tuple[str, ...]) -> Found:
+    face = model.held_face()
+    plane = model.on.plane
+    if face is not None and face[1].axis in axes:
+        yield "on.face.axis", f"a body has no face across the periodic axis {face[1].axis}"
+    elif face is None and plane is None:
+        yield "on", "with periodic axes of the grid, temperatures are held on planes and faces only"
+    elif plane is not None and plane.axis in axes:
+        yield "on.plane.axis", f"no temperature can be held on a plane across the periodic axis {plane.axis}"
+    elif varying := sorted(model.value.variables & set(axes)):
+        yield "value", f"must not vary along the periodic axis {varying[0]}"
+
+
 def _of_load(model: Any, axes: tuple[str, ...], dimensions: int) -> Found:
-    if model.acts_on != "velocity":
-        return
     plane = model.loaded_plane()
     if plane is not None and plane.axis in axes:
         yield "on.plane.axis", f"no wave can leave across the periodic axis {plane.axis}"

@@ -150,6 +150,10 @@ def make_conduction(
         choices, s.heat_interval, nodal, s.particles, s.order, s.transfer, s.state, s.parallel,
         s.failures.refuse_temperature,
     )  # fmt: skip
+    if s.grid.periodic:
+        from mpmcli.boundary.periodic import PeriodicSides
+
+        nodal.corrections.append(PeriodicSides(s.grid))
     own = None if mirror is None else mirror.for_scalars()
     if own is not None:
         nodal.corrections.append(ImagesOfScalars(own, nodal.nodes))

@@ -28,11 +28,11 @@ class NodalAreas:
     def __call__(self, weights: Array | None = None) -> Array:
         """Return them at the positions of the start of the step (dofs, d) [area]; overwritten by the next call.
 
-        ``weights`` (materials,) multiply the volumes of the particles of each material.
+        ``weights`` (N,) by identity multiply the volumes of particles.
         """
         p = self._particles
         unit = np.zeros(p.tau.shape)
-        unit[:3] = p.determinant() if weights is None else p.determinant() * weights[p.material]
+        unit[:3] = p.determinant() if weights is None else p.determinant() * weights[p.id]
         self._transfer.internal_forces(unit, self._areas)
         if self._images is not None:
             self._images.complete(self._areas, 0.0)

@@ -33,7 +33,7 @@ from mpmcli.scene.filling import (
     start_temperature,
     start_velocity,
 )
-from mpmcli.scene.own_numbers import materials_of, set_own_numbers
+from mpmcli.scene.own_numbers import materials_of, set_own_numbers, values_of_particles
 from mpmcli.solver.plan import Plan
 from mpmcli.solver.transfer import Transfer
 
@@ -184,24 +184,23 @@ def loads_by_clocks(scene: Any, clocks: Clocks) -> list[Any]:
     return [ClockedLoad(load, clocks[load.name]) if load.name in clocks else load for load in loads]
 
 
-def impedance_of(scene: Any, load: Any) -> Array:
-    """Return the impedance (d,) of a load that absorbs waves, with the material of its body; (materials, d) on a plane.
+def impedance_of(scene: Any, load: Any, particles: Particles) -> Array:
+    """Return the impedance (N, d) of a load that absorbs waves, by identity, with the numbers of each particle.
 
-    Rigid materials have none.
+    It comes before the first step. Rigid materials have none, nor have bodies that the load is not on.
     """
-    face = load.loaded_face()
-    if face is None:
-        kind, d = scene.analysis.kind, scene.dimensions
-        return np.array(
-            [
-                np.zeros(d) if model.kind == "rigid" else load.impedance_of(model, kind, d)
-                for model in scene.materials.values()
-            ]
-        )
-    body = next(body for body in scene.bodies if body.name == face[0])
-    return np.asarray(
-        load.impedance_of(scene.materials[body.material], scene.analysis.kind, scene.dimensions)
-    )
+    kind, d, face = scene.analysis.kind, scene.dimensions, load.loaded_face()
+    order = np.argsort(particles.id)
+    place, index = particles.X[:, order], particles.body[order]
+    found = np.zeros((len(order), d))
+    for i, body in enumerate(scene.bodies):
+        material, mine = scene.materials[body.material], index == i
+        if material.kind != "rigid" and (face is None or face[0] == body.name):
+            values = values_of_particles(
+                body, material, lambda model: tuple(load.impedance_of(model, kind, d)), place[:, mine]
+            )
+            found[mine] = values.T
+    return found
 
 
 def bodies_by_clocks(scene: Any, clocks: Clocks) -> Sequence[Any]:

@@ -379,7 +379,7 @@ class Simulation(Parts):
             rigid_dofs=None if rigid is None else lambda: rigid.dofs,
             completes_mass=completes_mass,
             parallel=self.parallel,
-            impedance=lambda load: setup.impedance_of(scene, load),
+            impedance=lambda load: setup.impedance_of(scene, load, self.particles),
             areas=lambda weights: self._nodal_areas(weights),
         )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 from mpmcli.core.functions import GRID_FUNCTIONS
 from mpmcli.materials.thermal import coupled_wave_speed
 from mpmcli.scene.own_density import lightest_density
-from mpmcli.scene.own_numbers import body_models, own_keys
+from mpmcli.scene.own_numbers import fastest_wave, own_keys, values_of_particles
 from mpmcli.shapes import SHAPES
 from mpmcli.stability.growth import FAST
 from mpmcli.stability.held import Holders
@@ -75,7 +76,7 @@ def largest_wave_speed(scene: Any) -> float:
 def _wave_speed(scene: Any, body: Any, material: Any) -> float:
     """Largest wave speed of a body at the start, adiabatic where heat and strain are coupled [velocity]."""
     if own_keys(body, material):
-        return max(float(model.initial_wave_speed(scene.analysis.kind)) for model in body_models(scene, body))
+        return fastest_wave(scene, body)
     speed = coupled_wave_speed(material, scene.analysis.kind, scene.is_adiabatic)
     return speed * math.sqrt(material.density / lightest_density(body, material))
 
@@ -120,19 +121,27 @@ def models_of(scene: Any) -> list[Model]:
     return sorted(kinds.values(), key=lambda model: model.speed)
 
 
-def _impedances(scene: Any, body: Any, material: Any) -> dict[int, np.ndarray]:
-    """Largest impedances (d,) along the axes of the loads that absorb waves at faces of a body, by the faces' axis.
+def _impedances(scene: Any, body: Any, material: Any, impedance: float) -> dict[int, np.ndarray]:
+    """Largest impedances (d,) along the axes of loads that absorb waves at faces of a body, by the faces' axis.
 
-    Planes count as faces of every body.
+    They are over ρc, ``impedance`` unless particles have their own. Planes count as faces of every body.
     """
+    kind, d = scene.analysis.kind, scene.dimensions
     found: dict[int, np.ndarray] = {}
     for load in scene.loads_on("velocity"):
         if "impedance_of" in load.effects():
             name, face = load.loaded_face() or (body.name, load.loaded_plane())
             if name == body.name:
-                impedance = load.impedance_of(material, scene.analysis.kind, scene.dimensions)
-                found[face.index] = np.maximum(impedance, found.get(face.index, 0.0))
+                values = values_of_particles(body, material, partial(_with_own_impedance, load, kind, d))
+                own = values[-1] if values.shape[1] > 1 else impedance
+                ratio = (values[:-1] / own).max(axis=1)
+                found[face.index] = np.maximum(ratio, found.get(face.index, 0.0))
     return found
+
+
+def _with_own_impedance(load: Any, kind: str, dimensions: int, model: Any) -> tuple[Any, ...]:
+    """Impedances of a load along each axis, and the ρc of the model."""
+    return *load.impedance_of(model, kind, dimensions), model.density * model.initial_wave_speed(kind)
 
 
 def _models_of_body(
@@ -153,11 +162,11 @@ def _models_of_body(
     free = np.flatnonzero(~is_held) if not is_held.all() else np.array([cell.argmin()])
     if particles[free].max() > MOST_PARTICLES:
         raise NoKnownLimit(f"body '{body.name}' has more than {MOST_PARTICLES} particles per cell and axis")
-    absorbing = _impedances(scene, body, material)
+    absorbing = _impedances(scene, body, material, math.sqrt(density * modulus))
     first = np.lexsort((cell[free], [axis not in absorbing for axis in free]))
     axes = np.sort(free[first[:2]])
     dashpots = tuple(
-        (place, tuple(map(float, absorbing[axis][axes] / math.sqrt(density * modulus))))
+        (place, tuple(map(float, absorbing[axis][axes])))
         for place, axis in enumerate(axes)
         if axis in absorbing
     )

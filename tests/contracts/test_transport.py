@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.scene.loader import load_scene
+from mpmcli.scene.method import UPDATES
 from mpmcli.shapes import SHAPES
 from mpmcli.solver.simulation import Simulation
 
@@ -118,6 +119,62 @@ def test_heat_is_conserved_and_a_constant_stays(plain_python, shape, analysis, t
         assert np.abs(carried(s) - first).max() > 1e-3
         # what is seen is a mean of what is on the grid; it holds the same heat
         assert abs(float(s.particles.mass @ s.particles.T) / before - 1) < 1e-13
+
+
+@pytest.mark.parametrize("heating", ["isothermal", "adiabatic"])
+@pytest.mark.parametrize("transfer", TRANSFERS)
+def test_particles_and_nodes_carry_little_more(plain_python, transfer, heating):
+    """At most 40 bytes per particle, 32 per node, and 16 more where there is a loop."""
+    method = {"shape": "ugimp", "transfer": {"kind": "flip"}, "heating": heating}
+    solid = {"kind": "neo_hookean", "density": 1.3, "E": 4, "nu": 0.3}
+    warm = solid | {"expansion": 1e-5, "heat_capacity": 2.1, "conductivity": 0.3}
+    with plain_python():
+        s = simulation(scene_of("ugimp", "3d", transfer, method=method, materials={"m": warm}))
+        plain = scene_of("ugimp", "3d", transfer, materials={"m": solid})
+        del plain["heat"]
+        bare = simulation(plain)
+    held, few = (sum(a.nbytes for a in each.particles.arrays().values()) for each in (s, bare))
+    assert few < held <= few + 40 * s.particles.count - s.heat.capacity().nbytes
+    nodal = sum(a.nbytes for a in s.heat.nodal_arrays().values())
+    assert nodal <= (32 + 16 * (s.heat.choices.order > 1)) * len(s.heat.nodal.v)
+
+
+MOTIONS: dict[str, dict[str, Any]] = {
+    "flip": {"kind": "flip"},
+    "gradient": {"kind": "flip", "velocity_gradient": True},
+    "xpic": {"kind": "xpic", "order": 2},
+    "fmpm": {"kind": "fmpm", "order": 3, "velocity_gradient": True},
+    "periodic": {"kind": "fmpm", "order": 3, "every_steps": 2},
+    "blend": {"kind": "fmpm", "order": 3, "blend": {"order": 2, "fraction": 0.8}},
+    "dynamic": {"kind": "fmpm", "order": 6, "dynamic": {"metric": "means", "tolerance": 0.1}},
+}
+"""Transfers of velocities."""
+
+
+@pytest.mark.parametrize(
+    ("update", "motion"),
+    [
+        pytest.param(update, motion, marks=[] if i == j % len(UPDATES) else pytest.mark.slow)
+        for i, update in enumerate(UPDATES)
+        for j, motion in enumerate(MOTIONS)
+    ],
+)
+def test_heat_does_not_depend_on_how_velocities_go(plain_python, update, motion):
+    """Heat is conserved with every strain update and transfer of velocities; at rest temperatures are the same."""
+    transfer = list(TRANSFERS)[(list(UPDATES).index(update) + list(MOTIONS).index(motion)) % len(TRANSFERS)]
+    method = {"shape": "ugimp", "update": update, "transfer": MOTIONS[motion], "heating": "isothermal"}
+    found = []
+    with plain_python():
+        for keys in ({}, {"method": method}):
+            s = simulation(scene_of("ugimp", "plane_strain", transfer, **keys))
+            put(s, 300 + 50 * np.sin(np.arange(s.particles.count)))
+            found.append(steps(s).particles.T.copy())
+        stir(s)
+        before = float(s.particles.mass @ carried(s))
+        steps(s)
+    assert np.abs(found[1] / found[0] - 1).max() < 1e-14
+    assert np.ptp(found[0]) > 1.0
+    assert abs(float(s.particles.mass @ carried(s)) / before - 1) < 1e-13
 
 
 @settings(max_examples=15)

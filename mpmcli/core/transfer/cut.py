@@ -12,7 +12,6 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from mpmcli.core.compiled.compiler import compiled_as
-from mpmcli.core.dofs import dof_of
 
 Array = np.ndarray
 
@@ -63,25 +62,3 @@ class Sights(Protocol):
         ``F`` (nF, N) are the deformation gradients that the stencils of the step are built from; ``transfer`` is the
         ``Transfer`` of a simulation.
         """
-
-
-def first_rows(particle: Array, ranges: Array) -> Array:
-    """First row of each band or chunk of particles, and the end, in the ascending list ``particle``."""
-    return np.searchsorted(particle, ranges).astype(np.uint64)
-
-
-def make_cut(transfer: Any, particle: Array, corner: Array, S: Array, G: Array, side: Array) -> Cut:
-    """Make rows of the particles (c,), by ascending place, that see nodes on other sides.
-
-    ``side`` (c, m) is that of each node of their stencils.
-
-    The other arrays are those of ``Cut``.
-    """
-    p, grid, order = transfer.particles, transfer.grid, transfer.order
-    node = corner[:, None] + transfer.stencil.offsets
-    field = p.velocity_field[particle].astype(np.uint64)[:, None]
-    dof = dof_of(node, field, side.astype(np.uint64), np.uint64(grid.node_count), np.uint64(grid.fields))
-    mask = np.zeros(p.count, dtype=np.uint8)
-    mask[particle] = 1
-    bands, chunks = first_rows(particle, order.bands.first), first_rows(particle, order.chunks)
-    return Cut(mask, particle, bands, chunks, corner, S, G, dof)

@@ -6,6 +6,7 @@ A new criterion is one new file here and its row in ``KINDS``.
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from mpmcli.core.errors import SimulationError
@@ -44,9 +45,9 @@ class Criterion(Model):
     direction: ClassVar[str] = "self_similar"
     """Kind of the direction in which cracks grow by it, unless the scene names another."""
 
+    @abstractmethod
     def demand(self, tip: TipState) -> float:
         """How much of what it takes is there; the tip grows from 1 on."""
-        raise NotImplementedError
 
     def goes_on(self, tip: TipState) -> bool:
         """Whether the tip runs though no growth is due, so that it is not arrested."""

@@ -5,6 +5,7 @@ A new direction is one new file here and its row in ``KINDS``.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import TYPE_CHECKING, ClassVar
 
 from mpmcli.core.model import Model
@@ -32,6 +33,6 @@ class Direction(Model):
     needs: ClassVar[frozenset[str]] = frozenset()
     """What it is made of: ``K``, ``opening``."""
 
+    @abstractmethod
     def angle(self, tip: TipState) -> float:
         """Angle of the new segment from e₁, anticlockwise [rad]."""
-        raise NotImplementedError

@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmcli.core.analysis import Analysis, Axisymmetric
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.cracks.calls import called_once
 
 Array = np.ndarray
 
@@ -95,8 +95,28 @@ class Matter(NamedTuple):
         return self.ring.radius.shape[0] > 0
 
 
-ROOM = 2000
-"""Particles for which there is room at first."""
+EVERYWHERE = 1e300
+"""Beyond every distance [length]; compiled code knows no infinity."""
+
+
+class Room:
+    """Arrays that matter around tips is written into, used again for each: the matter of the tip before is lost.
+
+    Parameters
+    ----------
+    particles : for which there is room at first
+
+    Attributes
+    ----------
+    near, rows : (n,) places in memory, (14, n) what ``Matter`` holds
+    """
+
+    def __init__(self, particles: int = 2000):
+        self.hold(particles)
+
+    def hold(self, particles: int) -> None:
+        """Make room for so many particles."""
+        self.near, self.rows = np.empty(particles, dtype=np.int64), np.empty((14, particles))
 
 
 def matter_near(
@@ -109,6 +129,9 @@ def matter_near(
     acceleration: Array | None = None,
     rigid: tuple[int, ...] = (),
     elastic: bool = False,
+    chunks: Array | None = None,
+    margin: float = EVERYWHERE,
+    room: Room | None = None,
 ) -> tuple[Matter, Array]:
     """Return the matter within ``radius`` of a tip, and the places (n,) of its particles in memory.
 
@@ -122,58 +145,49 @@ def matter_near(
     acceleration : (2, N) of all particles; None leaves inertia out
     rigid : indices of bodies that do not count
     elastic : take the energy as ½σ:ε instead of the accumulated work of the stress
+    chunks, margin : chunks of lines of particles along x, and by how much those of a chunk may lie outside of where its
+        first and its last one are [length]
+    room : where the matter is written
     """
     p, is_ring, moves = particles, isinstance(analysis, Axisymmetric), acceleration is not None
     (x, y), (c, s) = frame.point.tolist(), frame.ahead.tolist()
-    skipped = np.array(rigid, dtype=np.int64)
-    near, sums = np.empty(ROOM, dtype=np.int64), np.zeros(2)
-    n = find_near(p.X, p.F, p.vol0, p.body, skipped, x, y, radius * radius, near, sums)
-    if n > len(near):
-        near = np.empty(n, dtype=np.int64)
-        find_near(p.X, p.F, p.vol0, p.body, skipped, x, y, radius * radius, near, sums)
-    near = near[:n]
-    size = math.hypot(*sums)
-    turn = (1.0, 0.0) if is_ring or size == 0.0 else (float(sums[0] / size), float(sums[1] / size))
-    out = np.empty((11 + 3 * is_ring + 6 * moves, n))
-    gather(
-        near,
-        p.X,
-        p.F,
-        p.tau,
-        p.vol0,
-        p.mass,
-        p.stress_work,
-        x,
-        y,
-        c,
-        s,
-        *turn,
-        thickness,
-        elastic,
-        is_ring,
-        out,
-    )
+    skipped, room = np.array(rigid, dtype=np.int64), room or Room()
+    if chunks is None:
+        chunks = np.array([0, p.count], dtype=np.uint64)
+    while True:
+        n = gather(
+            p.X, p.F, p.tau, p.vol0, p.mass, p.stress_work, p.body, skipped, chunks, margin, x, y, c, s, radius,
+            thickness, elastic, is_ring, room.near, room.rows,
+        )  # fmt: skip
+        if n <= len(room.near):
+            break
+        room.hold(n)
+    near, out = room.near[:n], room.rows[:, :n]
     ring, motion = NO_RING, (NO_VECTORS, NO_VECTORS, NO_VECTORS)
     if is_ring:
         ring = Ring(out[11], out[12], out[13], x, c, s)
     if moves:
-        motion = out[-6:-4], out[-4:-2], out[-2:]
+        motion = np.empty((2, n)), np.empty((2, n)), np.empty((2, n))
         gather_motion(near, p.V, acceleration, p.L, c, s, *motion)
     return Matter(out[:2], out[2], out[3], out[4:6], out[6:9], out[9], out[10], *motion, ring), near
 
 
-@inline
-def find_near(X, F, vol0, body, skipped, x, y, square, near, sums):
-    """List the particles nearer to (x, y) than the root of ``square``, but for those of the bodies ``skipped``.
+@compiled_too
+def find_near(X, F, vol0, body, skipped, chunks, margin, x, y, radius, near):
+    """List the particles within a radius of (x, y), but for those of the bodies ``skipped``.
 
-    Returns how many there are, of which ``near`` receives as many as it holds; ``sums`` (2,) receives cosine and sine
-    of their mean rotation, times a size.
+    Returns how many there are, of which ``near`` receives as many as it holds, and cosine and sine of their mean
+    rotation, times a size.
     """
-    n = 0
-    sums[0] = sums[1] = 0.0
-    for p in range(X.shape[1]):
-        dx, dy = X[0, p] - x, X[1, p] - y
-        if dx * dx + dy * dy < square:
+    n, cosine, sine = 0, 0.0, 0.0
+    for chunk in range(chunks.shape[0] - 1):
+        begin, end = np.int64(chunks[chunk]), np.int64(chunks[chunk + 1])
+        if begin == end or X[1, begin] - margin > y + radius or X[1, end - 1] + margin < y - radius:
+            continue
+        for p in range(begin, end):
+            dx, dy = X[0, p] - x, X[1, p] - y
+            if dx * dx + dy * dy >= radius * radius:
+                continue
             counts = True
             for k in range(skipped.shape[0]):
                 counts = counts and body[p] != skipped[k]
@@ -181,18 +195,27 @@ def find_near(X, F, vol0, body, skipped, x, y, square, near, sums):
                 if n < near.shape[0]:
                     near[n] = p
                 n += 1
-                sums[0] += vol0[p] * (F[0, p] + F[3, p])
-                sums[1] += vol0[p] * (F[2, p] - F[1, p])
-    return n
+                cosine += vol0[p] * (F[0, p] + F[3, p])
+                sine += vol0[p] * (F[2, p] - F[1, p])
+    return n, cosine, sine
 
 
-@inline
-def gather(near, X, F, tau, vol0, mass, work, x, y, c, s, c_turn, s_turn, thickness, elastic, is_ring, out):
-    """Write what ``Matter`` holds of the particles ``near`` (n,) into the rows of ``out``.
+@called_once
+def gather(
+    X, F, tau, vol0, mass, work, body, skipped, chunks, margin, x, y, c, s, radius, thickness, elastic, is_ring, near,
+    out,
+):  # fmt: skip
+    """Write what ``Matter`` holds of the particles within a radius of (x, y) into the rows of ``out``.
 
-    (c, s) is e₁; ``c_turn`` and ``s_turn`` are cosine and sine of the mean rotation.
+    Returns how many there are; nothing is written if ``near``, which receives their places, has no room for them.
+    (c, s) is e₁.
     """
-    for k in range(near.shape[0]):
+    n, cosine, sine = find_near(X, F, vol0, body, skipped, chunks, margin, x, y, radius, near)
+    if n > near.shape[0]:
+        return n
+    size = math.sqrt(cosine * cosine + sine * sine)
+    c_turn, s_turn = (1.0, 0.0) if is_ring or size == 0.0 else (cosine / size, sine / size)
+    for k in range(n):
         p = near[k]
         dx, dy = X[0, p] - x, X[1, p] - y
         out[0, k], out[1, k] = c * dx + s * dy, c * dy - s * dx
@@ -220,9 +243,10 @@ def gather(near, X, F, tau, vol0, mass, work, x, y, c, s, c_turn, s_turn, thickn
         out[10, k] = mass[p] / thickness
         if is_ring:
             out[11, k], out[12, k], out[13, k] = tzz, hoop, X[0, p]
+    return n
 
 
-@inline
+@called_once
 def gather_motion(near, V, A, L, c, s, velocity, acceleration, rate):
     """Write v, a and v_j,1 of the particles ``near`` (n,) in the frame of e₁ = (c, s), (2, n) each."""
     for k in range(near.shape[0]):

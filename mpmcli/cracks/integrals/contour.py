@@ -6,10 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.integrals.base import Frame, Matter
 from mpmcli.cracks.integrals.domain import face_terms
-from mpmcli.cracks.integrals.faces import REACH, Crack, Faces, add_to_fit, fitted
+from mpmcli.cracks.integrals.faces import NO_FACES, REACH, Faces, add_to_fit, fitted
+from mpmcli.cracks.integrals.seen import Crack
 
 Array = np.ndarray
 
@@ -56,7 +57,7 @@ def contour_around(frame: Frame, lower: Array, cell: Array, size: int) -> Contou
 
 
 def energy_release_rate_by_contour(
-    matter: Matter, contour: Contour, cracks: list[Crack], faces: Faces | None = None
+    matter: Matter, contour: Contour, cracks: list[Crack], faces: Faces = NO_FACES
 ) -> float:
     """Return J₁ of a tip [energy/area].
 
@@ -79,8 +80,7 @@ def energy_release_rate_by_contour(
     flow = np.stack([W - s11 * u11 - s12 * u21, -(s12 * u11 + s22 * u21)]) * radius
     J = float((0.5 * (flow[:, first] + flow[:, last]) * np.stack([n1, n2])).sum())
     J += _within(matter, contour.holds(matter.x))
-    if faces is not None:
-        J -= float(face_terms(faces) @ (faces.area * contour.holds(faces.x)))
+    J -= float(face_terms(faces) @ (faces.area * contour.holds(faces.x)))
     return J / ring.tip
 
 
@@ -124,7 +124,7 @@ def _crossings(a: Array, b: Array, plane: Array) -> list[float]:
     return [float(w) for w in way[hits]]
 
 
-@inline
+@called_once
 def fit_in_sight(points, x, segments, fields, reach, sums, out):
     """Write values of fields (q, n) at points (2, k) into ``out`` (q, k), by those known at ``x`` (2, n) within reach.
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.integrals.base import Matter, weight_at
-from mpmcli.cracks.integrals.faces import Faces
+from mpmcli.cracks.integrals.faces import NO_FACES, Faces
 
 Array = np.ndarray
 
 
-def energy_release_rate(matter: Matter, inner: float, outer: float, faces: Faces | None = None) -> float:
+def energy_release_rate(matter: Matter, inner: float, outer: float, faces: Faces = NO_FACES) -> float:
     """Return J₁ of a tip [energy/area].
 
     J₁ = Σ V (σ_ij u_j,1 − W δ_1i) q,_i + Σ M (a_j u_j,1 − v_j v_j,1) q − ∫ (T_j ⟦u_j,1⟧ + ⟦W⟧ n₁) q ds
@@ -20,10 +22,7 @@ def energy_release_rate(matter: Matter, inner: float, outer: float, faces: Faces
     matter has accelerations. The last term counts faces of this and of other cracks; it vanishes on free faces along
     e₁. Around an axis Σ V (σ_θθ u_r/r − W) q/r e₁·e_r comes on top, all over the radius of the tip.
     """
-    J = sum_over_matter(matter, inner, outer)
-    if faces is not None:
-        J -= float(face_terms(faces) @ (faces.area * weight_of_faces(faces, inner, outer)))
-    return float(J / matter.ring.tip)
+    return float(sum_over_domain(matter, inner, outer, faces) / matter.ring.tip)
 
 
 def face_terms(faces: Faces) -> Array:
@@ -32,14 +31,9 @@ def face_terms(faces: Faces) -> Array:
     return np.asarray(work + (faces.energy[0] - faces.energy[1]) * faces.normal[0])
 
 
-def weight_of_faces(faces: Faces, inner: float, outer: float) -> Array:
-    """Weight of the pieces (k,)."""
-    return np.array([weight_at(r, inner, outer)[0] for r in np.hypot(*faces.x).tolist()])
-
-
-@inline
-def sum_over_matter(m, inner, outer):
-    """Return the sums over particles of ``energy_release_rate``."""
+@called_once
+def sum_over_domain(m, inner, outer, faces):
+    """Return the sums over particles and faces of ``energy_release_rate``."""
     moves, is_ring = m.velocity.shape[1] > 0, m.ring.radius.shape[0] > 0
     J = 0.0
     for k in range(m.r.shape[0]):
@@ -60,4 +54,12 @@ def sum_over_matter(m, inner, outer):
         if is_ring:
             density += (m.ring.stress[k] * m.ring.strain[k] - W) * q / m.ring.radius[k] * m.ring.outward
         J += m.volume[k] * density
+    for k in range(faces.area.shape[0]):
+        q, _ = weight_at(
+            math.sqrt(faces.x[0, k] * faces.x[0, k] + faces.x[1, k] * faces.x[1, k]), inner, outer
+        )
+        work = (faces.energy[0, k] - faces.energy[1, k]) * faces.normal[0, k]
+        for j in range(2):
+            work += faces.traction[j, k] * (faces.slope[0, j, k] - faces.slope[1, j, k])
+        J -= faces.area[k] * q * work
     return J

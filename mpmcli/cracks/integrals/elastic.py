@@ -5,11 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from mpmcli.core.compiled.compiler import compiled_too
-
-Array = np.ndarray
 
 
 class PlaneElasticity(NamedTuple):
@@ -54,32 +50,6 @@ def rayleigh_speed(elasticity: PlaneElasticity, density: float) -> float:
     return math.sqrt(high * elasticity.shear / density)
 
 
-class TipField(NamedTuple):
-    """Stress and displacement gradients of a tip.
-
-    stress : (3, n) 11, 22, 12 [pressure]
-    slope : (2, n) u_1,1 and u_2,1 [-]
-    """
-
-    stress: Array
-    slope: Array
-
-
-def tip_field(
-    x: Array, K_I: float, K_II: float, elasticity: PlaneElasticity, angle: Array | None = None
-) -> TipField:
-    """Return the field of a tip (Williams 1957) at ``x`` (2, n) in its frame.
-
-    ``angle`` (n,) is that from e₁, by default between −π and π; beyond them lies what a crack that is not straight
-    leaves on the other side.
-    """
-    at = np.arctan2(x[1], x[0])
-    half = 0.5 * np.exp(-0.5j * (at if angle is None else angle)) / np.sqrt(2.0 * np.pi * np.hypot(*x))
-    one, two = (np.stack(field_of_mode(half, np.exp(2j * at), mode, elasticity.kappa)) for mode in (1, 2))
-    field = K_I * one + K_II * two
-    return TipField(field[:3], field[3:] / (2.0 * elasticity.shear))
-
-
 @compiled_too
 def field_of_mode(half: Any, twice: Any, mode: Any, kappa: Any) -> Any:
     """Return stresses 11, 22, 12 and 2G times u_1,1 and u_2,1 of a tip with K = 1 in mode 1 or 2.
@@ -93,14 +63,3 @@ def field_of_mode(half: Any, twice: Any, mode: Any, kappa: Any) -> Any:
     total = 4.0 * phi.real
     s11, s22 = 0.5 * (total - deviator.real), 0.5 * (total + deviator.real)
     return s11, s22, 0.5 * deviator.imag, slope.real, slope.imag
-
-
-def strain_of(stress: Array, elasticity: PlaneElasticity) -> Array:
-    """Strain 11, 22, 12 in the plane of a stress (3, n)."""
-    mean = 0.25 * (3.0 - elasticity.kappa) * (stress[0] + stress[1])
-    return np.stack([stress[0] - mean, stress[1] - mean, stress[2]]) / (2.0 * elasticity.shear)
-
-
-def mixed(stress: Array, strain: Array) -> Array:
-    """σ:ε of components 11, 22, 12, each (3, n)."""
-    return np.asarray(stress[0] * strain[0] + stress[1] * strain[1] + 2.0 * stress[2] * strain[2])

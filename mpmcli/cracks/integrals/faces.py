@@ -8,20 +8,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.core.compiled.kernel import inline
-from mpmcli.cracks.chain import START
-from mpmcli.cracks.integrals.base import Matter
+from mpmcli.cracks.calls import called_once
+from mpmcli.cracks.integrals.base import NO_VECTORS, Matter
+from mpmcli.cracks.integrals.seen import Crack, angle_beside, opening_of, piece, side_at
 
 Array = np.ndarray
 
-STRAIGHT = 0.02
-"""Segments that turn from e₁ by less, in radians, are straight."""
-BENT = 0.02
-"""Cells by which a crack may leave the line behind its tip and still be straight."""
 NEAREST = 2.0
 """Cells from the tip within which tractions are those of the rest of the ring."""
 REACH = 1.5
 """Cells from which particles tell of a face."""
+NOTHING = np.zeros(0)
 
 
 class Faces(NamedTuple):
@@ -34,7 +31,7 @@ class Faces(NamedTuple):
     slope : (2, 2, k) u_j,1 by side
     stress : (2, 3, k) Cauchy stress 11, 22, 12 by side [pressure]
     energy : (2, k) energy per volume by side, kinetic energy included where inertia counts [pressure]
-    angle : (2, k) of ``elastic.tip_field`` by side
+    angle : (2, k) from e₁ by side; behind the tip, beyond π in size on the other side of e₁ [rad]
     """
 
     x: Array
@@ -47,209 +44,174 @@ class Faces(NamedTuple):
     angle: Array
 
 
-class Crack(NamedTuple):
-    """A crack in the frame of a tip, as integrals see it.
+NO_FACES = Faces(
+    NO_VECTORS,
+    NO_VECTORS,
+    NOTHING,
+    NO_VECTORS,
+    np.zeros((2, 2, 0)),
+    np.zeros((2, 3, 0)),
+    NO_VECTORS,
+    NO_VECTORS,
+)
 
-    plane : (2, P) its points from start to end, from the tip [length]
-    jump : (2, P) displacement of the face above relative to that below [length]
-    holds : whether its law transmits tension, so that faces that part have tractions, too
-    passes : whether its faces pass each other freely
-    grip : largest traction along the crack over that across it, where it is known
-    pressure : (P − 1,) pressure in the crack on its faces, by segment; None without [pressure]
-    given : (2, P − 1) other tractions on the face above, by segment; None without [pressure]
-    end : ``START`` or ``END``, of which the tip is one; None for another crack
+
+ROWS = 21
+"""Numbers of a piece of a face, in the order of ``Faces``."""
+AREA, TRACTION, SLOPE, STRESS, ENERGY, ANGLE = 4, 5, 7, 11, 17, 19
+"""Places of numbers of pieces, after their places and their normals."""
+FIELDS = 6
+"""What matter tells of faces: stress 11, 22, 12, u_1,1, u_2,1 and energy."""
+UNKNOWN = -1.0
+
+
+def faces_near(
+    cracks: list[Crack], own: Crack, matter: Matter, outer: float, cell: float, modulus: float | None
+) -> Faces:
+    """Return the faces of cracks within ``outer`` of a tip, with what the matter beside them tells; see ``find_faces``.
+
+    ``own`` is the crack of the tip, ``modulus`` the E′ of its material, if it is known.
     """
-
-    plane: Array
-    jump: Array
-    holds: bool
-    passes: bool
-    grip: float | None
-    pressure: Array | None
-    given: Array | None
-    end: int | None
-
-    @property
-    def way(self) -> Array:
-        """Unit vectors (2, P − 1) along the segments, from start to end."""
-        step = np.diff(self.plane, axis=1)
-        return np.asarray(step / np.hypot(*step))
-
-    @property
-    def left(self) -> float:
-        """1 if the face above is the one on the left of e₁, −1 if it is that on the right."""
-        return 1.0 if self.end != START else -1.0
-
-
-def must_be_found(crack: Crack, outer: float, cell: float) -> bool:
-    """Whether faces of a crack within ``outer`` of the tip may count: bent ones, closed ones, those of other cracks."""
-    plane, way = crack.plane, crack.way
-    middle = 0.5 * (plane[:, 1:] + plane[:, :-1])
-    near = np.hypot(*middle) < outer
-    if crack.end is None or crack.holds or crack.pressure is not None or crack.given is not None:
-        return bool(near.any())
-    opening, slip = _opening(crack)
-    closed = (opening < 0.1 * np.abs(slip) + 0.01 * cell) & (not crack.passes)
-    return bool((near & (closed | (np.abs(way[1]) > STRAIGHT))).any())
+    fields = np.concatenate([matter.stress, matter.slope, matter.whole_energy[None]])
+    most = sum(crack.plane.shape[1] for crack in cracks)
+    places = np.empty(most, dtype=np.int64)
+    sums, found, out = np.empty((most, 2, 3, 3 + FIELDS)), np.empty((most, 2, FIELDS)), np.empty((ROWS, most))
+    ring, count = matter.ring, 0
+    for crack in cracks:
+        count += find_faces(
+            crack.plane, crack.jump, crack.holds, crack.passes, UNKNOWN if crack.grip is None else crack.grip,
+            NOTHING if crack.pressure is None else crack.pressure, NO_VECTORS if crack.given is None else crack.given,
+            crack.end is not None, own.plane, own.left, matter.x, fields, matter.is_ring,
+            (ring.tip, ring.outward, ring.across), outer, cell, UNKNOWN if modulus is None else modulus,
+            places, sums, found, count, out,
+        )  # fmt: skip
+    k, out = count, out[:, :count].copy()
+    return Faces(
+        x=out[:2], normal=out[2:AREA], area=out[AREA], traction=out[TRACTION:SLOPE],
+        slope=out[SLOPE:STRESS].reshape(2, 2, k), stress=out[STRESS:ENERGY].reshape(2, 3, k),
+        energy=out[ENERGY:ANGLE], angle=out[ANGLE:],
+    )  # fmt: skip
 
 
-def _opening(crack: Crack) -> tuple[Array, Array]:
-    """Opening and slip of the segments (P − 1,) [length]."""
-    jump, way = 0.5 * (crack.jump[:, 1:] + crack.jump[:, :-1]), crack.way
-    return way[0] * jump[1] - way[1] * jump[0], (way * jump).sum(axis=0)
-
-
-def side_of(crack: Crack, x: Array) -> tuple[Array, Array]:
-    """Tell on which side of a crack points (2, n) lie, 1 above and −1 below; and whether they lie beyond an end."""
-    side, beyond = np.empty(x.shape[1]), np.empty(x.shape[1], dtype=np.bool_)
-    find_sides(crack.plane, x, side, beyond)
-    return side, beyond
-
-
-@inline
-def find_sides(plane, x, side, beyond):
-    """Write ``side_of`` for points ``x`` (2, n) and a chain (2, P); both are (n,)."""
-    last = plane.shape[1] - 2
-    for i in range(x.shape[1]):
-        least, farthest = 1e300, -1.0
-        for k in range(last + 1):
-            wx, wy = plane[0, k + 1] - plane[0, k], plane[1, k + 1] - plane[1, k]
-            dx, dy = x[0, i] - plane[0, k], x[1, i] - plane[1, k]
-            square = wx * wx + wy * wy
-            along = (dx * wx + dy * wy) / square
-            part = min(max(along, 0.0), 1.0)
-            rx, ry = dx - part * wx, dy - part * wy
-            away = rx * rx + ry * ry
-            across = (wx * dy - wy * dx) / math.sqrt(square)
-            # of two segments that are as near, at a kink, the one whose line is farther tells the side
-            tie = 1e-12 * (square + away)
-            if away < least - tie or (away <= least + tie and abs(across) > farthest):
-                farthest, side[i] = abs(across), 1.0 if across >= 0.0 else -1.0
-                beyond[i] = (k == 0 and along < 0.0) or (k == last and along > 1.0)
-            least = min(least, away)
-
-
-def angles_beside(crack: Crack, x: Array, side: Array) -> Array:
-    """Angles from e₁ of points behind a tip, (n,): those on the left of the crack between 0 and 2π [rad]."""
-    angle, left = np.arctan2(x[1], x[0]), side * crack.left > 0.0
-    behind = np.abs(angle) > 0.5 * np.pi
-    angle = np.where(behind & left & (angle < 0.0), angle + 2.0 * np.pi, angle)
-    return np.where(behind & ~left & (angle > 0.0), angle - 2.0 * np.pi, angle)
-
-
-def bends(crack: Crack, outer: float, cell: float) -> bool:
-    """Whether a crack leaves the line behind its tip by so much that particles lie between."""
-    near = np.hypot(*crack.plane) < outer
-    near[1:] |= near[:-1].copy()
-    near[:-1] |= near[1:].copy()
-    return bool(np.any(np.abs(crack.plane[1, near]) > BENT * cell))
-
-
-def faces_of(
-    crack: Crack, own: Crack, matter: Matter, outer: float, cell: float, modulus: float | None
-) -> Faces | None:
-    """Return the faces of a crack within ``outer`` of a tip, with what the matter beside them tells; None without.
+@called_once
+def find_faces(
+    plane, jump, holds, passes, grip, pressure, given, is_own, own, left, x, fields, is_ring, radius, outer, cell,
+    modulus, places, sums, found, begin, out,
+):  # fmt: skip
+    """Write the pieces of a crack within ``outer`` of a tip into ``out`` (ROWS, …) from ``begin`` on; returns how many.
 
     Stress, slope and energy at a face are those that the particles within 1.5 cells on its side lead to, by least
     squares with linear functions. Faces in contact, and those whose law holds, transmit the mean of both stresses.
     Faces are in contact where that mean presses and they are not open: their opening is below a tenth of their slip,
-    and of the strain of a cell under that pressure. The others carry what is given. ``own`` is the crack of
-    the tip.
+    and of the strain of a cell under that pressure. The others carry what is given.
+
+    ``own`` is the plane of the tip's crack, ``left`` its ``Crack.left``; ``x`` (2, n) are particles with the values
+    ``fields`` (FIELDS, n); ``grip`` and ``modulus`` are below 0 where they are not known, ``pressure`` and ``given``
+    empty. ``radius`` is that of the tip, with the components of e₁ along it and across. ``places``, ``sums`` and
+    ``found`` are scratch.
     """
-    plane = crack.plane
-    middle, step = 0.5 * (plane[:, 1:] + plane[:, :-1]), np.diff(plane, axis=1)
-    k = np.flatnonzero(np.hypot(*middle) < outer)
-    if not k.size:
-        return None
-    way, length = crack.way[:, k], np.hypot(*step[:, k])
-    normal = np.stack([-way[1], way[0]])
-    fields = np.concatenate([matter.stress, matter.slope, matter.whole_energy[None]])
-    found = np.empty((2, len(fields), k.size))
-    side, beyond = side_of(crack, matter.x)
-    side[beyond] = 0.0
-    fit_at_faces(
-        np.ascontiguousarray(middle[:, k]),
-        matter.x,
-        side,
-        fields,
-        REACH * cell,
-        np.empty((3, 3 + len(fields))),
-        found,
-    )
-    stress, slope, energies = found[:, :3], found[:, 3:5].copy(), found[:, 5]
-    opening, slip = (each[k] for each in _opening(crack))
-    pressure, shear = _tractions(stress.mean(axis=0), normal)
-    allowed = 1e-3 * cell if modulus is None else np.maximum(pressure, 0.0) * cell / modulus
-    closed = (pressure > 0.0) & (opening <= 0.1 * (np.abs(slip) + allowed)) & (not crack.passes)
-    # what the points of the chain tell of the jump is better than what particles tell, but along the chain only
-    known = way[0] * np.diff(crack.jump, axis=1)[:, k] / length
-    jump = np.where(np.abs(normal[0]) < 0.5, known, slope[0] - slope[1])
-    if not crack.holds:
-        jump = jump - closed * (jump * normal).sum(axis=0) * normal
-        if crack.end is not None:
-            pressure, shear = _extrapolated(pressure, shear, closed, np.hypot(*middle[:, k]), NEAREST * cell)
-    if crack.grip is not None:
-        shear = np.clip(shear, -crack.grip * np.abs(pressure), crack.grip * np.abs(pressure))
-    touching = closed | crack.holds
-    within = 0.0 if crack.pressure is None else crack.pressure[k]
-    traction = np.where(touching, pressure, within) * normal + touching * shear * way
-    if crack.given is not None:
-        traction += np.where(touching, 0.0, crack.given[:, k])
-    slope = slope.mean(axis=0) + 0.5 * jump * np.array([1.0, -1.0])[:, None, None]
-    x = middle[:, k]
-    if crack.end is not None:
-        near, far = np.hypot(*plane[:, k]), np.hypot(*plane[:, k + 1])
-        x = x * (0.25 * (np.sqrt(near) + np.sqrt(far)) ** 2 / np.hypot(*x))
-        angle = np.stack([angles_beside(own, x, np.full(k.size, s)) for s in (1.0, -1.0)])
-    else:
-        angle = np.stack([angles_beside(own, x, side_of(own, x)[0])] * 2)
-    area = length
-    if matter.is_ring:
-        area = length * (matter.ring.tip + matter.ring.outward * x[0] - matter.ring.across * x[1])
-    return Faces(x, normal, area, traction, slope, stress, energies, angle)
+    n = 0
+    for k in range(plane.shape[1] - 1):
+        mx, my, _, _, _ = piece(plane, k)
+        if math.sqrt(mx * mx + my * my) < outer:
+            places[n] = k
+            n += 1
+    fit_at_faces(plane, places, n, x, fields, REACH * cell, sums, found)
+    far, pressed, rubbed = 0, 0.0, 0.0
+    for r in range(n):
+        k, at = places[r], begin + r
+        mx, my, wx, wy, length = piece(plane, k)
+        nx, ny = -wy, wx
+        above, below = found[r, 0], found[r, 1]
+        across = -0.5 * ((above[0] + below[0]) * nx + (above[2] + below[2]) * ny)
+        along = -0.5 * ((above[2] + below[2]) * nx + (above[1] + below[1]) * ny)
+        pressing, shear = across * nx + along * ny, across * ny - along * nx
+        allowed = 1e-3 * cell if modulus < 0.0 else max(pressing, 0.0) * cell / modulus
+        opening, slip = opening_of(jump, k, wx, wy)
+        closed = pressing > 0.0 and opening <= 0.1 * (abs(slip) + allowed) and not passes
+        # what the points of the chain tell of the jump is better than what particles tell, but along the chain only
+        jx, jy = above[3] - below[3], above[4] - below[4]
+        if abs(nx) < 0.5:
+            jx, jy = wx * (jump[0, k + 1] - jump[0, k]) / length, wx * (jump[1, k + 1] - jump[1, k]) / length
+        if closed and not holds:
+            inward = jx * nx + jy * ny
+            jx, jy = jx - inward * nx, jy - inward * ny
+            if math.sqrt(mx * mx + my * my) >= NEAREST * cell:
+                far, pressed, rubbed = far + 1, pressed + pressing, rubbed + shear
+        out[2, at], out[3, at] = nx, ny
+        out[TRACTION, at], out[TRACTION + 1, at] = pressing, shear  # for now
+        for side in range(2):
+            sign, here = (0.5, above) if side == 0 else (-0.5, below)
+            out[SLOPE + 2 * side, at] = 0.5 * (above[3] + below[3]) + sign * jx
+            out[SLOPE + 2 * side + 1, at] = 0.5 * (above[4] + below[4]) + sign * jy
+            for a in range(3):
+                out[STRESS + 3 * side + a, at] = here[a]
+            out[ENERGY + side, at] = here[5]
+        out[AREA, at] = 1.0 if closed else 0.0  # for now
+    for r in range(n):
+        k, at = places[r], begin + r
+        mx, my, wx, wy, length = piece(plane, k)
+        pressing, shear, closed = out[TRACTION, at], out[TRACTION + 1, at], out[AREA, at] > 0.0
+        if closed and is_own and not holds and far > 0 and math.sqrt(mx * mx + my * my) < NEAREST * cell:
+            # particles ahead disturb the tractions nearest to the tip
+            pressing, shear = pressed / far, rubbed / far
+        if grip >= 0.0:
+            shear = min(max(shear, -grip * abs(pressing)), grip * abs(pressing))
+        if not (closed or holds):
+            pressing, shear = pressure[k] if pressure.shape[0] > 0 else 0.0, 0.0
+        tx, ty = -pressing * wy + shear * wx, pressing * wx + shear * wy
+        if given.shape[1] > 0 and not (closed or holds):
+            tx, ty = tx + given[0, k], ty + given[1, k]
+        out[TRACTION, at], out[TRACTION + 1, at] = tx, ty
+        if is_own:
+            roots = 0.0
+            for end in range(k, k + 2):
+                roots += math.sqrt(math.sqrt(plane[0, end] * plane[0, end] + plane[1, end] * plane[1, end]))
+            scale = 0.25 * roots * roots / math.sqrt(mx * mx + my * my)
+            mx, my = scale * mx, scale * my
+            out[ANGLE, at], out[ANGLE + 1, at] = (
+                angle_beside(mx, my, left > 0.0),
+                angle_beside(mx, my, left < 0.0),
+            )
+        else:
+            is_left = side_at(own, mx, my)[0] * left > 0.0
+            out[ANGLE, at] = out[ANGLE + 1, at] = angle_beside(mx, my, is_left)
+        out[0, at], out[1, at] = mx, my
+        out[AREA, at] = length * (radius[0] + radius[1] * mx - radius[2] * my) if is_ring else length
+    return n
 
 
-def _tractions(stress: Array, normal: Array) -> tuple[Array, Array]:
-    """Traction (k,) of a stress (3, k) on the face above: along the normal, and along the crack."""
-    (s11, s22, s12), (n1, n2) = stress, normal
-    across, along = -(s11 * n1 + s12 * n2), -(s12 * n1 + s22 * n2)
-    return across * n1 + along * n2, across * n2 - along * n1
+@compiled_too
+def fit_at_faces(plane, places, count, x, fields, reach, sums, found):
+    """Values of fields (FIELDS, n) in the middle of segments, above the chain and below, into ``found`` (…, 2, FIELDS).
 
-
-def _extrapolated(
-    pressure: Array, shear: Array, closed: Array, r: Array, least: float
-) -> tuple[Array, Array]:
-    """Take the tractions nearest to the tip, where particles ahead disturb them, as the mean of those farther away."""
-    far = closed & (r >= least)
-    if not far.any():
-        return pressure, shear
-    near = closed & (r < least)
-    return np.where(near, pressure[far].mean(), pressure), np.where(near, shear[far].mean(), shear)
-
-
-def together(faces: list[Faces]) -> Faces | None:
-    """All faces in one; None without any."""
-    if not faces:
-        return None
-    return Faces(*(np.concatenate(arrays, axis=-1) for arrays in zip(*faces, strict=True)))
-
-
-@inline
-def fit_at_faces(points, x, side, fields, reach, sums, out):
-    """Write values of fields (q, n) at points (2, k) on side 1 and on side −1 into ``out`` (2, q, k).
-
-    ``x`` (2, n) are the places at which they are known, ``side`` (n,) where these are. Weighted linear least squares
-    over those within reach; 0 without any. ``sums`` (3, 3 + q) is scratch.
+    ``places`` are the segments, ``x`` (2, n) the places at which fields are known. Weighted linear least squares over
+    those within reach, but for those beyond an end of the chain; 0 without any. ``sums`` is scratch.
     """
-    for at in range(2):
-        for k in range(points.shape[1]):
-            sums[:, :] = 0.0
-            for i in range(x.shape[1]):
-                dx, dy = (x[0, i] - points[0, k]) / reach, (x[1, i] - points[1, k]) / reach
-                if side[i] == 1.0 - 2.0 * at and dx * dx + dy * dy < 1.0:
-                    add_to_fit(sums, dx, dy, fields, i)
+    low_x, low_y, high_x, high_y = 1e300, 1e300, -1e300, -1e300
+    for r in range(count):
+        mx, my, _, _, _ = piece(plane, places[r])
+        low_x, high_x = min(low_x, mx - reach), max(high_x, mx + reach)
+        low_y, high_y = min(low_y, my - reach), max(high_y, my + reach)
+        sums[r, :, :, :] = 0.0
+    for i in range(x.shape[1]):
+        if not (low_x < x[0, i] < high_x and low_y < x[1, i] < high_y):
+            continue
+        side, beyond, is_known = 0.0, False, False
+        for r in range(count):
+            mx, my, _, _, _ = piece(plane, places[r])
+            dx, dy = (x[0, i] - mx) / reach, (x[1, i] - my) / reach
+            if dx * dx + dy * dy >= 1.0:
+                continue
+            if not is_known:
+                side, beyond = side_at(plane, x[0, i], x[1, i])
+                is_known = True
+            if not beyond:
+                add_to_fit(sums[r, 0 if side > 0.0 else 1], dx, dy, fields, i)
+    for r in range(count):
+        for side in range(2):
             for f in range(fields.shape[0]):
-                out[at, f, k] = fitted(sums, f)
+                found[r, side, f] = fitted(sums[r, side], f)
 
 
 @compiled_too

@@ -6,18 +6,11 @@ import math
 
 import numpy as np
 
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.core.compiled.compiler import compiled_too
+from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.integrals.base import Matter, weight_at
-from mpmcli.cracks.integrals.domain import weight_of_faces
-from mpmcli.cracks.integrals.elastic import (
-    PlaneElasticity,
-    TipField,
-    field_of_mode,
-    mixed,
-    strain_of,
-    tip_field,
-)
-from mpmcli.cracks.integrals.faces import Faces
+from mpmcli.cracks.integrals.elastic import PlaneElasticity, field_of_mode
+from mpmcli.cracks.integrals.faces import NO_FACES, Faces
 
 Array = np.ndarray
 
@@ -28,7 +21,7 @@ def modes_by_interaction(
     outer: float,
     elasticity: PlaneElasticity,
     angle: Array | None = None,
-    faces: Faces | None = None,
+    faces: Faces = NO_FACES,
 ) -> tuple[float, float]:
     """Return K_I and K_II of a tip [pressure·√length] by K = ½E′ M.
 
@@ -37,19 +30,14 @@ def modes_by_interaction(
     """
     found = np.zeros(2)
     angles = np.zeros(0) if angle is None else angle
-    sum_modes(matter, inner, outer, elasticity.shear, elasticity.kappa, angles, found)
-    if faces is not None:
-        weight = faces.area * weight_of_faces(faces, inner, outer)
-        for mode, factors in enumerate(((1.0, 0.0), (0.0, 1.0))):
-            sides = [tip_field(faces.x, *factors, elasticity, side) for side in faces.angle]
-            found[mode] -= _over_faces(faces, sides, elasticity) @ weight
+    sum_modes(matter, inner, outer, elasticity.shear, elasticity.kappa, angles, faces, found)
     K_I, K_II = 0.5 * elasticity.modulus / matter.ring.tip * found
     return float(K_I), float(K_II)
 
 
-@inline
-def sum_modes(m, inner, outer, shear, kappa, angles, out):
-    """Write the sums over particles of M into ``out`` (2,), mode by mode.
+@called_once
+def sum_modes(m, inner, outer, shear, kappa, angles, faces, out):
+    """Write the sums over particles and faces of M into ``out`` (2,), mode by mode.
 
     ``angles`` (n,) are those from e₁; those of places if it is of length 0.
     """
@@ -62,8 +50,10 @@ def sum_modes(m, inner, outer, shear, kappa, angles, out):
             continue
         r = max(m.r[k], 1e-300)
         q1, q2 = -fall / r * m.x[0, k], -fall / r * m.x[1, k]
-        angle = angles[k] if angles.shape[0] > 0 else math.atan2(m.x[1, k], m.x[0, k])
-        half = complex(math.cos(0.5 * angle), -math.sin(0.5 * angle)) * (0.5 / math.sqrt(2.0 * math.pi * r))
+        half = half_turn(m.x[0, k] / r, m.x[1, k] / r)
+        if angles.shape[0] > 0:
+            half = complex(math.cos(0.5 * angles[k]), -math.sin(0.5 * angles[k]))
+        half *= 0.5 / math.sqrt(2.0 * math.pi * r)
         ahead = complex(m.x[0, k], m.x[1, k]) / r
         s11, s22, s12 = m.stress[0, k], m.stress[1, k], m.stress[2, k]
         u11, u21 = m.slope[0, k], m.slope[1, k]
@@ -84,16 +74,40 @@ def sum_modes(m, inner, outer, shear, kappa, angles, out):
             out[mode] += m.volume[k] * density
             if moves:
                 out[mode] += m.mass[k] * q * (m.acceleration[0, k] * b11 + m.acceleration[1, k] * b21)
+    for k in range(faces.area.shape[0]):
+        q, _ = weight_at(
+            math.sqrt(faces.x[0, k] * faces.x[0, k] + faces.x[1, k] * faces.x[1, k]), inner, outer
+        )
+        for mode in range(2):
+            out[mode] -= faces.area[k] * q * lost_at_face(faces, k, mode, shear, kappa)
 
 
-def _over_faces(faces: Faces, sides: list[TipField], elasticity: PlaneElasticity) -> Array:
-    n1, n2 = faces.normal
-    lost = (faces.traction * (sides[0].slope - sides[1].slope)).sum(axis=0)
-    for sign, field, stress, (u11, u21) in zip((1.0, -1.0), sides, faces.stress, faces.slope, strict=True):
-        (a11, a22, a12), strain = field.stress, strain_of(field.stress, elasticity)
-        own = (n1 * a11 + n2 * a12) * u11 + (n1 * a12 + n2 * a22) * u21
-        lost += sign * (mixed(stress, strain) * n1 - own)
-    return np.asarray(lost)
+@compiled_too
+def half_turn(c, s):
+    """exp(−iθ/2) for the angle θ between −π and π whose cosine and sine are given."""
+    if c >= 0.0:
+        cosine = math.sqrt(0.5 * (1.0 + c))
+        return complex(cosine, -0.5 * s / cosine)
+    sine = math.copysign(math.sqrt(0.5 * (1.0 - c)), s)
+    return complex(0.5 * s / sine, -sine)
+
+
+@compiled_too
+def lost_at_face(faces, k, mode, shear, kappa):
+    """What piece ``k`` of the faces takes from M of a mode, per area."""
+    x, y, n1, n2 = faces.x[0, k], faces.x[1, k], faces.normal[0, k], faces.normal[1, k]
+    r, mean, lost = math.sqrt(x * x + y * y), 0.25 * (3.0 - kappa), 0.0
+    ahead, scale = complex(x, y) / r, 0.5 / math.sqrt(2.0 * math.pi * r)
+    for side in range(2):
+        angle, sign = 0.5 * faces.angle[side, k], 1.0 if side == 0 else -1.0
+        half = complex(math.cos(angle), -math.sin(angle)) * scale
+        a11, a22, a12, b11, b21 = field_of_mode(half, ahead * ahead, mode + 1, kappa)
+        lost += sign * (faces.traction[0, k] * b11 + faces.traction[1, k] * b21) / (2.0 * shear)
+        s11, s22, s12 = faces.stress[side, 0, k], faces.stress[side, 1, k], faces.stress[side, 2, k]
+        u11, u21, a33 = faces.slope[side, 0, k], faces.slope[side, 1, k], mean * (a11 + a22)
+        w = (s11 * (a11 - a33) + s22 * (a22 - a33) + 2.0 * s12 * a12) / (2.0 * shear)
+        lost += sign * (w * n1 - (n1 * a11 + n2 * a12) * u11 - (n1 * a12 + n2 * a22) * u21)
+    return lost
 
 
 def modes_by_opening(

@@ -6,6 +6,7 @@ from typing import Any
 
 from mpmcli.importers.nairnmpm.commands import Command
 from mpmcli.importers.nairnmpm.job import Job
+from mpmcli.importers.nairnmpm.ramps import RAMPS, ramp_commands
 from mpmcli.importers.nairnmpm.values import Value
 
 _FIELDS = {2: "velocity", 3: "stress", 4: "deformation_gradient", 8: "temperature"}
@@ -207,9 +208,6 @@ _PERIODIC = {
 }
 
 
-_RAMPS = "loads of kind heat_source and conditions of kind temperature change them"
-
-
 def tasks(job: Job, root: Command) -> None:
     """Custom tasks that have a counterpart."""
     for block in (*root.all("CustomTasks"), root):
@@ -221,9 +219,7 @@ def tasks(job: Job, root: Command) -> None:
                 job.ignored(task, f"{name}: archive.particles writes VTU files")
             elif name == "AdjustTimeStep":
                 job.ignored(task, "AdjustTimeStep: steps follow the current wave speeds")
-            elif name in {"ThermalRamp", "PropertyRamp"}:
-                job.unsupported(task, f"{name}: temperatures that are given to particles; {_RAMPS}")
-            elif name != "ReverseLoad":
+            elif name not in {"ReverseLoad", *RAMPS}:
                 job.unsupported(task, f"the custom task '{name}'")
 
 
@@ -281,11 +277,9 @@ def heat(job: Job, root: Command) -> None:
                 friction = True
             elif inside.name == "ContactHeatFlow":
                 job.unsupported(inside, "its conductances; heat.contact has one")
-            elif inside.name == "Isothermal":
-                job.unsupported(inside, f"a ramp of all temperatures; {_RAMPS}")
             elif inside.name == "NoAVHeating":
                 job.ignored(inside, "there is no artificial viscosity")
-            else:
+            elif inside.name != "Isothermal":
                 job.unsupported(inside, "no counterpart")
     if conducts:
         in_contact = any(
@@ -308,6 +302,7 @@ def temperatures_matter(job: Job, root: Command, header: Command) -> bool:
         for block in root.children
         for inside in block.children
     )
+    matter = matter or any(True for _ in ramp_commands(root))
     for command in root.walk():
         if command.name in {"Body", "mp"} and "temp" in command.attributes:
             value = job.number(command, "temp")

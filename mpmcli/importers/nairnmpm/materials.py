@@ -125,8 +125,14 @@ def _common(job: Job, command: Command, made: Made) -> None:
         heat = job.property(command, "Cv") or job.property(command, "Cp")
         if heat is not None:
             made["heat_capacity"] = heat
+        elif job.scene.get("_ramps") and "heat_capacity" not in made and made["kind"] != "ideal_gas":
+            made["heat_capacity"] = Value(1.0)
+            job.changed(command, "without Cv, NairnMPM's heat capacity is 1")
         conductivity = job.property(command, "kCond", "conductivity", shown=True)
-        if conductivity is not None and "heat" in job.scene:
+        insulates = job.scene.get("_insulates", False)
+        if insulates:
+            made["conductivity"] = Value(0.0)
+        if conductivity is not None and "heat" in job.scene and not insulates:
             made["conductivity"] = conductivity
         elif conductivity is not None:
             job.note("ignored", command, "kCond: nothing conducts heat in this file")

@@ -14,6 +14,7 @@ from mpmcli.importers.nairnmpm import (
     cracks,
     header,
     materials,
+    ramps,
     reversal,
     scripts,
 )
@@ -97,6 +98,7 @@ def _translate(job: Job, root: Command, blocks: dict[str, Any]) -> None:
     job.heats = archive.temperatures_matter(job, root, head)
     header.method(job, head)
     archive.heat(job, root)
+    ramps.read_ramps(job, root)
     bodies = Bodies(job)
     bodies.read(blocks["MaterialPoints"])
     if not bodies.made and not job.made.errors:
@@ -113,6 +115,8 @@ def _translate(job: Job, root: Command, blocks: dict[str, Any]) -> None:
     loads = [entry for block in root.all("Gravity") for entry in conditions.gravity(job, block)]
     for block in root.all("ParticleBCs"):
         loads += conditions.particle_loads(job, block, bodies)
+    if not job.made.errors:
+        loads += ramps.ramp_loads(job)
     if loads:
         job.scene["loads"] = loads
     archive.tasks(job, root)

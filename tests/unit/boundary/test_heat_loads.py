@@ -457,3 +457,31 @@ def test_nodes_held_below_zero_stop_the_run(value, words):
     held.select(0.5)
     with pytest.raises(SimulationError, match=f"'wall': its temperature {words} time 2; temperatures are"):
         held.select(2.0)
+
+
+def test_conditions_that_contradict_each_other_at_a_node_stop_the_run():
+    """Where they agree, the first one accounts for the node; a node without capacity is nobody's."""
+
+    def condition(name, places, slope):
+        holder = SimpleNamespace(
+            renew=lambda active: None,
+            key=lambda time: 0,
+            nodes=lambda time: np.array(places),
+            values=lambda time, points: 350.0 + slope * time,
+        )
+        return SimpleNamespace(name=name, holder=lambda grid, surface_nodes: holder)
+
+    grid = SimpleNamespace(shape=(5,), coordinates=lambda nodes: 0.5 * np.asarray(nodes)[None])
+    nodes = SimpleNamespace(active=np.arange(5), active_version=1)
+    field = SimpleNamespace(nodes=nodes, mp=np.ones((5, 2)))
+    held = HeldTemperatures(
+        [condition("low", [0, 1, 2], 0.0), condition("high", [2, 3], 10.0)], grid, field, None
+    )
+    held.select(0.0)
+    held.impose(np.full((5, 1), 300.0), counts=True)
+    assert held.heat.tolist() == [150.0, 50.0]
+    words = r"'low' and 'high' contradict each other at time 2: the grid node at \(1\) would .* 350 and 370"
+    with pytest.raises(SimulationError, match=words):
+        held.select(2.0)
+    field.mp[2, 0] = 0.0
+    held.select(2.0)

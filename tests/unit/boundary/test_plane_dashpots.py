@@ -47,6 +47,44 @@ def test_nodes_give_their_share_of_each_material(plain_python):
     assert force[:, 1].sum() == pytest.approx(0.01 * (2 * 1 + 2 * 8))
 
 
+OWN = """
+version: 1
+analysis: {kind: plane_strain}
+grid: {lower: [0, 0], upper: [4, 4], cell: 1}
+method: {shape: linear, transfer: {kind: flip}}
+materials:
+  m: {kind: linear_elastic, E: 1, nu: 0, density: 1}
+bodies:
+  - {name: b, material: m, region: {kind: points, file: p.csv}, velocity: ["where(x > 2, 0.02, 0)", -0.01]}
+loads:
+  - {name: base, kind: absorbing, on: PLACE}
+time: {end: 1, courant: 0.1}
+"""
+
+
+@pytest.mark.parametrize(
+    "place", [PLANE, "{body: BODY, face: {axis: y, side: lower}}"], ids=["plane", "face"]
+)
+def test_particles_have_the_impedance_of_their_own_numbers(plain_python, tmp_path, place):
+    """Columns E and density of one body give the forces of two bodies with a material each."""
+    points = [(0.25 + 0.5 * i, 1.25 + 0.5 * j) for i in range(8) for j in range(4)]
+    rows = [f"{x},{y},0.25,{16 if x > 2 else 1},{4 if x > 2 else 1}" for x, y in points]
+    (tmp_path / "p.csv").write_text("\n".join(["x,y,volume,E,density", *rows]) + "\n")
+    (tmp_path / "scene.yaml").write_text(OWN.replace("PLACE", place.replace("BODY", "b")))
+    two = SCENE.replace("PLACE", place.replace("BODY", "left"))
+    if place != PLANE:
+        other = "  - {name: other, kind: absorbing, on: {body: right, face: {axis: y, side: lower}}}\n"
+        two = two.replace("time:", other + "time:")
+    with plain_python():
+        several = Simulation(load_scene(two))
+        one = Simulation(load_scene(tmp_path / "scene.yaml"))
+        several.step()
+        one.step()
+    assert np.abs(one.loads.force).max() > 0.05
+    assert one.loads.force == pytest.approx(several.loads.force, abs=1e-15)
+    assert one.time_step.courant == several.time_step.courant
+
+
 def test_a_force_takes_no_more_than_the_momentum():
     grid = Grid(np.zeros(1), np.full(1, 4.0), np.ones(1), 0, 2)
     grid.active, grid.active_version = np.arange(5), 1

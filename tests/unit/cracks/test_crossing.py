@@ -11,7 +11,18 @@ from hypothesis import strategies as st
 
 from mpmcli.core.grid import Grid
 from mpmcli.cracks.chain import Chain, divide
-from mpmcli.cracks.crossing import BITS, UNIT, allocate_segments, crosses, find_segments, hash_segments, whole
+from mpmcli.cracks.crack_nodes import cross_nodes
+from mpmcli.cracks.crossing import (
+    BITS,
+    UNIT,
+    allocate_segments,
+    cell_of,
+    crosses,
+    find_segments,
+    hash_segments,
+    list_near,
+    whole,
+)
 from mpmcli.cracks.points import AllPoints
 
 few = st.tuples(st.integers(-4, 4), st.integers(-4, 4))
@@ -47,12 +58,14 @@ def count_exactly(points, P, Q):
     return count
 
 
-def count(found, P, Q):
-    px, py, x, y = (int(UNIT * v) for v in (*P, *Q))
-    return sum(
-        bool(crosses(*ends, px, py, x, y))
-        for ends in zip(found.ax, found.ay, found.bx, found.by, strict=True)
-    )
+def count(found, P, Q, unit=UNIT):
+    """Crossings of the line of sight from P to Q, as particles and faces count them."""
+    px, py, x, y = (int(unit * v) for v in (*P, *Q))
+    reach = max(abs(x - px), abs(y - py))
+    table, near = hash_segments(found, 1 + (reach >> BITS)), np.zeros((len(found.ax), 7), dtype=np.int64)
+    cell = cell_of(table, px >> BITS, py >> BITS)
+    n = list_near(found, table, cell, px, py, reach, np.zeros((1, 1), dtype=bool), -1, near)
+    return sum(bool(crosses(near, k, x - px, y - py)) for k in range(n))
 
 
 @given(chain=st.lists(few, min_size=2, max_size=6), P=few, Q=few)
@@ -108,8 +121,29 @@ def test_random_places_are_exact_on_the_lattice_of_positions(points, P, Q):
     found = segments_of(inside)
     p = [int(whole(5 + v, o, 1.0)) for v, o in zip(P, origin, strict=True)]
     q = [int(7 + v) << BITS for v in Q]
-    got = sum(bool(crosses(*e, *p, *q)) for e in zip(found.ax, found.ay, found.bx, found.by, strict=True))
-    assert got == count_exactly(exact, tuple(map(Fraction, p)), tuple(map(Fraction, q)))
+    assert count(found, p, q, unit=1) == count_exactly(
+        exact, tuple(map(Fraction, p)), tuple(map(Fraction, q))
+    )
+
+
+@given(
+    chain=st.lists(few, min_size=2, max_size=6), P=st.tuples(st.integers(0, 8), st.integers(0, 8)), first=few
+)
+def test_lines_of_sight_to_all_nodes_of_a_stencil_are_those_to_each(chain, P, first):
+    found = segments_of(np.array(chain) + 5)
+    px, py = (int(UNIT * (5 + 0.25 * v)) for v in P)
+    x0, y0 = ((5 + first[0]) << BITS) - px, ((5 + first[1]) << BITS) - py
+    table, near = hash_segments(found, 20), np.zeros((len(found.ax), 7), dtype=np.int64)
+    cell = cell_of(table, px >> BITS, py >> BITS)
+    n = list_near(found, table, cell, px, py, 20 << BITS, np.zeros((1, 1), dtype=bool), -1, near)
+    times, crossed = np.zeros(9, dtype=np.int64), np.full(9, -1)
+    cross_nodes(near, 0, n, x0, y0, range(3), times, crossed)
+    for j in range(9):
+        x, y = x0 + ((j % 3) << BITS), y0 + ((j // 3) << BITS)
+        each = [int(near[k, 0]) for k in range(n) if crosses(near, k, x, y)]
+        assert times[j] == len(each)
+        if each:
+            assert crossed[j] == each[min(1, len(each) - 1)]
 
 
 def test_no_line_of_sight_slips_round_a_mouth():

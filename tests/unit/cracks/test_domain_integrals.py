@@ -4,18 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tip_fields import STEEL, Plate
+from tip_fields import STEEL, Plate, strain_of, tip_field
 
 from mpmcli.core.analysis import PlaneStrain, PlaneStress
 from mpmcli.cracks.integrals.base import NO_RING, NO_VECTORS, Frame, Matter, Ring, matter_near, weight_at
 from mpmcli.cracks.integrals.domain import energy_release_rate
-from mpmcli.cracks.integrals.elastic import (
-    PlaneElasticity,
-    has_plane_elasticity,
-    plane_elasticity,
-    strain_of,
-    tip_field,
-)
+from mpmcli.cracks.integrals.elastic import PlaneElasticity, has_plane_elasticity, plane_elasticity
 from mpmcli.cracks.integrals.faces import Faces
 from mpmcli.cracks.integrals.modes import modes_by_interaction, modes_by_opening
 from mpmcli.materials import MATERIALS

@@ -14,14 +14,8 @@ from mpmcli.core.state import State
 from mpmcli.cracks.chain import END, START, Chain
 from mpmcli.cracks.fracture import Fracture
 from mpmcli.cracks.integrals.elastic import plane_elasticity
-from mpmcli.cracks.integrals.faces import (
-    Crack,
-    angles_beside,
-    bends,
-    fit_at_faces,
-    must_be_found,
-    side_of,
-)
+from mpmcli.cracks.integrals.faces import fit_at_faces
+from mpmcli.cracks.integrals.seen import Crack, angle_beside, asks, bends, side_at
 from mpmcli.cracks.tips import Tips
 
 pytestmark = pytest.mark.usefixtures("python_and_compiled")
@@ -49,11 +43,26 @@ def tips_of(plate, law, *chains, pressure=None, **fracture):
     return Tips(Fracture(**fracture), [plate.crack(), *chains], models, state, grid, plate.thickness)
 
 
+def sides_of(crack, x):
+    """Sides of points (2, n), and whether they lie beyond an end."""
+    sides = [side_at(crack.plane, *point) for point in x.T.tolist()]
+    return tuple(np.array(each) for each in zip(*sides, strict=True))
+
+
+def angles_beside(crack, x, side):
+    return np.array([angle_beside(*point, s * crack.left > 0.0) for point, s in zip(x.T, side, strict=True)])
+
+
+def must_be_found(crack, outer, cell):
+    always = crack.end is None or crack.holds
+    return asks(crack.plane, crack.jump, always, crack.passes, outer, cell)
+
+
 def test_sides_of_a_kinked_crack():
     x = np.array(
         [[-1.5, -1.5, -0.5, -0.5, -1.2, -0.8, 0.3, -2.5], [0.0, -0.6, 0.1, -0.1, 0.3, -0.3, 0.1, -1.3]]
     )
-    side, beyond = side_of(seen(KINKED), x)
+    side, beyond = sides_of(seen(KINKED), x)
     assert side[:6].tolist() == [1, -1, 1, -1, 1, -1]
     assert beyond.tolist() == [False] * 6 + [True, True]
 
@@ -62,7 +71,7 @@ def test_sides_of_a_kinked_crack():
 def test_sides_do_not_depend_on_how_a_line_is_divided(x, y):
     point = np.array([[0.01 * x + 0.004], [0.01 * y + 0.003]])
     one, many = seen(STRAIGHT[:, [0, -1]]), seen(STRAIGHT)
-    assert side_of(one, point) == side_of(many, point)
+    assert sides_of(one, point) == sides_of(many, point)
 
 
 def test_angles_go_on_beyond_a_straight_line():
@@ -73,22 +82,22 @@ def test_angles_go_on_beyond_a_straight_line():
     # at a start, what lies above the crack lies on the right of the tip
     backwards = angles_beside(seen(-KINKED[:, ::-1], end=START), x[:, :1], np.array([1.0]))
     assert backwards == pytest.approx(np.arctan2(-0.4, -1.5))
-    assert bends(seen(KINKED), 2.0, CELL)
-    assert not bends(seen(STRAIGHT), 2.0, CELL)
-    assert not bends(seen(np.array([[-9.0, -8.0, -1.0, 0.0], [1.0, 0.0, 0.0, 0.0]])), 2.0, CELL)
+    assert bends(KINKED, 2.0, CELL)
+    assert not bends(STRAIGHT, 2.0, CELL)
+    assert not bends(np.array([[-9.0, -8.0, -1.0, 0.0], [1.0, 0.0, 0.0, 0.0]]), 2.0, CELL)
 
 
 def test_values_at_faces_are_exact_for_linear_fields():
     rng = np.random.default_rng(1)
     x = rng.uniform(-1, 1, (2, 200))
     fields = np.stack([1.0 + 2.0 * x[0] - x[1], 3.0 * x[1]])
-    points = np.array([[0.0, 0.4], [0.1, -0.3]])
-    side, found = np.where(x[0] + x[1] > 0.1, 1.0, -1.0), np.empty((2, 2, 2))
-    exact = np.stack([1.0 + 2.0 * points[0] - points[1], 3.0 * points[1]])
-    fit_at_faces(points, x, side, fields, 0.6, np.empty((3, 5)), found)
-    assert found[0] == pytest.approx(exact, abs=0.012)
-    assert found[1] == pytest.approx(exact, abs=0.012)
-    fit_at_faces(points + 9.0, x, side, fields, 0.6, np.empty((3, 5)), found)  # no matter
+    plane = np.array([[-1.0, -0.2, 0.2, 0.6, 1.4], [1.1, 0.3, -0.1, -0.5, -1.3]])
+    places, found, sums = np.array([1, 2]), np.empty((2, 2, 2)), np.empty((2, 2, 3, 5))
+    exact = np.array([[0.9, 0.3], [2.1, -0.9]])  # at (0, 0.1) and (0.4, -0.3)
+    fit_at_faces(plane, places, 2, x, fields, 0.6, sums, found)
+    assert found[:, 0] == pytest.approx(exact, abs=0.012)
+    assert found[:, 1] == pytest.approx(exact, abs=0.012)
+    fit_at_faces(plane + 9.0, places, 2, x, fields, 0.6, sums, found)  # no matter
     assert not found.any()
 
 

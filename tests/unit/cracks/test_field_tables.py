@@ -11,8 +11,8 @@ import yaml
 
 from mpmcli.contact.fields_in_contact import FieldsInContact
 from mpmcli.core.dofs import dof_of, field_of, side_of
-from mpmcli.cracks.crack_nodes import CrackNodes
 from mpmcli.cracks.face_contacts import FaceContacts, Faces, Planes, list_faces
+from mpmcli.cracks.sights import CrackNodes
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 
@@ -32,7 +32,7 @@ def faces_of(massive, above=(1.0, 1.0), cracks=(FIRST, SECOND), fields=1, skippe
         mp[dof_of(NODE, field, side, NODES, fields), 0] = 1.0 if (field, side) != (0, 0) else 1.0 - light
     none = np.zeros(0, dtype=np.int64)
     nodes = CrackNodes(none, np.array([NODE]), np.array([cracks]), none)
-    planes = Planes(np.zeros((1, 2, 2)), np.zeros((1, 2)), np.array([above]))
+    planes = Planes(np.zeros((1, 2, 2)), np.zeros((1, 2)), np.array([above]), np.ones((1, 2)))
     integers = {name: np.zeros(room, dtype=np.int64) for name in FieldsInContact._fields}
     flags = {name: np.zeros(room, dtype=bool) for name in ("rigid", "alone", "pair", "both")}
     m = FieldsInContact(**(integers | flags | {"order": np.zeros(room)}))
@@ -40,7 +40,7 @@ def faces_of(massive, above=(1.0, 1.0), cracks=(FIRST, SECOND), fields=1, skippe
         np.zeros(room, dtype=np.int64),
         np.zeros(room, dtype=np.int64),
         np.zeros((room, 2)),
-        np.zeros((room, 8)),
+        np.zeros((room, 2), dtype=np.int64),
     )
     passes = np.isin(np.arange(count), skipped)
     found = list_faces(

@@ -64,13 +64,13 @@ def test_kept_runs_are_found_though_the_scene_has_more_keys_by_now(tmp_path, mon
         change(scene)
         (kept / "run.json").write_text(json.dumps({"scene": scene, "run": {"ended": "finished"}}))
 
-    for added in ("volumetric", "damping"):
+    for added in ("precision", "damping"):
         keep(lambda scene, added=added: scene["method"].pop(added))
         assert Runs(tmp_path)[case].directory == kept
     keep(lambda scene: scene["domain"].pop("volume_ratio"))
     assert Runs(tmp_path)[case].directory == kept
     for change in (
-        lambda scene: scene["method"].update(volumetric="averaged"),  # another default
+        lambda scene: scene["method"].update(precision="single"),  # another default
         lambda scene: scene["time"].pop("courant"),  # the scene says it
         lambda scene: scene["method"].update(gone=1),
     ):

@@ -20,7 +20,9 @@ from mpmcli.importers.scene_text import write
 from mpmcli.materials.axes import rotation_matrix
 from mpmcli.run.load import load
 from mpmcli.scene.axes import start_axes
+from mpmcli.scene.loader import load_scene
 from mpmcli.scene.units import Units
+from mpmcli.solver.simulation import Simulation
 
 SOURCES = Path(__file__).parents[2] / "outside" / "nairnmpm" / "sources"
 
@@ -690,14 +692,57 @@ def test_reactions_are_those_of_conditions_by_their_number(tmp_path, attributes,
         assert any(words in str(note) for note in made.notes)
 
 
-RAMP = """<CustomTasks><Schedule name="ThermalRamp"><Parameter name="DeltaT">9</Parameter></Schedule></CustomTasks>"""
+def ramp(name="ThermalRamp", **parameters):
+    inside = "".join(f'<Parameter name="{key}">{value}</Parameter>' for key, value in parameters.items())
+    return f'<CustomTasks><Schedule name="{name}">{inside}</Schedule></CustomTasks>'
+
+
+HOT = {"setup": "<StressFreeTemp>300</StressFreeTemp>", "time": '<MaxTime units="ms">0.2</MaxTime>'}
+WARMED = HOT | {"material": MATERIAL.replace("</Mat", "<alpha>60</alpha><Cv>400</Cv><kCond>2</kCond></Mat")}
+
+
+@pytest.mark.parametrize(
+    ("words", "share"),
+    [
+        (ramp(DeltaT=40, time=0.1, start=0.05), 1.0),
+        ('<Thermal><Isothermal time="0.1" start="0.05">40</Isothermal></Thermal>', 1.0),
+        ('<Thermal><Conduction/><Isothermal time="0.1">40</Isothermal></Thermal>', 1.0),
+        (ramp(name="PropertyRamp", Delta=40, time=0.4), 0.5),
+        (ramp(DeltaT=40, time=0.1, sigmoidal=1), 1.0),
+        (ramp(DeltaT=40, time=0.1, exponential=2), 1 - math.exp(-2)),
+        (ramp(DeltaT=40, time=0.1, scale="x/x"), 1.0),
+        (ramp(DeltaT=40), 1.0),
+    ],
+    ids=["task", "isothermal", "conduction", "property", "sigmoidal", "exponential", "scale", "jump"],
+)
+def test_ramps_of_temperature_warm_all_particles(plain_python, tmp_path, words, share):
+    """The temperature is within a step of the ramp, 1 K, of what NairnMPM reaches."""
+    made = translated(tmp_path, source(**WARMED, points=BODY.replace('"4"', '"1"'), more=words))
+    assert made.problems(partial=False) == []
+    with plain_python():
+        s = Simulation(load_scene(write(made), sets=("time={end: 0.2, step: 0.0025}",)))
+        while s.time < 0.2 - 1e-9:
+            s.step()
+    T = s.particles.T
+    assert T == pytest.approx(300 + 40 * share, abs=1.0)
+    assert np.ptp(T) < 1e-9
+
+
+def test_ramps_need_no_heat_capacity(tmp_path):
+    made = translated(tmp_path, source(**HOT, more=ramp(DeltaT=40, time=0.1)))
+    assert made.problems(partial=False) == []
+    assert made.scene["materials"]["stuff"]["heat_capacity"] == 1
+    assert any("NairnMPM's heat capacity is 1" in str(note) for note in made.notes)
 
 
 @pytest.mark.parametrize(
     ("parts", "words"),
     [
-        ({"more": "<Thermal><Isothermal time='1'>20</Isothermal></Thermal>"}, "supported: a ramp of all temperatures"),
-        ({"more": RAMP}, "not supported: ThermalRamp: temperatures that are given to particles"),
+        (HOT | {"more": ramp(name="PropertyRamp", property=3, Delta=2)}, "supported: a ramp of strengths"),
+        (HOT | {"more": ramp(DeltaT=2, time=1, file="a.bmp")}, "supported: ThermalRamp: a picture of changes"),
+        (HOT | {"more": ramp(DeltaT=2, time=1, exponential=1, stretch=0.5)}, "a stretched exponential ramp"),
+        (HOT | {"more": ramp(DeltaT=2, start=1)}, "a jump of temperatures during the run"),
+        ({"more": ramp(DeltaT=2, time=1)}, "temperatures are absolute here"),
         ({"more": HELD.replace('vel="0"', 'vel="0" style="1" time="2"', 1)}, "begins later than at time 0"),
         (
             {"more": HELD.replace('vel="0"', 'style="6" function="t" time="2"', 1)},

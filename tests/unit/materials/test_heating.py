@@ -328,15 +328,25 @@ SOLID_LAWS = [
 ]
 
 
-@pytest.mark.parametrize("words", SOLID_LAWS, ids=lambda words: words["kind"])
-def test_free_growth_changes_no_stress_and_dissipates_nothing(words):
+@pytest.mark.parametrize(
+    ("words", "analysis"),
+    [
+        pytest.param(words, analysis, id=f"{words['kind']}-{analysis}")
+        for words in SOLID_LAWS
+        for analysis in ("3d", "axisymmetric", "plane_stress", "uniaxial_stress")
+        if analysis in MATERIALS[words["kind"]].analyses
+    ],
+)
+def test_free_growth_changes_no_stress_and_dissipates_nothing(words, analysis):
     """In any law: a body that grows with its heat keeps its Cauchy stress and shape."""
-    run = Run("3d", words | {"expansion": ALPHA}, "isothermal", conducts=True)
-    start = run.stress
+    run = Run(analysis, words | {"expansion": ALPHA}, "isothermal", conducts=True)
+    d = run.analysis.dimensions
+    grows = [row for row in range(d * d) if row % (d + 1) == 0] + ([4] if analysis == "axisymmetric" else [])
+    start, rate = run.stress, np.zeros(len(run.p.L))
     for T in (310.0, 370.0, 400.0, 350.0):
-        growth = ALPHA * (T - run.T)
+        rate[grows] = ALPHA * (T - run.T)
         run.p.T[0] = T
-        run.step(1.0, *(growth if row % 4 == 0 else 0.0 for row in range(9)))
+        run.step(1.0, *rate)
     assert np.abs(run.stress - start).max() < 1e-14
     for name in ("plastic_work", "heat_energy", "dissipated_energy"):
         if name in run.model.history:

@@ -162,6 +162,29 @@ def test_work_is_stored_or_dissipated(axis):
     assert errors[1] < 0.5 * errors[0]
 
 
+@pytest.mark.parametrize(
+    ("stiffness", "most"),
+    [
+        ({f"E{i}": 100.0 for i in (1, 2, 3)} | {f"G{i}": 100 / 2.6 for i in (12, 13, 23)}, 0.003),
+        ({"E1": 100.0, "E2": 50.0, "E3": 20.0, "G12": 30.0, "G13": 20.0, "G23": 10.0}, 0.001),
+    ],
+    ids=["isotropic", "orthotropic"],
+)
+def test_work_under_pressure_is_stored_or_dissipated(stiffness, most):
+    """Shear at a volume compressed by 21 %, under a pressure of 20 (4) times the flow stress."""
+    ratios = {"nu12": 0.3, "nu13": 0.3, "nu23": 0.3}
+    hardening = {"kind": "linear", "yield_stress": 1.0, "modulus": 0.1}
+    model = make(**stiffness, **ratios, anisotropy={"kind": "ratios"}, hardening=hardening)
+    m, H, F = model.parameters("3d", False), start(model), nine(np.eye(3))
+    tau = stress(m, math.exp(math.log(0.79) / 3) * np.eye(3), H, commit=True)
+    stored, plastic, work, parts = strain_energy(m, F, H, 0), H[10, 0], 0.0, 400
+    rate = np.array([[0.0, 0.3, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    for _ in range(parts):
+        old, tau = tau, stress(m, np.eye(3) + rate / parts, H, commit=True)
+        work += 0.5 * np.sum((old + tau) * rate) / parts
+    assert H[10, 0] - plastic == pytest.approx(work - (strain_energy(m, F, H, 0) - stored), rel=most)
+
+
 def test_a_large_step_ends_on_the_yield_surface_that_small_ones_reach():
     """A jump of 20 % is not exact, but finite and plastic; its next step stays on the surface."""
     model = make()

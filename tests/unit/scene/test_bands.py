@@ -45,3 +45,21 @@ def test_axisymmetric_analyses_are_refused():
     """A radial crack is no ring."""
     with pytest.raises(SceneError, match=r"axisymmetric"):
         scene(1, kind_of_analysis="axisymmetric")
+
+
+def test_the_row_with_the_least_toughness_is_named(tmp_path):
+    """Numbers of particles: the widest band is that of each row."""
+    rows = ["3.5,3.5,1,1,1e-3", "4.5,3.5,1,0.5,1e-4", "5.5,3.5,1,1,1e-3"]
+    (tmp_path / "p.csv").write_text("\n".join(["x,y,volume,strength,toughness", *rows]) + "\n")
+    loaded = scene(1)
+    plain = loaded.model_dump(mode="json", exclude_unset=True)
+    plain["bodies"][0]["region"] = {"kind": "points", "file": "p.csv"}
+    for cell, refused in ((1, True), (0.75, False)):
+        plain["grid"]["cell"] = cell
+        (tmp_path / "scene.yaml").write_text(yaml.safe_dump(plain))
+        given = load_scene(tmp_path / "scene.yaml").scene
+        if refused:
+            with pytest.raises(SceneError, match=r"(?s)p\.csv', line 3, .*smaller than 0\.8 "):
+                check_filling(given)
+        else:
+            check_filling(given)

@@ -234,6 +234,12 @@ def test_warnings(problems_with: Find, old: str, new: str, path: str, words: str
     assert words in problems[0].message
 
 
+def test_what_is_left_out_says_why(problems_with: Find) -> None:
+    (problem,) = problems_with(("probes:", "method: {precision: single}\nprobes:"))
+    assert (problem.path, problem.code) == ("method.precision", "invalid")
+    assert "'single' is not available, because it would save" in problem.message
+
+
 def test_a_fault_in_one_part_does_not_hide_those_of_others(problems_with: Find) -> None:
     problems = problems_with(
         ("nu: 0.33", "nu: 0.7"),

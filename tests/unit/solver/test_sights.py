@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from mpmcli.core.compiled.kernel import kernel, prange
+from mpmcli.core.dofs import dof_of
 from mpmcli.core.grid import Grid, unfold
 from mpmcli.core.step import Step
 from mpmcli.core.transfer import nodes
-from mpmcli.core.transfer.cut import first_rows, make_cut
+from mpmcli.core.transfer.cut import Cut
 from mpmcli.core.transfer.full_mass import OrderRule, add_full_mass_increments
 from mpmcli.core.transfer.kernels import move_particles, scatter
 from mpmcli.core.transfer.stencil import fill
@@ -23,6 +24,23 @@ FMPM4 = {"kind": "fmpm", "order": 4}
 TILTED = (-40.0, -5.3, 40.0, 4.1)
 STRAIGHT = (-40.0, -1.0, 40.0, -1.0)
 """Along a line of nodes, which are above it."""
+
+
+def first_rows(particle, ranges):
+    """First row of each band or chunk of particles, and the end, in the ascending list ``particle``."""
+    return np.searchsorted(particle, ranges).astype(np.uint64)
+
+
+def make_cut(transfer, particle, corner, S, G, side):
+    """Rows of the particles (c,), by ascending place, on the sides ``side`` (c, m) of the nodes of their stencils."""
+    p, grid, order = transfer.particles, transfer.grid, transfer.order
+    node = corner[:, None] + transfer.stencil.offsets
+    field = p.velocity_field[particle].astype(np.uint64)[:, None]
+    dof = dof_of(node, field, side.astype(np.uint64), np.uint64(grid.node_count), np.uint64(grid.fields))
+    mask = np.zeros(p.count, dtype=np.uint8)
+    mask[particle] = 1
+    bands, chunks = first_rows(particle, order.bands.first), first_rows(particle, order.chunks)
+    return Cut(mask, particle, bands, chunks, corner, S, G, dof)
 
 
 @kernel
