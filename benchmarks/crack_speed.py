@@ -107,11 +107,15 @@ class Timed:
         cracks = self.simulation.cracks
         if cracks is None:
             return 0
-        from mpmcli.cracks.sights import CROSSINGS
+        from mpmcli.cracks.sights import CROSSINGS, CUT
 
-        sides = cracks.sides
-        found = sum(a[: sides.seen].nbytes for a in sides.sights) + sum(a.nbytes for a in sides.candidates)
-        return found + sum(a[: sides.counts[CROSSINGS]].nbytes for a in sides.crossings)
+        sides, counts = cracks.sides, cracks.sides.counts
+        seen = sum(a[: sides.seen].nbytes for a in sides.sights)
+        in_rows = sum(
+            a[: counts[CUT]].nbytes for a in (sides.sights.particle, sides.sights.corner, sides.sights.S)
+        )
+        near = sum(a.nbytes for a in sides.candidates)
+        return seen - in_rows + near + sum(a[: counts[CROSSINGS]].nbytes for a in sides.crossings)
 
     @property
     def finding(self) -> float:

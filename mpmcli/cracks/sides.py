@@ -180,7 +180,7 @@ class CrackSides:
         close = int(np.count_nonzero(away[particle] <= near + 10.0 * ROUND_OFF))
         self._clear()
         longest = int(np.diff(self.hash.first).max(initial=0))
-        times, crossed, number = (np.zeros(m, dtype=np.int64) for _ in range(3))
+        times, crossed, number = np.zeros((3, m), dtype=np.int64)
         self._scratch = Scratch(np.zeros((longest, 7), dtype=np.int64), times, crossed, number, self._mark)
         self.sights = allocate_sights(c, m)
         bands, chunks = self._order.bands.first, self._order.chunks

@@ -61,7 +61,9 @@ def crack_facts(scene: Any, simulation: Simulation) -> dict[str, Any]:
         "further_bytes": int(extra * per_dof),
         "candidates": len(candidates.particle),
         "cut_particles": cut,
-        "candidate_bytes": sum(array.nbytes for array in candidates),
+        "candidate_bytes": sum(
+            array.nbytes for table in (candidates, sides.sights, sides.crossings) for array in table
+        ),
         "side_tests": tests,
         "tips": _domains(scene, simulation),
         "growth": _fastest_growth(simulation),
@@ -162,8 +164,8 @@ def cracks_in_words(facts: dict[str, Any]) -> list[str]:
         f"of freedom ({_bytes(facts['further_bytes'])})"
     )
     lines.append(
-        f"{facts['candidates']} particles near cracks ({_bytes(facts['candidate_bytes'])}), {facts['cut_particles']} "
-        f"of them cut; at most {facts['side_tests']} tests of sides per step"
+        f"{facts['candidates']} particles near cracks (at most {_bytes(facts['candidate_bytes'])}), "
+        f"{facts['cut_particles']} of them cut; at most {facts['side_tests']} tests of sides per step"
     )
     if facts["tips"]:
         tips = [f"{tip['tip']} {tip['particles']}" for tip in facts["tips"]]
