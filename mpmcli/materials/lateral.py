@@ -33,8 +33,14 @@ def stretch_laterally(F: Any, y: float, z: float) -> Any:
 
 @called_too
 def search_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) -> Any:
-    """F_zz (and F_yy, if ``both``) for which τ_zz = 0: a bracketed secant search in its logarithm."""
+    """F_zz (and F_yy, if ``both``) for which τ_zz = 0: a bracketed secant search in its logarithm.
+
+    The second trial is as far from the first as the strain of the step. The search ends with a change below 1e-9, whose
+    own error is of second order.
+    """
     low, high = -20.0, 20.0
+    size = max(abs(dF[0] - 1.0), abs(dF[4] - 1.0), abs(dF[1]), abs(dF[3]))
+    size = min(size, 1e-3) if size > 1e-7 else 1e-3
     x0, f0 = 0.0, 0.0
     x = 0.0
     for trial in range(80):
@@ -47,7 +53,7 @@ def search_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) 
             low = max(low, x)
         rise = (f - f0) * (x - x0)
         if trial == 0:
-            step = 1e-3 if f < 0.0 else -1e-3
+            step = size if f < 0.0 else -size
         elif rise > 0.0:
             step = -f * (x - x0) * (x - x0) / rise
         elif low > -20.0 and high < 20.0:
@@ -58,7 +64,7 @@ def search_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) 
         x += min(0.5, max(-0.5, step))
         if x < low - 1e-12 or x > high + 1e-12:
             x = 0.5 * (low + high)
-        if abs(x - x0) < 1e-11:
+        if abs(x - x0) < 1e-9:
             break
     return F[8] * exponential_1d(x)
 
