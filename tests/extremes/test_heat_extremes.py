@@ -132,6 +132,7 @@ def test_ratios_of_a_million_across_a_body(transfer, changes, hold):
 @pytest.mark.parametrize(
     "changes",
     [
+        {"conductivity": 0.0},
         {"conductivity": 1e-6},
         {"heat_capacity": 1e6, "conductivity": 1e6},
         {"heat_capacity": 1e6, "conductivity": 1e-6},
@@ -230,6 +231,44 @@ def test_units_of_heat(transfer, unit, time, hold):
     hold(f"length and time in units {unit:g} and {time:g}", named(transfer), "largest difference", off, 1e-10)
 
 
+@every_transfer
+@pytest.mark.parametrize(
+    ("unit", "time", "kelvin"),
+    [(1e-9, 1e-9, 1.0), (1e3, 86400.0, 1.0), (1.0, 1.0, 1e-3 / 300), (1.0, 1.0, 1e8 / 300)],
+    ids=["nm-ns", "km-days", "mK", "100 MK"],
+)
+def test_units_and_temperatures_of_bodies_that_expand_and_warm(
+    plain_python, transfer, unit, time, kelvin, hold
+):
+    """The same with coupling: α goes like 1/T, c_v and κ, too."""
+
+    def run(L: float, t: float, K: float) -> tuple[np.ndarray, np.ndarray]:
+        coupled = {
+            "density": L**-3,
+            "E": 25 / (L * t * t),
+            "heat_capacity": L * L / (t * t) / K,
+            "conductivity": L / t**3 / K,
+            "expansion": 1e-4 / K,
+            "T0": 300 * K,
+        }
+        bar = Bar(
+            (5, 400 * K, coupled), (5, 300 * K, coupled), transfer=transfer, at=0.3, unit=L, time=t, step=0.02
+        )
+        bar.steps(40)
+        return bar.T / K, bar.ordered("V")[0] * t / L
+
+    with plain_python():
+        (T, V), (wanted, moved) = run(unit, time, kelvin), run(1.0, 1.0, 1.0)
+    assert np.abs(moved).max() > 1e-3  # it moves by its own heat
+    off = max(np.abs(T / wanted - 1).max(), np.abs(V - moved).max() / np.abs(moved).max())
+    what = (
+        f"temperatures of {300 * kelvin:.0e} K"
+        if kelvin != 1
+        else f"length and time in units {unit:g} and {time:g}"
+    )
+    hold(f"{what}, with expansion and heating", named(transfer), "largest difference", off, 1e-10)
+
+
 @pytest.mark.parametrize("velocity", [0.0, 0.173])
 @pytest.mark.parametrize("at", [0.0, 0.3])
 @pytest.mark.parametrize("s", [0.01, 0.1, 0.5])
@@ -276,22 +315,11 @@ def test_an_interval_follows_a_body_that_starts_to_move(hold):
             last, moved = step, 0.0
     assert waits[0][0] == 25
     assert waits[-1][0] <= 7
-    hold(
-        "a body that starts to move, interval auto",
-        "FLIP",
-        "way between two heat steps, cells",
-        max(w[1] for w in waits),
-        0.55,
-    )
+    what = "a body that starts to move, interval auto"
+    hold(what, "FLIP", "way between two heat steps, cells", max(w[1] for w in waits), 0.55)
     left = exact.amplitude((bar.T - 300) / 100, mode)
     found = left / exact.mode_amplitude(np.pi, 0.08) - 1
-    hold(
-        "a body that starts to move, interval auto",
-        "FLIP",
-        "amplitude of a cosine over 10 cells",
-        abs(found),
-        0.02,
-    )
+    hold(what, "FLIP", "amplitude of a cosine over 10 cells", abs(found), 0.02)
 
 
 @pytest.mark.slow
