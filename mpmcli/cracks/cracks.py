@@ -158,6 +158,7 @@ class Cracks:
 
     def rehearse(self) -> None:
         """Call what only some steps call."""
+        self.faces.rehearse()
         if self.tips is not None:
             self.tips.rehearse()
 

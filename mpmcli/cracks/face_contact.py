@@ -97,6 +97,19 @@ class FaceContact(ContactImpulses):
         mp, f = self._grid.mp, self._grid.f
         meet(self._parameters[0], self.contacts.count, first, keeps_start, step.dt, self._pairs, mp, f)
 
+    def rehearse(self) -> None:
+        """Call what acts only where cracks meet, or only where they do not."""
+        c, grid = self.contacts, self._grid
+        if not self._alike or c.count == 0:
+            return
+        meet(self._parameters[0], 0, True, True, 1.0, self._pairs, grid.mp, grid.f)
+        if grid.sides > 2:
+            c.has_pairs = True
+            with np.errstate(all="ignore"):
+                self._correct_momenta(1.0, after_forces=False, advance=0.0)
+            self._start_increments()
+            self._find_slip(None, c.rows.slip)
+
     def account(self, step: Step, v: Array) -> None:
         """Sum up forces and friction work of the step."""
         c, view = self.contacts, self._view

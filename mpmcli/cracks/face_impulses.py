@@ -25,8 +25,7 @@ class Pairs(NamedTuple):
 
     alpha, partner : of ``FieldsInContact``
     normal, separation, area, bond : of ``Geometry``
-    dp0, dp, start, prior, net, slip, push : of ``ImpulseRows``
-    state : of ``ImpulseRows``
+    dp0, dp, start, prior, net, slip, separation_now, push, state : of ``ImpulseRows``
     """
 
     alpha: Array
@@ -41,6 +40,7 @@ class Pairs(NamedTuple):
     prior: Array
     net: Array
     slip: Array
+    separation_now: Array
     push: Array
     state: Array
 
@@ -49,7 +49,7 @@ def pairs_of(fields: Any, geometry: Any, rows: Any) -> Pairs:
     """Gather the arrays of contacts."""
     return Pairs(
         fields.alpha, fields.partner, geometry.normal, geometry.separation, geometry.area, geometry.bond, rows.dp0,
-        rows.dp, rows.start, rows.prior, rows.net, rows.slip, rows.push, rows.state,
+        rows.dp, rows.start, rows.prior, rows.net, rows.slip, rows.separation_now, rows.push, rows.state,
     )  # fmt: skip
 
 
@@ -75,20 +75,22 @@ def meet(law, count, first, keeps_start, dt, pairs, mp, f):
         if first and keeps_start:
             pairs.slip[k, 0], pairs.slip[k, 1] = dp0[0] / reduced, dp0[1] / reduced
         gap, area, bond = pairs.separation[k], pairs.area[k], pairs.bond[k]
-        if is_soft(law):
-            if first:  # a spring acts once in a step
-                pairs.state[k] = leave(AXES, dp)
-            else:
-                mine, theirs = f[i, 0] * n[0] + f[i, 1] * n[1], f[j, 0] * n[0] + f[j, 1] * n[1]
-                pairs.push[k] = (mp[i, 0] * theirs - mp[j, 0] * mine) / (mp[i, 0] + mp[j, 0])
-                pairs.state[k] = law_impulse_at_end(
-                    law, AXES, dp0, n, gap, pairs.push[k], area, reduced, dt, False, bond, dp
-                )
+        pairs.separation_now[k] = gap  # increments of FMPM see that of updated momenta
+        if not first:
+            for a in range(2):
+                pairs.separation_now[k] += dp0[a] * n[a] * dt / reduced
+        if not is_soft(law):
+            pairs.state[k] = law_impulse(
+                law, AXES, dp0, n, pairs.separation_now[k], area, reduced, dt, False, bond, dp
+            )
+        elif first:  # a spring acts once in a step
+            pairs.state[k] = leave(AXES, dp)
         else:
-            if not first:
-                for a in range(2):
-                    gap += dp0[a] * n[a] * dt / reduced
-            pairs.state[k] = law_impulse(law, AXES, dp0, n, gap, area, reduced, dt, False, bond, dp)
+            mine, theirs = f[i, 0] * n[0] + f[i, 1] * n[1], f[j, 0] * n[0] + f[j, 1] * n[1]
+            pairs.push[k] = (mp[i, 0] * theirs - mp[j, 0] * mine) / (mp[i, 0] + mp[j, 0])
+            pairs.state[k] = law_impulse_at_end(
+                law, AXES, dp0, n, gap, pairs.push[k], area, reduced, dt, False, bond, dp
+            )
         for a in range(2):
             mp[i, 1 + a] += dp[a]
             mp[j, 1 + a] -= dp[a]
