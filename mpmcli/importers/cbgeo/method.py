@@ -9,7 +9,7 @@ from mpmcli.importers.base import Expression
 from mpmcli.importers.cbgeo.mesh import CELL_TYPES
 from mpmcli.importers.cbgeo.work import Work
 from mpmcli.materials import MATERIALS
-from mpmcli.scene.archive import FIELDS
+from mpmcli.scene import archive
 
 EXPLICIT = re.compile(r"MPMExplicit(USF|USL|MUSL)?([23])D\Z")
 UPDATES = {"usf": "usf", "usl": "usl", "musl": "usl+"}
@@ -112,7 +112,7 @@ def add_archive(work: Work) -> None:
         else:
             words = f"'{name}' is no quantity of the scene's materials"
             work.note("ignored", ("post_processing", "vtk_statevars"), words)
-    always = FIELDS  # as CB-Geo's HDF5 files, which hold all of them
+    always = archive.FIELDS  # as CB-Geo's HDF5 files, which hold all of them
     if not set(wanted) <= set(always):
         particles["fields"] = list(dict.fromkeys([*always, *wanted]))
     work.scene["archive"] = {"particles": particles, "globals": {"every": every}}
