@@ -428,7 +428,7 @@ def test_held_temperatures_follow_a_condition_that_moves():
         def values(self, time, coordinates):
             return 350.0
 
-    grid = SimpleNamespace(shape=(5,), coordinates=lambda nodes: np.zeros((1, len(nodes))))
+    grid = SimpleNamespace(shape=(5,), periodic=(), coordinates=lambda nodes: np.zeros((1, len(nodes))))
     nodes = SimpleNamespace(active=np.arange(5), active_version=1)
     field = SimpleNamespace(nodes=nodes, mp=np.ones((5, 2)))
     model = SimpleNamespace(name="torch", holder=lambda grid, surface_nodes: Moving())
@@ -443,7 +443,7 @@ def test_held_temperatures_follow_a_condition_that_moves():
 
 @pytest.mark.parametrize(("value", "words"), [(-1.0, "is -1 at"), (0.0, "is 0 at"), (np.nan, "is nan at")])
 def test_nodes_held_below_zero_stop_the_run(value, words):
-    grid = SimpleNamespace(shape=(5,), coordinates=lambda nodes: np.zeros((1, len(nodes))))
+    grid = SimpleNamespace(shape=(5,), periodic=(), coordinates=lambda nodes: np.zeros((1, len(nodes))))
     nodes = SimpleNamespace(active=np.arange(5), active_version=1)
     field = SimpleNamespace(nodes=nodes, mp=np.ones((5, 2)))
     holder = SimpleNamespace(
