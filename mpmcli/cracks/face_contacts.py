@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcli.contact.area import contact_area, perpendicular_size
+from mpmcli.contact.area import SMALLEST, contact_area, perpendicular_size
 from mpmcli.contact.fields_in_contact import NodeTable, allocate_fields, put_contact
 from mpmcli.contact.geometry import allocate_geometry, unsure
 from mpmcli.contact.impulses import allocate_rows
@@ -258,12 +258,14 @@ def find_face_geometry(
     planes,
     separations,
     points,
+    springs,
     geometry,
 ):
     """Jump, separation and area of every pair of sides, from the particles that its node sees.
 
     The jump is the difference of the reference positions of the matter that is at the crack now, as that of interfaces;
-    its normal part is the separation, so that faces start closed, unless ``separations`` says otherwise.
+    its normal part is the separation, so that faces start closed, unless ``separations`` says otherwise. Where laws are
+    ``springs`` (laws,), particles count by their distance from the crack, too: see ``interfaces.jump.find_jump``.
     """
     normal, separation, distances, area, status = (
         geometry.normal, geometry.separation, geometry.distances, geometry.area, geometry.status,
@@ -287,6 +289,7 @@ def find_face_geometry(
         at_a, at_b, F = total[:2], total[2:4], total[4:]
         for a in range(8):
             total[a] = 0.0
+        is_spring, h = springs[fields.law[k]], perpendicular_size(axes, lattice.cell, n)
         m_a, m_b, volume_a, volume_b = 0.0, 0.0, 0.0, 0.0
         way = separations.way[faces.crack[k]]
         mean_a, mean_b, edge_a, edge_b = 0.0, 0.0, -FAR_AWAY, FAR_AWAY
@@ -300,6 +303,8 @@ def find_face_geometry(
             w, S = candidates.S[q, j] * matter.mass[p], candidates.S[q, j]
             mine = at_a if is_a else at_b
             here[0], here[1] = x - matter.X[0, p], y - matter.X[1, p]
+            if is_spring:
+                w *= max(1.0 - abs(here[0] * n[0] + here[1] * n[1]) / h, SMALLEST)
             for a in range(2):
                 mine[a] -= w * (matter.X[a, p] - matter.X0[a, p] + here[a])
             add_inverse_times(axes, matter.F, p, w, 0, here, mine)
@@ -330,7 +335,6 @@ def find_face_geometry(
                 for b in range(2):
                     here[a] += F[2 * a + b] * (at_a[b] / m_a - at_b[b] / m_b) / (m_a + m_b)
         opening = here[0] * n[0] + here[1] * n[1]
-        h = perpendicular_size(axes, lattice.cell, n)
         distances[k, 0], distances[k, 1] = away - 0.5 * opening, away + 0.5 * opening
         gap = opening
         if way == FACES:
@@ -347,7 +351,7 @@ def find_face_geometry(
 @inline
 def find_faces(
     nodes, count, candidates, entries, segments, lattice, matter, planes, laws, skipped, screened, separations, points,
-    rigid, node_count, mp, dof, first, m, faces, begin, geometry,
+    springs, rigid, node_count, mp, dof, first, m, faces, begin, geometry,
 ):  # fmt: skip
     """Find the pairs of sides in contact and their geometry; returns how many.
 
@@ -359,7 +363,7 @@ def find_faces(
     )
     find_face_geometry(
         (0.0, 0.0), found, m, faces, nodes, node_count, rigid.shape[0], candidates, entries, lattice, matter, planes,
-        separations, points, geometry,
+        separations, points, springs, geometry,
     )  # fmt: skip
     return found
 
@@ -391,6 +395,7 @@ class FaceContacts:
         self._grid, self._particles = grid, particles
         self._skipped = np.array([model.skipped for model in models])
         self._screened = np.array([model.screened for model in models])
+        self._springs = np.array([model.is_interface for model in models])
         origin, shape = grid.lower - grid.pad * grid.cell, np.array(grid.shape, dtype=np.int64)
         self.lattice = Lattice(origin, grid.cell, shape, ring)
         self.count = self.stages = 0
@@ -429,8 +434,9 @@ class FaceContacts:
         matter = Matter(p.X, p.X0, F, p.vol0, p.mass, p.velocity_field, p.size)
         self.count = find_faces(
             sides.nodes, count, sides.candidates, sides.entries, sides.segments, self.lattice, matter, self.planes,
-            self._laws, self._skipped, self._screened, self._separations, sides.points.get(), self._rigid,
-            grid.node_count, grid.mp, self._dof, self._first, self.fields, self.faces, self.begin, self.geometry,
+            self._laws, self._skipped, self._screened, self._separations, sides.points.get(),
+            self._springs, self._rigid, grid.node_count, grid.mp, self._dof, self._first, self.fields, self.faces,
+            self.begin, self.geometry,
         )  # fmt: skip
         first = self._first[: count + 1]
         self.table = NodeTable(
