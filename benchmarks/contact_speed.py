@@ -1,6 +1,9 @@
 """What contact costs: a second field that never touches, nine disks that do, by normal method, and interfaces.
 
     python benchmarks/contact_speed.py [--quick] [--threads 1 2] [--repeats N]
+    python benchmarks/contact_speed.py --interfaces [--repeats N]
+
+With ``--interfaces`` only two plies joined by interface laws, beside friction: CPU time of one thread, minima.
 
 All cases are set up once and measured in turn, so that a disturbance hits all of them alike; medians are printed. See
 benchmarks/README.md.
@@ -34,6 +37,9 @@ MODE = {"shape": "triangular", "strength": 50, "toughness": 2}
 INTERFACES: dict[str, Any] = {
     "coulomb": {"law": LAW},
     "linear_interface": {"law": {"kind": "linear_interface", "normal": 125, "tangential": 125}},
+    "bilinear_interface": {
+        "law": {"kind": "bilinear_interface", "tension": 125, "compression": 500, "tangential": 125}
+    },
     "cohesive": {"law": {"kind": "cohesive", "normal": MODE, "tangential": MODE}},
 }
 RUBBER = {"kind": "neo_hookean", "density": 1.5e-3, "E": 1000, "nu": 0.33}
@@ -141,13 +147,43 @@ class Timed:
         return self.simulation.contact.contacts.count if self.simulation.plan.has_contact else 0
 
 
+def measure_interfaces(repeats: int) -> None:
+    """Print how many times longer than with friction a step takes with an interface, by law, transfer and size."""
+    numba.set_num_threads(1)
+    print(f"load before the start {os.getloadavg()[0]:.2f}; µs per step, times `coulomb`", flush=True)
+    for transfer in ({"kind": "flip"}, {"kind": "fmpm", "order": 4}):
+        for particles in (5_000, 20_000, 80_000):
+            text = plies(particles, transfer)
+            text["method"] = {"shape": "ugimp", "transfer": transfer}
+            cases = [Timed(name, text, contact) for name, contact in INTERFACES.items()]
+            steps = max(4, 200_000 // particles)
+            for _ in range(repeats):
+                for case in cases:
+                    begin = time.process_time()
+                    for _ in range(steps):
+                        case.simulation.step()
+                    case.samples.setdefault(1, []).append((time.process_time() - begin) / steps * 1e6)
+            base = min(cases[0].samples[1])
+            found = (
+                f"{case.name} {min(case.samples[1]):.0f} ({min(case.samples[1]) / base:.2f})"
+                for case in cases
+            )
+            print(
+                f"  {transfer['kind']:5}{particles:8}, {cases[0].contacts} contacts: {', '.join(found)}",
+                flush=True,
+            )
+
+
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="20,000 particles instead of 80,000")
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--repeats", type=int, default=7)
+    parser.add_argument("--interfaces", action="store_true", help="interface laws beside friction, by size")
     options = parser.parse_args()
+    if options.interfaces:
+        return measure_interfaces(options.repeats)
     particles = 20_000 if options.quick else 80_000
     print(f"load before the start {os.getloadavg()[0]:.2f}", flush=True)
     flip = {"kind": "flip"}

@@ -37,6 +37,7 @@ class ContactAccount:
     Attributes
     ----------
     view : what output and watchdogs see
+    shares : (k,) share of every contact of the step that real particles have
     """
 
     def __init__(
@@ -59,6 +60,7 @@ class ContactAccount:
         self._impulse = np.zeros((0, d))
         self._dt = 0.0
         self._share: Array | None = None
+        self.shares = np.zeros(0)
         self.view = ContactView(
             pairs=[(names[i], names[j]) for i, j in pairs],
             force=np.zeros((len(pairs), d)),
@@ -73,7 +75,7 @@ class ContactAccount:
 
     def clear(self) -> None:
         """Begin a step in which nothing has touched yet."""
-        view = self.view
+        view, self.shares = self.view, np.zeros(0)
         view.force[:] = 0.0
         view.area[:] = 0.0
         view.nodes = view.contacts = view.touching = view.unconverged = 0
@@ -93,8 +95,9 @@ class ContactAccount:
         self._identity, self._dt = self._particles.id, dt
         self._impulse = c.rows.net[: c.count].copy()  # of the whole step, for those who look later
         rigid_work = self._rigid_work.sum()
+        self.shares = self._shares(c.fields.alpha[: c.count])
         sums = impulses.Tallies(
-            self._pair, self._shares(c.fields.alpha[: c.count]), view.force, view.area, view.momentum_error,
+            self._pair, self.shares, view.force, view.area, view.momentum_error,
             self._rigid_work,
         )  # fmt: skip
         self._work["contact_work"] += impulses.tally(
@@ -127,18 +130,6 @@ class ContactAccount:
         """(fields, fields) number of each pair of fields."""
         return self._pair
 
-    def pair_of_contacts(self) -> tuple[Array, Array]:
-        """Share of every contact of the step that real particles have, and the number of its pair, (k,) each."""
-        c = self._contacts
-        a, b = self._fields_of_contacts()
-        return self._shares(c.fields.alpha[: c.count]), self._pair[a, b]
-
-    def _fields_of_contacts(self) -> tuple[Array, Array]:
-        """The velocity fields of both sides of every contact, (k,) each."""
-        c, n, fields = self._contacts, self._grid.node_count, len(self._names)
-        a, b = (field_of(dofs[: c.count], n, fields) for dofs in (c.fields.alpha, c.fields.partner))
-        return a, b
-
     def break_bonds(self) -> None:
         """Particles lose their bond with the node that they are nearest to, where adhesion broke in the step."""
         c, near = self._contacts, self._contacts.nodes.near
@@ -154,7 +145,7 @@ class ContactAccount:
         """Return the contacts of the step, after it was accounted for."""
         c, k = self._contacts, self._contacts.count
         alpha, beta = c.fields.alpha[:k], c.fields.partner[:k]
-        a, b = self._fields_of_contacts()
+        a, b = (field_of(dofs, self._grid.node_count, len(self._names)) for dofs in (alpha, beta))
         return ContactRows(
             alpha, beta, c.rows.state[:k] > 0, c.geometry.area[:k], c.rows.friction[:k], self._shares(alpha),
             self._pair[a, b], np.where(a < b, 1.0, -1.0),

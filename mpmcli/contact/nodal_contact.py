@@ -183,7 +183,7 @@ class NodalContact(ContactImpulses):
         bonded = None if self.interfaces is None else self.interfaces.bonded()
         self._account.close(after, step.dt, bonded)
         if self.interfaces is not None:
-            self.interfaces.close(after, *self._account.pair_of_contacts(), step.dt, self._parallel)
+            self.interfaces.close(after, self._account.shares, step.dt)
         if c.count > 0 and self.choice.breaks:
             self._account.break_bonds()
 

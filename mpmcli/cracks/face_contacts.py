@@ -167,7 +167,7 @@ def list_faces(
 @called_once
 def find_faces(
     counts, nodes, sights, crossings, segments, lattice, matter, planes, laws, skipped, screened, separations, points,
-    rigid, node_count, sides, width, mp, dof, first, m, faces, begin, sums, M, geometry,
+    springs, rigid, node_count, sides, width, mp, dof, first, m, faces, begin, sums, M, geometry,
 ):  # fmt: skip
     """Find the pairs of sides in contact and their geometry; returns how many, and whether some are coupled.
 
@@ -181,7 +181,7 @@ def find_faces(
     )
     find_face_geometry(
         found, counts[SIGHTS], sights, width, m, faces, nodes, node_count, rigid.shape[0], sides, lattice, matter,
-        planes, begin, slots, separations, points, sums, M, geometry,
+        planes, begin, slots, separations, points, springs, sums, M, geometry,
     )  # fmt: skip
     coupled = False
     for k in range(found):
@@ -219,6 +219,7 @@ class FaceContacts:
         self._grid, self._particles = grid, particles
         self._skipped = np.array([model.skipped for model in models])
         self._screened = np.array([model.screened for model in models])
+        self._springs = np.array([model.is_interface for model in models])
         origin, shape = grid.lower - grid.pad * grid.cell, np.array(grid.shape, dtype=np.int64)
         self.lattice = Lattice(origin, grid.cell, shape, ring)
         self._M = np.zeros((4, 1))
@@ -260,8 +261,9 @@ class FaceContacts:
         self.count, self.has_pairs = find_faces(
             sides.counts, sides.nodes, sides.sights, sides.crossings, sides.segments, self.lattice,
             Matter(p.X, p.X0, F, p.vol0, p.mass, p.size), self.planes, self._laws, self._skipped, self._screened,
-            self._separations, sides.points.get(), self._rigid, grid.node_count, grid.sides, grid.width, grid.mp,
-            self._dof, self._first, self.fields, self.faces, self.begin, self._sums, self._M, self.geometry,
+            self._separations, sides.points.get(), self._springs, self._rigid, grid.node_count, grid.sides,
+            grid.width, grid.mp, self._dof, self._first, self.fields, self.faces, self.begin, self._sums, self._M,
+            self.geometry,
         )  # fmt: skip
         first = self._first[: slots + 1]
         self.table = NodeTable(

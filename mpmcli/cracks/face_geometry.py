@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcli.contact.area import contact_area, perpendicular_size
+from mpmcli.contact.area import SMALLEST, contact_area, perpendicular_size
 from mpmcli.contact.geometry import put_radius, unsure
 from mpmcli.contact.laws.impulse import TINIEST
 from mpmcli.contact.separation.regression import Ellipsoids, radius_along
@@ -24,10 +24,11 @@ SEPARATIONS = {
 """How the distance of faces is found: ``faces.separation`` of a crack."""
 FAR_AWAY = 1e300
 """Beyond every distance [length]; compiled code knows no infinity."""
-MASS, VOLUME, REFERENCE, INVERSE, GRADIENT, MEAN = 0, 1, 2, 4, 8, 12
-SUMS = 14
+MASS, VOLUME, REFERENCE, INVERSE, GRADIENT, MEAN, ACROSS = 0, 1, 2, 4, 8, 12, 14
+SUMS = 16
 """Sums over the matter of a side, by column: Σ w and Σ S V, Σ w (X₀ − x + F⁻¹ (x − X)), Σ w F⁻¹, Σ w F and
-Σ w (X − x) with w = S m and the node's place x."""
+Σ w (X − x), with w = S m and the node's place x. Where springs act, ``ACROSS`` is n/h⊥, and particles count by their
+distance from the crack, too: w = S m max(1 − |n·(x − X)|/h⊥, 0)."""
 
 
 class Matter(NamedTuple):
@@ -63,11 +64,11 @@ class Lattice(NamedTuple):
 
 @compiled_too
 def sum_matter(rows, sights, width, lattice, matter, places, sums):
-    """Sum up the matter of every side of the crack nodes, the first ``places`` ones, into ``sums`` (places, SUMS)."""
+    """Sum up the matter of every side of the crack nodes, the first ``places`` ones, into ``sums`` (places, SUMS).
+
+    All but ``ACROSS`` is zero on entry.
+    """
     X, X0, F = matter.X, matter.X0, matter.F
-    for at in range(places):
-        for a in range(SUMS):
-            sums[at, a] = 0.0
     for row in range(rows):
         p = sights.particle[row]
         corner = np.int64(sights.corner[row])
@@ -83,7 +84,8 @@ def sum_matter(rows, sights, width, lattice, matter, places, sums):
             for _ in range(width):
                 at, S = sights.at[row, j], sights.S[row, j]
                 if 0 <= at < places:
-                    w, out = S * mass, sums[at]
+                    out = sums[at]
+                    w = S * mass * max(1.0 - abs(out[ACROSS] * x + out[ACROSS + 1] * y), SMALLEST)
                     out[MASS] += w
                     out[VOLUME] += S * volume
                     out[REFERENCE] += w * (moved_x - x + a * x + b * y)
@@ -158,16 +160,19 @@ def reference_at(total, shift, a):
 @compiled_too
 def find_face_geometry(
     count, rows, sights, width, fields, faces, nodes, node_count, field_count, sides, lattice, matter, planes, begin,
-    slots, separations, points, sums, M, geometry,
+    slots, separations, points, springs, sums, M, geometry,
 ):  # fmt: skip
     """Jump, separation and area of every pair of sides, from the particles that its node sees.
 
     The jump is the difference of the reference positions of the matter that is at the crack now, as that of interfaces;
-    its normal part is the separation, so that faces start closed, unless ``separations`` says otherwise.
+    its normal part is the separation, so that faces start closed, unless ``separations`` says otherwise. ``springs``
+    (laws,) tells which laws are interfaces.
     """
     normal, separation, distances = geometry.normal, geometry.separation, geometry.distances
     per = sides * field_count
-    sum_matter(rows, sights, width, lattice, matter, slots * per, sums)
+    for at in range(slots * per):
+        for a in range(SUMS):
+            sums[at, a] = 0.0
     by_edges = False
     for k in range(count):
         slot, bit = fields.slot[k], faces.bit[k]
@@ -176,8 +181,14 @@ def find_face_geometry(
             side, field = side_of(dof, node_count, field_count), field_of(dof, node_count, field_count)
             faces.at[k, face] = (slot * sides + side) * field_count + field
         normal[k, 0], normal[k, 1] = planes.normal[slot, bit, 0], planes.normal[slot, bit, 1]
+        if springs[fields.law[k]]:
+            h = perpendicular_size(AXES, lattice.cell, normal[k])
+            for face in range(2):
+                for a in range(2):
+                    sums[faces.at[k, face], ACROSS + a] = normal[k, a] / h
         distances[k, 0], distances[k, 1] = -FAR_AWAY, FAR_AWAY
         by_edges = by_edges or separations.way[faces.crack[k]] == REGRESSION
+    sum_matter(rows, sights, width, lattice, matter, slots * per, sums)
     if by_edges:
         find_edges(rows, sights, per, slots, matter, faces, begin, geometry, separations, M)
     for k in range(count):

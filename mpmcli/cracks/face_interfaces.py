@@ -12,8 +12,7 @@ from mpmcli.core.state import CracksView
 from mpmcli.core.variants import StrainUpdate
 from mpmcli.cracks.face_contacts import FaceContacts
 from mpmcli.interfaces import impulses
-from mpmcli.interfaces.base import HISTORY
-from mpmcli.interfaces.jump import JumpRows, Sides, open_areas
+from mpmcli.interfaces.jump import JumpRows, Sides, allocate_jumps, open_areas
 
 Array = np.ndarray
 
@@ -56,14 +55,7 @@ class FaceInterfaces:
         """Rows beside those of the contacts, whose jumps they share."""
         jump = self._contacts.faces.jump
         if self._rows is None or self._rows.jump is not jump:
-            room = len(jump)
-            numbers = {name: np.zeros(room) for name in ("mass", "work", "stored", "spent", "broke")}
-            flags = {name: np.zeros(room, dtype=bool) for name in ("lost", "apart")}
-            self._rows = JumpRows(
-                jump=jump, end=np.zeros((room, 2)), aside=np.zeros((room, 2)), force=np.zeros((room, 2)), **numbers,
-                **flags,
-                history=np.zeros((room, HISTORY)), now=np.zeros((room, 2)), sums=np.zeros((room, 0)),
-            )  # fmt: skip
+            self._rows = allocate_jumps(len(jump), 2, 0)._replace(jump=jump)
         return self._rows
 
     def find(self) -> None:
@@ -98,12 +90,11 @@ class FaceInterfaces:
     def close(self, after: Array, weight: Array, dt: float) -> None:
         """Account for a step; ``after`` (k, 2) are the relative velocities at its end, ``weight`` (k,) real shares."""
         c, j, view = self._contacts, self._jumps, self._view
+        sums = np.zeros((5, len(view.interface_energy)))
         for which, law in self._laws.items():
             impulses.close_step[False](
-                law, AXES, which, c.count, c.fields, c.table, c.geometry, c.rows, j, after, dt, self._late,
-                np.inf, np.inf, self._grid.mp,
+                law, AXES, which, c.count, c.fields, c.table, c.geometry, c.rows, j, None, after, weight,
+                c.faces.crack, dt, self._late, np.inf, np.inf, self._grid.mp, sums,
             )  # fmt: skip
-        sums = np.zeros((5, len(view.interface_energy)))
-        impulses.sum_up[False](self._sides, c.count, c.fields, weight, c.faces.crack, j, sums)
         self._work["interface_work"] += float(sums[0].sum())
         view.interface_energy[:] = sums[1]

@@ -21,6 +21,7 @@ from mpmcli.interfaces.base import (
     traction,
 )
 from mpmcli.interfaces.independent import compliance_of, slip_of
+from mpmcli.interfaces.jump import keep_history
 
 Array = np.ndarray
 
@@ -189,45 +190,60 @@ def find_pair_impulses(
 
 @kernel
 def close_step(
-    law, axes, which, count, fields, nodes, geometry, rows, jumps, after, dt, late, widest, farthest, mp
-):
+    law, axes, which, count, fields, nodes, geometry, rows, jumps, memory, after, share, pair, dt, late, widest,
+    farthest, mp, sums,
+):  # fmt: skip
     """Jumps at the end of the step, what interfaces took out of the bodies, store and have spent, and histories.
 
     ``after`` (k, d) are the relative velocities that the impulses leave, those before are in ``rows.slip``. The share
     ``late`` of the work is found with the former, as that of the stresses is: the two agree in sum, not at each node.
     Interfaces that open by more than ``widest`` or slip by more than ``farthest`` are lost; the latter break, with the
     energy that they store.
+
+    Adds to ``sums`` (5, pairs), the share ``share`` (k,) of each contact to its ``pair`` (k,): work, stored energy,
+    energy spent in the step, area that broke in it, and how many interfaces are lost. ``memory``, if any, says which
+    particles remember it.
     """
-    work, stored, spent, broke, lost = jumps.work, jumps.stored, jumps.spent, jumps.broke, jumps.lost
-    for k in prange(count):
+    for k in range(count):
         if fields.law[k] != which:
             continue
-        work[k], stored[k], spent[k], broke[k], lost[k] = 0.0, 0.0, 0.0, 0.0, False
-        normal, end, history, now = geometry.normal[k], jumps.end[k], jumps.history[k], jumps.now[k]
+        normal, end, history, now, area = (
+            geometry.normal[k], jumps.end[k], jumps.history[k], jumps.now[k], geometry.area[k],
+        )  # fmt: skip
         for a in range(len(axes)):
             end[a] = jumps.jump[k, a] + after[k, a] * dt
         now[0], now[1] = 0.0, 0.0
         if history[BREAKS] > 0.5:
+            if memory is not None:
+                keep_history(memory, fields, nodes, k, jumps.apart[k], history, now)
             continue
-        share = share_of_work(axes, fields, k, nodes, mp)
-        net, held = rows.net[k], rows.found[k]
+        part = share_of_work(axes, fields, k, nodes, mp)
+        net, held, work = rows.net[k], rows.found[k], 0.0
         held_impulse(law, axes, net, normal, held)
         for a in range(len(axes)):
             slip = (1.0 - late) * rows.slip[k, a] + late * after[k, a]
-            work[k] += share * (net[a] - held[a]) * slip
+            work += part * (net[a] - held[a]) * slip
         openings(law, axes, normal, jumps.jump[k], now)
-        spent[k] = geometry.area[k] * remember(law, axes, normal, jumps.jump[k], history)
+        spent = area * remember(law, axes, normal, jumps.jump[k], history)
+        lost = False
         if history[BREAKS] < 0.5:
             opening = dot(axes, jumps.jump[k], normal)
             slips = slip_of(axes, normal, jumps.jump[k], opening) > farthest
-            lost[k] = slips or opening > widest
+            lost = slips or opening > widest
             if slips:
-                spent[k] += geometry.area[k] * stored_energy(law, axes, normal, jumps.jump[k], history)
+                spent += area * stored_energy(law, axes, normal, jumps.jump[k], history)
                 history[BREAKS] = 1.0
+        mine, weight = pair[k], share[k]
+        sums[0, mine] += weight * work
+        sums[2, mine] += weight * spent
         if history[BREAKS] > 0.5:
-            broke[k] = geometry.area[k]
+            sums[3, mine] += weight * area
         else:
-            stored[k] = geometry.area[k] * stored_energy(law, axes, normal, end, history)
+            sums[1, mine] += weight * area * stored_energy(law, axes, normal, end, history)
+        if lost:
+            sums[4, mine] += 1.0
+        if memory is not None:
+            keep_history(memory, fields, nodes, k, jumps.apart[k], history, now)
 
 
 @kernel
@@ -240,19 +256,3 @@ def find_tractions(law, axes, which, count, fields, geometry, jumps, out):
                     out[k, a] = 0.0
             else:
                 traction(law, axes, geometry.normal[k], jumps.end[k], jumps.history[k], out[k])
-
-
-@kernel
-def sum_up(sides, count, fields, share, pair, jumps, sums):
-    """Sums over the contacts of a step, ``share`` (k,) of each, by ``pair`` (k,), added to ``sums`` (5, pairs).
-
-    Rows: work, stored and spent energy, area that broke, and how many are lost.
-    """
-    for k in range(count):
-        if sides.law[fields.law[k]]:
-            sums[0, pair[k]] += share[k] * jumps.work[k]
-            sums[1, pair[k]] += share[k] * jumps.stored[k]
-            sums[2, pair[k]] += share[k] * jumps.spent[k]
-            sums[3, pair[k]] += share[k] * jumps.broke[k]
-            if jumps.lost[k]:
-                sums[4, pair[k]] += 1.0

@@ -16,19 +16,19 @@ from mpmcli.core.order import CellOrder
 from mpmcli.core.state import InterfaceMeans, InterfaceView
 from mpmcli.core.variants import StrainUpdate
 from mpmcli.interfaces import impulses
-from mpmcli.interfaces.base import BREAKS, HISTORY, damage
+from mpmcli.interfaces.base import BREAKS, damage
 from mpmcli.interfaces.damage import damage_of_particles
 from mpmcli.interfaces.histories import start_histories
 from mpmcli.interfaces.jump import (
     EDGES,
     EXTRAPOLATED,
     GRADIENT,
+    HIGHEST_AT_INTERFACE,
     JumpRows,
+    Memory,
     Sides,
-    find_jumps,
-    keep_histories,
-    open_areas,
-    recall_histories,
+    allocate_jumps,
+    find_interfaces,
 )
 
 Array = np.ndarray
@@ -36,8 +36,6 @@ Array = np.ndarray
 WAYS = {"gradient": GRADIENT, "extrapolated": EXTRAPOLATED, "edges": EDGES}
 LOST = 1.0
 """Opening from which nodes begin to lose sight of one side of an interface, in cells."""
-HIGHEST_AT_INTERFACE = 4
-"""Highest order of FMPM at which stiff springs are stable with the jump at the interface, without that at the node."""
 SLIPPED = 0.5
 """Slip from which most of the matter that meets at a node was bonded elsewhere, in cells."""
 
@@ -68,12 +66,13 @@ class Interfaces:
         self._particles, self._grid = order.particles, order.grid
         grid = order.grid
         self._axes = (0.0,) * grid.dimensions
+        self._widest_cell = float(grid.cell.max())
         words = choice.model.interface
         self._way = WAYS[words.jump]
         self._oscillates = words.step == "oscillator"
         self._opens = words.area == "opening"
         self.laws = frozenset(i for i in choice.used if choice.laws[i].is_interface)
-        self._law = {i: choice.laws[i].parameters() for i in self.laws}
+        self._law = {i: choice.laws[i].parameters() for i in sorted(self.laws)}
         self._closed = {i: choice.laws[i].closed_law.parameters() for i in self.laws}
         of_law = np.zeros(len(choice.laws), dtype=bool)
         of_law[list(self.laws)] = True
@@ -94,7 +93,7 @@ class Interfaces:
             cohesive_work=np.zeros(n),
             broken_area=np.zeros(n),
         )
-        self._shares, self._pairs = np.zeros(0), np.zeros(0, dtype=np.int64)
+        self._shares = np.zeros(0)
         self._means: InterfaceMeans | None = None
         contact.view.interfaces = self.view
         self._work = work
@@ -109,32 +108,17 @@ class Interfaces:
 
         ``order`` is that of the FMPM loop, 1 without one.
         """
-        c = self._contacts
+        c, p = self._contacts, self._particles
         self._acts = False
-        j = self._make_room(len(c.fields.slot))
-        matter = matter._replace(F=self._particles.F)
+        matter = matter._replace(F=p.F)
+        start_gap = self._start_gap
         if self._way == EDGES:
             self._find_start_gaps()
-        find_jumps[parallel](
-            self._axes, self._way, self._sides, c.count, c.fields, c.table, around, c.nodes.near, matter,
-            self._particles.interface, np.nan_to_num(self._start_gap, nan=UNKNOWN), c.geometry,
-            order > HIGHEST_AT_INTERFACE, j,
+            start_gap = np.nan_to_num(start_gap, nan=UNKNOWN)
+        find_interfaces[parallel](
+            self._axes, self._way, self._opens, self._sides, c.count, c.fields, c.table, around, c.nodes.near, matter,
+            p.interface, start_gap, c.geometry, order > HIGHEST_AT_INTERFACE, self._make_room(len(c.fields.slot)),
         )  # fmt: skip
-        if self._opens:
-            open_areas[parallel](self._axes, self._sides, c.count, c.fields, c.table, around, c.geometry, j)
-        p = self._particles
-        recall_histories[parallel](
-            self._sides,
-            c.count,
-            c.fields,
-            c.table,
-            c.nodes.near,
-            p.velocity_field,
-            p.F,
-            p.vol0,
-            p.interface,
-            j,
-        )
 
     def forces_known(self, known: bool) -> None:
         """From now on in the step interfaces do all that they do (momenta are updated), or hold perfect directions."""
@@ -162,25 +146,21 @@ class Interfaces:
         )  # fmt: skip
         return found
 
-    def close(self, after: Array, shares: Array, pair: Array, dt: float, parallel: bool) -> None:
+    def close(self, after: Array, shares: Array, dt: float) -> None:
         """Account for a step: energies, jumps and tractions of every pair, histories of particles.
 
-        ``after`` (k, d) are the relative velocities at its end, ``shares`` (k,) and ``pair`` (k,) what of each contact
-        belongs to real particles, and its pair.
+        ``after`` (k, d) are the relative velocities at its end, ``shares`` (k,) what of each contact belongs to real
+        particles.
         """
         c, j, p, view = self._contacts, self.jumps, self._particles, self.view
-        cell = float(self._grid.cell.max())
-        for which in sorted(self.laws):
+        memory = Memory(self._sides.row, c.nodes.near, p.velocity_field, p.interface)
+        sums, cell = np.zeros((5, len(view.energy))), self._widest_cell
+        for which in self._law:
             impulses.close_step[False](
-                self._law[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows, j, after, dt,
-                self._late, LOST * cell, SLIPPED * cell, self._grid.mp,
+                self._law[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows, j, memory, after,
+                shares, j.pair, dt, self._late, LOST * cell, SLIPPED * cell, self._grid.mp, sums,
             )  # fmt: skip
-        keep_histories[parallel](
-            self._sides, c.count, c.fields, c.table, c.nodes.near, p.velocity_field, p.interface, j
-        )
-        self._shares, self._pairs, self._means = shares, pair, None
-        sums = np.zeros((5, len(view.energy)))
-        impulses.sum_up[False](self._sides, c.count, c.fields, shares, pair, j, sums)
+        self._shares, self._means = shares, None
         work, view.energy[:], spent, broken, lost = sums
         view.lost = int(lost.sum())
         view.all_lost += view.lost
@@ -209,7 +189,7 @@ class Interfaces:
         if self._means is None:
             c, j, n = self._contacts, self.jumps, len(self.view.energy)
             mine = np.flatnonzero(self.bonded())
-            pair, area = self._pairs[mine], c.geometry.area[mine] * self._shares[mine]
+            pair, area = j.pair[mine], c.geometry.area[mine] * self._shares[mine]
             total = sums_of_pairs(pair, area, n)
             normal = c.geometry.normal[mine]
             parts = (*parts_of(j.end[mine], normal), *parts_of(self.tractions()[mine], normal))
@@ -223,7 +203,7 @@ class Interfaces:
         """Return tractions on α at the end of the step (k, d), 0 where broken or no interface [pressure]."""
         c = self._contacts
         out = np.zeros((c.count, len(self._axes)))
-        for which in sorted(self.laws):
+        for which in self._law:
             impulses.find_tractions[False](
                 self._law[which], self._axes, which, c.count, c.fields, c.geometry, self.jumps, out
             )
@@ -282,15 +262,8 @@ class Interfaces:
 
     def _make_room(self, room: int) -> JumpRows:
         if room > self._room:
-            self._room = room
-            d = self._grid.dimensions
-            vectors = {name: np.zeros((room, d)) for name in ("jump", "end", "aside", "force")}
-            numbers = {name: np.zeros(room) for name in ("mass", "work", "stored", "spent", "broke")}
-            flags = {name: np.zeros(room, dtype=bool) for name in ("lost", "apart")}
-            self.jumps = JumpRows(
-                **vectors, **numbers, **flags, history=np.zeros((room, HISTORY)), now=np.zeros((room, 2)),
-                sums=np.zeros((room, 4 * d + d * d)),
-            )  # fmt: skip
+            self._room, d = room, self._grid.dimensions
+            self.jumps = allocate_jumps(room, d, 4 * d + d * d)
         return self.jumps
 
 

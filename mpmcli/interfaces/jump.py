@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from mpmcli.contact.area import SMALLEST, perpendicular_size
 from mpmcli.contact.fields_in_contact import field_at
+from mpmcli.contact.laws.impulse import dot
 from mpmcli.contact.near_particles import IMAGE_BITS, NEAREST
 from mpmcli.contact.separation.base import UNKNOWN
 from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.core.particles import determinant_of_particle
-from mpmcli.interfaces.base import BREAKS
+from mpmcli.interfaces.base import BREAKS, HISTORY
 
 Array = np.ndarray
 
 UNSET = -1.0
 """Largest opening of particles that no interface has reached yet; what they know of breaks, if never bonded."""
+FAR = 1e300
+"""Beyond the square of every distance; compiled code knows no infinity."""
+HIGHEST_AT_INTERFACE = 4
+"""Highest order of FMPM at which stiff springs are stable with the jump at the interface, without that at the node."""
 REACH = 0.2
 """By so many cells matter that was bonded may be farther from an interface than matter that was not."""
 
@@ -33,10 +38,7 @@ class JumpRows(NamedTuple):
     force : (k, d) m_red (f_β/m_β − f_α/m_α) without the interface [force]
     history : (k, 3) largest openings so far, and whether it is broken
     now : (k, 2) openings at the end of the step [length]
-    work, stored, spent : (k,) energy that the interface takes out of the bodies in the step; that it gives back; that
-        is lost for good in the step [energy]
-    broke : (k,) area that broke in the step [area]
-    lost : (k,) whether its jump is too large for the grid
+    pair : (k,) number of its pair of fields
     apart : (k,) whether matter of either side was not bonded at the start of the run
     sums : (k, 4 d + d d) scratch
     """
@@ -48,13 +50,18 @@ class JumpRows(NamedTuple):
     force: Array
     history: Array
     now: Array
-    work: Array
-    stored: Array
-    spent: Array
-    broke: Array
-    lost: Array
+    pair: Array
     apart: Array
     sums: Array
+
+
+def allocate_jumps(room: int, d: int, scratch: int) -> JumpRows:
+    """Rows of zeros for ``room`` contacts in ``d`` dimensions."""
+    vectors = {name: np.zeros((room, d)) for name in ("jump", "end", "aside", "force")}
+    return JumpRows(
+        **vectors, mass=np.zeros(room), history=np.zeros((room, HISTORY)), now=np.zeros((room, 2)),
+        pair=np.zeros(room, dtype=np.int64), apart=np.zeros(room, dtype=bool), sums=np.zeros((room, scratch)),
+    )  # fmt: skip
 
 
 class Sides(NamedTuple):
@@ -105,49 +112,56 @@ def add_inverse_times(axes, F, p, weight, turned, r, out):
 
 
 @kernel
-def find_jumps(
-    axes, way, sides, count, fields, nodes, around, near, matter, kept, start_gap, geometry, to_node, rows
+def find_interfaces(
+    axes, way, opens, sides, count, fields, nodes, around, near, matter, kept, start_gap, geometry, to_node, rows
 ):  # fmt: skip
-    """Jump δ(0) of every contact whose law is one of interfaces, into ``rows.jump``.
+    """Jump δ(0), area and history of every contact whose law is one of interfaces.
 
-    With ``GRADIENT`` the difference of the reference positions of the matter that is at the interface now, beside the
-    node along the normal; each particle tells its own by its deformation gradient, and the mean gradient of both sides
-    pushes the difference forward: exact for affine motions of both. With ``EXTRAPOLATED`` the difference of mean
-    displacements (Nairn 2023, Eq. 2.4); with ``EDGES`` the part along the normal is the separation less that of the
-    start, ``start_gap`` (pairs,), where regression finds the edges of both sides.
+    With ``GRADIENT`` the jump is the difference of the reference positions of the matter that is at the interface now,
+    beside the node along the normal; each particle tells its own by its deformation gradient, and the mean gradient of
+    both sides pushes the difference forward: exact for affine motions of both. With ``EXTRAPOLATED`` it is the
+    difference of mean displacements (Nairn 2023, Eq. 2.4); with ``EDGES`` the part along the normal is the separation
+    less that of the start, ``start_gap`` (pairs,), where regression finds the edges of both sides.
 
     ``rows.aside`` is what the gradients of both sides add to the jump on the way to the node; 0 unless ``to_node``.
 
     ``rows.apart`` tells whether the matter of a side that is nearest to the interface was not bonded at the start, by
-    the histories ``kept`` (rows, N) of the particles.
+    the histories ``kept`` (rows, N) of the particles. ``opens``: areas follow the opening (``open_area``).
+
+    One call for all of it: to hand so many arrays over takes longer than the work on a few nodes.
     """
-    d = len(axes)
-    jump, aside, mass, sums, apart = rows.jump, rows.aside, rows.mass, rows.sums, rows.apart
+    # unfolded: numba drops what a parallel loop writes through a tuple
+    jump, aside, mass, sums, pair, apart, history = (
+        rows.jump, rows.aside, rows.mass, rows.sums, rows.pair, rows.apart, rows.history,
+    )  # fmt: skip
+    area = geometry.area
     reach = REACH * max_of(axes, around.cell)
     for k in prange(count):
         if not sides.law[fields.law[k]]:
             continue
-        slot, i = fields.slot[k], nodes.node[fields.slot[k]]
+        slot = fields.slot[k]
         alpha, beta = field_at(nodes, fields.alpha[k]), field_at(nodes, fields.partner[k])
+        normal, rigid = geometry.normal[k], fields.rigid[k]
+        h = perpendicular_size(axes, around.cell, normal)
         # the interface lies beside the node: there sides that turn apart have another jump
         beside = 0.5 * (geometry.distances[k, 0] + geometry.distances[k, 1])
-        knows_place = abs(beside) < UNKNOWN
-        if not knows_place:
-            beside = 0.0
         bonded, density = find_jump(
-            axes, way, slot, i, alpha, beta, fields.rigid[k], around, near, matter, beside, knows_place,
-            geometry.normal[k], sides, kept, reach, sums[k], to_node, jump[k], aside[k],
+            axes, way, slot, nodes.node[slot], alpha, beta, rigid, around, near, matter, beside, h, normal, sides, kept,
+            reach, sums[k], to_node, jump[k], aside[k],
         )  # fmt: skip
         apart[k] = not bonded
-        mass[k] = 0.5 * perpendicular_size(axes, around.cell, geometry.normal[k]) * density
-        first = start_gap[sides.pair[alpha, beta]] if way == EDGES else UNKNOWN
+        pair[k] = sides.pair[alpha, beta]
+        mass[k] = 0.5 * h * density
+        first = start_gap[pair[k]] if way == EDGES else UNKNOWN
         if abs(geometry.separation[k]) < UNKNOWN and abs(first) < UNKNOWN:
-            along = 0.0
-            for a in range(d):
-                along += jump[k, a] * geometry.normal[k, a]
-            opened = geometry.separation[k] - first - along
-            for a in range(d):
-                jump[k, a] += opened * geometry.normal[k, a]
+            opened = geometry.separation[k] - first - dot(axes, jump[k], normal)
+            for a in range(len(axes)):
+                jump[k, a] += opened * normal[a]
+        if opens:
+            area[k] = open_area(
+                axes, nodes.node[slot], around, area[k], geometry.distances[k], jump[k], normal, h
+            )
+        recall_history(sides, slot, alpha, beta, near, matter, kept, apart[k], history[k])
 
 
 @inline
@@ -161,17 +175,30 @@ def max_of(axes, values):
 
 @inline
 def find_jump(
-    axes, way, slot, i, alpha, beta, rigid, around, near, matter, beside, knows_place, normal, sides, kept, reach, sums,
-    to_node, out, aside,
+    axes, way, slot, i, alpha, beta, rigid, around, near, matter, beside, h, normal, sides, kept, reach, sums, to_node,
+    out, aside,
 ):  # fmt: skip
-    """``find_jumps`` for one contact, ``beside`` it along the normal; returns whether both sides were bonded, and
+    """Find the jump of one contact, ``beside`` the node along the normal; returns whether both sides were bonded, and
     ρ_α ρ_β/(ρ_α + ρ_β), ρ_α beside a rigid body.
 
-    Matter is that of the particle nearest to the interface; where this is not known (``knows_place``), along the
-    surface only. ``sums`` is scratch.
+    Matter is that of the particle nearest to the interface; where this is not known (``UNKNOWN``), along the surface
+    only. ``sums`` is scratch.
+
+    Particles count by their shares S m of the node, and by the linear grid function of their distance from the
+    interface. Without the latter, a node of which one side has hardly any mass would compare matter at the interface
+    with matter a cell beside it: where strain is not uniform, its jump would be another one than those of the nodes
+    next to it, and stiff springs cannot close both.
     """
     d = len(axes)
-    bonded_alpha, bonded_beta, other_alpha, other_beta = math.inf, math.inf, math.inf, math.inf
+    knows_place = abs(beside) < UNKNOWN
+    if not knows_place:
+        beside = 0.0
+    stride = 1
+    for a in range(d):  # into ``aside``, for the time being: the point of the interface
+        aside[a] = around.origin[a] + (i // stride % around.shape[a]) * around.cell[a] + beside * normal[a]
+        stride *= around.shape[a]
+    # squares of distances
+    bonded_alpha, bonded_beta, other_alpha, other_beta = FAR, FAR, FAR, FAR
     # unfolded: mean reference positions of α and of β relative to the node, mean F⁻¹ n of both, and the mean F
     at_alpha, at_beta, F = sums[:d], sums[d : 2 * d], sums[4 * d :]
     along_alpha, along_beta = sums[2 * d : 3 * d], sums[3 * d : 4 * d]
@@ -185,25 +212,25 @@ def find_jump(
         if field in (alpha, beta):
             is_beta = field == beta
             of_rigid = is_beta and rigid
-            w = near.S[at] * (matter.vol0[p] if of_rigid else matter.mass[p])
             mine = at_beta if is_beta else at_alpha
             image = (turned >> IMAGE_BITS) - 1
-            stride = 1
-            for a in range(d):
-                x, moved = matter.X[a, p], matter.X[a, p] - matter.X0[a, p]
-                if turned >> a & 1:
-                    x = 2.0 * (around.origin[a] + around.planes[image, a] * around.cell[a]) - x
-                    moved = -moved
-                node = around.origin[a] + (i // stride % around.shape[a]) * around.cell[a]
-                out[a] = node + beside * normal[a] - x
-                mine[a] -= w * (moved if way == EXTRAPOLATED else moved + out[a])
-                stride *= around.shape[a]
             square, deep = 0.0, 0.0
             for a in range(d):
+                x = matter.X[a, p]
+                if turned >> a & 1:
+                    x = 2.0 * (around.origin[a] + around.planes[image, a] * around.cell[a]) - x
+                out[a] = aside[a] - x
                 square += out[a] * out[a]
                 deep += out[a] * normal[a]
-            distance = math.sqrt(square if knows_place else max(square - deep * deep, 0.0))
-            was_bonded = kept[row_of_history(sides, field, alpha, beta) + BREAKS, p] > UNSET
+            share = near.S[at]
+            if knows_place and way != EXTRAPOLATED:
+                share *= max(1.0 - abs(deep) / h, SMALLEST)
+            w = share * (matter.vol0[p] if of_rigid else matter.mass[p])
+            for a in range(d):
+                moved = turn(matter.X[a, p] - matter.X0[a, p], turned, a)
+                mine[a] -= w * (moved if way == EXTRAPOLATED else moved + out[a])
+            distance = square if knows_place else max(square - deep * deep, 0.0)
+            was_bonded = kept[row_of_history(sides.row, field, alpha, beta) + BREAKS, p] > UNSET
             if is_beta:
                 if was_bonded:
                     bonded_beta = min(bonded_beta, distance)
@@ -225,10 +252,10 @@ def find_jump(
                             F[d * a + b] += w * turn(turn(matter.F[d * a + b, p], turned, a), turned, b)
             if is_beta:
                 m_beta += w
-                v_beta += near.S[at] * matter.vol0[p]
+                v_beta += share * matter.vol0[p]
             else:
                 m_alpha += w
-                v_alpha += near.S[at] * matter.vol0[p]
+                v_alpha += share * matter.vol0[p]
         at = near.next[at]
     for a in range(d):
         sees_both = m_alpha > 0.0 and m_beta > 0.0
@@ -244,7 +271,11 @@ def find_jump(
     density = 0.0
     if m_alpha > 0.0 and m_beta > 0.0:
         density = m_alpha / v_alpha if rigid else 1.0 / (v_alpha / m_alpha + v_beta / m_beta)
-    return bonded_alpha <= other_alpha + reach and bonded_beta <= other_beta + reach, density
+    bonded = (
+        math.sqrt(bonded_alpha) <= math.sqrt(other_alpha) + reach
+        and math.sqrt(bonded_beta) <= math.sqrt(other_beta) + reach
+    )
+    return bonded, density
 
 
 @inline
@@ -259,93 +290,103 @@ def share_of_node(a, b, h):
     return max(1.0 - max(abs(a), abs(b)) / h, SMALLEST) / max(1.0 - abs(a - b) / h, 0.5)
 
 
-@kernel
-def open_areas(axes, sides, count, fields, nodes, around, geometry, rows):
-    """Let areas neither shrink where interfaces open, since the gap has no volume, nor grow where they are pressed.
+@inline
+def open_area(axes, node, around, area, distances, jump, normal, h):
+    """Return the ``area`` such that it neither shrinks where interfaces open, since the gap has no volume, nor grows
+    where they are pressed.
 
     A = (Ω_α + Ω_β) w/(h⊥ − δ_n N), with w of ``share_of_node`` and N = 1 − d/h⊥ the linear grid function of the middle
     of the gap. Where a method does not know the edges, w keeps the share of the area by volumes, and N is 1. Nodes
     beyond the axis of a ring have none: what is there is the image of what counts already.
     """
+    column = node % around.shape[0]
+    if around.ring and around.origin[0] + column * around.cell[0] < -0.5 * around.cell[0]:
+        return 0.0
+    opening = dot(axes, jump, normal)
+    first, second = distances[0], distances[1]
+    share, middle = 1.0, 1.0
+    if max(abs(first), abs(second)) < UNKNOWN:
+        counted = max(1.0 - min(abs(first), abs(second)) / h, SMALLEST)  # as in ``contact_area``
+        share = share_of_node(first, second, h) / counted
+        middle = max(1.0 - 0.5 * abs(first + second) / h, 0.0)
+    return area * (share * h / max(h - opening * middle, 0.5 * h))
+
+
+@kernel
+def open_areas(axes, sides, count, fields, nodes, around, geometry, rows):
+    """``open_area`` of every contact that is an interface."""
     area = geometry.area
     for k in prange(count):
-        if not sides.law[fields.law[k]]:
-            continue
-        column = nodes.node[fields.slot[k]] % around.shape[0]
-        if around.ring and around.origin[0] + column * around.cell[0] < -0.5 * around.cell[0]:
-            area[k] = 0.0
-            continue
-        opening = 0.0
-        for a in range(len(axes)):
-            opening += rows.jump[k, a] * geometry.normal[k, a]
-        h = perpendicular_size(axes, around.cell, geometry.normal[k])
-        first, second = geometry.distances[k, 0], geometry.distances[k, 1]
-        share, middle = 1.0, 1.0
-        if max(abs(first), abs(second)) < UNKNOWN:
-            counted = max(1.0 - min(abs(first), abs(second)) / h, SMALLEST)  # as in ``contact_area``
-            share = share_of_node(first, second, h) / counted
-            middle = max(1.0 - 0.5 * abs(first + second) / h, 0.0)
-        area[k] *= share * h / max(h - opening * middle, 0.5 * h)
+        if sides.law[fields.law[k]]:
+            h = perpendicular_size(axes, around.cell, geometry.normal[k])
+            node = nodes.node[fields.slot[k]]
+            area[k] = open_area(
+                axes, node, around, area[k], geometry.distances[k], rows.jump[k], geometry.normal[k], h
+            )
 
 
 @inline
-def row_of_history(sides, field, alpha, beta):
+def row_of_history(rows, field, alpha, beta):
     """First row of the history that a particle of ``field`` keeps of the interface of two fields, −1 if none."""
     if field == alpha:
-        return sides.row[alpha, beta]
-    return sides.row[beta, alpha] if field == beta else -1
+        return rows[alpha, beta]
+    return rows[beta, alpha] if field == beta else -1
 
 
-@kernel
-def recall_histories(sides, count, fields, nodes, near, field, F, vol0, kept, rows):
-    """History of every interface from the particles near it, ``kept`` (rows, N), into ``rows.history``.
+@inline
+def recall_history(sides, slot, alpha, beta, near, matter, kept, apart, history):
+    """History of an interface from the particles near it, ``kept`` (rows, N), into ``history`` (3,).
 
     It is that of the particles whose nearest node this is, or else of all that the node sees: the mean by their
     shares S V. Particles that no interface has reached count for nothing; broken is an
-    interface of whose matter more than half is, or of matter that was not bonded (``rows.apart``).
+    interface of whose matter more than half is, or of matter that was not bonded (``apart``).
     """
-    history = rows.history
-    for k in prange(count):
-        if not sides.law[fields.law[k]]:
-            continue
-        alpha, beta = field_at(nodes, fields.alpha[k]), field_at(nodes, fields.partner[k])
-        for j in range(history.shape[1]):
-            history[k, j] = 0.0
-        for nearest in range(2):
-            share = 0.0
-            at = near.head[fields.slot[k]]
-            while at >= 0:
-                p = near.particle[at]
-                row = row_of_history(sides, field[p], alpha, beta)
-                if row >= 0 and kept[row, p] > UNSET and (nearest == 1 or near.flag[at] & NEAREST):
-                    w = near.S[at] * determinant_of_particle(F, p) * vol0[p]
-                    share += w
-                    for j in range(history.shape[1]):
-                        history[k, j] += w * max(kept[row + j, p], 0.0)
-                at = near.next[at]
-            if share > 0.0:
-                for j in range(history.shape[1]):
-                    history[k, j] /= share
-                break
-        history[k, BREAKS] = 1.0 if rows.apart[k] or history[k, BREAKS] > 0.5 else 0.0
-
-
-@kernel
-def keep_histories(sides, count, fields, nodes, near, field, kept, rows):
-    """Give the particles nearest to every interface its openings of the step; what broke stays broken."""
-    history, now = rows.history, rows.now
-    for k in prange(count):
-        if not sides.law[fields.law[k]] or rows.apart[k]:
-            continue
-        alpha, beta = field_at(nodes, fields.alpha[k]), field_at(nodes, fields.partner[k])
-        at = near.head[fields.slot[k]]
+    for j in range(HISTORY):
+        history[j] = 0.0
+    for nearest in range(2):
+        share = 0.0
+        at = near.head[slot]
         while at >= 0:
             p = near.particle[at]
-            row = row_of_history(sides, field[p], alpha, beta)
-            if row >= 0 and near.flag[at] & NEAREST:
+            if nearest == 1 or near.flag[at] & NEAREST:
+                row = row_of_history(sides.row, matter.field[p], alpha, beta)
+                if row >= 0 and kept[row, p] > UNSET:
+                    w = near.S[at] * determinant_of_particle(matter.F, p) * matter.vol0[p]
+                    share += w
+                    for j in range(HISTORY):
+                        history[j] += w * max(kept[row + j, p], 0.0)
+            at = near.next[at]
+        if share > 0.0:
+            for j in range(HISTORY):
+                history[j] /= share
+            break
+    history[BREAKS] = 1.0 if apart or history[BREAKS] > 0.5 else 0.0
+
+
+class Memory(NamedTuple):
+    """Which particles remember the interfaces of a step: ``Sides.row``, the particles near nodes, their fields and
+    histories (rows, N)."""
+
+    row: Array
+    near: Any
+    field: Array
+    kept: Any
+
+
+@inline
+def keep_history(memory, fields, nodes, k, apart, history, now):
+    """Give the particles nearest to an interface its openings of the step; what broke stays broken."""
+    near, kept = memory.near, memory.kept
+    alpha, beta = field_at(nodes, fields.alpha[k]), field_at(nodes, fields.partner[k])
+    at = -1 if apart else near.head[fields.slot[k]]
+    while at >= 0:
+        if near.flag[at] & NEAREST:
+            p = near.particle[at]
+            row = row_of_history(memory.row, memory.field[p], alpha, beta)
+            if row >= 0:
                 is_new = kept[row, p] <= UNSET
                 for j in range(2):
-                    kept[row + j, p] = max(history[k, j] if is_new else kept[row + j, p], now[k, j])
-                if history[k, BREAKS] > 0.5:
+                    kept[row + j, p] = max(history[j] if is_new else kept[row + j, p], now[j])
+                if history[BREAKS] > 0.5:
                     kept[row + BREAKS, p] = 1.0
-            at = near.next[at]
+        at = near.next[at]

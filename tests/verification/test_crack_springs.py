@@ -5,6 +5,7 @@ from __future__ import annotations
 import exact_interfaces as exact
 import numpy as np
 import pytest
+from interface_limits import FACES, is_stable
 from interface_runs import PASSAGE, transfer
 
 from mpmcli.output.global_quantities import EnergyBalance
@@ -23,9 +24,13 @@ materials:
 bodies:
   - name: left
     material: bar
+    particles_along: region
     region: {kind: box, lower: ["-20 + shift*cell", 0], upper: ["shift*cell", "2*cell"]}
     velocity: ["v", 0]
-  - {name: right, material: bar, region: {kind: box, lower: ["shift*cell", 0], upper: ["20 + shift*cell", "2*cell"]}}
+  - name: right
+    material: bar
+    particles_along: region
+    region: {kind: box, lower: ["shift*cell", 0], upper: ["20 + shift*cell", "2*cell"]}
 cracks:
   - name: joint
     path: {kind: points, points: [["shift*cell", "-1*cell"], ["shift*cell", "3*cell"]]}
@@ -84,3 +89,9 @@ def test_pulling_opens_the_springs(start):
     assert np.abs(speed + exact.impact_speed(t, 125, PASSAGE)).max() < 0.003
     plateau = (t > 0.02) & (t < 0.036)
     assert energy[plateau].mean() == pytest.approx(exact.impact_energy(125), rel=0.006)
+
+
+@pytest.mark.parametrize("k", [1.0, 1000.0])
+def test_springs_do_not_lower_the_limit_of_high_orders(start, k):
+    """At 0.95 of the limit of the faces alone, 0.2406 within 3 %."""
+    assert is_stable(start, "FMPM(8)", 0.95 * 0.2406, k, 0.37, scene=FACES)
