@@ -25,10 +25,10 @@ SEPARATIONS = {
 FAR_AWAY = 1e300
 """Beyond every distance [length]; compiled code knows no infinity."""
 MASS, VOLUME, REFERENCE, INVERSE, GRADIENT, MEAN, ACROSS = 0, 1, 2, 4, 8, 12, 14
-SUMS = 16
+SUMS = 17
 """Sums over the matter of a side, by column: Σ w and Σ S V, Σ w (X₀ − x + F⁻¹ (x − X)), Σ w F⁻¹, Σ w F and
-Σ w (X − x), with w = S m and the node's place x. Where springs act, ``ACROSS`` is n/h⊥, and particles count by their
-distance from the crack, too: w = S m max(1 − |n·(x − X)|/h⊥, 0)."""
+Σ w (X − x), with w = S m and the node's place x. Where springs act, ``ACROSS`` is (n, a)/h⊥ with the distance a of the
+crack from the node, and particles count by theirs from the crack, too: w = S m max(1 − |n·(x − X) + a|/h⊥, 0)."""
 
 
 class Matter(NamedTuple):
@@ -85,7 +85,8 @@ def sum_matter(rows, sights, width, lattice, matter, places, sums):
                 at, S = sights.at[row, j], sights.S[row, j]
                 if 0 <= at < places:
                     out = sums[at]
-                    w = S * mass * max(1.0 - abs(out[ACROSS] * x + out[ACROSS + 1] * y), SMALLEST)
+                    away = abs(out[ACROSS] * x + out[ACROSS + 1] * y + out[ACROSS + 2])
+                    w = S * mass * max(1.0 - away, SMALLEST)
                     out[MASS] += w
                     out[VOLUME] += S * volume
                     out[REFERENCE] += w * (moved_x - x + a * x + b * y)
@@ -184,8 +185,9 @@ def find_face_geometry(
         if springs[fields.law[k]]:
             h = perpendicular_size(AXES, lattice.cell, normal[k])
             for face in range(2):
-                for a in range(2):
-                    sums[faces.at[k, face], ACROSS + a] = normal[k, a] / h
+                across = sums[faces.at[k, face]]
+                across[ACROSS], across[ACROSS + 1] = normal[k, 0] / h, normal[k, 1] / h
+                across[ACROSS + 2] = planes.distance[slot, bit] / h
         distances[k, 0], distances[k, 1] = -FAR_AWAY, FAR_AWAY
         by_edges = by_edges or separations.way[faces.crack[k]] == REGRESSION
     sum_matter(rows, sights, width, lattice, matter, slots * per, sums)
