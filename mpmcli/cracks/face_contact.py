@@ -113,8 +113,7 @@ class FaceContact(ContactImpulses):
     def account(self, step: Step, v: Array) -> None:
         """Sum up forces and friction work of the step."""
         c, view = self.contacts, self._view
-        if self.interfaces is not None:
-            view.interface_energy[:] = 0.0
+        view.interface_energy[:] = 0.0  # to which tractions on points add theirs
         if c.count == 0:
             view.force[:] = 0.0
             return
