@@ -55,13 +55,23 @@ class Faces(NamedTuple):
     bit : (k,) 0 for faces of c₁, 1 for those of c₂
     crack : (k,) index of the crack
     jump : (k, 2) δ = u_β − u_α at the start of the step [length]
-    sums : (k, 8) scratch
+    aside, mass : (k, 2), (k,) as those of ``interfaces.jump.JumpRows``, where springs join the faces
+    sums : (k, 12) scratch
     """
 
     bit: Array
     crack: Array
     jump: Array
+    aside: Array
+    mass: Array
     sums: Array
+
+
+class Springs(NamedTuple):
+    """Which laws are springs (laws,), and whether stiff ones act at the node: ``interfaces.jump.find_interfaces``."""
+
+    of_law: Array
+    to_node: bool
 
 
 class Matter(NamedTuple):
@@ -265,12 +275,12 @@ def find_face_geometry(
 
     The jump is the difference of the reference positions of the matter that is at the crack now, as that of interfaces;
     its normal part is the separation, so that faces start closed, unless ``separations`` says otherwise. Where laws are
-    ``springs`` (laws,), particles count by their distance from the crack, too: see ``interfaces.jump.find_jump``.
+    ``springs``, particles count by their distance from the crack, too: see ``interfaces.jump.find_jump``.
     """
     normal, separation, distances, area, status = (
         geometry.normal, geometry.separation, geometry.distances, geometry.area, geometry.status,
     )  # fmt: skip
-    jump, sums = faces.jump, faces.sums
+    jump, aside, sums = faces.jump, faces.aside, faces.sums
     for k in range(count):
         slot, bit = fields.slot[k], faces.bit[k]
         side_a, field_a = (
@@ -286,10 +296,11 @@ def find_face_geometry(
         x = lattice.origin[0] + column * lattice.cell[0] + away * n[0]
         y = lattice.origin[1] + row * lattice.cell[1] + away * n[1]
         total = sums[k]
-        at_a, at_b, F = total[:2], total[2:4], total[4:]
-        for a in range(8):
+        at_a, at_b, F, along_a, along_b = total[:2], total[2:4], total[4:8], total[8:10], total[10:]
+        for a in range(12):
             total[a] = 0.0
-        is_spring, h = springs[fields.law[k]], perpendicular_size(axes, lattice.cell, n)
+        is_spring, h = springs.of_law[fields.law[k]], perpendicular_size(axes, lattice.cell, n)
+        to_node, whole_a, whole_b = is_spring and springs.to_node, 0.0, 0.0
         m_a, m_b, volume_a, volume_b = 0.0, 0.0, 0.0, 0.0
         way = separations.way[faces.crack[k]]
         mean_a, mean_b, edge_a, edge_b = 0.0, 0.0, -FAR_AWAY, FAR_AWAY
@@ -304,10 +315,15 @@ def find_face_geometry(
             mine = at_a if is_a else at_b
             here[0], here[1] = x - matter.X[0, p], y - matter.X[1, p]
             if is_spring:
-                w *= max(1.0 - abs(here[0] * n[0] + here[1] * n[1]) / h, SMALLEST)
+                share = S * max(1.0 - abs(here[0] * n[0] + here[1] * n[1]) / h, SMALLEST)
+                w = share * matter.mass[p]
+                whole_a += share * matter.vol0[p] if is_a else 0.0
+                whole_b += 0.0 if is_a else share * matter.vol0[p]
             for a in range(2):
                 mine[a] -= w * (matter.X[a, p] - matter.X0[a, p] + here[a])
             add_inverse_times(axes, matter.F, p, w, 0, here, mine)
+            if to_node:
+                add_inverse_times(axes, matter.F, p, w, 0, n, along_a if is_a else along_b)
             for a in range(4):
                 F[a] += w * matter.F[a, p]
             volume = S * determinant_of_particle(matter.F, p) * matter.vol0[p]
@@ -329,11 +345,13 @@ def find_face_geometry(
                 m_b += w
                 volume_b += volume
         for a in range(2):
-            here[a] = 0.0
+            here[a], aside[k, a] = 0.0, 0.0
         if m_a > 0.0 and m_b > 0.0:
             for a in range(2):
                 for b in range(2):
                     here[a] += F[2 * a + b] * (at_a[b] / m_a - at_b[b] / m_b) / (m_a + m_b)
+                    aside[k, a] += F[2 * a + b] * away * (along_b[b] / m_b - along_a[b] / m_a) / (m_a + m_b)
+            faces.mass[k] = 0.5 * h / (whole_a / m_a + whole_b / m_b) if to_node else 0.0
         opening = here[0] * n[0] + here[1] * n[1]
         distances[k, 0], distances[k, 1] = away - 0.5 * opening, away + 0.5 * opening
         gap = opening
@@ -419,13 +437,18 @@ class FaceContacts:
             np.zeros(room, dtype=np.int64),
             np.zeros(room, dtype=np.int64),
             np.zeros((room, d)),
-            np.zeros((room, 8)),
+            np.zeros((room, d)),
+            np.zeros(room),
+            np.zeros((room, 12)),
         )
         self.geometry = allocate_geometry(room, d)
         self.rows = allocate_rows(room, d)
 
-    def find(self, F: Array) -> int:
-        """Find the pairs and their geometry; ``F`` (nF, N) are the particles' own. Returns how many."""
+    def find(self, F: Array, to_node: bool) -> int:
+        """Find the pairs and their geometry; ``F`` (nF, N) are the particles' own. Returns how many.
+
+        ``to_node``: stiff springs act at the node (``Springs``).
+        """
         sides, p, grid = self._sides, self._particles, self._grid
         self.count, count = 0, sides.count
         if count == 0:
@@ -435,8 +458,8 @@ class FaceContacts:
         self.count = find_faces(
             sides.nodes, count, sides.candidates, sides.entries, sides.segments, self.lattice, matter, self.planes,
             self._laws, self._skipped, self._screened, self._separations, sides.points.get(),
-            self._springs, self._rigid, grid.node_count, grid.mp, self._dof, self._first, self.fields, self.faces,
-            self.begin, self.geometry,
+            Springs(self._springs, to_node), self._rigid, grid.node_count, grid.mp, self._dof, self._first, self.fields,
+            self.faces, self.begin, self.geometry,
         )  # fmt: skip
         first = self._first[: count + 1]
         self.table = NodeTable(
