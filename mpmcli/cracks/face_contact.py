@@ -16,6 +16,7 @@ from mpmcli.cracks.face_contacts import FaceContacts
 from mpmcli.cracks.face_geometry import Separations
 from mpmcli.cracks.face_impulses import Pairs, close, meet, pairs_of
 from mpmcli.cracks.sides import CrackSides
+from mpmcli.interfaces.jump import HIGHEST_AT_INTERFACE
 
 Array = np.ndarray
 
@@ -63,7 +64,8 @@ class FaceContact(ContactImpulses):
 
     def find(self, step: Step) -> int:
         """Find the pairs of sides in contact."""
-        count = self.contacts.find(self._particles.F)
+        order = step.plan.order if step.plan.has_full_mass_loop else 1
+        count = self.contacts.find(self._particles.F, order > HIGHEST_AT_INTERFACE)
         if self.interfaces is not None and count > 0:
             self.interfaces.find()
         return count

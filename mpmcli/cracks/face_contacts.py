@@ -15,7 +15,7 @@ from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles, determinant_of_particle
 from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.crossing import BITS, is_left
-from mpmcli.cracks.face_geometry import SUMS, Lattice, Matter, Separations, find_face_geometry
+from mpmcli.cracks.face_geometry import SUMS, Lattice, Matter, Separations, Springs, find_face_geometry
 from mpmcli.cracks.sides import CrackSides
 from mpmcli.cracks.sights import CROSSINGS, NODES, SIGHTS
 
@@ -48,12 +48,15 @@ class Faces(NamedTuple):
     bit : (k,) 0 for faces of c₁, 1 for those of c₂
     crack : (k,) index of the crack
     jump : (k, 2) δ = u_β − u_α at the start of the step [length]
+    aside, mass : (k, 2), (k,) as those of ``interfaces.jump.JumpRows``, where springs join the faces
     at : (k, 2) places of α and of the partner, as in ``sights.Sights``
     """
 
     bit: Array
     crack: Array
     jump: Array
+    aside: Array
+    mass: Array
     at: Array
 
 
@@ -246,13 +249,18 @@ class FaceContacts:
             bit=np.zeros(room, dtype=np.int64),
             crack=np.zeros(room, dtype=np.int64),
             jump=np.zeros((room, d)),
+            aside=np.zeros((room, d)),
+            mass=np.zeros(room),
             at=np.zeros((room, 2), dtype=np.int64),
         )
         self.geometry = allocate_geometry(room, d)
         self.rows = allocate_rows(room, d)
 
-    def find(self, F: Array) -> int:
-        """Find the pairs and their geometry; ``F`` (nF, N) are the particles' own. Returns how many."""
+    def find(self, F: Array, to_node: bool) -> int:
+        """Find the pairs and their geometry; ``F`` (nF, N) are the particles' own. Returns how many.
+
+        ``to_node``: stiff springs act at the node (``Springs``).
+        """
         sides, p, grid = self._sides, self._particles, self._grid
         self.count, slots = 0, sides.count
         if slots == 0:
@@ -261,9 +269,9 @@ class FaceContacts:
         self.count, self.has_pairs = find_faces(
             sides.counts, sides.nodes, sides.sights, sides.crossings, sides.segments, self.lattice,
             Matter(p.X, p.X0, F, p.vol0, p.mass, p.size), self.planes, self._laws, self._skipped, self._screened,
-            self._separations, sides.points.get(), self._springs, self._rigid, grid.node_count, grid.sides,
-            grid.width, grid.mp, self._dof, self._first, self.fields, self.faces, self.begin, self._sums, self._M,
-            self.geometry,
+            self._separations, sides.points.get(), Springs(self._springs, to_node), self._rigid, grid.node_count,
+            grid.sides, grid.width, grid.mp, self._dof, self._first, self.fields, self.faces, self.begin, self._sums,
+            self._M, self.geometry,
         )  # fmt: skip
         first = self._first[: slots + 1]
         self.table = NodeTable(

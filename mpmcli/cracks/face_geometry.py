@@ -24,11 +24,12 @@ SEPARATIONS = {
 """How the distance of faces is found: ``faces.separation`` of a crack."""
 FAR_AWAY = 1e300
 """Beyond every distance [length]; compiled code knows no infinity."""
-MASS, VOLUME, REFERENCE, INVERSE, GRADIENT, MEAN, ACROSS = 0, 1, 2, 4, 8, 12, 14
-SUMS = 17
-"""Sums over the matter of a side, by column: Σ w and Σ S V, Σ w (X₀ − x + F⁻¹ (x − X)), Σ w F⁻¹, Σ w F and
-Σ w (X − x), with w = S m and the node's place x. Where springs act, ``ACROSS`` is (n, a)/h⊥ with the distance a of the
-crack from the node, and particles count by theirs from the crack, too: w = S m max(1 − |n·(x − X) + a|/h⊥, 0)."""
+MASS, VOLUME, REFERENCE, INVERSE, GRADIENT, MEAN, WHOLE, ACROSS = 0, 1, 2, 4, 8, 12, 14, 15
+SUMS = 18
+"""Sums over the matter of a side, by column: Σ w and Σ S V, Σ w (X₀ − x + F⁻¹ (x − X)), Σ w F⁻¹, Σ w F,
+Σ w (X − x) and Σ w V⁰/m, with w = S m and the node's place x. Where springs act, ``ACROSS`` is (n, a)/h⊥ with the
+distance a of the crack from the node, and particles count by theirs from the crack, too:
+w = S m max(1 − |n·(x − X) + a|/h⊥, 0)."""
 
 
 class Matter(NamedTuple):
@@ -51,6 +52,13 @@ class Separations(NamedTuple):
 
     way: Array
     offset: Array
+
+
+class Springs(NamedTuple):
+    """Which laws are springs (laws,), and whether stiff ones act at the node: ``interfaces.jump.find_interfaces``."""
+
+    of_law: Array
+    to_node: bool
 
 
 class Lattice(NamedTuple):
@@ -86,8 +94,10 @@ def sum_matter(rows, sights, width, lattice, matter, places, sums):
                 if 0 <= at < places:
                     out = sums[at]
                     away = abs(out[ACROSS] * x + out[ACROSS + 1] * y + out[ACROSS + 2])
-                    w = S * mass * max(1.0 - away, SMALLEST)
+                    share = S * max(1.0 - away, SMALLEST)
+                    w = share * mass
                     out[MASS] += w
+                    out[WHOLE] += share * matter.vol0[p]
                     out[VOLUME] += S * volume
                     out[REFERENCE] += w * (moved_x - x + a * x + b * y)
                     out[REFERENCE + 1] += w * (moved_y - y + c * x + d * y)
@@ -152,10 +162,22 @@ def opening_of_chain(points, crack, x, y, n):
 
 
 @compiled_too
+def inverse_times(total, i, x, y):
+    """Component ``i`` of what the mean inverse deformation of a side makes of a vector."""
+    return (total[INVERSE + 2 * i] * x + total[INVERSE + 2 * i + 1] * y) / total[MASS]
+
+
+@compiled_too
 def reference_at(total, shift, a):
     """Mean reference position of the matter that is now ``shift`` (2,) beside the node, less that place; axis ``a``."""
-    beside = total[INVERSE + 2 * a] * shift[0] + total[INVERSE + 2 * a + 1] * shift[1]
-    return (total[REFERENCE + a] + beside) / total[MASS] - shift[a]
+    return total[REFERENCE + a] / total[MASS] + inverse_times(total, a, shift[0], shift[1]) - shift[a]
+
+
+@compiled_too
+def now_along(a, b, i, x, y):
+    """Component ``i`` of what the mean deformation of both sides makes of a vector of the reference state."""
+    F = GRADIENT + 2 * i
+    return ((a[F] + b[F]) * x + (a[F + 1] + b[F + 1]) * y) / (a[MASS] + b[MASS])
 
 
 @compiled_too
@@ -166,8 +188,8 @@ def find_face_geometry(
     """Jump, separation and area of every pair of sides, from the particles that its node sees.
 
     The jump is the difference of the reference positions of the matter that is at the crack now, as that of interfaces;
-    its normal part is the separation, so that faces start closed, unless ``separations`` says otherwise. ``springs``
-    (laws,) tells which laws are interfaces.
+    its normal part is the separation, so that faces start closed, unless ``separations`` says otherwise. Where laws are
+    ``springs``, particles count by their distance from the crack, too: see ``interfaces.jump.find_jump``.
     """
     normal, separation, distances = geometry.normal, geometry.separation, geometry.distances
     per = sides * field_count
@@ -182,7 +204,7 @@ def find_face_geometry(
             side, field = side_of(dof, node_count, field_count), field_of(dof, node_count, field_count)
             faces.at[k, face] = (slot * sides + side) * field_count + field
         normal[k, 0], normal[k, 1] = planes.normal[slot, bit, 0], planes.normal[slot, bit, 1]
-        if springs[fields.law[k]]:
+        if springs.of_law[fields.law[k]]:
             h = perpendicular_size(AXES, lattice.cell, normal[k])
             for face in range(2):
                 across = sums[faces.at[k, face]]
@@ -203,10 +225,16 @@ def find_face_geometry(
             jx = reference_at(a, shift, 0) - reference_at(b, shift, 0)
             jy = reference_at(a, shift, 1) - reference_at(b, shift, 1)
             for i in range(2):
-                F = GRADIENT + 2 * i
-                here[i] = ((a[F] + b[F]) * jx + (a[F + 1] + b[F + 1]) * jy) / (a[MASS] + b[MASS])
+                here[i] = now_along(a, b, i, jx, jy)
         opening = here[0] * n[0] + here[1] * n[1]
         h = perpendicular_size(AXES, lattice.cell, n)
+        if springs.of_law[fields.law[k]]:
+            faces.aside[k, 0] = faces.aside[k, 1] = faces.mass[k] = 0.0
+            if both and springs.to_node:
+                ax = inverse_times(b, 0, shift[0], shift[1]) - inverse_times(a, 0, shift[0], shift[1])
+                ay = inverse_times(b, 1, shift[0], shift[1]) - inverse_times(a, 1, shift[0], shift[1])
+                faces.aside[k, 0], faces.aside[k, 1] = now_along(a, b, 0, ax, ay), now_along(a, b, 1, ax, ay)
+                faces.mass[k] = 0.5 * h / (a[WHOLE] / a[MASS] + b[WHOLE] / b[MASS])
         way, gap = separations.way[crack], opening
         if way == FACES:
             x = lattice.origin[0] + nodes.node[slot] % lattice.shape[0] * lattice.cell[0] + shift[0]

@@ -53,9 +53,10 @@ class FaceInterfaces:
     @property
     def _jumps(self) -> JumpRows:
         """Rows beside those of the contacts, whose jumps they share."""
-        jump = self._contacts.faces.jump
-        if self._rows is None or self._rows.jump is not jump:
-            self._rows = allocate_jumps(len(jump), 2, 0)._replace(jump=jump)
+        faces = self._contacts.faces
+        if self._rows is None or self._rows.jump is not faces.jump:
+            rows = allocate_jumps(len(faces.jump), 2, 0)
+            self._rows = rows._replace(jump=faces.jump, aside=faces.aside, mass=faces.mass)
         return self._rows
 
     def find(self) -> None:
