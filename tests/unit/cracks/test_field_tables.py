@@ -37,10 +37,12 @@ def faces_of(massive, above=(1.0, 1.0), cracks=(FIRST, SECOND), fields=1, skippe
     flags = {name: np.zeros(room, dtype=bool) for name in ("rigid", "alone", "pair", "both")}
     m = FieldsInContact(**(integers | flags | {"order": np.zeros(room)}))
     rows = Faces(
-        np.zeros(room, dtype=np.int64),
-        np.zeros(room, dtype=np.int64),
-        np.zeros((room, 2)),
-        np.zeros((room, 2), dtype=np.int64),
+        bit=np.zeros(room, dtype=np.int64),
+        crack=np.zeros(room, dtype=np.int64),
+        jump=np.zeros((room, 2)),
+        aside=np.zeros((room, 2)),
+        mass=np.zeros(room),
+        at=np.zeros((room, 2), dtype=np.int64),
     )
     passes = np.isin(np.arange(count), skipped)
     found = list_faces(
