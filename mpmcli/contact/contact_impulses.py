@@ -87,10 +87,8 @@ class ContactImpulses(Correction, ABC):
 
     def after_extrapolation(self, step: Step) -> None:
         """Task 1.a: find the contacts, and let the extrapolated momenta satisfy them: p += Δp⁽¹⁾."""
-        if self.find(step) > 0:
-            self._satisfy_start(step)
-
-    def _satisfy_start(self, step: Step) -> None:
+        if self.find(step) == 0:
+            return
         c, rows = self._found, self._found.rows
         rows.start[: c.count] = 0.0
         keeps_start = keeps_start_impulses(step.plan)

@@ -148,8 +148,7 @@ class NodalContact(ContactImpulses):
             if self._direction is not None:
                 self._direction.look(p)
         if self.interfaces is not None:
-            order = step.plan.order if step.plan.has_full_mass_loop else 1
-            self.interfaces.find(matter, self._around, parallel, order)
+            self.interfaces.find(matter, self._around, parallel, step.plan)
         return c.count
 
     def _parted(self) -> Parted | None:

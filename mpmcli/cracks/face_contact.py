@@ -6,22 +6,37 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.contact.contact_impulses import ContactImpulses, Ways, keeps_start_impulses
+from mpmcli.contact.contact_impulses import ContactImpulses, Ways
+from mpmcli.contact.laws.impulse import slip_work
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
 from mpmcli.core.state import CracksView
 from mpmcli.core.step import Step
 from mpmcli.core.variants import StrainUpdate
+from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.face_contacts import FaceContacts
 from mpmcli.cracks.face_geometry import Separations
-from mpmcli.cracks.face_impulses import Pairs, close, meet, pairs_of
 from mpmcli.cracks.sides import CrackSides
-from mpmcli.interfaces.jump import HIGHEST_AT_INTERFACE
 
 Array = np.ndarray
 
 
-NOTHING = np.zeros(0)
+@called_once
+def tally(axes, count, fields, faces, geometry, rows, after, weight, springs, force):
+    """Sum up a step: adds the impulses on the matter above to ``force`` (cracks, 2), and returns the friction work.
+
+    ``after`` (k, 2) are the relative velocities that the impulses leave, ``weight`` (k,) shares of real particles,
+    ``springs`` (laws,) laws without friction.
+    """
+    work = 0.0
+    for k in range(count):
+        rows.friction[k] = 0.0
+        if not springs[fields.law[k]]:
+            rows.friction[k] = slip_work(axes, geometry.normal[k], rows.net[k], rows.slip[k], after[k])
+        work += weight[k] * rows.friction[k]
+        for a in range(len(axes)):
+            force[faces.crack[k], a] -= weight[k] * rows.net[k, a]
+    return work
 
 
 class FaceContact(ContactImpulses):
@@ -54,8 +69,6 @@ class FaceContact(ContactImpulses):
         self._particles, self._mirror, self._work = particles, mirror, work
         self._view = view
         self._springs = np.array([model.is_interface for model in models])
-        self._alike = len(models) == 1 and not (models[0].is_interface or models[0].skipped)
-        self._gathered = pairs_of(self.contacts.fields, self.contacts.geometry, self.contacts.rows)
         work.setdefault("contact_work", 0.0)
         if self._springs.any():
             from mpmcli.cracks.face_interfaces import FaceInterfaces
@@ -64,66 +77,42 @@ class FaceContact(ContactImpulses):
 
     def find(self, step: Step) -> int:
         """Find the pairs of sides in contact."""
-        order = step.plan.order if step.plan.has_full_mass_loop else 1
-        count = self.contacts.find(self._particles.F, order > HIGHEST_AT_INTERFACE)
+        to_node = self.interfaces is not None and self.interfaces.act_at_node(step.plan)
+        count = self.contacts.find(self._particles.F, to_node)
         if self.interfaces is not None and count > 0:
             self.interfaces.find()
         return count
 
-    @property
-    def _pairs(self) -> Pairs:
-        c = self.contacts
-        if self._gathered.alpha is not c.fields.alpha:
-            self._gathered = pairs_of(c.fields, c.geometry, c.rows)
-        return self._gathered
-
-    def _satisfy_start(self, step: Step) -> None:
-        if not self._alike or self.contacts.has_pairs:
-            super()._satisfy_start(step)
-            return
-        self._meet(step, first=True)
-
-    def after_update(self, step: Step) -> None:
-        """Task 3.a: p⁺ += Δp⁽²⁾, which is also a force."""
-        if self.contacts.count == 0:
-            return
-        if not self._alike or self.contacts.has_pairs:
-            super().after_update(step)
-            return
-        self._meet(step, first=False)
-        if step.plan.imposes_lumped:
-            self._conditions.impose_on_momenta(step)
-
-    def _meet(self, step: Step, first: bool) -> None:
-        keeps_start = keeps_start_impulses(step.plan)
-        mp, f = self._grid.mp, self._grid.f
-        meet(self._parameters[0], self.contacts.count, first, keeps_start, step.dt, self._pairs, mp, f)
-
     def rehearse(self) -> None:
-        """Call what acts only where cracks meet, or only where they do not."""
-        c, grid = self.contacts, self._grid
-        if not self._alike or c.count == 0:
-            return
-        meet(self._parameters[0], 0, True, True, 1.0, self._pairs, grid.mp, grid.f)
-        if grid.sides > 2:
+        """Call what acts only where cracks meet."""
+        c = self.contacts
+        if c.count > 0 and self._grid.sides > 2:
             c.has_pairs = True
             with np.errstate(all="ignore"):
                 self._correct_momenta(1.0, after_forces=False, advance=0.0)
-            self._start_increments()
-            self._find_slip(None, c.rows.slip)
 
     def account(self, step: Step, v: Array) -> None:
         """Sum up forces and friction work of the step."""
         c, view = self.contacts, self._view
+        view.force[:] = 0.0
         view.interface_energy[:] = 0.0  # to which tractions on points add theirs
         if c.count == 0:
-            view.force[:] = 0.0
             return
-        weight = NOTHING if self._mirror is None else self._mirror.share_of(c.fields.alpha[: c.count])
-        self._work["contact_work"] += close(
-            c.count, self._pairs, c.faces.crack, c.fields.law, self._springs, keeps_start_impulses(step.plan), weight,
-            step.dt, self._grid.mp, v, c.rows.friction, view.force,
-        )  # fmt: skip
+        after = self._close_impulses(step, v)
+        alpha = c.fields.alpha[: c.count]
+        weight = np.ones(c.count) if self._mirror is None else self._mirror.share_of(alpha)
+        self._work["contact_work"] += tally(
+            self._axes,
+            c.count,
+            c.fields,
+            c.faces,
+            c.geometry,
+            c.rows,
+            after,
+            weight,
+            self._springs,
+            view.force,
+        )
         if self.interfaces is not None:
-            shares = weight if len(weight) else np.ones(c.count)
-            self.interfaces.close(c.rows.prior, shares, step.dt)
+            self.interfaces.close(after, weight, step.dt)
+        view.force /= step.dt

@@ -12,7 +12,7 @@ from mpmcli.core.state import CracksView
 from mpmcli.core.variants import StrainUpdate
 from mpmcli.cracks.face_contacts import FaceContacts
 from mpmcli.interfaces import impulses
-from mpmcli.interfaces.jump import JumpRows, Sides, allocate_jumps, open_areas
+from mpmcli.interfaces.jump import JumpRows, Sides, act_at_node, allocate_jumps, open_areas
 
 Array = np.ndarray
 
@@ -49,6 +49,8 @@ class FaceInterfaces:
         # momenta that are extrapolated again are nearer to those of the start of the step than to updated ones
         self._late = 0.0 if update.again else update.last
         work.setdefault("interface_work", 0.0)
+
+    act_at_node = staticmethod(act_at_node)
 
     @property
     def _jumps(self) -> JumpRows:

@@ -23,10 +23,10 @@ from mpmcli.interfaces.jump import (
     EDGES,
     EXTRAPOLATED,
     GRADIENT,
-    HIGHEST_AT_INTERFACE,
     JumpRows,
     Memory,
     Sides,
+    act_at_node,
     allocate_jumps,
     find_interfaces,
 )
@@ -103,10 +103,10 @@ class Interfaces:
 
     # ------------------------------------------------------------------ the places in the step
 
-    def find(self, matter: Matter, around: Surroundings, parallel: bool, order: int) -> None:
+    def find(self, matter: Matter, around: Surroundings, parallel: bool, plan: Any) -> None:
         """Jumps, areas and histories at the start of the step, once the geometry of contacts is known.
 
-        ``order`` is that of the FMPM loop, 1 without one.
+        ``plan`` is that of the step.
         """
         c, p = self._contacts, self._particles
         self._acts = False
@@ -117,7 +117,7 @@ class Interfaces:
             start_gap = np.nan_to_num(start_gap, nan=UNKNOWN)
         find_interfaces[parallel](
             self._axes, self._way, self._opens, self._sides, c.count, c.fields, c.table, around, c.nodes.near, matter,
-            p.interface, start_gap, c.geometry, order > HIGHEST_AT_INTERFACE, self._make_room(len(c.fields.slot)),
+            p.interface, start_gap, c.geometry, act_at_node(plan), self._make_room(len(c.fields.slot)),
         )  # fmt: skip
 
     def forces_known(self, known: bool) -> None:

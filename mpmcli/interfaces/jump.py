@@ -28,6 +28,11 @@ REACH = 0.2
 """By so many cells matter that was bonded may be farther from an interface than matter that was not."""
 
 
+def act_at_node(plan: Any) -> bool:
+    """Whether stiff springs act at the node in a step of this plan."""
+    return bool(plan.has_full_mass_loop and plan.order > HIGHEST_AT_INTERFACE)
+
+
 class JumpRows(NamedTuple):
     """What interfaces know of the contacts of a step, a row for each.
 
