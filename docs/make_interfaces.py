@@ -1,11 +1,10 @@
 """Draw and tabulate how linear interfaces pass an impact and waves, for ``docs/verification/interfaces.md``.
 
-    python docs/make_interfaces.py [impact | waves | choices | stability]
+    python docs/make_interfaces.py [impact | waves | choices]
 
 ``impact``: the bars of ``inputs/interface_impact.yaml``; ``waves``: what passes the interface of
 ``inputs/interface_wave.yaml`` by frequency; ``choices``: errors of the pulse by the way of measuring the jump and by
-the form of the impulse. ``stability``: Courant numbers that are stable. One to
-five minutes each. Tables go to ``docs/tables``.
+the form of the impulse. One to five minutes each. Tables go to ``docs/tables``.
 """
 
 from __future__ import annotations
@@ -25,8 +24,6 @@ TESTS = HERE.parent / "tests"
 sys.path.insert(0, str(TESTS))
 
 import exact_interfaces as exact  # noqa: E402
-from interface_limits import FRACTIONS, limit_alone, share_of_limit  # noqa: E402
-from interface_limits import STIFFNESSES as LIMIT_RATIOS  # noqa: E402
 from interface_runs import PASSAGE, impact, responses, wave_errors  # noqa: E402
 
 IMAGES, TABLES = HERE / "images", HERE / "tables"
@@ -64,31 +61,21 @@ def write(name: str, heads: list[str], rows: list[list[str]]) -> None:
 
 
 def make_impact() -> None:
-    """Draw the energy of the interface, and tabulate deviations of the speed."""
-    begin = start()
-    figure, axes = new_figure(7.0, 3.8)
-    rows = []
-    for number, D in enumerate(STIFFNESSES):
+    """Tabulate deviations of the speed."""
+    begin, rows = start(), []
+    for D in STIFFNESSES:
         for cell in (0.5, 0.25):
             row = [str(D), str(cell)]
             for method in METHODS:
                 worst, early = [], []
                 for shift in SHIFTS:
                     sets = (f"constants.shift={shift}", f"constants.cell={cell}")
-                    t, speed, energy = impact(begin, method, D, *sets)
+                    t, speed, _ = impact(begin, method, D, *sets)
                     off = 100.0 * np.abs(speed - exact.impact_speed(t, D, PASSAGE))
                     worst.append(off.max())
                     early.append(off[t < RETURN].max())
                 row.append(f"{max(worst):.2f} ({max(early):.2f})")
-                if cell == 0.25 and method != "FMPM(4)":
-                    share = energy / exact.impact_energy(D)
-                    axes.plot(1e3 * t, share, color=f"C{number}", ls="-" if method == "FLIP" else "--", lw=1,
-                              label=f"D = {D}, {method}")  # fmt: skip
             rows.append(row)
-        t = np.linspace(0.0, 0.04, 400)
-        axes.plot(
-            1e3 * t, (exact.impact_force(t, D) / 0.5) ** 2, "k:", lw=1, label="exact" if number == 0 else None
-        )
     for cell in (0.5, 0.25):
         row = ["no interface", str(cell)]
         for method in METHODS:
@@ -97,9 +84,6 @@ def make_impact() -> None:
             row.append(f"{off.max():.2f} ({off[t < RETURN].max():.2f})")
         rows.append(row)
     write("interfaces_impact", ["D [MPa/mm]", "cell [mm]", *METHODS], rows)
-    axes.set(xlabel="time [µs]", ylabel="energy of the interface over exact plateau", ylim=(0.0, 1.3))
-    finish(figure, axes, IMAGES / "interfaces_impact.png")
-    shrink(IMAGES / "interfaces_impact.png")
 
 
 def make_waves() -> None:
@@ -139,22 +123,7 @@ def make_choices() -> None:
     write("interfaces_choices", ["transfer", "jump, step", *(f"{k:g}" for k in RATIOS)], rows)
 
 
-def make_stability() -> None:
-    """Tabulate the largest stable Courant number over that of the bars alone."""
-    begin, rows = start(), []
-    for method in (*METHODS, "FMPM(8)"):
-        alone = {shift: limit_alone(begin, method, shift) for shift in SHIFTS}
-        for step in ("implicit", "oscillator"):
-            row = [method, f"`{step}`"]
-            for k in LIMIT_RATIOS:
-                words = f"contact.interface={{step: {step}}}"
-                least = min(share_of_limit(begin, method, k, shift, alone[shift], words) for shift in SHIFTS)
-                row.append(f"≥ {least:g}" if least == FRACTIONS[-1] else f"{least:g}")
-            rows.append(row)
-    write("interfaces_stability", ["transfer", "step", *(f"{k:g}" for k in LIMIT_RATIOS)], rows)
-
-
-MAKE = {"impact": make_impact, "waves": make_waves, "choices": make_choices, "stability": make_stability}
+MAKE = {"impact": make_impact, "waves": make_waves, "choices": make_choices}
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])

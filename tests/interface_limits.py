@@ -1,4 +1,4 @@
-"""Largest stable Courant numbers of two free bars with an interface, by runs."""
+"""Stability of two free bars with an interface, by runs."""
 
 from __future__ import annotations
 
@@ -37,7 +37,6 @@ time: {end: 1000, courant: 0.2}
 STEPS = 600
 GROWTH = 10.0
 """A run is unstable if its largest speed grows by more than this over the steps."""
-FRACTIONS = (0.25, 0.5, 0.7, 0.85, 0.95)
 STIFFNESSES = (1e-3, 0.1, 1.0, 10.0, 1e3)
 """D Δx/E."""
 
@@ -60,27 +59,3 @@ def is_stable(
         if not np.abs(run.V).max() < GROWTH * first:
             return False
     return True
-
-
-def limit_alone(start: Callable[..., Any], method: str, shift: float) -> float:
-    """Largest stable Courant number of the bars alone, by bisection to 3 %."""
-    low, high = 0.1, 1.3
-    while high > 1.03 * low:
-        middle = 0.5 * (low + high)
-        if is_stable(start, method, middle, 0.0, shift):
-            low = middle
-        else:
-            high = middle
-    return low
-
-
-def share_of_limit(
-    start: Callable[..., Any], method: str, k: float, shift: float, alone: float, *sets: str
-) -> float:
-    """Largest of ``FRACTIONS`` of the limit alone up to which all are stable."""
-    stable = 0.0
-    for fraction in FRACTIONS:
-        if not is_stable(start, method, fraction * alone, k, shift, *sets):
-            break
-        stable = fraction
-    return stable
