@@ -1,4 +1,4 @@
-"""The studies behind the pictures of ``docs/studies`` can be run, and the pictures are there and small."""
+"""The studies behind the pictures of ``docs/studies`` and the gallery can be run; the pictures are there and small."""
 
 from __future__ import annotations
 
@@ -17,7 +17,11 @@ STUDIES = runpy.run_path(str(DOCS / "make_studies.py"))["STUDIES"]
 
 def test_pictures_are_there_and_small():
     pictures = sorted((DOCS / "images" / "studies").iterdir())
-    pages = "".join(page.read_text(encoding="utf-8") for page in (DOCS / "studies").glob("*.md"))
+    pages = "".join(
+        page.read_text(encoding="utf-8")
+        for folder in ("studies", "gallery")
+        for page in (DOCS / folder).glob("*.md")
+    )
     assert all(f"../images/studies/{path.name}" in pages for path in pictures)
     assert all(path.stat().st_size < 150_000 for path in pictures)
 
