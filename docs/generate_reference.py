@@ -89,13 +89,13 @@ class Reference:
         self.definitions: dict[str, Schema] = self.schema["definitions"]
         self.written: set[str] = set()
         self.models = {**analyses_of_materials(), **axes_of_regions()}
-        self.made = {"transfer": default_transfer(), **defaults_of_contact()}
+        self.made = defaults_made_when_needed()
 
     def lines(self) -> Iterator[str]:
         """The lines of the page."""
         yield from ("# Scene reference", "", introduction(), "")
         yield from ("## Top level", "")
-        yield from self.table(self.schema)
+        yield from self.table("", self.schema)
         for key, node in self.schema["properties"].items():
             names = list(references(node))
             if names:
@@ -113,20 +113,20 @@ class Reference:
         yield from (prose(definition.get("description", "")), "")
         if name in self.models:
             yield from (self.models[name], "")
-        yield from self.table(definition)
+        yield from self.table(name, definition)
         for key, node in definition["properties"].items():
             for other in references(node):
                 yield from self.section(other, NOUNS.get(key, noun if self.has_kind(other) else ""))
 
-    def table(self, model: Schema) -> Iterator[str]:
-        """The keys of a model: what may stand there, the default, the meaning."""
+    def table(self, name: str, model: Schema) -> Iterator[str]:
+        """The keys of the model ``name``: what may stand there, the default, the meaning."""
         required = model.get("required", ())
         yield "| key | value | default | meaning |"
         yield "| --- | --- | --- | --- |"
         for key, node in sorted(model["properties"].items(), key=lambda entry: entry[0] != "kind"):
             default = "required" if key in required else default_of(node)
             if default == "–":
-                default = self.made.get(key, default)
+                default = self.made.get((name, key), default)
             cells = (f"`{key}`", self.words(node), default, sentence(node.get("description", "")))
             yield f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
         yield ""
@@ -310,19 +310,19 @@ def axes_of_regions() -> dict[str, str]:
     return {name: line for name, line in lines.items() if line}
 
 
-def default_transfer() -> str:
-    """The transfer of a scene that names none: the schema does not know what is made when needed."""
+def defaults_made_when_needed() -> dict[tuple[str, str], str]:
+    """Defaults by model and key that the schema does not know, because they are made when needed."""
+    from mpmcli.contact.model import Contact
+    from mpmcli.scene.heat import Heat
     from mpmcli.scene.method import Method
 
-    return f"`{plain(Method().transfer.model_dump())}`"
-
-
-def defaults_of_contact() -> dict[str, str]:
-    """What a contact has that names neither its normal nor its separation."""
-    from mpmcli.contact.model import Contact
-
-    made = Contact.model_validate({"law": {"kind": "frictionless"}})
-    return {key: f"`{plain({'kind': getattr(made, key).kind})}`" for key in ("normal", "separation")}
+    contact = Contact.model_validate({"law": {"kind": "frictionless"}})
+    return {
+        ("Method", "transfer"): f"`{plain(Method().transfer.model_dump())}`",
+        ("Heat", "transfer"): f"`{plain({'kind': Heat().transfer.kind})}`",
+        ("Contact", "normal"): f"`{plain({'kind': contact.normal.kind})}`",
+        ("Contact", "separation"): f"`{plain({'kind': contact.separation.kind})}`",
+    }
 
 
 def shapes() -> str:

@@ -118,7 +118,7 @@ QUANTITIES.add(
         "global",
         lambda s: float(_view(s).lost),
         "number of contacts of intact interfaces that open by more than a cell, where nodes no longer "
-        "receive both sides",
+        "receive both sides, or that break because they slip by more than half a cell",
         exists=_exists,
         is_default=never,
     ),
