@@ -54,6 +54,7 @@ def get_compiler_ready() -> None:
         if not _is_ready:
             configure()
             _import_without_blas()
+            importlib.import_module("mpmcli.core.compiled.native_code")
             importlib.import_module("mpmcli.core.compiled.registers_in_llvm")
             _is_ready = True
             try:
