@@ -70,6 +70,20 @@ def test_with_fine_cells_it_stores_less_than_a_millionth(start):
     assert check_turn(start, 0.25, "time.courant=0.4").max() < 1e-6
 
 
+@pytest.mark.parametrize("offset", [(0.0, 0.0), (0.5, 0.0), (0.13, 0.31)])
+def test_area_in_every_direction(start, offset):
+    """Within 1 %, also where the joint is parallel to diagonals of cells, and nodes lie on it or half way between."""
+    for angle in (0, 10, 20, 30, 40, 44, 44.8, 45, 45.2, 50, 70, 90, 135):
+        run = start("spinning_joint.yaml", "constants.cell=0.25", "loads=[]")
+        s, p, turned = run.simulation, run.particles, np.radians(angle)
+        R = np.array([[np.cos(turned), -np.sin(turned)], [np.sin(turned), np.cos(turned)]])
+        p.X[:] = R @ p.X0 + 0.25 * np.array(offset)[:, None]
+        p.F[:4] = R.reshape(4, 1)
+        s.transfer.order.forget()
+        s.step()
+        assert s.contact.view.interfaces.means().area[0] == pytest.approx(10.0, rel=0.01), angle
+
+
 def opened(omega=2.0, size=0.05, until=0.1):
     """Halves that turn from the start, each particle on its circle, while the upper one moves off by ``size``."""
     phase = f"2*pi*min(t, {until})/{until}"
