@@ -13,7 +13,7 @@ DISK = (5.0, 1e-3, 2.0)
 NU = 0.33
 CENTRIFUGAL = 1e-3 * 2.0**2 * 5.0**2 / 3.0
 """Mean stress across a diameter of the disk that turns, ρ ω² R²/3 [MPa]."""
-DRIFT = 2.5e-7
+DRIFT = 4e-7
 """What positions that drift from F add to the energy of the joint in a turn, over the kinetic energy."""
 
 
