@@ -64,3 +64,24 @@ def ring_pressure(a: float, b: float, p: float, D: float, E: float, nu: float) -
     ring = (1.0 + nu) * a * ((1.0 - 2.0 * nu) * a * a + b * b) / c
     disk = (1.0 + nu) * (1.0 - 2.0 * nu) * a / E
     return given / (ring + disk + 1.0 / D)
+
+
+def centrifugal_stress(x: Array, radius: float, density: float, omega: float, nu: float) -> Array:
+    """Stress across a diameter of a disk in plane strain that turns, at distances ``x`` from its centre.
+
+    Its mean, ρ ω² R²/3, is what half of the disk pulls at the other half, whatever joins them.
+    """
+    nu = nu / (1.0 - nu)
+    return density * omega**2 / 8.0 * ((3.0 + nu) * radius**2 - (1.0 + 3.0 * nu) * x**2)
+
+
+def centrifugal_energy(D: float, radius: float, density: float, omega: float, nu: float) -> float:
+    """What springs across that diameter store over the kinetic energy of the disk, with the stress of a whole disk."""
+    x = np.linspace(-radius, radius, 2001)
+    stored = np.trapezoid(centrifugal_stress(x, radius, density, omega, nu) ** 2, x) / (2.0 * D)
+    return float(stored / (0.25 * np.pi * density * radius**4 * omega**2))
+
+
+def least_centrifugal_energy(D: float, radius: float, density: float, omega: float) -> float:
+    """The least that springs can store over the kinetic energy: that of the uniform stress ρ ω² R²/3."""
+    return 4.0 * density * omega**2 * radius / (9.0 * np.pi * D)

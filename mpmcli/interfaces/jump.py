@@ -24,6 +24,8 @@ FAR = 1e300
 """Beyond the square of every distance; compiled code knows no infinity."""
 HIGHEST_AT_INTERFACE = 4
 """Highest order of FMPM at which stiff springs are stable with the jump at the interface, without that at the node."""
+ACROSS = 1e-3
+"""A normal has no part along an axis below this share of it: quotients of differences would be of round-off."""
 REACH = 0.2
 """By so many cells matter that was bonded may be farther from an interface than matter that was not."""
 
@@ -284,15 +286,44 @@ def find_jump(
 
 
 @inline
-def share_of_node(a, b, h):
+def part_of_plane(axes, cell, n, h, d):
+    """h⊥ times the integral of a node's linear grid function over the plane at the distance ``d``, over the cell.
+
+    The sum over all nodes of a plane is 1 in every direction: 1 − d/h⊥ along an axis, smoother beside. Along the unit
+    normal ``n`` the function is the convolution of tents of half widths r_a = Δx_a |n_a|: a sum of differences of the
+    order 2m of |x|^(2m−1)/(2 (2m−1)!) over the m axes that the normal has a part of.
+    """
+    power, factor, terms = -1, 2.0, 1
+    for a in range(len(axes)):
+        if cell[a] * abs(n[a]) > ACROSS * h:
+            power += 2
+            factor *= max(power * (power - 1), 1)
+        terms *= 3
+    total = 0.0
+    for term in range(terms):
+        x, weight, digits = d, h / factor, term
+        for a in range(len(axes)):
+            step = digits % 3 - 1
+            digits //= 3
+            r = cell[a] * abs(n[a])
+            if r > ACROSS * h:
+                weight *= (1.0 if step else -2.0) / (r * r)
+                x += step * r
+            elif step:
+                weight = 0.0
+        total += weight * abs(x) ** power
+    return total
+
+
+@inline
+def share_of_node(axes, cell, n, a, b, h):
     """Share of an interface that is this node's, of all nodes across it; ``a``, ``b`` are the distances of its edges.
 
-    That is the smaller of the linear grid functions at both edges, over the sum of these at all nodes: where the edge
-    of one side hardly reaches the node, the traction is as small as the forces of the stresses there.
+    That is the smaller of ``part_of_plane`` at both edges, over the sum of these at all nodes: where the edge of one
+    side hardly reaches the node, the traction is as small as the forces of the stresses there.
     """
-    if a * b < 0.0:
-        return 1.0
-    return max(1.0 - max(abs(a), abs(b)) / h, SMALLEST) / max(1.0 - abs(a - b) / h, 0.5)
+    farther = max(abs(a), abs(b)) if a * b > 0.0 else abs(a - b)
+    return max(part_of_plane(axes, cell, n, h, farther), SMALLEST) / max(1.0 - abs(a - b) / h, 0.5)
 
 
 @inline
@@ -312,7 +343,7 @@ def open_area(axes, node, around, area, distances, jump, normal, h):
     share, middle = 1.0, 1.0
     if max(abs(first), abs(second)) < UNKNOWN:
         counted = max(1.0 - min(abs(first), abs(second)) / h, SMALLEST)  # as in ``contact_area``
-        share = share_of_node(first, second, h) / counted
+        share = share_of_node(axes, around.cell, normal, first, second, h) / counted
         middle = max(1.0 - 0.5 * abs(first + second) / h, 0.0)
     return area * (share * h / max(h - opening * middle, 0.5 * h))
 

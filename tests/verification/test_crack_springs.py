@@ -1,10 +1,11 @@
-"""Springs between the faces of a crack: impact of two bars across them, against the closed form (L1)."""
+"""Springs between the faces of a crack: impact of two bars across them (L1), and stable Courant numbers."""
 
 from __future__ import annotations
 
 import exact_interfaces as exact
 import numpy as np
 import pytest
+from interface_limits import CRACKED, STIFFNESSES, is_stable
 from interface_runs import PASSAGE, transfer
 
 from mpmcli.output.global_quantities import EnergyBalance
@@ -60,6 +61,17 @@ boundary:
 time: {end: 1000, courant: 0.15}
 """
 """A cantilever whose plies are joined by stiff springs, beside grid lines: D Δx/E = 1000."""
+ALONE = {
+    ("FLIP", 0): 0.597,
+    ("FLIP", 0.37): 0.7,
+    ("FMPM(2)", 0): 0.452,
+    ("FMPM(2)", 0.37): 0.512,
+    ("FMPM(4)", 0): 0.33,
+    ("FMPM(4)", 0.37): 0.381,
+    ("FMPM(8)", 0): 0.241,
+    ("FMPM(8)", 0.37): 0.288,
+}
+"""Limits of the bar with free faces within 3 %, by transfer and place of the crack [cells off a grid line]."""
 ASKED = {125: 0.003, 1000: 0.008, 4000: 0.010}
 """Largest deviation of the mean speed of the second bar over the impact speed, by stiffness [MPa/mm]."""
 
@@ -126,3 +138,17 @@ def test_stiff_springs_are_stable_in_bending_with_high_orders(start):
     for _ in range(1000):
         run.simulation.step()
     assert 0.9 * first < energy() < first
+
+
+@pytest.mark.parametrize(("method", "shift"), list(ALONE))
+def test_limits_of_free_faces(start, method, shift):
+    limit = ALONE[method, shift]
+    assert is_stable(start, method, limit, 0.0, shift, scene=CRACKED)
+    assert not is_stable(start, method, 1.15 * limit, 0.0, shift, scene=CRACKED)
+
+
+@pytest.mark.parametrize("k", [*STIFFNESSES])
+@pytest.mark.parametrize(("method", "shift"), list(ALONE))
+def test_springs_do_not_lower_the_limit(start, method, shift, k):
+    """At 0.95 of the limit of free faces, whatever the stiffness D Δx/E."""
+    assert is_stable(start, method, 0.95 * ALONE[method, shift], k, shift, scene=CRACKED)

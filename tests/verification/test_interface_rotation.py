@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import exact_interfaces as exact
 import numpy as np
 import pytest
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
 
-CENTRIFUGAL = 0.0334
-"""Mean stress across a diameter of the disk that turns [MPa]."""
-ENERGY = 1.53e-6
-"""What springs of D Δx/E = 1 store under it over the kinetic energy, with cells of 0.5 mm; half with 0.25 mm."""
+DISK = (5.0, 1e-3, 2.0)
+"""Radius, density and angular velocity of the disk."""
+NU = 0.33
+CENTRIFUGAL = 1e-3 * 2.0**2 * 5.0**2 / 3.0
+"""Mean stress across a diameter of the disk that turns, ρ ω² R²/3 [MPa]."""
+DRIFT = 4e-7
+"""What positions that drift from F add to the energy of the joint in a turn, over the kinetic energy."""
 
 
 def look(run):
@@ -33,22 +37,51 @@ def turn(start, end, every, *sets):
     return np.array(seen).T
 
 
-def test_a_turn_opens_no_joint(start):
-    """The jump is that of the centrifugal stress, and positions that drift from F by some 1e-4 cells in a turn."""
-    jump, traction, energy, turning = turn(start, 3.29, 0.25)
+def check_turn(start, cell, *sets):
+    """Energies of springs of D Δx/E = 1 through a turn, over the kinetic energy."""
+    jump, traction, energy, turning = turn(start, 3.29, 0.25, f"constants.cell={cell}", *sets)
+    D = 1000.0 / cell
+    asked = exact.centrifugal_energy(D, *DISK, NU)
+    assert exact.least_centrifugal_energy(D, *DISK) < asked
     assert jump.max() < 5e-4
     assert traction == pytest.approx(CENTRIFUGAL, rel=0.07)
-    assert energy[:3] == pytest.approx(ENERGY, rel=0.08)
-    assert energy.max() < 1.5 * ENERGY
+    assert energy[:3] == pytest.approx(asked, rel=0.05)  # the disk vibrates a little
+    assert np.all(energy > exact.least_centrifugal_energy(D, *DISK))
+    assert np.all(energy - asked < DRIFT)
     assert turning == pytest.approx(turning[0], rel=1e-3)
+    return energy
+
+
+def test_centrifugal_stress():
+    """Its mean is that of the balance of half of the disk; springs store a little more than under a uniform one."""
+    x = np.linspace(-5.0, 5.0, 20001)
+    assert exact.centrifugal_stress(x, *DISK, NU).mean() == pytest.approx(CENTRIFUGAL, rel=1e-3)
+    assert exact.centrifugal_energy(2000.0, *DISK, NU) == pytest.approx(1.523e-6, rel=1e-3)
+    assert exact.least_centrifugal_energy(2000.0, *DISK) == pytest.approx(1.415e-6, rel=1e-3)
+
+
+def test_a_turn_opens_no_joint(start):
+    """The jump is that of the centrifugal stress, and positions that drift from F by some 1e-4 cells in a turn."""
+    check_turn(start, 0.5)
 
 
 def test_with_fine_cells_it_stores_less_than_a_millionth(start):
-    jump, traction, energy, _ = turn(start, 0.5, 0.08, "constants.cell=0.25", "time.courant=0.4")
-    assert jump.max() < 2e-4
-    assert traction == pytest.approx(CENTRIFUGAL, rel=0.03)
-    assert energy == pytest.approx(0.5 * ENERGY, rel=0.05)
-    assert energy.max() < 1e-6
+    """For springs that are twice as stiff the centrifugal stress asks for half as much: 0.76e-6."""
+    assert check_turn(start, 0.25, "time.courant=0.4").max() < 1e-6
+
+
+@pytest.mark.parametrize("offset", [(0.0, 0.0), (0.5, 0.0), (0.13, 0.31)])
+def test_area_in_every_direction(start, offset):
+    """Within 1 %, also where the joint is parallel to diagonals of cells, and nodes lie on it or half way between."""
+    for angle in (0, 10, 20, 30, 40, 44, 44.8, 45, 45.2, 50, 70, 90, 135):
+        run = start("spinning_joint.yaml", "constants.cell=0.25", "loads=[]")
+        s, p, turned = run.simulation, run.particles, np.radians(angle)
+        R = np.array([[np.cos(turned), -np.sin(turned)], [np.sin(turned), np.cos(turned)]])
+        p.X[:] = R @ p.X0 + 0.25 * np.array(offset)[:, None]
+        p.F[:4] = R.reshape(4, 1)
+        s.transfer.order.forget()
+        s.step()
+        assert s.contact.view.interfaces.means().area[0] == pytest.approx(10.0, rel=0.01), angle
 
 
 def opened(omega=2.0, size=0.05, until=0.1):

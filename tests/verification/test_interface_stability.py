@@ -32,3 +32,17 @@ def test_limits_of_the_bars_alone(start, method, shift):
 def test_an_interface_does_not_lower_the_limit(start, method, shift, k):
     """At 0.95 of the limit alone, whatever the stiffness D Δx/E."""
     assert is_stable(start, method, 0.95 * ALONE[method, shift], k, shift)
+
+
+def test_with_high_orders_springs_must_act_on_increments(start):
+    """As forces alone (no scene allows it) they are unstable at a quarter of the limit: with FMPM(8), D Δx/E = 1000."""
+
+    def begin(*words):
+        run = start(*words)
+        run.simulation.contact._incremental = False
+        return run
+
+    assert is_stable(begin, "FMPM(8)", 0.95 * ALONE["FMPM(8)", 0], 1.0, 0)
+    assert not all(
+        is_stable(begin, "FMPM(8)", 0.25 * ALONE["FMPM(8)", shift], 1e3, shift) for shift in (0, 0.37)
+    )

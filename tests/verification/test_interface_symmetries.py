@@ -174,9 +174,9 @@ def test_a_huge_stiffness_is_perfect_contact(start, method, shift):
     assert np.linalg.norm(found - perfect) < 0.002 * np.linalg.norm(perfect)
 
 
-@pytest.mark.parametrize(("jumps", "bounds"), [(False, (0.01, 0.035)), (True, (0.01, 0.04))])
-def test_a_huge_stiffness_is_perfect_contact_in_a_plane(jumps, bounds):
-    """Positions and velocities over the largest difference that the joint makes, at six times.
+@pytest.mark.parametrize("jumps", [False, True])
+def test_a_huge_stiffness_is_perfect_contact_in_a_plane(jumps):
+    """Positions and velocities of blocks of 3 by 4 cells over the largest difference that the joint makes, six times.
 
     Where the velocities of the start have no jump, and where bodies meet with one: the spring then gives the impulse to
     the particles beside it.
@@ -190,7 +190,7 @@ def test_a_huge_stiffness_is_perfect_contact_in_a_plane(jumps, bounds):
         for row, name in enumerate("XV"):
             off[row, time] = np.sqrt(np.mean((stiff[name] - perfect[name]) ** 2))
             signal[row, time] = np.abs(perfect[name] - free[name]).max()
-    assert np.all(off.max(axis=1) < bounds * signal.max(axis=1))
+    assert np.all(off.max(axis=1) < (0.01, 0.02) * signal.max(axis=1))
 
 
 @every_way
