@@ -23,18 +23,15 @@ def held_axes(scene: Any) -> dict[str, Array]:
     Symmetry planes, walls, velocity conditions on planes and boxes, rigid bodies, and the axis of symmetry hold the
     faces that they cover.
     """
-    d, near = scene.dimensions, NEAR * np.asarray(scene.grid.cell, dtype=float)
+    near, holders = NEAR * np.asarray(scene.grid.cell, dtype=float), list(_holders(scene))
     found: dict[str, Array] = {}
-    holders = list(_holders(scene))
-    held_faces = np.array([holder[:2] for holder in holders], dtype=np.int64).reshape(-1, 2)
-    boxes = np.array([holder[2] for holder in holders], dtype=float).reshape(-1, 2, d)
     for body, _ in deformable(scene):
-        bounds, held = bounds_in_grid(scene, body), np.zeros((2, d), dtype=bool)
-        for side, a in np.ndindex(2, d):
+        bounds = bounds_in_grid(scene, body)
+        held = np.zeros(bounds.shape, dtype=bool)
+        for axis, side, box in holders:
             face = bounds.copy()
-            face[:, a] = bounds[side, a]
-            covers = ((boxes[:, 0] <= face[0] + near) & (face[1] - near <= boxes[:, 1])).all(axis=1)
-            held[side, a] = covers[(held_faces == (a, side)).all(axis=1)].any()
+            face[:, axis] = bounds[side, axis]
+            held[side, axis] |= ((box[0] <= face[0] + near) & (face[1] - near <= box[1])).all()
         found[body.name] = np.asarray(held.all(axis=0))
     return found
 
