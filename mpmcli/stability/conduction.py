@@ -75,7 +75,7 @@ def fourier_limit(conduction: Conduction, most: float = LARGEST) -> float:
 
 
 def _matrices(conduction: Conduction, dimensions: int) -> tuple[Array, Array, Array]:
-    """Matrices (P, n, n) between nodes, whose corner is at P positions along the diagonal of a cell.
+    """Return matrices (P, n, n) between nodes of a block whose corner is at P positions along the diagonal of a cell.
 
     They are S⁺S, the sum of the increments of the full-capacity loop, and the conductance over the capacity for
     D = Δx = 1. Eigenvalues are those of the step of particles, apart from 0 and 1.

@@ -79,7 +79,7 @@ def _on_diagonal(along: Array, lattice: Lattice) -> Array:
 
 
 def _in_motion(kinds: list[LinearStep], period: int, cells_per_step: float) -> tuple[Array, int]:
-    """The product of the matrices on a way along the diagonal of the cells, and how many they are.
+    """Return the product of the matrices on a way along the diagonal of the cells, and how many they are.
 
     All steps are of the first kind, or those at the end of a period, with the second one between. Of a period that is
     longer than the way, the end is the last step of the way.

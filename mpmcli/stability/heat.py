@@ -120,12 +120,12 @@ def conduction_of(scene: Any, body: Any) -> Conduction | None:
 
 
 def _lengths(scene: Any, body: Any) -> np.ndarray:
-    """Lengths (d,) of the part of a body's box that is in the grid, in cells."""
+    """Return the lengths (d,) of the part of a body's box that is in the grid, in cells."""
     return np.asarray(np.diff(bounds_in_grid(scene, body), axis=0)[0] / scene.grid.cell)
 
 
 def _axes_with_faces(scene: Any, body: Any) -> int:
-    """Number of axes across which heat flows through faces of a body by its temperature."""
+    """Return the number of axes across which heat flows through faces of a body by its temperature."""
     places = [condition.held_face() for condition in scene.conditions_on("temperature")]
     for load in scene.loads_on("temperature"):
         if "heat_flux_at" in load.effects() and load.kind != INDEPENDENT:
@@ -211,7 +211,7 @@ def warnings_of_heat(scene: Any) -> list[Problem]:
 
 
 def _doubts(scene: Any, found: HeatForecast) -> Iterator[tuple[str, str, str]]:
-    """Keys of the scene, codes and words of what conduction will do and should not."""
+    """Yield keys of the scene, codes and words of what conduction will do and should not."""
     steps, every, of = found.interval, getattr(scene.heat.transfer, "every_steps", None) or 1, found.filter
     if found.fourier > found.limit * (1.0 + 1e-9):
         above = f"above the stable Fourier number {found.limit:.3g} of heat conduction ({found.because})"

@@ -37,7 +37,7 @@ def held_axes(scene: Any) -> dict[str, Array]:
 
 
 def _holders(scene: Any) -> Iterator[tuple[int, int, Array]]:
-    """Axis and side of the faces that something holds, and the box (2, d) in which it does."""
+    """Yield axis and side of the faces that something holds, and the box (2, d) in which it does."""
     d = scene.dimensions
 
     def of_plane(axis: int, at: float) -> Iterator[tuple[int, int, Array]]:

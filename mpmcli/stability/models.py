@@ -147,9 +147,9 @@ def _models_of_body(
 
 
 def _impedances(scene: Any, body: Any, material: Any) -> dict[int, np.ndarray]:
-    """Largest impedances (d,) along the axes of loads that absorb waves at faces of a body, by the faces' axis.
+    """Return the largest impedances (d,), over ρc, of loads that absorb waves at faces of a body, by the faces' axis.
 
-    They are over ρc. Planes count as faces of every body.
+    Planes count as faces of every body.
     """
     kind = scene.analysis.kind
     found: dict[int, np.ndarray] = {}

@@ -75,7 +75,7 @@ def limit_in_motion(scene: Any) -> float | None:
 
 
 def _least_limit(scene: Any, models: list[Model], most: float) -> tuple[float, Model | None]:
-    """The least limit of the models, ``most`` at most, and whose it is."""
+    """Return the least limit of the models, ``most`` at most, and whose it is."""
     scheme, found = scheme_of(scene), None
     lowest, least = round(LOWEST / RESOLUTION), round(most / RESOLUTION)
     with threadpool_limits(1, user_api="blas"):  # the matrices are small, and threads that wait burn time
@@ -175,6 +175,6 @@ def check_tractions(scene: Any) -> None:
 
 
 def rounded_down(number: float) -> float:
-    """Two digits of a number, not more than it."""
+    """Return two digits of a number, not more than it."""
     size = 10.0 ** (math.floor(math.log10(number)) - 1)
     return math.floor(number / size * (1.0 + 1e-12)) * size

@@ -24,8 +24,6 @@ from mpmcli.scene.own_density import lightest_density
 from mpmcli.stability.bodies import deformable
 
 DIRECTIONS = ("normal", "tangential")
-LARGEST_PHI = 1.0
-"""φ up to which springs that oscillate within the step are stable."""
 SHARE = 0.75
 """Longest time step of tractions on points over √(ρ Δx/k); with FMPM of some order over that by the order."""
 WITHIN = 0.375
@@ -135,6 +133,6 @@ def warnings_of_interfaces(scene: Any) -> list[Problem]:
 
 
 def _modulus(material: Any, direction: str) -> float:
-    """Modulus of a strain along or across a direction; infinite where the material is not elastic at rest."""
+    """Return the modulus of a strain in a direction; infinite where the material is not elastic at rest."""
     shear, lame = (float(getattr(material, name, None) or 0.0) for name in ("shear_modulus", "lame_modulus"))
     return (lame + 2.0 * shear if direction == "normal" else shear) or math.inf
