@@ -20,8 +20,8 @@ LOWER, UPPER = 0, 1
 def held_axes(scene: Any) -> dict[str, Array]:
     """Return the axes (d,) along which both faces of the box of each deformable body are held at the start.
 
-    Symmetry planes, walls, velocity conditions on planes and boxes, rigid bodies, and the axis of symmetry hold the
-    faces that they cover.
+    Symmetry planes, walls, velocity conditions on planes, rigid bodies, and the axis of symmetry hold the faces that
+    they cover, velocity conditions on a box around the body both faces.
     """
     near, holders = NEAR * np.asarray(scene.grid.cell, dtype=float), list(_holders(scene))
     found: dict[str, Array] = {}
@@ -36,7 +36,7 @@ def held_axes(scene: Any) -> dict[str, Array]:
     return found
 
 
-def _holders(scene: Any) -> Iterator[tuple[int, int, Array]]:
+def _holders(scene: Any) -> Iterator[tuple[int, int | slice, Array]]:
     """Yield axis and side of the faces that something holds, and the box (2, d) in which it does."""
     d = scene.dimensions
 
@@ -56,7 +56,8 @@ def _holders(scene: Any) -> Iterator[tuple[int, int, Array]]:
         elif condition.kind == "wall" and axis is not None and not isinstance(condition.position, tuple):
             yield from of_plane(axis, float(condition.position(t=0.0)))
         elif box is not None and axis is not None:
-            yield from ((axis, side, np.array([box.lower, box.upper])) for side in (LOWER, UPPER))
+            near = NEAR * np.asarray(scene.grid.cell)
+            yield axis, slice(None), np.array([box.lower + near, box.upper - near])
     for body in scene.bodies:
         if scene.materials[body.material].kind == "rigid":
             bounds = bounds_in_grid(scene, body)

@@ -160,6 +160,10 @@ def test_an_axis_whose_faces_are_held_is_an_endless_row():
     assert held("cantilever_tip_load") == [[False, False]]  # clamped at one end only
     assert held("two_disks") == [[False, False]] * 2
     assert held("stretched_bar") == [[True, False]]
+    box = "boundary=[{name: b, kind: velocity, on: {box: {lower: [-1], upper: [HIGH]}}, direction: x, value: 0}]"
+    for high, is_held in (("41", True), ("39.9", False)):  # a bar from 0 to 40: the box has to contain it
+        scene = scene_of("vibrating_bar", box.replace("HIGH", high))
+        assert held_axes(scene)["bar"].tolist() == [is_held]
     for name in ("column_under_gravity", "shock_nickel"):
         kinds = {(model.lattice.dimensions, model.lattice.is_endless) for model in models_of(scene_of(name))}
         assert kinds == {(1, False), (1, True)}
