@@ -167,28 +167,21 @@ def check_time_step(loaded: LoadedScene) -> None:
     Raises
     ------
     SceneError
-        If the Courant number is ``auto`` and no stability limit is known.
+        If the Courant number is ``auto`` and no stability limit is known, or tractions on cracks need shorter steps.
     """
-    from mpmcli.stability.scene_limit import chosen_courant, warning_of
+    from mpmcli.stability.scene_limit import check_tractions, chosen_courant, warning_of
+    from mpmcli.stability.springs import warnings_of_interfaces
 
     with loaded.located():
         chosen_courant(loaded.scene)
-    _add_warning(loaded, warning_of(loaded.scene))
-    if loaded.scene.contact is not None:
-        from mpmcli.stability.interfaces import warnings_of_interfaces
-
-        for warning in warnings_of_interfaces(loaded.scene):
-            _add_warning(loaded, warning)
-    if loaded.scene.cracks:
-        from mpmcli.stability.interfaces import check_tractions
-
-        with loaded.located():
-            check_tractions(loaded.scene)
+        check_tractions(loaded.scene)
+    warnings = [warning_of(loaded.scene), *warnings_of_interfaces(loaded.scene)]
     if loaded.scene.heat is not None:
         from mpmcli.stability.heat import warnings_of_heat
 
-        for warning in warnings_of_heat(loaded.scene):
-            _add_warning(loaded, warning)
+        warnings += warnings_of_heat(loaded.scene)
+    for warning in warnings:
+        _add_warning(loaded, warning)
 
 
 def show_warnings(loaded: LoadedScene) -> None:

@@ -84,7 +84,6 @@ from mpmcli.cli.studies import begin_study
 @click.option(
     "--auto", is_flag=True, help="Also run the Courant number that courant: auto selects: is it stable?"
 )
-@click.option("--no-prediction", is_flag=True, help="Leave out the predicted limits and auto.")
 @study_options("stability", "limits.png")
 @scene_options
 def command(
@@ -103,7 +102,6 @@ def command(
     jobs: int | None,
     timeout: float | None,
     auto: bool,
-    no_prediction: bool,
     plot: bool | None,
     quiet: bool,
     sets: tuple[str, ...],
@@ -162,9 +160,7 @@ def command(
     with study_folder(directory):
         journal = Journal(directory / stability.TRIALS)
         code = study.run(
-            lambda: stability.find_limits(
-                cases, settings, processes, journal, jobs, study.tell, not no_prediction
-            ),
+            lambda: stability.find_limits(cases, settings, processes, journal, jobs, study.tell),
             processes.stop,
             journal,
         )

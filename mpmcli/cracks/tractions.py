@@ -1,7 +1,7 @@
 """Tractions on the points of cracks: cohesive zones and bridging that follow the chain (Nairn 2003).
 
 The opening of a point is that of its faces, and its history is its own. Tractions are those of the start of a step:
-their time step is limited (``stability.tractions``). Closed faces are left to contact.
+their time step is limited (``stability.springs``). Closed faces are left to contact.
 """
 
 from __future__ import annotations

@@ -126,7 +126,7 @@ def explain(
         "measured": measured,
         "warnings": [f"{problem.path}: {problem.message}" for problem in simulation.setup_warnings],
         "redundant": [found._asdict() for found in find_redundant(scene, plan, dt)],
-        "questions": find_questions(scene, plan),
+        "questions": list(find_questions(scene, plan)),
     }
     facts["text"] = as_text(facts)
     return facts

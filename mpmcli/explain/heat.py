@@ -63,7 +63,7 @@ def _removed(scene: Any) -> dict[str, float]:
     conductions: list[Conduction | None] = [conduction_of(scene, body) for body in scene.bodies]
     known = [each for each in conductions if each is not None]
     return {
-        str(length): max(filter_factor(each, length) ** each.order for each in known)
+        str(length): max(float(filter_factor(each, length) ** each.order) for each in known)
         for length in WAVELENGTHS
         if known
     }

@@ -13,7 +13,7 @@ from mpmcli.geometry.fill import fill_bodies
 from mpmcli.interfaces.interfaces import LOST, SLIPPED
 from mpmcli.scene.interface_checks import plane_modulus, process_zone, resistances, starts_of_joints
 from mpmcli.solver.simulation import Simulation
-from mpmcli.stability.springs import LARGEST_PHI, springs_of
+from mpmcli.stability.springs import springs_of
 
 MOST_PAIRS = 6
 """Interfaces that are told one by one."""
@@ -37,10 +37,10 @@ def interface_facts(
             {
                 "between": [joint.first, joint.second],
                 "law": joint.law.kind,
-                "phi": {spring.direction: spring.phi(dt) for spring in mine},
-                "longest_step": min((spring.longest_step() for spring in mine), default=None),
-                "speed": max((spring.speed(cell) for spring in mine), default=None),
-                "largest_stiffness": min((spring.largest_stiffness(dt) for spring in mine), default=None),
+                "phi": {spring.direction: dt / spring.longest_step for spring in mine},
+                "longest_step": min((spring.longest_step for spring in mine), default=None),
+                "speed": max((math.sqrt(s.stiffness * cell / s.density) for s in mine), default=None),
+                "largest_stiffness": min((spring.mass / dt**2 for spring in mine), default=None),
                 "nodes": start.nodes,
                 "bonded": start.bonded,
                 "gap": start.gap if math.isfinite(start.gap) else None,
@@ -130,7 +130,7 @@ def _pair_in_words(pair: dict[str, Any], step: str) -> list[str]:
         where = f"never bonded: {pair['nodes']} nodes have mass of both bodies at the start{gap}"
     lines = [f"{first}|{second}: {', '.join([pair['law'], *parts])}; {where}"]
     if step == "oscillator" and pair["phi"]:
-        verdict = "" if max(pair["phi"].values()) <= LARGEST_PHI else "; unstable here, use step: implicit"
+        verdict = "" if max(pair["phi"].values()) <= 1.0 else "; unstable here, use step: implicit"
         lines.append(
             f"  oscillator: stable for time steps below {pair['longest_step']:.3g} and, in steps of this length, for "
             f"stiffnesses below {pair['largest_stiffness']:.3g}; speed of the interface {pair['speed']:.3g}{verdict}"

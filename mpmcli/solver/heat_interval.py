@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.particles import Particles
-from mpmcli.stability.heat import chosen_fourier, diffusivities
-from mpmcli.stability.interval import CELLS, MOST_STEPS, ROUNDING
+from mpmcli.stability.heat import MOST_CELLS, MOST_STEPS, ROUNDING, chosen_fourier, diffusivities
 
 Array = np.ndarray
 
@@ -150,7 +149,7 @@ class HeatInterval:
             return self._steps >= self.interval
         if self._steps >= MOST_STEPS or self.has_friction():
             return True
-        if self._path + path > CELLS * self._smallest_cell * (1.0 + ROUNDING):
+        if self._path + path > MOST_CELLS * self._smallest_cell * (1.0 + ROUNDING):
             return True
         next_time = self._time + dt
         return next_time > self.limit.shorten(next_time) * (1.0 + ROUNDING)

@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import functools
 import math
+from dataclasses import replace
 
 import numpy as np
 
-from mpmcli.stability.lattice import Lattice, stencils
+from mpmcli.stability.lattice import Lattice
 from mpmcli.stability.linear_step import LinearStep, Scheme
 
 Array = np.ndarray
@@ -35,8 +36,10 @@ NEAR = 0.01
 """A position just off the grid lines [cells]: some shape functions lose their stability where they leave them."""
 FEWEST_STEPS = 40.0
 """A moving lattice is followed for so many steps at least, which take it across a whole number of cells."""
-SQUARINGS = 15
-"""A power of two that is large enough for neither the norm nor growth with a power of time to matter."""
+MOST_NUMBERS = 200_000
+"""Matrices of several steps are made at once while they have no more numbers than this."""
+PERIODS = 2**15
+"""Enough of them for neither the norm nor growth with a power of time to matter."""
 
 
 @functools.lru_cache(maxsize=4096)
@@ -53,61 +56,43 @@ def is_stable(lattice: Lattice, scheme: Scheme, courant: float, speed: float = 0
         Speed over wave speed along the first axis; the others are crossed in the same number of steps. At 0 the lattice
         rests at its worst position within a cell.
     """
-    if speed == 0.0:
-        allowed = FAST_GROWTH if scheme.velocity_gradient else GROWTH
-        return growth_at_rest(lattice, scheme, courant) <= allowed
-    return growth_moving(lattice, scheme, courant, speed) <= (FAST_GROWTH if speed >= FAST else GROWTH)
-
-
-def growth_at_rest(lattice: Lattice, scheme: Scheme, courant: float) -> float:
-    """Return the largest growth per step of a lattice at rest among ``POSITIONS`` along the diagonal of a cell."""
-    along = np.append(np.linspace(0.0, 0.5, POSITIONS[lattice.dimensions]), NEAR)
-    at = stencils(lattice, np.repeat(along[:, None], lattice.dimensions, axis=1))
-    step, period = LinearStep(lattice, scheme, courant), steps_apart(scheme, courant)
+    period = scheme.period(courant)
+    schemes = (scheme, replace(scheme, kind="flip"))[: 1 + (period > 1)]
+    kinds = [LinearStep(lattice, each, courant) for each in schemes]
+    is_lenient = speed >= FAST or (speed == 0.0 and scheme.velocity_gradient)
+    allowed = FAST_GROWTH if is_lenient else GROWTH
     with np.errstate(over="ignore", invalid="ignore"):
-        passed = step.advance(step.identity(), at).matrices()
-        if period > 1:
-            flip = step.advance(step.identity(), at, is_flip=True).matrices()
-            passed = passed @ np.linalg.matrix_power(flip, period - 1)
-    return max(log_of_radius(matrix) for matrix in passed) / period
+        if speed == 0.0:
+            along = np.append(np.linspace(0.0, 0.5, POSITIONS[lattice.dimensions]), NEAR)
+            passed, *flip = [step.matrices(_on_diagonal(along, lattice)) for step in kinds]
+            for matrices in flip:
+                passed = passed @ np.linalg.matrix_power(matrices, period - 1)
+            steps = period
+        else:
+            passed, steps = _in_motion(kinds, period, speed * courant / lattice.cell[0])
+        power = np.linalg.matrix_power(passed * math.exp(-allowed * steps), PERIODS)
+        return bool(np.abs(power).max() <= 1.0)  # not if it is not a number
 
 
-def growth_moving(lattice: Lattice, scheme: Scheme, courant: float, speed: float) -> float:
-    """Return the growth per step of a lattice that moves along the diagonal of the cells."""
-    cells_per_step = speed * courant / lattice.cell[0]
+def _on_diagonal(along: Array, lattice: Lattice) -> Array:
+    return np.repeat(along[:, None], lattice.dimensions, axis=1)
+
+
+def _in_motion(kinds: list[LinearStep], period: int, cells_per_step: float) -> tuple[Array, int]:
+    """Return the product of the matrices on a way along the diagonal of the cells, and how many they are.
+
+    All steps are of the first kind, or those at the end of a period, with the second one between. Of a period that is
+    longer than the way, the end is the last step of the way.
+    """
     cells = math.ceil(FEWEST_STEPS * cells_per_step)
-    steps, period = max(6, round(cells / cells_per_step)), steps_apart(scheme, courant)
-    steps = period * max(1, round(steps / period))
-    number = np.arange(steps)
-    positions = np.repeat((cells * (number + 0.5) / steps % 1.0)[:, None], lattice.dimensions, axis=1)
-    passed = np.eye(1)
-    with np.errstate(over="ignore", invalid="ignore"):
-        matrices = LinearStep(lattice, scheme, courant).matrices(positions, (number + 1) % period != 0)
-        for step, matrix in enumerate(matrices):
-            passed = matrix @ passed if step else matrix
-    return log_of_radius(passed) / steps
-
-
-def steps_apart(scheme: Scheme, courant: float) -> int:
-    """Return the period of the transfer in steps, 1 for transfers that are the same in all steps."""
-    if scheme.every_steps is not None:
-        return scheme.every_steps
-    if scheme.every_courant is not None:
-        return max(1, math.ceil(scheme.every_courant / courant - 1e-9))
-    return 1
-
-
-def log_of_radius(matrix: Array) -> float:
-    """Return the logarithm of the spectral radius, from the power ``2**SQUARINGS``: faster than eigenvalues."""
-    power, logarithm = matrix, 0.0
-    for _ in range(SQUARINGS):
-        scale = np.abs(power).max()
-        if scale == 0.0:
-            return -math.inf
-        if not scale < math.inf:
-            return math.inf
-        power = power / scale
-        logarithm = 2.0 * (logarithm + math.log(scale))
-        power = power @ power
-    scale = np.abs(power).max()
-    return (logarithm + math.log(scale)) / 2**SQUARINGS if scale > 0.0 else -math.inf
+    steps = max(6, round(cells / cells_per_step))
+    period = min(period, steps)
+    steps = period * round(steps / period)
+    along = cells * (np.arange(steps) + 0.5) / steps % 1.0
+    passed, number = np.eye(kinds[0].size), 0
+    for part in np.array_split(along, math.ceil(steps * passed.size / MOST_NUMBERS)):
+        offsets = _on_diagonal(part, kinds[0].lattice)
+        for matrices in zip(*(kind.matrices(offsets) for kind in kinds), strict=True):
+            number += 1
+            passed = matrices[number % period > 0] @ passed
+    return passed, steps

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,9 +12,12 @@ from mpmcli.core.functions import GRID_FUNCTIONS
 
 Array = np.ndarray
 
+DOMAINS = ("point", "box", "corners", "corners_and_middles")
 MARGIN = 3
+"""Nodes beyond the block on either side."""
 MANY = 4
 """With so many particles per cell and axis a block of one cell must do; its limits are a tenth lower."""
+NO_MASS = 1e-12
 
 
 @dataclass(frozen=True)
@@ -28,6 +32,7 @@ class Lattice:
     lame, shear : λ and μ, over the wave modulus ρc²
     is_endless : no block, but a row or a layer of particles without surface, repeated after ``edge`` cells
     dashpots : axes across which both faces of the block absorb waves, with the impedances along each axis, over ρc
+    cells : cells along each edge of the block, if not as many as are usual
     """
 
     grid_functions: str
@@ -38,6 +43,7 @@ class Lattice:
     shear: float = 0.0
     is_endless: bool = False
     dashpots: tuple[tuple[int, tuple[float, ...]], ...] = ()
+    cells: int | None = None
 
     @property
     def dimensions(self) -> int:
@@ -47,9 +53,7 @@ class Lattice:
     @property
     def edge(self) -> int:
         """Cells along each edge of the block."""
-        if self.dimensions == 1:
-            return 6
-        return 2 if self.particles < MANY else 1
+        return self.cells or (6 if self.dimensions == 1 else 2 if self.particles < MANY else 1)
 
     @property
     def count(self) -> int:
@@ -69,100 +73,71 @@ class Stencils:
     S : (P, N, n)
     G, reach : (d, P, N, n) gradients, and S·(x_i − X_p), which velocity gradients need
     mass : (P, n, 1) Σ_p S
-    drag : (d, P, n, N) deceleration of nodes by dashpots on faces per velocity of particles along each axis, or None
+    drag : (d, P, n, N) deceleration of nodes by dashpots on faces per velocity of particles along each axis
     """
 
     S: Array
     G: Array
     reach: Array
     mass: Array
-    drag: Array | None = None
+    drag: Array
 
 
 def stencils(lattice: Lattice, offsets: Array) -> Stencils:
     """Return the tensor products of the axes, at nodes that have mass; ``offsets`` (P, d) of the block in cells."""
-    along = [
-        axis_stencils(lattice.grid_functions, lattice.domain, lattice.particles, lattice.edge, offset)
-        for offset in offsets.T
-    ]
-    if lattice.is_endless:
-        n = lattice.edge
-        along = [(_repeated(S, n), _repeated(G, n), _repeated(R, n)) for S, G, R in along]
-    values = [S for S, _, _ in along]
-    value = functools.reduce(_kron, values)
+    S, G, reach, faces = zip(*(axis_stencils(lattice, offset) for offset in offsets.T), strict=True)
+    value = functools.reduce(kron, S)
     mass = value.sum(axis=-2, keepdims=True)
-    has_mass = mass > 1e-12
-    kept = has_mass.any(axis=(0, 1))
-    seen = has_mass[..., kept]
+    kept = (mass > NO_MASS).any(axis=(0, 1))
+    seen = mass[..., kept] > NO_MASS
 
-    def along_each(others: list[Array]) -> Array:
-        """For each axis the product in which the values along it have made room for ``others``."""
-        products = [functools.reduce(_kron, [*values[:a], A, *values[a + 1 :]]) for a, A in enumerate(others)]
-        return np.stack(products)[..., kept] * seen
+    def with_along(axis: int, A: Array) -> Array:
+        """Return the product in which the values along an axis have made room for A."""
+        return functools.reduce(kron, [*S[:axis], A, *S[axis + 1 :]])[..., kept] * seen
 
-    made = Stencils(
-        value[..., kept] * seen,
-        along_each([G / cell for (_, G, _), cell in zip(along, lattice.cell, strict=True)]),
-        along_each([R * cell for (_, _, R), cell in zip(along, lattice.cell, strict=True)]),
-        np.where(seen, mass[..., kept], 1.0).swapaxes(1, 2),
-    )
-    if lattice.dashpots:
-        made.drag = np.zeros((lattice.dimensions, len(offsets), made.mass.shape[1], lattice.count))
-        for axis, impedances in lattice.dashpots:
-            at = face_values(lattice, offsets[:, axis])
-            faces = functools.reduce(_kron, [*values[:axis], at, *values[axis + 1 :]])[..., kept] * seen
-            total = faces.sum(axis=-1, keepdims=True)  # nodes without mass leave their part to the others
-            faces = np.divide(faces, total, out=np.zeros_like(faces), where=total > 0.0)
-            area = lattice.particles / lattice.cell[axis]  # over the volume of a particle
-            for along_axis, impedance in enumerate(impedances):
-                made.drag[along_axis] += impedance * area * faces.swapaxes(1, 2) / made.mass
-    return made
+    def along_each(others: Sequence[Array], scale: Array) -> Array:
+        return np.stack([with_along(a, A * s) for a, (A, s) in enumerate(zip(others, scale, strict=True))])
+
+    edges = np.array(lattice.cell)
+    mass = np.where(seen, mass[..., kept], 1.0).swapaxes(1, 2)
+    drag = np.zeros((lattice.dimensions, *mass.shape[:2], lattice.count if lattice.dashpots else 0))
+    for axis, impedances in lattice.dashpots:
+        at = with_along(axis, faces[axis])
+        total = at.sum(axis=-1, keepdims=True)  # nodes without mass leave their part to the others
+        at = np.divide(at, total, out=np.zeros_like(at), where=total > 0.0).swapaxes(1, 2) / mass
+        area = lattice.particles / lattice.cell[axis]  # over the volume of a particle
+        drag += np.array(impedances)[:, None, None, None] * area * at
+    return Stencils(value[..., kept] * seen, along_each(G, 1.0 / edges), along_each(reach, edges), mass, drag)
 
 
-def face_values(lattice: Lattice, offsets: Array) -> Array:
-    """Return the grid functions (P, N, n) at both faces of the block across an axis, for the particles behind them."""
-    value, _ = GRID_FUNCTIONS[lattice.grid_functions]
-    nodes = np.arange(-MARGIN, lattice.edge + 2 + MARGIN)
-    found = np.zeros((len(offsets), lattice.edge * lattice.particles, len(nodes)))
-    for row, face in ((0, 0.0), (-1, float(lattice.edge))):
-        found[:, row] += value(face + offsets[:, None] - nodes)
-    return found
-
-
-def _kron(A: Array, B: Array) -> Array:
-    """The Kronecker products of stacks of matrices (P, …); numpy's own takes ten times as long."""
+def kron(A: Array, B: Array) -> Array:
+    """Return the Kronecker products of stacks of matrices (P, …); numpy's own takes ten times as long."""
     product = A[:, :, None, :, None] * B[:, None, :, None, :]
     return product.reshape(len(A), A.shape[1] * B.shape[1], -1)
 
 
-def axis_stencils(
-    grid_functions: str, domain: str, particles: int, cells: int, offsets: Array
-) -> tuple[Array, Array, Array]:
-    """Return S, G and S·(x_i − X_p) (P, N, n) of one axis in cells, for particles that fill ``cells`` cells.
+def axis_stencils(lattice: Lattice, offsets: Array) -> list[Array]:
+    """Return S, G, S·(x_i − X_p) and values at faces, (P, N, n) each, of one axis in cells.
 
-    Particles and nodes are evenly spaced: each distance between them is evaluated once.
+    The last array is that of the grid functions at both faces of the block, in the rows of the particles behind them.
     """
-    l = 0.5 / particles
-    nodes = np.arange(-MARGIN, cells + 2 + MARGIN)
-    apart = np.arange(cells * particles)[:, None] - particles * nodes
-    x = (np.arange(apart.min(), apart.max() + 1) + 0.5) / particles + offsets[:, None]
-    value, integral = GRID_FUNCTIONS[grid_functions]
-    if domain == "point":
+    n, edge = lattice.particles, lattice.edge
+    l = 0.5 / n
+    nodes = np.arange(-MARGIN, edge + 2 + MARGIN)
+    x = ((np.arange(edge * n) + 0.5) / n + offsets[:, None])[..., None] - nodes
+    value, integral = GRID_FUNCTIONS[lattice.grid_functions]
+    if lattice.domain == "point":
         h = 1e-6
         S, G = value(x), (value(x + h) - value(x - h)) / (2 * h)
-    elif domain == "box":
+    elif lattice.domain == "box":
         S, G = (integral(x + l) - integral(x - l)) / (2 * l), (value(x + l) - value(x - l)) / (2 * l)
     else:
         S, G = 0.5 * (value(x + l) + value(x - l)), (value(x + l) - value(x - l)) / (2 * l)
-        if domain == "corners_and_middles":
+        if lattice.domain == "corners_and_middles":
             S = S / 3.0 + 2.0 / 3.0 * value(x)
-    place = apart - apart.min()
-    return S[:, place], G[:, place], (-S * x)[:, place]
-
-
-def _repeated(A: Array, period: int) -> Array:
-    """Nodes that are a multiple of ``period`` apart made one, (P, N, period)."""
-    return np.stack([A[..., node::period].sum(axis=-1) for node in range(period)], axis=-1)
-
-
-DOMAINS = ("point", "box", "corners", "corners_and_middles")
+    found = [S, G, -S * x, faces := np.zeros_like(S)]
+    for row, face in ((0, 0.0), (-1, float(edge))):
+        faces[:, row] += value(face + offsets[:, None] - nodes)
+    if lattice.is_endless:  # nodes that are a multiple of the edge apart are one
+        found = [np.stack([A[..., node::edge].sum(-1) for node in range(edge)], axis=-1) for A in found]
+    return found

@@ -11,15 +11,14 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.functions import GRID_FUNCTIONS
-from mpmcli.materials.thermal import coupled_wave_speed
 from mpmcli.scene.own_density import lightest_density
-from mpmcli.scene.own_numbers import fastest_wave, own_keys, values_of_particles
+from mpmcli.scene.own_numbers import values_of_particles
 from mpmcli.shapes import SHAPES
+from mpmcli.stability.bodies import deformable, largest_wave_speed, start_velocities, wave_speed_of
 from mpmcli.stability.growth import FAST
-from mpmcli.stability.held import Holders
+from mpmcli.stability.held import held_axes
 from mpmcli.stability.lattice import DOMAINS, Lattice
 from mpmcli.stability.linear_step import Scheme
-from mpmcli.stability.speeds import start_speeds
 
 SPACE = 0.95
 """Limits in space over those in the plane: 0.742/0.783 (FLIP) and 0.463/0.487 (FMPM(4)) for lcpdi and ν = 1/3, found
@@ -62,25 +61,6 @@ class Model:
     because: str
 
 
-def deformable(scene: Any) -> list[tuple[Any, Any]]:
-    """Return the deformable bodies and their materials."""
-    models = [(body, scene.materials[body.material]) for body in scene.bodies]
-    return [(body, model) for body, model in models if model.kind != "rigid"]
-
-
-def largest_wave_speed(scene: Any) -> float:
-    """Return the largest wave speed of the deformable bodies at the start [velocity], 0 without any."""
-    return max((_wave_speed(scene, body, material) for body, material in deformable(scene)), default=0.0)
-
-
-def _wave_speed(scene: Any, body: Any, material: Any) -> float:
-    """Largest wave speed of a body at the start, adiabatic where heat and strain are coupled [velocity]."""
-    if own_keys(body, material):
-        return fastest_wave(scene, body)
-    speed = coupled_wave_speed(material, scene.analysis.kind, scene.is_adiabatic)
-    return speed * math.sqrt(material.density / lightest_density(body, material))
-
-
 def scheme_of(scene: Any) -> Scheme:
     """Return what the steps of a scene do; a dynamic order counts as the largest one."""
     transfer = scene.method.transfer
@@ -111,49 +91,26 @@ def models_of(scene: Any) -> list[Model]:
     shape = SHAPES[scene.method.shape]
     if shape.grid_functions not in GRID_FUNCTIONS or shape.domain not in DOMAINS:
         raise NoKnownLimit(f"the shape function {scene.method.shape} is of no kind that was analysed")
-    bodies, holders, fastest = deformable(scene), Holders(scene), largest_wave_speed(scene)
+    bodies, held, fastest = deformable(scene), held_axes(scene), largest_wave_speed(scene)
     if not bodies:
         raise NoKnownLimit("all bodies are rigid")
     kinds: dict[Model, Model] = {}
     for body, material in bodies:
-        for model in _models_of_body(scene, body, material, holders.held_axes(body), fastest):
+        for model in _models_of_body(scene, body, material, held[body.name], fastest):
             kinds.setdefault(replace(model, body=""), model)
     return sorted(kinds.values(), key=lambda model: model.speed)
-
-
-def _impedances(scene: Any, body: Any, material: Any, impedance: float) -> dict[int, np.ndarray]:
-    """Largest impedances (d,) along the axes of loads that absorb waves at faces of a body, by the faces' axis.
-
-    They are over ρc, ``impedance`` unless particles have their own. Planes count as faces of every body.
-    """
-    kind, d = scene.analysis.kind, scene.dimensions
-    found: dict[int, np.ndarray] = {}
-    for load in scene.loads_on("velocity"):
-        if "impedance_of" in load.effects():
-            name, face = load.loaded_face() or (body.name, load.loaded_plane())
-            if name == body.name:
-                values = values_of_particles(body, material, partial(_with_own_impedance, load, kind, d))
-                own = values[-1] if values.shape[1] > 1 else impedance
-                ratio = (values[:-1] / own).max(axis=1)
-                found[face.index] = np.maximum(ratio, found.get(face.index, 0.0))
-    return found
-
-
-def _with_own_impedance(load: Any, kind: str, dimensions: int, model: Any) -> tuple[Any, ...]:
-    """Impedances of a load along each axis, and the ρc of the model."""
-    return *load.impedance_of(model, kind, dimensions), model.density * model.initial_wave_speed(kind)
 
 
 def _models_of_body(
     scene: Any, body: Any, material: Any, is_held: np.ndarray, fastest: float
 ) -> Iterator[Model]:
-    """Models of a body.
+    """Yield the models of a body.
 
     A block has the axes along which the body is not held, in space the two of them with the smallest edges of a cell,
     and one axis if the body is held along all. An endless row stands for each axis along which it is held or fast.
     Axes across which faces absorb waves come first: a block with dashpots on both of its faces stands for them.
     """
-    wave, density = _wave_speed(scene, body, material), lightest_density(body, material)
+    wave, density = wave_speed_of(scene, body, material), lightest_density(body, material)
     if not 0.0 < wave < math.inf or not 0.0 < (modulus := density * wave * wave) < math.inf:
         raise NoKnownLimit(f"body '{body.name}' has the wave speed {wave:.3g}")
     cell = np.asarray(scene.grid.cell, dtype=float)
@@ -162,14 +119,10 @@ def _models_of_body(
     free = np.flatnonzero(~is_held) if not is_held.all() else np.array([cell.argmin()])
     if particles[free].max() > MOST_PARTICLES:
         raise NoKnownLimit(f"body '{body.name}' has more than {MOST_PARTICLES} particles per cell and axis")
-    absorbing = _impedances(scene, body, material, math.sqrt(density * modulus))
+    absorbing = _impedances(scene, body, material)
     first = np.lexsort((cell[free], [axis not in absorbing for axis in free]))
     axes = np.sort(free[first[:2]])
-    dashpots = tuple(
-        (place, tuple(map(float, absorbing[axis][axes])))
-        for place, axis in enumerate(axes)
-        if axis in absorbing
-    )
+    dashpots = tuple((place, tuple(absorbing[a][axes])) for place, a in enumerate(axes) if a in absorbing)
     shear = float(getattr(material, "shear_modulus", 0.0)) / modulus if len(axes) > 1 else 0.0
     scale = (SPACE if len(free) == 3 else 1.0) * fastest / wave
     for count in sorted({int(n) for n in particles[free]}):
@@ -181,7 +134,7 @@ def _models_of_body(
             block = replace(block, dashpots=dashpots)
             yield Model(block, 0.0, scale, body.name, "with absorbing faces at their worst position")
             yield Model(block, SLOW, scale, body.name, "with absorbing faces, moving slowly")
-    speeds = start_speeds(scene, body) / wave
+    speeds = np.abs(start_velocities(scene, body)).max(axis=1) / wave
     for a, edge in enumerate(edges):
         row = Lattice(shape.grid_functions, shape.domain, int(particles[a]), (float(edge),), is_endless=True)
         if is_held[a]:
@@ -191,3 +144,24 @@ def _models_of_body(
         while speed >= FAST:
             yield Model(row, speed, fastest / wave, body.name, words)
             speed *= SLOWER
+
+
+def _impedances(scene: Any, body: Any, material: Any) -> dict[int, np.ndarray]:
+    """Return the largest impedances (d,), over ρc, of loads that absorb waves at faces of a body, by the faces' axis.
+
+    Planes count as faces of every body.
+    """
+    kind = scene.analysis.kind
+    found: dict[int, np.ndarray] = {}
+
+    def ratios(load: Any, model: Any) -> tuple[Any, ...]:
+        own = model.density * model.initial_wave_speed(kind)
+        return tuple(each / own for each in load.impedance_of(model, kind, scene.dimensions))
+
+    for load in scene.loads_on("velocity"):
+        if "impedance_of" in load.effects():
+            name, face = load.loaded_face() or (body.name, load.loaded_plane())
+            if name == body.name:
+                ratio = values_of_particles(body, material, partial(ratios, load)).max(axis=1)
+                found[face.index] = np.maximum(ratio, found.get(face.index, 0.0))
+    return found

@@ -9,19 +9,17 @@ particles, so that waves have a smaller one where particles are faster.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from threadpoolctl import threadpool_limits
 
 from mpmcli.core.bisection import bisect_limit
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.scene.method import MAX_COURANT
+from mpmcli.stability.bodies import largest_speed, largest_wave_speed
 from mpmcli.stability.growth import is_stable
-from mpmcli.stability.models import Model, NoKnownLimit, largest_wave_speed, models_of, scheme_of
-from mpmcli.stability.speeds import largest_speed
-from mpmcli.stability.springs import springs_of
-from mpmcli.stability.tractions import limits_of_tractions
+from mpmcli.stability.models import Model, NoKnownLimit, models_of, scheme_of
+from mpmcli.stability.springs import springs_of, tractions_of
 
 SAFETY = 0.95
 """The stable Courant number of a scene over the least known limit."""
@@ -35,15 +33,8 @@ START = round(0.5 / RESOLUTION)
 """Where searches begin."""
 
 
-@dataclass(frozen=True)
-class StableCourant:
-    """The stable Courant number of a scene.
-
-    Attributes
-    ----------
-    courant : the number
-    because : whose limit it is, in words
-    """
+class StableCourant(NamedTuple):
+    """The stable Courant number of a scene, and whose limit it is, in words."""
 
     courant: float
     because: str
@@ -63,16 +54,11 @@ def stable_courant(scene: Any) -> StableCourant:
         because = f"body '{model.body}', {model.because}"
     if limit < LOWEST:
         raise NoKnownLimit(f"{because}, is unstable at {LOWEST:g} already")
-    for traction in limits_of_tractions(scene):
-        allowed = courant_of_step(scene, traction.step) / SAFETY
+    has_oscillators = scene.contact is not None and scene.contact.interface.step == "oscillator"
+    for spring in [*tractions_of(scene), *(springs_of(scene) if has_oscillators else ())]:
+        allowed = courant_of_step(scene, spring.longest_step) / SAFETY
         if allowed < limit:
-            limit, because = allowed, f"the tractions of crack '{traction.crack}' are stiff"
-    if scene.contact is not None and scene.contact.interface.step == "oscillator":
-        for spring in springs_of(scene):
-            allowed = courant_of_step(scene, spring.longest_step()) / SAFETY
-            if allowed < limit:
-                pair = f"'{spring.joint.first}' and '{spring.joint.second}'"
-                limit, because = allowed, f"the interface of {pair} is stiff for step 'oscillator'"
+            limit, because = allowed, spring.because
     return StableCourant(math.floor(SAFETY * limit * 10**DIGITS + 1e-6) / 10**DIGITS, because)
 
 
@@ -89,7 +75,7 @@ def limit_in_motion(scene: Any) -> float | None:
 
 
 def _least_limit(scene: Any, models: list[Model], most: float) -> tuple[float, Model | None]:
-    """The least limit of the models, ``most`` at most, and whose it is."""
+    """Return the least limit of the models, ``most`` at most, and whose it is."""
     scheme, found = scheme_of(scene), None
     lowest, least = round(LOWEST / RESOLUTION), round(most / RESOLUTION)
     with threadpool_limits(1, user_api="blas"):  # the matrices are small, and threads that wait burn time
@@ -146,3 +132,49 @@ def courant_of_step(scene: Any, step: float) -> float:
     """Return the Courant number of a fixed time step at the start."""
     courant = step * max(largest_wave_speed(scene), largest_speed(scene)) / min(scene.grid.cell)
     return courant if math.isfinite(courant) else math.inf
+
+
+def first_step(scene: Any, wave_speed: float | None = None, particle_speed: float | None = None) -> float:
+    """Return the first time step without conduction, as ``solver.courant`` chooses it [time].
+
+    Speeds are those of the start, found from the scene where they are not given.
+    """
+    courant = chosen_courant(scene)
+    if courant is None:
+        return float(scene.time.step)
+    speed = largest_speed(scene) if particle_speed is None else particle_speed
+    fastest = max(largest_wave_speed(scene) if wave_speed is None else wave_speed, speed)
+    cell = float(min(scene.grid.cell))
+    dt = courant * cell / fastest if fastest > 0.0 else math.inf
+    return min(dt, cell / speed) if courant > 1.0 and speed > 0.0 else dt
+
+
+def check_tractions(scene: Any) -> None:
+    """Refuse time steps that are too long for tractions on the points of cracks.
+
+    Raises
+    ------
+    SceneError
+        With the step that works.
+    """
+    dt, problems = first_step(scene) if scene.cracks else 0.0, []
+    for traction in tractions_of(scene):
+        longest = traction.longest_step
+        if dt > longest:
+            shorter = f"time.step: {rounded_down(longest):g}"
+            if (courant := chosen_courant(scene)) is not None:
+                shorter = f"time.courant: {rounded_down(courant * longest / dt):g}, or {shorter}"
+            words = (
+                f"the time step, {dt:.3g}, is too long for this traction, whose slope is {traction.stiffness:.3g} at "
+                f"most: tractions on points need steps of at most {longest:.3g}. Use {shorter}, a lower strength or a "
+                "larger peak"
+            )
+            problems.append(Problem(traction.path, words, code="unstable"))
+    if problems:
+        raise SceneError(problems)
+
+
+def rounded_down(number: float) -> float:
+    """Return two digits of a number, not more than it."""
+    size = 10.0 ** (math.floor(math.log10(number)) - 1)
+    return math.floor(number / size * (1.0 + 1e-12)) * size

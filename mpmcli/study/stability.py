@@ -169,7 +169,6 @@ def find_limits(
     journal: Journal,
     jobs: int = 1,
     tell: Callable[[str], None] = lambda words: None,
-    predicts: bool = True,
 ) -> None:
     """Search the limits of all cases, ``jobs`` at a time, and store them in the cases.
 
@@ -177,9 +176,7 @@ def find_limits(
     those that come from the runner being stopped.
     """
     with ThreadPoolExecutor(jobs) as pool:
-        searches = [
-            pool.submit(_Search(case, settings, runner, journal, tell, predicts).run) for case in cases
-        ]
+        searches = [pool.submit(_Search(case, settings, runner, journal, tell).run) for case in cases]
         try:
             wait_for(searches)
         except BaseException:
@@ -208,17 +205,14 @@ class _Search:
         runner: Runner,
         journal: Journal,
         tell: Callable[[str], None],
-        predicts: bool,
     ):
         self.case, self.settings = case, settings
-        self.runner, self.journal, self.tell, self.predicts = runner, journal, tell, predicts
+        self.runner, self.journal, self.tell = runner, journal, tell
 
     def run(self) -> None:
         """Find the limit."""
         case, settings = self.case, self.settings
-        loaded = load_job(case.source.job())
-        if self.predicts or settings.tries_auto:
-            self._predict(loaded)
+        self._predict(load_job(case.source.job()))
         step = settings.resolution
         start = round((case.predicted or DEFAULT_START) / step)
         lowest, highest = max(1, round(settings.lowest / step)), round(settings.highest / step)

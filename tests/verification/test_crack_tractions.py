@@ -10,9 +10,8 @@ import yaml
 from mpmcli.core.errors import SceneError
 from mpmcli.interfaces.base import MOST_NORMAL, MOST_TANGENTIAL
 from mpmcli.scene.loader import load_scene
-from mpmcli.stability.interfaces import check_tractions
-from mpmcli.stability.scene_limit import stable_courant
-from mpmcli.stability.tractions import limits_of_tractions
+from mpmcli.stability.scene_limit import check_tractions, stable_courant
+from mpmcli.stability.springs import tractions_of
 
 pytestmark = pytest.mark.slow
 
@@ -156,7 +155,7 @@ def test_mixed_modes_fail_on_the_curve(start, angle, exponent):
 
 def limit(*sets):
     scene = load_scene(BLOCKS, sets=("constants.strength=50", "constants.toughness=0.2", *sets)).scene
-    return scene, limits_of_tractions(scene)[0].step
+    return scene, next(tractions_of(scene)).longest_step
 
 
 def test_steps_that_are_too_long_are_refused_and_the_step_that_works_does(start):

@@ -61,7 +61,6 @@ FLIP, FMPM4 = {"kind": "flip"}, {"kind": "fmpm", "order": 4}
 CASES = {
     "1D": (1, FLIP, 6, "x", 2),
     "1D, thin": (1, FLIP, 1, "x", 2),
-    "1D, thin, one side": (1, FLIP, 1, "x", 1),
     "2D, one axis": (2, FLIP, 4, "x", 2),
     "2D, two axes": (2, FLIP, 4, "xy", 2),
     "2D, two axes, FMPM": (2, FMPM4, 4, "xy", 2),

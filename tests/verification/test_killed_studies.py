@@ -18,7 +18,7 @@ BAR = str(Path(__file__).parents[2] / "inputs" / "vibrating_bar.yaml")
 TRANSFERS = "flip,fmpm:2,fmpm:4"
 STUDIES = {  # arguments, more of them for the study that is killed, journal, table, and when a case is done
     "stability": (
-        ["--transfer", TRANSFERS, "--jobs", "1", "--no-prediction"],
+        ["--transfer", TRANSFERS, "--jobs", "1"],
         (["--resolution", "0.0001"], ["--resolution", "0.1"]),
         "trials.jsonl",
         "limits.json",

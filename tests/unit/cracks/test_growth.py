@@ -18,7 +18,7 @@ from mpmcli.cracks.model import Crack
 from mpmcli.cracks.points import AllPoints
 from mpmcli.cracks.tips import Tips, opening_behind
 from mpmcli.materials.linear_elastic import LinearElastic
-from mpmcli.stability.tractions import laws_of_points
+from mpmcli.stability.springs import laws_of_points
 
 pytestmark = pytest.mark.usefixtures("python_and_compiled")
 CELL, DT = 0.1, 0.01

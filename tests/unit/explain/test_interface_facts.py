@@ -12,7 +12,8 @@ import yaml
 
 from mpmcli.explain.facts import explain
 from mpmcli.scene.loader import load_scene
-from mpmcli.stability.interfaces import first_step, springs_of, warnings_of_interfaces
+from mpmcli.stability.scene_limit import first_step, stable_courant, warning_of
+from mpmcli.stability.springs import springs_of, warnings_of_interfaces
 
 LINEAR = {"kind": "linear_interface", "normal": 40.0, "tangential": "perfect"}
 COHESIVE = {
@@ -59,11 +60,12 @@ def test_springs_are_measured_by_the_time_step():
     assert (spring.direction, spring.stiffness, spring.density) == ("normal", 40.0, 1.0)
     assert spring.mass == pytest.approx(0.375)
     assert first_step(scene) == pytest.approx(0.02)
-    assert spring.phi(0.02) == pytest.approx(0.02 * math.sqrt(40.0 / 0.375))
-    assert spring.phi(spring.longest_step()) == pytest.approx(1.0)
-    assert spring.speed(1.0) == pytest.approx(math.sqrt(40.0))
-    stiffest = spring.largest_stiffness(0.02)
-    assert next(springs_of(loaded_with(LINEAR | {"normal": stiffest}).scene)).phi(0.02) == pytest.approx(1.0)
+    assert spring.longest_step == pytest.approx(math.sqrt(0.375 / 40.0))
+    [pair] = explain(loaded_with(LINEAR))["interfaces"]["pairs"]
+    assert pair["phi"] == {"normal": pytest.approx(0.02 * math.sqrt(40.0 / 0.375))}
+    assert pair["speed"] == pytest.approx(math.sqrt(40.0))
+    stiffest = loaded_with(LINEAR | {"normal": pair["largest_stiffness"]}).scene
+    assert next(springs_of(stiffest)).longest_step == pytest.approx(0.02)
     on_floor = loaded_with(LINEAR, pairs=[{"between": ["right", "floor"], "law": LINEAR}])
     assert [s.mass for s in springs_of(on_floor.scene)] == [pytest.approx(1.5)]
     both = list(springs_of(loaded_with(COHESIVE).scene))
@@ -72,22 +74,23 @@ def test_springs_are_measured_by_the_time_step():
     ]  # fmt: skip
 
 
-def test_springs_that_oscillate_too_fast_are_warned_of():
+def test_springs_that_oscillate_too_fast_limit_the_step():
     stiff = LINEAR | {"normal": 0.375 / 0.02**2 * 1.01}
-    assert warnings_of_interfaces(loaded_with(stiff).scene) == []
+    assert warning_of(loaded_with(stiff).scene) is None
     oscillator = {"interface": {"step": "oscillator"}}
-    [problem] = warnings_of_interfaces(loaded_with(stiff, **oscillator).scene)
-    assert (problem.path, problem.severity) == ("contact.pairs.0.law.normal", "warning")
+    problem = warning_of(loaded_with(stiff, **oscillator).scene)
+    assert (problem.path, problem.severity) == ("time.courant", "warning")
     assert problem.message == (
-        "is too stiff along the normal for step 'oscillator': φ = 1.005, above 1. Use step 'implicit' (the default), a "
-        "time step of at most 0.0199, or at most 938 of stiffness"
+        "0.2 is above the stable Courant number 0.199 (the interface of 'left' and 'right' is stiff for step "
+        "'oscillator'); the run may fail"
     )
     for time in ({"courant": 0.19}, {"step": 0.019, "courant": None}):
-        assert warnings_of_interfaces(loaded_with(stiff, time=time, **oscillator).scene) == []
-    stiffest = LINEAR | {"normal": 1e5}
-    chosen = loaded_with(stiffest, time={"courant": "auto"}, **oscillator).scene
-    assert warnings_of_interfaces(chosen) == []
-    assert max(spring.phi(first_step(chosen)) for spring in springs_of(chosen)) > 0.9
+        assert warning_of(loaded_with(stiff, time=time, **oscillator).scene) is None
+    chosen = loaded_with(LINEAR | {"normal": 1e5}, time={"courant": "auto"}, **oscillator).scene
+    assert warning_of(chosen) is None
+    [spring] = springs_of(chosen)
+    assert 0.9 < first_step(chosen) / spring.longest_step <= 1.0
+    assert stable_courant(chosen).because.endswith("is stiff for step 'oscillator'")
 
 
 def test_jumps_that_contain_more_strain_than_the_spring_has_are_warned_of():

@@ -27,7 +27,7 @@ from mpmcli.scene.own_numbers import (
     with_numbers,
 )
 from mpmcli.solver.simulation import Simulation
-from mpmcli.stability.models import largest_wave_speed
+from mpmcli.stability.bodies import largest_wave_speed
 
 SCENE = """
 version: 1

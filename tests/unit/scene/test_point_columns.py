@@ -7,7 +7,7 @@ import pytest
 
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
-from mpmcli.stability.models import largest_wave_speed
+from mpmcli.stability.bodies import largest_wave_speed
 
 SCENE = """
 version: 1

@@ -22,10 +22,11 @@ from mpmcli.scene.loader import load_scene
 from mpmcli.shapes import SHAPES
 from mpmcli.solver.simulation import Simulation
 from mpmcli.stability import scene_limit
+from mpmcli.stability.bodies import largest_speed
 from mpmcli.stability.growth import FAST, is_stable
-from mpmcli.stability.held import Holders
+from mpmcli.stability.held import held_axes
 from mpmcli.stability.lattice import Lattice, axis_stencils, stencils
-from mpmcli.stability.linear_step import LinearStep, Scheme, State
+from mpmcli.stability.linear_step import LinearStep, Scheme
 from mpmcli.stability.models import SLOW as SLOWLY
 from mpmcli.stability.models import NoKnownLimit, models_of
 from mpmcli.stability.scene_limit import (
@@ -35,7 +36,6 @@ from mpmcli.stability.scene_limit import (
     stable_courant,
     warning_of,
 )
-from mpmcli.stability.speeds import largest_speed
 from mpmcli.study.transfers import transfer_value
 
 SLOW = pytest.mark.slow
@@ -96,6 +96,15 @@ def test_order_blend_and_period():
     assert limit(order=8) < limit(order=8, blend=(2, 0.8)) < limit(order=8, blend=(1, 0.8))
     assert limit(order=8, every_steps=1) == limit(order=8)
     assert limit(order=8) < limit(order=8, every_steps=4) < 0.86
+    assert limit_of(lattice("lcpdi"), Scheme("fmpm", 8, every_steps=4), 0.0) == pytest.approx(0.55, abs=0.03)
+
+
+def test_a_period_longer_than_a_run_is_not_followed_step_by_step():
+    block, started = lattice("lcpdi"), perf_counter()
+    rare, flip = Scheme("fmpm", 4, every_steps=10**9), Scheme("flip")
+    for speed in (0.0, SLOWLY):
+        assert limit_of(block, rare, speed) == pytest.approx(limit_of(block, flip, speed), abs=0.02)
+    assert perf_counter() - started < 10.0
 
 
 def test_which_increments_a_blend_scales():
@@ -143,7 +152,7 @@ def test_an_axis_whose_faces_are_held_is_an_endless_row():
     def held(name: str) -> list[list[bool]]:
         scene = scene_of(name)
         bodies = [b for b in scene.bodies if scene.materials[b.material].kind != "rigid"]
-        return [Holders(scene).held_axes(body).tolist() for body in bodies]
+        return [held_axes(scene)[body.name].tolist() for body in bodies]
 
     assert held("column_under_gravity") == [[True, False]]  # between symmetry planes
     assert held("shock_nickel") == [[True, True]]  # walls at the ends, a box of nodes without lateral motion
@@ -151,6 +160,10 @@ def test_an_axis_whose_faces_are_held_is_an_endless_row():
     assert held("cantilever_tip_load") == [[False, False]]  # clamped at one end only
     assert held("two_disks") == [[False, False]] * 2
     assert held("stretched_bar") == [[True, False]]
+    box = "boundary=[{name: b, kind: velocity, on: {box: {lower: [-1], upper: [HIGH]}}, direction: x, value: 0}]"
+    for high, is_held in (("41", True), ("39.9", False)):  # a bar from 0 to 40: the box has to contain it
+        scene = scene_of("vibrating_bar", box.replace("HIGH", high))
+        assert held_axes(scene)["bar"].tolist() == [is_held]
     for name in ("column_under_gravity", "shock_nickel"):
         kinds = {(model.lattice.dimensions, model.lattice.is_endless) for model in models_of(scene_of(name))}
         assert kinds == {(1, False), (1, True)}
@@ -160,7 +173,7 @@ def test_the_axis_of_symmetry_holds_the_face_that_lies_there():
     def held(*sets: str) -> list[bool]:
         wall = "boundary=[{name: w, kind: wall, normal: [-1, 0], position: 3.8, velocity: 0}]"
         scene = scene_of("taylor_bar", wall, *sets)
-        return Holders(scene).held_axes(scene.bodies[0]).tolist()
+        return held_axes(scene)["bar"].tolist()
 
     assert held() == [True, False]
     assert held("analysis.kind=plane_strain") == [False, False]
@@ -506,29 +519,30 @@ def check_matrices(dimensions, shape, update, transfer, scheme, absorbs=False):
     block = Lattice(block.grid_functions, block.domain, 2, block.cell, 1 - 2 * mu, mu, dashpots=dashpots)
     step = LinearStep(block, scheme, courant)
     N = V.shape[1]
-    d, pairs = dimensions, len(step.pairs)
-    L = np.zeros((d, d, 1, N, 1)) if scheme.velocity_gradient else None
-    state = State(V[:, None, :, None].copy(), np.zeros((pairs, 1, N, 1)), L)
+    state = np.zeros((step.rows, 1, N, 1))
+    state[step.V] = V[:, None, :, None]
     for _ in range(3):
         simulation.step()
         state = step.advance(state, stencils(block, np.full((1, dimensions), offset)))
     p = simulation.particles
     place = np.argsort(p.id)[ids]
-    assert p.V[:, place] / TINY == pytest.approx(state.V[:, 0, :, 0], abs=1e-5)
+    assert p.V[:, place] / TINY == pytest.approx(state[step.V, 0, :, 0], abs=1e-5)
     stresses = p.tau[:, place] / TINY
     analysis = ANALYSES[{1: "uniaxial_stress", 2: "plane_strain"}[dimensions]]()
     assert analysis.dimensions == dimensions
     rows = {1: [0], 2: [0, 3, 1]}[dimensions]
-    assert stresses[rows] == pytest.approx(state.stress[:, 0, :, 0], abs=1e-5)
+    assert stresses[rows] == pytest.approx(state[step.stress, 0, :, 0], abs=1e-5)
     assert np.abs(stresses[rows]).max() > 0.05
 
 
 def test_functions_of_the_axes_sum_to_one():
     for name, entry in SHAPES.items():
-        S, G, reach = axis_stencils(entry.grid_functions, entry.domain, 2, 3, np.array([0.37, 0.9]))
+        row = Lattice(entry.grid_functions, entry.domain, 2, cells=3)
+        S, G, reach, faces = axis_stencils(row, np.array([0.37, 0.9]))
         assert S.sum(axis=-1) == pytest.approx(1.0), name
         assert G.sum(axis=-1) == pytest.approx(0.0, abs=1e-8), name
         assert reach.sum(axis=-1) == pytest.approx(0.0, abs=1e-8), name
+        assert faces.sum(axis=-1) == pytest.approx(np.tile([1.0, 0.0, 0.0, 0.0, 0.0, 1.0], (2, 1))), name
 
 
 @pytest.mark.parametrize(

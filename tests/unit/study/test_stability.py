@@ -14,7 +14,7 @@ import pytest
 from mpmcli.cli.main import call
 from mpmcli.core.errors import SceneError
 from mpmcli.stability.scene_limit import stable_courant
-from mpmcli.study import limits_report, processes
+from mpmcli.study import limits_report, processes, stability
 from mpmcli.study.journal import Journal
 from mpmcli.study.stability import Settings, Source, bisect_limit, find_limits, make_cases
 from mpmcli.study.transfers import label_of, split_list, transfer_value
@@ -42,7 +42,7 @@ class Pretend:
 def search(tmp_path, transfers, runner, settings=None, **options):
     cases = make_cases(Source(str(BAR)), transfers, [])
     journal = Journal(tmp_path / "trials.jsonl")
-    find_limits(cases, settings or Settings(), runner, journal, predicts=False, **options)
+    find_limits(cases, settings or Settings(), runner, journal, **options)
     return cases
 
 
@@ -118,7 +118,9 @@ def test_a_limit_next_to_where_the_search_began_needs_no_checks(checks):
     assert asked == [106, 109, 107, 108]
 
 
-def test_the_search_of_a_scene_looks_for_islands(tmp_path):
+def test_the_search_of_a_scene_looks_for_islands(tmp_path, monkeypatch):
+    monkeypatch.setattr(stability, "limit_in_motion", lambda scene: 0.5)
+
     class Islands(Pretend):
         def run(self, job):
             is_on_one = round(100 * job["courant"]) not in ISLANDS
@@ -185,7 +187,7 @@ def test_the_number_of_auto_is_tried_on_demand(tmp_path, limit, is_stable):
     (row,) = limits_report.rows_of([case], Settings(tries_auto=True))
     assert row["auto_is_stable"] is is_stable
     (case,) = search(tmp_path, ["fmpm:4"], Pretend({4: limit}))
-    assert (case.auto, case.below, case.auto_is_stable) == (None, None, None)
+    assert (case.auto, case.auto_is_stable) == (auto, None)
 
 
 def test_a_crash_is_unstable(tmp_path):
@@ -266,7 +268,7 @@ def test_a_run_that_takes_too_long_decides_nothing(tmp_path):
 
     (case,) = search(tmp_path, ["flip"], Slow({}))
     assert (case.limit, case.is_decided) == (None, False)
-    assert case.remark == "not decided: at C = 0.5 the run took longer than 1 s"
+    assert case.remark == f"not decided: at C = {case.predicted:g} the run took longer than 1 s"
     assert Journal(tmp_path / "trials.jsonl").results == {}
 
 
@@ -411,7 +413,7 @@ def test_tables_and_picture(tmp_path):
         ("flip", "0.85"),
         ("fmpm:2", "0.685"),
     ]
-    assert rows[3]["limit"] == rows[3]["auto"] == rows[3]["below"] == ""
+    assert rows[3]["limit"] == rows[3]["below"] == ""
     assert float(rows[1]["below"]) == pytest.approx(1.0 - 0.48 / 0.685)
     contents = json.loads((tmp_path / "limits.json").read_text())
     tried = contents["cases"][0]["tried"]
@@ -444,12 +446,11 @@ def test_the_command(pretend, tmp_path, capsys):
         "flip,fmpm:4",
         "-o",
         str(tmp_path / "s"),
-        "--no-prediction",
     ]
     assert call(arguments) == 0
     captured = capsys.readouterr()
     assert "0.54" in captured.out
-    assert "lcpdi fmpm:4: C = 0.5 bounded" in captured.err
+    assert "lcpdi fmpm:4: C = 0.52 bounded" in captured.err
     assert {path.name for path in (tmp_path / "s").iterdir()} >= {"trials.jsonl", "limits.csv", "limits.json"}
     count = len(pretend.jobs)
     assert call([*arguments, "-q"]) == 0
@@ -485,7 +486,7 @@ def test_no_such_scene(capsys):
 
 def test_a_folder_that_is_a_file(pretend, tmp_path, capsys):
     (tmp_path / "s").write_text("")
-    assert call(["stability", str(BAR), "-o", str(tmp_path / "s"), "--no-prediction"]) == 5
+    assert call(["stability", str(BAR), "-o", str(tmp_path / "s")]) == 5
 
 
 def test_nothing_decided_is_no_success(monkeypatch, tmp_path, capsys):
@@ -493,7 +494,5 @@ def test_nothing_decided_is_no_success(monkeypatch, tmp_path, capsys):
         run=lambda job: {"ended": processes.TIMED_OUT, "message": "too long"}, stop=lambda: None
     )
     monkeypatch.setattr(processes, "Processes", lambda timeout: runner)
-    assert (
-        call(["stability", str(BAR), "--transfer", "flip", "--no-prediction", "-o", str(tmp_path / "s")]) == 4
-    )
+    assert call(["stability", str(BAR), "--transfer", "flip", "-o", str(tmp_path / "s")]) == 4
     assert "not decided" in capsys.readouterr().out
