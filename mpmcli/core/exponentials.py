@@ -36,10 +36,18 @@ def logarithm(x: float) -> float:
     k = (bits - SQRT_HALF_BITS) >> 52
     m = np.int64(bits - (k << 52)).view(np.float64)
     z = (m - 1.0) / (m + 1.0)
-    w = z * z
-    s = 1.0 / 15.0 + w * (1.0 / 17.0 + w * (1.0 / 19.0 + w * (1.0 / 21.0)))
-    s = 1.0 / 7.0 + w * (1.0 / 9.0 + w * (1.0 / 11.0 + w * (1.0 / 13.0 + w * s)))
-    return k * LN2 + 2.0 * z * (1.0 + w * (1.0 / 3.0 + w * (1.0 / 5.0 + w * s)))
+    return k * LN2 + 2.0 * z * _artanh_ratio(z * z)
+
+
+@inline
+def _artanh_ratio(w: float) -> float:
+    """artanh √w / √w by its series, exact to round-off for w ≤ 0.03, in pairs as in ``_small_exponential``."""
+    w2 = w * w
+    w4 = w2 * w2
+    a = 1.0 / 3.0 + w * (1.0 / 5.0) + w2 * (1.0 / 7.0 + w * (1.0 / 9.0))
+    b = 1.0 / 11.0 + w * (1.0 / 13.0) + w2 * (1.0 / 15.0 + w * (1.0 / 17.0))
+    c = 1.0 / 19.0 + w * (1.0 / 21.0)
+    return 1.0 + w * (a + w4 * (b + w4 * c))
 
 
 @inline
@@ -82,10 +90,11 @@ def exponential_2d(xx: float, xy: float, yx: float, yy: float) -> tuple[float, f
     q = d * d + xy * yx
     if abs(q) < 0.02:
         e = exponential_1d(h)
-        c = 1.0 / 720.0 + q * (1.0 / 40320.0 + q * (1.0 / 3628800.0))
-        c = e * (1.0 + q * (0.5 + q * (1.0 / 24.0 + q * c)))
-        s = 1.0 / 5040.0 + q * (1.0 / 362880.0 + q * (1.0 / 39916800.0))
-        s = e * (1.0 + q * (1.0 / 6.0 + q * (1.0 / 120.0 + q * s)))
+        q2 = q * q
+        c = 1.0 / 24.0 + q * (1.0 / 720.0) + q2 * (1.0 / 40320.0 + q * (1.0 / 3628800.0))
+        c = e + e * (q * 0.5 + q2 * c)
+        s = 1.0 / 120.0 + q * (1.0 / 5040.0) + q2 * (1.0 / 362880.0 + q * (1.0 / 39916800.0))
+        s = e + e * (q * (1.0 / 6.0) + q2 * s)
     elif q > 0.0:
         root = math.sqrt(q)
         up = 0.5 * exponential_1d(h + root)
@@ -180,8 +189,7 @@ def _log_block(xx: float, yy: float, xy: float) -> tuple[float, float, float]:
         r = math.sqrt(r2)
         f = (logarithm(m + r) - half_log) / r
     else:
-        f = 1.0 / 9.0 + w * (1.0 / 11.0 + w * (1.0 / 13.0 + w * (1.0 / 15.0 + w * (1.0 / 17.0))))
-        f = (1.0 + w * (1.0 / 3.0 + w * (1.0 / 5.0 + w * (1.0 / 7.0 + w * f)))) / m
+        f = _artanh_ratio(w) / m
     return half_log + f * d, half_log - f * d, f * xy
 
 
