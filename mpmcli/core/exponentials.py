@@ -36,10 +36,38 @@ def logarithm(x: float) -> float:
     k = (bits - SQRT_HALF_BITS) >> 52
     m = np.int64(bits - (k << 52)).view(np.float64)
     z = (m - 1.0) / (m + 1.0)
-    w = z * z
-    s = 1.0 / 15.0 + w * (1.0 / 17.0 + w * (1.0 / 19.0 + w * (1.0 / 21.0)))
-    s = 1.0 / 7.0 + w * (1.0 / 9.0 + w * (1.0 / 11.0 + w * (1.0 / 13.0 + w * s)))
-    return k * LN2 + 2.0 * z * (1.0 + w * (1.0 / 3.0 + w * (1.0 / 5.0 + w * s)))
+    return k * LN2 + 2.0 * z * _artanh_ratio(z * z)
+
+
+@inline
+def _artanh_ratio(w: float) -> float:
+    """artanh √w / √w by its series, exact to round-off for w ≤ 0.03, in pairs as in ``_small_exponential``."""
+    w2 = w * w
+    w4 = w2 * w2
+    a = 1.0 / 3.0 + w * (1.0 / 5.0) + w2 * (1.0 / 7.0 + w * (1.0 / 9.0))
+    b = 1.0 / 11.0 + w * (1.0 / 13.0) + w2 * (1.0 / 15.0 + w * (1.0 / 17.0))
+    c = 1.0 / 19.0 + w * (1.0 / 21.0)
+    return 1.0 + w * (a + w4 * (b + w4 * c))
+
+
+@inline
+def _small_artanh_ratio(w: float) -> float:
+    """``_artanh_ratio`` for w ≤ 0.006."""
+    w2 = w * w
+    return 1.0 + w * (
+        1.0 / 3.0
+        + w * (1.0 / 5.0)
+        + w2 * (1.0 / 7.0 + w * (1.0 / 9.0) + w2 * (1.0 / 11.0 + w * (1.0 / 13.0)))
+    )
+
+
+@inline
+def logarithm_1p(y: float) -> float:
+    """ln(1 + y) without loss of digits, sooner where |y| is small, as in elastic strains."""
+    if abs(y) > 2.0 * SMALL_INCREMENT:
+        return logarithm(1.0 + y)
+    z = y / (2.0 + y)
+    return 2.0 * z * _small_artanh_ratio(z * z)
 
 
 @inline
@@ -71,6 +99,20 @@ def _small_exponential(x: float) -> float:
 
 
 @inline
+def _smaller_exponential(x: float) -> float:
+    """``_small_exponential`` for |x| ≤ ``SMALL_INCREMENT``."""
+    x2 = x * x
+    a = 1.0 / 24.0 + x * (1.0 / 120.0) + x2 * (1.0 / 720.0 + x * (1.0 / 5040.0) + x2 * (1.0 / 40320.0))
+    return 1.0 + (x + x2 * (0.5 + x * (1.0 / 6.0) + x2 * a))
+
+
+@inline
+def exponential(x: float) -> float:
+    """exp x, sooner where |x| is small, as in elastic strains."""
+    return exponential_1d(x) if abs(x) > SMALL_INCREMENT else _smaller_exponential(x)
+
+
+@inline
 def exponential_2d(xx: float, xy: float, yx: float, yy: float) -> tuple[float, float, float, float]:
     """The exponential (xx, xy, yx, yy) of a 2 x 2 matrix A.
 
@@ -80,12 +122,18 @@ def exponential_2d(xx: float, xy: float, yx: float, yy: float) -> tuple[float, f
     h = 0.5 * (xx + yy)
     d = 0.5 * (xx - yy)
     q = d * d + xy * yx
-    if abs(q) < 0.02:
+    if abs(h) <= SMALL_INCREMENT and abs(q) <= 2.0 * SMALL_INCREMENT**2:
+        e = _smaller_exponential(h)
+        q2 = q * q
+        c = e + e * (q * 0.5 + q2 * (1.0 / 24.0 + q * (1.0 / 720.0) + q2 * (1.0 / 40320.0)))
+        s = e + e * (q * (1.0 / 6.0) + q2 * (1.0 / 120.0 + q * (1.0 / 5040.0) + q2 * (1.0 / 362880.0)))
+    elif abs(q) < 0.02:
         e = exponential_1d(h)
-        c = 1.0 / 720.0 + q * (1.0 / 40320.0 + q * (1.0 / 3628800.0))
-        c = e * (1.0 + q * (0.5 + q * (1.0 / 24.0 + q * c)))
-        s = 1.0 / 5040.0 + q * (1.0 / 362880.0 + q * (1.0 / 39916800.0))
-        s = e * (1.0 + q * (1.0 / 6.0 + q * (1.0 / 120.0 + q * s)))
+        q2 = q * q
+        c = 1.0 / 24.0 + q * (1.0 / 720.0) + q2 * (1.0 / 40320.0 + q * (1.0 / 3628800.0))
+        c = e + e * (q * 0.5 + q2 * c)
+        s = 1.0 / 120.0 + q * (1.0 / 5040.0) + q2 * (1.0 / 362880.0 + q * (1.0 / 39916800.0))
+        s = e + e * (q * (1.0 / 6.0) + q2 * s)
     elif q > 0.0:
         root = math.sqrt(q)
         up = 0.5 * exponential_1d(h + root)
@@ -159,7 +207,7 @@ def exponential_symmetric(a: Symmetric) -> Symmetric:
     """The exponential of a symmetric tensor."""
     if a[4] == 0.0 and a[5] == 0.0:
         xx, xy, _, yy = exponential_2d(a[0], a[3], a[3], a[1])
-        return xx, yy, exponential_1d(a[2]), xy, 0.0, 0.0
+        return xx, yy, exponential(a[2]), xy, 0.0, 0.0
     E = exponential_3d((a[0], a[3], a[5], a[3], a[1], a[4], a[5], a[4], a[2]))
     return E[0], E[4], E[8], E[1], E[5], E[2]
 
@@ -173,15 +221,19 @@ def _log_block(xx: float, yy: float, xy: float) -> tuple[float, float, float]:
     """
     m = 0.5 * (xx + yy)
     d = 0.5 * (xx - yy)
-    half_log = 0.5 * logarithm(xx * yy - xy * xy)
+    x, y = xx - 1.0, yy - 1.0
     r2 = d * d + xy * xy
     w = r2 / (m * m)
-    if w > 0.01:
-        r = math.sqrt(r2)
-        f = (logarithm(m + r) - half_log) / r
+    if abs(x) + abs(y) <= 2.0 * SMALL_INCREMENT and w <= 0.006:
+        half_log = 0.5 * logarithm_1p(x + y + (x * y - xy * xy))
+        f = _small_artanh_ratio(w) / m
     else:
-        f = 1.0 / 9.0 + w * (1.0 / 11.0 + w * (1.0 / 13.0 + w * (1.0 / 15.0 + w * (1.0 / 17.0))))
-        f = (1.0 + w * (1.0 / 3.0 + w * (1.0 / 5.0 + w * (1.0 / 7.0 + w * f)))) / m
+        half_log = 0.5 * logarithm(xx * yy - xy * xy)
+        if w > 0.01:
+            r = math.sqrt(r2)
+            f = (logarithm(m + r) - half_log) / r
+        else:
+            f = _artanh_ratio(w) / m
     return half_log + f * d, half_log - f * d, f * xy
 
 
@@ -246,7 +298,7 @@ def log_symmetric(b: Symmetric) -> Symmetric:
     """
     if b[4] == 0.0 and b[5] == 0.0:
         xx, yy, xy = _log_block(b[0], b[1], b[3])
-        return xx, yy, logarithm(b[2]), xy, 0.0, 0.0
+        return xx, yy, logarithm_1p(b[2] - 1.0), xy, 0.0, 0.0
     dx, dy, dz = b[0] - 1.0, b[1] - 1.0, b[2] - 1.0
     if dx * dx + dy * dy + dz * dz + 2.0 * (b[3] * b[3] + b[4] * b[4] + b[5] * b[5]) < 0.03:
         return _log_near_identity(b)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections import namedtuple
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
-from mpmcli.core.exponentials import exponential_1d, exponential_symmetric, logarithm
+from mpmcli.core.exponentials import exponential_symmetric
 from mpmcli.core.model import PositivePressure, Quantity
 from mpmcli.core.rows import sqrt
 from mpmcli.core.tensors import determinant
@@ -15,11 +14,9 @@ from mpmcli.materials.base import (
     bulk_speed_squared,
     dissipated_heat,
     kirchhoff_stress,
-    needs_increment,
     strain_energy,
     wave_speed_squared,
 )
-from mpmcli.materials.defaults import with_defaults, yes
 from mpmcli.materials.hencky import (
     HISTORY,
     LAST,
@@ -30,8 +27,8 @@ from mpmcli.materials.hencky import (
     split_strain,
     trial_tensor,
 )
-from mpmcli.materials.own_numbers import with_own_numbers
-from mpmcli.materials.tait_fluid import Tait, TaitModel, tait_energy, tait_mean
+from mpmcli.materials.planar import in_space_and_plane
+from mpmcli.materials.tait_fluid import Tait, TaitModel, tait_energy, tait_mean, tait_power
 
 
 @MATERIALS.register
@@ -54,7 +51,7 @@ class Bingham(TaitModel):
 
     def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
         """The numbers of the pressure, the shear modulus and the yield stress."""
-        return Slurry(*self.tait(), self.shear_modulus, self.yield_stress)
+        return SLURRY[analysis != "3d"](*self.tait(), self.shear_modulus, self.yield_stress)
 
     @property
     def shear_modulus(self) -> float:
@@ -66,56 +63,54 @@ class Bingham(TaitModel):
         return sqrt((self.K + 4.0 / 3.0 * self.shear_modulus) / self.density)
 
 
-Slurry: Any = with_defaults(namedtuple("Slurry", (*Tait._fields, "shear", "yield_stress")))  # type: ignore[misc]
-needs_increment.register(Slurry)(yes)
-with_own_numbers(Slurry)
+SLURRY = in_space_and_plane("Slurry", (*Tait._fields, "shear", "yield_stress"), __name__)
+"""The parameter tuples in space (False) and in the plane (True)."""
 
 
-@kirchhoff_stress.register(Slurry)
-def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
-    J, G = determinant(F), m.shear
-    mean = tait_mean(m, J)
-    _, e = split_strain(trial_tensor(dF, H, p))
-    trial = G * math.sqrt(2.0 * double_contraction(e))
-    scale, shear = 1.0, trial
-    if trial > m.yield_stress * J:
-        # shear = Jτ₀ + Jμγ̇ with trial - shear = Gγ̇Δt
-        viscous, elastic = m.viscosity * J, G * max(0.0, dt)
-        shear = m.yield_stress * J
-        if viscous + elastic > 0.0:
-            shear = (viscous * trial + elastic * shear) / (viscous + elastic)
-        scale = shear / trial
-    if commit:
-        twice = 2.0 * scale
-        keep_tensor(
-            H,
-            p,
-            exponential_symmetric(
-                (twice * e[0], twice * e[1], twice * e[2], twice * e[3], twice * e[4], twice * e[5])
-            ),
-        )
-        keep_plastic(H, p, (trial - shear) / (math.sqrt(3.0) * G), shear * (trial - shear) / G)
-    g = 2.0 * G * scale
-    return mean + g * e[0], mean + g * e[1], mean + g * e[2], g * e[3], g * e[4], g * e[5]
+for _Slurry in SLURRY.values():
 
+    @kirchhoff_stress.register(_Slurry)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
+        J, G = determinant(F), m.shear
+        mean = tait_mean(m, J)
+        _, e = split_strain(trial_tensor(m, dF, H, p))
+        trial = G * math.sqrt(2.0 * double_contraction(e))
+        scale, shear = 1.0, trial
+        if trial > m.yield_stress * J:
+            # shear = Jτ₀ + Jμγ̇ with trial - shear = Gγ̇Δt
+            viscous, elastic = m.viscosity * J, G * max(0.0, dt)
+            shear = m.yield_stress * J
+            if viscous + elastic > 0.0:
+                shear = (viscous * trial + elastic * shear) / (viscous + elastic)
+            scale = shear / trial
+        if commit:
+            twice = 2.0 * scale
+            keep_tensor(
+                m,
+                H,
+                p,
+                exponential_symmetric(
+                    (twice * e[0], twice * e[1], twice * e[2], twice * e[3], twice * e[4], twice * e[5])
+                ),
+            )
+            keep_plastic(H, p, (trial - shear) / (math.sqrt(3.0) * G), shear * (trial - shear) / G)
+        g = 2.0 * G * scale
+        return mean + g * e[0], mean + g * e[1], mean + g * e[2], g * e[3], g * e[4], g * e[5]
 
-@strain_energy.register(Slurry)
-def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    _, e = split_strain(elastic_tensor(H, p))
-    return tait_energy(m, determinant(F)) + m.shear * double_contraction(e)
+    @strain_energy.register(_Slurry)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        _, e = split_strain(elastic_tensor(m, H, p))
+        return tait_energy(m, determinant(F)) + m.shear * double_contraction(e)
 
+    @dissipated_heat.register(_Slurry)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+        return H[LAST, p]
 
-@dissipated_heat.register(Slurry)
-def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
-    return H[LAST, p]
+    @bulk_speed_squared.register(_Slurry)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        return m.bulk * tait_power(m, determinant(F)) / m.density
 
-
-@bulk_speed_squared.register(Slurry)
-def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    return m.bulk * exponential_1d((1.0 - m.exponent) * logarithm(determinant(F))) / m.density
-
-
-@wave_speed_squared.register(Slurry)
-def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    stiffer = max(1.0, exponential_1d((1.0 - m.exponent) * logarithm(determinant(F))))
-    return (stiffer * m.bulk + 4.0 / 3.0 * m.shear) / m.density
+    @wave_speed_squared.register(_Slurry)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        stiffer = max(1.0, tait_power(m, determinant(F)))
+        return (stiffer * m.bulk + 4.0 / 3.0 * m.shear) / m.density

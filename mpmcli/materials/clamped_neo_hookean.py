@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.exponentials import exponential_1d
+from mpmcli.core.exponentials import exponential, exponential_1d
 from mpmcli.core.model import Quantity
 from mpmcli.core.rows import log1p
 from mpmcli.core.tensors import largest_eigenvalue_bound, smallest_eigenvalue_bound
@@ -15,17 +14,20 @@ from mpmcli.materials.base import (
     bulk_speed_squared,
     dissipated_heat,
     kirchhoff_stress,
-    needs_increment,
     strain_energy,
     wave_speed_squared,
 )
-from mpmcli.materials.defaults import with_defaults, yes
 from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
-from mpmcli.materials.hencky import HISTORY, elastic_tensor, elastic_volume, keep_tensor, trial_tensor
-from mpmcli.materials.neo_hookean import J_MINUS_INVERSE
-from mpmcli.materials.own_numbers import with_own_numbers
+from mpmcli.materials.hencky import (
+    HISTORY,
+    elastic_tensor,
+    elastic_volume,
+    excess_volume,
+    keep_tensor,
+    trial_tensor,
+)
+from mpmcli.materials.planar import in_space_and_plane
 from mpmcli.materials.principal import from_principal, principal_strains
-from mpmcli.materials.volumetric import volumetric_energy, volumetric_stiffness, volumetric_stress
 
 VOLUME, WORK, LAST = 6, 7, 8
 
@@ -55,9 +57,9 @@ class ClampedNeoHookean(ElasticModel):
     hardening: Annotated[float, Quantity("1", ge=0, le=100)] = 10.0
     """Coefficient ξ of hardening by compaction."""
 
-    def parameters(self, analysis: str, adiabatic: bool) -> Snow:
+    def parameters(self, analysis: str, adiabatic: bool) -> Any:
         """Moduli, limits of the logarithmic strain, and the square of the wave speed at rest."""
-        return Snow(
+        return SNOW[analysis != "3d"](
             lame=self.lame_modulus,
             shear=self.shear_modulus,
             density=self.density,
@@ -69,8 +71,7 @@ class ClampedNeoHookean(ElasticModel):
         )
 
 
-@with_defaults
-class Snow(NamedTuple):
+class SnowNumbers(NamedTuple):
     """Numbers of a clamped neo-Hookean material."""
 
     lame: float
@@ -86,88 +87,102 @@ class Snow(NamedTuple):
     hardening: float
 
 
+SNOW = in_space_and_plane("Snow", SnowNumbers._fields, __name__)
+"""The parameter tuples in space (False) and in the plane (True)."""
+
+
 @inline
 def _stiffening(m: Any, log_volume: Any) -> Any:
     """exp(ξ(1 − J_P))."""
-    return exponential_1d(m.hardening * (1.0 - exponential_1d(log_volume)))
+    return exponential(m.hardening * (1.0 - exponential(log_volume)))
 
 
 @inline
-def _energy(m: Any, trace: Any, log_J: Any) -> Any:
-    """Stored energy from tr bᵉ − 3 and the elastic ln J, with the moduli at rest [pressure]."""
-    volume = volumetric_energy(J_MINUS_INVERSE, m.lame, exponential_1d(log_J))
-    return volume + 0.5 * m.shear * (trace - 2.0 * log_J)
+def _mean_stress(m: Any, J2: Any) -> Any:
+    """The volumetric stress of ``neo_hookean`` from the square of the elastic J, with the moduli at rest [pressure]."""
+    return 0.5 * m.lame * (J2 - 1.0)
 
 
-needs_increment.register(Snow)(yes)
-with_own_numbers(Snow)
+@inline
+def _energy(m: Any, trace: Any, J2: Any, log_J: Any) -> Any:
+    """Stored energy from tr bᵉ − 3, J² and ln J of the elastic J, with the moduli at rest [pressure]."""
+    return 0.5 * m.lame * (0.5 * (J2 - 1.0) - log_J) + 0.5 * m.shear * (trace - 2.0 * log_J)
 
 
-@kirchhoff_stress.register(Snow)
-def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
-    b = trial_tensor(dF, H, p)
-    log_volume = H[VOLUME, p]
-    work = 0.0
-    low, high = exponential_1d(2.0 * m.lowest), exponential_1d(2.0 * m.highest)
-    if smallest_eigenvalue_bound(b) < low or largest_eigenvalue_bound(b) > high:
-        e, Q = principal_strains(b)
-        x, y, z = (
-            min(m.highest, max(m.lowest, e[0])),
-            min(m.highest, max(m.lowest, e[1])),
-            min(m.highest, max(m.lowest, e[2])),
-        )
-        log_J, clamped = e[0] + e[1] + e[2], x + y + z
-        if x != e[0] or y != e[1] or z != e[2]:
-            v = (exponential_1d(2.0 * x), exponential_1d(2.0 * y), exponential_1d(2.0 * z))
-            b = from_principal(v, Q)
-            h = _stiffening(m, log_volume)
-            log_volume += log_J - clamped
-            if commit:
-                # the stress at the limit does work on what is cut off; the stored energy changes with the moduli
-                new = _stiffening(m, log_volume)
-                mean = volumetric_stress(J_MINUS_INVERSE, m.lame, exponential_1d(clamped))
-                cut = (mean + m.shear * (v[0] - 1.0)) * (e[0] - x) + (mean + m.shear * (v[1] - 1.0)) * (
-                    e[1] - y
+@inline
+def _bulk(m: Any, J2: Any) -> Any:
+    """The volumetric stiffness in the same way."""
+    return 0.5 * m.lame * (J2 + 1.0)
+
+
+for _Snow in SNOW.values():
+
+    @kirchhoff_stress.register(_Snow)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
+        b = trial_tensor(m, dF, H, p)
+        log_volume = H[VOLUME, p]
+        h = _stiffening(m, log_volume)
+        work = 0.0
+        low, high = exponential_1d(2.0 * m.lowest), exponential_1d(2.0 * m.highest)
+        if smallest_eigenvalue_bound(b) < low or largest_eigenvalue_bound(b) > high:
+            e, whole, axes = principal_strains(m, b)
+            x, y, z = (
+                min(m.highest, max(m.lowest, e[0])),
+                min(m.highest, max(m.lowest, e[1])),
+                min(m.highest, max(m.lowest, e[2])),
+            )
+            log_J, clamped = e[0] + e[1] + e[2], x + y + z
+            if x != e[0] or y != e[1] or z != e[2]:
+                v = (
+                    min(high, max(low, whole[0])),
+                    min(high, max(low, whole[1])),
+                    min(high, max(low, whole[2])),
                 )
-                cut += (mean + m.shear * (v[2] - 1.0)) * (e[2] - z)
-                work = 0.5 * (h + new) * cut + (h - new) * _energy(m, v[0] + v[1] + v[2] - 3.0, clamped)
-                H[VOLUME, p] = log_volume
-    if commit:
-        H[WORK, p] += work
-        H[LAST, p] = work
-        keep_tensor(H, p, b)
-    J2 = (
-        b[0] * (b[1] * b[2] - b[4] * b[4])
-        - b[3] * (b[3] * b[2] - b[4] * b[5])
-        + b[5] * (b[3] * b[4] - b[1] * b[5])
-    )
-    h = _stiffening(m, log_volume)
-    G = h * m.shear
-    c = h * volumetric_stress(J_MINUS_INVERSE, m.lame, math.sqrt(J2)) - G
-    return c + G * b[0], c + G * b[1], c + G * b[2], G * b[3], G * b[4], G * b[5]
+                b = from_principal(m, v, axes)
+                log_volume += log_J - clamped
+                new = _stiffening(m, log_volume)
+                if commit:
+                    # the stress at the limit does work on what is cut off; the stored energy changes with the moduli
+                    J2 = v[0] * v[1] * v[2]
+                    mean = _mean_stress(m, J2)
+                    cut = (mean + m.shear * (v[0] - 1.0)) * (e[0] - x)
+                    cut += (mean + m.shear * (v[1] - 1.0)) * (e[1] - y)
+                    cut += (mean + m.shear * (v[2] - 1.0)) * (e[2] - z)
+                    work = 0.5 * (h + new) * cut
+                    work += (h - new) * _energy(m, v[0] + v[1] + v[2] - 3.0, J2, clamped)
+                    H[VOLUME, p] = log_volume
+                h = new
+        if commit:
+            H[WORK, p] += work
+            H[LAST, p] = work
+            keep_tensor(m, H, p, b)
+        J2 = (
+            b[0] * (b[1] * b[2] - b[4] * b[4])
+            - b[3] * (b[3] * b[2] - b[4] * b[5])
+            + b[5] * (b[3] * b[4] - b[1] * b[5])
+        )
+        G = h * m.shear
+        c = h * _mean_stress(m, J2) - G
+        return c + G * b[0], c + G * b[1], c + G * b[2], G * b[3], G * b[4], G * b[5]
 
+    @dissipated_heat.register(_Snow)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+        return H[LAST, p]
 
-@dissipated_heat.register(Snow)
-def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
-    return H[LAST, p]
+    @strain_energy.register(_Snow)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        trace, J2 = H[0, p] + H[1, p] + H[2, p], 1.0 + excess_volume(m, H, p)
+        return _stiffening(m, H[VOLUME, p]) * _energy(m, trace, J2, elastic_volume(m, H, p))
 
+    @wave_speed_squared.register(_Snow)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        # as the neo-Hookean one of the elastic part
+        shear = m.shear * (largest_eigenvalue_bound(elastic_tensor(m, H, p)) + 1.0)
+        stiffness = _bulk(m, 1.0 + excess_volume(m, H, p)) + shear
+        return max(m.rest2, m.lateral * _stiffening(m, H[VOLUME, p]) * stiffness / m.density)
 
-@strain_energy.register(Snow)
-def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    trace = H[0, p] + H[1, p] + H[2, p]
-    return _stiffening(m, H[VOLUME, p]) * _energy(m, trace, elastic_volume(H, p))
-
-
-@wave_speed_squared.register(Snow)
-def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    # as the neo-Hookean one of the elastic part
-    shear = m.shear * (largest_eigenvalue_bound(elastic_tensor(H, p)) + 1.0)
-    stiffness = volumetric_stiffness(J_MINUS_INVERSE, m.lame, exponential_1d(elastic_volume(H, p))) + shear
-    return max(m.rest2, m.lateral * _stiffening(m, H[VOLUME, p]) * stiffness / m.density)
-
-
-@bulk_speed_squared.register(Snow)
-def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    shear = m.shear * (2.0 / 3.0 - (H[0, p] + H[1, p] + H[2, p]) / 9.0)
-    stiffness = volumetric_stiffness(J_MINUS_INVERSE, m.lame, exponential_1d(elastic_volume(H, p))) + shear
-    return max(0.0, _stiffening(m, H[VOLUME, p]) * stiffness / m.density)
+    @bulk_speed_squared.register(_Snow)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        shear = m.shear * (2.0 / 3.0 - (H[0, p] + H[1, p] + H[2, p]) / 9.0)
+        stiffness = _bulk(m, 1.0 + excess_volume(m, H, p)) + shear
+        return max(0.0, _stiffening(m, H[VOLUME, p]) * stiffness / m.density)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import namedtuple
 from typing import Any, Literal, NamedTuple
 
 from mpmcli.core.compiled.kernel import inline
@@ -23,7 +22,6 @@ from mpmcli.materials.hencky import (
     split_strain,
     trial_tensor,
 )
-from mpmcli.materials.own_numbers import with_own_numbers
 
 MATCHES = {"outer": 0, "inner": 1, "plane_strain": 2}
 """Number of each match, as the functions take it."""
@@ -43,10 +41,11 @@ class DruckerPrager(FrictionalModel):
 
     def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
         """Moduli, strengths, and the number of the match."""
-        return Prager(*self.frictional_parameters(analysis), MATCHES[self.match])
+        return PRAGER[analysis != "3d"](*self.frictional_parameters(analysis), MATCHES[self.match])
 
 
-Prager = with_own_numbers(hencky_plastic(namedtuple("Prager", (*FrictionalPart._fields, "match"))))  # type: ignore[misc]
+PRAGER = hencky_plastic("Prager", (*FrictionalPart._fields, "match"), __name__)
+"""The parameter tuples in space (False) and in the plane (True)."""
 
 
 @inline
@@ -65,39 +64,36 @@ def cone_of(match: int, s: float, d: float) -> Any:
     return r * s, a, r
 
 
-@kirchhoff_stress.register(Prager)
-def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
-    b = trial_tensor(dF, H, p)
-    trace, e = split_strain(b)
-    K, G = m.bulk, m.shear
-    trial, mean = G * math.sqrt(2.0 * double_contraction(e)), K * trace
-    c, s, d, limit = strength_at(m, H[STRAIN, p])
-    A, a, r = cone_of(m.match, s, d)
-    B = r * c * math.sqrt(1.0 - s * s)
-    shear, normal = trial, mean
-    excess = trial + A * mean - B
-    if excess > 0.0:
-        g = excess / (G + K * A * a)
+for _Prager in PRAGER.values():
+
+    @kirchhoff_stress.register(_Prager)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
+        b = trial_tensor(m, dF, H, p)
+        trace, e = split_strain(b)
+        K, G = m.bulk, m.shear
+        trial, mean = G * math.sqrt(2.0 * double_contraction(e)), K * trace
+        c, s, d, limit = strength_at(m, H[STRAIN, p])
+        A, a, r = cone_of(m.match, s, d)
+        B = r * c * math.sqrt(1.0 - s * s)
+        # where the trial state is inside the cone, nothing is taken away
+        g = max(0.0, trial + A * mean - B) / (G + K * A * a)
         shear, normal = max(0.0, trial - G * g), mean - K * a * g
         if normal > limit:
-            normal = limit
-            shear = min(trial, max(0.0, B - A * limit))
-    elif mean > limit:
-        normal = limit
-    scale = shear / trial if shear < trial else 1.0
-    if commit:
-        strain, work = 0.0, 0.0
-        if shear < trial or normal < mean:
-            strain = (trial - shear) / (math.sqrt(3.0) * G)
-            work = shear * (trial - shear) / G + normal * (mean - normal) / K
-            third = normal / (3.0 * K)
-            b = exponential_symmetric(
-                (
-                    2.0 * (scale * e[0] + third), 2.0 * (scale * e[1] + third), 2.0 * (scale * e[2] + third),
-                    2.0 * scale * e[3], 2.0 * scale * e[4], 2.0 * scale * e[5],
-                )
-            )  # fmt: skip
-        keep_plastic(H, p, strain, work)
-        keep_tensor(H, p, b)
-    g = 2.0 * G * scale
-    return normal + g * e[0], normal + g * e[1], normal + g * e[2], g * e[3], g * e[4], g * e[5]
+            normal, shear = limit, min(trial, max(0.0, B - A * limit))
+        scale = shear / trial if shear < trial else 1.0
+        if commit:
+            strain, work = 0.0, 0.0
+            if shear < trial or normal < mean:
+                strain = (trial - shear) / (math.sqrt(3.0) * G)
+                work = shear * (trial - shear) / G + normal * (mean - normal) / K
+                third = normal / (3.0 * K)
+                b = exponential_symmetric(
+                    (
+                        2.0 * (scale * e[0] + third), 2.0 * (scale * e[1] + third), 2.0 * (scale * e[2] + third),
+                        2.0 * scale * e[3], 2.0 * scale * e[4], 2.0 * scale * e[5],
+                    )
+                )  # fmt: skip
+            keep_plastic(H, p, strain, work)
+            keep_tensor(m, H, p, b)
+        g = 2.0 * G * scale
+        return normal + g * e[0], normal + g * e[1], normal + g * e[2], g * e[3], g * e[4], g * e[5]

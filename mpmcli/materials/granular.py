@@ -22,7 +22,6 @@ from mpmcli.materials.hencky import (
     split_strain,
     trial_tensor,
 )
-from mpmcli.materials.own_numbers import with_own_numbers
 
 OPENING = len(HISTORY)
 """Row of the logarithmic strain of volume by which grains are apart."""
@@ -64,9 +63,9 @@ class Granular(ElasticModel):
             )
         return self
 
-    def parameters(self, analysis: str, adiabatic: bool) -> Grains:
+    def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
         """Moduli and friction."""
-        return Grains(
+        return GRAINS[analysis != "3d"](
             bulk=self.bulk_modulus,
             shear=self.shear_modulus,
             density=self.density,
@@ -81,7 +80,7 @@ class Granular(ElasticModel):
         return {"opening": log((self.critical_density or self.density) / self.density)}
 
 
-class Grains(NamedTuple):
+class GrainNumbers(NamedTuple):
     """Numbers of a granular material."""
 
     bulk: float
@@ -94,48 +93,50 @@ class Grains(NamedTuple):
     """I₀/(d √ρ_s) [1/(time·√pressure)]."""
 
 
-with_own_numbers(hencky_plastic(Grains))
+GRAINS = hencky_plastic("Grains", GrainNumbers._fields, __name__)
+"""The parameter tuples in space (False) and in the plane (True)."""
 
 
-@kirchhoff_stress.register(Grains)
-def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
-    b = trial_tensor(dF, H, p)
-    trace, e = split_strain(b)
-    volume = trace + H[OPENING, p]
-    if volume >= 0.0:
+for _Grains in GRAINS.values():
+
+    @kirchhoff_stress.register(_Grains)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
+        b = trial_tensor(m, dF, H, p)
+        trace, e = split_strain(b)
+        volume = trace + H[OPENING, p]
+        if volume >= 0.0:
+            if commit:
+                keep_tensor(m, H, p, (1.0, 1.0, 1.0, 0.0, 0.0, 0.0))
+                keep_plastic(H, p, 0.0, 0.0)
+                H[OPENING, p] = volume
+            return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        K, G = m.bulk, m.shear
+        pressure = -K * volume
+        trial = G * math.sqrt(2.0 * double_contraction(e))
+        scale, shear = 1.0, trial
+        if trial > m.mu_s * pressure:
+            # (trial - shear)(μ_2 p - shear) = a (shear - μ_s p), a = G Δt I₀/d √(p/ρ_s); the smaller root
+            low, high = m.mu_s * pressure, m.mu_2 * pressure
+            a = G * max(0.0, dt) * m.fluidity * math.sqrt(pressure)
+            # the discriminant without cancellation: for a = 0 the root is exactly |μ_2 p - trial|
+            root = math.sqrt((high - trial) ** 2 + a * (2.0 * (high + trial) - 4.0 * low + a))
+            shear = min(trial, 2.0 * (high * trial + low * a) / (high + trial + a + root))
+            scale = shear / trial
         if commit:
-            keep_tensor(H, p, (1.0, 1.0, 1.0, 0.0, 0.0, 0.0))
-            keep_plastic(H, p, 0.0, 0.0)
-            H[OPENING, p] = volume
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    K, G = m.bulk, m.shear
-    pressure = -K * volume
-    trial = G * math.sqrt(2.0 * double_contraction(e))
-    scale, shear = 1.0, trial
-    if trial > m.mu_s * pressure:
-        # (trial - shear)(μ_2 p - shear) = a (shear - μ_s p), a = G Δt I₀/d √(p/ρ_s); the smaller root
-        low, high = m.mu_s * pressure, m.mu_2 * pressure
-        a = G * max(0.0, dt) * m.fluidity * math.sqrt(pressure)
-        # the discriminant without cancellation: for a = 0 the root is exactly |μ_2 p - trial|
-        root = math.sqrt((high - trial) ** 2 + a * (2.0 * (high + trial) - 4.0 * low + a))
-        shear = min(trial, 2.0 * (high * trial + low * a) / (high + trial + a + root))
-        scale = shear / trial
-    if commit:
-        if scale < 1.0 or H[OPENING, p] > 0.0:
-            third = volume / 3.0
-            b = exponential_symmetric(
-                (
-                    2.0 * (scale * e[0] + third), 2.0 * (scale * e[1] + third), 2.0 * (scale * e[2] + third),
-                    2.0 * scale * e[3], 2.0 * scale * e[4], 2.0 * scale * e[5],
-                )
-            )  # fmt: skip
-        keep_tensor(H, p, b)
-        keep_plastic(H, p, (trial - shear) / (math.sqrt(3.0) * G), shear * (trial - shear) / G)
-        H[OPENING, p] = 0.0
-    g = 2.0 * G * scale
-    return g * e[0] - pressure, g * e[1] - pressure, g * e[2] - pressure, g * e[3], g * e[4], g * e[5]
+            if scale < 1.0 or H[OPENING, p] > 0.0:
+                third = volume / 3.0
+                b = exponential_symmetric(
+                    (
+                        2.0 * (scale * e[0] + third), 2.0 * (scale * e[1] + third), 2.0 * (scale * e[2] + third),
+                        2.0 * scale * e[3], 2.0 * scale * e[4], 2.0 * scale * e[5],
+                    )
+                )  # fmt: skip
+            keep_tensor(m, H, p, b)
+            keep_plastic(H, p, (trial - shear) / (math.sqrt(3.0) * G), shear * (trial - shear) / G)
+            H[OPENING, p] = 0.0
+        g = 2.0 * G * scale
+        return g * e[0] - pressure, g * e[1] - pressure, g * e[2] - pressure, g * e[3], g * e[4], g * e[5]
 
-
-@bulk_speed_squared.register(Grains)
-def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    return m.bulk * (1.0 - elastic_volume(H, p)) / m.density if H[OPENING, p] <= 0.0 else 0.0
+    @bulk_speed_squared.register(_Grains)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        return m.bulk * (1.0 - elastic_volume(m, H, p)) / m.density if H[OPENING, p] <= 0.0 else 0.0

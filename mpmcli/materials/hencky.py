@@ -9,16 +9,15 @@ from __future__ import annotations
 from typing import Any
 
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.exponentials import log_symmetric, logarithm
+from mpmcli.core.exponentials import log_symmetric, logarithm_1p
 from mpmcli.core.tensors import push_forward
 from mpmcli.materials.base import (
     bulk_speed_squared,
     dissipated_heat,
-    needs_increment,
     strain_energy,
     wave_speed_squared,
 )
-from mpmcli.materials.defaults import with_defaults, yes
+from mpmcli.materials.planar import in_space_and_plane, is_planar
 
 HISTORY = (
     *(f"elastic_{component}" for component in ("xx", "yy", "zz", "xy", "yz", "xz")),
@@ -32,22 +31,24 @@ STRAIN, WORK, LAST = 6, 7, 8
 
 
 @inline
-def elastic_tensor(H: Any, p: Any) -> Any:
+def elastic_tensor(m: Any, H: Any, p: Any) -> Any:
     """bᵉ of particle ``p``, 6-tuple."""
-    return 1.0 + H[0, p], 1.0 + H[1, p], 1.0 + H[2, p], H[3, p], H[4, p], H[5, p]
+    yz, xz = (0.0, 0.0) if is_planar(m) else (H[4, p], H[5, p])
+    return 1.0 + H[0, p], 1.0 + H[1, p], 1.0 + H[2, p], H[3, p], yz, xz
 
 
 @inline
-def trial_tensor(dF: Any, H: Any, p: Any) -> Any:
-    """dF bᵉ dFᵀ: bᵉ of particle ``p`` after an elastic step."""
-    return push_forward(dF, elastic_tensor(H, p))
-
-
-@inline
-def keep_tensor(H: Any, p: Any, b: Any) -> Any:
+def keep_tensor(m: Any, H: Any, p: Any, b: Any) -> None:
     """Write bᵉ of particle ``p``."""
-    H[0, p], H[1, p], H[2, p] = b[0] - 1.0, b[1] - 1.0, b[2] - 1.0
-    H[3, p], H[4, p], H[5, p] = b[3], b[4], b[5]
+    H[0, p], H[1, p], H[2, p], H[3, p] = b[0] - 1.0, b[1] - 1.0, b[2] - 1.0, b[3]
+    if not is_planar(m):
+        H[4, p], H[5, p] = b[4], b[5]
+
+
+@inline
+def trial_tensor(m: Any, dF: Any, H: Any, p: Any) -> Any:
+    """dF bᵉ dFᵀ: bᵉ of particle ``p`` after an elastic step."""
+    return push_forward(dF, elastic_tensor(m, H, p))
 
 
 @inline
@@ -70,20 +71,26 @@ def double_contraction(a: Any) -> float:
 
 
 @inline
-def elastic_volume(H: Any, p: Any) -> float:
-    """tr ε = ½ ln det bᵉ of particle ``p``."""
-    b = elastic_tensor(H, p)
-    determinant = (
-        b[0] * (b[1] * b[2] - b[4] * b[4]) - b[3] * (b[3] * b[2] - b[4] * b[5]) + b[5] * (b[3] * b[4] - b[1] * b[5])
-    )  # fmt: skip
-    return 0.5 * logarithm(determinant)
+def excess_volume(m: Any, H: Any, p: Any) -> float:
+    """det bᵉ − 1 of particle ``p``."""
+    b = elastic_tensor(m, H, p)
+    xx, yy, zz, xy, yz, xz = b[0] - 1.0, b[1] - 1.0, b[2] - 1.0, b[3], b[4], b[5]
+    pairs = xx * yy + yy * zz + xx * zz - xy * xy - yz * yz - xz * xz
+    triple = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+    return xx + yy + zz + (pairs + triple)
 
 
 @inline
-def hencky_energy(bulk: float, shear: float, H: Any, p: Any) -> float:
+def elastic_volume(m: Any, H: Any, p: Any) -> float:
+    """tr ε = ½ ln det bᵉ of particle ``p``."""
+    return 0.5 * logarithm_1p(excess_volume(m, H, p))
+
+
+@inline
+def hencky_energy(m: Any, H: Any, p: Any) -> float:
     """½K tr²ε + G dev ε : dev ε of particle ``p`` [pressure]."""
-    trace, deviator = split_strain(elastic_tensor(H, p))
-    return 0.5 * bulk * trace * trace + shear * double_contraction(deviator)
+    trace, deviator = split_strain(elastic_tensor(m, H, p))
+    return 0.5 * m.bulk * trace * trace + m.shear * double_contraction(deviator)
 
 
 @inline
@@ -94,30 +101,30 @@ def keep_plastic(H: Any, p: Any, strain: float, work: float) -> None:
     H[LAST, p] = work
 
 
-def hencky_plastic(parameters: type) -> type:
-    """Class decorator of a parameter tuple with bulk, shear, density and lateral: all of a plastic law but its stress.
+def hencky_plastic(name: str, fields: tuple[str, ...], module: str) -> dict[bool, Any]:
+    """``in_space_and_plane``, and all of a plastic law but its stress, from bulk, shear, density and lateral.
 
     ``lateral`` is the wave stiffness of the analysis over that of uniaxial strain.
     """
-    with_defaults(parameters)
-    needs_increment.register(parameters)(yes)
+    found = in_space_and_plane(name, fields, module)
+    for made in found.values():
 
-    @strain_energy.register(parameters)
-    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-        return hencky_energy(m.bulk, m.shear, H, p)
+        @strain_energy.register(made)
+        def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+            return hencky_energy(m, H, p)
 
-    @dissipated_heat.register(parameters)
-    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
-        return H[LAST, p]
+        @dissipated_heat.register(made)
+        def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+            return H[LAST, p]
 
-    @bulk_speed_squared.register(parameters)
-    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-        return max(0.0, m.bulk * (1.0 - elastic_volume(H, p)) / m.density)
+        @bulk_speed_squared.register(made)
+        def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+            return max(0.0, m.bulk * (1.0 - elastic_volume(m, H, p)) / m.density)
 
-    @wave_speed_squared.register(parameters)
-    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-        # ρ₀c² = K + 4G/3 - τ; of τ only the mean
-        stiffer = -m.bulk * min(0.0, elastic_volume(H, p))
-        return m.lateral * (m.bulk + 4.0 / 3.0 * m.shear + stiffer) / m.density
+        @wave_speed_squared.register(made)
+        def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+            # ρ₀c² = K + 4G/3 - τ; of τ only the mean
+            stiffer = -m.bulk * min(0.0, elastic_volume(m, H, p))
+            return m.lateral * (m.bulk + 4.0 / 3.0 * m.shear + stiffer) / m.density
 
-    return parameters
+    return found

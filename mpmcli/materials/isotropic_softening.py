@@ -173,7 +173,11 @@ def _elastic(m: Any, F: Any) -> Any:
 
 @inline
 def _rotation(F: Any, e: Any) -> Any:
-    """R = V⁻¹F with V = exp e."""
+    """R = V⁻¹F with V = exp e; in the plane R turns by the angle of (F_xx + F_yy, F_yx − F_xy)."""
+    if F[2] == 0.0 and F[5] == 0.0 and F[6] == 0.0 and F[7] == 0.0:
+        c, s = F[0] + F[4], F[3] - F[1]
+        r = 1.0 / math.sqrt(c * c + s * s)
+        return r * c, -r * s, 0.0, r * s, r * c, 0.0, 0.0, 0.0, 1.0
     v = exponential_symmetric((-e[0], -e[1], -e[2], -e[3], -e[4], -e[5]))
     return multiply((v[0], v[3], v[5], v[3], v[1], v[4], v[5], v[4], v[2]), F)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import namedtuple
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import model_validator
@@ -11,17 +10,15 @@ from pydantic import model_validator
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential_symmetric, log_symmetric, logarithm
 from mpmcli.core.model import Quantity
-from mpmcli.core.tensors import determinant, push_forward
+from mpmcli.core.tensors import determinant
 from mpmcli.materials.base import (
     MATERIALS,
     absorb_work,
     bulk_speed_squared,
     kirchhoff_stress,
-    needs_increment,
     strain_energy,
     wave_speed_squared,
 )
-from mpmcli.materials.defaults import with_defaults, yes
 from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
 from mpmcli.materials.hardening import (
     LAWS,
@@ -31,7 +28,8 @@ from mpmcli.materials.hardening import (
     flow_stress,
     stiffness_ratio,
 )
-from mpmcli.materials.own_numbers import with_own_numbers
+from mpmcli.materials.hencky import elastic_tensor, keep_tensor, trial_tensor
+from mpmcli.materials.planar import in_space_and_plane
 
 # rows of the history array after the six of the elastic strain
 STRAIN, WORK, TEMPERATURE, HEAT = 6, 7, 8, 9
@@ -89,7 +87,7 @@ class J2Plastic(ElasticModel):
             chi=self.taylor_quinney,
         )
         law = self.hardening.parameters()
-        return J2_WITH[type(law)](*elastic, *law)
+        return J2_WITH[type(law), analysis != "3d"](*elastic, *law)
 
     def initial_history(self) -> dict[str, float]:
         """The temperature starts at T0."""
@@ -110,12 +108,14 @@ class ElasticPart(NamedTuple):
 
 
 # flat tuples, because numba's parallel loops take no tuple within a tuple
-J2_WITH: dict[type, Any] = {
-    law: namedtuple(f"J2{law.__name__}", (*ElasticPart._fields, *law._fields), module=__name__)  # type: ignore[misc]
+J2_WITH: dict[tuple[type, bool], Any] = {
+    (law, planar): made
     for law in LAWS
+    for planar, made in in_space_and_plane(
+        f"J2{law.__name__}", (*ElasticPart._fields, *law._fields), __name__
+    ).items()
 }
-"""The parameter tuple of the material for that of each hardening law."""
-globals().update({made.__name__: made for made in J2_WITH.values()})  # where the compiler's cache finds them
+"""The parameter tuple for that of each hardening law, in space (False) and in the plane (True)."""
 
 
 @inline
@@ -146,10 +146,7 @@ def plastic_increment(m: Any, trial: float, stiffness: float, alpha: float, T: f
     return step
 
 
-for _law, _J2 in J2_WITH.items():
-    with_defaults(_J2)
-    needs_increment.register(_J2)(yes)
-    with_own_numbers(_J2)
+for (_law, _), _J2 in J2_WITH.items():
     flow_stress.register(_J2)(flow_stress.implementations[_law])
     flow_slope.register(_J2)(flow_slope.implementations[_law])
     changes_stiffness.register(_J2)(changes_stiffness.implementations[_law])
@@ -157,7 +154,7 @@ for _law, _J2 in J2_WITH.items():
 
     @kirchhoff_stress.register(_J2)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
-        b = push_forward(dF, (1.0 + H[0, p], 1.0 + H[1, p], 1.0 + H[2, p], H[3, p], H[4, p], H[5, p]))
+        b = trial_tensor(m, dF, H, p)
         e = log_symmetric(b)
         mean = (e[0] + e[1] + e[2]) / 3.0
         # τ = G·(twice the elastic strain)
@@ -182,8 +179,7 @@ for _law, _J2 in J2_WITH.items():
                 H[TEMPERATURE, p] = T + m.heating * m.chi * work
                 H[HEAT, p] += m.chi * work
         if commit:
-            H[0, p], H[1, p], H[2, p] = b[0] - 1.0, b[1] - 1.0, b[2] - 1.0
-            H[3, p], H[4, p], H[5, p] = b[3], b[4], b[5]
+            keep_tensor(m, H, p, b)
         mean *= 1.5 * m.bulk
         if changes_stiffness(m):
             # the modulus depends on J, and so does the energy of the shape
@@ -199,7 +195,7 @@ for _law, _J2 in J2_WITH.items():
 
     @strain_energy.register(_J2)
     def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-        e = log_symmetric((1.0 + H[0, p], 1.0 + H[1, p], 1.0 + H[2, p], H[3, p], H[4, p], H[5, p]))
+        e = log_symmetric(elastic_tensor(m, H, p))
         trace = e[0] + e[1] + e[2]
         squares = e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + 2.0 * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5])
         shear = m.shear

@@ -11,7 +11,7 @@ from typing import Any
 from mpmcli.core.compiled.compiler import called_too
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.exponentials import exponential_1d
+from mpmcli.core.exponentials import exponential
 from mpmcli.materials.base import kirchhoff_stress
 
 
@@ -44,7 +44,7 @@ def search_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) 
     x0, f0 = 0.0, 0.0
     x = 0.0
     for trial in range(80):
-        z = exponential_1d(x)
+        z = exponential(x)
         y = z if both else 1.0
         f = kirchhoff_stress(m, stretch_laterally(F, y, z), stretch_laterally(dF, y, z), H, p, dt, False)[2]
         if f > 0.0:
@@ -66,7 +66,7 @@ def search_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) 
             x = 0.5 * (low + high)
         if abs(x - x0) < 1e-9:
             break
-    return F[8] * exponential_1d(x)
+    return F[8] * exponential(x)
 
 
 @called_too

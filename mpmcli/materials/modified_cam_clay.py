@@ -17,11 +17,9 @@ from mpmcli.materials.base import (
     bulk_speed_squared,
     dissipated_heat,
     kirchhoff_stress,
-    needs_increment,
     strain_energy,
     wave_speed_squared,
 )
-from mpmcli.materials.defaults import with_defaults, yes
 from mpmcli.materials.hencky import (
     HISTORY,
     LAST,
@@ -33,7 +31,7 @@ from mpmcli.materials.hencky import (
     split_strain,
     trial_tensor,
 )
-from mpmcli.materials.own_numbers import with_own_numbers
+from mpmcli.materials.planar import in_space_and_plane
 
 CONSOLIDATION = len(HISTORY)
 """Row of the preconsolidation pressure."""
@@ -85,10 +83,10 @@ class ModifiedCamClay(MaterialModel):
         """Pressure at the start [pressure]."""
         return self.p0 if self.pressure is None else self.pressure
 
-    def parameters(self, analysis: str, adiabatic: bool) -> Clay:
+    def parameters(self, analysis: str, adiabatic: bool) -> Any:
         """Slopes by logarithmic strain, and the pressure without elastic strain."""
         volume = 1.0 + self.e0
-        return Clay(
+        return CLAY[analysis != "3d"](
             M=self.M,
             swelling=self.kappa / volume,
             hardening=self.lambda_ / (self.lambda_ - self.kappa),
@@ -107,8 +105,7 @@ class ModifiedCamClay(MaterialModel):
         return sqrt(m.pressure * ((1 + 4 / 3 * m.shear) / m.swelling + 1) / m.density)
 
 
-@with_defaults
-class Clay(NamedTuple):
+class ClayNumbers(NamedTuple):
     """Numbers of modified Cam clay."""
 
     M: float
@@ -123,8 +120,8 @@ class Clay(NamedTuple):
     density: float
 
 
-needs_increment.register(Clay)(yes)
-with_own_numbers(Clay)
+CLAY = in_space_and_plane("Clay", ClayNumbers._fields, __name__)
+"""The parameter tuples in space (False) and in the plane (True)."""
 
 
 @inline
@@ -162,71 +159,69 @@ def plastic_drop(w0: float, eta2: float, a: float, c: float) -> float:
     return u
 
 
-@kirchhoff_stress.register(Clay)
-def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
-    b = trial_tensor(dF, H, p)
-    trace, e = split_strain(b)
-    pressure = m.pressure * exponential_1d(-trace / m.swelling)
-    # q = G n and G = shear p/κ*, so that q/p does not depend on p
-    n = math.sqrt(6.0 * double_contraction(e))
-    eta = m.shear * n / m.swelling
-    eta2 = eta * eta / (m.M * m.M)
-    yielding = H[CONSOLIDATION, p]
-    scale, u = 1.0, 0.0
-    if pressure * (1.0 + eta2) > yielding:
-        w0 = yielding / pressure
-        c = 6.0 * m.shear / (m.M * m.M)
-        u = plastic_drop(w0, eta2, m.hardening, c)
-        w = w0 * exponential_1d(m.hardening * u)
-        # of two equal formulas the one that is accurate: at the critical state h is 0/0, far from it η is small
-        scale = (2.0 - w) / (2.0 - w + c * u) if w < 1.5 else math.sqrt((w - 1.0) / max(eta2, 1e-300))
-        scale = min(1.0, scale)
-        pressure *= exponential_1d(-u)
-        yielding = w * pressure
-    if commit:
-        work = 0.0
-        if u != 0.0 or scale < 1.0:
-            third = (trace + m.swelling * u) / 3.0
-            b = exponential_symmetric(
-                (
-                    2.0 * (scale * e[0] + third), 2.0 * (scale * e[1] + third), 2.0 * (scale * e[2] + third),
-                    2.0 * scale * e[3], 2.0 * scale * e[4], 2.0 * scale * e[5],
-                )
-            )  # fmt: skip
-            work = pressure * (m.swelling * u + scale * eta * (1.0 - scale) * n / 3.0)
-        keep_tensor(H, p, b)
-        keep_plastic(H, p, (1.0 - scale) * n / 3.0, work)
-        H[CONSOLIDATION, p] = yielding
-    g = 2.0 * m.shear * pressure / m.swelling * scale
-    return g * e[0] - pressure, g * e[1] - pressure, g * e[2] - pressure, g * e[3], g * e[4], g * e[5]
+for _Clay in CLAY.values():
 
+    @kirchhoff_stress.register(_Clay)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
+        b = trial_tensor(m, dF, H, p)
+        trace, e = split_strain(b)
+        pressure = m.pressure * exponential_1d(-trace / m.swelling)
+        # q = G n and G = shear p/κ*, so that q/p does not depend on p
+        n = math.sqrt(6.0 * double_contraction(e))
+        eta = m.shear * n / m.swelling
+        eta2 = eta * eta / (m.M * m.M)
+        yielding = H[CONSOLIDATION, p]
+        scale, u = 1.0, 0.0
+        if pressure * (1.0 + eta2) > yielding:
+            w0 = yielding / pressure
+            c = 6.0 * m.shear / (m.M * m.M)
+            u = plastic_drop(w0, eta2, m.hardening, c)
+            w = w0 * exponential_1d(m.hardening * u)
+            # of two equal formulas the one that is accurate: at the critical state h is 0/0, far from it η is small
+            scale = (2.0 - w) / (2.0 - w + c * u) if w < 1.5 else math.sqrt((w - 1.0) / max(eta2, 1e-300))
+            scale = min(1.0, scale)
+            pressure *= exponential_1d(-u)
+            yielding = w * pressure
+        if commit:
+            work = 0.0
+            if u != 0.0 or scale < 1.0:
+                third = (trace + m.swelling * u) / 3.0
+                b = exponential_symmetric(
+                    (
+                        2.0 * (scale * e[0] + third), 2.0 * (scale * e[1] + third), 2.0 * (scale * e[2] + third),
+                        2.0 * scale * e[3], 2.0 * scale * e[4], 2.0 * scale * e[5],
+                    )
+                )  # fmt: skip
+                work = pressure * (m.swelling * u + scale * eta * (1.0 - scale) * n / 3.0)
+            keep_tensor(m, H, p, b)
+            keep_plastic(H, p, (1.0 - scale) * n / 3.0, work)
+            H[CONSOLIDATION, p] = yielding
+        g = 2.0 * m.shear * pressure / m.swelling * scale
+        return g * e[0] - pressure, g * e[1] - pressure, g * e[2] - pressure, g * e[3], g * e[4], g * e[5]
 
-@strain_energy.register(Clay)
-def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    trace, e = split_strain(elastic_tensor(H, p))
-    pressure = m.pressure * exponential_1d(-trace / m.swelling)
-    return m.swelling * (pressure - m.pressure) + m.shear * pressure / m.swelling * double_contraction(e)
+    @strain_energy.register(_Clay)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        trace, e = split_strain(elastic_tensor(m, H, p))
+        pressure = m.pressure * exponential_1d(-trace / m.swelling)
+        return m.swelling * (pressure - m.pressure) + m.shear * pressure / m.swelling * double_contraction(e)
 
+    @dissipated_heat.register(_Clay)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+        return H[LAST, p]
 
-@dissipated_heat.register(Clay)
-def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
-    return H[LAST, p]
+    @bulk_speed_squared.register(_Clay)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        pressure = m.pressure * exponential_1d(-elastic_volume(m, H, p) / m.swelling)
+        return pressure * (1.0 / m.swelling + 1.0) / m.density
 
-
-@bulk_speed_squared.register(Clay)
-def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    pressure = m.pressure * exponential_1d(-elastic_volume(H, p) / m.swelling)
-    return pressure * (1.0 / m.swelling + 1.0) / m.density
-
-
-@wave_speed_squared.register(Clay)
-def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    b = elastic_tensor(H, p)
-    pressure = m.pressure * exponential_1d(-elastic_volume(H, p) / m.swelling)
-    # ρ₀c² = ∂τ/∂ε - τ: the shear modulus grows with p, and of τ the deviator is at most 2q/3; dev ε is about dev b/2
-    mean = (b[0] + b[1] + b[2]) / 3.0
-    squares = double_contraction((b[0] - mean, b[1] - mean, b[2] - mean, b[3], b[4], b[5]))
-    deviator = m.shear * math.sqrt(2.0 / 3.0 * squares) / (m.swelling * mean)
-    stiffness = (1.0 + 4.0 / 3.0 * m.shear + deviator) / m.swelling + 1.0 + deviator
-    at_rest = m.pressure * ((1.0 + 4.0 / 3.0 * m.shear) / m.swelling + 1.0)
-    return max(at_rest, pressure * stiffness) / m.density
+    @wave_speed_squared.register(_Clay)
+    def _(m: Any, F: Any, H: Any, p: Any) -> Any:
+        b = elastic_tensor(m, H, p)
+        pressure = m.pressure * exponential_1d(-elastic_volume(m, H, p) / m.swelling)
+        # ρ₀c² = ∂τ/∂ε - τ: the shear modulus grows with p, of τ the deviator is at most 2q/3; dev ε is about dev b/2
+        mean = (b[0] + b[1] + b[2]) / 3.0
+        squares = double_contraction((b[0] - mean, b[1] - mean, b[2] - mean, b[3], b[4], b[5]))
+        deviator = m.shear * math.sqrt(2.0 / 3.0 * squares) / (m.swelling * mean)
+        stiffness = (1.0 + 4.0 / 3.0 * m.shear + deviator) / m.swelling + 1.0 + deviator
+        at_rest = m.pressure * ((1.0 + 4.0 / 3.0 * m.shear) / m.swelling + 1.0)
+        return max(at_rest, pressure * stiffness) / m.density

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections import namedtuple
 from typing import Any, Literal, NamedTuple
 
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.exponentials import exponential_1d
+from mpmcli.core.exponentials import exponential
 from mpmcli.materials.base import MATERIALS, kirchhoff_stress
 from mpmcli.materials.friction_angle import (
     FrictionalModel,
@@ -15,7 +14,6 @@ from mpmcli.materials.friction_angle import (
     strength_at,
 )
 from mpmcli.materials.hencky import STRAIN, hencky_plastic, keep_plastic, keep_tensor, trial_tensor
-from mpmcli.materials.own_numbers import with_own_numbers
 from mpmcli.materials.principal import from_principal, principal_strains
 
 
@@ -31,10 +29,11 @@ class MohrCoulomb(FrictionalModel):
 
     def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
         """Moduli and strengths."""
-        return Coulomb(*self.frictional_parameters(analysis))
+        return COULOMB[analysis != "3d"](*self.frictional_parameters(analysis))
 
 
-Coulomb = with_own_numbers(hencky_plastic(namedtuple("Coulomb", FrictionalPart._fields)))  # type: ignore[misc]
+COULOMB = hencky_plastic("Coulomb", FrictionalPart._fields, __name__)
+"""The parameter tuples in space (False) and in the plane (True)."""
 
 
 @inline
@@ -96,35 +95,38 @@ def return_principal(m: Any, stress: Any, alpha: float) -> Any:
     return limit, min(limit, max(w, v)), w
 
 
-@kirchhoff_stress.register(Coulomb)
-def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
-    b = trial_tensor(dF, H, p)
-    e, axes = principal_strains(b)
-    G = m.shear
-    mean = (m.bulk - 2.0 / 3.0 * G) * (e[0] + e[1] + e[2])
-    trial = (mean + 2.0 * G * e[0], mean + 2.0 * G * e[1], mean + 2.0 * G * e[2])
-    tau = return_principal(m, trial, H[STRAIN, p])
-    if commit:
-        dx, dy, dz = trial[0] - tau[0], trial[1] - tau[1], trial[2] - tau[2]
-        strain, work = 0.0, 0.0
-        if dx != 0.0 or dy != 0.0 or dz != 0.0:
-            # plastic strains: deviators of the stress drop over 2G, their mean over 3K
-            drop = (dx + dy + dz) / 3.0
-            more = drop / (3.0 * m.bulk) - drop / (2.0 * G)
-            dx, dy, dz = dx / (2.0 * G) + more, dy / (2.0 * G) + more, dz / (2.0 * G) + more
-            work = tau[0] * dx + tau[1] * dy + tau[2] * dz
-            third = (dx + dy + dz) / 3.0
-            strain = math.sqrt(
-                2.0 / 3.0 * ((dx - third) ** 2 + (dy - third) ** 2 + (dz - third) ** 2)
-            )  # fmt: skip
-            b = from_principal(
-                (
-                    exponential_1d(2.0 * (e[0] - dx)),
-                    exponential_1d(2.0 * (e[1] - dy)),
-                    exponential_1d(2.0 * (e[2] - dz)),
-                ),
-                axes,
-            )
-        keep_plastic(H, p, strain, work)
-        keep_tensor(H, p, b)
-    return from_principal(tau, axes)
+for _Coulomb in COULOMB.values():
+
+    @kirchhoff_stress.register(_Coulomb)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
+        b = trial_tensor(m, dF, H, p)
+        e, _, axes = principal_strains(m, b)
+        G = m.shear
+        mean = (m.bulk - 2.0 / 3.0 * G) * (e[0] + e[1] + e[2])
+        trial = (mean + 2.0 * G * e[0], mean + 2.0 * G * e[1], mean + 2.0 * G * e[2])
+        tau = return_principal(m, trial, H[STRAIN, p])
+        if commit:
+            dx, dy, dz = trial[0] - tau[0], trial[1] - tau[1], trial[2] - tau[2]
+            strain, work = 0.0, 0.0
+            if dx != 0.0 or dy != 0.0 or dz != 0.0:
+                # plastic strains: deviators of the stress drop over 2G, their mean over 3K
+                drop = (dx + dy + dz) / 3.0
+                more = drop / (3.0 * m.bulk) - drop / (2.0 * G)
+                dx, dy, dz = dx / (2.0 * G) + more, dy / (2.0 * G) + more, dz / (2.0 * G) + more
+                work = tau[0] * dx + tau[1] * dy + tau[2] * dz
+                third = (dx + dy + dz) / 3.0
+                strain = math.sqrt(
+                    2.0 / 3.0 * ((dx - third) ** 2 + (dy - third) ** 2 + (dz - third) ** 2)
+                )  # fmt: skip
+                b = from_principal(
+                    m,
+                    (
+                        exponential(2.0 * (e[0] - dx)),
+                        exponential(2.0 * (e[1] - dy)),
+                        exponential(2.0 * (e[2] - dz)),
+                    ),
+                    axes,
+                )
+            keep_plastic(H, p, strain, work)
+            keep_tensor(m, H, p, b)
+        return from_principal(m, tau, axes)

@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
-from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.exponentials import logarithm
+from mpmcli.core.compiled.dispatch import generic
+from mpmcli.core.exponentials import logarithm_1p
 from mpmcli.core.tensors import eigen_symmetric
 
 
-@inline
-def principal_strains(b: Any) -> Any:
-    """Principal values (ε₁ ≥ ε₂ ≥ ε₃) of ½ ln b, and the principal axes as the columns of a 9-tuple.
+@generic
+def principal_strains(m: Any, b: Any) -> Any:
+    """Principal values (ε₁ ≥ ε₂ ≥ ε₃) of ½ ln b, those of b, and what ``from_principal`` needs to know of the axes.
 
     The axes come from b − I, whose digits small strains do not lose. Equal values have any axes that are at right
     angles, which is all that ``from_principal`` needs.
     """
+
+
+@generic
+def from_principal(m: Any, v: Any, axes: Any) -> Any:
+    """The symmetric tensor, 6-tuple, with values ``v`` along the axes."""
+
+
+def strains_in_space(m: Any, b: Any) -> Any:
+    """``principal_strains``; the axes are the columns of a 9-tuple."""
     v, Q = eigen_symmetric((b[0] - 1.0, b[1] - 1.0, b[2] - 1.0, b[3], b[4], b[5]))
     x, y, z = v
     ax, bx, cx, ay, by, cy, az, bz, cz = Q
@@ -25,14 +35,13 @@ def principal_strains(b: Any) -> Any:
         y, z, bx, cx, by, cy, bz, cz = z, y, cx, bx, cy, by, cz, bz
     if x < y:
         x, y, ax, bx, ay, by, az, bz = y, x, bx, ax, by, ay, bz, az
-    e = (0.5 * logarithm(1.0 + x), 0.5 * logarithm(1.0 + y), 0.5 * logarithm(1.0 + z))
-    return e, (ax, bx, cx, ay, by, cy, az, bz, cz)
+    e = (0.5 * logarithm_1p(x), 0.5 * logarithm_1p(y), 0.5 * logarithm_1p(z))
+    return e, (1.0 + x, 1.0 + y, 1.0 + z), (ax, bx, cx, ay, by, cy, az, bz, cz)
 
 
-@inline
-def from_principal(v: Any, Q: Any) -> Any:
-    """The symmetric tensor, 6-tuple, with values ``v`` along the columns of ``Q``."""
-    x, y, z = v
+def tensor_of_space(m: Any, v: Any, axes: Any) -> Any:
+    """``from_principal`` by the columns of a 9-tuple."""
+    (x, y, z), Q = v, axes
     return (
         x * Q[0] * Q[0] + y * Q[1] * Q[1] + z * Q[2] * Q[2],
         x * Q[3] * Q[3] + y * Q[4] * Q[4] + z * Q[5] * Q[5],
@@ -41,3 +50,25 @@ def from_principal(v: Any, Q: Any) -> Any:
         x * Q[3] * Q[6] + y * Q[4] * Q[7] + z * Q[5] * Q[8],
         x * Q[0] * Q[6] + y * Q[1] * Q[7] + z * Q[2] * Q[8],
     )
+
+
+def strains_in_plane(m: Any, b: Any) -> Any:
+    """``principal_strains``; of the axes, cosine and sine of twice the angle from x, and whether z is first or last."""
+    xx, yy, zz, xy = b[0] - 1.0, b[1] - 1.0, b[2] - 1.0, b[3]
+    mean, d = 0.5 * (xx + yy), 0.5 * (xx - yy)
+    r = math.sqrt(d * d + xy * xy)
+    s = 1.0 / max(r, 1e-300)
+    high, low = mean + r, mean - r
+    x, y, z = max(high, zz), max(low, min(high, zz)), min(low, zz)
+    e = (0.5 * logarithm_1p(x), 0.5 * logarithm_1p(y), 0.5 * logarithm_1p(z))
+    return e, (1.0 + x, 1.0 + y, 1.0 + z), (s * d, s * xy, zz > high, zz < low)
+
+
+def tensor_of_plane(m: Any, v: Any, axes: Any) -> Any:
+    """``from_principal`` by what ``strains_in_plane`` finds."""
+    x, y, z = v
+    c, s, first, last = axes
+    high, low = y if first else x, y if last else z
+    zz = x if first else z if last else y
+    mean, half = 0.5 * (high + low), 0.5 * (high - low)
+    return mean + half * c, mean - half * c, zz, half * s, 0.0, 0.0

@@ -6,7 +6,7 @@ import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.exponentials import exponential_1d, logarithm
+from mpmcli.core.exponentials import exponential, logarithm_1p
 from mpmcli.core.model import PositivePressure, Quantity
 from mpmcli.core.rows import sqrt
 from mpmcli.core.tensors import determinant, multiply
@@ -89,9 +89,15 @@ with_own_numbers(Tait)
 
 
 @inline
+def tait_power(m: Any, J: float) -> float:
+    """J^(1−n)."""
+    return J * exponential(-m.exponent * logarithm_1p(J - 1.0))
+
+
+@inline
 def tait_mean(m: Any, J: float) -> float:
     """Mean Kirchhoff stress −Jp [pressure]."""
-    mean = -m.bulk / m.exponent * (J * exponential_1d(-m.exponent * logarithm(J)) - J)
+    mean = -m.bulk / m.exponent * (tait_power(m, J) - J)
     return min(mean, m.tension * J)
 
 
@@ -99,7 +105,7 @@ def tait_mean(m: Any, J: float) -> float:
 def tait_energy(m: Any, J: float) -> float:
     """Stored energy per initial volume [pressure]."""
     n, bounded = m.exponent, min(J, m.tension_J)
-    elastic = exponential_1d((1.0 - n) * logarithm(bounded)) / (n - 1.0) + bounded - n / (n - 1.0)
+    elastic = tait_power(m, bounded) / (n - 1.0) + bounded - n / (n - 1.0)
     return m.bulk / n * elastic + m.tension * (J - bounded)
 
 
@@ -144,9 +150,9 @@ def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
 
 @bulk_speed_squared.register(Tait)
 def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    return m.bulk * exponential_1d((1.0 - m.exponent) * logarithm(determinant(F))) / m.density
+    return m.bulk * tait_power(m, determinant(F)) / m.density
 
 
 @wave_speed_squared.register(Tait)
 def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-    return max(1.0, exponential_1d((1.0 - m.exponent) * logarithm(determinant(F)))) * m.bulk / m.density
+    return max(1.0, tait_power(m, determinant(F))) * m.bulk / m.density

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections import namedtuple
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
 from mpmcli.core.analysis import ANALYSES
+from mpmcli.core.compiled.compiler import compiled_as
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.exponentials import exponential_1d, logarithm
+from mpmcli.core.exponentials import exponential, exponential_1d, logarithm, logarithm_1p
 from mpmcli.core.model import Model, Quantity
 from mpmcli.core.rows import sqrt
 from mpmcli.core.tensors import determinant, push_forward, smallest_eigenvalue_bound
@@ -21,14 +21,12 @@ from mpmcli.materials.base import (
     absorb_work,
     bulk_speed_squared,
     kirchhoff_stress,
-    needs_increment,
     strain_energy,
     wave_speed_squared,
 )
-from mpmcli.materials.defaults import with_defaults, yes
 from mpmcli.materials.elastic_constants import lateral_factor, wave_modulus
 from mpmcli.materials.isochoric import isochoric_energy, isochoric_stiffness, isochoric_stress
-from mpmcli.materials.own_numbers import with_own_numbers
+from mpmcli.materials.planar import in_space_and_plane, is_planar
 from mpmcli.materials.volumetric import (
     FORMS,
     volumetric_energy,
@@ -142,7 +140,7 @@ class Viscoelastic(MaterialModel):
             heating,
         )
         terms = (number for term in self.terms for number in (term.time, term.G, term.K))
-        made = (MAXWELL if self.wlf is None else SHIFTED)[len(self.terms)]
+        made = (MAXWELL if self.wlf is None else SHIFTED)[len(self.terms), analysis != "3d"]
         return made(*numbers, *terms, *shift)  # type: ignore[no-any-return]
 
     def initial_history(self) -> dict[str, float]:
@@ -177,18 +175,22 @@ class Network(NamedTuple):
 FIRST = len(Network._fields)
 
 
-def _with_terms(name: str, count: int, more: tuple[str, ...] = ()) -> Any:
-    """A tuple class of the network's numbers, then (time, G, K) of each term, then others."""
+def _with_terms(name: str, count: int, more: tuple[str, ...] = ()) -> dict[bool, Any]:
+    """Tuple classes of the network's numbers, then (time, G, K) of each term, then others."""
     terms = (f"{word}{k}" for k in range(count) for word in ("time", "G", "K"))
-    made = namedtuple(f"{name}{count}", (*Network._fields, *terms, *more), module=__name__)  # type: ignore[misc]
-    globals()[made.__name__] = made  # where the compiler's cache finds it
-    return made
+    return in_space_and_plane(f"{name}{count}", (*Network._fields, *terms, *more), __name__)
 
 
 COUNTS = range(1, MOST_TERMS + 1)
-MAXWELL = {count: _with_terms("Maxwell", count) for count in COUNTS}
-"""The parameter tuple for each number of terms."""
-SHIFTED = {count: _with_terms("ShiftedMaxwell", count, ("C1", "C2", "T_ref")) for count in COUNTS}
+MAXWELL = {
+    (count, planar): made for count in COUNTS for planar, made in _with_terms("Maxwell", count).items()
+}
+"""The parameter tuple for each number of terms, in space (False) and in the plane (True)."""
+SHIFTED = {
+    (count, planar): made
+    for count in COUNTS
+    for planar, made in _with_terms("ShiftedMaxwell", count, ("C1", "C2", "T_ref")).items()
+}
 """The same for relaxation times that depend on temperature."""
 
 
@@ -198,14 +200,42 @@ def terms_of(m: Any) -> Any:
 
 
 @generic
+def relaxations_of(m: Any, half: Any) -> Any:
+    """exp(half/t) of all terms."""
+
+
+@generic
 def haste(m: Any, T: Any) -> Any:
     """1/a_T, by which relaxation is faster than at T_ref."""
 
 
+def relaxations(m: Any, half: Any, k: Any, count: Any) -> Any:
+    """exp(half/t) of ``count`` terms from term ``k`` on, as a tuple."""
+    return tuple(exponential_1d(half / m[FIRST + 3 * i]) for i in range(k, k + count))
+
+
+@compiled_as(relaxations)
+def _choose_relaxations(m: Any, half: Any, k: Any, count: Any) -> Any:
+    # written out term by term: what does not depend on the particle then leaves the loop over particles
+    first, length = getattr(k, "literal_value", 0), getattr(count, "literal_value", 0)
+    place, middle, part, rest = FIRST + 3 * first, first + length // 2, length // 2, length - length // 2
+
+    def one(m: Any, half: Any, k: Any, count: Any) -> Any:
+        return (exponential_1d(half / m[place]),)
+
+    def two_halves(m: Any, half: Any, k: Any, count: Any) -> Any:
+        return relaxations(m, half, first, part) + relaxations(m, half, middle, rest)
+
+    if length == 0:
+        return None  # the compiler asks again, with the number
+    return one if length == 1 else two_halves
+
+
 @inline
-def excess(H: Any, row: Any, p: Any) -> Any:
+def excess(m: Any, H: Any, row: Any, p: Any) -> Any:
     """a − I of the Maxwell element whose history begins at ``row``."""
-    return H[row, p], H[row + 1, p], H[row + 2, p], H[row + 3, p], H[row + 4, p], H[row + 5, p]
+    yz, xz = (0.0, 0.0) if is_planar(m) else (H[row + 4, p], H[row + 5, p])
+    return H[row, p], H[row + 1, p], H[row + 2, p], H[row + 3, p], yz, xz
 
 
 @inline
@@ -249,35 +279,42 @@ for _Maxwell in SHIFTED.values():
         return exponential_1d(math.log(10.0) * m.C1 * (T - m.T_ref) / above)
 
 
-for _Maxwell in (*MAXWELL.values(), *SHIFTED.values()):
-    with_defaults(_Maxwell)
-    needs_increment.register(_Maxwell)(yes)
-    with_own_numbers(_Maxwell)
+for (_count, _), _Maxwell in (*MAXWELL.items(), *SHIFTED.items()):
+
+    @relaxations_of.register(_Maxwell)
+    def _(m: Any, half: Any, count: int = _count) -> Any:
+        return relaxations(m, half, 0, count)
 
     @kirchhoff_stress.register(_Maxwell)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
         J = determinant(F)
         xx, yy, zz, xy, yz, xz = isochoric_stress(m.shear, F, J)
         mean = volumetric_stress(m.form, m.bulk, J)
-        rise = logarithm(determinant(dF))
-        c = exponential_1d(rise * (-1.0 / 3.0))
+        rise = logarithm_1p(determinant(dF) - 1.0)
+        c = exponential(rise * (-1.0 / 3.0))
         A = (
             c * dF[0], c * dF[1], c * dF[2], c * dF[3], c * dF[4], c * dF[5], c * dF[6], c * dF[7], c * dF[8],
         )  # fmt: skip
         terms = terms_of(m)
         end = OF_TERM * terms
-        half = -0.5 * dt * haste(m, H[end, p])
+        relaxed = relaxations_of(m, -0.5 * dt * haste(m, H[end, p]))
         for k in range(terms):
-            time, G, K = m[FIRST + 3 * k], m[FIRST + 3 * k + 1], m[FIRST + 3 * k + 2]
+            G, K = m[FIRST + 3 * k + 1], m[FIRST + 3 * k + 2]
             row = OF_TERM * k
             # half of the relaxation before the deformation and half after it: of second order in the step
-            r = exponential_1d(half / time)
-            a = push_forward(A, stretched(excess(H, row, p), r))
+            r = relaxed[k]
+            a = push_forward(A, stretched(excess(m, H, row, p), r))
             B = (a[0] - 1.0, a[1] - 1.0, a[2] - 1.0, a[3], a[4], a[5])
             grown = r * H[row + 6, p] + rise
             if commit:
-                H[row, p], H[row + 1, p], H[row + 2, p] = r * B[0], r * B[1], r * B[2]
-                H[row + 3, p], H[row + 4, p], H[row + 5, p] = r * B[3], r * B[4], r * B[5]
+                H[row, p], H[row + 1, p], H[row + 2, p], H[row + 3, p] = (
+                    r * B[0],
+                    r * B[1],
+                    r * B[2],
+                    r * B[3],
+                )
+                if not is_planar(m):
+                    H[row + 4, p], H[row + 5, p] = r * B[4], r * B[5]
                 H[row + 6, p] = r * grown
             g = G * r
             mean += K * r * grown - g * (B[0] + B[1] + B[2]) / 3.0
@@ -301,7 +338,7 @@ for _Maxwell in (*MAXWELL.values(), *SHIFTED.values()):
         J = determinant(F)
         energy = volumetric_energy(m.form, m.bulk, J) + isochoric_energy(m.shear, F, J)
         for k in range(terms_of(m)):
-            xx, yy, zz, xy, yz, xz = excess(H, OF_TERM * k, p)
+            xx, yy, zz, xy, yz, xz = excess(m, H, OF_TERM * k, p)
             v = H[OF_TERM * k + 6, p]
             # tr B - ln det(I + B) by the invariants of B
             pairs = xx * yy + yy * zz + xx * zz - xy * xy - yz * yz - xz * xz
@@ -323,7 +360,7 @@ for _Maxwell in (*MAXWELL.values(), *SHIFTED.values()):
         J = determinant(F)
         stiffness = volumetric_stiffness(m.form, m.bulk, J) + isochoric_stiffness(m.shear, F, J)
         for k in range(terms_of(m)):
-            a = stretched(excess(H, OF_TERM * k, p), 1.0)
+            a = stretched(excess(m, H, OF_TERM * k, p), 1.0)
             smallest = max(0.0, smallest_eigenvalue_bound(a))
             stiffness += m[FIRST + 3 * k + 1] * (5.0 / 9.0 * (a[0] + a[1] + a[2]) - smallest / 3.0)
             stiffness += m[FIRST + 3 * k + 2] * (1.0 - H[OF_TERM * k + 6, p])

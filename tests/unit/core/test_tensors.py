@@ -66,6 +66,15 @@ def test_exponential_1d_is_exact_to_round_off(x):
     assert exponentials.exponential_1d(x) == pytest.approx(math.exp(x), rel=5e-16 * (1 + abs(x)), abs=0)
 
 
+@quick
+@given(members, scales)
+def test_short_series_are_exact_to_round_off(x, scale):
+    """On both sides of the sizes where they end."""
+    y = 0.9 * scale * x
+    assert exponentials.exponential(y) == pytest.approx(math.exp(y), rel=4e-16)
+    assert exponentials.logarithm_1p(y) == pytest.approx(math.log1p(y), rel=1e-15, abs=0.0)
+
+
 def test_exponential_1d_overflows_to_infinity_and_underflows_to_almost_zero():
     assert exponentials.exponential_1d(1000.0) == math.inf
     assert 0 <= exponentials.exponential_1d(-1000.0) < 1e-300
