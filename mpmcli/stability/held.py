@@ -22,7 +22,7 @@ class Holders:
     def __init__(self, scene: Any):
         self._grid = scene.grid
         self._near = NEAR * np.asarray(scene.grid.cell, dtype=float)
-        conditions = scene.conditions_on("velocity")
+        conditions = [each for each in scene.conditions_on("velocity") if each.acts_always]
         planes = [plane for condition in conditions for plane in _planes(condition)]
         if scene.analysis.kind == "axisymmetric":
             planes.append((0, 0.0))
