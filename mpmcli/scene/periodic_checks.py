@@ -28,11 +28,12 @@ def check_periodic(parts: Parts, dimensions: int, report: Report) -> None:
 def _of_methods(parts: Parts, axes: tuple[str, ...]) -> Found:
     if parts.analysis.kind == "axisymmetric" and "x" in axes:
         yield "grid.periodic", "x is the radius in axisymmetric analyses and cannot be periodic; y can"
-    for key in ("contact", "fracture"):
-        if getattr(parts, key) is not None:
-            yield key, f"not available with periodic axes of the grid; leave out grid.periodic, or {key}"
+    if parts.fracture is not None:
+        yield "fracture", "not available with periodic axes of the grid; leave out grid.periodic, or fracture"
     if parts.cracks:
         yield "cracks", "not available with periodic axes of the grid; leave out grid.periodic, or cracks"
+    if parts.contact is not None:
+        yield from _of_contact(parts.contact)
     for name, material in parts.materials.items():
         if material.kind == "rigid":
             yield f"materials.{name}.kind", "rigid bodies are not available with periodic axes of the grid"
@@ -45,6 +46,15 @@ def _of_methods(parts: Parts, axes: tuple[str, ...]) -> Found:
     if getattr(method.transfer, "dynamic", None) is not None:
         words = "a dynamic order is not available with periodic axes of the grid; give a fixed order"
         yield "method.transfer.dynamic", words
+
+
+def _of_contact(contact: Any) -> Found:
+    laws = [("contact.law", contact.law)]
+    laws += [(f"contact.pairs.{index}.law", pair.law) for index, pair in enumerate(contact.pairs)]
+    for path, law in laws:
+        if law.is_interface:
+            words = f"the interface '{law.kind}' is not available with periodic axes of the grid"
+            yield f"{path}.kind", f"{words}; use a law of contact"
 
 
 def _of_condition(model: Any, axes: tuple[str, ...], dimensions: int) -> Found:

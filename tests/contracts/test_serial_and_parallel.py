@@ -400,6 +400,19 @@ def test_laws(hold_alike, law):
     hold_alike(in_contact(law=law))
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("analysis", ["plane_strain", "3d"])
+def test_contact_across_periodic_sides(hold_alike, analysis):
+    scene = in_contact(analysis)
+    scene["grid"]["periodic"] = list("xyz"[: DIMENSIONS[analysis]])
+    for a in range(
+        DIMENSIONS[analysis]
+    ):  # blocks that meet at a side, and all but fill the period along the others
+        scene["grid"]["lower"][a], scene["grid"]["upper"][a] = 0, examples.CELLS[DIMENSIONS[analysis]][a] + 1
+    scene["grid"]["upper"][0] = 2 * examples.CELLS[DIMENSIONS[analysis]][0] + 1
+    hold_alike(scene)
+
+
 def choices_of_contact(key: str) -> tuple[str, ...]:
     """The words that a key of ``contact`` may be."""
     return typing.get_args(Contact.model_fields[key].annotation)
