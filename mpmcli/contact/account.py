@@ -87,8 +87,8 @@ class ContactAccount:
         ``bonded`` (k,) says which contacts are interfaces, without friction; None: none is.
         """
         c, view, grid = self._contacts, self.view, self._grid
-        view.nodes = int(np.count_nonzero(self._is_first(c.nodes.node)))
-        is_first = self._is_first(c.fields.alpha[: c.count])
+        view.nodes = int(np.count_nonzero(self._grid.is_first(c.nodes.node)))
+        is_first = self._grid.is_first(c.fields.alpha[: c.count])
         view.contacts = int(np.count_nonzero(is_first))
         view.all_contacts += view.contacts
         if c.count == 0:
@@ -121,7 +121,7 @@ class ContactAccount:
         """
         mirror = self._mirror
         if mirror is None:
-            return self._is_first(dof).astype(float)
+            return self._grid.is_first(dof).astype(float)
         if self._share is None:
             self._share = np.ones(self._grid.dof_count)
         shared, share = mirror.shared()
@@ -129,13 +129,6 @@ class ContactAccount:
         found: Array = self._share[dof]
         self._share[shared] = 1.0
         return found
-
-    def _is_first(self, dof: Array) -> Array:
-        """Whether these degrees of freedom, or nodes, are the first of those that they are one with."""
-        grid = self._grid
-        return (
-            np.asarray(grid.without_periods(dof) == dof) if grid.periodic else np.ones(len(dof), dtype=bool)
-        )
 
     @property
     def pair(self) -> Array:

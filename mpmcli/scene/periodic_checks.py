@@ -32,8 +32,6 @@ def _of_methods(parts: Parts, axes: tuple[str, ...]) -> Found:
         yield "fracture", "not available with periodic axes of the grid; leave out grid.periodic, or fracture"
     if parts.cracks:
         yield "cracks", "not available with periodic axes of the grid; leave out grid.periodic, or cracks"
-    if parts.contact is not None:
-        yield from _of_contact(parts.contact)
     for name, material in parts.materials.items():
         if material.kind == "rigid":
             yield f"materials.{name}.kind", "rigid bodies are not available with periodic axes of the grid"
@@ -46,15 +44,6 @@ def _of_methods(parts: Parts, axes: tuple[str, ...]) -> Found:
     if getattr(method.transfer, "dynamic", None) is not None:
         words = "a dynamic order is not available with periodic axes of the grid; give a fixed order"
         yield "method.transfer.dynamic", words
-
-
-def _of_contact(contact: Any) -> Found:
-    laws = [("contact.law", contact.law)]
-    laws += [(f"contact.pairs.{index}.law", pair.law) for index, pair in enumerate(contact.pairs)]
-    for path, law in laws:
-        if law.is_interface:
-            words = f"the interface '{law.kind}' is not available with periodic axes of the grid"
-            yield f"{path}.kind", f"{words}; use a law of contact"
 
 
 def _of_condition(model: Any, axes: tuple[str, ...], dimensions: int) -> Found:

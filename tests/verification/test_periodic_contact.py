@@ -110,18 +110,51 @@ def test_separations(kind):
     hold_anywhere(scene_of(FRICTION | {"separation": separation}), MOVES)
 
 
-@pytest.mark.parametrize(
-    "law",
-    [
-        {"kind": kind} | keys
-        for kind in LAWS
-        if not LAWS[kind].is_interface and not LAWS[kind].skipped
-        for keys in examples.LAWS[kind]
-    ],
-    ids=lambda law: " ".join(map(str, law.values())),
-)
+EXTREME = 1e9
+"""Stiffness beyond which round-off of displacements shows in tractions."""
+LAW_EXAMPLES = [
+    {"kind": kind} | keys
+    for kind in LAWS
+    if not LAWS[kind].skipped
+    for keys in examples.LAWS[kind]
+    if all(isinstance(value, str | dict) or value < EXTREME for value in keys.values())
+]
+
+
+@pytest.mark.parametrize("law", LAW_EXAMPLES, ids=lambda law: f"{law['kind']}-{LAW_EXAMPLES.index(law)}")
 def test_laws(law):
     hold_anywhere(scene_of({"law": law}), [[8, 0], [9, 9]])
+
+
+@pytest.mark.parametrize("jump", ["gradient", "extrapolated", "edges"])
+def test_jumps_of_interfaces(jump):
+    law = {"kind": "linear_interface", "normal": 4, "tangential": 2}
+    hold_anywhere(scene_of({"law": law, "interface": {"jump": jump}}), MOVES)
+
+
+SHAPE = {"shape": "triangular", "strength": 3, "toughness": 0.6}
+TIED = [
+    FRICTION,
+    {"law": {"kind": "cohesive", "normal": SHAPE, "tangential": SHAPE, "bonded": "y - 5"}},
+    {"law": {"kind": "bilinear_interface", "tension": 4, "compression": "perfect", "tangential": 2}},
+    {"law": {"kind": "adhesion_friction", "normal_strength": 1.5, "shear_strength": 0.7, "friction": 0.2}},
+]
+
+
+@pytest.mark.parametrize("contact", TIED, ids=lambda contact: contact["law"]["kind"])
+def test_sides_through_a_joint(contact):
+    """Blocks that meet at a side of the grid from the start, against a grid whose sides lie within a block."""
+
+    def columns(lower: float) -> dict[str, np.ndarray]:
+        bodies = [body("a", [0, 2], [4, 8], ["1+0.2*y", 0.2], field="one")]
+        for k, at in enumerate((4, 6 if lower == 0 else -2)):
+            bodies.append(body(f"b{k}", [at, 3], [at + 2, 9], [-1.0, "-0.2+0.1*y"], field="other"))
+        grid = {"lower": [lower, 0], "upper": [lower + 8, 12], "cell": 1, "periodic": ["x"]}
+        return rows_of(scene_of(contact, grid=grid, bodies=bodies), [0.0, 0.0], steps=60)
+
+    found, wanted = columns(0.0), columns(-2.0)
+    assert wanted["contact_touching"].max() > 8
+    assert_alike(found, wanted)
 
 
 @pytest.mark.parametrize("way", ["lumped", "pairs", "coupled"])

@@ -128,11 +128,6 @@ def test_what_goes_with_periodic_axes():
         ({"grid__periodic": ["w"]}, "grid.periodic", "'w'"),
         ({"analysis": {"kind": "axisymmetric"}}, "grid.periodic", "x is the radius"),
         (
-            {"contact": {"law": {"kind": "linear_interface", "normal": 1, "tangential": 1}}},
-            "contact.law.kind",
-            "the interface 'linear_interface' is not available with periodic axes",
-        ),
-        (
             {"cracks": [{"name": "k", "path": {"kind": "points", "points": [[1, 1], [2, 1]]}}]},
             "cracks",
             "not available with periodic axes",
