@@ -243,3 +243,81 @@ DIRECTIONS: dict[str, dict[str, Any]] = {
     "weak_plane": {"plane": [1, 0], "ratio": 0.5},
 }
 """Keys that a growth criterion or direction needs; those that need none are left out."""
+
+
+CELLS = {1: [14], 2: [5, 14], 3: [2, 11, 11]}
+"""Cells of a block by the number of axes: the longest axes are long enough for bands of every colour."""
+
+
+def conditions_of(d: int) -> dict[str, list[dict[str, Any]]]:
+    """Words of every kind of condition, at the block's ends."""
+    cells, corner = CELLS[d], [-4] * d
+    low = [1, *[n + 1 for n in cells[1:]]]
+    axis = {"axis": "x", "at": 1}
+    return {
+        "velocity": [
+            {"on": {"plane": axis | {"side": "lower"}}, "direction": "x", "value": "0.1*t"},
+            {"on": {"box": {"lower": corner, "upper": low}}, "direction": "x", "value": "0.1+x"},
+            {
+                "on": {"region": {"kind": "box", "lower": corner, "upper": low}},
+                "direction": "x",
+                "value": 0.1,
+            },
+            {
+                "on": {"body": "block0", "face": {"axis": "x", "side": "upper"}},
+                "direction": "x",
+                "value": -0.1,
+            },
+        ],
+        "wall": [
+            {"normal": [1, *[0] * (d - 1)], "position": "0.5+0.1*t", "velocity": 0.1, "gradient": 0.02},
+            *(
+                [{"normal": [0.6, 0.8, 0][:d], "position": [0.5, 0.5, 0][:d], "velocity": 0.1}]
+                if d > 1
+                else []
+            ),
+        ],
+        "symmetry": [{"plane": axis | {"at": 0, "side": "lower"}}],
+        "temperature": [
+            {"on": {"plane": axis | {"side": "lower"}}, "value": "310+t"},
+            {"on": {"box": {"lower": corner, "upper": low}}, "value": "310+x"},
+            {"on": {"body": "block0", "face": {"axis": "x", "side": "upper"}}, "value": "310+x+t"},
+        ],
+    }
+
+
+def loads_of(d: int) -> dict[str, list[dict[str, Any]]]:
+    """Words of every kind of load."""
+    vector, face = [0.3, "0.1*t", 0.2][:d], {"axis": "x", "side": "upper"}
+    return {
+        "absorbing": [{"on": {"body": "block0", "face": face}}],
+        "gravity": [{"acceleration": vector}],
+        "body_force": [
+            {"acceleration": ["0.1*x*t", 0.2, 0.1][:d]},
+            {"on": {"body": "block0"}, "acceleration": vector, "coordinates": "initial"},
+        ],
+        "buoyancy": [{"on": {"body": "block0"}, "level": "2.3+0.1*t", "density": 0.4}],
+        "nodal_force": [{"at": [2.5] * d, "force": vector}],
+        "particle_force": [
+            {"on": {"body": "block0"}, "force": vector, "per": "total"},
+            {"on": {"box": {"lower": [0] * d, "upper": [3] * d}}, "force": vector, "per": "particle"},
+        ],
+        "traction": [
+            {"on": {"body": "block0", "face": face}, "traction": vector},
+            {"on": {"body": "block0", "face": face}, "pressure": "0.2*x", "coordinates": "current"},
+        ],
+        "heat_flux": [{"on": {"body": "block0", "face": face}, "flux": "x+t"}],
+        "film": [{"on": {"body": "block0", "face": face}, "coefficient": "1+t", "around": 350}],
+        "radiation": [
+            {
+                "on": {"body": "block0", "face": face},
+                "emissivity": 0.5,
+                "around": 350,
+                "stefan_boltzmann": 1e-7,
+            }
+        ],
+        "heat_source": [
+            {"on": {"body": "block0"}, "power": "x*t", "per": "volume"},
+            {"on": {"body": "block0"}, "power": 0.3, "per": "total"},
+        ],
+    }

@@ -11,9 +11,8 @@ from collections.abc import Callable, Hashable, Sequence
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
-from pydantic import Field
 
-from mpmcli.core.model import Model
+from mpmcli.boundary.window import Windowed
 from mpmcli.core.registry import Registry
 
 Array = np.ndarray
@@ -116,14 +115,11 @@ class Holder(Protocol):
         """Whether the values change with time."""
 
 
-class ConditionModel(Model):
+class ConditionModel(Windowed):
     """Base of all boundary conditions."""
 
     acts_on: ClassVar[str] = "velocity"
     """The quantity that it holds: ``velocity`` or ``temperature``."""
-
-    name: str = Field(min_length=1)
-    """Name of the condition, used in tables and messages."""
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What is wrong in an analysis with so many axes: pairs of key (``direction``) and message."""
@@ -171,7 +167,7 @@ FACE_EFFECTS = frozenset({"impedance_of", "traction_at", "heat_flux_at"})
 """Those that act on a face of a body."""
 
 
-class LoadModel(Model):
+class LoadModel(Windowed):
     """Base of all loads: what acts on which particles, or on which face of a body.
 
     Values have one member per axis. They are numbers, or (n,) arrays with a member per point.
@@ -179,9 +175,6 @@ class LoadModel(Model):
 
     acts_on: ClassVar[str] = "velocity"
     """The quantity that it changes: ``velocity`` or ``temperature``."""
-
-    name: str = Field(min_length=1)
-    """Name of the load, used in messages."""
 
     @classmethod
     def effects(cls) -> frozenset[str]:
@@ -193,6 +186,11 @@ class LoadModel(Model):
     def varies(self) -> bool:
         """Whether its value at a particle may change during the run."""
         return True
+
+    @property
+    def changes(self) -> bool:
+        """Whether what it does to a particle may change during the run: its value, or whether it acts."""
+        return self.varies or not self.acts_always
 
     @property
     def uses_initial_positions(self) -> bool:

@@ -88,6 +88,10 @@ class ClockedLoad:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._model, name)
 
+    def acts_at(self, time: float) -> bool:
+        """Whether it acts."""
+        return self._model.acts_at(self._clock.time(time))
+
     def nodal_force_at(self, time: float) -> Any:
         """Return a point of the grid, and the force there."""
         return self._model.nodal_force_at(self._clock.time(time))

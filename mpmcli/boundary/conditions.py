@@ -16,6 +16,7 @@ from mpmcli.boundary.orthogonal import orthogonalise
 from mpmcli.boundary.place import Place, Plane
 from mpmcli.boundary.symmetry import SymmetryHolder
 from mpmcli.boundary.velocity import Velocity
+from mpmcli.boundary.windowed import hold
 from mpmcli.core.analysis import Analysis, Axisymmetric
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.expressions import Expression
@@ -56,7 +57,7 @@ class VelocityConditions:
         self.names = [condition.name for condition in conditions]
         self._grid = grid
         self._dimensions = analysis.dimensions
-        self._holders: list[Holder] = [condition.holder(grid, surface_nodes) for condition in conditions]
+        self._holders: list[Holder] = [hold(condition, grid, surface_nodes) for condition in conditions]
         if clocks:
             self._holders = [
                 ClockedHolder(holder, clocks[name]) if name in clocks else holder

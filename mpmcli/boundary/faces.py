@@ -67,7 +67,7 @@ class TractionFaces:
             [load.follows for load, *_ in loads], particles,
         )  # fmt: skip
         self._evaluated = False
-        self._varies = any(load.varies for load, *_ in loads)
+        self._varies = any(load.changes for load, *_ in loads)
         self._impedances = impedances or {}
 
     def __bool__(self) -> bool:
@@ -93,7 +93,7 @@ class TractionFaces:
         if not self._evaluated or self._varies:
             self._evaluate(time, particles, position_of_id)
         if self._impedances:
-            self._resist(particles, position_of_id)
+            self._resist(time, particles, position_of_id)
         lost = add_tractions(
             self.faces, self._cells, particles.X, particles.F, particles.size,
             particles.velocity_field if self._several_fields else None, position_of_id, self._section,
@@ -104,14 +104,18 @@ class TractionFaces:
                 f"a loaded face of particle {self.faces.id[lost]} left the grid at time {time:g}"
             )
 
-    def _resist(self, particles: Particles, position_of_id: Array) -> None:
+    def _resist(self, time: float, particles: Particles, position_of_id: Array) -> None:
         for (load, _, ids), rows in zip(self._loads, self._rows, strict=True):
             if (Z := self._impedances.get(id(load))) is not None:
-                self.faces.traction[rows] = -Z[ids] * particles.V[:, position_of_id[ids]].T
+                V = particles.V[:, position_of_id[ids]].T
+                self.faces.traction[rows] = -Z[ids] * V if load.acts_at(time) else 0.0
 
     def _evaluate(self, time: float, particles: Particles, position_of_id: Array) -> None:
         for (load, face, ids), rows in zip(self._loads, self._rows, strict=True):
             if id(load) in self._impedances:
+                continue
+            if not load.acts_at(time):
+                self.faces.traction[rows] = 0.0
                 continue
             centres = self._centres[:, rows]
             if load.follows_positions:

@@ -172,17 +172,21 @@ class HeatLoads:
         at = np.maximum(self._place[faces.id], 0)  # the faces of particles that are gone have no area
         inner = self._gather(at, theta)
         conductance = self._conductivity(at, self._normal) / self._half
-        held, T = self._held_temperatures(time, inner)
+        rows_of = zip([*self._held, *self._on_faces], self._rows, strict=True)
+        acting = [(model, rows) for model, rows in rows_of if model.acts_at(time)]
+        conditions = [(model, rows) for model, rows in acting if isinstance(model, ConditionModel)]
+        loads = [(model, rows) for model, rows in acting if isinstance(model, LoadModel)]
+        held, T = self._held_temperatures(time, inner, conditions)
         self.largest = float(T[held].max(initial=0.0))
-        fluxes, T = self._surface_temperatures(time, inner, conductance, held, T)
+        fluxes, T = self._surface_temperatures(time, inner, conductance, held, T, loads)
         total = np.zeros(len(T))
-        for load, rows, flux in zip(self._on_faces, self._rows[len(self._held) :], fluxes, strict=True):
+        for (load, rows), flux in zip(loads, fluxes, strict=True):
             power = flux * self._area[rows]
             total[rows] += power
             self.powers[load.name] += float(power.sum())
         inwards = conductance * (T - inner) * self._area
         taken = np.zeros(len(T), dtype=bool)
-        for condition, rows in zip(self._held, self._rows, strict=False):
+        for condition, rows in conditions:
             mine = rows[~taken[rows]]
             taken[mine] = True
             self.powers[condition.name] += float((inwards[mine] - total[mine]).sum())
@@ -196,11 +200,13 @@ class HeatLoads:
             nodes = nodes + self._particles.velocity_field[places, None].astype(np.int64) * self._node_count
         return np.asarray((weights * theta[nodes, 0]).sum(axis=1))
 
-    def _held_temperatures(self, time: float, inner: Array) -> tuple[Array, Array]:
+    def _held_temperatures(
+        self, time: float, inner: Array, conditions: list[tuple[ConditionModel, Array]]
+    ) -> tuple[Array, Array]:
         """Which faces are held (nf,), and temperatures (nf,) that are theirs; of the others those in the particles."""
         held, T = np.zeros(len(inner), dtype=bool), inner.copy()
-        for c, condition in enumerate(self._held):
-            rows, who = self._rows[c], f"boundary condition '{condition.name}'"
+        for condition, rows in conditions:
+            who = f"boundary condition '{condition.name}'"
             values = np.broadcast_to(
                 np.asarray(condition.face_temperature_at(self._centres[:, rows], time)), rows.shape
             )
@@ -216,16 +222,21 @@ class HeatLoads:
         return held, T
 
     def _surface_temperatures(
-        self, time: float, inner: Array, conductance: Array, held: Array, T: Array
+        self,
+        time: float,
+        inner: Array,
+        conductance: Array,
+        held: Array,
+        T: Array,
+        loads: list[tuple[LoadModel, Array]],
     ) -> tuple[list[Array], Array]:
         """Flux of each load on its faces, and temperatures (nf,) at which they sum up to what the particles conduct."""
-        rows_of_load = self._rows[len(self._held) :]
-        if not self._on_faces:
+        if not loads:
             return [], T
         for _ in range(MOST_ITERATIONS):
             excess, slope = -conductance * (T - inner), -conductance
             found = []
-            for load, rows in zip(self._on_faces, rows_of_load, strict=True):
+            for load, rows in loads:
                 flux, change = load.heat_flux_at(self._centres[:, rows], time, T[rows])
                 found.append((finite(flux, load, time), finite(change, load, time)))
                 excess[rows] += found[-1][0]
@@ -238,9 +249,7 @@ class HeatLoads:
         else:
             raise SimulationError(f"no temperature of a heated face was found at time {time:g}")
         # of the last tangent, so that they balance but for round-off
-        return [
-            flux + change * step[rows] for (flux, change), rows in zip(found, rows_of_load, strict=True)
-        ], T
+        return [flux + change * step[rows] for (flux, change), (_, rows) in zip(found, loads, strict=True)], T
 
     def _add_to_nodes(self, time: float, power: Array, q: Array) -> None:
         p, faces = self._particles, self._faces
@@ -256,7 +265,7 @@ class HeatLoads:
     # ------------------------------------------------------------------ sources
 
     def _heat_particles(self, time: float, q: Array) -> None:
-        if self._is_fresh or any(load.varies for load in self._sources):
+        if self._is_fresh or any(load.changes for load in self._sources):
             self._evaluate_sources(time)
             self._is_fresh = False
         for name, power in self._source_powers.items():
@@ -268,6 +277,9 @@ class HeatLoads:
         X = self._particles.X
         self._power[:] = 0.0
         for load, rows in zip(self._sources, self._heated, strict=True):
+            if not load.acts_at(time):
+                self._source_powers[load.name] = 0.0
+                continue
             power = finite(load.heat_power_at(X[:, rows], time), load, time) * self._share(load, rows)
             self._power[rows] += power
             self._source_powers[load.name] = float(power.sum())

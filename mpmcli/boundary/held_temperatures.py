@@ -9,6 +9,7 @@ import numpy as np
 
 from mpmcli.boundary.base import Array, ConditionModel, Holder
 from mpmcli.boundary.mirror import Mirror
+from mpmcli.boundary.windowed import hold
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.step import Step
 from mpmcli.core.transfer.nodal_field import Correction, NodalField
@@ -51,7 +52,7 @@ class HeldTemperatures(Correction):
     ):  # fmt: skip
         self.names = [condition.name for condition in conditions]
         self._grid, self._field, self._mirror, self._is_bath = grid, field, mirror, is_bath
-        self._holders: list[Holder] = [condition.holder(grid, None) for condition in conditions]
+        self._holders: list[Holder] = [hold(condition, grid, None) for condition in conditions]
         self._version, self._keys = -1, list[Any]()
         self._node = self._owner = self._origin = np.zeros(0, dtype=np.int64)
         self._value = np.zeros(0)

@@ -136,7 +136,7 @@ class Loads:
         if self._on_nodes is not None:
             self._on_nodes.add(time, grid.mp, f)
         if self._on_planes is not None:
-            self._on_planes.add(grid.mp, f, step.dt)
+            self._on_planes.add(time, grid.mp, f, step.dt)
         if self._rigid_dofs is not None:
             f[self._rigid_dofs()] = 0.0
 

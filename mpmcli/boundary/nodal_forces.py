@@ -35,6 +35,8 @@ class NodalForces:
     def add(self, time: float, mp: Array, f: Array) -> None:
         """Add the forces to ``f`` (dofs, d), on nodes with mass in ``mp`` (dofs, 1 + d), velocity fields by mass."""
         for load, (nodes, weights) in zip(self._loads, self._nodes, strict=True):
+            if not load.acts_at(time):
+                continue
             force = np.array([float(finite(each, load, time)) for each in load.nodal_force_at(time)[1]])
             dofs = nodes[:, None] + self._grid.node_count * np.arange(self._grid.fields)
             mass = mp[dofs, 0]

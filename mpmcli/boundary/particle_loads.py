@@ -60,7 +60,7 @@ class ParticleLoads:
         self.initial_positions: Array | None = None
         if any(load.uses_initial_positions for load in on_particles):
             self.initial_positions = by_identity(particles.id, particles.X)
-        self._is_steady = not any(load.varies for load in (*self._uniform, *on_particles))
+        self._is_steady = not any(load.changes for load in (*self._uniform, *on_particles))
         self._B: Array | None = None
         self._version: Any = None
 
@@ -69,7 +69,7 @@ class ParticleLoads:
         if not self._uniform:
             return None
         total = np.zeros(self._dimensions)
-        for load in self._uniform:
+        for load in acting(self._uniform, time):
             total += finite(load.uniform_acceleration(time), load, time)
         return total
 
@@ -104,11 +104,11 @@ class ParticleLoads:
             self._B = np.empty((self._dimensions, particles.count))
         B = self._B
         B[:] = 0.0 if gravity is None else gravity[:, None]
-        for load in self._accelerating:
+        for load in acting(self._accelerating, time):
             rows = self._rows(load, particles)
             for a, value in enumerate(load.acceleration_at(self._points(load, particles, rows), time)):
                 B[a, rows] += finite(value, load, time)
-        for load in self._pushing:
+        for load in acting(self._pushing, time):
             rows = self._rows(load, particles)
             mass = particles.mass[rows]
             if mass.shape[0] == 0:
@@ -128,7 +128,7 @@ class ParticleLoads:
         gravity = self.gravity(time)
         if gravity is None:
             return
-        for load in self._lifting:
+        for load in acting(self._lifting, time):
             rows = self._rows(load, particles)
             level, density = load.water_at(self._points(load, particles, rows), time)
             axis, value = lift(finite(level, load, time), density, gravity, particles, rows)
@@ -144,6 +144,11 @@ class ParticleLoads:
         if load.uses_initial_positions and self.initial_positions is not None:
             return self.initial_positions[:, particles.id[rows]]
         return particles.X[:, rows]
+
+
+def acting(loads: Sequence[LoadModel], time: float) -> list[LoadModel]:
+    """Return those of some loads that act in a step that starts at ``time``."""
+    return [load for load in loads if load.acts_at(time)]
 
 
 def full_ring(analysis: Analysis) -> float:

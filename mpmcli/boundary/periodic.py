@@ -8,7 +8,7 @@ import numpy as np
 
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
-from mpmcli.core.transfer.nodal_field import Correction
+from mpmcli.core.transfer.nodal_field import ActiveNodes, Correction
 
 Array = np.ndarray
 
@@ -19,10 +19,11 @@ class PeriodicSides(Correction):
     Parameters
     ----------
     grid : the grid, whose active nodes are complete with those that they are one with
+    nodes : the nodes in use of the field, if these are not the degrees of freedom of the grid
     """
 
-    def __init__(self, grid: Grid):
-        self._grid = grid
+    def __init__(self, grid: Grid, nodes: ActiveNodes | None = None):
+        self._grid, self._nodes = grid, grid if nodes is None else nodes
         self._version = -1
         self._copies = self._origins = np.zeros(0, dtype=np.int64)
         self._rounds: list[tuple[Array, Array]] = []
@@ -37,7 +38,7 @@ class PeriodicSides(Correction):
 
     def complete_scalars(self, sums: Array) -> None:
         """Complete ``sums`` (dofs, c), in an order that depends on the nodes alone."""
-        if self._grid.active_version != self._version:
+        if self._nodes.active_version != self._version:
             self._renew()
         for copies, origins in self._rounds:
             sums[origins] += sums[copies]
@@ -45,11 +46,11 @@ class PeriodicSides(Correction):
 
     def _renew(self) -> None:
         """Find the copies among the active nodes, in rounds in which no node is the origin of two of them."""
-        grid = self._grid
-        self._version = grid.active_version
-        origins = grid.without_periods(grid.active)
-        found = np.flatnonzero(origins != grid.active)
-        self._copies, self._origins = grid.active[found], origins[found]
+        active = self._nodes.active
+        self._version = self._nodes.active_version
+        origins = self._grid.without_periods(active)
+        found = np.flatnonzero(origins != active)
+        self._copies, self._origins = active[found], origins[found]
         order = np.argsort(self._origins, kind="stable")
         ordered = self._origins[order]
         rank = np.arange(len(order)) - np.searchsorted(ordered, ordered)
@@ -68,7 +69,8 @@ class PeriodicSides(Correction):
 def enter_again(grid: Grid, particles: Particles, X0: Array | None) -> list[int]:
     """Move particles beyond a periodic side by whole periods into the grid, and return the axes along which any were.
 
-    ``X0`` (d, n), positions at time 0 by identity, move with them, so that displacements stay those travelled.
+    ``X0`` (d, n), positions at time 0 by identity, and those that contact keeps move with them, so that displacements
+    stay those travelled.
     """
     moved = []
     for axis in grid.periodic:
@@ -79,6 +81,8 @@ def enter_again(grid: Grid, particles: Particles, X0: Array | None) -> list[int]
             x[gone] -= turns[gone] * period
             if X0 is not None:
                 X0[axis, particles.id[gone]] -= turns[gone] * period
+            if particles.X0 is not None:
+                particles.X0[axis, gone] -= turns[gone] * period
             moved.append(axis)
     return moved
 

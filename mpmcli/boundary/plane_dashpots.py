@@ -26,22 +26,26 @@ class PlaneDashpots:
 
     def __init__(self, loads: Sequence[tuple[LoadModel, Array]], grid: Grid, areas: Callable[[Array], Array]):
         self._grid, self._areas = grid, areas
-        self._planes = [(load.loaded_plane(), _different(Z)) for load, Z in loads]
+        self._planes = [(load, load.loaded_plane(), _different(Z)) for load, Z in loads]
         self._dofs: list[Array] = []
         self._version = -1
 
-    def add(self, mp: Array, f: Array, dt: float) -> None:
-        """Add the forces of a step ``dt`` to ``f`` (dofs, d), by its first masses and momenta ``mp`` (dofs, 1 + d)."""
+    def add(self, time: float, mp: Array, f: Array, dt: float) -> None:
+        """Add the forces of a step ``dt`` at ``time`` to ``f`` (dofs, d).
+
+        ``mp`` (dofs, 1 + d) are its first masses and momenta.
+        """
         grid = self._grid
         if grid.active_version != self._version:
             self._version = grid.active_version
             nodes = node_of(grid.active, grid.node_count)
-            self._dofs = [grid.active[beyond(grid, nodes, plane)] for plane, _ in self._planes]
-        for (plane, Z), dofs in zip(self._planes, self._dofs, strict=True):
+            self._dofs = [grid.active[beyond(grid, nodes, plane)] for _, plane, _ in self._planes]
+        for (load, plane, Z), dofs in zip(self._planes, self._dofs, strict=True):
             inward = 1.0 if plane.side_on(grid) == "lower" else -1.0
             mass = mp[dofs, 0]
             for axes, of_particles in Z:
                 drag = np.maximum(inward * self._areas(of_particles)[dofs, plane.index], 0.0)
+                drag *= load.acts_at(time)  # its kernels always run
                 rate = np.divide(drag, mass, out=np.zeros_like(mass), where=mass > 0.0)
                 for axis in axes:
                     f[dofs, axis] -= np.minimum(rate, 1.0 / dt) * mp[dofs, 1 + axis]

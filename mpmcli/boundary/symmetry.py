@@ -22,7 +22,13 @@ class Symmetry(ConditionModel):
 
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What does not fit an analysis with so many axes."""
-        return check_axis("plane", self.plane, dimensions)
+        found = check_axis("plane", self.plane, dimensions)
+        if not self.acts_always:
+            key = "until" if self.begin == 0.0 else "from"
+            found.append(
+                (key, "symmetry planes act always; hold the velocity across a plane with kind: velocity")
+            )
+        return found
 
     def held_side(self, grid: Nodes) -> tuple[int, int]:
         """The side of the plane."""

@@ -87,9 +87,10 @@ class ContactAccount:
         ``bonded`` (k,) says which contacts are interfaces, without friction; None: none is.
         """
         c, view, grid = self._contacts, self.view, self._grid
-        view.nodes = c.nodes.count
-        view.contacts = c.count
-        view.all_contacts += c.count
+        view.nodes = int(np.count_nonzero(self._grid.is_first(c.nodes.node)))
+        is_first = self._grid.is_first(c.fields.alpha[: c.count])
+        view.contacts = int(np.count_nonzero(is_first))
+        view.all_contacts += view.contacts
         if c.count == 0:
             return
         self._identity, self._dt = self._particles.id, dt
@@ -104,19 +105,23 @@ class ContactAccount:
             (0.0,) * grid.dimensions, c.count, c.fields, c.table, c.geometry, c.rows, after, grid.mp, bonded, sums
         )  # fmt: skip
         view.force /= dt
-        view.touching = int(np.count_nonzero(c.rows.state[: c.count]))
+        view.touching = int(np.count_nonzero(c.rows.state[: c.count][is_first]))
         if self._has_geometry:
-            view.unconverged = int(np.count_nonzero(c.geometry.status[: c.count] == NOT_CONVERGED))
+            status = c.geometry.status[: c.count][is_first]
+            view.unconverged = int(np.count_nonzero(status == NOT_CONVERGED))
             view.all_unconverged += view.unconverged
         if view.rigid_work:
             self._work["boundary_work"] += float(self._rigid_work.sum() - rigid_work)
             self._show_rigid_work()
 
     def _shares(self, dof: Array) -> Array:
-        """Share of a contact at each of these degrees of freedom that real particles have: images share their mass."""
+        """Share of a contact at each of these degrees of freedom that real particles have: images share their mass.
+
+        Of nodes that are one, the first has all of it.
+        """
         mirror = self._mirror
         if mirror is None:
-            return np.ones(len(dof))
+            return self._grid.is_first(dof).astype(float)
         if self._share is None:
             self._share = np.ones(self._grid.dof_count)
         shared, share = mirror.shared()

@@ -7,6 +7,7 @@ in a list, in an order that does not depend on the number of threads.
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -69,18 +70,27 @@ NONE = Candidates(
 
 
 class Images(NamedTuple):
-    """Mirror images that symmetry planes make of a particle: one row per combination of planes."""
+    """Images of a particle: one row per combination of symmetry planes, and of whole periods of periodic axes.
+
+    The number of an image, counted from 1, is ``copies`` times that of its planes, plus that of its shift.
+    """
 
     line: Array
     """(images, d) index of the mirroring line of nodes along each axis, −1 where the image is not turned."""
+    shift: Array
+    """(images, d) nodes by which the image is moved along each axis."""
     flag: Array
-    """(images,) bit a is set if axis a is turned; from bit 4 on the number of the image, counted from 1."""
+    """(images,) bit a is set if axis a is turned; from bit 4 on the number of the image."""
+    copies: int
+    """Number of shifts, none included."""
+    home: Array
+    """(n,) number of the shift that takes a node into the first period; only with periodic axes."""
 
 
 def find_candidates(order: CellOrder, grid: Grid, images: int = 0, whole: Array | None = None) -> Candidates:
     """List candidates after a sort (``grid.active`` holds the degrees of freedom that particles may touch).
 
-    ``images`` is the number of mirror images of a particle, ``whole`` (fields,) says which fields no crack cuts: they
+    ``images`` is the largest number of images of a node, ``whole`` (fields,) says which fields no crack cuts: they
     meet every side of the others. None without cracks.
     """
     n, dof = grid.node_count, grid.active
@@ -124,7 +134,7 @@ def _with_whole_fields(dof: Array, at: Array, grid: Grid, whole: Array) -> tuple
 
 
 def most_near(grid: Grid, images: int) -> int:
-    """Return how many nodes a particle and its mirror images see at most."""
+    """Return how many nodes a particle and its images see at most; ``images`` is that of images of a node."""
     return grid.width**grid.dimensions * (1 + images)
 
 
@@ -212,8 +222,8 @@ def find_near_particles(
 
     ``parted`` says which particles cracks part from nodes, ``Parted``, or is None.
 
-    The lists must be empty on entry. Bands of one colour never see the same node, nor do their mirror images unless
-    planes exist: with planes the caller runs the serial version.
+    The lists must be empty on entry. Bands of one colour never see the same node, but their images may: with images
+    the caller runs the serial version.
     """
     for colour in range(candidates.colours.shape[0] - 1):
         for i in prange(candidates.colours[colour], candidates.colours[colour + 1]):
@@ -236,47 +246,62 @@ def find_near_in_band(
         p = np.uint64(candidates.particle[j])
         if (
             parted is None
-            and count == 0
+            and count + 1 == images.copies  # without planes: nodes that are one are contact nodes together
             and not may_see(geometry, len(across), shape_of_grid, slot_of_node, X, p)
         ):
             continue
         base = fill(shape, geometry, across, X, F, size, p, S, G, W, stencil.status)
-        begin, largest, nearest = at, 0.0, np.int64(-1)
+        largest, nearest, after = 0.0, at, at
         row = row_of_particle(parted, p)
         for a in range(offsets.shape[0]):
             if S[a] > SEEN or (S[a] > 0.0 and is_seen(S, a, len(across), len(geometry.stride))):
                 i = np.int64(base + offsets[a]) + place_of_side(parted, row, a)
                 slot = slot_of_node[i]
+                home = images.home[i] if images.copies > 1 else 0
+                is_nearest = slot >= 0 and S[a] > largest
                 if slot >= 0:
-                    if S[a] > largest:
-                        largest, nearest = S[a], at
-                    link(near, slot, at, np.int64(p), 0, S, G, a, offsets.shape[0])
+                    if is_nearest:
+                        largest, nearest, after = S[a], at, at + 1
+                    link(near, slot, at, np.int64(p), home << IMAGE_BITS, S, G, a, offsets.shape[0])
                     at += 1
                 for image in range(count):
-                    other = image_of_node(geometry, images.line[image], shape_of_grid, i)
+                    other = image_of_node(geometry, images.line[image], images.shift[image], shape_of_grid, i)
                     if other >= 0:
                         slot = slot_of_node[other]
                         if slot >= 0:
-                            link(near, slot, at, np.int64(p), images.flag[image], S, G, a, offsets.shape[0])
+                            flag = flag_of_image(images, image, home)
+                            link(near, slot, at, np.int64(p), flag, S, G, a, offsets.shape[0])
                             at += 1
+                            if is_nearest and image + 1 < images.copies:
+                                after = at
                 at = link_other_sides(parted, p, i, slot_of_node, near, at, S, G, a, offsets.shape[0])
-        if nearest >= begin:
-            near.flag[nearest] |= NEAREST
+        for each in range(nearest, after):  # at all nodes that are one with the nearest
+            near.flag[each] |= NEAREST
 
 
 @inline
-def image_of_node(geometry, line, shape_of_grid, i):
-    """Image of node ``i`` across the planes ``line`` (d,), −1 where it is not on the grid."""
+def flag_of_image(images, image, home):
+    """Flag of an image of a particle near a node, whose shift ``home`` takes the particle's node into the first period.
+
+    So positions are those in the first period: what is found at nodes that are one agrees to the last digit.
+    """
+    number = (image + 1) // images.copies * images.copies + home
+    return (images.flag[image] & (NEAREST - 1)) | number << IMAGE_BITS
+
+
+@inline
+def image_of_node(geometry, line, shift, shape_of_grid, i):
+    """Image of node ``i`` across the planes ``line`` (d,) or by ``shift`` (d,), −1 where it is not on the grid."""
     other = i
     for axis in range(len(geometry.stride)):
-        if line[axis] >= 0:
+        if line[axis] >= 0 or shift[axis] != 0:
             stride = np.int64(geometry.stride[axis])
             index = i // stride % shape_of_grid[axis]
-            reflected = 2 * line[axis] - index
-            if reflected < 0 or reflected >= shape_of_grid[axis]:
+            there = 2 * line[axis] - index if line[axis] >= 0 else index + shift[axis]
+            if there < 0 or there >= shape_of_grid[axis]:
                 other = np.int64(-1)
             elif other >= 0:
-                other += (reflected - index) * stride
+                other += (there - index) * stride
     return other
 
 
@@ -307,7 +332,7 @@ class ContactNodes:
         self._version = -1
         self.candidates = NONE
         self._shape = np.array(grid.shape, dtype=np.int64)
-        self.images = images_of(planes, grid.dimensions)
+        self.images = images_of(planes, grid)
         self._count = 0
 
     @property
@@ -333,7 +358,7 @@ class ContactNodes:
     def renew(self) -> None:
         """List the candidates after a sort, and make room for what they may see."""
         self._slot_of_node[self.candidates.node] = -1
-        images = len(self.images.flag)
+        images = (len(self.images.flag) + 1) // self.images.copies * most_alike(self._grid) - 1
         self.candidates = c = find_candidates(self._order, self._grid, images, self._whole)
         self._version = self._order.version
         self._node = np.zeros(len(c.node), dtype=np.int64)
@@ -375,18 +400,45 @@ class ContactNodes:
         )  # fmt: skip
 
 
-def images_of(planes: list[tuple[int, int]], dimensions: int) -> Images:
-    """The images that planes on different axes make together."""
-    lines, flags = [], []
+def images_of(planes: list[tuple[int, int]], grid: Grid) -> Images:
+    """The images that planes on different axes, and periods of the grid, make together."""
+    shifts, home = _shifts_of(grid)
+    lines, turned = [np.full(grid.dimensions, -1, dtype=np.int64)], [0]
     for chosen in range(1, 2 ** len(planes)):
         mine = [plane for j, plane in enumerate(planes) if chosen >> j & 1]
         if len({axis for axis, _ in mine}) < len(mine):
             continue
-        line = np.full(dimensions, -1, dtype=np.int64)
+        lines.append(lines[0].copy())
         for axis, at in mine:
-            line[axis] = at
-        lines.append(line)
-        flags.append(sum(1 << axis for axis, _ in mine) + (len(lines) << IMAGE_BITS))
-    if not lines:
-        return Images(np.zeros((0, dimensions), dtype=np.int64), np.zeros(0, dtype=np.int64))
-    return Images(np.stack(lines), np.array(flags, dtype=np.int64))
+            lines[-1][axis] = at
+        turned.append(sum(1 << axis for axis, _ in mine))
+    flag = np.repeat(turned, len(shifts)) + (np.arange(len(lines) * len(shifts)) << IMAGE_BITS)
+    return Images(
+        np.repeat(np.stack(lines), len(shifts), axis=0)[1:],
+        np.tile(shifts, (len(lines), 1))[1:],
+        flag[1:].astype(np.int64),
+        len(shifts),
+        home,
+    )
+
+
+def most_alike(grid: Grid) -> int:
+    """Return how many nodes are one with a node at most, itself included."""
+    return math.prod(-(-grid.shape[a] // int(grid.cells[a])) for a in grid.periodic)
+
+
+def _shifts_of(grid: Grid) -> tuple[Array, Array]:
+    """Shifts (s, d) [nodes] between nodes that are one, the first none, and the one (n,) that takes each node home."""
+    most = np.zeros(grid.dimensions, dtype=np.int64)
+    for a in grid.periodic:
+        most[a] = (grid.shape[a] - 1) // grid.cells[a]
+    turns = np.stack(np.unravel_index(np.arange(np.prod(2 * most + 1)), tuple(2 * most + 1)), axis=1) - most
+    order = np.argsort(turns.any(axis=1), kind="stable")
+    if not grid.periodic:
+        return turns * grid.cells, NOTHING
+    nodes = np.arange(grid.node_count)
+    home = grid.without_periods(nodes)
+    index = [each // np.array(grid.stride)[:, None] % np.array(grid.shape)[:, None] for each in (nodes, home)]
+    back = (index[1] - index[0]) // grid.cells[:, None]
+    number = np.ravel_multi_index(tuple(back + most[:, None]), tuple(2 * most + 1))
+    return turns[order] * grid.cells, np.argsort(order)[number].astype(np.int64)

@@ -61,7 +61,9 @@ class Surroundings(NamedTuple):
 
     shape : (d,) nodes along each axis
     origin, cell : (d,) coordinate of the first node, cell size [length]
-    planes : (images, d) ``Images.line``
+    planes, shift : (images, d) lines and shifts of ``Images``
+    pad : ghost layers
+    period : (d,) nodes after which nodes are one with those before, 0 along axes that are not periodic
     thickness : of a plane analysis [length], area of a 1D one [area], else 1
     ring : the analysis is axisymmetric, so that volumes and areas are per radian
     """
@@ -70,6 +72,9 @@ class Surroundings(NamedTuple):
     origin: Array
     cell: Array
     planes: Array
+    shift: Array
+    pad: int
+    period: Array
     thickness: float
     ring: bool
 
@@ -158,20 +163,29 @@ def bond_of(bond, p):
 
 
 @inline
-def share_on_planes(axes, i, shape_of_grid, planes):
+def share_on_planes(axes, i, around):
     """Share of node ``i`` on this side of the symmetry planes it lies on: its mass is that of real particles alone."""
     share = 1.0
-    for image in range(planes.shape[0]):
+    for image in range(around.planes.shape[0]):
         turned, on_plane, stride = 0, 0, 1
         for a in range(len(axes)):
-            if planes[image, a] >= 0:
+            if around.planes[image, a] >= 0:
                 turned += 1
-                if i // stride % shape_of_grid[a] == planes[image, a]:
+                if i // stride % around.shape[a] == around.planes[image, a]:
                     on_plane += 1
-            stride *= shape_of_grid[a]
+            if around.shift[image, a] != 0:  # images of the same planes, a period away
+                turned += 1
+            stride *= around.shape[a]
         if turned == 1 and on_plane == 1:
             share *= 0.5
     return share
+
+
+@inline
+def index_at_home(around, i, stride, a):
+    """Index along axis ``a`` of node ``i``, or of the node within the first period that it is one with."""
+    index = i // stride % around.shape[a]
+    return around.pad + (index - around.pad) % around.period[a] if around.period[a] > 0 else index
 
 
 @inline
@@ -203,6 +217,8 @@ def gather(axes, slot, alpha, beta, alone, neighbours, nodes, around, near, matt
                 if turned >> a & 1:
                     x = 2.0 * (around.origin[a] + around.planes[image, a] * around.cell[a]) - x
                     g = -g
+                elif image >= 0:
+                    x += around.shift[image, a] * around.cell[a]
                 neighbours.x[a, n] = x
                 neighbours.G[a, n] = g
             put_displacement(axes, matter.X, matter.X0, p, turned, neighbours.displacement, n)
@@ -221,7 +237,7 @@ def gather(axes, slot, alpha, beta, alone, neighbours, nodes, around, near, matt
         at = near.next[at]
     stride = 1
     for a in range(len(axes)):
-        at_node = around.origin[a] + (i // stride % around.shape[a]) * around.cell[a]
+        at_node = around.origin[a] + index_at_home(around, i, stride, a) * around.cell[a]
         for j in range(n):
             neighbours.x[a, j] -= at_node
         stride *= around.shape[a]
@@ -287,5 +303,5 @@ def find_geometry(
             h = perpendicular_size(axes, around.cell, normal[k])
             gap = find_separation(separation_method, axes, neighbours, n, normal[k], h, distances[k])
             separation[k] = gap + unsure(axes, h, around.shape, around.origin, around.cell)
-            part = share_on_planes(axes, nodes.node[slot], around.shape, around.planes)
+            part = share_on_planes(axes, nodes.node[slot], around)
             area[k] = part * contact_area(volume_alpha, volume_beta, h, distances[k])

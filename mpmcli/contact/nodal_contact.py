@@ -92,6 +92,9 @@ class NodalContact(ContactImpulses):
             origin=grid.lower - grid.pad * grid.cell,
             cell=grid.cell,
             planes=self.nodes.images.line,
+            shift=self.nodes.images.shift,
+            pad=grid.pad,
+            period=np.array([grid.cells[a] if a in grid.periodic else 0 for a in range(d)], dtype=np.int64),
             thickness=choice.thickness,
             ring=self._ring,
         )

@@ -253,6 +253,12 @@ class Grid:
             found += (index % self.cells[a] - index) * self.stride[a]
         return found
 
+    def is_first(self, dofs: np.ndarray) -> np.ndarray:
+        """Return whether degrees of freedom (n,) are within one period: of those that are one, the first is."""
+        if not self.periodic:
+            return np.ones(len(dofs), dtype=bool)
+        return np.asarray(self.without_periods(dofs) == dofs)
+
     def with_periods(self, dofs: np.ndarray) -> np.ndarray:
         """Return all degrees of freedom (m,), ascending, that ``dofs`` (n,) are one with, themselves included."""
         found = np.unique(self.without_periods(dofs))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
 from mpmcli.interfaces.base import HISTORY
 from mpmcli.interfaces.jump import UNSET
-from mpmcli.interfaces.touch import gaps_at_nodes
+from mpmcli.interfaces.touch import gaps_at_nodes, with_images
 
 Array = np.ndarray
 
@@ -48,19 +49,28 @@ def bonded_particles(
     """Return the particles of two fields nearest to nodes at which these are bonded at the start."""
     p, shape = particles, tuple(grid.cells + 1)
     law, widest = choice.laws[choice.table[pair]], choice.model.interface.initial_gap
-    nodes, gaps = gaps_at_nodes(
-        p.X, half, p.velocity_field, pair, grid.lower, grid.cell, shape, within=widest
+    near = with_images(
+        p.X, half, p.velocity_field, grid.lower, grid.upper, grid.periodic, (2.0 + widest) * grid.cell
     )
-    bonded = nodes[np.isfinite(gaps) & is_bonded(law, nodes, grid.lower, grid.cell, shape)]
+    nodes, gaps = gaps_at_nodes(*near, pair, grid.lower, grid.cell, shape, within=widest)
+    bonded = nodes[np.isfinite(gaps) & is_bonded(law, nodes, grid.lower, grid.cell, shape, grid.periodic)]
     index = np.rint((p.X - grid.lower[:, None]) / grid.cell[:, None]).astype(np.int64)
     nearest = np.cumprod([1, *shape[:-1]]) @ index
     return np.flatnonzero(np.isin(nearest, bonded) & np.isin(p.velocity_field, pair))
 
 
-def is_bonded(law: Any, nodes: Array, lower: Array, cell: Array, shape: tuple[int, ...]) -> Array:
-    """(n,) whether a law bonds its sides at these nodes of a grid, the first axis fastest, if they touch there."""
+def is_bonded(
+    law: Any, nodes: Array, lower: Array, cell: Array, shape: tuple[int, ...], periodic: Sequence[int] = ()
+) -> Array:
+    """(n,) whether a law bonds its sides at these nodes of a grid, the first axis fastest, if they touch there.
+
+    Nodes at the upper side of a periodic axis are those at its lower side.
+    """
     if law.bonded is None:
         return np.ones(len(nodes), dtype=bool)
-    place = lower[:, None] + cell[:, None] * np.array(np.unravel_index(nodes, shape, order="F"))
+    index = np.array(np.unravel_index(nodes, shape, order="F"))
+    for a in periodic:
+        index[a] %= shape[a] - 1
+    place = lower[:, None] + cell[:, None] * index
     found: Array = np.broadcast_to(law.bonded(*place), len(nodes)) > 0.0
     return found

@@ -240,7 +240,7 @@ def close_step(
             sums[3, mine] += weight * area
         else:
             sums[1, mine] += weight * area * stored_energy(law, axes, normal, end, history)
-        if lost:
+        if lost and weight > 0.0:
             sums[4, mine] += 1.0
         if memory is not None:
             keep_history(memory, fields, nodes, k, jumps.apart[k], history, now)

@@ -254,7 +254,8 @@ class Interfaces:
         mine = self.rows()
         n, fields = self._grid.node_count, len(self._choice.fields)
         a, b = (field_of(dof[mine], n, fields) for dof in (c.fields.alpha, c.fields.partner))
-        pair, area = self._sides.pair[a, b], c.geometry.area[mine]
+        pair = self._sides.pair[a, b]
+        area = np.where(self._grid.is_first(c.fields.alpha[mine]), c.geometry.area[mine], 0.0)
         for new in np.unique(pair[np.isnan(self._start_gap[pair])]):
             its = (pair == new) & (area > 0.0) & (np.abs(c.geometry.separation[mine]) < UNKNOWN)
             if its.any():

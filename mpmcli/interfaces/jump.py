@@ -9,6 +9,7 @@ import numpy as np
 
 from mpmcli.contact.area import SMALLEST, perpendicular_size
 from mpmcli.contact.fields_in_contact import field_at
+from mpmcli.contact.geometry import index_at_home
 from mpmcli.contact.laws.impulse import dot
 from mpmcli.contact.near_particles import IMAGE_BITS, NEAREST
 from mpmcli.contact.separation.base import UNKNOWN
@@ -202,7 +203,9 @@ def find_jump(
         beside = 0.0
     stride = 1
     for a in range(d):  # into ``aside``, for the time being: the point of the interface
-        aside[a] = around.origin[a] + (i // stride % around.shape[a]) * around.cell[a] + beside * normal[a]
+        aside[a] = (
+            around.origin[a] + index_at_home(around, i, stride, a) * around.cell[a] + beside * normal[a]
+        )
         stride *= around.shape[a]
     # squares of distances
     bonded_alpha, bonded_beta, other_alpha, other_beta = FAR, FAR, FAR, FAR
@@ -226,6 +229,8 @@ def find_jump(
                 x = matter.X[a, p]
                 if turned >> a & 1:
                     x = 2.0 * (around.origin[a] + around.planes[image, a] * around.cell[a]) - x
+                elif image >= 0:
+                    x += around.shift[image, a] * around.cell[a]
                 out[a] = aside[a] - x
                 square += out[a] * out[a]
                 deep += out[a] * normal[a]

@@ -7,6 +7,7 @@ Gaps are those between the boxes of particles. A node that sees both fields has 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -55,6 +56,36 @@ def gaps_of_particles(
         found[found > within * cell.max()] = np.inf
         gap[here] = found
     return gap
+
+
+def with_images(
+    X: Array, half: Array, field: Array, lower: Array, upper: Array, periodic: Sequence[int], margin: Array
+) -> tuple[Array, Array, Array]:
+    """Return particles, and after them their images in the whole periods beside the first one.
+
+    Parameters
+    ----------
+    lower, upper : (d,)
+        Corners of the grid [length].
+    periodic
+        Numbers of its periodic axes.
+    margin : (d,)
+        Images farther than that beyond its sides are left out [length].
+
+    Others as in ``gaps_of_particles``.
+    """
+    for a in periodic:
+        period = float(upper[a] - lower[a])
+        most = 1 + int((margin[a] + half[a].max(initial=0.0)) // period)
+        copies = [(X, half, field)]
+        for turns in (*range(-most, 0), *range(1, most + 1)):
+            x = X[a] + turns * period
+            near = (x + half[a] >= lower[a] - margin[a]) & (x - half[a] <= upper[a] + margin[a])
+            moved = X[:, near].copy()
+            moved[a] = x[near]
+            copies.append((moved, half[:, near], field[near]))
+        X, half, field = (np.concatenate(each, axis=-1) for each in zip(*copies, strict=True))
+    return X, half, field
 
 
 def gaps_at_nodes(

@@ -4,13 +4,7 @@ from __future__ import annotations
 
 import math
 
-TOLERANCE = 1e-9
-"""Relative slack, so that a time that is 0.07 but for round-off counts as 0.07."""
-
-
-def is_reached(time: float, due: float) -> bool:
-    """Whether ``time`` is at or past ``due``, but for round-off."""
-    return time >= due - TOLERANCE * abs(due)
+from mpmcli.core.times import is_reached
 
 
 class Schedule:

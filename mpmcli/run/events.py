@@ -10,9 +10,9 @@ import numpy as np
 
 from mpmcli.boundary.clocks import RATES
 from mpmcli.core.state import State
+from mpmcli.core.times import is_reached
 from mpmcli.output.criteria import Criteria, probes_of
 from mpmcli.output.quantities import Context
-from mpmcli.output.schedule import is_reached
 from mpmcli.output.snapshot import Snapshot
 from mpmcli.scene.events import Criterion, Event
 

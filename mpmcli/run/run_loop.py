@@ -13,12 +13,13 @@ from typing import Any
 from mpmcli.core.compiled.compiler import timing_compiler
 from mpmcli.core.errors import ArchiveError, SimulationError
 from mpmcli.core.state import State
+from mpmcli.core.times import is_reached
 from mpmcli.output import manifest
 from mpmcli.output.checkpoint import Checkpoint, write_checkpoint
 from mpmcli.output.files import FAILED
 from mpmcli.output.interface_report import in_words, interface_facts, lost_in_words
 from mpmcli.output.recorder import Recorder
-from mpmcli.output.schedule import Schedule, is_reached
+from mpmcli.output.schedule import Schedule
 from mpmcli.run.folder import DRY_RUN
 from mpmcli.run.interrupts import Interrupted, Interrupts, exit_code_of, name_of
 from mpmcli.run.outcome import Outcome

@@ -292,12 +292,13 @@ def _check_start(parts: Parts, report: Report) -> None:
         for index, model in getattr(parts, key):
             others = model.values_at_start() if key == "cracks" else {}
             for path, expression in expressions_in(model, report.label(key, index)):
-                values = expression(x, y, z, 0.0, **others)
+                begin = getattr(model, "begin", 0.0)
+                values = expression(x, y, z, begin, **others)
                 if not np.isfinite(values).any():
                     value = np.ravel(values)[0]
                     report(
                         path,
-                        f"'{expression.source}' is {value} at time 0; a finite value is needed",
+                        f"'{expression.source}' is {value} at time {begin:g}; a finite value is needed",
                         "start",
                     )
 

@@ -173,7 +173,7 @@ def _check_conditions(scene: HeatOfScene, report: Report) -> None:
         _check_sizes(path, model, report)
         value = getattr(model, "value", None)
         if isinstance(value, Expression) and value.variables <= {"t"}:
-            start = float(value(t=0.0))
+            start = float(value(t=model.begin))
             if start <= 0.0:
                 report(f"{path}.value", f"is {start:g} at the start; {ABSOLUTE}", "range")
 

@@ -25,23 +25,25 @@ def check_places(scene: HeatOfScene, report: Report) -> None:
 
 def _check_faces(scene: HeatOfScene, report: Report) -> None:
     """Faces that two conditions hold at different temperatures, and loads on faces that are held."""
-    held: dict[tuple[str, str, str], tuple[str, Any]] = {}
+    held: dict[tuple[str, str, str], list[tuple[str, Any]]] = {}
     for index, model in scene.parts.boundary:
         place = model.held_face() if model.acts_on == "temperature" else None
         if place is None:
             continue
         path, key = scene.report.label("boundary", index), _key(place)
-        if key not in held:
-            held[key] = path, model
-        elif not _agree(scene, place, held[key][1], model):
-            first, line = held[key][1].name, report.line(held[key][0])
-            words = f"the face is held at another temperature by '{first}' in line {line}"
-            report(f"{path}.value", words, "contradiction")
+        others = held.setdefault(key, [])
+        for first_path, first in others:
+            if not _agree(scene, place, first, model):
+                line = report.line(first_path)
+                words = f"the face is held at another temperature by '{first.name}' in line {line}"
+                report(f"{path}.value", words, "contradiction")
+                break
+        others.append((path, model))
     for path, model in scene.acting():
         place = None if hasattr(model, "held_face") else model.loaded_face()
-        found = None if place is None else held.get(_key(place))
-        if found is not None:
-            words = f"has no effect on the body, because '{found[1].name}' holds the temperature of this face"
+        found = [] if place is None else held.get(_key(place), [])
+        for _, holder in [each for each in found if model.acts_within(each[1])][:1]:
+            words = f"has no effect on the body, because '{holder.name}' holds the temperature of this face"
             report(f"{path}.on", words, "no_effect", "warning")
 
 
@@ -113,7 +115,7 @@ def _key(place: tuple[str, Any]) -> tuple[str, str, str]:
 
 
 def _agree(scene: HeatOfScene, place: tuple[str, Any], first: Any, second: Any) -> bool:
-    """Whether two conditions hold a face at the same temperature at the start, at points spread over it."""
+    """Whether two conditions hold a face at the same temperature when first both act, at points spread over it."""
     body = next((body for _, body in scene.parts.bodies if body.name == place[0]), None)
     box = None if body is None else scene.box_of(body)
     if box is None or place[1].index >= len(box[0]):
@@ -123,13 +125,16 @@ def _agree(scene: HeatOfScene, place: tuple[str, Any], first: Any, second: Any) 
 
 
 def _alike(box: tuple[np.ndarray, np.ndarray], axis: int, at: float, first: Any, second: Any) -> bool:
-    """Whether two conditions ask for the same at the start, at points of a box (corners (d,)) on a plane."""
+    """Whether two conditions ask for the same when first both act, at points of a box (corners (d,)) on a plane."""
+    time = first.first_with(second)
+    if time is None:
+        return True
     low, high = box
     points = low[:, None] + (high - low)[:, None] * np.array([[0.1, 0.35, 0.6, 0.85]])
     points[axis] = at
     with np.errstate(all="ignore"):
         one, other = (
-            np.broadcast_to(model.face_temperature_at(points, 0.0), points.shape[1:])
+            np.broadcast_to(model.face_temperature_at(points, time), points.shape[1:])
             for model in (first, second)
         )
     return not bool((np.abs(one - other) > ALIKE * np.abs(one)).any())

@@ -109,7 +109,7 @@ def gravity_at_start(loads: Iterable[Any], dimensions: int) -> Array:
     """Return the acceleration of all loads of kind ``gravity`` at time zero, (d,) [acceleration]."""
     total = np.zeros(dimensions)
     for load in loads:
-        if load.kind == "gravity" and len(load.acceleration) == dimensions:
+        if load.kind == "gravity" and len(load.acceleration) == dimensions and load.acts_at(0.0):
             total += np.array(load.uniform_acceleration(0.0), dtype=np.float64)
     return total
 
@@ -129,7 +129,9 @@ def uplift_at_start(scene: Any, body: Any, X: Array, gravity: Array, depth: Arra
     found = np.zeros(X.shape[1])
     axis = int(np.flatnonzero(gravity)[0])
     for load in scene.loads_on("velocity"):
-        if "water_at" not in load.effects() or (load.on and load.on.body != body.name):
+        if "water_at" not in load.effects() or not load.acts_at(0.0):
+            continue
+        if load.on and load.on.body != body.name:
             continue
         level, density = load.water_at(X, 0.0)
         wet = (level - X[axis]) * -np.sign(gravity[axis])

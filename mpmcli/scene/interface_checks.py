@@ -249,7 +249,7 @@ def starts_of_joints(scene: Any, filled: Sequence[BodyParticles]) -> list[Start]
         return []
     # only scenes with interfaces load their code
     from mpmcli.interfaces.histories import is_bonded
-    from mpmcli.interfaces.touch import gaps_at_nodes, gaps_of_particles
+    from mpmcli.interfaces.touch import gaps_at_nodes, gaps_of_particles, with_images
 
     rigid = {
         names[f]
@@ -262,13 +262,16 @@ def starts_of_joints(scene: Any, filled: Sequence[BodyParticles]) -> list[Start]
     cell, lower = np.asarray(scene.grid.cell), np.asarray(scene.grid.lower)
     shape = tuple(count + 1 for count in scene.grid.cells)
     initial_gap = scene.contact.interface.initial_gap
+    periodic = ["xyz".index(axis) for axis in scene.grid.periodic or ()]
+    margin = (2.0 + max(initial_gap, LARGEST_GAP)) * cell
+    X, half, field = with_images(X, half, field, lower, np.asarray(scene.grid.upper), periodic, margin)
     found = []
     for joint in joints_of(scene.contact, names, owners_of_fields(scene)):
         if rigid.issuperset((joint.first, joint.second)):
             continue
         pair = (names.index(joint.first), names.index(joint.second))
         nodes, gap = gaps_at_nodes(X, half, field, pair, lower, cell, shape, within=initial_gap)
-        seen, chosen = len(nodes), is_bonded(joint.law, nodes, lower, cell, shape)
+        seen, chosen = len(nodes), is_bonded(joint.law, nodes, lower, cell, shape, periodic)
         nodes, gap = nodes[chosen], gap[chosen]
         bonded = int(np.count_nonzero(gap <= initial_gap * cell.min()))
         least = 0.0

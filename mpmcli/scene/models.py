@@ -87,7 +87,7 @@ class Grid(Model):
     periodic: tuple[Literal["x", "y", "z"], ...] | None = None
     """Axes whose lower and upper sides are one: particles that leave through one side enter at the other.
 
-    Displacements remain those travelled. With periodic axes the scene has no contact, cracks or rigid bodies.
+    Displacements remain those travelled. With periodic axes the scene has no cracks or rigid bodies.
     """
 
     @field_validator("upper")

@@ -28,9 +28,8 @@ def check_periodic(parts: Parts, dimensions: int, report: Report) -> None:
 def _of_methods(parts: Parts, axes: tuple[str, ...]) -> Found:
     if parts.analysis.kind == "axisymmetric" and "x" in axes:
         yield "grid.periodic", "x is the radius in axisymmetric analyses and cannot be periodic; y can"
-    for key in ("contact", "fracture"):
-        if getattr(parts, key) is not None:
-            yield key, f"not available with periodic axes of the grid; leave out grid.periodic, or {key}"
+    if parts.fracture is not None:
+        yield "fracture", "not available with periodic axes of the grid; leave out grid.periodic, or fracture"
     if parts.cracks:
         yield "cracks", "not available with periodic axes of the grid; leave out grid.periodic, or cracks"
     for name, material in parts.materials.items():

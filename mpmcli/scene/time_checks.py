@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.core.times import is_reached
 from mpmcli.scene.parts import Parts
 from mpmcli.scene.problems import Report
 
@@ -23,6 +24,11 @@ def check_times(parts: Parts, report: Report) -> None:
     end = parts.time.end
     if parts.time.step is not None and parts.time.step > end:
         report("time.step", f"is longer than the run, which ends at {end:g}", "interval", "warning")
+    for key in ("boundary", "loads"):
+        for index, model in getattr(parts, key):
+            if is_reached(model.begin, end):
+                words = f"the run ends at {end:g}, before it acts"
+                report(f"{report.label(key, index)}.from", words, "interval", "warning")
     _check_steps(parts, report)
     for path, every in _intervals(parts, report):
         if every > end:

@@ -153,7 +153,7 @@ def make_conduction(
     if s.grid.periodic:
         from mpmcli.boundary.periodic import PeriodicSides
 
-        nodal.corrections.append(PeriodicSides(s.grid))
+        nodal.corrections.append(PeriodicSides(s.grid, nodal.nodes))
     own = None if mirror is None else mirror.for_scalars()
     if own is not None:
         nodal.corrections.append(ImagesOfScalars(own, nodal.nodes))

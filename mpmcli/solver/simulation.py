@@ -346,7 +346,7 @@ class Simulation(Parts):
         return courant
 
     def _make_conditions(self, scene: Any) -> GridConditions | None:
-        self._may_wait: set[str] = set()
+        self._may_wait = {each.name for each in scene.boundary if not each.acts_at(0.0)}
         if not self.plan.has_conditions:
             return None
         models = scene.conditions_on("velocity")
@@ -354,7 +354,7 @@ class Simulation(Parts):
             models, self.grid, self.plan.analysis, self.surfaces.nodes, self.clocks
         )
         is_moving = bool(self.plan.has_loads or self.particles.V.any())
-        self._may_wait = {
+        self._may_wait |= {
             condition.name
             for condition in models
             if condition.may_wait(self.grid) and (is_moving or condition.kind == "symmetry")

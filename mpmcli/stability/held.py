@@ -48,6 +48,8 @@ def _holders(scene: Any) -> Iterator[tuple[int, int | slice, Array]]:
     if scene.analysis.kind == "axisymmetric":
         yield from of_plane(0, 0.0)
     for condition in scene.conditions_on("velocity"):
+        if not condition.acts_always:
+            continue
         on = getattr(condition, "on", condition)  # a symmetry plane is a place itself
         plane, box = getattr(on, "plane", None), getattr(on, "box", None)
         axis = _axis(getattr(condition, "normal", None) or getattr(condition, "direction", None))

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mpmcli.core.errors import SimulationError
-from mpmcli.output.schedule import is_reached
+from mpmcli.core.times import is_reached
 from mpmcli.output.snapshot import Snapshot
 from mpmcli.scene.loader import LoadedScene, load_scene
 

@@ -38,8 +38,6 @@ STEPS = 4
 DIMENSIONS = {name: analysis().dimensions for name, analysis in ANALYSES.items()}
 SOFT = {"kind": "neo_hookean", "density": 1.0, "E": 100.0, "nu": 0.3}
 VELOCITY = ["0.4*sin(y+x)+0.1*z", "0.3*cos(x)", "0.2*sin(z)"]
-# the longest axes are long enough for bands of every colour
-CELLS = {1: [14], 2: [5, 14], 3: [2, 11, 11]}
 
 
 def in_axes(d: int, words: list[str]) -> list[str]:
@@ -52,8 +50,8 @@ def in_axes(d: int, words: list[str]) -> list[str]:
 
 def block(d: int, name: str = "block", at: int = 0, **keys: Any) -> dict[str, Any]:
     """A body of some cells, beside others along x by ``at`` blocks."""
-    lower, upper = [0.3] * d, [0.3 + n for n in CELLS[d]]
-    lower[0], upper[0] = lower[0] + CELLS[d][0] * at, upper[0] + CELLS[d][0] * at
+    lower, upper = [0.3] * d, [0.3 + n for n in examples.CELLS[d]]
+    lower[0], upper[0] = lower[0] + examples.CELLS[d][0] * at, upper[0] + examples.CELLS[d][0] * at
     region = {"kind": "box", "lower": lower, "upper": upper}
     return {"name": name, "material": "soft", "region": region, "velocity": in_axes(d, VELOCITY)} | keys
 
@@ -61,7 +59,7 @@ def block(d: int, name: str = "block", at: int = 0, **keys: Any) -> dict[str, An
 def scene_of(analysis: str = "plane_strain", blocks: int = 1, **keys: Any) -> dict[str, Any]:
     """One block that swells and turns, or several side by side."""
     d = DIMENSIONS[analysis]
-    cells = CELLS[d]
+    cells = examples.CELLS[d]
     return {
         "version": 1,
         "analysis": {"kind": analysis},
@@ -318,80 +316,6 @@ def test_every_key_of_a_transfer_is_tried():
 WAYS = typing.get_args(Method.model_fields["velocity_conditions"].annotation)
 
 
-def conditions_of(d: int) -> dict[str, list[dict[str, Any]]]:
-    """Words of every kind of condition, at the block's ends."""
-    cells, corner = CELLS[d], [-4] * d
-    low = [1, *[n + 1 for n in cells[1:]]]
-    axis = {"axis": "x", "at": 1}
-    return {
-        "velocity": [
-            {"on": {"plane": axis | {"side": "lower"}}, "direction": "x", "value": "0.1*t"},
-            {"on": {"box": {"lower": corner, "upper": low}}, "direction": "x", "value": "0.1+x"},
-            {
-                "on": {"region": {"kind": "box", "lower": corner, "upper": low}},
-                "direction": "x",
-                "value": 0.1,
-            },
-            {
-                "on": {"body": "block0", "face": {"axis": "x", "side": "upper"}},
-                "direction": "x",
-                "value": -0.1,
-            },
-        ],
-        "wall": [
-            {"normal": [1, *[0] * (d - 1)], "position": "0.5+0.1*t", "velocity": 0.1, "gradient": 0.02},
-            *(
-                [{"normal": [0.6, 0.8, 0][:d], "position": [0.5, 0.5, 0][:d], "velocity": 0.1}]
-                if d > 1
-                else []
-            ),
-        ],
-        "symmetry": [{"plane": axis | {"at": 0, "side": "lower"}}],
-        "temperature": [
-            {"on": {"plane": axis | {"side": "lower"}}, "value": "310+t"},
-            {"on": {"box": {"lower": corner, "upper": low}}, "value": "310+x"},
-            {"on": {"body": "block0", "face": {"axis": "x", "side": "upper"}}, "value": "310+x+t"},
-        ],
-    }
-
-
-def loads_of(d: int) -> dict[str, list[dict[str, Any]]]:
-    """Words of every kind of load."""
-    vector, face = [0.3, "0.1*t", 0.2][:d], {"axis": "x", "side": "upper"}
-    return {
-        "absorbing": [{"on": {"body": "block0", "face": face}}],
-        "gravity": [{"acceleration": vector}],
-        "body_force": [
-            {"acceleration": ["0.1*x*t", 0.2, 0.1][:d]},
-            {"on": {"body": "block0"}, "acceleration": vector, "coordinates": "initial"},
-        ],
-        "buoyancy": [{"on": {"body": "block0"}, "level": "2.3+0.1*t", "density": 0.4}],
-        "nodal_force": [{"at": [2.5] * d, "force": vector}],
-        "particle_force": [
-            {"on": {"body": "block0"}, "force": vector, "per": "total"},
-            {"on": {"box": {"lower": [0] * d, "upper": [3] * d}}, "force": vector, "per": "particle"},
-        ],
-        "traction": [
-            {"on": {"body": "block0", "face": face}, "traction": vector},
-            {"on": {"body": "block0", "face": face}, "pressure": "0.2*x", "coordinates": "current"},
-        ],
-        "heat_flux": [{"on": {"body": "block0", "face": face}, "flux": "x+t"}],
-        "film": [{"on": {"body": "block0", "face": face}, "coefficient": "1+t", "around": 350}],
-        "radiation": [
-            {
-                "on": {"body": "block0", "face": face},
-                "emissivity": 0.5,
-                "around": 350,
-                "stefan_boltzmann": 1e-7,
-            }
-        ],
-        "heat_source": [
-            {"on": {"body": "block0"}, "power": "x*t", "per": "volume"},
-            {"on": {"body": "block0"}, "power": 0.3, "per": "total"},
-        ],
-    }
-
-
 def of_heat(kind: Any) -> dict[str, Any]:
     """What a scene needs beside a condition or load of heat."""
     if kind.acts_on != "temperature":
@@ -415,7 +339,7 @@ ONE_OF = {1: "uniaxial_strain", 2: "plane_strain", 3: "3d"}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("d", "condition"), entries(conditions_of, CONDITIONS))
+@pytest.mark.parametrize(("d", "condition"), entries(examples.conditions_of, CONDITIONS))
 def test_conditions(hold_alike, d, condition):
     method = {"shape": "ugimp", "transfer": {"kind": "fmpm", "order": 3}}
     heat = of_heat(CONDITIONS[condition["kind"]])
@@ -428,14 +352,14 @@ def test_ways_of_conditions(hold_alike, way):
     method = {"shape": "ugimp", "transfer": {"kind": "fmpm", "order": 3}, "velocity_conditions": way}
     conditions = [
         {"name": f"held{i}", "kind": kind} | several[0]
-        for i, (kind, several) in enumerate(conditions_of(2).items())
+        for i, (kind, several) in enumerate(examples.conditions_of(2).items())
         if CONDITIONS[kind].acts_on == "velocity"
     ]
     hold_alike(scene_of(method=method, boundary=conditions))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("d", "load"), entries(loads_of, LOADS))
+@pytest.mark.parametrize(("d", "load"), entries(examples.loads_of, LOADS))
 def test_loads(hold_alike, d, load):
     loads = [{"name": "load"} | load]
     if load["kind"] == "buoyancy":
@@ -474,6 +398,19 @@ def test_separations(hold_alike, kind, analysis):
 )
 def test_laws(hold_alike, law):
     hold_alike(in_contact(law=law))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("analysis", ["plane_strain", "3d"])
+def test_contact_across_periodic_sides(hold_alike, analysis):
+    scene = in_contact(analysis)
+    scene["grid"]["periodic"] = list("xyz"[: DIMENSIONS[analysis]])
+    for a in range(
+        DIMENSIONS[analysis]
+    ):  # blocks that meet at a side, and all but fill the period along the others
+        scene["grid"]["lower"][a], scene["grid"]["upper"][a] = 0, examples.CELLS[DIMENSIONS[analysis]][a] + 1
+    scene["grid"]["upper"][0] = 2 * examples.CELLS[DIMENSIONS[analysis]][0] + 1
+    hold_alike(scene)
 
 
 def choices_of_contact(key: str) -> tuple[str, ...]:

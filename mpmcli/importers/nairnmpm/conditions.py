@@ -35,23 +35,21 @@ def raw(value: Value) -> str:
     return f"{value.number:.12g}"
 
 
-def history(job: Job, command: Command, value: Value | None, quantity: str, waits: bool = True) -> Any:
+def history(job: Job, command: Command, value: Value | None, quantity: str, is_alone: bool = True) -> Any:
     """A value by its style: constant, linear in time, sine, cosine, function; None after an error or a note.
 
-    Without ``waits``, values cannot begin later than at time 0.
+    Unless ``is_alone``, it is 0 before it begins, because other values are added to it.
     """
     style, when, function = job.check_style(command)
     later = when is not None and when.number > 0 and style in {1, 2, 6}
-    if later and not waits:
-        job.note("not_supported", command, "a condition that begins later than at time 0")
-        return None
     factor = job.unit(quantity).factor
     amount = value if value is not None else Value(0.0, job.unit(quantity))
     start = raw(when) if when is not None else "0"
     if style == 1:
-        return Formula(f"{raw(amount)}*(t >= {start})", factor) if later else amount
+        return Formula(f"{raw(amount)}*(t >= {start})", factor) if later and not is_alone else amount
     if style == 2:
-        return Formula(f"{raw(amount)}*max(0, t - {start})" if later else f"{raw(amount)}*t", factor)
+        past = f"(t - {start})" if is_alone else f"max(0, t - {start})"
+        return Formula(f"{raw(amount)}*{past if later else 't'}", factor)
     if style in {3, 4}:
         return Formula(f"{raw(amount)}*{'sin' if style == 3 else 'cos'}({start}*t)", factor)
     if style == 6:
@@ -64,6 +62,12 @@ def history(job: Job, command: Command, value: Value | None, quantity: str, wait
         return made
     job.note("not_supported", command, "silent conditions" if style == 5 else f"style {style}")
     return None
+
+
+def _window(job: Job, command: Command) -> Made:
+    """The time from which a value acts that is alone; functions are 0 before they begin and act from the start."""
+    style, when, _ = job.check_style(command)
+    return {"from": when} if when is not None and when.number > 0 and style in {1, 2} else {}
 
 
 def grid_conditions(job: Job, block: Command) -> list[Made]:
@@ -112,15 +116,20 @@ def _condition(job: Job, command: Command) -> Made | None:
         if code not in _DIRECTIONS or any(axis >= len(job.axes) for axis in _DIRECTIONS[code]):
             job.made.error(command.line, "<DisBC>", f"there is no direction {code} in this analysis")
             return None
-        value = history(job, command, velocity, "velocity", waits=False)
+        value = history(job, command, velocity, "velocity")
         if value is None:
             return None
-        made = {"kind": "velocity", "direction": _direction(job, code, *angles), "value": value}
+        direction = _direction(job, code, *angles)
+        made = {"kind": "velocity", "direction": direction, "value": value, **_window(job, command)}
         job.conditions.append((number, made))
         return made
     if command.name == "TempBC":
-        value = history(job, command, job.number(command, "value"), "temperature", waits=False)
-        return None if value is None else {"kind": "temperature", "value": value}
+        value = history(job, command, job.number(command, "value"), "temperature")
+        style, when, _ = job.check_style(command)
+        if style == 6 and when is not None and when.number > 0:
+            job.note("not_supported", command, "a temperature that is 0 until its function begins")
+            return None
+        return None if value is None else {"kind": "temperature", "value": value, **_window(job, command)}
     job.unsupported(command, "no counterpart on nodes")
     return None
 
@@ -192,7 +201,7 @@ def _force(job: Job, load: Command, forces: list[list[Any]], net: bool) -> None:
     if not 0 <= axis < len(job.axes):
         job.made.error(load.line, "<LoadBC>", f"there is no direction {axis + 1} in this analysis")
         return
-    found = history(job, load, value, "")
+    found = history(job, load, value, "", is_alone=False)
     if found is None:
         return
     if net and isinstance(found, Formula) and re.search(r"\b[xyz]\b", found.text):
@@ -238,19 +247,19 @@ def _on_faces(job: Job, load: Command, place: Where | None, bodies: Bodies) -> l
     if not found:
         job.note("not_supported", load, "faces of particles that are not whole faces of rectangular bodies")
         return []
-    made = []
+    made, window = [], _window(job, load)
     for body in found:
         on = {"body": body, "face": {"axis": side[0], "side": side[1]}}
         if heat:
-            made.append({"kind": "heat_flux", "on": on, "flux": value})
+            made.append({"kind": "heat_flux", "on": on, "flux": value, **window})
         elif code == 11:
             negative = (
                 value.negative if isinstance(value, Value) else Formula(f"-({value.text})", value.factor)
             )
-            made.append({"kind": "traction", "on": on, "pressure": negative})
+            made.append({"kind": "traction", "on": on, "pressure": negative, **window})
         else:
             parts = [value if axis == code - 1 else 0 for axis in range(len(job.axes))]
-            made.append({"kind": "traction", "on": on, "traction": parts})
+            made.append({"kind": "traction", "on": on, "traction": parts, **window})
     return made
 
 

@@ -431,7 +431,7 @@ def test_held_temperatures_follow_a_condition_that_moves():
     grid = SimpleNamespace(shape=(5,), periodic=(), coordinates=lambda nodes: np.zeros((1, len(nodes))))
     nodes = SimpleNamespace(active=np.arange(5), active_version=1)
     field = SimpleNamespace(nodes=nodes, mp=np.ones((5, 2)))
-    model = SimpleNamespace(name="torch", holder=lambda grid, surface_nodes: Moving())
+    model = SimpleNamespace(name="torch", acts_always=True, holder=lambda grid, surface_nodes: Moving())
     held = HeldTemperatures([model], grid, field, None)
     for time, node in ((0.0, 0), (0.5, 0), (2.0, 2)):
         theta = np.full((5, 1), 300.0)
@@ -452,7 +452,7 @@ def test_nodes_held_below_zero_stop_the_run(value, words):
         nodes=lambda time: np.arange(2),
         values=lambda time, points: 300.0 if time < 1.0 else value,
     )
-    model = SimpleNamespace(name="wall", holder=lambda grid, surface_nodes: holder)
+    model = SimpleNamespace(name="wall", acts_always=True, holder=lambda grid, surface_nodes: holder)
     held = HeldTemperatures([model], grid, field, None)
     held.select(0.5)
     with pytest.raises(SimulationError, match=f"'wall': its temperature {words} time 2; temperatures are"):
@@ -469,7 +469,7 @@ def test_conditions_that_contradict_each_other_at_a_node_stop_the_run():
             nodes=lambda time: np.array(places),
             values=lambda time, points: 350.0 + slope * time,
         )
-        return SimpleNamespace(name=name, holder=lambda grid, surface_nodes: holder)
+        return SimpleNamespace(name=name, acts_always=True, holder=lambda grid, surface_nodes: holder)
 
     grid = SimpleNamespace(shape=(5,), periodic=(), coordinates=lambda nodes: 0.5 * np.asarray(nodes)[None])
     nodes = SimpleNamespace(active=np.arange(5), active_version=1)

@@ -70,11 +70,12 @@ def test_sums_of_nodes_that_are_one(cells, periodic, pad):
 def test_particles_enter_at_the_other_side():
     grid = Grid(np.array([-1.0, 0.0]), np.array([3.0, 2.0]), np.array([1.0, 1.0]), 2, 2, periodic=(0,))
     X = np.array([[-1.25, 0.0, 3.5, 11.0], [2.5, 1.0, -0.5, 0.0]])
-    particles: Any = SimpleNamespace(X=X.copy(), id=np.array([2, 0, 1, 3]))
+    particles: Any = SimpleNamespace(X=X.copy(), id=np.array([2, 0, 1, 3]), X0=np.zeros((2, 4)))
     start = np.zeros((2, 4))
     assert enter_again(grid, particles, start) == [0]
     assert np.array_equal(particles.X, [[2.75, 0.0, -0.5, -1.0], X[1]])
     assert np.array_equal(particles.X - start[:, particles.id], X)
+    assert np.array_equal(particles.X - particles.X0, X)
     assert not enter_again(grid, particles, start)
     kept = StartPositions(np.ones((2, 4)))
     kept.recall(StartPositions(start).memory())
@@ -110,6 +111,7 @@ TOP = {"name": "t", "kind": "traction", "traction": [0, -1]}
 
 
 def test_what_goes_with_periodic_axes():
+    load_scene(scene(contact={"law": {"kind": "coulomb", "friction": 0}}))
     load_scene(
         scene(
             boundary=held(FLOOR, "sin(t)"),
@@ -125,11 +127,6 @@ def test_what_goes_with_periodic_axes():
         ({"grid__periodic": ["x", "x"]}, "grid.periodic", "names an axis twice"),
         ({"grid__periodic": ["w"]}, "grid.periodic", "'w'"),
         ({"analysis": {"kind": "axisymmetric"}}, "grid.periodic", "x is the radius"),
-        (
-            {"contact": {"law": {"kind": "coulomb", "friction": 0}}},
-            "contact",
-            "not available with periodic axes",
-        ),
         (
             {"cracks": [{"name": "k", "path": {"kind": "points", "points": [[1, 1], [2, 1]]}}]},
             "cracks",

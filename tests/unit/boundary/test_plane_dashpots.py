@@ -93,14 +93,14 @@ def test_a_force_takes_no_more_than_the_momentum():
     dashpots = PlaneDashpots([(load, np.full((1, 1), 3.0))], grid, lambda Z: Z[0] * areas)
     mp = np.array([[1.0, 2.0]] * 4 + [[0.5, 2.0]])
     f = np.zeros((5, 1))
-    dashpots.add(mp, f, 0.01)
+    dashpots.add(0.0, mp, f, 0.01)
     assert f.T.tolist() == [[0.0, 0.0, 0.0, 0.0, pytest.approx(-3.0 * 2.0 / 0.5)]]
     f[:] = 0.0
-    dashpots.add(mp, f, 1.0)
+    dashpots.add(0.0, mp, f, 1.0)
     assert f[4, 0] == -2.0
     mp[4, 0] = 0.0
     f[:] = 0.0
-    dashpots.add(mp, f, 1.0)
+    dashpots.add(0.0, mp, f, 1.0)
     assert f[4, 0] == 0.0
 
 

@@ -8,6 +8,7 @@ import yaml
 
 from mpmcli.contact.contact_nodes import images_of
 from mpmcli.contact.near_particles import row_of_particle
+from mpmcli.core.grid import Grid
 from mpmcli.core.transfer.stencil import SEEN, fill_stencils, is_seen
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
@@ -136,7 +137,7 @@ def test_particles_that_see_no_contact_node_cost_nothing():
 
 
 def test_images_of_planes_on_one_axis_do_not_combine():
-    images = images_of([(0, 3), (1, 7), (0, 20)], 2)
+    images = images_of([(0, 3), (1, 7), (0, 20)], Grid(np.zeros(2), np.ones(2), np.ones(2), 1, 2))
     lines = {tuple(line) for line in images.line}
     assert lines == {(3, -1), (-1, 7), (20, -1), (3, 7), (20, 7)}
     assert all(flag >> 4 == k + 1 for k, flag in enumerate(images.flag))
@@ -155,6 +156,42 @@ def test_a_mirror_shows_nodes_near_it_the_images_of_their_particles():
         turned = sorted((p, value) for p, image, value in seen[node] if image == 2)
         assert [p for p, _ in real] == [p for p, _ in turned]
         np.testing.assert_array_equal([v for _, v in real], [v for _, v in turned])
+
+
+def test_nodes_that_are_one_see_the_same_particles_at_the_same_places():
+    """To the last digit, wherever a pair lies; of such nodes one counts."""
+    grid = {"lower": [-8, -8], "upper": [8, 8], "cell": 1, "periodic": ["x", "y"]}
+    s = simulation(list(PAIR), grid=grid, materials={"soft": SOFT})
+    s.particles.X += np.array([[7.9], [5.5]])
+    s.particles.X[s.particles.X >= 8.0] -= 16.0
+    s.order.forget()
+    s.step()
+    c, g = s.contact.contacts, s.grid
+    slot, home = c.fields.slot[: c.count], g.without_periods(c.nodes.node)
+    seen, lists = sights_by_node(s), {}
+    for node, here in zip(c.nodes.node.tolist(), home.tolist(), strict=True):
+        lists.setdefault(here, []).append(seen[node])
+    assert sorted({len(each) for each in lists.values()}) == [2, 4]
+    assert all(each == several[0] for several in lists.values() for each in several)
+    for k in range(c.count):
+        first = np.flatnonzero(c.nodes.node[slot] == home[slot[k]])[0]
+        for name in ("normal", "separation", "area", "distances"):
+            assert np.array_equal(getattr(c.geometry, name)[k], getattr(c.geometry, name)[first])
+        assert np.array_equal(c.rows.net[k], c.rows.net[first])
+    view, contacts = s.contact.view, s.contact.contact_rows()
+    assert view.nodes == view.contacts == len(lists) < c.count
+    assert contacts.weight.sum() == len(lists)
+
+
+def test_shifts_take_nodes_home():
+    grid = Grid(np.zeros(2), np.array([2.0, 6.0]), np.ones(2), 2, 3, periodic=(0, 1))
+    images = images_of([], grid)
+    shifts = np.vstack([[0, 0], images.shift])
+    nodes = np.arange(grid.node_count)
+    index = np.stack([nodes % grid.shape[0], nodes // grid.shape[0]], axis=1) + shifts[images.home]
+    assert np.array_equal(index[:, 0] + grid.shape[0] * index[:, 1], grid.without_periods(nodes))
+    assert images.copies == len(shifts) == 7 * 3
+    assert not images_of([], Grid(np.zeros(2), np.ones(2), np.ones(2), 1, 2)).flag.size
 
 
 def test_two_fields_make_one_contact_per_node_and_three_one_per_field():

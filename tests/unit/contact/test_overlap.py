@@ -25,7 +25,9 @@ def test_particles_that_fill_space_have_the_volume_of_the_node(dimensions, ring,
     there = np.zeros(grid.node_count)
     np.add.at(there, stencils.nodes, stencils.S * volume[:, None])
     origin = grid.lower - grid.pad * grid.cell
-    around = Surroundings(np.array(grid.shape), origin, cell, np.zeros((0, dimensions)), 1.0, ring)
+    none = np.zeros((0, dimensions))
+    period = np.zeros(dimensions, dtype=np.int64)
+    around = Surroundings(np.array(grid.shape), origin, cell, none, none, grid.pad, period, 1.0, ring)
     x = grid.coordinates(np.arange(grid.node_count))
     whole = np.array([volume_of_node.py_func((0.0,) * dimensions, i, around) for i in range(grid.node_count)])
     above, below = x - lower[:, None], (lower + 4 * cell)[:, None] - x

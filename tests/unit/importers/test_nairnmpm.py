@@ -743,10 +743,9 @@ def test_ramps_need_no_heat_capacity(tmp_path):
         (HOT | {"more": ramp(DeltaT=2, time=1, exponential=1, stretch=0.5)}, "a stretched exponential ramp"),
         (HOT | {"more": ramp(DeltaT=2, start=1)}, "a jump of temperatures during the run"),
         ({"more": ramp(DeltaT=2, time=1)}, "temperatures are absolute here"),
-        ({"more": HELD.replace('vel="0"', 'vel="0" style="1" time="2"', 1)}, "begins later than at time 0"),
         (
-            {"more": HELD.replace('vel="0"', 'style="6" function="t" time="2"', 1)},
-            "begins later than at time 0",
+            HOT | {"more": HELD.replace('DisBC dir="2" id="-3" vel="0"', 'TempBC style="6" function="t" time="2"')},
+            "a temperature that is 0 until its function begins",
         ),
     ],
 )  # fmt: skip
@@ -754,6 +753,31 @@ def test_what_has_no_counterpart_is_an_error_with_its_line(tmp_path, parts, word
     [problem] = translated(tmp_path, source(**parts)).problems(partial=False)
     assert words in str(problem)
     assert problem.line > 1
+
+
+@pytest.mark.parametrize(
+    ("attributes", "keys"),
+    [
+        ('vel="3" time="2"', {"value": 0.003, "from": 2}),
+        ('vel="3" style="2" ftime="0.5"', {"value": "0.003*(t - 0.5)", "from": 0.5}),
+        ('vel="3" style="3" time="2"', {"value": "0.003*sin(2*t)"}),
+        ('style="6" function="2*t" time="2"', {"value": "0.001*((2*(t - 2))*(t >= 2))"}),
+    ],
+)
+def test_conditions_that_begin_later(tmp_path, attributes, keys):
+    """Constant and linear ones hold no node before; functions hold the velocity 0, as NairnMPM does."""
+    made = scene_of(tmp_path, more=HELD.replace('vel="0"', attributes, 1))
+    late, ordinary = made["boundary"]
+    assert {key: late[key] for key in ("value", "from") if key in late} == keys
+    assert "from" not in ordinary
+
+
+def test_loads_on_faces_that_begin_later(tmp_path):
+    load = '<BCBox xmin="3.5" xmax="4" ymin="0" ymax="4"><TractionBC dir="1" face="2" stress="5" time="2"/></BCBox>'
+    made = scene_of(tmp_path, more=f"<ParticleBCs>{load}</ParticleBCs>")
+    assert made["loads"][0] | {"name": "", "on": {}} == {
+        "name": "", "kind": "traction", "on": {}, "traction": [5, 0], "from": 2
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize(

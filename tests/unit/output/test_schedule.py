@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpmcli.output.schedule import Schedule, is_reached
+from mpmcli.core.times import is_reached
+from mpmcli.output.schedule import Schedule
 
 
 def times_written(every: float, times: list[float]) -> list[float]:

@@ -376,6 +376,9 @@ def test_two_temperatures_at_a_face_contradict_each_other() -> None:
     assert found("upper", "281") == []
     assert [p.path for p in found("lower", '"280 + y"')] == ["boundary.hot.value"]
     assert found("lower", '"280 + 0*y"') == []
+    assert [p.path for p in found("lower", '"280 + t", from: 0.001')] == ["boundary.hot.value"]
+    first = "value: 280}", "value: 280, until: 0.001}"
+    assert problems_of((HOT, HOT + second.format("lower", "281, from: 0.001")), first) == []
 
 
 def test_loads_on_a_held_face_have_no_effect() -> None:

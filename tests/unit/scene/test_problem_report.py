@@ -85,7 +85,7 @@ def test_values_in_messages() -> None:
         (["materials.rubber.interval=2"], " (allowed: field, density"),
         (
             ["loads=[{name: g, kind: gravity, acceleration: [0, 0], table: 1}]"],
-            " (allowed: name, kind, acceleration)",
+            " (allowed: name, from, until, kind, acceleration)",
         ),
         (["grid.dt=1"], "; did you mean 'time.step'?"),
     ],
