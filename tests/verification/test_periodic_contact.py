@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import examples
@@ -20,6 +21,7 @@ from mpmcli.solver.simulation import Simulation
 
 SOFT = {"kind": "neo_hookean", "density": 1.0, "E": 100.0, "nu": 0.3}
 FRICTION = {"law": {"kind": "coulomb", "friction": 0.3}}
+INPUTS = Path(__file__).parents[2] / "inputs"
 STEPS = 25
 AGREES = 5e-11
 """Largest difference over the largest value of a column: sums in another order, and heat as a small difference."""
@@ -277,3 +279,19 @@ def test_sliding_with_friction_around_the_period():
     assert np.abs(change - impulse - [0.0, -mass * g * s.time]).max() < 1e-9
     assert change[0] == pytest.approx(-mu * (mass * g * s.time + change[1]), rel=1e-10)
     assert travelled == pytest.approx(speed * s.time - 0.5 * mu * g * s.time**2, rel=2e-3)
+
+
+def test_pushed_block_slides_to_rest():
+    """``sliding_around.yaml``: the momentum of the push, less μ times that of the pressure, all around the period."""
+    loaded = load_scene(INPUTS / "sliding_around.yaml")
+    s, p = Simulation(loaded, threads=1), 0.1
+    block = s.particles.body == 1
+    worst = 0.0
+    while s.time < loaded.scene.time.end:
+        s.step()
+        pressed = p * (s.time**2 / 0.4 if s.time < 0.2 else s.time - 0.1)
+        exact = 10.0 + 30.0 * min(s.time, 0.5) - 0.3 * pressed / (1e-3 * 4.0)
+        worst = max(worst, abs(s.particles.V[0, block].mean() - exact))
+    travelled = s.particles.X[0, block] - s.state.X0[0, s.particles.id[block]]
+    assert worst < 0.15  # of 21
+    assert travelled.mean() > 20.0
