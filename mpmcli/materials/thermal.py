@@ -15,7 +15,8 @@ import numpy as np
 
 from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.kernel import Compiled, inline
-from mpmcli.core.exponentials import exponential_1d, logarithm
+from mpmcli.core.compiled.registers import stay_scalar
+from mpmcli.core.exponentials import SMALL_INCREMENT, exponential_1d, logarithm
 from mpmcli.materials.base import (
     absorb_heat,
     bulk_slope,
@@ -37,9 +38,12 @@ BLOCK = 1024
 IN_BLOCK = np.uint64(BLOCK - 1)
 OF_BLOCK = np.uint64(2**64 - BLOCK)
 
-# rows of the scratch: ϑ³, 1/ϑ, what is added to c² or, with a bath, ln of the isentropic factor of T, and ϑⁿ/ϑ
-CUBE, INVERSE, MORE, RATIO = 0, 1, 2, 3
-ROWS = 4
+# rows of the scratch: ϑ³, 1/ϑ, what is added to c² or, with a bath, ln of the isentropic factor of T, ϑⁿ/ϑ, and T
+CUBE, INVERSE, MORE, RATIO, WARM = 0, 1, 2, 3, 4
+ROWS = 5
+
+LARGEST_SMALL = np.float64(SMALL_INCREMENT).view(np.uint64)
+"""Its bits."""
 
 
 class Thermal(NamedTuple):
@@ -78,7 +82,7 @@ class Thermal(NamedTuple):
     bath: Any = None
     """(blocks,) heat that came in this update from the bath that keeps work from changing temperatures [energy]."""
     scratch: Any = None
-    """(lanes, rows, BLOCK): what ``warm_particles`` finds for a block."""
+    """(lanes, rows, BLOCK): what ``find_warmth`` finds for a block."""
 
 
 def has_temperature(conducts: bool, adiabatic: bool, used: Iterable[Any]) -> bool:
@@ -97,12 +101,14 @@ def has_temperature(conducts: bool, adiabatic: bool, used: Iterable[Any]) -> boo
 @inline
 def scale(A: Any, s: float) -> Any:
     """The tensor s A of nine components."""
+    stay_scalar()
     return s * A[0], s * A[1], s * A[2], s * A[3], s * A[4], s * A[5], s * A[6], s * A[7], s * A[8]
 
 
 @inline
 def scale_symmetric(A: Any, s: float) -> Any:
     """The tensor s A of six components."""
+    stay_scalar()
     return s * A[0], s * A[1], s * A[2], s * A[3], s * A[4], s * A[5]
 
 
@@ -180,42 +186,80 @@ def approach(
     return Fe, dFe, stretch, warm, gamma, growth
 
 
+@compiled_too
+def exponential(short: Any, x: Any) -> Any:
+    """exp x, in full unless ``short`` is given (not None): a series, exact to round-off up to ``SMALL_INCREMENT``."""
+    if short is None:
+        return exponential_1d(x)
+    y = 1.0 / 24.0 + x * (1.0 / 120.0 + x * (1.0 / 720.0 + x * (1.0 / 5040.0 + x * (1.0 / 40320.0))))
+    return 1.0 + x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x * y)))
+
+
+@compiled_too
+def magnitude(x: Any) -> Any:
+    """Bits of the magnitude of a number, ordered as the magnitudes, NaN last."""
+    return np.float64(x).view(np.uint64) & np.uint64(0x7FFFFFFFFFFFFFFF)
+
+
 @Compiled  # by itself and without tuples from other functions, which lets the compiler vectorise it
-def warm_particles(
-    coupling: Any, bath: Any, T_stress: Any, thermal: Any, analysis: Any, m: Any, F: Any, L: Any, H: Any, dt: Any,
-    start: Any, end: Any, lane: Any,
-) -> None:  # fmt: skip
-    """Temperatures of particles ``start`` to ``end`` after the change of volume, and what follows from them.
+def find_warmth(
+    short: Any, coupling: Any, bath: Any, T_stress: Any, thermal: Any, analysis: Any, m: Any, F: Any, L: Any, H: Any,
+    dt: Any, start: Any, end: Any, lane: Any,
+) -> Any:  # fmt: skip
+    """Fill the scratch for particles ``start`` to ``end``; returns the bits of the largest argument of ``exponential``.
 
     ``F`` is that of the end of the step. γ is that of the middle of the step, whose shape is taken to be that of its
     end, and whose ϑ that of its start.
     """
     first = start & OF_BLOCK
+    largest = np.uint64(0)
     for p in range(start, end):
         T, i = thermal.T[p], p - first
         warm = T
+        cold = thermal.expansion * (thermal.T0 - T)
+        inverse = exponential(short, cold)
+        cube = 1.0 / (inverse * inverse * inverse)
+        largest = max(largest, magnitude(cold))
         if coupling is not None:
             change = dt * rate_of_volume(analysis, L, p)
             f = load_gradient(analysis, F, p)
-            log = thermal.expansion * (T - thermal.T0)
-            e = exponential_1d(change * (-1.0 / 6.0) - log)
+            e = inverse * exponential(short, change * (-1.0 / 6.0))
             Fe = (e * f[0], e * f[1], e * f[2], e * f[3], e * f[4], e * f[5], e * f[6], e * f[7], e * f[8])
-            gamma = coupling * exponential_1d(3.0 * log) * bulk_slope(m, Fe, H, p)
+            gamma = coupling * cube * bulk_slope(m, Fe, H, p)
+            growth = -gamma * change
+            largest = max(largest, max(magnitude(change), magnitude(growth)))
             if bath is None:
-                warm = T * exponential_1d(-gamma * change)
-                thermal.T[p] = warm
-                add_at(thermal.T_carried, p, warm - T)
+                warm = T * exponential(short, growth)
+                cooler = thermal.expansion * (T - warm)
+                inverse *= exponential(short, cooler)
+                cube = 1.0 / (inverse * inverse * inverse)
+                largest = max(largest, magnitude(cooler))
+                thermal.scratch[lane, WARM, i] = warm
                 thermal.scratch[lane, MORE, i] = gamma * gamma * thermal.specific * warm
             else:
-                thermal.scratch[lane, MORE, i] = -gamma * change
-        stretch = exponential_1d(thermal.expansion * (warm - thermal.T0))
-        thermal.scratch[lane, CUBE, i] = stretch * stretch * stretch
-        thermal.scratch[lane, INVERSE, i] = 1.0 / stretch
+                thermal.scratch[lane, MORE, i] = growth
+        thermal.scratch[lane, CUBE, i] = cube
+        thermal.scratch[lane, INVERSE, i] = inverse
         if T_stress is not None:
-            thermal.scratch[lane, RATIO, i] = (
-                exponential_1d(thermal.expansion * (T_stress[p] - thermal.T0)) / stretch
-            )
-            T_stress[p] = warm
+            colder = thermal.expansion * (T_stress[p] - warm)
+            thermal.scratch[lane, RATIO, i] = exponential(short, colder)
+            largest = max(largest, magnitude(colder))
+    return largest
+
+
+@Compiled  # by itself, which lets the compiler vectorise it
+def keep_warmth(
+    coupling: Any, bath: Any, T_stress: Any, thermal: Any, start: Any, end: Any, lane: Any
+) -> None:
+    """Give particles ``start`` to ``end`` the temperatures of the scratch."""
+    first = start & OF_BLOCK
+    for p in range(start, end):
+        warm = thermal.T[p]
+        if bath is None and coupling is not None:
+            warm = thermal.scratch[lane, WARM, p - first]
+            add_at(thermal.T_carried, p, warm - thermal.T[p])
+            thermal.T[p] = warm
+        set_at(T_stress, p, warm)
 
 
 @compiled_too
@@ -225,28 +269,20 @@ def prepare(
 ) -> None:  # fmt: skip
     """Find the temperatures before the stresses, where the stress decides no lateral stretch."""
     if expansion is not None and not frees_width(analysis):
-        warm_particles(
-            thermal.coupling,
-            thermal.bath,
-            thermal.T_stress,
-            thermal,
-            analysis,
-            m,
-            F,
-            L,
-            H,
-            dt,
-            start,
-            end,
-            lane,
+        coupling, bath, T_stress = thermal.coupling, thermal.bath, thermal.T_stress
+        largest = find_warmth(
+            True, coupling, bath, T_stress, thermal, analysis, m, F, L, H, dt, start, end, lane
         )
+        if largest > LARGEST_SMALL:
+            find_warmth(None, coupling, bath, T_stress, thermal, analysis, m, F, L, H, dt, start, end, lane)
+        keep_warmth(coupling, bath, T_stress, thermal, start, end, lane)
 
 
 @compiled_too
 def prepared(
     coupling: Any, bath: Any, T_stress: Any, thermal: Any, F1: Any, dF: Any, p: Any, lane: Any
 ) -> Any:
-    """``expand`` from what ``warm_particles`` found."""
+    """``expand`` from what ``find_warmth`` found."""
     i = p & IN_BLOCK
     stiffer, growth = 0.0, 0.0
     if coupling is not None:
@@ -338,6 +374,14 @@ def dissipation(expansion: Any, own: Any, tracked: Any, capacity: Any, m: Any, F
 
 
 @compiled_too
+def may_warm(expansion: Any, dissipated: Any) -> Any:
+    """Whether a law may have changed the temperature since ``tell``: without expansion, an equation of state may."""
+    if expansion is None:
+        return True
+    return dissipated != 0.0
+
+
+@compiled_too
 def growth_of(own: Any, m: Any, Fe: Any, dFe: Any, growth: Any) -> Any:
     """Logarithm of the factor of T by the change of volume at constant entropy."""
     if own is not None:
@@ -362,14 +406,15 @@ def settle(
         thermal.expansion, own, tracked, capacity, m, Fe, dFe, H, p, dt, cube, T, viscous
     )
     if bath is None:
-        if thermal.expansion is None:
-            end = value_at(tracked, p, T + dissipated / capacity)
-        else:
-            end = T + dissipated / capacity
-            set_at(tracked, p, end)
-        thermal.T[p] = end
-        add_at(thermal.T_carried, p, end - T)
-        add_at(thermal.entropy, p, -C * logarithm(1.0 - dissipated / (capacity * end)))
+        if may_warm(thermal.expansion, dissipated):
+            if thermal.expansion is None:
+                end = value_at(tracked, p, T + dissipated / capacity)
+            else:
+                end = T + dissipated / capacity
+                set_at(tracked, p, end)
+            thermal.T[p] = end
+            add_at(thermal.T_carried, p, end - T)
+            add_at(thermal.entropy, p, -C * logarithm(1.0 - dissipated / (capacity * end)))
     else:
         growth = growth_of(own, m, Fe, dFe, growth)
         heat = -(C * T * growth + volume * dissipated)

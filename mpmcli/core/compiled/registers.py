@@ -71,3 +71,10 @@ def plus(total: Any, weight: Any, value: Any) -> Any:
     ``weight`` is a number, or a register with one for each component.
     """
     return total + weight * value
+
+
+def stay_scalar() -> None:
+    """Keep the compiler from packing numbers of the calling function into registers by itself.
+
+    In straight-line arithmetic with the numbers of a tensor, moving them in and out takes longer than what it saves.
+    """

@@ -248,3 +248,12 @@ def _size(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     name = f"llvm.fabs.v{sig.args[0].count}f64"
     fabs = cgutils.get_or_insert_function(builder.module, ir.FunctionType(vector, [vector]), name)
     return builder.call(fabs, args)
+
+
+@written_in_llvm(registers.stay_scalar)
+def _(typing_context: Any) -> Any:
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        builder.function.attributes.add("noimplicitfloat")  # which is all that its vectorisers ask for
+        return context.get_dummy_value()
+
+    return types.void(), build

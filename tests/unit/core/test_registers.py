@@ -1,10 +1,24 @@
 """Vector registers: the arithmetic of single numbers, several at once; in Python that of arrays."""
 
+import re
+
+import numba
 import numpy as np
 import pytest
 
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.compiled.registers import each, load, offsets, pack, plus, positive_part, read, store, zeros
+from mpmcli.core.compiled.registers import (
+    each,
+    load,
+    offsets,
+    pack,
+    plus,
+    positive_part,
+    read,
+    stay_scalar,
+    store,
+    zeros,
+)
 
 
 @inline
@@ -72,3 +86,25 @@ def test_python_multiplies_and_adds():
     values = np.array([9.0, 0.25, 0.5, 9.0])
     got = multiply_and_add.py_func(values, 3.0, (1.0, 2.0))
     np.testing.assert_array_equal(got, [1.75, 3.5])
+
+
+@inline
+def nine_times(A, s):
+    return s * A[0], s * A[1], s * A[2], s * A[3], s * A[4], s * A[5], s * A[6], s * A[7], s * A[8]
+
+
+@inline
+def nine_times_one_by_one(A, s):
+    stay_scalar()
+    return s * A[0], s * A[1], s * A[2], s * A[3], s * A[4], s * A[5], s * A[6], s * A[7], s * A[8]
+
+
+def test_what_stays_scalar_has_the_same_digits_without_vectors():
+    A = tuple(np.random.default_rng(3).normal(size=9))
+    assert nine_times_one_by_one.py_func(A, 0.3) == nine_times(A, 0.3) == nine_times_one_by_one(A, 0.3)
+    # of cached code it knows nothing
+    anew = numba.njit(**nine_times_one_by_one._options)(nine_times_one_by_one.py_func)
+    anew(A, 0.3)
+    (code,) = anew.inspect_llvm().values()
+    assert "noimplicitfloat" in code
+    assert not re.search(r"fmul.*<\d+ x double>", code)

@@ -11,10 +11,11 @@ from examples import MATERIALS as MATERIAL_WORDS
 from scipy.integrate import solve_ivp
 from thermal_runs import ALPHA, HENCKY, METAL, NU, RHO, RUBBER, SOLIDS, T0, WATER, E, G, K, LogSolid, Run
 
+from mpmcli.core.exponentials import SMALL_INCREMENT
 from mpmcli.core.tensors import determinant
 from mpmcli.materials import MATERIALS
 from mpmcli.materials.base import bulk_slope, kirchhoff_stress
-from mpmcli.materials.thermal import thermal_of
+from mpmcli.materials.thermal import LARGEST_SMALL, exponential, magnitude, thermal_of
 
 
 @pytest.fixture(autouse=True)
@@ -93,6 +94,27 @@ def test_bulk_slope_is_the_second_derivative_of_the_energy(name):
 
     slope = J * (stressed(h) - stressed(-h)) / (2 * h)
     assert RHO * bulk_slope(m, tuple(F), np.zeros((10, 1)), 0) == pytest.approx(slope, rel=1e-6)
+
+
+@pytest.mark.parametrize("share", [-1.0, -0.3, -1e-3, 0.0, 1e-9, 0.5, 1.0])
+def test_short_series_is_exact_up_to_small_increments(share):
+    x = share * SMALL_INCREMENT
+    assert exponential(True, x) == pytest.approx(math.exp(x), rel=3e-16, abs=0)
+    assert magnitude(x) <= LARGEST_SMALL
+
+
+@pytest.mark.parametrize("x", [0.0501, -0.0501, 7.0, -math.inf, math.nan])
+def test_what_is_not_small_takes_the_exponential_in_full(x):
+    assert magnitude(x) > LARGEST_SMALL
+    if math.isfinite(x):
+        assert exponential(None, x) == pytest.approx(math.exp(x), rel=1e-14)
+
+
+@pytest.mark.parametrize("steps", [1, 2, 400])
+def test_steps_of_any_length_heat_alike(steps):
+    """γ of Hencky's law is linear in ln J, so that its value halfway is exact; of 1 and 2 steps exponents are large."""
+    run = Run("uniaxial_strain", weakly_expanding(HENCKY)).stretch(0.8, steps)
+    assert run.T == pytest.approx(323.17517, rel=2e-8)
 
 
 def test_strong_coupling_at_large_strain_converges():
