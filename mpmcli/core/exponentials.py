@@ -99,8 +99,8 @@ def _small_exponential(x: float) -> float:
 
 
 @inline
-def _smaller_exponential(x: float) -> float:
-    """``_small_exponential`` for |x| ≤ ``SMALL_INCREMENT``."""
+def exponential_of_increment(x: float) -> float:
+    """exp x by its series, exact to round-off for |x| ≤ ``SMALL_INCREMENT``, in pairs as in ``_small_exponential``."""
     x2 = x * x
     a = 1.0 / 24.0 + x * (1.0 / 120.0) + x2 * (1.0 / 720.0 + x * (1.0 / 5040.0) + x2 * (1.0 / 40320.0))
     return 1.0 + (x + x2 * (0.5 + x * (1.0 / 6.0) + x2 * a))
@@ -109,7 +109,7 @@ def _smaller_exponential(x: float) -> float:
 @inline
 def exponential(x: float) -> float:
     """exp x, sooner where |x| is small, as in elastic strains."""
-    return exponential_1d(x) if abs(x) > SMALL_INCREMENT else _smaller_exponential(x)
+    return exponential_1d(x) if abs(x) > SMALL_INCREMENT else exponential_of_increment(x)
 
 
 @inline
@@ -123,7 +123,7 @@ def exponential_2d(xx: float, xy: float, yx: float, yy: float) -> tuple[float, f
     d = 0.5 * (xx - yy)
     q = d * d + xy * yx
     if abs(h) <= SMALL_INCREMENT and abs(q) <= 2.0 * SMALL_INCREMENT**2:
-        e = _smaller_exponential(h)
+        e = exponential_of_increment(h)
         q2 = q * q
         c = e + e * (q * 0.5 + q2 * (1.0 / 24.0 + q * (1.0 / 720.0) + q2 * (1.0 / 40320.0)))
         s = e + e * (q * (1.0 / 6.0) + q2 * (1.0 / 120.0 + q * (1.0 / 5040.0) + q2 * (1.0 / 362880.0)))

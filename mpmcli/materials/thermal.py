@@ -16,7 +16,7 @@ import numpy as np
 from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.kernel import Compiled, inline
 from mpmcli.core.compiled.registers import stay_scalar
-from mpmcli.core.exponentials import SMALL_INCREMENT, exponential_1d, logarithm
+from mpmcli.core.exponentials import SMALL_INCREMENT, exponential_1d, exponential_of_increment, logarithm
 from mpmcli.materials.base import (
     absorb_heat,
     bulk_slope,
@@ -188,11 +188,10 @@ def approach(
 
 @compiled_too
 def exponential(short: Any, x: Any) -> Any:
-    """exp x, in full unless ``short`` is given (not None): a series, exact to round-off up to ``SMALL_INCREMENT``."""
+    """exp x, in full unless ``short`` is given (not None), which is for arguments up to ``SMALL_INCREMENT``."""
     if short is None:
         return exponential_1d(x)
-    y = 1.0 / 24.0 + x * (1.0 / 120.0 + x * (1.0 / 720.0 + x * (1.0 / 5040.0 + x * (1.0 / 40320.0))))
-    return 1.0 + x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x * y)))
+    return exponential_of_increment(x)
 
 
 @compiled_too

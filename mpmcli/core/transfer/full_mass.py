@@ -50,7 +50,7 @@ def add_full_mass_increments(
         transfer.project(field, field.dv, field.out, -1.0 if counts_reactions else 0.0, first=order == 2)
         nodes.next_increment[parallel](active, field.mp, field.out, rule.scale(order), field.dv)
         field.correct(step, counts_reactions)  # (1), (2)
-        nodes.add_increment[parallel](active, field.dv, field.v)
+        nodes.add_nodal[parallel](active, field.dv, field.v)
         if rule.dynamic is not None and has_converged(field, parallel, *rule.dynamic):  # (3)
             break
     return order

@@ -104,15 +104,6 @@ def next_increment(active, mp, out, scale, dv):
 
 
 @kernel
-def add_increment(active, dv, v):
-    """v⁺(ℓ) = v⁺(ℓ−1) + Δv(ℓ)."""
-    for j in prange(active.shape[0]):
-        i = np.uint64(active[j])
-        for a in range(dv.shape[1]):
-            v[i, a] += dv[i, a]
-
-
-@kernel
 def sum_magnitudes(active, chunks, mp, dv, v, sums):
     """Per chunk of nodes with mass: Σ|Δv|, Σ|v|, the largest |v| and the number of nodes, into ``sums`` (CHUNKS, 4)."""
     for n in prange(chunks.shape[0] - 1):

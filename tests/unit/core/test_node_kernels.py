@@ -77,7 +77,7 @@ def test_an_increment_of_the_fmpm_loop(values):
     out[ACTIVE] = made[ACTIVE]
     total = v.copy()
     nodes.next_increment[False](ACTIVE, mp, out, 0.8, dv)
-    nodes.add_increment[False](ACTIVE, dv, total)
+    nodes.add_nodal[False](ACTIVE, dv, total)
     inverse = np.divide(1.0, mp[:, :1], out=np.zeros((9, 1)), where=mp[:, :1] > 0)
     expected = 0.8 * (v - made * inverse)
     np.testing.assert_allclose(dv[ACTIVE], expected[ACTIVE], rtol=1e-14)
