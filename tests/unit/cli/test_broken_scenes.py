@@ -17,6 +17,8 @@ from mpmcli.cli.main import call
 
 CORPUS = Path(__file__).parents[2] / "broken_scenes"
 NAMES = sorted(path.stem for path in CORPUS.glob("*.yaml"))
+WARNED = Path(__file__).parents[2] / "warned_scenes"
+WARNED_NAMES = sorted(path.stem for path in WARNED.glob("*.yaml"))
 
 
 def test_corpus_is_complete() -> None:
@@ -40,6 +42,20 @@ def test_broken_scene(name: str, capsys: pytest.CaptureFixture[str]) -> None:
         assert error["message"] in problem["message"]
         assert problem["file"].endswith(f"{name}.yaml")
     assert seconds < 10.0
+
+
+@pytest.mark.parametrize("name", WARNED_NAMES)
+def test_warned_scene(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """A valid scene that may go wrong: each warning in words, at the right place, as those of broken scenes."""
+    expected = json.loads((WARNED / f"{name}.json").read_text(encoding="utf-8"))
+    assert call(["validate", "--json", str(WARNED / f"{name}.yaml")]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert {problem["severity"] for problem in found} == {"warning"}
+    for problem, warning in zip(found, expected, strict=True):
+        assert {key: problem[key] for key in ("line", "column", "path", "code")} == {
+            key: warning[key] for key in ("line", "column", "path", "code")
+        }
+        assert warning["message"] in problem["message"]
 
 
 def test_all_at_once(capsys: pytest.CaptureFixture[str]) -> None:
