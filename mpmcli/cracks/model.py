@@ -108,6 +108,20 @@ class Crack(Model):
         """Whether its points may carry tractions."""
         return bool(self.traction) or (self.growth is not None and self.growth.leaves_tractions)
 
+    def keyed_tractions(self) -> list[tuple[str, Traction]]:
+        """Return the tractions along the path, with their keys in the scene."""
+        several = len(self.traction) > 1
+        return [(f"traction.{i}" if several else "traction", part) for i, part in enumerate(self.traction)]
+
+    def laws_of_points(self) -> list[tuple[str, Any]]:
+        """Return the laws of the points of the crack, those of growth included, with their keys in the scene."""
+        found = [(f"{key}.law", part.law) for key, part in self.keyed_tractions()]
+        for key in ("start", "end"):
+            end = getattr(self.growth, key, None)
+            if end is not None and end.traction is not None:
+                found.append((f"growth.{key}.traction", end.traction))
+        return found
+
     def values_at_start(self) -> dict[str, float]:
         """Return the values at time 0 of what expressions of growth know beside the time: length and speed."""
         return {"length": float(np.hypot(*np.diff(self.path.corners(), axis=0).T).sum()), "speed": 0.0}

@@ -137,10 +137,10 @@ def _check_law(crack: Any, path: str, report: Report) -> None:
 def _check_along(crack: Any, path: str, report: Report) -> None:
     """Tractions begin somewhere on the path."""
     length = float(np.hypot(*np.diff(crack.path.corners(), axis=0).T).sum())
-    for index, part in enumerate(crack.traction):
+    for key, part in crack.keyed_tractions():
         if part.along is None:
             continue
-        where = f"{path}.traction.{index}.along"
+        where = f"{path}.{key}.along"
         if part.along[0] >= length:
             words = f"the path is {length:.4g} long, and [{part.along[0]:g}, {part.along[1]:g}] lies beyond its end"
             report(where, words, "outside")
@@ -154,12 +154,7 @@ def zones_of(crack: Any, bodies: Any, materials: Any, analysis: str) -> Iterator
     cut = [body.material for body in bodies if crack.cuts is None or body.name in crack.cuts]
     models = [materials[name] for name in cut if name in materials and materials[name].kind != "rigid"]
     modulus = min((plane_modulus(model, analysis) for model in models), default=math.inf)
-    laws = [(f"traction.{index}.law", part.law) for index, part in enumerate(crack.traction)]
-    ends = [] if crack.growth is None else [(key, getattr(crack.growth, key)) for key in ENDS]
-    laws += [
-        (f"growth.{key}.traction", end.traction) for key, end in ends if end is not None and end.traction
-    ]
-    for key, law in laws:
+    for key, law in crack.laws_of_points():
         for mode, resistance in resistances(law):
             yield f"{key}.{mode}", process_zone(modulus, resistance)
 

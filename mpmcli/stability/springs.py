@@ -92,23 +92,11 @@ def tractions_of(scene: Any) -> Iterator[Spring]:
             for body, material in deformable(scene)
             if crack.cuts is None or body.name in crack.cuts
         ]
-        for key, law in laws_of_points(crack):
+        for key, law in crack.laws_of_points():
             if densities and (slope := max(law.slopes)) > 0.0:
                 density, because = min(densities), f"the tractions of crack '{crack.name}' are stiff"
                 mass = share**2 * density * float(min(scene.grid.cell))
                 yield Spring(f"cracks.{crack.name}.{key}", because, slope, mass, density)
-
-
-def laws_of_points(crack: Any) -> list[tuple[str, Any]]:
-    """Return the laws of the points of a crack of the scene, with their keys."""
-    parts = enumerate(crack.traction)
-    several = len(crack.traction) > 1
-    found = [(f"traction.{index}.law" if several else "traction.law", part.law) for index, part in parts]
-    for key in ("start", "end"):
-        end = getattr(crack.growth, key, None)
-        if end is not None and end.traction is not None:
-            found.append((f"growth.{key}.traction", end.traction))
-    return found
 
 
 def warnings_of_interfaces(scene: Any) -> list[Problem]:

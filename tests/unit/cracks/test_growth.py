@@ -18,7 +18,6 @@ from mpmcli.cracks.model import Crack
 from mpmcli.cracks.points import AllPoints
 from mpmcli.cracks.tips import Tips, opening_behind
 from mpmcli.materials.linear_elastic import LinearElastic
-from mpmcli.stability.springs import laws_of_points
 
 pytestmark = pytest.mark.usefixtures("python_and_compiled")
 CELL, DT = 0.1, 0.01
@@ -363,7 +362,7 @@ def test_growth_leaves_tractions_behind():
     }
     model = Crack.model_validate(crack(**grows(traction=law)))
     assert model.carries_tractions
-    assert [key for key, _ in laws_of_points(model)] == ["growth.end.traction"]
+    assert [key for key, _ in model.laws_of_points()] == ["growth.end.traction"]
     with pytest.raises(ValidationError, match="release 'gradual' has tractions of its own"):
         Crack.model_validate(crack(**grows(traction=law, release="gradual")))
     with pytest.raises(

@@ -11,6 +11,7 @@ import pytest
 
 from mpmcli.contact.laws import LAWS
 from mpmcli.core.errors import Problem, SceneError
+from mpmcli.cracks.model import Crack
 from mpmcli.scene.crack_checks import zones_of
 from mpmcli.scene.filling import check_filling
 from mpmcli.scene.loader import load_scene
@@ -252,16 +253,16 @@ def test_process_zones_of_tractions() -> None:
         analysis="plane_strain",
     )).scene  # fmt: skip
     growth = SimpleNamespace(start=None, end=SimpleNamespace(traction=law))
-    crack = SimpleNamespace(cuts=None, traction=(SimpleNamespace(law=law),), growth=None)
+    crack = Crack.model_construct(cuts=None, traction=(SimpleNamespace(law=law),), growth=None)
     zones = dict(zones_of(crack, scene.bodies, scene.materials, "plane_strain"))
     E = 1000 / (1 - 0.33**2)
     assert zones == {
-        "traction.0.law.normal": pytest.approx(E * 0.2 / 25),
-        "traction.0.law.tangential": pytest.approx(E * 0.4 / 100),
+        "traction.law.normal": pytest.approx(E * 0.2 / 25),
+        "traction.law.tangential": pytest.approx(E * 0.4 / 100),
     }
-    crack.traction, crack.growth = (), growth  # those that growth leaves behind
+    crack = Crack.model_construct(cuts=None, traction=(), growth=growth)  # those that growth leaves behind
     left = dict(zones_of(crack, scene.bodies, scene.materials, "plane_strain"))
-    assert left == {key.replace("traction.0.law", "growth.end.traction"): zone for key, zone in zones.items()}
+    assert left == {key.replace("traction.law", "growth.end.traction"): zone for key, zone in zones.items()}
     assert dict(zones_of(scene.cracks[0], scene.bodies, scene.materials, "plane_strain")) == {}
 
 
@@ -278,9 +279,9 @@ TRACTION = (
         (
             "1, 5",
             9,
-            [("cracks.main.traction.0.law.normal", "2.77 long, 2.8 cells; use cells of at most 0.693")],
+            [("cracks.main.traction.law.normal", "2.77 long, 2.8 cells; use cells of at most 0.693")],
         ),
-        ("9, 20", 5, [("cracks.main.traction.0.along", "ends beyond the path, which is 13 long")]),
+        ("9, 20", 5, [("cracks.main.traction.along", "ends beyond the path, which is 13 long")]),
     ],
 )
 def test_tractions_on_points(along: str, strength: float, found: list[tuple[str, str]]) -> None:
