@@ -316,7 +316,10 @@ def part_of_plane(axes, cell, n, h, d):
                 x += step * r
             elif step:
                 weight = 0.0
-        total += weight * abs(x) ** power
+        part = abs(x)
+        for _ in range(power // 2):
+            part *= x * x
+        total += weight * part
     return total
 
 
