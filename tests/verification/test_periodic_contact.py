@@ -291,7 +291,7 @@ def test_pushed_block_slides_to_rest():
         s.step()
         pressed = p * (s.time**2 / 0.4 if s.time < 0.2 else s.time - 0.1)
         exact = 10.0 + 30.0 * min(s.time, 0.5) - 0.3 * pressed / (1e-3 * 4.0)
-        worst = max(worst, abs(s.particles.V[0, block].mean() - exact))
+        worst = max(worst, abs(s.particles.V[0, block].mean() - max(exact, 0.0)))
     travelled = s.particles.X[0, block] - s.state.X0[0, s.particles.id[block]]
     assert worst < 0.15  # of 21
-    assert travelled.mean() > 20.0
+    assert travelled.mean() > 40.0

@@ -111,7 +111,8 @@ class ParticlePicture(ABC):
         """Fix where everything goes, with the title; ``update`` leaves it there."""
         write_title(self.figure, self.results.title)
         self._set_time(frame)
-        self.figure.canvas.draw()
+        for _ in range(2):  # axes of equal scales find their place at the second time
+            self.figure.canvas.draw()
         self.figure.set_layout_engine("none")
 
     @abstractmethod
