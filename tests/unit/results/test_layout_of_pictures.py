@@ -42,6 +42,11 @@ def assert_readable(figure):
     assert box.x1 <= frame.x1
     assert "\n" not in title.get_text()
     for axes in figure.axes:
+        left = axes._left_title
+        assert (
+            not left.get_text() or not title.get_text() or not left.get_window_extent(renderer).overlaps(box)
+        )
+    for axes in figure.axes:
         box = axes.title.get_window_extent(renderer)
         assert not axes.title.get_text() or box.x1 <= frame.x1
 
