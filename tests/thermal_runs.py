@@ -29,7 +29,8 @@ from mpmcli.materials.strain import (
     stored_energy,
     update_strain_and_stress,
 )
-from mpmcli.materials.thermal import ROWS, thermal_of
+from mpmcli.materials.thermal import thermal_of
+from mpmcli.materials.warmth import ROWS
 
 E, NU, RHO, ALPHA, T0 = 200.0, 0.3, 2.0, 1e-3, 300.0
 G, K = E / (2 * (1 + NU)), E / (3 * (1 - 2 * NU))

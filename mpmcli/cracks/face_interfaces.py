@@ -12,7 +12,8 @@ from mpmcli.core.state import CracksView
 from mpmcli.core.variants import StrainUpdate
 from mpmcli.cracks.face_contacts import FaceContacts
 from mpmcli.interfaces import impulses
-from mpmcli.interfaces.jump import JumpRows, Sides, act_at_node, allocate_jumps, open_areas
+from mpmcli.interfaces.areas import open_areas
+from mpmcli.interfaces.jump import JumpRows, Sides, act_at_node, allocate_jumps
 
 Array = np.ndarray
 

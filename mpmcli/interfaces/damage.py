@@ -10,7 +10,7 @@ import numpy as np
 from mpmcli.core.compiled.kernel import kernel
 from mpmcli.core.particles import Particles
 from mpmcli.interfaces.base import BREAKS, HISTORY, damage
-from mpmcli.interfaces.jump import UNSET
+from mpmcli.interfaces.memory import UNSET
 
 Array = np.ndarray
 

@@ -11,7 +11,7 @@ from mpmcli.contact.choice import ContactChoice
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
 from mpmcli.interfaces.base import HISTORY
-from mpmcli.interfaces.jump import UNSET
+from mpmcli.interfaces.memory import UNSET
 from mpmcli.interfaces.touch import gaps_at_nodes, with_images
 
 Array = np.ndarray

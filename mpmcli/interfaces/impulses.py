@@ -21,7 +21,7 @@ from mpmcli.interfaces.base import (
     traction,
 )
 from mpmcli.interfaces.independent import compliance_of, slip_of
-from mpmcli.interfaces.jump import keep_history
+from mpmcli.interfaces.memory import keep_history
 
 Array = np.ndarray
 

@@ -24,12 +24,12 @@ from mpmcli.interfaces.jump import (
     EXTRAPOLATED,
     GRADIENT,
     JumpRows,
-    Memory,
     Sides,
     act_at_node,
     allocate_jumps,
     find_interfaces,
 )
+from mpmcli.interfaces.memory import Memory
 
 Array = np.ndarray
 

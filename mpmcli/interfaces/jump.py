@@ -1,4 +1,4 @@
-"""The jump of displacement between the two sides of a contact, and the area over which it transmits tractions."""
+"""The jump of displacement between the two sides of a contact."""
 
 from __future__ import annotations
 
@@ -11,22 +11,19 @@ from mpmcli.contact.area import SMALLEST, perpendicular_size
 from mpmcli.contact.fields_in_contact import field_at
 from mpmcli.contact.geometry import index_at_home
 from mpmcli.contact.laws.impulse import dot
-from mpmcli.contact.near_particles import IMAGE_BITS, NEAREST
+from mpmcli.contact.near_particles import IMAGE_BITS
 from mpmcli.contact.separation.base import UNKNOWN
 from mpmcli.core.compiled.kernel import inline, kernel, prange
-from mpmcli.core.particles import determinant_of_particle
+from mpmcli.interfaces.areas import open_area
 from mpmcli.interfaces.base import BREAKS, HISTORY
+from mpmcli.interfaces.memory import UNSET, recall_history, row_of_history
 
 Array = np.ndarray
 
-UNSET = -1.0
-"""Largest opening of particles that no interface has reached yet; what they know of breaks, if never bonded."""
 FAR = 1e300
 """Beyond the square of every distance; compiled code knows no infinity."""
 HIGHEST_AT_INTERFACE = 4
 """Highest order of FMPM at which stiff springs are stable with the jump at the interface, without that at the node."""
-ACROSS = 1e-3
-"""A normal has no part along an axis below this share of it: quotients of differences would be of round-off."""
 REACH = 0.2
 """By so many cells matter that was bonded may be farther from an interface than matter that was not."""
 
@@ -288,149 +285,3 @@ def find_jump(
         and math.sqrt(bonded_beta) <= math.sqrt(other_beta) + reach
     )
     return bonded, density
-
-
-@inline
-def part_of_plane(axes, cell, n, h, d):
-    """h⊥ times the integral of a node's linear grid function over the plane at the distance ``d``, over the cell.
-
-    The sum over all nodes of a plane is 1 in every direction: 1 − d/h⊥ along an axis, smoother beside. Along the unit
-    normal ``n`` the function is the convolution of tents of half widths r_a = Δx_a |n_a|: a sum of differences of the
-    order 2m of |x|^(2m−1)/(2 (2m−1)!) over the m axes that the normal has a part of.
-    """
-    power, factor, terms = -1, 2.0, 1
-    for a in range(len(axes)):
-        if cell[a] * abs(n[a]) > ACROSS * h:
-            power += 2
-            factor *= max(power * (power - 1), 1)
-        terms *= 3
-    total = 0.0
-    for term in range(terms):
-        x, weight, digits = d, h / factor, term
-        for a in range(len(axes)):
-            step = digits % 3 - 1
-            digits //= 3
-            r = cell[a] * abs(n[a])
-            if r > ACROSS * h:
-                weight *= (1.0 if step else -2.0) / (r * r)
-                x += step * r
-            elif step:
-                weight = 0.0
-        part = abs(x)
-        for _ in range(power // 2):
-            part *= x * x
-        total += weight * part
-    return total
-
-
-@inline
-def share_of_node(axes, cell, n, a, b, h):
-    """Share of an interface that is this node's, of all nodes across it; ``a``, ``b`` are the distances of its edges.
-
-    That is the smaller of ``part_of_plane`` at both edges, over the sum of these at all nodes: where the edge of one
-    side hardly reaches the node, the traction is as small as the forces of the stresses there.
-    """
-    farther = max(abs(a), abs(b)) if a * b > 0.0 else abs(a - b)
-    return max(part_of_plane(axes, cell, n, h, farther), SMALLEST) / max(1.0 - abs(a - b) / h, 0.5)
-
-
-@inline
-def open_area(axes, node, around, area, distances, jump, normal, h):
-    """Return the ``area`` such that it neither shrinks where interfaces open, since the gap has no volume, nor grows
-    where they are pressed.
-
-    A = (Ω_α + Ω_β) w/(h⊥ − δ_n N), with w of ``share_of_node`` and N = 1 − d/h⊥ the linear grid function of the middle
-    of the gap. Where a method does not know the edges, w keeps the share of the area by volumes, and N is 1. Nodes
-    beyond the axis of a ring have none: what is there is the image of what counts already.
-    """
-    column = node % around.shape[0]
-    if around.ring and around.origin[0] + column * around.cell[0] < -0.5 * around.cell[0]:
-        return 0.0
-    opening = dot(axes, jump, normal)
-    first, second = distances[0], distances[1]
-    share, middle = 1.0, 1.0
-    if max(abs(first), abs(second)) < UNKNOWN:
-        counted = max(1.0 - min(abs(first), abs(second)) / h, SMALLEST)  # as in ``contact_area``
-        share = share_of_node(axes, around.cell, normal, first, second, h) / counted
-        middle = max(1.0 - 0.5 * abs(first + second) / h, 0.0)
-    return area * (share * h / max(h - opening * middle, 0.5 * h))
-
-
-@kernel
-def open_areas(axes, sides, count, fields, nodes, around, geometry, rows):
-    """``open_area`` of every contact that is an interface."""
-    area = geometry.area
-    for k in prange(count):
-        if sides.law[fields.law[k]]:
-            h = perpendicular_size(axes, around.cell, geometry.normal[k])
-            node = nodes.node[fields.slot[k]]
-            area[k] = open_area(
-                axes, node, around, area[k], geometry.distances[k], rows.jump[k], geometry.normal[k], h
-            )
-
-
-@inline
-def row_of_history(rows, field, alpha, beta):
-    """First row of the history that a particle of ``field`` keeps of the interface of two fields, −1 if none."""
-    if field == alpha:
-        return rows[alpha, beta]
-    return rows[beta, alpha] if field == beta else -1
-
-
-@inline
-def recall_history(sides, slot, alpha, beta, near, matter, kept, apart, history):
-    """History of an interface from the particles near it, ``kept`` (rows, N), into ``history`` (3,).
-
-    It is that of the particles whose nearest node this is, or else of all that the node sees: the mean by their
-    shares S V. Particles that no interface has reached count for nothing; broken is an
-    interface of whose matter more than half is, or of matter that was not bonded (``apart``).
-    """
-    for j in range(HISTORY):
-        history[j] = 0.0
-    for nearest in range(2):
-        share = 0.0
-        at = near.head[slot]
-        while at >= 0:
-            p = near.particle[at]
-            if nearest == 1 or near.flag[at] & NEAREST:
-                row = row_of_history(sides.row, matter.field[p], alpha, beta)
-                if row >= 0 and kept[row, p] > UNSET:
-                    w = near.S[at] * determinant_of_particle(matter.F, p) * matter.vol0[p]
-                    share += w
-                    for j in range(HISTORY):
-                        history[j] += w * max(kept[row + j, p], 0.0)
-            at = near.next[at]
-        if share > 0.0:
-            for j in range(HISTORY):
-                history[j] /= share
-            break
-    history[BREAKS] = 1.0 if apart or history[BREAKS] > 0.5 else 0.0
-
-
-class Memory(NamedTuple):
-    """Which particles remember the interfaces of a step: ``Sides.row``, the particles near nodes, their fields and
-    histories (rows, N)."""
-
-    row: Array
-    near: Any
-    field: Array
-    kept: Any
-
-
-@inline
-def keep_history(memory, fields, nodes, k, apart, history, now):
-    """Give the particles nearest to an interface its openings of the step; what broke stays broken."""
-    near, kept = memory.near, memory.kept
-    alpha, beta = field_at(nodes, fields.alpha[k]), field_at(nodes, fields.partner[k])
-    at = -1 if apart else near.head[fields.slot[k]]
-    while at >= 0:
-        if near.flag[at] & NEAREST:
-            p = near.particle[at]
-            row = row_of_history(memory.row, memory.field[p], alpha, beta)
-            if row >= 0:
-                is_new = kept[row, p] <= UNSET
-                for j in range(2):
-                    kept[row + j, p] = max(history[j] if is_new else kept[row + j, p], now[j])
-                if history[BREAKS] > 0.5:
-                    kept[row + BREAKS, p] = 1.0
-        at = near.next[at]

@@ -38,19 +38,14 @@ from mpmcli.materials.components import (
     stress_power,
 )
 from mpmcli.materials.thermal import (
-    BLOCK,
     expand,
     expand_work,
     lanes_of,
-    prepare,
-    scale,
-    scale_symmetric,
-    set_at,
     settle,
     stretch_at,
-    value_at,
     work_of_law,
 )
+from mpmcli.materials.warmth import BLOCK, prepare, scale, scale_symmetric, set_at, value_at
 
 NOT_FINITE = np.uint64(0x7FF0000000000000)
 """Bits of infinity; those of NaN are larger. Bits can be compared under fast floating point."""

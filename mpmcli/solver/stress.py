@@ -20,7 +20,8 @@ from mpmcli.materials.strain import (
     stored_energy,
     update_strain_and_stress,
 )
-from mpmcli.materials.thermal import ROWS, Thermal, thermal_of
+from mpmcli.materials.thermal import Thermal, thermal_of
+from mpmcli.materials.warmth import ROWS
 from mpmcli.solver.plan import Plan
 
 Array = np.ndarray

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
-from mpmcli.contact.contact_nodes import images_of
+from mpmcli.contact.images import images_of
 from mpmcli.contact.near_particles import row_of_particle
 from mpmcli.core.grid import Grid
 from mpmcli.core.transfer.stencil import SEEN, fill_stencils, is_seen

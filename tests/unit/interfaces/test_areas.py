@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mpmcli.contact.area import perpendicular_size
-from mpmcli.interfaces.jump import part_of_plane, share_of_node
+from mpmcli.interfaces.areas import part_of_plane, share_of_node
 
 pytestmark = pytest.mark.usefixtures("plain_python")
 

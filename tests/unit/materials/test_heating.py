@@ -15,7 +15,8 @@ from mpmcli.core.exponentials import SMALL_INCREMENT
 from mpmcli.core.tensors import determinant
 from mpmcli.materials import MATERIALS
 from mpmcli.materials.base import bulk_slope, kirchhoff_stress
-from mpmcli.materials.thermal import LARGEST_SMALL, exponential, magnitude, thermal_of
+from mpmcli.materials.thermal import thermal_of
+from mpmcli.materials.warmth import LARGEST_SMALL, exponential, magnitude
 
 
 @pytest.fixture(autouse=True)
