@@ -159,7 +159,7 @@ def list_faces(
     ends = np.cumsum([0, *counts])
     rows = [slice(int(ends[j]), int(ends[j + 1])) for j in range(len(counts))]
     ids = np.concatenate([np.empty(0, dtype=np.int64), *identities])
-    memory = place_of_identity(particles.id, least=int(ids.max(initial=-1)) + 1)
+    memory = place_of_identity(particles.id, ids)
     initial = particles.X[:, memory[ids]]
     faces = Faces(
         id=ids,

@@ -156,7 +156,7 @@ class HeatLoads:
     def _find_particles(self) -> None:
         """Find where particles are in memory now."""
         p = self._particles
-        self._place = place_of_identity(p.id, least=int(self._faces.id.max(initial=-1)) + 1)
+        self._place = place_of_identity(p.id, self._faces.id)
         self._heated = [np.flatnonzero(chosen[p.id]) for chosen in self._chosen]
         if self._sources:
             self._power, self._is_fresh = np.zeros(p.count), True

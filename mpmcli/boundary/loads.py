@@ -130,7 +130,7 @@ class Loads:
             nodes.add_gravity[self._parallel](grid.active, grid.mp, gravity, f)
         if self.faces:
             if self._place is None or self._version != version:
-                self._place = place_of_identity(self._particles.id)
+                self._place = place_of_identity(self._particles.id, self.faces.faces.id)
                 self._version = version
             self.faces.add(time, self._particles, self._place, grid.mp, f)
         if self._on_nodes is not None:

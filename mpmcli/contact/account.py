@@ -179,7 +179,9 @@ class ContactAccount:
         if c.count == 0 or not self._has_geometry:
             return out
         near = c.nodes.near
-        place = None if p.id is self._identity else place_of_identity(p.id)  # some have been removed since
+        place = None
+        if p.id is not self._identity:  # some have been removed since
+            place = place_of_identity(p.id, self._identity)
         for k in range(c.count):
             at = near.head[c.fields.slot[k]]
             alpha, beta = (
@@ -188,8 +190,7 @@ class ContactAccount:
             while at >= 0:
                 i = near.particle[at]
                 if place is not None:
-                    identity = self._identity[i]
-                    i = place[identity] if identity < len(place) else -1
+                    i = place[self._identity[i]]
                 if i >= 0 and near.flag[at] & NEAREST:
                     if p.velocity_field[i] == alpha:
                         out[:, i] = c.geometry.normal[k]

@@ -14,8 +14,17 @@ def by_identity(identity: Array, values: Array) -> Array:
     return ordered
 
 
-def place_of_identity(identity: Array, least: int = 0) -> Array:
-    """Return the place in memory of each identity, −1 if it is gone; ``identity`` (N,), at least ``least`` long."""
-    place = np.full(max(int(identity.max(initial=-1)) + 1, least), -1, dtype=np.int64)
+def place_of_identity(identity: Array, asked: Array) -> Array:
+    """Return the place in memory of each identity, −1 if it is gone.
+
+    Parameters
+    ----------
+    identity
+        (N,) of the particles that exist.
+    asked
+        Identities that the result is asked for; those of the highest number may all be gone.
+    """
+    highest = max(int(identity.max(initial=-1)), int(asked.max(initial=-1)))
+    place = np.full(highest + 1, -1, dtype=np.int64)
     place[identity] = np.arange(len(identity))
     return place

@@ -45,7 +45,8 @@ class Surfaces:
         key = (body, face.index, face.side)
         if key not in self._at_start:
             self._at_start[key] = self.shown(body, face)
-        place = place_of_identity(self._particles.id)[self._at_start[key]]
+        asked = self._at_start[key]
+        place = place_of_identity(self._particles.id, asked)[asked]
         return self._transfer.seen_nodes(place[place >= 0])
 
     def memory(self) -> dict[str, Array]:

@@ -193,6 +193,27 @@ def test_particles_that_leave_may_be_deleted(block):
     assert "the last particle left the grid" in str(failure_of(run))
 
 
+@pytest.mark.parametrize(
+    "load",
+    [
+        {"kind": "traction", "pressure": 1},
+        {"kind": "traction", "pressure": "x + t"},
+        {"kind": "absorbing"},
+    ],
+)
+def test_loaded_faces_of_particles_that_are_gone_carry_nothing(block, load):
+    """Those of the highest identities are gone first."""
+    face = {"body": "block", "face": {"axis": "x", "side": "upper"}}
+    run = block(**FLIES, domain={"on_exit": "delete"}, loads=[{"name": "front", "on": face} | load])
+    front = run.particles.id[run.particles.X[0] == run.particles.X[0].max()]
+    run.steps(1)
+    while np.isin(front, run.particles.id).any():
+        run.steps(1)
+    run.steps(1)
+    assert run.particles.count > 0
+    assert not run.simulation.loads.force.any()
+
+
 def test_particles_may_stop_at_the_wall(block):
     run = block(**FLIES, domain={"on_exit": "stop_at_wall"}, time__courant=0.2)
     count = run.particles.count
