@@ -122,15 +122,8 @@ def _extra(name: str) -> Quantity:
     dimension = next((d for d in ("mass", "energy", "rate", "time") if name.endswith(d)), "1")
     if name.endswith(("heat", "work")):
         dimension = "energy"
-    return Quantity(
-        name,
-        name,
-        dimension,
-        "scalar",
-        "global",
-        lambda s: s.state.extra.get(name, 0.0),
-        EXTRA.get(name, "as named by the solver"),
-    )
+    text = EXTRA.get(name, "as named by the solver")
+    return Quantity(name, name, dimension, "scalar", "global", lambda s: s.state.extra.get(name, 0.0), text)
 
 
 def default_columns(context: Context) -> list[Column]:
@@ -196,11 +189,7 @@ def unknown_column(name: str, names: Iterable[str], context: Context) -> str:
     base, _, owner = name.removesuffix("]").partition("[")
     elsewhere = {quantity.name for quantity in QUANTITIES.at(*PLACES[: -len(OF_CRACKS)])}
     for quantity in QUANTITIES.at(*OF_CRACKS):
-        if quantity.name not in elsewhere and base in (
-            quantity.name,
-            f"{quantity.name}_x",
-            f"{quantity.name}_y",
-        ):
+        if quantity.name not in elsewhere and base.removesuffix("_x").removesuffix("_y") == quantity.name:
             words = crack_quantities.why_missing(quantity, owner, context)
             if words:
                 return f"'{name}' {words}"
@@ -233,9 +222,7 @@ HISTORY_DIMENSIONS = {
 def _history(name: str) -> Quantity:
     dimension = HISTORY_DIMENSIONS.get(name, "1")
     text = f"history variable '{name}' of the materials that have it, 0 for the others"
-    return Quantity(
-        name, name, dimension, "scalar", "particle", lambda snapshot: snapshot.history(name), text
-    )
+    return Quantity(name, name, dimension, "scalar", "particle", lambda s: s.history(name), text)
 
 
 def archived_names(asked: Iterable[str] | None, context: Context) -> Iterable[str]:
