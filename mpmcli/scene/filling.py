@@ -177,28 +177,17 @@ def check_filling(scene: Any) -> list[Problem]:
             f"the bodies have up to {places:.2g} particles, more than are checked here; the run checks them"
         )
         return [Problem("bodies", words, code="not_checked", severity="warning")]
-    filled = fill_bodies(scene.bodies, grid, analysis, covering(scene))
+    filled = fill_bodies(scene.bodies, grid, analysis, covering(scene.boundary))
     find_masses(scene, filled)
-    problems = [
-        problem
-        for body, particles in zip(scene.bodies, filled, strict=True)
-        for problem in start_velocity(body, particles.X)[1]
-    ]
-    problems += [
-        problem
-        for body, particles in zip(scene.bodies, filled, strict=True)
-        if body.temperature is not None
-        for problem in start_temperature(body, particles.X, scene.has_temperature)[1]
-    ]
+    problems: list[Problem] = []
     for body, particles in zip(scene.bodies, filled, strict=True):
+        problems += start_velocity(body, particles.X)[1]
+        if body.temperature is not None:
+            problems += start_temperature(body, particles.X, scene.has_temperature)[1]
         if body.stress is not None:
             problems += check_stress(scene, body, particles.X)
-    problems += [
-        problem
-        for body, particles in zip(scene.bodies, filled, strict=True)
-        if body.axes is not None
-        for problem in start_axes(body, particles.X)[1]
-    ]
+        if body.axes is not None:
+            problems += start_axes(body, particles.X)[1]
     if problems:
         raise SceneError(problems)
     return [*stair_stepped_faces(scene, filled), *check_start(scene, filled)]
