@@ -238,11 +238,6 @@ class Series:
         """Paths of the next files, in the order of the members."""
         return self._paths(len(self.times))
 
-    def next_path(self) -> Path:
-        """Path of the next file of a series with one member."""
-        (path,) = self.next_paths()
-        return path
-
     def add(self, time: float) -> None:
         """List the next files, which have been written."""
         self.times.append(time)
