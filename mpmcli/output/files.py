@@ -72,6 +72,17 @@ def make_folder(path: Path) -> None:
         raise cannot_write(path, error) from error
 
 
+def all_tables(directory: Path) -> list[str]:
+    """Files of the tables in a results folder, relative to it."""
+    probes = [f"probes/{path.name}" for path in sorted((directory / "probes").glob("*.csv"))]
+    return [name for name in (GLOBALS, CRACK_EVENTS) if (directory / name).exists()] + probes
+
+
+def table_names(directory: Path) -> list[str]:
+    """Those of the tables over time: ``globals.csv`` and ``probes/NAME.csv``."""
+    return [name for name in all_tables(directory) if name != CRACK_EVENTS]
+
+
 def owned_files(directory: Path) -> Iterator[Path]:
     """The files in a folder that a run wrote or would write over."""
     for name in OWNED:

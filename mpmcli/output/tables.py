@@ -148,3 +148,12 @@ def read_table(path: Path) -> tuple[list[str], list[list[str]]]:
                 f"cannot read {path}: row {number} has {len(row)} cells, the header {len(rows[0])}"
             )
     return rows[0], rows[1:]
+
+
+def read_number_table(path: Path) -> tuple[list[str], np.ndarray]:
+    """Header and numbers (rows, columns) of a CSV file; ArchiveError if it cannot be read, or has other cells."""
+    header, rows = read_table(path)
+    try:
+        return header, np.array([read_numbers(row) for row in rows]).reshape(len(rows), len(header))
+    except ValueError:
+        raise ArchiveError(f"cannot read {path}: some cells are not numbers") from None
