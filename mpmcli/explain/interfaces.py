@@ -109,8 +109,7 @@ def interfaces_in_words(facts: dict[str, Any]) -> list[str]:
         lines.append(
             f"{len(facts['pairs']) - MOST_PAIRS} more pairs; the stiffest of all has φ = {stiffest:.3g}"
         )
-    first, *others = lines
-    return [f"interface  {first}", *(f"           {line}" for line in others)]
+    return lines
 
 
 def _pair_in_words(pair: dict[str, Any], step: str) -> list[str]:

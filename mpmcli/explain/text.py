@@ -31,9 +31,9 @@ def as_text(facts: dict[str, Any]) -> str:
         f"arrays     particles {facts['particle_bytes'] / 2**20:.1f} MiB, grid {facts['grid_bytes'] / 2**20:.1f} MiB "
         f"if all nodes are active ({', '.join(facts['arrays'])}); {size:.1f} MiB in total",
         f"time step  {facts['time_step']:.4g}{_unit(facts['time_unit'])} at the start: {_courant_in_words(facts)}",
-        *interfaces_in_words(facts["interfaces"]),
-        *cracks_in_words(facts["cracks"]),
-        *heat_in_words(facts["heat"]),
+        *_labelled("interface", interfaces_in_words(facts["interfaces"])),
+        *_labelled("cracks", cracks_in_words(facts["cracks"])),
+        *_labelled("heat", heat_in_words(facts["heat"])),
         f"run        about {facts['steps']} steps, {_time_in_words(facts)}",
         *_measured_in_words(facts["measured"]),
         "",
@@ -46,6 +46,11 @@ def as_text(facts: dict[str, Any]) -> str:
         *(f"  {question}" for question in facts["questions"]),
     ]
     return "\n".join(lines)
+
+
+def _labelled(label: str, lines: list[str]) -> list[str]:
+    """Return lines beside a label, which stands before the first."""
+    return [f"{label if number == 0 else '':<11}{line}" for number, line in enumerate(lines)]
 
 
 def _unit(name: str | None) -> str:

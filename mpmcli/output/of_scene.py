@@ -11,7 +11,7 @@ from mpmcli.core.state import State
 from mpmcli.output.columns import archived_names, resolve_columns, resolve_fields
 from mpmcli.output.contact_quantities import pair_name
 from mpmcli.output.criteria import check_conditions
-from mpmcli.output.probes import resolve_grid_fields, resolve_pair
+from mpmcli.output.probes import make_probe, resolve_grid_fields
 from mpmcli.output.quantities import Context
 from mpmcli.scene.fields import law_table, owners_of_fields, velocity_fields
 
@@ -146,16 +146,9 @@ def check_output(scene: Any) -> None:
     if archive.grid is not None:
         collect(resolve_grid_fields, archive.grid.fields, context)
     for index, probe in enumerate(scene.probes):
-        path = f"probes.{index}.columns"
-        if probe.kind == "particle":
-            collect(resolve_fields, probe.columns, context, path)
-        elif probe.kind == "pair":
-            collect(resolve_pair, probe.between, probe.columns, context, f"probes.{index}")
-        elif probe.kind in ("crack_tip", "crack_opening"):
-            from mpmcli.output.crack_probes import resolve_crack_probe
-
-            collect(resolve_crack_probe, probe, context, f"probes.{index}")
+        if probe.kind == "particle":  # which needs particles to be made
+            collect(resolve_fields, probe.columns, context, f"probes.{index}.columns")
         else:
-            collect(resolve_grid_fields, probe.columns, context, path)
+            collect(make_probe, probe, None, context, f"probes.{index}")
     if problems:
         raise SceneError(problems)

@@ -317,8 +317,8 @@ def resolve_pair(
     return pair, ways[pair], [there[name] for name in chosen]
 
 
-def make_probe(model: Any, state: State, context: Context, path: str) -> Probe | Profile:
-    """A probe from its words in the scene.
+def make_probe(model: Any, state: State | None, context: Context, path: str) -> Probe | Profile:
+    """A probe from its words in the scene; ``state`` is that of the start, which only those of particles need.
 
     Raises
     ------
@@ -328,6 +328,7 @@ def make_probe(model: Any, state: State, context: Context, path: str) -> Probe |
     if model.name in (".", "..") or any(mark in model.name for mark in "/\\\0"):
         raise SceneError([Problem(f"{path}.name", f"'{model.name}' is not a valid file name")])
     if model.kind == "particle":
+        assert state is not None
         quantities = resolve_fields(model.columns, context, f"{path}.columns")
         return ParticleProbe(model.name, state, model.body, model.near, quantities, context)
     if model.kind == "pair":

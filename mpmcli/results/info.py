@@ -8,10 +8,8 @@ from typing import Any
 
 from mpmcli.core.errors import ArchiveError
 from mpmcli.output.checkpoint import read_checkpoint
-from mpmcli.output.crack_report import in_words as crack_in_words
-from mpmcli.output.crack_report import third_in_words
+from mpmcli.output.end_report import crack_in_words, interfaces_in_words, lost_in_words, third_in_words
 from mpmcli.output.files import CHECKPOINTS, FAILED, GLOBALS, SERIES, all_tables, owned_files
-from mpmcli.output.interface_report import in_words, lost_in_words
 from mpmcli.output.manifest import read_manifest
 from mpmcli.output.tables import read_table
 from mpmcli.results.read_vtu import read_head, read_series
@@ -90,7 +88,9 @@ def _of_manifest(contents: dict[str, Any]) -> Iterator[str]:
     yield ", ".join(words)
     if "interfaces" in run:
         columns = contents.get("units", {}).get(GLOBALS, {})
-        yield in_words(run["interfaces"], next((columns[name] for name in ENERGIES if name in columns), ""))
+        yield interfaces_in_words(
+            run["interfaces"], next((columns[name] for name in ENERGIES if name in columns), "")
+        )
         if run["interfaces"]["lost"]:
             yield f"warning: {lost_in_words(run['interfaces']['lost'])}"
     columns = contents.get("units", {})

@@ -16,8 +16,15 @@ from mpmcli.core.state import State
 from mpmcli.core.times import is_reached
 from mpmcli.output import manifest
 from mpmcli.output.checkpoint import Checkpoint, write_checkpoint
+from mpmcli.output.end_report import (
+    crack_facts,
+    interface_facts,
+    interfaces_in_words,
+    lost_in_words,
+    stretch_in_words,
+    third_in_words,
+)  # fmt: skip
 from mpmcli.output.files import FAILED
-from mpmcli.output.interface_report import in_words, interface_facts, lost_in_words
 from mpmcli.output.recorder import Recorder
 from mpmcli.output.schedule import Schedule
 from mpmcli.run.folder import DRY_RUN
@@ -273,11 +280,7 @@ class RunLoop:
         if self.events is not None:
             found |= self.events.facts()
         found |= interface_facts(state, self.recorder.balance.largest)
-        if state.cracks is not None:
-            from mpmcli.output.crack_report import crack_facts
-
-            found |= crack_facts(state)
-        return found
+        return found | crack_facts(state)
 
     def _abandon(self, ended: str) -> None:
         """Close what can be closed; the first error is the one to be seen."""
@@ -310,12 +313,10 @@ class RunLoop:
                 "used", number, unconverged, 100.0 * share,
             )  # fmt: skip
         if interfaces := facts.get("interfaces"):
-            LOGGER.info("%s", in_words(interfaces, self.loaded.units.label("energy")))
+            LOGGER.info("%s", interfaces_in_words(interfaces, self.loaded.units.label("energy")))
             if interfaces["lost"]:
                 LOGGER.warning("%s", lost_in_words(interfaces["lost"]))
         if "cracks" in facts:
-            from mpmcli.output.crack_report import stretch_in_words, third_in_words
-
             if facts["third_cracks"]:
                 LOGGER.warning("%s", third_in_words(facts["third_cracks"]))
             for words in filter(None, map(stretch_in_words, facts["cracks"])):

@@ -19,37 +19,33 @@ Exponents = tuple[Fraction, Fraction, Fraction, Fraction]
 
 BASE = ("length", "mass", "time", "temperature")
 
-# exponents of length, mass, time, temperature
-DIMENSIONS: dict[str, tuple[int, int, int, int]] = {
-    "1": (0, 0, 0, 0),
-    "angle": (0, 0, 0, 0),
-    "strain": (0, 0, 0, 0),
-    "length": (1, 0, 0, 0),
-    "area": (2, 0, 0, 0),
-    "volume": (3, 0, 0, 0),
-    "mass": (0, 1, 0, 0),
-    "time": (0, 0, 1, 0),
-    "temperature": (0, 0, 0, 1),
-    "frequency": (0, 0, -1, 0),
-    "rate": (0, 0, -1, 0),
-    "velocity": (1, 0, -1, 0),
-    "acceleration": (1, 0, -2, 0),
-    "momentum": (1, 1, -1, 0),
-    "angular_momentum": (2, 1, -1, 0),
-    "force": (1, 1, -2, 0),
-    "stress": (-1, 1, -2, 0),
-    "pressure": (-1, 1, -2, 0),
-    "energy": (2, 1, -2, 0),
-    "power": (2, 1, -3, 0),
-    "density": (-3, 1, 0, 0),
-    "viscosity": (-1, 1, -1, 0),
-    "specific_heat": (2, 0, -2, -1),
-    "specific_energy": (2, 0, -2, 0),
-    "gas_constant": (2, 0, -2, -1),
-    "conductivity": (1, 1, -3, -1),
-    "film_coefficient": (0, 1, -3, -1),
-    "heat_flux": (0, 1, -3, 0),
+# words by their exponents of length, mass, time, temperature
+_WORDS = {
+    (0, 0, 0, 0): "1 angle strain",
+    (1, 0, 0, 0): "length",
+    (2, 0, 0, 0): "area",
+    (3, 0, 0, 0): "volume",
+    (0, 1, 0, 0): "mass",
+    (0, 0, 1, 0): "time",
+    (0, 0, 0, 1): "temperature",
+    (0, 0, -1, 0): "frequency rate",
+    (1, 0, -1, 0): "velocity",
+    (1, 0, -2, 0): "acceleration",
+    (1, 1, -1, 0): "momentum",
+    (2, 1, -1, 0): "angular_momentum",
+    (1, 1, -2, 0): "force",
+    (-1, 1, -2, 0): "stress pressure",
+    (2, 1, -2, 0): "energy",
+    (2, 1, -3, 0): "power",
+    (-3, 1, 0, 0): "density",
+    (-1, 1, -1, 0): "viscosity",
+    (2, 0, -2, -1): "specific_heat gas_constant",
+    (2, 0, -2, 0): "specific_energy",
+    (1, 1, -3, -1): "conductivity",
+    (0, 1, -3, -1): "film_coefficient",
+    (0, 1, -3, 0): "heat_flux",
 }
+DIMENSIONS = {word: exponents for exponents, words in _WORDS.items() for word in words.split()}
 
 # words whose label is a unit of its own where the scale is a power of ten that has a prefix
 _NAMED = {"force": "N", "stress": "Pa", "pressure": "Pa", "energy": "J", "power": "W"}

@@ -26,38 +26,20 @@ SUBJECTS: dict[str, tuple[str, ...]] = {
     "reactions": ("reaction",),
     "momentum": ("momentum", "angular_momentum", "contact_momentum_error"),
     "contact": (
-        "contact_force",
-        "contact_area",
-        "contact_work",
-        "rigid_work",
-        "contact_nodes",
-        "contact_touching",
+        "contact_force", "contact_area", "contact_work", "rigid_work", "contact_nodes", "contact_touching",
         "contact_unconverged",
     ),
     "interfaces": (
-        "jump_normal",
-        "jump_tangential",
-        "interface_traction_normal",
-        "interface_traction_tangential",
-        "interface_area",
-        "broken_area",
-        "interface_lost",
+        "jump_normal", "jump_tangential", "interface_traction_normal", "interface_traction_tangential",
+        "interface_area", "broken_area", "interface_lost",
     ),
     "cracks": (
-        "crack_length",
-        "J",
-        "K_I",
-        "K_II",
-        "tip",
-        "tip_speed",
-        "released_energy",
-        "crack_force",
-        "crack_nodes",
+        "crack_length", "J", "K_I", "K_II", "tip", "tip_speed", "released_energy", "crack_force", "crack_nodes",
         "third_cracks",
     ),
     "motion": ("center", "velocity", "largest_speed"),
     "steps": ("dt", "smallest_J", "mass"),
-}
+}  # fmt: skip
 """Quantities of the tables that belong together, by what they are about."""
 
 _COLUMN = re.compile(r"(?P<base>.+?)(?:_(?P<component>[xyz]{1,2}))?(?:\[(?P<owner>.*)\])?", re.DOTALL)
