@@ -204,18 +204,14 @@ def fields_of(context: Context) -> dict[str, Quantity]:
     return found
 
 
+_OF_PRESSURE = (
+    "crack_driver", "dissipated_energy", "internal_energy", "plastic_work", "plastic_work_of_step",
+    "preconsolidation_pressure", "stiffening",
+)  # fmt: skip
 HISTORY_DIMENSIONS = {
-    "band_x": "length",
-    "band_y": "length",
-    "band_z": "length",
-    "crack_driver": "pressure",
-    "dissipated_energy": "pressure",
-    "internal_energy": "pressure",
-    "plastic_work": "pressure",
-    "plastic_work_of_step": "pressure",
-    "preconsolidation_pressure": "pressure",
-    "stiffening": "pressure",
     "temperature": "temperature",
+    **dict.fromkeys(("band_x", "band_y", "band_z"), "length"),
+    **dict.fromkeys(_OF_PRESSURE, "pressure"),
 }
 
 

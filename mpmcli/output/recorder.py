@@ -13,7 +13,7 @@ from mpmcli.core.errors import ArchiveError, SimulationError
 from mpmcli.core.state import State
 from mpmcli.core.suggest import listing
 from mpmcli.output.columns import archived_names, evaluate, resolve_columns, resolve_fields
-from mpmcli.output.files import CRACK_EVENTS, FAILED, FAILED_CRACKS, GLOBALS, cannot_write, make_folder
+from mpmcli.output.files import CRACK_EVENTS, FAILED, FAILED_CRACKS, GLOBALS, make_folder, writing
 from mpmcli.output.global_quantities import EnergyBalance
 from mpmcli.output.manifest import Manifest
 from mpmcli.output.of_scene import context_of
@@ -239,10 +239,8 @@ class Recorder:
         for part in self._parts:
             part.recall(memory, float(memory["time"]))
         for name in (FAILED, FAILED_CRACKS):
-            try:
+            with writing(self.directory / name):
                 (self.directory / name).unlink(missing_ok=True)
-            except OSError as error:
-                raise cannot_write(self.directory / name, error) from error
 
     def due(self, state: State) -> bool:
         """Whether anything is to be written of this state."""

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from mpmcli.core.errors import ArchiveError
-from mpmcli.output.files import cannot_write
+from mpmcli.output.files import writing
 
 
 def format_cell(value: float | int | str) -> str:
@@ -57,13 +57,11 @@ class Table:
     def __init__(self, path: Path, columns: Sequence[str], position: tuple[int, int] | None = None):
         self.path, self.columns = path, list(columns)
         self.position = (0, 0)
-        try:
+        with writing(path):
             # the buffer is flushed with each row: what was written survives a crash of the program
             self._stream = open(path, "wb" if position is None else "r+b")  # noqa: SIM115
             if position is not None:
                 self._compare(position)
-        except OSError as error:
-            raise cannot_write(path, error) from error
         if position is None:
             self._write(_quoted(name) for name in self.columns)
 
@@ -83,10 +81,8 @@ class Table:
 
     def cut_back(self) -> None:
         """Cut off what follows: a step of its own, so that a run that is refused has cut none of its tables."""
-        try:
+        with writing(self.path):
             self._stream.truncate(self.position[0])
-        except OSError as error:
-            raise cannot_write(self.path, error) from error
 
     def write(self, cells: Sequence[float | int | str]) -> None:
         """Add one row."""
@@ -95,28 +91,22 @@ class Table:
         self._write(format_cell(cell) for cell in cells)
 
     def _write(self, cells: Iterable[str]) -> None:
-        try:
-            line = (",".join(cells) + "\n").encode()
+        line = (",".join(cells) + "\n").encode()
+        with writing(self.path):
             self._stream.write(line)
             self._stream.flush()
-            size, checksum = self.position
-            self.position = (size + len(line), zlib.crc32(line, checksum))
-        except OSError as error:
-            raise cannot_write(self.path, error) from error
+        size, checksum = self.position
+        self.position = (size + len(line), zlib.crc32(line, checksum))
 
     def sync(self) -> None:
         """Make sure that the rows are on the disk."""
-        try:
+        with writing(self.path):
             os.fsync(self._stream.fileno())
-        except OSError as error:
-            raise cannot_write(self.path, error) from error
 
     def close(self) -> None:
         """Close the file; it may be closed twice."""
-        try:
+        with writing(self.path):
             self._stream.close()
-        except OSError as error:
-            raise cannot_write(self.path, error) from error
 
 
 def _quoted(name: str) -> str:

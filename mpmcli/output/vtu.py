@@ -14,7 +14,7 @@ import numpy as np
 
 from mpmcli.core.state import GridView
 from mpmcli.output.appended import DataSet, write_data_set
-from mpmcli.output.files import SERIES, cannot_write, make_folder, write_text
+from mpmcli.output.files import SERIES, make_folder, write_text, writing
 from mpmcli.output.probes import nodal_values
 from mpmcli.output.quantities import Quantity
 from mpmcli.output.snapshot import Snapshot
@@ -187,12 +187,10 @@ class Series:
 
     def _remove_others(self) -> None:
         kept = {path for count in range(len(self.times)) for path in self._paths(count)}
-        try:
+        with writing(self.directory / self.name):
             for path in (self.directory / self.name).iterdir():
                 if SERIES[self.name].fullmatch(path.name) and path not in kept:
                     path.unlink()
-        except OSError as error:
-            raise cannot_write(self.directory / self.name, error) from error
 
     def _paths(self, count: int) -> list[Path]:
         folder = self.directory / self.name

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from mpmcli.core.errors import ArchiveError
-from mpmcli.output.files import cannot_write, make_folder
+from mpmcli.output.files import make_folder, writing
 from mpmcli.run.folder import hold
 
 
@@ -64,13 +64,10 @@ class Journal:
         """Keep a result; it is on disk when this returns."""
         line = json.dumps({"key": key, "result": result}, ensure_ascii=False) + "\n"
         with self._lock:
-            try:
-                with open(self.path, "a", encoding="utf-8", newline="\n") as stream:
-                    stream.write("\n" + line if self._ends_open else line)
-                    stream.flush()
-                    os.fsync(stream.fileno())
-            except OSError as error:
-                raise cannot_write(self.path, error) from error
+            with writing(self.path), open(self.path, "a", encoding="utf-8", newline="\n") as stream:
+                stream.write("\n" + line if self._ends_open else line)
+                stream.flush()
+                os.fsync(stream.fileno())
             self._ends_open = False
             self.results[key] = result
 

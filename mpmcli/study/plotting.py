@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from mpmcli.core.errors import ArchiveError
-from mpmcli.output.files import cannot_write
+from mpmcli.output.files import writing
 
 
 def can_plot() -> bool:
@@ -44,7 +44,5 @@ def tidy(axes: Any) -> None:
 def finish(figure: Any, axes: Any, path: Path) -> None:
     """Draw grid and legend, and write the picture."""
     tidy(axes)
-    try:
+    with writing(path):
         figure.savefig(path, dpi=150)
-    except OSError as error:
-        raise cannot_write(path, error) from error
