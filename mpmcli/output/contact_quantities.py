@@ -49,14 +49,6 @@ def _areas(snapshot: Snapshot) -> dict[str, float]:
     return {pair_name(pair): float(row) for pair, row in zip(view.pairs, area, strict=True)}
 
 
-def _momentum_error(snapshot: Snapshot) -> np.ndarray:
-    return (_view(snapshot).momentum_error * snapshot.full_ring)[int(snapshot.is_axisymmetric) :]
-
-
-def _rigid_work(snapshot: Snapshot) -> dict[str, float]:
-    return {name: work * snapshot.full_ring for name, work in _view(snapshot).rigid_work.items()}
-
-
 def _count(name: str) -> Callable[[Snapshot], float]:
     return lambda snapshot: float(getattr(_view(snapshot), name))
 
@@ -74,7 +66,8 @@ QUANTITIES.add(
     Quantity("contact_force", "F_c", "force", "vector", "field", _forces_on_fields,
              "contact force of all others on a velocity field in the last step",
              exists=_with_contact, is_default=never),
-    Quantity("rigid_work", "W_r", "energy", "scalar", "field", _rigid_work,
+    Quantity("rigid_work", "W_r", "energy", "scalar", "field",
+             lambda s: {name: work * s.full_ring for name, work in _view(s).rigid_work.items()},
              "work that a rigid body has done by contact, accumulated; part of boundary_work",
              exists=lambda context: context.has_contact and bool(context.rigid_fields),
              owners=lambda context: context.rigid_fields),
@@ -86,7 +79,8 @@ QUANTITIES.add(
     Quantity("contact_unconverged", "n_u", "1", "scalar", "global", _count("unconverged"),
              "number of contacts whose normal did not converge in the last step",
              exists=_with_normals, is_default=never),
-    Quantity("contact_momentum_error", "ΔP_c", "momentum", "vector", "global", _momentum_error,
+    Quantity("contact_momentum_error", "ΔP_c", "momentum", "vector", "global",
+             lambda s: (_view(s).momentum_error * s.full_ring)[int(s.is_axisymmetric) :],
              "momentum that contact has created where its forces are not equal and opposite (three or more fields "
              "at a node, normals of each field's own), accumulated; in axisymmetric analyses the axial component",
              exists=_with_contact, is_default=lambda context: context.creates_momentum, components=axes_of_momentum),

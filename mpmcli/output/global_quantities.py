@@ -47,19 +47,9 @@ def _stress_work(snapshot: Snapshot) -> float:
     return snapshot.total(snapshot.particles.stress_work) * snapshot.full_ring
 
 
-def _strain_energy(snapshot: Snapshot) -> float:
-    return (
-        snapshot.total(snapshot.particles.vol0 * snapshot.state.strain_energy_density()) * snapshot.full_ring
-    )
-
-
 def _viscous_work(snapshot: Snapshot) -> float:
     work = snapshot.particles.viscous_work
     return 0.0 if work is None else snapshot.total(work) * snapshot.full_ring
-
-
-def _momentum(snapshot: Snapshot) -> np.ndarray:
-    return np.asarray(snapshot.total(snapshot.particles.V * snapshot.mass))
 
 
 def _angular_momentum(snapshot: Snapshot) -> np.ndarray:
@@ -72,13 +62,8 @@ def _angular_momentum(snapshot: Snapshot) -> np.ndarray:
     return np.array([about(0, 1)] if len(X) == 2 else [about(1, 2), about(2, 0), about(0, 1)])
 
 
-def _largest_speed(snapshot: Snapshot) -> float:
-    V = snapshot.particles.V
-    return float(np.sqrt((V * V).sum(axis=0).max(initial=0.0)))
-
-
-def _largest_displacement(snapshot: Snapshot) -> float:
-    return float(np.sqrt(np.square(snapshot.displacement).sum(axis=0).max(initial=0.0)))
+def _largest(vectors: np.ndarray) -> float:
+    return float(np.sqrt((vectors * vectors).sum(axis=0).max(initial=0.0)))
 
 
 def _smallest_J(snapshot: Snapshot) -> float:
@@ -93,10 +78,6 @@ def _body_mean(field: str) -> Callable[[Snapshot], np.ndarray]:
 def _average(owner: str, tensor: str) -> Callable[[Snapshot], np.ndarray]:
     """Average weighted by current volume; of σ it is Σ σ J V⁰ = Σ τ V⁰, over Σ J V⁰."""
     return lambda s: s.mean_over(owner, getattr(s, tensor), s.volume)
-
-
-def _reactions(snapshot: Snapshot) -> dict[str, np.ndarray]:
-    return {name: force * snapshot.full_ring for name, force in snapshot.state.reactions.items()}
 
 
 def never(context: Context) -> bool:
@@ -141,7 +122,9 @@ def _accumulated_energy(name: str, symbol: str, text: str, **when: Any) -> Quant
 
 QUANTITIES.add(
     _energy("kinetic_energy", "K", lambda s: s.total_kinetic_energy, "½ Σ M V² of all particles"),
-    _energy("strain_energy", "Ψ", _strain_energy, "stored (elastic) energy"),
+    _energy("strain_energy", "Ψ",
+            lambda s: s.total(s.particles.vol0 * s.state.strain_energy_density()) * s.full_ring,
+            "stored (elastic) energy"),
     _energy("stress_work", "W", _stress_work, "work of the stress, Σ V⁰ ½(τⁿ + τⁿ⁺¹):D Δt, accumulated"),
     _history_energy("plastic_work", "W_p", "work dissipated by plastic flow"),
     _history_energy("dissipated_energy", "D", "energy that softening has dissipated"),
@@ -158,13 +141,14 @@ QUANTITIES.add(
              "kinetic_energy + stress_work + contact_work + interface_work + damping_work − boundary_work − "
              "external_work − its initial value, over the largest kinetic_energy + |stress_work| so far"),
     Quantity("mass", "M", "mass", "scalar", "global", lambda s: s.total(s.mass), "total mass"),
-    Quantity("momentum", "P", "momentum", "vector", "global", lambda s: _momentum(s)[int(s.is_axisymmetric) :],
+    Quantity("momentum", "P", "momentum", "vector", "global",
+             lambda s: s.total(s.particles.V * s.mass)[int(s.is_axisymmetric) :],
              "Σ M V; in axisymmetric analyses only the axial component", components=axes_of_momentum),
     Quantity("angular_momentum", "L", "angular_momentum", "vector", "global", _angular_momentum,
              "Σ M X × V about the origin",
              exists=lambda context: context.dimensions > 1 and not context.is_axisymmetric,
              components=lambda context: tuple("z" if context.dimensions == 2 else AXES)),
-    Quantity("largest_speed", "v_max", "velocity", "scalar", "global", _largest_speed,
+    Quantity("largest_speed", "v_max", "velocity", "scalar", "global", lambda s: _largest(s.particles.V),
              "largest particle speed, rigid bodies included"),
     Quantity("smallest_J", "J_min", "1", "scalar", "global", _smallest_J,
              "smallest relative volume det F of a particle; no value without particles"),
@@ -178,7 +162,7 @@ QUANTITIES.add(
     Quantity("displacement", "u_c", "length", "vector", "body",
              lambda s: s.mean_over("body", s.displacement, s.particles.mass),
              "mean displacement of a body by mass, since time 0", is_default=never),
-    Quantity("displacement", "u_max", "length", "scalar", "global", _largest_displacement,
+    Quantity("displacement", "u_max", "length", "scalar", "global", lambda s: _largest(s.displacement),
              "largest displacement of a particle since time 0", is_default=never),
     Quantity("velocity", "v_c", "velocity", "vector", "body", _body_mean("V"), "mean velocity of a body by mass"),
     Quantity("stress", "σ", "pressure", "tensor", "body", _average("body", "stress"),
@@ -186,6 +170,7 @@ QUANTITIES.add(
     Quantity("strain", "ε", "1", "tensor", "body", _average("body", "strain"),
              "logarithmic strain of a body, mean over its current volume",
              owners=deformable_bodies, is_default=never),
-    Quantity("reaction", "R", "force", "vector", "reaction", _reactions,
+    Quantity("reaction", "R", "force", "vector", "reaction",
+             lambda s: {name: force * s.full_ring for name, force in s.state.reactions.items()},
              "force of a boundary condition on the bodies in the last step"),
 )  # fmt: skip

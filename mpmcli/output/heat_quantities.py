@@ -24,10 +24,6 @@ def _inflow(s: Snapshot) -> float:
     return s.total(s.heat_inflow + s.carried_heat)  # type: ignore[no-any-return]
 
 
-def _entropy(s: Snapshot) -> float:
-    return s.total(s.entropy)  # type: ignore[no-any-return]
-
-
 def _part(name: str) -> Callable[[Snapshot], float]:
     return lambda s: s.state.work.get(name, 0.0) * s.full_ring
 
@@ -48,10 +44,6 @@ def _thermal_energy(s: Snapshot) -> float:
 
 def _internal_energy(s: Snapshot) -> float:
     return s.total(s.particles.stress_work) * s.full_ring + _inflow(s)  # type: ignore[no-any-return]
-
-
-def _helmholtz_energy(s: Snapshot) -> float:
-    return _internal_energy(s) - s.total(s.temperature * s.entropy)  # type: ignore[no-any-return]
 
 
 def _extreme(choose: Callable[[Any], Any]) -> Callable[[Snapshot], float]:
@@ -87,10 +79,11 @@ QUANTITIES.add(
              "heat capacity times (T − T0)", exists=_with_heat),
     Quantity("internal_energy", "U", "energy", "scalar", "global", _internal_energy,
              "stress_work + heat_inflow", exists=_with_heat),
-    Quantity("entropy", "S", "energy/temperature", "scalar", "global", _entropy,
+    Quantity("entropy", "S", "energy/temperature", "scalar", "global", lambda s: s.total(s.entropy),
              "entropy that conduction and dissipation have given, 0 at the temperatures of the scene",
              exists=_with_heat),
-    Quantity("helmholtz_energy", "A", "energy", "scalar", "global", _helmholtz_energy,
+    Quantity("helmholtz_energy", "A", "energy", "scalar", "global",
+             lambda s: _internal_energy(s) - s.total(s.temperature * s.entropy),
              "free energy Σ (u − T s) of the particles; a process that heats does not return to 0",
              exists=_with_heat),
     Quantity("heat_error", "e_Q", "1", "scalar", "global", _heat_error,

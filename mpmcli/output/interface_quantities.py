@@ -33,10 +33,6 @@ def _of_pairs(name: str, is_sum: bool) -> Callable[[Snapshot], dict[str, float]]
     return compute
 
 
-def _total(name: str) -> Callable[[Snapshot], float]:
-    return lambda snapshot: float(getattr(_view(snapshot), name).sum()) * snapshot.full_ring
-
-
 def _total_energy(snapshot: Snapshot) -> float:
     """That of bodies in contact and of the faces of cracks."""
     contact, cracks = snapshot.state.contact, snapshot.state.cracks
@@ -79,7 +75,8 @@ QUANTITIES.add(
              "energy that interfaces have taken out of the bodies; interface_energy, cohesive_work and the "
              "numerical loss are its parts",
              exists=_exists_anywhere),
-    Quantity("cohesive_work", "D_i", "energy", "scalar", "global", _total("cohesive_work"),
+    Quantity("cohesive_work", "D_i", "energy", "scalar", "global",
+             lambda s: float(_view(s).cohesive_work.sum()) * s.full_ring,
              "energy dissipated by the damage of cohesive interfaces, accumulated", exists=_COHESIVE),
     Quantity("interface_lost", "n_i", "1", "scalar", "global", lambda s: float(_view(s).lost),
              "number of contacts of intact interfaces that open by more than a cell, where nodes no longer "

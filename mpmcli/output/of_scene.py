@@ -29,11 +29,6 @@ def _extra_columns(scene: Any) -> tuple[str, ...]:
     return deleted * (scene.domain.on_exit == "delete") + ("mean_order",) * chooses + feedback
 
 
-def _sources_of_heat(scene: Any) -> list[str]:
-    """Names of what may heat bodies from outside."""
-    return [each.name for each in (*scene.conditions_on("temperature"), *scene.loads_on("temperature"))]
-
-
 def context_of(scene: Any, state: State | None = None) -> Context:
     """What a scene has; with a state, its bodies and materials are those that were made."""
     models = list(scene.materials.values())
@@ -51,13 +46,14 @@ def context_of(scene: Any, state: State | None = None) -> Context:
         "bath_heat": scene.heat is not None and not scene.is_adiabatic,
     }
     names = [name for name, used in work.items() if used]
+    heating = (*scene.conditions_on("temperature"), *scene.loads_on("temperature"))
     return Context(
         analysis=scene.analysis.kind,
         bodies=tuple(state.bodies if state else (body.name for body in scene.bodies)),
         materials=tuple(state.materials if state else scene.materials),
         history=tuple(dict.fromkeys(name for model in models for name in model.history)),
         reactions=tuple(dict.fromkeys(condition.name for condition in scene.conditions_on("velocity"))),
-        heated_by=tuple(dict.fromkeys(_sources_of_heat(scene))),
+        heated_by=tuple(dict.fromkeys(each.name for each in heating)),
         has_heat=scene.heat is not None,
         exchanges_heat=bool(contact) and scene.heat is not None and scene.heat.contact != "shared",
         has_friction_heat=bool(contact) and scene.heat is not None and scene.heat.friction,

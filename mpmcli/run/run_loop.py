@@ -323,7 +323,7 @@ class RunLoop:
                 LOGGER.warning("%s", words)
 
     def _summarise(self, outcome: Outcome) -> None:
-        speed = self._nanoseconds()
+        speed, seconds = self._nanoseconds(), outcome.wall_seconds
         pace = f" ({speed:.3g} ns per particle and step)" if speed is not None else ""
         first = outcome.ended if outcome.exit_code != SimulationError.exit_code else "failed"
         LOGGER.info(
@@ -332,7 +332,7 @@ class RunLoop:
             outcome.steps,
             outcome.time,
             f" {self.progress.unit}" if self.progress.unit else "",
-            _seconds_in_words(outcome.wall_seconds),
+            f"{seconds:.3g} s" if seconds < 100.0 else duration_in_words(seconds),
             pace,
             "" if outcome.energy_error is None else f", energy error {outcome.energy_error:.2e}",
             outcome.directory,
@@ -354,7 +354,3 @@ def next_command(outcome: Outcome) -> str:
     results = outcome.results
     can_be_drawn = results.has_particles or results.table_names()
     return f"mpmcli {'plot' if can_be_drawn else 'info'} {directory}"
-
-
-def _seconds_in_words(seconds: float) -> str:
-    return f"{seconds:.3g} s" if seconds < 100.0 else duration_in_words(seconds)

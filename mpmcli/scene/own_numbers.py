@@ -151,7 +151,11 @@ def values_of_rows(
     material: Any, columns: Mapping[str, Array], values: Callable[[Any], tuple[Any, ...]]
 ) -> Array:
     """Return values (k, n) of the models that rows of columns (n,) by key make; raises RowError."""
-    return by_rows(lambda numbers: values(with_numbers(material, numbers, _unchecked)), columns)
+
+    def unchecked(model: Any, changed: dict[str, Any]) -> Any:
+        return model.model_copy(update=changed)
+
+    return by_rows(lambda numbers: values(with_numbers(material, numbers, unchecked)), columns)
 
 
 def row_of(columns: Mapping[str, Array], row: int) -> dict[str, float]:
@@ -171,10 +175,6 @@ def _checked(model: Any, changed: dict[str, Any]) -> Any:
     fields = type(model).model_fields
     given = {name: getattr(model, name) for name in model.model_fields_set} | changed
     return type(model)(**{fields[name].alias or name: value for name, value in given.items()})
-
-
-def _unchecked(model: Any, changed: dict[str, Any]) -> Any:
-    return model.model_copy(update=changed)
 
 
 def _check_again(model: Any) -> None:

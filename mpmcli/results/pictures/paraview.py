@@ -103,7 +103,7 @@ def paraview_script(
     pvd = results.directory / "cracks.pvd"
     return SCRIPT.format(
         cracks=CRACKS.format(name="cracks", pvd=str(pvd.resolve())) if pvd.exists() else "",
-        title=_in_docstring(results.title),
+        title=shorten(ascii(results.title)[1:-1], 110).replace('"', "'").replace("\\", "/"),
         script=PARAVIEW,
         name=results.directory.resolve().name,
         pvd=str((results.directory / "particles.pvd").resolve()),
@@ -125,10 +125,6 @@ def paraview_script(
         eye=[round(float(x), 6) for x in towards],
         up=[round(float(x), 6) for x in up],
     )
-
-
-def _in_docstring(text: str) -> str:
-    return shorten(ascii(text)[1:-1], 110).replace('"', "'").replace("\\", "/")
 
 
 def default_path(results: Results) -> Path:
