@@ -118,10 +118,8 @@ def _add_warning(loaded: LoadedScene, warning: Problem | None) -> None:
 def check_time_step(loaded: LoadedScene) -> None:
     """Add warnings to the scene if its step is above the stable Courant number, or conducts heat badly.
 
-    Raises
-    ------
-    SceneError
-        If the Courant number is ``auto`` and no stability limit is known, or tractions on cracks need shorter steps.
+    Raises SceneError if the Courant number is ``auto`` and no stability limit is known, or tractions on cracks need
+    shorter steps.
     """
     from mpmcli.stability.scene_limit import check_tractions, chosen_courant, warning_of
     from mpmcli.stability.springs import warnings_of_interfaces

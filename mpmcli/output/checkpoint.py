@@ -78,17 +78,14 @@ class Checkpoint:
 def write_checkpoint(directory: Path, arrays: Mapping[str, Any], facts: dict[str, Any]) -> Path:
     """Write a checkpoint and keep the last one as ``checkpoint_prev.npz``.
 
+    Raises ArchiveError if it cannot be written (a full disk); the checkpoints that there are stay as they are.
+
     Parameters
     ----------
     arrays
         Arrays and numbers by name.
     facts
         What the header says besides (JSON).
-
-    Raises
-    ------
-    ArchiveError
-        If it cannot be written (a full disk); the checkpoints that there are stay as they are.
     """
     path = directory / CHECKPOINT
     part = path.with_name(path.name + ".part")

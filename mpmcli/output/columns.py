@@ -138,12 +138,8 @@ def resolve_columns(
 
     A name is a column (``momentum_x``, ``stress_xx[rubber]``), a quantity (``momentum``, ``stress``: all its
     components and owners), one component of all owners (``stress_xx``), all components of one owner
-    (``stress[rubber]``), or ``default``: the columns without a list. Without names: those as well.
-
-    Raises
-    ------
-    SceneError
-        Listing every name that is no column of this scene, with the nearest one.
+    (``stress[rubber]``), or ``default``: the columns without a list. Without names: those as well. Raises SceneError
+    listing every name that is no column of this scene, with the nearest one.
     """
     if names is None:
         return default_columns(context)

@@ -88,10 +88,7 @@ def _quantities(names: Iterable[str], tip: str, context: Context, path: str) -> 
 def make_crack_probe(model: Any, context: Context, path: str) -> CrackTipProbe | CrackOpeningProbe:
     """A probe of a crack from its words in the scene.
 
-    Raises
-    ------
-    SceneError
-        If there is no such crack or tip, or a column is unknown.
+    Raises SceneError if there is no such crack or tip, or a column is unknown.
     """
     if model.crack not in context.cracks:
         hint = did_you_mean(model.crack, context.cracks)

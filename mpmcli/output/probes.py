@@ -286,10 +286,7 @@ def resolve_pair(
 ) -> tuple[str, float, list[Quantity]]:
     """Return the pair that two names stand for, −1 if they stand the other way round, and the quantities of a probe.
 
-    Raises
-    ------
-    SceneError
-        If the fields cannot meet, or a column is unknown.
+    Raises SceneError if the fields cannot meet, or a column is unknown.
     """
     if not context.has_contact:
         raise SceneError(
@@ -320,10 +317,7 @@ def resolve_pair(
 def make_probe(model: Any, state: State | None, context: Context, path: str) -> Probe | Profile:
     """A probe from its words in the scene; ``state`` is that of the start, which only those of particles need.
 
-    Raises
-    ------
-    SceneError
-        If a column is unknown.
+    Raises SceneError if a column is unknown.
     """
     if model.name in (".", "..") or any(mark in model.name for mark in "/\\\0"):
         raise SceneError([Problem(f"{path}.name", f"'{model.name}' is not a valid file name")])

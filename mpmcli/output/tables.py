@@ -118,10 +118,7 @@ def _quoted(name: str) -> str:
 def read_table(path: Path) -> tuple[list[str], list[list[str]]]:
     """Header and rows of a CSV file, as text; lines that begin with ``#`` above the header are left out.
 
-    Raises
-    ------
-    ArchiveError
-        If the file cannot be read, is empty, or a row has not as many cells as the header.
+    Raises ArchiveError if the file cannot be read, is empty, or a row has not as many cells as the header.
     """
     try:
         with open(path, encoding="utf-8", newline="") as stream:

@@ -54,7 +54,7 @@ def read_series(pvd: Path) -> list[tuple[float, Path]]:
 
 
 class Vtu:
-    """What a file holds.
+    """What a file holds; Damaged if the file is cut short, is no VTU file, or is one of another program.
 
     Attributes
     ----------
@@ -62,11 +62,6 @@ class Vtu:
     arrays : values (N,) or (N, components) by name
     components : names of the components of the arrays that have several
     time : of the field data ``TimeValue``, or NaN
-
-    Raises
-    ------
-    Damaged
-        The file is cut short, is no VTU file, or is one of another program.
     """
 
     def __init__(self, path: Path):

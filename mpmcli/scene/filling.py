@@ -86,10 +86,7 @@ def section_of(scene: Any) -> float:
 def find_masses(scene: Any, filled: Sequence[BodyParticles]) -> tuple[Array, Array, Array]:
     """Return body, initial volume and mass of all particles, (N,) each.
 
-    Raises
-    ------
-    SceneError
-        If a particle would have a mass that no computer number can hold.
+    Raises SceneError if a particle would have a mass that no computer number can hold.
     """
     numbers = {body.name: number for number, body in enumerate(scene.bodies)}
     index = np.concatenate([np.full(b.count, numbers[b.name]) for b in filled])
@@ -160,11 +157,8 @@ def start_temperature(body: Any, X: Array, is_absolute: bool) -> tuple[Array, li
 def check_filling(scene: Any) -> list[Problem]:
     """Refuse what a run would refuse when it sets up the scene; return what it is warned of.
 
-    Raises
-    ------
-    SceneError
-        If the grid is too large for the memory, a body has no particle, reaches out of the grid or overlaps another
-        one, or a mass or velocity is out of range.
+    Raises SceneError if the grid is too large for the memory, a body has no particle, reaches out of the grid or
+    overlaps another one, or a mass or velocity is out of range.
     """
     check_memory(scene)
     grid: Any = SimpleNamespace(
@@ -196,10 +190,7 @@ def check_filling(scene: Any) -> list[Problem]:
 def check_start(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
     """Refuse interfaces and cracks that are not where matter is at the start; return what is doubtful.
 
-    Raises
-    ------
-    SceneError
-        With the distances.
+    Raises SceneError with the distances.
     """
     if scene.cracks:
         from mpmcli.scene.crack_places import check_places

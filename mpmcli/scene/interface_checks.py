@@ -285,10 +285,7 @@ def starts_of_joints(scene: Any, filled: Sequence[BodyParticles]) -> list[Start]
 def check_touch(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
     """Refuse interfaces between bodies that do not touch at the start; return warnings of those that do in part.
 
-    Raises
-    ------
-    SceneError
-        With the gap.
+    Raises SceneError with the gap.
     """
     if scene.contact is None:
         return []

@@ -145,13 +145,7 @@ def read_scalar(text: str) -> Any:
 
 
 def compose(text: str, file: str) -> Node:
-    """Read YAML text.
-
-    Raises
-    ------
-    SceneError
-        With every repeated key, or with the first fault of syntax.
-    """
+    """Read YAML text; SceneError with every repeated key, or with the first fault of syntax."""
     composer = _Composer(text, file)
     try:
         root = composer.compose()

@@ -18,15 +18,12 @@ from mpmcli.run.folder import hold
 class Journal:
     """Results by key, kept in a file that only grows; threads may share it.
 
+    Raises ArchiveError if the file cannot be read, or holds something else.
+
     Parameters
     ----------
     path
         The file. What it holds already counts as finished; lines that a crash cut short are left out.
-
-    Raises
-    ------
-    ArchiveError
-        If the file cannot be read, or holds something else.
     """
 
     def __init__(self, path: Path):
@@ -76,10 +73,7 @@ class Journal:
 def study_folder(directory: Path) -> Iterator[Path]:
     """Make the folder of a study and hold it, so that no second study writes to it.
 
-    Raises
-    ------
-    ArchiveError
-        If another study or run holds it, or it cannot be written.
+    Raises ArchiveError if another study or run holds it, or it cannot be written.
     """
     if directory.exists() and not directory.is_dir():
         raise ArchiveError(f"{directory} is a file; give a folder for the study")

@@ -21,10 +21,7 @@ def can_plot() -> bool:
 def new_figure(width: float = 6.4, height: float = 4.4) -> tuple[Any, Any]:
     """A figure with one pair of axes; no window and no state of pyplot is made.
 
-    Raises
-    ------
-    ArchiveError
-        If matplotlib is not installed.
+    Raises ArchiveError if matplotlib is not installed.
     """
     if not can_plot():
         raise ArchiveError("plots need matplotlib; install it with pip install 'mpmcli[plot]'")

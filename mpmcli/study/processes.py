@@ -43,13 +43,7 @@ class Processes:
         self.is_stopped = False
 
     def run(self, job: dict[str, Any]) -> dict[str, Any]:
-        """Run one job and wait for it; see ``run_job``.
-
-        Raises
-        ------
-        Stopped
-            If ``stop`` was called before it ended.
-        """
+        """Run one job and wait for it as ``run_job`` does; Stopped if ``stop`` was called before it ended."""
         with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as messages:
             with self._lock:
                 if self.is_stopped:

@@ -122,10 +122,7 @@ def make_cases(
 ) -> list[Case]:
     """All combinations; one that makes no valid scene is a case that says so.
 
-    Raises
-    ------
-    SceneError
-        If no combination makes a valid scene with these columns in its table.
+    Raises SceneError if no combination makes a valid scene with these columns in its table.
     """
     cases = []
     first: SceneError | None = None

@@ -132,12 +132,8 @@ def probe_panels(results: Results, name: str) -> list[Panel]:
 def column_panels(results: Results, patterns: Sequence[str]) -> list[Panel]:
     """The panels of columns by name, ``*`` standing for any text, from ``globals.csv`` and the probes.
 
-    A name with the probe in front (``tip:velocity_x``) is looked for in its table only.
-
-    Raises
-    ------
-    PictureError
-        If a name fits no column.
+    A name with the probe in front (``tip:velocity_x``) is looked for in its table only. Raises PictureError if a name
+    fits no column.
     """
     tables = _tables(results)
     found: dict[tuple[str, str], Table] = {}
@@ -157,10 +153,7 @@ def column_panels(results: Results, patterns: Sequence[str]) -> list[Panel]:
 def abscissa(results: Results, name: str) -> Abscissa:
     """The column that others are drawn over: of ``globals.csv`` where it has one of that name, else of a probe.
 
-    Raises
-    ------
-    PictureError
-        If no table has it, or several probes do.
+    Raises PictureError if no table has it, or several probes do.
     """
     tables = _tables(results)
     fitting = [(t, each) for t in tables for each in t.columns if name in (each, f"{_probe_of(t)}:{each}")]
