@@ -21,10 +21,8 @@ def offering(names: Callable[[dict[str, Any]], Iterable[str]], is_list: bool = F
 
     Parameters
     ----------
-    names
-        Function of the parameters that stand already; whatever it raises means that there are none.
-    is_list
-        Whether the word may be several with commas, of which the last is completed.
+    names : function of the parameters that stand already; whatever it raises means that there are none
+    is_list : whether the word may be several with commas, of which the last is completed
     """
 
     def complete(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:

@@ -125,12 +125,9 @@ def measure(loaded: Any, threads: int | None = None, seconds: float = SECONDS) -
 
     Parameters
     ----------
-    loaded
-        The scene as ``scene.load_scene`` read it.
-    threads
-        Number of threads; all that the process may use if None.
-    seconds
-        Time to spend, compilation apart.
+    loaded : the scene as ``scene.load_scene`` read it
+    threads : number of threads; all that the process may use if None
+    seconds : time to spend, compilation apart
 
     Returns
     -------

@@ -82,10 +82,8 @@ def write_checkpoint(directory: Path, arrays: Mapping[str, Any], facts: dict[str
 
     Parameters
     ----------
-    arrays
-        Arrays and numbers by name.
-    facts
-        What the header says besides (JSON).
+    arrays : arrays and numbers by name
+    facts : what the header says besides (JSON)
     """
     path = directory / CHECKPOINT
     part = path.with_name(path.name + ".part")

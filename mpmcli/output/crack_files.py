@@ -48,12 +48,9 @@ def write_cracks(path: Path, time: float, chains: Sequence[Any]) -> None:
 
     Parameters
     ----------
-    path
-        The file, which appears when it is whole.
-    time
-        Time of the state, as field data ``TimeValue``.
-    chains
-        Those of some cracks, ``cracks.chain.Chain``.
+    path : the file, which appears when it is whole
+    time : time of the state, as field data ``TimeValue``
+    chains : those of some cracks, ``cracks.chain.Chain``
     """
     carries = any(chain.numbers for chain in chains)
     parts = [_arrays_of(chain, carries) for chain in chains]

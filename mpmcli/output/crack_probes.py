@@ -24,10 +24,8 @@ class CrackTipProbe:
 
     Parameters
     ----------
-    tip
-        Its name in columns, ``"main:end"``.
-    quantities
-        Those of the tip and of its crack, by the names of their columns.
+    tip : its name in columns, ``"main:end"``
+    quantities : those of the tip and of its crack, by the names of their columns
     """
 
     def __init__(self, name: str, tip: str, quantities: dict[str, Quantity], context: Context):

@@ -49,10 +49,8 @@ class ParticleProbe:
 
     Parameters
     ----------
-    near
-        The point, shape (d,) [length].
-    quantities
-        What is written of it; NaN once the particle has been deleted.
+    near : the point, shape (d,) [length]
+    quantities : what is written of it; NaN once the particle has been deleted
     """
 
     def __init__(
@@ -122,10 +120,8 @@ class PairProbe:
 
     Parameters
     ----------
-    pair
-        Its name in columns, ``"left|right"``.
-    sign
-        −1 where vectors are wanted of the second of its fields.
+    pair : its name in columns, ``"left|right"``
+    sign : −1 where vectors are wanted of the second of its fields
     """
 
     def __init__(self, name: str, pair: str, sign: float, quantities: Sequence[Quantity], context: Context):

@@ -32,14 +32,11 @@ class Recorder:
 
     Parameters
     ----------
-    loaded
-        The scene as read: ``scene``, ``units``, ``resolved()``, ``hash``, ``path``.
+    loaded : the scene as read: ``scene``, ``units``, ``resolved()``, ``hash``, ``path``
     directory
         The folder; it is made. Files of the same names are written over.
-    state
-        The state at time 0, which fixes the columns and the particles that probes follow.
-    facts
-        What the manifest says of the run from its start (threads, set-up report, …).
+    state : the state at time 0, which fixes the columns and the particles that probes follow
+    facts : what the manifest says of the run from its start (threads, set-up report, …)
     memory
         What ``memory()`` gave an earlier run, whose files are continued from there: tables are cut back, later
         files of archives removed.

@@ -41,10 +41,8 @@ class Table:
 
     Parameters
     ----------
-    path
-        The file; it is written anew.
-    columns
-        Names of the columns; names with a comma are quoted.
+    path : the file; it is written anew
+    columns : names of the columns; names with a comma are quoted
     position
         ``Table.position`` of an earlier run, to go on from there: what stands before is compared, and what follows is
         cut off by ``cut_back``.

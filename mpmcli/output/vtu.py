@@ -82,12 +82,9 @@ class VtuWriter:
 
         Parameters
         ----------
-        points : (N, 3)
-            Positions [length].
-        arrays
-            Name, values (N,) or (N, components), and component names of each array on the points.
-        connectivity : (cells, points per cell)
-            Points of each cell; one vertex per point if absent.
+        points : (N, 3) positions [length]
+        arrays : name, values (N,) or (N, components), and component names of each array on the points
+        connectivity : (cells, points per cell) points of each cell; one vertex per point if absent
         """
         if connectivity is None:
             connectivity = np.arange(len(points), dtype=np.int64)[:, None]
@@ -160,12 +157,9 @@ class Series:
 
     Parameters
     ----------
-    times
-        Times of the files of an earlier run to go on from; those that follow are removed.
-    members
-        Names of the files of one time, if they are several or have another name than the folder.
-    ending
-        That of the files.
+    times : times of the files of an earlier run to go on from; those that follow are removed
+    members : names of the files of one time, if they are several or have another name than the folder
+    ending : that of the files
     """
 
     def __init__(

@@ -122,8 +122,7 @@ class Units:
 
     Parameters
     ----------
-    length, mass, time, temperature
-        Names of the base units, or None where the scene declares none.
+    length, mass, time, temperature : names of the base units, or None where the scene declares none
     """
 
     def __init__(

@@ -25,10 +25,8 @@ class Cluster:
 
     Parameters
     ----------
-    address
-        Of the scheduler, such as ``tcp://host:8786``.
-    timeout
-        Seconds by the clock after which a run is killed; none if None.
+    address : of the scheduler, such as ``tcp://host:8786``
+    timeout : seconds by the clock after which a run is killed; none if None
     """
 
     def __init__(self, address: str, timeout: float | None = None):

@@ -30,10 +30,8 @@ class Processes:
 
     Parameters
     ----------
-    timeout
-        Seconds by the clock after which a process is killed; none if None.
-    module
-        The module that a worker runs.
+    timeout : seconds by the clock after which a process is killed; none if None
+    module : the module that a worker runs
     """
 
     def __init__(self, timeout: float | None = None, module: str = WORKER):

@@ -79,14 +79,10 @@ def paraview_script(
 
     Parameters
     ----------
-    frame
-        The archive to begin with; all of a series hold the same arrays.
-    coloring
-        By what the particles are coloured, as in pictures.
-    limits
-        Numbers of the first and the last colour; those of the picture of this archive if absent.
-    view
-        From where three dimensions are seen.
+    frame : the archive to begin with; all of a series hold the same arrays
+    coloring : by what the particles are coloured, as in pictures
+    limits : numbers of the first and the last colour; those of the picture of this archive if absent
+    view : from where three dimensions are seen
     """
     d = results.dimensions(frame)
     low, high = color_range(Extent.of([frame], coloring, results), limits)
