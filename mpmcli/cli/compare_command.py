@@ -12,12 +12,8 @@ from mpmcli.cli.completion import columns_to_compare, offering
 @click.command("compare")
 @click.argument("a", type=click.Path(path_type=Path))
 @click.argument("b", type=click.Path(path_type=Path))
-@click.option(
-    "--rtol", type=click.FloatRange(min=0), default=1e-9, show_default=True, help="Relative tolerance."
-)
-@click.option(
-    "--atol", type=click.FloatRange(min=0), default=0.0, show_default=True, help="Absolute tolerance."
-)
+@click.option("--rtol", type=click.FloatRange(min=0), default=1e-9, help="Relative tolerance.")
+@click.option("--atol", type=click.FloatRange(min=0), default=0.0, help="Absolute tolerance.")
 @click.option(
     "--columns",
     metavar="NAME,…",

@@ -6,18 +6,12 @@ Shells ask ``mpmcli`` itself (``eval "$(_MPMCLI_COMPLETE=bash_source mpmcli)"``)
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 import click
 from click.shell_completion import CompletionItem
-
-HEAD = 65536
-"""Bytes of an archive within which it tells its arrays."""
-ARRAY = re.compile(rb'<DataArray [^>]*?Name="([^"]*)"([^>]*)>')
-COMPONENT = re.compile(rb'ComponentName\d="([^"]*)"')
 
 Complete = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 
@@ -27,10 +21,8 @@ def offering(names: Callable[[dict[str, Any]], Iterable[str]], is_list: bool = F
 
     Parameters
     ----------
-    names
-        Function of the parameters that stand already; whatever it raises means that there are none.
-    is_list
-        Whether the word may be several with commas, of which the last is completed.
+    names : function of the parameters that stand already; whatever it raises means that there are none
+    is_list : whether the word may be several with commas, of which the last is completed
     """
 
     def complete(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
@@ -60,40 +52,40 @@ def quantities(parameters: dict[str, Any]) -> Iterable[str]:
     import numpy as np
 
     from mpmcli.results.pictures.quantities import colorings
+    from mpmcli.results.read_vtu import read_head
     from mpmcli.results.reading import Frame, Results
 
-    with open(Results(parameters["directory"]).path_of(-1), "rb") as stream:
-        head = stream.read(HEAD)
-    inside = head[head.find(b"<PointData") : head.find(b"</PointData>")]
     arrays, components = {}, {}
-    for name, rest in ARRAY.findall(inside):
-        word, parts = name.decode(), tuple(part.decode() for part in COMPONENT.findall(rest))
-        arrays[word] = np.zeros((0, len(parts)) if parts else 0)
+    for array in read_head(Results(parameters["directory"]).path_of(-1))[1]:
+        parts = tuple(value for key, value in array.items() if key.startswith("ComponentName"))
+        arrays[array["Name"]] = np.zeros((0, len(parts)) if parts else 0)
         if parts:
-            components[word] = parts
+            components[array["Name"]] = parts
     return colorings(Frame(0.0, np.zeros((0, 3)), arrays, components))
 
 
 def columns(parameters: dict[str, Any]) -> Iterable[str]:
     """Columns of the tables of the results folder ``directory``, those of probes with the probe in front."""
+    from mpmcli.output.files import GLOBALS, table_names
+
     directory = Path(parameters["directory"])
-    yield from columns_of(directory / "globals.csv")
-    for table in sorted((directory / "probes").glob("*.csv")):
-        yield from (f"{table.stem}:{column}" for column in columns_of(table))
+    for name in table_names(directory):
+        probe = "" if name == GLOBALS else f"{Path(name).stem}:"
+        yield from (f"{probe}{column}" for column in columns_of(directory / name))
 
 
 def columns_to_compare(parameters: dict[str, Any]) -> Iterable[str]:
     """Columns of a table ``a``, or of all in a results folder."""
+    from mpmcli.output.files import all_tables
+
     path = Path(parameters["a"])
-    tables = [path] if path.is_file() else [path / "globals.csv", *sorted((path / "probes").glob("*.csv"))]
+    tables = [path] if path.is_file() else [path / name for name in all_tables(path)]
     return dict.fromkeys(column for table in tables for column in columns_of(table))
 
 
 def columns_of(table: Path) -> list[str]:
-    """The header of a table; none of a file that is not there."""
+    """The header of a table."""
     import csv
 
-    if not table.is_file():
-        return []
     with open(table, encoding="utf-8", newline="") as stream:
         return next(csv.reader(line for line in stream if not line.startswith("#")), [])

@@ -8,24 +8,9 @@ from typing import Any
 import click
 
 KINDS = (
-    "materials",
-    "shapes",
-    "regions",
-    "conditions",
-    "loads",
-    "normals",
-    "separations",
-    "laws",
-    "cohesive_shapes",
-    "paths",
-    "criteria",
-    "directions",
-    "transfers",
-    "heat_transfers",
-    "updates",
-    "analyses",
-    "quantities",
-)
+    "materials", "shapes", "regions", "conditions", "loads", "normals", "separations", "laws", "cohesive_shapes",
+    "paths", "criteria", "directions", "transfers", "heat_transfers", "updates", "analyses", "quantities",
+)  # fmt: skip
 
 
 @click.command("list")

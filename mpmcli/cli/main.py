@@ -66,21 +66,8 @@ class Commands(click.Group):
         return super().resolve_command(context, args)
 
 
-def _print_version(context: click.Context, _option: click.Parameter, asked: bool) -> None:
-    if asked and not context.resilient_parsing:
-        click.echo(f"mpmcli {VERSION}")
-        context.exit()
-
-
-@click.command(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
-@click.option(
-    "--version",
-    is_flag=True,
-    expose_value=False,
-    is_eager=True,
-    callback=_print_version,
-    help="Show the version.",
-)
+@click.command(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "show_default": True})
+@click.version_option(VERSION, message="%(prog)s %(version)s", help="Show the version.")
 def mpmcli() -> None:
     """Simulate solids with the material point method, from one YAML file.
 

@@ -36,7 +36,7 @@ class RunOptions(TypedDict):
     verbose: int
 
 
-def _together(*options: Callable[[Command], Command]) -> Callable[[Command], Command]:
+def together(*options: Callable[[Command], Command]) -> Callable[[Command], Command]:
     """One decorator for several options; help lists them in this order."""
 
     def add(command: Command) -> Command:
@@ -69,72 +69,26 @@ def seconds_by_the_clock(context: click.Context, option: click.Parameter, text: 
     return seconds
 
 
-scene_options = _together(
-    click.option(
-        "--set",
-        "sets",
-        metavar="KEY=VALUE",
-        multiple=True,
-        callback=_assignments,
-        help="Replace the value of a dotted key by a YAML value (list members by name or index).",
-    ),
-    click.option(
-        "-D",
-        "defines",
-        metavar="NAME=VALUE",
-        multiple=True,
-        callback=_assignments,
-        help="Set a constant of the scene.",
-    ),
-    click.option(
-        "--allow-outside-files", is_flag=True, help="Allow the scene to read files outside its own folder."
-    ),
-)
+scene_options = together(
+    click.option("--set", "sets", metavar="KEY=VALUE", multiple=True, callback=_assignments,
+                 help="Replace the value of a dotted key by a YAML value (list members by name or index)."),
+    click.option("-D", "defines", metavar="NAME=VALUE", multiple=True, callback=_assignments,
+                 help="Set a constant of the scene."),
+    click.option("--allow-outside-files", is_flag=True,
+                 help="Allow the scene to read files outside its own folder."),
+)  # fmt: skip
 """The options that change a scene while it is read."""
 
-run_options = _together(
-    click.option(
-        "-j",
-        "--threads",
-        type=click.IntRange(1, 4096),
-        envvar="MPMCLI_NUM_THREADS",
-        help="Number of threads [env: MPMCLI_NUM_THREADS]; all by default. Results do not depend on it.",
-    ),
+run_options = together(
+    click.option("-j", "--threads", type=click.IntRange(1, 4096), envvar="MPMCLI_NUM_THREADS",
+                 help="Number of threads [env: MPMCLI_NUM_THREADS]; all by default. Results do not depend on it."),
     click.option("--until", metavar="T", help="End time of the run, instead of time.end."),
-    click.option(
-        "--max-walltime",
-        metavar="H:M:S",
-        callback=seconds_by_the_clock,
-        help="Stop after this wall-clock time.",
-    ),
+    click.option("--max-walltime", metavar="H:M:S", callback=seconds_by_the_clock,
+                 help="Stop after this wall-clock time."),
     click.option("-q", "--quiet", is_flag=True, help="Show errors only."),
-    click.option("-v", "--verbose", count=True, help="Show more."),
-)
+    click.option("-v", "--verbose", count=True, show_default=False, help="Show more."),
+)  # fmt: skip
 """The options of a run that is started or resumed."""
-
-
-def study_options(command: str, picture: str) -> Callable[[Command], Command]:
-    """The options of a study of many runs, for the command of this name, which draws this picture."""
-    return _together(
-        click.option(
-            "-o",
-            "--output",
-            metavar="DIR",
-            type=click.Path(path_type=Path),
-            help=f"Folder of the study; results/NAME_{command} by default.",
-        ),
-        click.option("--until", metavar="T", help="End time of the runs, instead of time.end."),
-        click.option(
-            "--timeout",
-            metavar="SECONDS",
-            type=click.FloatRange(min=0, min_open=True),
-            help="Stop a case if one of its runs takes longer.",
-        ),
-        click.option(
-            "--plot/--no-plot", default=None, help=f"Draw {picture}; by default if matplotlib is installed."
-        ),
-        click.option("-q", "--quiet", is_flag=True, help="Show the result only."),
-    )
 
 
 def load_checked(scene: str, changes: SceneChanges) -> LoadedScene:
@@ -164,10 +118,8 @@ def _add_warning(loaded: LoadedScene, warning: Problem | None) -> None:
 def check_time_step(loaded: LoadedScene) -> None:
     """Add warnings to the scene if its step is above the stable Courant number, or conducts heat badly.
 
-    Raises
-    ------
-    SceneError
-        If the Courant number is ``auto`` and no stability limit is known, or tractions on cracks need shorter steps.
+    Raises SceneError if the Courant number is ``auto`` and no stability limit is known, or tractions on cracks need
+    shorter steps.
     """
     from mpmcli.stability.scene_limit import check_tractions, chosen_courant, warning_of
     from mpmcli.stability.springs import warnings_of_interfaces

@@ -11,23 +11,12 @@ import click
 
 from mpmcli.cli.completion import columns as columns_of_tables
 from mpmcli.cli.completion import offering, quantities
+from mpmcli.cli.options import together
 
 WHAT = (
-    "energies",
-    "stresses",
-    "strains",
-    "reactions",
-    "momentum",
-    "contact",
-    "interfaces",
-    "cracks",
-    "motion",
-    "steps",
-    "growth",
-    "probes",
-    "particles",
-    "all",
-)
+    "energies", "stresses", "strains", "reactions", "momentum", "contact", "interfaces", "cracks", "motion", "steps",
+    "growth", "probes", "particles", "all",
+)  # fmt: skip
 """``mpmcli.results.pictures.request.WHAT``, which help does not import."""
 AXES = ("x", "y", "z")
 
@@ -63,94 +52,44 @@ def section_of(text: str, manifest: dict[str, Any]) -> tuple[int, float | None]:
     return AXES.index(axis), in_scene_units(place, "length", "--slice", manifest) if place else None
 
 
+OPTIONS = together(
+    click.option("--what", metavar="WORD,…", multiple=True, help=f"Subjects of the pictures: {', '.join(WHAT)}.",
+                 shell_complete=offering(lambda parameters: WHAT, is_list=True)),
+    click.option("--column", "columns", metavar="NAME,…", multiple=True,
+                 help="Columns of tables to draw; * matches any text.",
+                 shell_complete=offering(columns_of_tables, is_list=True)),
+    click.option("--x", "over", metavar="NAME", help="Column on the horizontal axis; time by default.",
+                 shell_complete=offering(columns_of_tables)),
+    click.option("--color", metavar="QUANTITY", help="Quantity that colours the particles: stress_xy, body, …",
+                 shell_complete=offering(quantities)),
+    click.option("--range", "limits", nargs=2, type=float, metavar="LOW HIGH",
+                 help="Lowest and highest value of the colour scale."),
+    click.option("--time", metavar="T", help="Draw the particles of the archive nearest to this time."),
+    click.option("--frame", metavar="N",
+                 help="Draw archive N (the first is 0, the last is -1), or 'failed' for failed.vtu."),
+    click.option("--animate", type=click.Choice(["gif", "mp4"]), help="Write an animation of all archives."),
+    click.option("--rate", type=click.FloatRange(min=0.1, max=50), default=10.0,
+                 help="Frames per second of the animation."),
+    click.option("--view", type=click.Choice(["iso", "xy", "xz", "yz"]), default="iso",
+                 help="View direction in 3D."),
+    click.option("--slice", "section", metavar="AXIS[=POSITION]",
+                 help="In 3D, draw a section normal to x, y or z, in the middle or at a position."),
+    click.option("--paraview", is_flag=True, help="Write a Python script that opens the results in ParaView."),
+    click.option("-o", "--output", metavar="FILE|DIR", type=click.Path(path_type=Path),
+                 help="File of one picture, or folder of several pictures; DIR/plots by default."),
+)  # fmt: skip
+
+
 @click.command("plot")
 @click.argument("directory", metavar="DIR", type=click.Path(path_type=Path))
-@click.option(
-    "--what",
-    metavar="WORD,…",
-    multiple=True,
-    help=f"Subjects of the pictures: {', '.join(WHAT)}.",
-    shell_complete=offering(lambda parameters: WHAT, is_list=True),
-)
-@click.option(
-    "--column",
-    "columns",
-    metavar="NAME,…",
-    multiple=True,
-    help="Columns of tables to draw; * matches any text.",
-    shell_complete=offering(columns_of_tables, is_list=True),
-)
-@click.option(
-    "--x",
-    "over",
-    metavar="NAME",
-    help="Column on the horizontal axis; time by default.",
-    shell_complete=offering(columns_of_tables),
-)
-@click.option(
-    "--color",
-    metavar="QUANTITY",
-    help="Quantity that colours the particles: stress_xy, body, …",
-    shell_complete=offering(quantities),
-)
-@click.option(
-    "--range",
-    "limits",
-    nargs=2,
-    type=float,
-    metavar="LOW HIGH",
-    help="Lowest and highest value of the colour scale.",
-)
-@click.option("--time", metavar="T", help="Draw the particles of the archive nearest to this time.")
-@click.option(
-    "--frame",
-    metavar="N",
-    help="Draw archive N (the first is 0, the last is -1), or 'failed' for failed.vtu.",
-)
-@click.option("--animate", type=click.Choice(["gif", "mp4"]), help="Write an animation of all archives.")
-@click.option(
-    "--rate",
-    type=click.FloatRange(min=0.1, max=50),
-    default=10.0,
-    show_default=True,
-    help="Frames per second of the animation.",
-)
-@click.option(
-    "--view",
-    type=click.Choice(["iso", "xy", "xz", "yz"]),
-    default="iso",
-    show_default=True,
-    help="View direction in 3D.",
-)
-@click.option(
-    "--slice",
-    "section",
-    metavar="AXIS[=POSITION]",
-    help="In 3D, draw a section normal to x, y or z, in the middle or at a position.",
-)
-@click.option("--paraview", is_flag=True, help="Write a Python script that opens the results in ParaView.")
-@click.option(
-    "-o",
-    "--output",
-    metavar="FILE|DIR",
-    type=click.Path(path_type=Path),
-    help="File of one picture, or folder of several pictures; DIR/plots by default.",
-)
+@OPTIONS
 def command(
     directory: Path,
     what: tuple[str, ...],
     columns: tuple[str, ...],
-    over: str | None,
-    color: str | None,
-    limits: tuple[float, float] | None,
     time: str | None,
-    frame: str | None,
-    animate: str | None,
-    rate: float,
-    view: str,
     section: str | None,
-    paraview: bool,
-    output: Path | None,
+    **others: Any,
 ) -> None:
     """Draw the tables and the particles of a results folder.
 
@@ -167,21 +106,13 @@ def command(
     request = Request(
         what=_words(what),
         columns=_words(columns),
-        over=over,
-        color=color,
-        limits=limits,
         time=None if time is None else in_scene_units(time, "time", "--time", manifest),
-        frame=frame,
-        animate=animate,
-        rate=rate,
-        view=view,
         section=None if section is None else section_of(section, manifest),
-        paraview=paraview,
-        output=output,
         progress=progress,
+        **others,
     )
     paths, notes = plot(directory, request)
-    if animate and sys.stderr.isatty():
+    if request.animate and sys.stderr.isatty():
         click.echo("", err=True)
     for words in notes:
         click.echo(f"note: {words}", err=True)

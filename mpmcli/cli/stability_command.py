@@ -2,111 +2,55 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import cast
+from typing import Any
 
 import click
 
-from mpmcli.cli.options import SceneChanges, scene_options, study_options
-from mpmcli.cli.studies import begin_study
+from mpmcli.cli.options import together
+from mpmcli.cli.studies import Study, study_options
+
+OPTIONS = together(
+    click.option("--transfer", "transfers", metavar="KIND[:ORDER],…", multiple=True,
+                 help="Transfers: flip, fmpm:4, xpic:5, or mappings as in scenes; flip and fmpm:1 to fmpm:80 by "
+                 "default."),
+    click.option("--shape", "shapes", metavar="NAME,…", multiple=True,
+                 help="Shape functions; by default the scene's."),
+    click.option("--criterion", type=click.Choice(["bounded", "accurate", "quiet"]), default="bounded",
+                 help="bounded: the run finishes, and its energy stays below the energy put in; accurate: bounded, "
+                 "and it loses hardly more energy than at half the Courant number; quiet: bounded, and a small "
+                 "perturbation does not grow."),
+    click.option("--tolerance", "energy", metavar="SHARE", type=click.FloatRange(min=0), default=0.05,
+                 help="Largest spurious energy of a bounded run, as a share of the energy put in."),
+    click.option("--loss", metavar="SHARE", type=click.FloatRange(min=0), default=0.01,
+                 help="For accurate: largest additional loss compared with half the Courant number, as a share of "
+                 "the energy."),
+    click.option("--growth", metavar="TIMES", type=click.FloatRange(min=1), default=10.0,
+                 help="For quiet: largest growth factor of a perturbation, or this factor times that at half the "
+                 "Courant number."),
+    click.option("--resolution", type=click.FloatRange(min=1e-4, max=0.5), default=0.005,
+                 help="Courant numbers are whole multiples of it."),
+    click.option("--between", nargs=2, type=click.FloatRange(min=0, min_open=True), default=(0.02, 2.0),
+                 metavar="LOW HIGH", help="Courant numbers between which limits are searched for."),
+    click.option("--checks", type=click.IntRange(0, 1000), default=3,
+                 help="Once a limit is found, check up to so many Courant numbers below it: there may be isolated "
+                 "unstable intervals."),
+    click.option("--jobs", type=click.IntRange(1, 4096), help="Runs side by side; one per processor by default."),
+    click.option("--auto", "tries_auto", is_flag=True,
+                 help="Also run the Courant number that courant: auto selects: is it stable?"),
+)  # fmt: skip
 
 
 @click.command("stability")
 @click.argument("scene", type=click.Path(path_type=str))
-@click.option(
-    "--transfer",
-    "transfers",
-    metavar="KIND[:ORDER],…",
-    multiple=True,
-    help="Transfers: flip, fmpm:4, xpic:5, or mappings as in scenes; flip and fmpm:1 to fmpm:80 by default.",
-)
-@click.option(
-    "--shape", "shapes", metavar="NAME,…", multiple=True, help="Shape functions; by default the scene's."
-)
-@click.option(
-    "--criterion",
-    type=click.Choice(["bounded", "accurate", "quiet"]),
-    default="bounded",
-    show_default=True,
-    help="bounded: the run finishes, and its energy stays below the energy put in; accurate: bounded, and it loses "
-    "hardly more energy than at half the Courant number; quiet: bounded, and a small perturbation does not grow.",
-)
-@click.option(
-    "--tolerance",
-    "energy",
-    metavar="SHARE",
-    type=click.FloatRange(min=0),
-    default=0.05,
-    show_default=True,
-    help="Largest spurious energy of a bounded run, as a share of the energy put in.",
-)
-@click.option(
-    "--loss",
-    metavar="SHARE",
-    type=click.FloatRange(min=0),
-    default=0.01,
-    show_default=True,
-    help="For accurate: largest additional loss compared with half the Courant number, as a share of the energy.",
-)
-@click.option(
-    "--growth",
-    metavar="TIMES",
-    type=click.FloatRange(min=1),
-    default=10.0,
-    show_default=True,
-    help="For quiet: largest growth factor of a perturbation, or this factor times that at half the Courant number.",
-)
-@click.option(
-    "--resolution",
-    type=click.FloatRange(min=1e-4, max=0.5),
-    default=0.005,
-    show_default=True,
-    help="Courant numbers are whole multiples of it.",
-)
-@click.option(
-    "--between",
-    nargs=2,
-    type=click.FloatRange(min=0, min_open=True),
-    default=(0.02, 2.0),
-    show_default=True,
-    metavar="LOW HIGH",
-    help="Courant numbers between which limits are searched for.",
-)
-@click.option(
-    "--checks",
-    type=click.IntRange(0, 1000),
-    default=3,
-    show_default=True,
-    help="Once a limit is found, check up to so many Courant numbers below it: there may be isolated unstable "
-    "intervals.",
-)
-@click.option("--jobs", type=click.IntRange(1, 4096), help="Runs side by side; one per processor by default.")
-@click.option(
-    "--auto", is_flag=True, help="Also run the Courant number that courant: auto selects: is it stable?"
-)
+@OPTIONS
 @study_options("stability", "limits.png")
-@scene_options
 def command(
-    scene: str,
-    output: Path | None,
+    study: Study,
     transfers: tuple[str, ...],
     shapes: tuple[str, ...],
-    criterion: str,
-    energy: float,
-    loss: float,
-    growth: float,
-    resolution: float,
     between: tuple[float, float],
-    checks: int,
-    until: str | None,
     jobs: int | None,
-    timeout: float | None,
-    auto: bool,
-    plot: bool | None,
-    quiet: bool,
-    sets: tuple[str, ...],
-    defines: tuple[str, ...],
-    allow_outside_files: bool,
+    **search: Any,
 ) -> int:
     """Find the largest stable Courant number of SCENE for transfers and shape functions, by bisection.
 
@@ -116,12 +60,8 @@ def command(
     low, high = between
     if low >= high:
         raise click.BadParameter("LOW must be below HIGH", param_hint="--between")
-    if resolution > high:
+    if search["resolution"] > high:
         raise click.BadParameter("it must be below the largest Courant number", param_hint="--resolution")
-    changes: SceneChanges = {
-        "sets": sets, "defines": defines, "allow_outside_files": allow_outside_files,
-    }  # fmt: skip
-    study = begin_study("stability", scene, changes, until, output, plot, quiet)
     from mpmcli.core.compiled.runtime import available_threads
     from mpmcli.shapes import SHAPES
     from mpmcli.study import limits_report, stability
@@ -141,21 +81,9 @@ def command(
         raise click.BadParameter(str(error), param_hint="--transfer") from None
     processors = available_threads()
     jobs = min(jobs or processors, len(cases))
-    settings = stability.Settings(
-        cast("stability.Criterion", criterion),
-        energy,
-        loss,
-        growth,
-        resolution,
-        low,
-        high,
-        study.end,
-        max(1, processors // jobs),
-        auto,
-        checks,
-    )
-
-    processes = Processes(timeout)
+    threads = max(1, processors // jobs)
+    settings = stability.Settings(lowest=low, highest=high, until=study.end, threads=threads, **search)
+    processes = Processes(study.timeout)
     directory = study.directory
     with study_folder(directory):
         journal = Journal(directory / stability.TRIALS)

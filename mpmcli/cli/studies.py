@@ -4,12 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcli.cli.options import SceneChanges, load_checked, show_warnings, until_in_scene_units
+from mpmcli.cli.options import (
+    Command,
+    SceneChanges,
+    load_checked,
+    scene_options,
+    show_warnings,
+    together,
+    until_in_scene_units,
+)
 
 if TYPE_CHECKING:
     from mpmcli.study.journal import Journal
@@ -25,6 +34,7 @@ class Study:
     constants: dict[str, float]
     end: float | None
     directory: Path
+    timeout: float | None
     draws: bool
     is_quiet: bool
 
@@ -45,31 +55,56 @@ class Study:
         return code
 
 
-def begin_study(
-    command: str,
-    scene: str,
-    changes: SceneChanges,
-    until: str | None,
-    output: Path | None,
-    plot: bool | None,
-    is_quiet: bool,
-) -> Study:
-    """Read and check the scene, show its warnings, and settle where tables go and whether a plot is drawn."""
-    loaded = load_checked(scene, changes)
-    end = until_in_scene_units(until, loaded)
-    if not is_quiet:
-        show_warnings(loaded)
-    from mpmcli.study.plotting import can_plot
-    from mpmcli.study.stability import Source
+def study_options(command: str, picture: str) -> Callable[[Command], Command]:
+    """The options of a study of many runs, for the command of this name, which draws this picture.
 
-    if plot and not can_plot():
-        raise click.UsageError("--plot needs matplotlib; install it with pip install 'mpmcli[plot]'")
-    return Study(
-        Source(scene, changes["sets"], changes["defines"], changes["allow_outside_files"]),
-        loaded.scene.title or Path(scene).stem,
-        loaded.constants,
-        end,
-        output if output is not None else Path("results") / f"{Path(scene).stem}_{command}",
-        can_plot() if plot is None else plot,
-        is_quiet,
-    )
+    The command gets the ``Study`` that they describe, and its other options.
+    """
+    options = together(
+        click.option("-o", "--output", metavar="DIR", type=click.Path(path_type=Path),
+                     help=f"Folder of the study; results/NAME_{command} by default."),
+        click.option("--until", metavar="T", help="End time of the runs, instead of time.end."),
+        click.option("--timeout", metavar="SECONDS", type=click.FloatRange(min=0, min_open=True),
+                     help="Stop a case if one of its runs takes longer."),
+        click.option("--plot/--no-plot", default=None,
+                     help=f"Draw {picture}; by default if matplotlib is installed."),
+        click.option("-q", "--quiet", is_flag=True, help="Show the result only."),
+        scene_options,
+    )  # fmt: skip
+
+    def wrap(function: Command) -> Command:
+        @wraps(function)
+        def begin(
+            scene: str,
+            output: Path | None,
+            until: str | None,
+            timeout: float | None,
+            plot: bool | None,
+            quiet: bool,
+            **own: Any,
+        ) -> int:
+            changes: Any = {key: own.pop(key) for key in SceneChanges.__annotations__}
+            loaded = load_checked(scene, changes)
+            end = until_in_scene_units(until, loaded)
+            if not quiet:
+                show_warnings(loaded)
+            from mpmcli.study.plotting import can_plot
+            from mpmcli.study.stability import Source
+
+            if plot and not can_plot():
+                raise click.UsageError("--plot needs matplotlib; install it with pip install 'mpmcli[plot]'")
+            study = Study(
+                Source(scene, **changes),
+                loaded.scene.title or Path(scene).stem,
+                loaded.constants,
+                end,
+                output if output is not None else Path("results") / f"{Path(scene).stem}_{command}",
+                timeout,
+                can_plot() if plot is None else plot,
+                quiet,
+            )
+            return int(function(study, **own))
+
+        return options(begin)
+
+    return wrap

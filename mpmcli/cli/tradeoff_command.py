@@ -8,87 +8,45 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mpmcli.cli.options import SceneChanges, scene_options, study_options
-from mpmcli.cli.studies import begin_study
+from mpmcli.cli.options import together
+from mpmcli.cli.studies import Study, study_options
 
 if TYPE_CHECKING:
     from mpmcli.study.tradeoff import Case, Measure
 
 COSTS = {"run": "run_seconds", "cpu": "cpu_seconds", "step": "step_seconds", "memory": "peak_memory"}
+OPTIONS = together(
+    click.option("--vary", "variations", metavar="KEY=V1,V2,…", multiple=True, required=True,
+                 help="A dotted key of the scene and its values; transfers may have a short form "
+                 "(method.transfer=flip,fmpm:4). Repeat the option to run all combinations."),
+    click.option("--against", metavar="exact|finest|TABLE", default="finest",
+                 help="The reference solution: expressions of t (see --error), the most expensive case with the "
+                 "smallest cells, or a CSV table with a column time."),
+    click.option("--error", "errors", metavar="COLUMN[=EXPRESSION]", multiple=True,
+                 help="Columns of globals.csv; the largest of their errors counts. Default: kinetic_energy and "
+                 "strain_energy."),
+    click.option("--measure", type=click.Choice(["rms", "end"]), default="rms",
+                 help="Measure of the error: root mean square over time, or final value; relative to the largest "
+                 "reference value."),
+    click.option("--cost", type=click.Choice(list(COSTS)), default="run",
+                 help="Measure of the cost: run time, processor time (more reliable on a busy machine), time per "
+                 "step, or peak memory."),
+    click.option("--within", metavar="SHARE", type=click.FloatRange(min=0, min_open=True), default=0.01,
+                 help="Report the cheapest case with at most this error."),
+    click.option("--repeats", type=click.IntRange(1, 100), default=3, help="Number of runs of each case."),
+    click.option("--jobs", type=click.IntRange(1, 4096), default=1,
+                 help="Number of simultaneous runs; use 1 for reliable times."),
+    click.option("--threads", type=click.IntRange(1, 4096), help="Number of threads of each run; all by default."),
+    click.option("--scheduler", metavar="ADDRESS", help="Run the cases on this Dask cluster."),
+)  # fmt: skip
 
 
 @click.command("tradeoff")
 @click.argument("scene", type=click.Path(path_type=str))
-@click.option(
-    "--vary",
-    "variations",
-    metavar="KEY=V1,V2,…",
-    multiple=True,
-    required=True,
-    help="A dotted key of the scene and its values; transfers may have a short form (method.transfer=flip,fmpm:4). "
-    "Repeat the option to run all combinations.",
-)
-@click.option(
-    "--against",
-    metavar="exact|finest|TABLE",
-    default="finest",
-    show_default=True,
-    help="The reference solution: expressions of t (see --error), the most expensive case with the smallest cells, "
-    "or a CSV table with a column time.",
-)
-@click.option(
-    "--error",
-    "errors",
-    metavar="COLUMN[=EXPRESSION]",
-    multiple=True,
-    help="Columns of globals.csv; the largest of their errors counts. Default: kinetic_energy and strain_energy.",
-)
-@click.option(
-    "--measure",
-    type=click.Choice(["rms", "end"]),
-    default="rms",
-    show_default=True,
-    help="Measure of the error: root mean square over time, or final value; relative to the largest reference value.",
-)
-@click.option(
-    "--cost",
-    type=click.Choice(list(COSTS)),
-    default="run",
-    show_default=True,
-    help="Measure of the cost: run time, processor time (more reliable on a busy machine), time per step, or peak "
-    "memory.",
-)
-@click.option(
-    "--within",
-    metavar="SHARE",
-    type=click.FloatRange(min=0, min_open=True),
-    default=0.01,
-    show_default=True,
-    help="Report the cheapest case with at most this error.",
-)
-@click.option(
-    "--repeats",
-    type=click.IntRange(1, 100),
-    default=3,
-    show_default=True,
-    help="Number of runs of each case.",
-)
-@click.option(
-    "--jobs",
-    type=click.IntRange(1, 4096),
-    default=1,
-    show_default=True,
-    help="Number of simultaneous runs; use 1 for reliable times.",
-)
-@click.option(
-    "--threads", type=click.IntRange(1, 4096), help="Number of threads of each run; all by default."
-)
-@click.option("--scheduler", metavar="ADDRESS", help="Run the cases on this Dask cluster.")
+@OPTIONS
 @study_options("tradeoff", "tradeoff.png")
-@scene_options
 def command(
-    scene: str,
-    output: Path | None,
+    study: Study,
     variations: tuple[str, ...],
     against: str,
     errors: tuple[str, ...],
@@ -96,16 +54,9 @@ def command(
     cost: str,
     within: float,
     repeats: int,
-    until: str | None,
     jobs: int,
     threads: int | None,
-    timeout: float | None,
     scheduler: str | None,
-    plot: bool | None,
-    quiet: bool,
-    sets: tuple[str, ...],
-    defines: tuple[str, ...],
-    allow_outside_files: bool,
 ) -> int:
     """Measure cost and accuracy of SCENE for all combinations of the given values.
 
@@ -113,10 +64,6 @@ def command(
     runs are kept in DIR/runs.jsonl; a repeated command continues an interrupted study. Output: tradeoff.csv,
     tradeoff.json, tradeoff.png, and the cheapest case within a given error.
     """
-    changes: SceneChanges = {
-        "sets": sets, "defines": defines, "allow_outside_files": allow_outside_files,
-    }  # fmt: skip
-    study = begin_study("tradeoff", scene, changes, until, output, plot, quiet)
     from mpmcli.study import cluster, tradeoff, tradeoff_report
     from mpmcli.study.journal import Journal, study_folder
     from mpmcli.study.processes import Processes
@@ -140,11 +87,10 @@ def command(
     price: Any = COSTS[cost]
     with study_folder(directory):
         journal = Journal(directory / tradeoff.RUNS)
-        with (
-            nullcontext(Processes(timeout))
-            if scheduler is None
-            else closing(cluster.Cluster(scheduler, timeout))
-        ) as runner:
+        runs: Any = nullcontext(Processes(study.timeout))
+        if scheduler is not None:
+            runs = closing(cluster.Cluster(scheduler, study.timeout))
+        with runs as runner:
             code = study.run(
                 lambda: tradeoff.run_cases(
                     cases, repeats, runner, journal, directory,

@@ -170,12 +170,10 @@ def cracks_in_words(facts: dict[str, Any]) -> list[str]:
     if facts["tips"]:
         tips = [f"{tip['tip']} {tip['particles']}" for tip in facts["tips"]]
         lines.append(f"particles in the domain of each tip: {listing(tips, MOST_CRACKS)}")
-    lines += [
+    return lines + [
         f"{tip['tip']} grows at most at {tip['speed']:.4g} ({tip['because']})"
         for tip in facts["growth"][:MOST_CRACKS]
     ]
-    first, *others = lines
-    return [f"cracks     {first}", *(f"           {line}" for line in others)]
 
 
 def _crack_in_words(crack: dict[str, Any]) -> str:

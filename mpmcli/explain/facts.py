@@ -40,12 +40,9 @@ def explain(
 
     Parameters
     ----------
-    loaded
-        The scene as ``scene.load_scene`` read it.
-    threads
-        Threads that the estimate of the run time counts on; all that the process may use if None.
-    measured
-        What ``shares.measure`` found, to be reported too.
+    loaded : the scene as ``scene.load_scene`` read it
+    threads : threads that the estimate of the run time counts on; all that the process may use if None
+    measured : what ``shares.measure`` found, to be reported too
 
     Returns
     -------

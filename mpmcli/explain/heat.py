@@ -47,7 +47,7 @@ def heat_facts(
         "grid_bytes": sum(array.nbytes for array in of_heat.values()),
         "removed": _removed(scene),
         "off_grid_lines": _off_grid_lines(scene),
-        "splines": SHAPES[scene.method.shape].grid_functions == "quadratic" and _holds_planes(scene),
+        "splines": SHAPES[scene.method.shape].grid_functions == "quadratic" and bool(_planes(scene)),
     }
 
 
@@ -77,10 +77,6 @@ def _planes(scene: Any) -> list[tuple[str, Any]]:
     return [(name, on.plane) for name, on in places if getattr(on, "plane", None) is not None]
 
 
-def _holds_planes(scene: Any) -> bool:
-    return bool(_planes(scene))
-
-
 def _off_grid_lines(scene: Any) -> dict[str, float]:
     """Return the conditions whose plane is between grid lines, with its distance from the nearest one in cells."""
     found = {}
@@ -98,7 +94,7 @@ def heat_in_words(facts: dict[str, Any]) -> list[str]:
     """Return the lines about conduction; none without it."""
     if not facts:
         return []
-    first, *others = [
+    return [
         f"{_transfer_in_words(facts)}; {facts['degrees_of_freedom']} degrees of freedom, particles "
         f"{facts['particle_bytes'] / 2**20:.1f} MiB, grid {facts['grid_bytes'] / 2**20:.1f} MiB",
         _diffusivities_in_words(facts["diffusivities"]),
@@ -107,7 +103,6 @@ def heat_in_words(facts: dict[str, Any]) -> list[str]:
         *_filter_in_words(facts),
         *_planes_in_words(facts),
     ]
-    return [f"heat       {first}", *(f"           {line}" for line in others)]
 
 
 def _transfer_in_words(facts: dict[str, Any]) -> str:

@@ -11,7 +11,7 @@ from mpmcli.core.compiled.kernel import Kernel
 from mpmcli.core.suggest import listing
 from mpmcli.geometry.fill import fill_bodies
 from mpmcli.interfaces.interfaces import LOST, SLIPPED
-from mpmcli.scene.interface_checks import plane_modulus, process_zone, resistances, starts_of_joints
+from mpmcli.scene.interface_checks import process_zone, resistances, softest_modulus, starts_of_joints
 from mpmcli.solver.simulation import Simulation
 from mpmcli.stability.springs import springs_of
 
@@ -72,13 +72,9 @@ def _zones(scene: Any, joint: Any) -> dict[str, float]:
         return {}
     from mpmcli.scene.fields import field_name
 
-    models = [
-        scene.materials[body.material]
-        for body in scene.bodies
-        if field_name(scene, body) in (joint.first, joint.second)
-    ]
-    moduli = [plane_modulus(model, scene.analysis.kind) for model in models if model.kind != "rigid"]
-    modulus, cell = min(moduli, default=math.inf), max(scene.grid.cell)
+    sides = (joint.first, joint.second)
+    models = [scene.materials[body.material] for body in scene.bodies if field_name(scene, body) in sides]
+    modulus, cell = softest_modulus(models, scene.analysis.kind), max(scene.grid.cell)
     if not math.isfinite(modulus):
         return {}
     return {mode: process_zone(modulus, each) / cell for mode, each in resistances(joint.law)}
@@ -113,8 +109,7 @@ def interfaces_in_words(facts: dict[str, Any]) -> list[str]:
         lines.append(
             f"{len(facts['pairs']) - MOST_PAIRS} more pairs; the stiffest of all has φ = {stiffest:.3g}"
         )
-    first, *others = lines
-    return [f"interface  {first}", *(f"           {line}" for line in others)]
+    return lines
 
 
 def _pair_in_words(pair: dict[str, Any], step: str) -> list[str]:

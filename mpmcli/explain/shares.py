@@ -125,12 +125,9 @@ def measure(loaded: Any, threads: int | None = None, seconds: float = SECONDS) -
 
     Parameters
     ----------
-    loaded
-        The scene as ``scene.load_scene`` read it.
-    threads
-        Number of threads; all that the process may use if None.
-    seconds
-        Time to spend, compilation apart.
+    loaded : the scene as ``scene.load_scene`` read it
+    threads : number of threads; all that the process may use if None
+    seconds : time to spend, compilation apart
 
     Returns
     -------
@@ -207,6 +204,8 @@ def _ways_to_compare(loaded: Any, threads: int | None) -> tuple[dict[str, _Way],
         if asked.kind == "xpic"
         else Fmpm(kind="fmpm", order=order, **shared)
     )
+    # that of the scene as it stands
+    fixed = loaded.scene.time.model_copy(update={"courant": chosen_courant(loaded.scene)})
     ways: dict[str, _Way] = {}
     try:
         for name, transfer in (
@@ -214,13 +213,8 @@ def _ways_to_compare(loaded: Any, threads: int | None) -> tuple[dict[str, _Way],
             (f"{high.kind.upper()}({order})", high),
         ):
             changed = method.model_copy(update={"transfer": transfer})
-            scene = loaded.scene.model_copy(update={"method": changed, "time": _fixed(loaded.scene)})
+            scene = loaded.scene.model_copy(update={"method": changed, "time": fixed})
             ways[name] = _Way(replace(loaded, scene=scene), threads)
     except SimulationError as error:
         return {}, f"the reference run failed: {error}"
     return ways, ""
-
-
-def _fixed(scene: Any) -> Any:
-    """The scene's time span with the Courant number that it chooses as it stands."""
-    return scene.time.model_copy(update={"courant": chosen_courant(scene)})

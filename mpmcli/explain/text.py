@@ -15,11 +15,13 @@ EXACT_MASS_RATIO = 1e-8
 
 
 def as_text(facts: dict[str, Any]) -> str:
+    unit = "" if facts["time_unit"] is None else f" {facts['time_unit']}"
+    fields = facts["velocity_fields"]
     size = (facts["particle_bytes"] + facts["grid_bytes"]) / 2**20
     lines = [
         facts["title"] or "(no title)",
         f"{facts['analysis']}, {facts['particles']} particles, {facts['grid_nodes']} nodes with ghosts, "
-        f"{facts['shape']}, {_fields_in_words(facts)}",
+        f"{facts['shape']}, {fields} velocity field{'s' * (fields > 1)}",
         *_contact_in_words(facts["contact"]),
         "",
         "Each step:",
@@ -30,10 +32,10 @@ def as_text(facts: dict[str, Any]) -> str:
         "",
         f"arrays     particles {facts['particle_bytes'] / 2**20:.1f} MiB, grid {facts['grid_bytes'] / 2**20:.1f} MiB "
         f"if all nodes are active ({', '.join(facts['arrays'])}); {size:.1f} MiB in total",
-        f"time step  {facts['time_step']:.4g}{_unit(facts['time_unit'])} at the start: {_courant_in_words(facts)}",
-        *interfaces_in_words(facts["interfaces"]),
-        *cracks_in_words(facts["cracks"]),
-        *heat_in_words(facts["heat"]),
+        f"time step  {facts['time_step']:.4g}{unit} at the start: {_courant_in_words(facts)}",
+        *_labelled("interface", interfaces_in_words(facts["interfaces"])),
+        *_labelled("cracks", cracks_in_words(facts["cracks"])),
+        *_labelled("heat", heat_in_words(facts["heat"])),
         f"run        about {facts['steps']} steps, {_time_in_words(facts)}",
         *_measured_in_words(facts["measured"]),
         "",
@@ -48,8 +50,9 @@ def as_text(facts: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _unit(name: str | None) -> str:
-    return "" if name is None else f" {name}"
+def _labelled(label: str, lines: list[str]) -> list[str]:
+    """Return lines beside a label, which stands before the first."""
+    return [f"{label if number == 0 else '':<11}{line}" for number, line in enumerate(lines)]
 
 
 def _tasks_in_words(kernels: dict[str, list[str]]) -> list[str]:
@@ -113,11 +116,6 @@ def _courant_in_words(facts: dict[str, Any]) -> str:
         f"{100 * margin:.0f} % below" if margin >= 0.0 else f"{-100 * margin:.0f} % above (the run may fail)"
     )
     return f"{chosen}, {verdict} the stable Courant number {stable:.3g} ({because})"
-
-
-def _fields_in_words(facts: dict[str, Any]) -> str:
-    number = facts["velocity_fields"]
-    return "1 velocity field" if number == 1 else f"{number} velocity fields"
 
 
 def _contact_in_words(contact: dict[str, Any]) -> list[str]:

@@ -6,10 +6,14 @@ The format is that of the VTK file formats (version 1.0, sizes in UInt64), which
 from __future__ import annotations
 
 import zlib
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterable, Sequence
+from html import escape  # that of xml.sax imports the web
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
+
+from mpmcli.output.files import write_pieces
 
 Array = np.ndarray
 
@@ -124,12 +128,69 @@ def _expand(block: memoryview, compressor: str, length: int) -> bytes:
     return made
 
 
-def tag(name: str, values: Array, components: Sequence[str], offset: int) -> str:
-    """The element of the header that describes an array; ``name`` is ready for XML."""
-    count = 1 if values.ndim == 1 else values.shape[1]
-    words = "".join(f' ComponentName{k}="{word}"' for k, word in enumerate(components))
-    kind = TYPES[values.dtype.name]
-    return (
-        f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{count}"{words}'
-        f' format="appended" offset="{offset}"/>'
-    )
+class Body:
+    """The arrays behind the header, in the order in which they are added."""
+
+    def __init__(self, compression: str):
+        self.compression = compression
+        self.pieces: list[Any] = []
+        self.length = 0
+
+    def add(self, name: str, values: Array, components: Sequence[str] = ()) -> str:
+        """Append an array, and return the element of the header that describes it."""
+        values = np.ascontiguousarray(values)
+        count = 1 if values.ndim == 1 else values.shape[1]
+        words = "".join(f' ComponentName{k}="{word}"' for k, word in enumerate(components))
+        element = (
+            f'<DataArray type="{TYPES[values.dtype.name]}" Name="{escape(name)}" NumberOfComponents="{count}"{words}'
+            f' format="appended" offset="{self.length}"/>'
+        )
+        pieces = packed(values, self.compression)
+        self.pieces += pieces
+        self.length += sum(map(len, pieces))
+        return element
+
+
+class DataSet(NamedTuple):
+    """What a file is to hold.
+
+    Attributes
+    ----------
+    kind, counts : ``UnstructuredGrid`` or ``PolyData``, and how many cells it has, as attributes of its piece
+    points : (N, 3) positions [length]
+    arrays : name, values (N,) or (N, components), and component names of each array on the points
+    cells : the element of the cells, and its arrays by name
+    """
+
+    kind: str
+    counts: str
+    points: Array
+    arrays: Iterable[tuple[str, Array, Sequence[str]]]
+    cells: tuple[str, dict[str, Array]]
+
+
+def write_data_set(path: Path, time: float, data: DataSet, compression: str = "none") -> None:
+    """Write a file, with its time as field data ``TimeValue``."""
+    body = Body(compression)
+    compressor = f' compressor="{COMPRESSORS[compression]}"' if compression != "none" else ""
+    element, cells = data.cells
+    stamp = body.add("TimeValue", np.array([time])).replace("/>", ' NumberOfTuples="1"/>')
+    lines = [
+        '<?xml version="1.0"?>',
+        f'<VTKFile type="{data.kind}" version="1.0" byte_order="LittleEndian" header_type="UInt64"{compressor}>',
+        f"<{data.kind}>",
+        f"<FieldData>{stamp}</FieldData>",
+        f'<Piece NumberOfPoints="{len(data.points)}" {data.counts}>',
+        "<PointData>",
+        *(body.add(*array) for array in data.arrays),
+        "</PointData>",
+        f"<Points>{body.add('Points', data.points)}</Points>",
+        f"<{element}>",
+        *(body.add(name, values) for name, values in cells.items()),
+        f"</{element}>",
+        "</Piece>",
+        f"</{data.kind}>",
+        '<AppendedData encoding="raw">',
+    ]
+    header = ("\n".join(lines) + "\n_").encode()
+    write_pieces(path, [header, *body.pieces, b"\n</AppendedData>\n</VTKFile>\n"])

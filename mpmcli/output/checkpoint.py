@@ -22,7 +22,7 @@ import numpy as np
 
 from mpmcli.core.errors import ArchiveError
 from mpmcli.core.version import VERSION
-from mpmcli.output.files import CHECKPOINT, CHECKPOINT_DAMAGED, CHECKPOINT_PREVIOUS, cannot_write
+from mpmcli.output.files import CHECKPOINT, CHECKPOINT_DAMAGED, CHECKPOINT_PREVIOUS, writing
 
 FORMAT = 1
 """Version of the layout; files of a later one are refused."""
@@ -78,31 +78,23 @@ class Checkpoint:
 def write_checkpoint(directory: Path, arrays: Mapping[str, Any], facts: dict[str, Any]) -> Path:
     """Write a checkpoint and keep the last one as ``checkpoint_prev.npz``.
 
+    Raises ArchiveError if it cannot be written (a full disk); the checkpoints that there are stay as they are.
+
     Parameters
     ----------
-    arrays
-        Arrays and numbers by name.
-    facts
-        What the header says besides (JSON).
-
-    Raises
-    ------
-    ArchiveError
-        If it cannot be written (a full disk); the checkpoints that there are stay as they are.
+    arrays : arrays and numbers by name
+    facts : what the header says besides (JSON)
     """
     path = directory / CHECKPOINT
     part = path.with_name(path.name + ".part")
-    try:
-        _write_file(part, arrays, facts)
-        _rotate(directory, part)
-    except OSError as error:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
-        raise cannot_write(path, error) from error
-    except BaseException:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
-        raise
+    with writing(path):
+        try:
+            _write_file(part, arrays, facts)
+            _rotate(directory, part)
+        except BaseException:
+            with suppress(OSError):
+                part.unlink(missing_ok=True)
+            raise
     return path
 
 
@@ -184,13 +176,11 @@ def set_damaged_aside(directory: Path) -> Path:
     """Put ``checkpoint_prev.npz`` in the place of a damaged newest one, which is kept under another name."""
     current, previous = directory / CHECKPOINT, directory / CHECKPOINT_PREVIOUS
     aside = directory / CHECKPOINT_DAMAGED
-    try:
+    with writing(current):
         if current.exists():
             os.replace(current, aside)
         _link(previous, current)
         _sync_folder(directory)
-    except OSError as error:
-        raise cannot_write(current, error) from error
     return aside
 
 

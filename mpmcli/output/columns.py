@@ -122,15 +122,8 @@ def _extra(name: str) -> Quantity:
     dimension = next((d for d in ("mass", "energy", "rate", "time") if name.endswith(d)), "1")
     if name.endswith(("heat", "work")):
         dimension = "energy"
-    return Quantity(
-        name,
-        name,
-        dimension,
-        "scalar",
-        "global",
-        lambda s: s.state.extra.get(name, 0.0),
-        EXTRA.get(name, "as named by the solver"),
-    )
+    text = EXTRA.get(name, "as named by the solver")
+    return Quantity(name, name, dimension, "scalar", "global", lambda s: s.state.extra.get(name, 0.0), text)
 
 
 def default_columns(context: Context) -> list[Column]:
@@ -145,12 +138,8 @@ def resolve_columns(
 
     A name is a column (``momentum_x``, ``stress_xx[rubber]``), a quantity (``momentum``, ``stress``: all its
     components and owners), one component of all owners (``stress_xx``), all components of one owner
-    (``stress[rubber]``), or ``default``: the columns without a list. Without names: those as well.
-
-    Raises
-    ------
-    SceneError
-        Listing every name that is no column of this scene, with the nearest one.
+    (``stress[rubber]``), or ``default``: the columns without a list. Without names: those as well. Raises SceneError
+    listing every name that is no column of this scene, with the nearest one.
     """
     if names is None:
         return default_columns(context)
@@ -196,11 +185,7 @@ def unknown_column(name: str, names: Iterable[str], context: Context) -> str:
     base, _, owner = name.removesuffix("]").partition("[")
     elsewhere = {quantity.name for quantity in QUANTITIES.at(*PLACES[: -len(OF_CRACKS)])}
     for quantity in QUANTITIES.at(*OF_CRACKS):
-        if quantity.name not in elsewhere and base in (
-            quantity.name,
-            f"{quantity.name}_x",
-            f"{quantity.name}_y",
-        ):
+        if quantity.name not in elsewhere and base.removesuffix("_x").removesuffix("_y") == quantity.name:
             words = crack_quantities.why_missing(quantity, owner, context)
             if words:
                 return f"'{name}' {words}"
@@ -215,27 +200,21 @@ def fields_of(context: Context) -> dict[str, Quantity]:
     return found
 
 
+_OF_PRESSURE = (
+    "crack_driver", "dissipated_energy", "internal_energy", "plastic_work", "plastic_work_of_step",
+    "preconsolidation_pressure", "stiffening",
+)  # fmt: skip
 HISTORY_DIMENSIONS = {
-    "band_x": "length",
-    "band_y": "length",
-    "band_z": "length",
-    "crack_driver": "pressure",
-    "dissipated_energy": "pressure",
-    "internal_energy": "pressure",
-    "plastic_work": "pressure",
-    "plastic_work_of_step": "pressure",
-    "preconsolidation_pressure": "pressure",
-    "stiffening": "pressure",
     "temperature": "temperature",
+    **dict.fromkeys(("band_x", "band_y", "band_z"), "length"),
+    **dict.fromkeys(_OF_PRESSURE, "pressure"),
 }
 
 
 def _history(name: str) -> Quantity:
     dimension = HISTORY_DIMENSIONS.get(name, "1")
     text = f"history variable '{name}' of the materials that have it, 0 for the others"
-    return Quantity(
-        name, name, dimension, "scalar", "particle", lambda snapshot: snapshot.history(name), text
-    )
+    return Quantity(name, name, dimension, "scalar", "particle", lambda s: s.history(name), text)
 
 
 def archived_names(asked: Iterable[str] | None, context: Context) -> Iterable[str]:

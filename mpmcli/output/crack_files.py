@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from mpmcli.output.files import write_pieces
-from mpmcli.output.vtu import Body
+from mpmcli.output.appended import DataSet, write_data_set
 
 Array = np.ndarray
 
@@ -50,42 +48,19 @@ def write_cracks(path: Path, time: float, chains: Sequence[Any]) -> None:
 
     Parameters
     ----------
-    path
-        The file, which appears when it is whole.
-    time
-        Time of the state, as field data ``TimeValue``.
-    chains
-        Those of some cracks, ``cracks.chain.Chain``.
+    path : the file, which appears when it is whole
+    time : time of the state, as field data ``TimeValue``
+    chains : those of some cracks, ``cracks.chain.Chain``
     """
     carries = any(chain.numbers for chain in chains)
     parts = [_arrays_of(chain, carries) for chain in chains]
     arrays = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     points = arrays.pop("Points")
     ends = np.cumsum(np.repeat([chain.count for chain in chains], 3), dtype=np.int64)
-    body = Body("none")
-    stamp = body.add("TimeValue", np.array([time])).replace("/>", ' NumberOfTuples="1"/>')
-    lines = [
-        '<?xml version="1.0"?>',
-        '<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
-        "<PolyData>",
-        f"<FieldData>{stamp}</FieldData>",
-        f'<Piece NumberOfPoints="{len(points)}" NumberOfVerts="0" NumberOfLines="{len(ends)}" NumberOfStrips="0" '
-        'NumberOfPolys="0">',
-        "<PointData>",
-        *(body.add(escape(name), values) for name, values in arrays.items()),
-        "</PointData>",
-        f"<Points>{body.add('Points', points)}</Points>",
-        "<Lines>",
-        body.add("connectivity", np.arange(len(points), dtype=np.int64)),
-        body.add("offsets", ends),
-        "</Lines>",
-        "</Piece>",
-        "</PolyData>",
-        '<AppendedData encoding="raw">',
-    ]
-    write_pieces(
-        path, [("\n".join(lines) + "\n_").encode(), *body.pieces, b"\n</AppendedData>\n</VTKFile>\n"]
-    )
+    counts = f'NumberOfVerts="0" NumberOfLines="{len(ends)}" NumberOfStrips="0" NumberOfPolys="0"'
+    lines = {"connectivity": np.arange(len(points), dtype=np.int64), "offsets": ends}
+    on_points = [(name, values, ()) for name, values in arrays.items()]
+    write_data_set(path, time, DataSet("PolyData", counts, points, on_points, ("Lines", lines)))
 
 
 def _arrays_of(chain: Any, carries: bool) -> dict[str, Array]:

@@ -24,10 +24,8 @@ class CrackTipProbe:
 
     Parameters
     ----------
-    tip
-        Its name in columns, ``"main:end"``.
-    quantities
-        Those of the tip and of its crack, by the names of their columns.
+    tip : its name in columns, ``"main:end"``
+    quantities : those of the tip and of its crack, by the names of their columns
     """
 
     def __init__(self, name: str, tip: str, quantities: dict[str, Quantity], context: Context):
@@ -66,36 +64,11 @@ class CrackOpeningProbe:
         return found
 
 
-def resolve_crack_probe(model: Any, context: Context, path: str) -> dict[str, Quantity]:
-    """Return the quantities of a probe of a tip by the names of their columns; none for an opening.
-
-    Raises
-    ------
-    SceneError
-        If there is no such crack or tip, or a column is unknown.
-    """
-    if model.crack not in context.cracks:
-        hint = did_you_mean(model.crack, context.cracks)
-        hint = hint or (f" ({listing(context.cracks)})" if context.cracks else "")
-        words = f"there is no crack '{model.crack}'{hint}"
-        raise SceneError([Problem(f"{path}.crack", words, code="unknown_reference")])
-    if model.kind == "crack_opening":
-        return {}
-    tip = f"{model.crack}:{model.end}"
-    if tip not in context.tips:
-        others = [each for each in context.tips if each.startswith(f"{model.crack}:")]
-        words = f"the {model.end} of '{model.crack}' is a mouth, not a tip"
-        words += (
-            f"; its tip is at its {others[0].rpartition(':')[2]}" if others else ", and so is its other end"
-        )
-        raise SceneError([Problem(f"{path}.end", words, code="no_tip")])
-    return _quantities(model.columns, tip, context, path)
-
-
 def _quantities(names: Iterable[str], tip: str, context: Context, path: str) -> dict[str, Quantity]:
     there = {q.name: q for q in QUANTITIES.at("crack", "tip")}
     there = {short: there[name] for short, name in SHORT.items() if name in there} | there
-    mine = {name: q for name, q in there.items() if q.exists(context) and _belongs(tip, q, context)}
+    owners = {"tip": tip, "crack": tip.rpartition(":")[0]}
+    mine = {name: q for name, q in there.items() if q.exists(context) and owners[q.where] in q.names(context)}
     found: dict[str, Quantity] = {}
     problems = []
     for index, name in enumerate(names):
@@ -110,14 +83,22 @@ def _quantities(names: Iterable[str], tip: str, context: Context, path: str) -> 
     return found
 
 
-def _belongs(tip: str, quantity: Quantity, context: Context) -> bool:
-    owner = tip if quantity.where == "tip" else tip.rpartition(":")[0]
-    return owner in quantity.names(context)
-
-
 def make_crack_probe(model: Any, context: Context, path: str) -> CrackTipProbe | CrackOpeningProbe:
-    """A probe of a crack from its words in the scene."""
-    quantities = resolve_crack_probe(model, context, path)
+    """A probe of a crack from its words in the scene.
+
+    Raises SceneError if there is no such crack or tip, or a column is unknown.
+    """
+    if model.crack not in context.cracks:
+        hint = did_you_mean(model.crack, context.cracks)
+        hint = hint or (f" ({listing(context.cracks)})" if context.cracks else "")
+        words = f"there is no crack '{model.crack}'{hint}"
+        raise SceneError([Problem(f"{path}.crack", words, code="unknown_reference")])
     if model.kind == "crack_opening":
         return CrackOpeningProbe(model.name, model.crack)
-    return CrackTipProbe(model.name, f"{model.crack}:{model.end}", quantities, context)
+    tip = f"{model.crack}:{model.end}"
+    if tip not in context.tips:
+        other = next((each for each in context.tips if each.startswith(f"{model.crack}:")), "")
+        words = f"the {model.end} of '{model.crack}' is a mouth, not a tip"
+        words += f"; its tip is at its {other.rpartition(':')[2]}" if other else ", and so is its other end"
+        raise SceneError([Problem(f"{path}.end", words, code="no_tip")])
+    return CrackTipProbe(model.name, tip, _quantities(model.columns, tip, context, path), context)

@@ -45,11 +45,8 @@ class Criteria:
         self._constants = dict(scene.constants)
         self._context = context
         self._columns = {c.name: c for c in all_columns(context) if c.name not in NOT_USED}
-        self._probes = {
-            model.name: _columns_of_probe(model, context)
-            for model in scene.probes
-            if model.kind in WITHOUT_ROWS
-        }
+        probes = [model for model in scene.probes if model.kind in WITHOUT_ROWS]
+        self._probes = {model.name: _columns_of_probe(model, context) for model in probes}
 
     def read(self, text: str) -> Condition:
         """Read a condition; ValueError with words for the user."""
@@ -68,12 +65,8 @@ class Criteria:
                 plain = re.sub(rf"(?<![\w.]){re.escape(probe)}\.{column}\b", name, plain)
         plain = _OWNED.sub(lambda found: stand_in(self._column(found[0])), plain)
         for word in dict.fromkeys(_WORD.findall(plain)):
-            if (
-                iskeyword(word)
-                or word in sources
-                or word in self._constants
-                or word in CONSTANTS
-                or word in FUNCTIONS
+            if iskeyword(word) or any(
+                word in known for known in (sources, self._constants, CONSTANTS, FUNCTIONS)
             ):
                 continue
             sources[word] = word if word in CLOCK else self._column(word)
@@ -152,7 +145,7 @@ def _columns_of_probe(model: Any, context: Context) -> Sequence[str]:
     try:
         if model.kind == "particle":
             return columns_of(resolve_fields(model.columns, context), context)[0]
-        probe = make_probe(model, None, context, "")  # type: ignore[arg-type]  # only particles need a state
+        probe = make_probe(model, None, context, "")
     except SceneError:
         return ()
     assert isinstance(probe, PointProbe | PairProbe)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from mpmcli.core.errors import ArchiveError
@@ -48,14 +48,15 @@ def write_text(path: Path, text: str) -> None:
 def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
     """Replace a file by pieces of bytes in one move: readers see the old or the new file, never a part."""
     partial = path.with_name(path.name + ".part")
-    try:
-        with partial.open("wb") as stream:
-            stream.writelines(pieces)
-        os.replace(partial, path)
-    except OSError as error:
-        with suppress(OSError):
-            partial.unlink(missing_ok=True)
-        raise cannot_write(path, error) from error
+    with writing(path):
+        try:
+            with partial.open("wb") as stream:
+                stream.writelines(pieces)
+            os.replace(partial, path)
+        except OSError:
+            with suppress(OSError):
+                partial.unlink(missing_ok=True)
+            raise
 
 
 def cannot_write(path: Path, error: OSError | str) -> ArchiveError:
@@ -64,12 +65,30 @@ def cannot_write(path: Path, error: OSError | str) -> ArchiveError:
     return ArchiveError(f"cannot write {path}: {reason}")
 
 
-def make_folder(path: Path) -> None:
-    """Make a folder and its parents, or say why not."""
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Let an error of the system inside be that this path cannot be written."""
     try:
-        path.mkdir(parents=True, exist_ok=True)
+        yield
     except OSError as error:
         raise cannot_write(path, error) from error
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder and its parents, or say why not."""
+    with writing(path):
+        path.mkdir(parents=True, exist_ok=True)
+
+
+def all_tables(directory: Path) -> list[str]:
+    """Files of the tables in a results folder, relative to it."""
+    probes = [f"probes/{path.name}" for path in sorted((directory / "probes").glob("*.csv"))]
+    return [name for name in (GLOBALS, CRACK_EVENTS) if (directory / name).exists()] + probes
+
+
+def table_names(directory: Path) -> list[str]:
+    """Those of the tables over time: ``globals.csv`` and ``probes/NAME.csv``."""
+    return [name for name in all_tables(directory) if name != CRACK_EVENTS]
 
 
 def owned_files(directory: Path) -> Iterator[Path]:
@@ -93,12 +112,10 @@ def drawn_files(directory: Path) -> Iterator[Path]:
 
 def remove_results(directory: Path) -> None:
     """Remove the files and pictures of an earlier run, and nothing else; folders that became empty go too."""
-    try:
+    with writing(directory):
         for path in [*owned_files(directory), *drawn_files(directory)]:
             path.unlink()
         for folder in (*SERIES, "probes", PLOTS):
             path = directory / folder
             if path.is_dir() and not any(path.iterdir()):
                 path.rmdir()
-    except OSError as error:
-        raise cannot_write(directory, error) from error

@@ -200,10 +200,7 @@ class _Contents(_Part):
 def read_manifest(directory: Path) -> dict[str, Any] | None:
     """Contents of a folder's ``run.json``; None if there is none or it is no JSON text.
 
-    Raises
-    ------
-    ArchiveError
-        If something in it is of another kind than what mpmcli writes there.
+    Raises ArchiveError if something in it is of another kind than what mpmcli writes there.
     """
     path = directory / MANIFEST
     try:

@@ -11,7 +11,7 @@ from mpmcli.core.state import State
 from mpmcli.output.columns import archived_names, resolve_columns, resolve_fields
 from mpmcli.output.contact_quantities import pair_name
 from mpmcli.output.criteria import check_conditions
-from mpmcli.output.probes import resolve_grid_fields, resolve_pair
+from mpmcli.output.probes import make_probe, resolve_grid_fields
 from mpmcli.output.quantities import Context
 from mpmcli.scene.fields import law_table, owners_of_fields, velocity_fields
 
@@ -27,11 +27,6 @@ def _extra_columns(scene: Any) -> tuple[str, ...]:
     rubs = any(getattr(condition, "rubs", False) for condition in scene.conditions_on("velocity"))
     feedback += ("boundary_friction_work",) * rubs
     return deleted * (scene.domain.on_exit == "delete") + ("mean_order",) * chooses + feedback
-
-
-def _sources_of_heat(scene: Any) -> list[str]:
-    """Names of what may heat bodies from outside."""
-    return [each.name for each in (*scene.conditions_on("temperature"), *scene.loads_on("temperature"))]
 
 
 def context_of(scene: Any, state: State | None = None) -> Context:
@@ -51,13 +46,14 @@ def context_of(scene: Any, state: State | None = None) -> Context:
         "bath_heat": scene.heat is not None and not scene.is_adiabatic,
     }
     names = [name for name, used in work.items() if used]
+    heating = (*scene.conditions_on("temperature"), *scene.loads_on("temperature"))
     return Context(
         analysis=scene.analysis.kind,
         bodies=tuple(state.bodies if state else (body.name for body in scene.bodies)),
         materials=tuple(state.materials if state else scene.materials),
         history=tuple(dict.fromkeys(name for model in models for name in model.history)),
         reactions=tuple(dict.fromkeys(condition.name for condition in scene.conditions_on("velocity"))),
-        heated_by=tuple(dict.fromkeys(_sources_of_heat(scene))),
+        heated_by=tuple(dict.fromkeys(each.name for each in heating)),
         has_heat=scene.heat is not None,
         exchanges_heat=bool(contact) and scene.heat is not None and scene.heat.contact != "shared",
         has_friction_heat=bool(contact) and scene.heat is not None and scene.heat.friction,
@@ -146,16 +142,9 @@ def check_output(scene: Any) -> None:
     if archive.grid is not None:
         collect(resolve_grid_fields, archive.grid.fields, context)
     for index, probe in enumerate(scene.probes):
-        path = f"probes.{index}.columns"
-        if probe.kind == "particle":
-            collect(resolve_fields, probe.columns, context, path)
-        elif probe.kind == "pair":
-            collect(resolve_pair, probe.between, probe.columns, context, f"probes.{index}")
-        elif probe.kind in ("crack_tip", "crack_opening"):
-            from mpmcli.output.crack_probes import resolve_crack_probe
-
-            collect(resolve_crack_probe, probe, context, f"probes.{index}")
+        if probe.kind == "particle":  # which needs particles to be made
+            collect(resolve_fields, probe.columns, context, f"probes.{index}.columns")
         else:
-            collect(resolve_grid_fields, probe.columns, context, path)
+            collect(make_probe, probe, None, context, f"probes.{index}")
     if problems:
         raise SceneError(problems)

@@ -49,10 +49,8 @@ class ParticleProbe:
 
     Parameters
     ----------
-    near
-        The point, shape (d,) [length].
-    quantities
-        What is written of it; NaN once the particle has been deleted.
+    near : the point, shape (d,) [length]
+    quantities : what is written of it; NaN once the particle has been deleted
     """
 
     def __init__(
@@ -92,11 +90,9 @@ class PointProbe:
         self.fields = list(fields)
         self.columns, self.dimensions = [], []
         for field in self.fields:
-            entry = GRID_FIELDS[field]
-            self.columns += (
-                [f"{field}_{axis}" for axis in AXES[: len(self.at)]] if entry.is_vector else [field]
-            )
-            self.dimensions += [entry.dimension] * (len(self.at) if entry.is_vector else 1)
+            axes = AXES[: len(self.at)] if GRID_FIELDS[field].is_vector else ""
+            self.columns += [f"{field}_{axis}" for axis in axes] or [field]
+            self.dimensions += [GRID_FIELDS[field].dimension] * max(len(axes), 1)
 
     def look(self, snapshot: Snapshot) -> list[float]:
         """The numbers of its columns."""
@@ -124,10 +120,8 @@ class PairProbe:
 
     Parameters
     ----------
-    pair
-        Its name in columns, ``"left|right"``.
-    sign
-        −1 where vectors are wanted of the second of its fields.
+    pair : its name in columns, ``"left|right"``
+    sign : −1 where vectors are wanted of the second of its fields
     """
 
     def __init__(self, name: str, pair: str, sign: float, quantities: Sequence[Quantity], context: Context):
@@ -172,67 +166,46 @@ class GridField:
     sides: int = 1
 
 
-def _of_contact(dimension: str, is_vector: bool, description: str) -> GridField:
-    return GridField(dimension, is_vector, description, among="contact_normal", of_contact=True)
-
-
-def _of_interface(dimension: str, is_vector: bool, description: str) -> GridField:
-    return GridField(dimension, is_vector, description, among="interface_is_there", of_interface=True)
-
-
 def _of_side(side: int) -> dict[str, GridField]:
     words = f"on side {side} of the node, {WHERE[side]}"
-    sides = 4 if side > 1 else 2
+    sides, mass = 4 if side > 1 else 2, f"mass_side_{side}"
     return {
-        f"mass_side_{side}": GridField("mass", False, f"mass {words}", sides=sides),
-        f"velocity_side_{side}": GridField(
-            "velocity", True, f"velocity {words}", among=f"mass_side_{side}", sides=sides
-        ),
+        mass: GridField("mass", False, f"mass {words}", sides=sides),
+        f"velocity_side_{side}": GridField("velocity", True, f"velocity {words}", among=mass, sides=sides),
     }
 
 
 WHERE = ("its own", "beyond its first crack", "beyond its second crack", "beyond both of its cracks")
+_CONTACT: dict[str, Any] = {"among": "contact_normal", "of_contact": True}
+_INTERFACE: dict[str, Any] = {"among": "interface_is_there", "of_interface": True}
 GRID_FIELDS = {
     "mass": GridField("mass", False, "mass"),
     "momentum": GridField("momentum", True, "momentum"),
     "force": GridField("force", True, "total force in the last step"),
-    "velocity": GridField(
-        "velocity", True, "velocity of the centre of mass of all velocity fields", among="mass"
-    ),
-    "contact_normal": _of_contact(
-        "1", True, "unit normal, from the first velocity field at the node outward"
-    ),
-    "contact_separation": _of_contact(
-        "length",
-        False,
-        "distance of the two sides at the start of the last step, negative where they overlap; nan where unknown",
-    ),
-    "contact_traction": _of_contact("pressure", True, "contact force per area on the first velocity field"),
-    "interface_jump": _of_interface(
-        "length",
-        True,
-        "jump of displacement from the first velocity field at the node to the second; 0 without an interface",
-    ),
-    "interface_traction": _of_interface(
-        "pressure",
-        True,
-        "traction of the interface on the first velocity field at the node; 0 without an interface",
-    ),
-    "interface_damage": _of_interface(
-        "1", False, "share of its stiffness that the interface has lost; 1: broken, 0 without an interface"
-    ),
+    "velocity": GridField("velocity", True, "velocity of the centre of mass of all velocity fields", among="mass"),
+    "contact_normal": GridField(
+        "1", True, "unit normal, from the first velocity field at the node outward", **_CONTACT),
+    "contact_separation": GridField(
+        "length", False, "distance of the two sides at the start of the last step, negative where they overlap; nan "
+        "where unknown", **_CONTACT),
+    "contact_traction": GridField(
+        "pressure", True, "contact force per area on the first velocity field", **_CONTACT),
+    "interface_jump": GridField(
+        "length", True, "jump of displacement from the first velocity field at the node to the second; 0 without an "
+        "interface", **_INTERFACE),
+    "interface_traction": GridField(
+        "pressure", True, "traction of the interface on the first velocity field at the node; 0 without an interface",
+        **_INTERFACE),
+    "interface_damage": GridField(
+        "1", False, "share of its stiffness that the interface has lost; 1: broken, 0 without an interface",
+        **_INTERFACE),
     "heat_capacity": GridField(
-        "energy/temperature", False, "heat capacity in the last step that conducted", of_heat=True
-    ),
+        "energy/temperature", False, "heat capacity in the last step that conducted", of_heat=True),
     "temperature": GridField(
-        "temperature",
-        False,
-        "temperature after the last step that conducted, mean by capacity of all velocity fields",
-        among="heat_capacity",
-        of_heat=True,
-    ),
+        "temperature", False, "temperature after the last step that conducted, mean by capacity of all velocity fields",
+        among="heat_capacity", of_heat=True),
     **{name: entry for side in range(4) for name, entry in _of_side(side).items()},
-}
+}  # fmt: skip
 """Nodal fields by name; rigid bodies are in none of them but those of contact."""
 
 
@@ -309,10 +282,7 @@ def resolve_pair(
 ) -> tuple[str, float, list[Quantity]]:
     """Return the pair that two names stand for, −1 if they stand the other way round, and the quantities of a probe.
 
-    Raises
-    ------
-    SceneError
-        If the fields cannot meet, or a column is unknown.
+    Raises SceneError if the fields cannot meet, or a column is unknown.
     """
     if not context.has_contact:
         raise SceneError(
@@ -340,17 +310,15 @@ def resolve_pair(
     return pair, ways[pair], [there[name] for name in chosen]
 
 
-def make_probe(model: Any, state: State, context: Context, path: str) -> Probe | Profile:
-    """A probe from its words in the scene.
+def make_probe(model: Any, state: State | None, context: Context, path: str) -> Probe | Profile:
+    """A probe from its words in the scene; ``state`` is that of the start, which only those of particles need.
 
-    Raises
-    ------
-    SceneError
-        If a column is unknown.
+    Raises SceneError if a column is unknown.
     """
     if model.name in (".", "..") or any(mark in model.name for mark in "/\\\0"):
         raise SceneError([Problem(f"{path}.name", f"'{model.name}' is not a valid file name")])
     if model.kind == "particle":
+        assert state is not None
         quantities = resolve_fields(model.columns, context, f"{path}.columns")
         return ParticleProbe(model.name, state, model.body, model.near, quantities, context)
     if model.kind == "pair":

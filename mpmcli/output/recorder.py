@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +13,11 @@ from mpmcli.core.errors import ArchiveError, SimulationError
 from mpmcli.core.state import State
 from mpmcli.core.suggest import listing
 from mpmcli.output.columns import archived_names, evaluate, resolve_columns, resolve_fields
-from mpmcli.output.files import CRACK_EVENTS, FAILED, FAILED_CRACKS, GLOBALS, cannot_write, make_folder
+from mpmcli.output.files import CRACK_EVENTS, FAILED, FAILED_CRACKS, GLOBALS, make_folder, writing
 from mpmcli.output.global_quantities import EnergyBalance
 from mpmcli.output.manifest import Manifest
 from mpmcli.output.of_scene import context_of
 from mpmcli.output.probes import GRID_FIELDS, Probe, Profile, make_probe, resolve_grid_fields, rows_of
-from mpmcli.output.quantities import Quantity
 from mpmcli.output.schedule import Schedule
 from mpmcli.output.snapshot import Snapshot
 from mpmcli.output.tables import Table
@@ -33,14 +32,11 @@ class Recorder:
 
     Parameters
     ----------
-    loaded
-        The scene as read: ``scene``, ``units``, ``resolved()``, ``hash``, ``path``.
+    loaded : the scene as read: ``scene``, ``units``, ``resolved()``, ``hash``, ``path``
     directory
         The folder; it is made. Files of the same names are written over.
-    state
-        The state at time 0, which fixes the columns and the particles that probes follow.
-    facts
-        What the manifest says of the run from its start (threads, set-up report, …).
+    state : the state at time 0, which fixes the columns and the particles that probes follow
+    facts : what the manifest says of the run from its start (threads, set-up report, …)
     memory
         What ``memory()`` gave an earlier run, whose files are continued from there: tables are cut back, later
         files of archives removed.
@@ -68,16 +64,16 @@ class Recorder:
         self.balance = EnergyBalance()
         self.energy_error: float | None = None
         self._parts: list[_Part] = []
-        self._memory = memory
-        units: dict[str, dict[str, str]] = {}
+        self._memory, self._label = memory, loaded.units.label
+        self._units: dict[str, dict[str, str]] = {}
         try:
-            self._add_globals(scene, loaded.units, units)
-            self._add_probes(scene, loaded.units, units, probes)
-            self._add_particles(scene, loaded.units, units)
-            self._add_grid(scene, loaded.units, units)
+            self._add_globals(scene)
+            self._add_probes(scene, probes)
+            self._add_particles(scene)
+            self._add_grid(scene)
             if scene.cracks:
-                self._add_cracks(scene, loaded.units, units)
-                self._add_events(scene, loaded.units, units, state)
+                self._add_cracks(scene)
+                self._add_events(state)
         except ArchiveError:
             for part in self._parts:
                 part.close()
@@ -92,36 +88,35 @@ class Recorder:
                 "plugins": loaded.plugins,
                 "bodies": list(state.bodies),
                 "materials": list(state.materials),
-                "units": units,
+                "units": self._units,
             },
         )
         if memory is not None:
             self._recall(memory)
         self.manifest.write(ended="running", **(facts or {}))
 
-    def _add_globals(self, scene: Any, labels: Any, units: dict[str, dict[str, str]]) -> None:
+    def _table(self, part: str, file: str, dimensions: Iterable[tuple[str, str]]) -> Table:
+        """Open the table of a part, whose columns have these dimensions, or that of an earlier run again."""
+        columns = dict(dimensions)
+        self._units[file] = {name: self._label(dimension) for name, dimension in columns.items() if dimension}
+        position = None
+        if self._memory is not None:
+            size, checksum = self._memory[f"{part}.position"]
+            position = int(size), int(checksum)
+        return Table(self.directory / file, list(columns), position)
+
+    def _add_globals(self, scene: Any) -> None:
         asked = scene.archive.globals
         if asked is None:
             return
-        columns = ["step", "time", "dt", *(c.name for c in self.columns)]
-        table = Table(self.directory / GLOBALS, columns, self._position("globals"))
-        pairs = [
-            ("step", "1"),
-            ("time", "time"),
-            ("dt", "time"),
-            *((c.name, c.dimension) for c in self.columns),
-        ]
-        units[GLOBALS] = {name: labels.label(dimension) for name, dimension in pairs}
+        dimensions = [("step", "1"), ("time", "time"), ("dt", "time")]
+        table = self._table("globals", GLOBALS, [*dimensions, *((c.name, c.dimension) for c in self.columns)])
 
         def record(snapshot: Snapshot) -> None:
             # only here, so that the error does not depend on how often other files are written
             self.energy_error = self.balance.update(snapshot)
             state, numbers = snapshot.state, evaluate(self.columns, snapshot)
-            infinite = [
-                column.name
-                for column, number in zip(self.columns, numbers, strict=True)
-                if math.isinf(number)
-            ]
+            infinite = [c.name for c, number in zip(self.columns, numbers, strict=True) if math.isinf(number)]
             if infinite:
                 raise SimulationError(
                     f"no number is large enough for {listing(infinite)} in step {state.step}, time {state.time:.6g}; "
@@ -131,17 +126,13 @@ class Recorder:
 
         self._parts.append(_TablePart("globals", Schedule(asked.every), record, table))
 
-    def _add_probes(
-        self, scene: Any, labels: Any, units: dict[str, dict[str, str]], probes: list[Probe | Profile]
-    ) -> None:
+    def _add_probes(self, scene: Any, probes: list[Probe | Profile]) -> None:
         asked = scene.archive.globals
         for model, probe in zip(scene.probes, probes, strict=True):
             make_folder(self.directory / "probes")
-            file = f"probes/{probe.name}.csv"
             part = f"probes.{probe.name}"
-            table = Table(self.directory / file, ["step", "time", *probe.columns], self._position(part))
-            pairs = zip(["step", "time", *probe.columns], ["1", "time", *probe.dimensions], strict=True)
-            units[file] = {name: labels.label(dimension) for name, dimension in pairs}
+            dimensions = zip(["step", "time", *probe.columns], ["1", "time", *probe.dimensions], strict=True)
+            table = self._table(part, f"probes/{probe.name}.csv", dimensions)
             every = model.every or (asked.every if asked else scene.time.end)
 
             def record(snapshot: Snapshot, table: Table = table, probe: Probe | Profile = probe) -> None:
@@ -150,89 +141,80 @@ class Recorder:
 
             self._parts.append(_TablePart(part, Schedule(every), record, table))
 
-    def _add_particles(self, scene: Any, labels: Any, units: dict[str, dict[str, str]]) -> None:
-        asked = scene.archive.particles
-        self.frames = 0
-        if asked is None:
-            return
-        from mpmcli.output.vtu import Series, VtuWriter, write_particles
-
-        names = archived_names(asked.fields, self.context)
-        fields = resolve_fields([*ALWAYS, *names], self.context)
-        writer = VtuWriter(asked.precision, asked.compression)
-        series = Series(self.directory, "particles", self._times("particles"))
-        self.frames = len(series.times)
-        units["particles"] = _units_of_fields(fields, labels)
-
-        def record(snapshot: Snapshot) -> None:
-            path = series.next_path()
-            write_particles(writer, path, snapshot, fields)
-            series.add(snapshot.state.time)
-            self.frames = len(series.times)
-
-        self._parts.append(_SeriesPart("particles", Schedule(asked.every), record, series))
-
-    def _add_grid(self, scene: Any, labels: Any, units: dict[str, dict[str, str]]) -> None:
-        asked = scene.archive.grid
-        if asked is None:
-            return
-        from mpmcli.output.vtu import Series, VtuWriter, write_grid
-
-        fields = resolve_grid_fields(asked.fields, self.context)
-        particles = scene.archive.particles
-        writer = VtuWriter(particles.precision, particles.compression) if particles else VtuWriter()
-        series = Series(self.directory, "grid", self._times("grid"))
-        units["grid"] = {"Points": labels.label("length")}
-        units["grid"] |= {name: labels.label(GRID_FIELDS[name].dimension) for name in fields}
-
-        def record(snapshot: Snapshot) -> None:
-            if snapshot.has_grid:
-                path = series.next_path()
-                write_grid(writer, path, snapshot, fields)
-                series.add(snapshot.state.time)
-
-        self._parts.append(_SeriesPart("grid", Schedule(asked.every), record, series))
-
-    def _add_cracks(self, scene: Any, labels: Any, units: dict[str, dict[str, str]]) -> None:
-        asked = scene.archive.cracks
-        if asked is None:
-            return
-        from mpmcli.output.crack_files import DIMENSIONS, write_cracks
-        from mpmcli.output.vtu import Series
-
-        names = [crack.name for crack in scene.cracks]
-        series = Series(self.directory, "cracks", self._times("cracks"), names, "vtp")
-        units["cracks"] = {name: labels.label(dimension) for name, dimension in DIMENSIONS.items()}
-
-        def record(snapshot: Snapshot) -> None:
-            for path, chain in zip(series.next_paths(), snapshot.cracks.chains, strict=True):
-                write_cracks(path, snapshot.state.time, [chain])
-            series.add(snapshot.state.time)
-
-        self._parts.append(_SeriesPart("cracks", Schedule(asked.every), record, series))
-
-    def _add_events(self, scene: Any, labels: Any, units: dict[str, dict[str, str]], state: State) -> None:
+    def _add_events(self, state: State) -> None:
         if not self.context.has_crack_events:
             return
         from mpmcli.output.crack_files import EVENTS
 
         make_folder(self.directory / "cracks")
-        table = Table(self.directory / CRACK_EVENTS, list(EVENTS), self._position("cracks.events"))
-        units[CRACK_EVENTS] = {
-            name: labels.label(dimension) for name, dimension in EVENTS.items() if dimension
-        }
+        table = self._table("cracks.events", CRACK_EVENTS, EVENTS.items())
         self._parts.append(_EventsPart("cracks.events", table, state))
 
-    def _position(self, part: str) -> tuple[int, int] | None:
-        """Where the table of a part goes on, or None for a new one."""
-        if self._memory is None:
-            return None
-        size, checksum = self._memory[f"{part}.position"]
-        return int(size), int(checksum)
+    def _add_series(
+        self,
+        name: str,
+        every: float,
+        dimensions: Mapping[str, str],
+        write: Callable[[Snapshot, list[Path]], None],
+        **members: Any,
+    ) -> None:
+        """Open a series of files, whose arrays have these dimensions, or that of an earlier run again."""
+        from mpmcli.output.vtu import Series
 
-    def _times(self, part: str) -> list[float] | None:
-        """Times of the files after which a series goes on, or None for a new one."""
-        return None if self._memory is None else [float(t) for t in self._memory[f"{part}.times"]]
+        times = None if self._memory is None else [float(t) for t in self._memory[f"{name}.times"]]
+        series = Series(self.directory, name, times, **members)
+        self._units[name] = {each: self._label(dimension) for each, dimension in dimensions.items()}
+
+        def record(snapshot: Snapshot) -> None:
+            if name != "grid" or snapshot.has_grid:
+                write(snapshot, series.next_paths())
+                series.add(snapshot.state.time)
+
+        self._parts.append(_SeriesPart(name, Schedule(every), record, series))
+
+    def _add_particles(self, scene: Any) -> None:
+        asked = scene.archive.particles
+        if asked is None:
+            return
+        from mpmcli.output.vtu import VtuWriter, write_particles
+
+        names = archived_names(asked.fields, self.context)
+        fields = resolve_fields([*ALWAYS, *names], self.context)
+        writer = VtuWriter(asked.precision, asked.compression)
+
+        def write(snapshot: Snapshot, paths: list[Path]) -> None:
+            write_particles(writer, paths[0], snapshot, fields)
+
+        dimensions = {"Points": "length"} | {q.name: q.dimension for q in fields}
+        self._add_series("particles", asked.every, dimensions, write)
+
+    def _add_grid(self, scene: Any) -> None:
+        asked, particles = scene.archive.grid, scene.archive.particles
+        if asked is None:
+            return
+        from mpmcli.output.vtu import VtuWriter, write_grid
+
+        fields = resolve_grid_fields(asked.fields, self.context)
+        writer = VtuWriter(particles.precision, particles.compression) if particles else VtuWriter()
+
+        def write(snapshot: Snapshot, paths: list[Path]) -> None:
+            write_grid(writer, paths[0], snapshot, fields)
+
+        dimensions = {"Points": "length"} | {name: GRID_FIELDS[name].dimension for name in fields}
+        self._add_series("grid", asked.every, dimensions, write)
+
+    def _add_cracks(self, scene: Any) -> None:
+        asked = scene.archive.cracks
+        if asked is None:
+            return
+        from mpmcli.output.crack_files import DIMENSIONS, write_cracks
+
+        def write(snapshot: Snapshot, paths: list[Path]) -> None:
+            for path, chain in zip(paths, snapshot.cracks.chains, strict=True):
+                write_cracks(path, snapshot.state.time, [chain])
+
+        names = [crack.name for crack in scene.cracks]
+        self._add_series("cracks", asked.every, DIMENSIONS, write, members=names, ending="vtp")
 
     def memory(self, state: State) -> dict[str, Any]:
         """Arrays and numbers by name from which another recorder continues these files; rows are on the disk then."""
@@ -254,10 +236,8 @@ class Recorder:
         for part in self._parts:
             part.recall(memory, float(memory["time"]))
         for name in (FAILED, FAILED_CRACKS):
-            try:
+            with writing(self.directory / name):
                 (self.directory / name).unlink(missing_ok=True)
-            except OSError as error:
-                raise cannot_write(self.directory / name, error) from error
 
     def due(self, state: State) -> bool:
         """Whether anything is to be written of this state."""
@@ -292,7 +272,10 @@ class Recorder:
         """Close all files and write into the manifest how the run ended."""
         for part in self._parts:
             part.close()
-        self.manifest.write(ended=reason, archives=self.frames, **facts)
+        archives = [
+            part.count for part in self._parts if isinstance(part, _SeriesPart) and part.name == "particles"
+        ]
+        self.manifest.write(ended=reason, archives=sum(archives), **facts)
 
 
 class _Part:
@@ -377,10 +360,11 @@ class _SeriesPart(_Part):
         super().__init__(name, schedule, record)
         self._series = series
 
+    @property
+    def count(self) -> int:
+        """Number of its files."""
+        return len(self._series.times)
+
     def memory(self) -> dict[str, Any]:
         """What a checkpoint keeps of it: also the times of its files."""
         return super().memory() | {"times": np.array(self._series.times, dtype=np.float64)}
-
-
-def _units_of_fields(fields: list[Quantity], labels: Any) -> dict[str, str]:
-    return {"Points": labels.label("length")} | {q.name: labels.label(q.dimension) for q in fields}

@@ -12,8 +12,7 @@ class Schedule:
 
     Parameters
     ----------
-    every
-        Time between outputs [time]; infinite if there is to be none after time 0.
+    every : time between outputs [time]; infinite if there is to be none after time 0
     """
 
     def __init__(self, every: float):

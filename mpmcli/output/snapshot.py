@@ -23,10 +23,8 @@ class Snapshot:
 
     Parameters
     ----------
-    state
-        The state; it is only read, and the snapshot is valid as long as the state is.
-    energy_error
-        Relative error of the energy balance so far (see ``EnergyBalance``) [-].
+    state : the state; it is only read, and the snapshot is valid as long as the state is
+    energy_error : relative error of the energy balance so far (see ``EnergyBalance``) [-]
     """
 
     def __init__(self, state: State, energy_error: float = 0.0):
@@ -223,8 +221,7 @@ def logarithmic_strain(F: Array) -> Array:
 
     Parameters
     ----------
-    F : (nF, N)
-        Deformation gradients, rows of ``core.analysis.F_COMPONENTS`` [-].
+    F : (nF, N) deformation gradients, rows of ``core.analysis.F_COMPONENTS`` [-]
 
     Returns
     -------

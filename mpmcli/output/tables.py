@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from mpmcli.core.errors import ArchiveError
-from mpmcli.output.files import cannot_write
+from mpmcli.output.files import writing
 
 
 def format_cell(value: float | int | str) -> str:
@@ -41,10 +41,8 @@ class Table:
 
     Parameters
     ----------
-    path
-        The file; it is written anew.
-    columns
-        Names of the columns; names with a comma are quoted.
+    path : the file; it is written anew
+    columns : names of the columns; names with a comma are quoted
     position
         ``Table.position`` of an earlier run, to go on from there: what stands before is compared, and what follows is
         cut off by ``cut_back``.
@@ -57,13 +55,11 @@ class Table:
     def __init__(self, path: Path, columns: Sequence[str], position: tuple[int, int] | None = None):
         self.path, self.columns = path, list(columns)
         self.position = (0, 0)
-        try:
+        with writing(path):
             # the buffer is flushed with each row: what was written survives a crash of the program
             self._stream = open(path, "wb" if position is None else "r+b")  # noqa: SIM115
             if position is not None:
                 self._compare(position)
-        except OSError as error:
-            raise cannot_write(path, error) from error
         if position is None:
             self._write(_quoted(name) for name in self.columns)
 
@@ -83,10 +79,8 @@ class Table:
 
     def cut_back(self) -> None:
         """Cut off what follows: a step of its own, so that a run that is refused has cut none of its tables."""
-        try:
+        with writing(self.path):
             self._stream.truncate(self.position[0])
-        except OSError as error:
-            raise cannot_write(self.path, error) from error
 
     def write(self, cells: Sequence[float | int | str]) -> None:
         """Add one row."""
@@ -95,28 +89,22 @@ class Table:
         self._write(format_cell(cell) for cell in cells)
 
     def _write(self, cells: Iterable[str]) -> None:
-        try:
-            line = (",".join(cells) + "\n").encode()
+        line = (",".join(cells) + "\n").encode()
+        with writing(self.path):
             self._stream.write(line)
             self._stream.flush()
-            size, checksum = self.position
-            self.position = (size + len(line), zlib.crc32(line, checksum))
-        except OSError as error:
-            raise cannot_write(self.path, error) from error
+        size, checksum = self.position
+        self.position = (size + len(line), zlib.crc32(line, checksum))
 
     def sync(self) -> None:
         """Make sure that the rows are on the disk."""
-        try:
+        with writing(self.path):
             os.fsync(self._stream.fileno())
-        except OSError as error:
-            raise cannot_write(self.path, error) from error
 
     def close(self) -> None:
         """Close the file; it may be closed twice."""
-        try:
+        with writing(self.path):
             self._stream.close()
-        except OSError as error:
-            raise cannot_write(self.path, error) from error
 
 
 def _quoted(name: str) -> str:
@@ -128,10 +116,7 @@ def _quoted(name: str) -> str:
 def read_table(path: Path) -> tuple[list[str], list[list[str]]]:
     """Header and rows of a CSV file, as text; lines that begin with ``#`` above the header are left out.
 
-    Raises
-    ------
-    ArchiveError
-        If the file cannot be read, is empty, or a row has not as many cells as the header.
+    Raises ArchiveError if the file cannot be read, is empty, or a row has not as many cells as the header.
     """
     try:
         with open(path, encoding="utf-8", newline="") as stream:
@@ -148,3 +133,12 @@ def read_table(path: Path) -> tuple[list[str], list[list[str]]]:
                 f"cannot read {path}: row {number} has {len(row)} cells, the header {len(rows[0])}"
             )
     return rows[0], rows[1:]
+
+
+def read_number_table(path: Path) -> tuple[list[str], np.ndarray]:
+    """Header and numbers (rows, columns) of a CSV file; ArchiveError if it cannot be read, or has other cells."""
+    header, rows = read_table(path)
+    try:
+        return header, np.array([read_numbers(row) for row in rows]).reshape(len(rows), len(header))
+    except ValueError:
+        raise ArchiveError(f"cannot read {path}: some cells are not numbers") from None

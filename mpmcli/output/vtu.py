@@ -7,15 +7,14 @@ the arrays never change within a series. Particles are ordered by ``id``, one ve
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape  # that of xml.sax imports the web
+from html import escape
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from mpmcli.core.state import GridView
-from mpmcli.output.appended import COMPRESSORS, packed, tag
-from mpmcli.output.files import SERIES, cannot_write, make_folder, write_pieces, write_text
+from mpmcli.output.appended import DataSet, write_data_set
+from mpmcli.output.files import SERIES, make_folder, write_text, writing
 from mpmcli.output.probes import nodal_values
 from mpmcli.output.quantities import Quantity
 from mpmcli.output.snapshot import Snapshot
@@ -83,41 +82,22 @@ class VtuWriter:
 
         Parameters
         ----------
-        points : (N, 3)
-            Positions [length].
-        arrays
-            Name, values (N,) or (N, components), and component names of each array on the points.
-        connectivity : (cells, points per cell)
-            Points of each cell; one vertex per point if absent.
+        points : (N, 3) positions [length]
+        arrays : name, values (N,) or (N, components), and component names of each array on the points
+        connectivity : (cells, points per cell) points of each cell; one vertex per point if absent
         """
         if connectivity is None:
             connectivity = np.arange(len(points), dtype=np.int64)[:, None]
         cells, corners = connectivity.shape
-        body = Body(self.compression)
-        stamp = body.add("TimeValue", np.array([time])).replace("/>", ' NumberOfTuples="1"/>')
-        lines = [
-            '<?xml version="1.0"?>',
-            f'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64"'
-            f"{body.attribute}>",
-            "<UnstructuredGrid>",
-            f"<FieldData>{stamp}</FieldData>",
-            f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{cells}">',
-            "<PointData>",
-            *(body.add(name, self._ready(values), names) for name, values, names in arrays),
-            "</PointData>",
-            f"<Points>{body.add('Points', self._ready(points))}</Points>",
-            "<Cells>",
-            body.add("connectivity", connectivity.ravel()),
-            body.add("offsets", np.arange(1, cells + 1, dtype=np.int64) * corners),
-            body.add("types", np.full(cells, cell_type, dtype=np.uint8)),
-            "</Cells>",
-            "</Piece>",
-            "</UnstructuredGrid>",
-            '<AppendedData encoding="raw">',
-        ]
-        write_pieces(
-            path, [("\n".join(lines) + "\n_").encode(), *body.pieces, b"\n</AppendedData>\n</VTKFile>\n"]
-        )
+        members = {
+            "connectivity": connectivity.ravel(),
+            "offsets": np.arange(1, cells + 1, dtype=np.int64) * corners,
+            "types": np.full(cells, cell_type, dtype=np.uint8),
+        }
+        ready = ((name, self._ready(values), names) for name, values, names in arrays)
+        counts, kind = f'NumberOfCells="{cells}"', "UnstructuredGrid"
+        data = DataSet(kind, counts, self._ready(points), ready, ("Cells", members))
+        write_data_set(path, time, data, self.compression)
 
     def _ready(self, values: np.ndarray) -> np.ndarray:
         """Values as they stand in the file."""
@@ -126,25 +106,6 @@ class VtuWriter:
         with np.errstate(over="ignore"):
             # −0 becomes 0: ParaView 5.11 reads the range -0 to -0 as one up to 3.4e38
             return np.add(values, 0.0, dtype=self.type, casting="same_kind", order="C")
-
-
-class Body:
-    """The arrays behind the header, in the order in which they are added."""
-
-    def __init__(self, compression: str):
-        self.compression = compression
-        self.attribute = f' compressor="{COMPRESSORS[compression]}"' if compression != "none" else ""
-        self.pieces: list[Any] = []
-        self.length = 0
-
-    def add(self, name: str, values: np.ndarray, components: Sequence[str] = ()) -> str:
-        """Append an array, and return the element that describes it."""
-        values = np.ascontiguousarray(values)
-        element = tag(escape(name), values, components, self.length)
-        pieces = packed(values, self.compression)
-        self.pieces += pieces
-        self.length += sum(map(len, pieces))
-        return element
 
 
 def particle_arrays(
@@ -196,12 +157,9 @@ class Series:
 
     Parameters
     ----------
-    times
-        Times of the files of an earlier run to go on from; those that follow are removed.
-    members
-        Names of the files of one time, if they are several or have another name than the folder.
-    ending
-        That of the files.
+    times : times of the files of an earlier run to go on from; those that follow are removed
+    members : names of the files of one time, if they are several or have another name than the folder
+    ending : that of the files
     """
 
     def __init__(
@@ -223,12 +181,10 @@ class Series:
 
     def _remove_others(self) -> None:
         kept = {path for count in range(len(self.times)) for path in self._paths(count)}
-        try:
+        with writing(self.directory / self.name):
             for path in (self.directory / self.name).iterdir():
                 if SERIES[self.name].fullmatch(path.name) and path not in kept:
                     path.unlink()
-        except OSError as error:
-            raise cannot_write(self.directory / self.name, error) from error
 
     def _paths(self, count: int) -> list[Path]:
         folder = self.directory / self.name
@@ -237,11 +193,6 @@ class Series:
     def next_paths(self) -> list[Path]:
         """Paths of the next files, in the order of the members."""
         return self._paths(len(self.times))
-
-    def next_path(self) -> Path:
-        """Path of the next file of a series with one member."""
-        (path,) = self.next_paths()
-        return path
 
     def add(self, time: float) -> None:
         """List the next files, which have been written."""

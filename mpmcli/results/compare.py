@@ -11,7 +11,7 @@ import numpy as np
 
 from mpmcli.core.errors import ArchiveError
 from mpmcli.core.suggest import did_you_mean
-from mpmcli.output.files import CRACK_EVENTS, GLOBALS
+from mpmcli.output.files import all_tables
 from mpmcli.output.tables import read_numbers, read_table
 
 
@@ -101,9 +101,7 @@ def compare(
 
 
 def _tables_of(directory: Path) -> set[str]:
-    names = {GLOBALS} if (directory / GLOBALS).exists() else set()
-    names |= {CRACK_EVENTS} if (directory / CRACK_EVENTS).exists() else set()
-    names |= {path.relative_to(directory).as_posix() for path in (directory / "probes").glob("*.csv")}
+    names = set(all_tables(directory))
     if not names:
         raise ArchiveError(f"{directory} has no tables of a run")
     return names

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as xml
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +12,7 @@ from mpmcli.core.errors import ArchiveError
 from mpmcli.output.crack_files import ABOVE, BELOW, PLANE, TIP
 from mpmcli.output.files import CRACK_EVENTS, FAILED_CRACKS
 from mpmcli.output.tables import read_numbers, read_table
-from mpmcli.results.read_vtu import Vtu
+from mpmcli.results.read_vtu import read_file, read_series
 
 Array = np.ndarray
 
@@ -50,19 +49,16 @@ def crack_files(directory: Path) -> CrackFiles | None:
     found: dict[float, list[Path]] = {}
     pvd, failed = directory / "cracks.pvd", directory / FAILED_CRACKS
     if pvd.exists():
-        try:
-            for entry in xml.parse(pvd).getroot().iter("DataSet"):
-                found.setdefault(float(entry.attrib["timestep"]), []).append(directory / entry.attrib["file"])
-        except (OSError, xml.ParseError, LookupError, ValueError) as error:
-            raise ArchiveError(f"cannot read {pvd}: {error}") from error
+        for time, path in read_series(pvd):
+            found.setdefault(time, []).append(path)
     if failed.exists():
-        found[_held(failed).time] = [failed]
+        found[read_file(failed).time] = [failed]
     return CrackFiles(list(found), list(found.values())) if found else None
 
 
 def read_cracks(path: Path) -> Iterator[CrackLines]:
     """The cracks of a file; ArchiveError if it cannot be read."""
-    held = _held(path)
+    held = read_file(path)
     try:
         face, crack, state = (held.arrays[name] for name in ("face", "crack", "state"))
     except KeyError as error:
@@ -71,13 +67,6 @@ def read_cracks(path: Path) -> Iterator[CrackLines]:
         plane, above, below = (held.points[(crack == index) & (face == f)] for f in (PLANE, ABOVE, BELOW))
         tips = held.points[(crack == index) & (face == PLANE) & (state == TIP)]
         yield CrackLines(int(index), plane, above, below, tips)
-
-
-def _held(path: Path) -> Vtu:
-    try:
-        return Vtu(path)
-    except (OSError, ValueError) as error:
-        raise ArchiveError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error
 
 
 @dataclass(frozen=True)
@@ -102,11 +91,7 @@ def growth_of_tips(directory: Path) -> list[GrowthOfTip]:
             if row[places["event"]] == "growth":
                 name = f"{row[places['crack']]}:{row[places['end']]}"
                 found.setdefault(name, []).append([row[places["length"]], row[places["J"]]])
-        return [GrowthOfTip(name, *read_numbers_of(cells)) for name, cells in found.items()]
+        columns = {name: map(read_numbers, zip(*cells, strict=True)) for name, cells in found.items()}
+        return [GrowthOfTip(name, length, J) for name, (length, J) in columns.items()]
     except ValueError as error:
         raise ArchiveError(f"cannot read {path}: {error}") from None
-
-
-def read_numbers_of(cells: list[list[str]]) -> tuple[Array, Array]:
-    """Two columns of numbers from rows of two cells."""
-    return read_numbers([row[0] for row in cells]), read_numbers([row[1] for row in cells])

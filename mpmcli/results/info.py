@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from mpmcli.core.errors import ArchiveError
 from mpmcli.output.checkpoint import read_checkpoint
-from mpmcli.output.crack_report import in_words as crack_in_words
-from mpmcli.output.crack_report import third_in_words
-from mpmcli.output.files import CHECKPOINTS, CRACK_EVENTS, FAILED, GLOBALS, SERIES, owned_files
-from mpmcli.output.interface_report import in_words, lost_in_words
+from mpmcli.output.end_report import crack_in_words, interfaces_in_words, lost_in_words, third_in_words
+from mpmcli.output.files import CHECKPOINTS, FAILED, GLOBALS, SERIES, all_tables, owned_files
 from mpmcli.output.manifest import read_manifest
 from mpmcli.output.tables import read_table
+from mpmcli.results.read_vtu import read_head, read_series
 
-ARRAY = re.compile(rb'<DataArray type="(\w+)" Name="([^"]*)"(?: NumberOfComponents="(\d+)")?')
-COUNT = re.compile(rb'NumberOfPoints="(\d+)"')
-DATASET = re.compile(r'<DataSet timestep="([^"]*)"')
-HEAD = 65536
 ENERGIES = ("interface_work", "interface_energy", "kinetic_energy", "stress_work")
 """Columns that have the unit of energy."""
 
@@ -58,7 +52,7 @@ def _of_folder(directory: Path) -> Iterator[str]:
         yield from _of_manifest(contents)
     for name in SERIES:
         pvd = directory / f"{name}.pvd"
-        times = _times_of(pvd) if pvd.exists() else []
+        times = [time for time, _ in read_series(pvd)] if pvd.exists() else []
         files = [path for path in owned_files(directory) if path.parent.name == name]
         files = sorted(path for path in files if SERIES[name].fullmatch(path.name))
         if files:
@@ -71,19 +65,9 @@ def _of_folder(directory: Path) -> Iterator[str]:
             yield _checkpoint_in_short(directory / name)
     if (directory / FAILED).exists():
         yield f"{FAILED}: the last state before the run failed"
-    tables = [directory / GLOBALS, directory / CRACK_EVENTS, *sorted((directory / "probes").glob("*.csv"))]
-    for path in tables:
-        if path.exists():
-            name = path.relative_to(directory).as_posix()
-            yield f"{name}:"
-            yield from ("  " + line for line in _of_table(path, units.get(name, {})))
-
-
-def _times_of(pvd: Path) -> list[float]:
-    try:
-        return [float(time) for time in DATASET.findall(pvd.read_text(encoding="utf-8"))]
-    except (OSError, ValueError) as error:
-        raise ArchiveError(f"cannot read {pvd}: {error}") from error
+    for name in all_tables(directory):
+        yield f"{name}:"
+        yield from ("  " + line for line in _of_table(directory / name, units.get(name, {})))
 
 
 def _of_manifest(contents: dict[str, Any]) -> Iterator[str]:
@@ -104,7 +88,9 @@ def _of_manifest(contents: dict[str, Any]) -> Iterator[str]:
     yield ", ".join(words)
     if "interfaces" in run:
         columns = contents.get("units", {}).get(GLOBALS, {})
-        yield in_words(run["interfaces"], next((columns[name] for name in ENERGIES if name in columns), ""))
+        yield interfaces_in_words(
+            run["interfaces"], next((columns[name] for name in ENERGIES if name in columns), "")
+        )
         if run["interfaces"]["lost"]:
             yield f"warning: {lost_in_words(run['interfaces']['lost'])}"
     columns = contents.get("units", {})
@@ -124,17 +110,12 @@ def _of_table(path: Path, units: dict[str, str]) -> Iterator[str]:
 
 
 def _of_vtu(path: Path, units: dict[str, str]) -> Iterator[str]:
-    with open(path, "rb") as stream:
-        head = stream.read(HEAD)
-    points = COUNT.search(head)
-    if points is None:
-        raise ArchiveError(f"cannot read {path}: it is damaged or not a VTU file")
-    yield f"{path.name}: {int(points[1])} points with"
-    inside = head[head.find(b"<PointData") : head.find(b"</PointData>")]
-    for kind, name, count in ARRAY.findall(inside):
-        word = name.decode(errors="replace")
-        components = f" × {int(count)}" if count else ""
-        yield f"  {word:<24} {kind.decode()}{components}  {units.get(word, '')}".rstrip()
+    points, arrays = read_head(path)
+    yield f"{path.name}: {points} points with"
+    for array in arrays:
+        name, count = array.get("Name", ""), array.get("NumberOfComponents", "")
+        components = f" × {count}" if count else ""
+        yield f"  {name:<24} {array.get('type', '')}{components}  {units.get(name, '')}".rstrip()
 
 
 def _checkpoint_in_short(path: Path) -> str:

@@ -1,4 +1,4 @@
-"""Reading archives: VTU and VTP files with raw appended data, as ``output/vtu.py`` (and vtk) write them."""
+"""Reading archives: VTU and VTP files with raw appended data, as ``output/appended.py`` (and vtk) write them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mpmcli.core.errors import ArchiveError
 from mpmcli.output.appended import NUMPY_TYPES, Damaged, unpacked
 
 Array = np.ndarray
@@ -16,10 +17,44 @@ _APPENDED = re.compile(rb"<AppendedData\s+encoding\s*=\s*[\"']raw[\"']\s*>\s*_")
 KINDS = ("UnstructuredGrid", "PolyData")
 """Kinds of data sets that mpmcli writes."""
 WORDS = {"UInt64": "<u8", "UInt32": "<u4"}
+_HEAD = 65536
+"""Bytes of a file within which it tells its arrays."""
+_COUNT = re.compile(rb'NumberOfPoints="(\d+)"')
+_ARRAY = re.compile(rb"<DataArray ([^>]*)>")
+_ATTRIBUTE = re.compile(r'(\w+)="([^"]*)"')
+
+
+def read_file(path: Path) -> Vtu:
+    """Return what a file holds; ArchiveError if it cannot be read."""
+    try:
+        return Vtu(path)
+    except (OSError, ValueError) as error:
+        raise ArchiveError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error
+
+
+def read_head(path: Path) -> tuple[int, list[dict[str, str]]]:
+    """Return the number of points of a file, and the attributes of the arrays on them, without reading these."""
+    with open(path, "rb") as stream:
+        head = stream.read(_HEAD)
+    points = _COUNT.search(head)
+    if points is None:
+        raise ArchiveError(f"cannot read {path}: it is damaged or not a VTU file")
+    inside = head[head.find(b"<PointData") : head.find(b"</PointData>")]
+    arrays = [dict(_ATTRIBUTE.findall(words.decode(errors="replace"))) for words in _ARRAY.findall(inside)]
+    return int(points[1]), arrays
+
+
+def read_series(pvd: Path) -> list[tuple[float, Path]]:
+    """Return time and file of each entry of a PVD file; ArchiveError if it cannot be read."""
+    try:
+        entries = [entry.attrib for entry in xml.parse(pvd).getroot().iter("DataSet")]
+        return [(float(entry["timestep"]), pvd.parent / entry["file"]) for entry in entries]
+    except (OSError, xml.ParseError, LookupError, ValueError) as error:
+        raise ArchiveError(f"cannot read {pvd}: {error}") from error
 
 
 class Vtu:
-    """What a file holds.
+    """What a file holds; Damaged if the file is cut short, is no VTU file, or is one of another program.
 
     Attributes
     ----------
@@ -27,11 +62,6 @@ class Vtu:
     arrays : values (N,) or (N, components) by name
     components : names of the components of the arrays that have several
     time : of the field data ``TimeValue``, or NaN
-
-    Raises
-    ------
-    Damaged
-        The file is cut short, is no VTU file, or is one of another program.
     """
 
     def __init__(self, path: Path):

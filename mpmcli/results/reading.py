@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import xml.etree.ElementTree as xml
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -15,9 +14,9 @@ import numpy as np
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.errors import ArchiveError, RequestError
 from mpmcli.core.suggest import did_you_mean, listing
-from mpmcli.output.files import FAILED, GLOBALS, owned_files
+from mpmcli.output.files import FAILED, GLOBALS, owned_files, table_names
 from mpmcli.output.manifest import read_manifest
-from mpmcli.output.tables import read_numbers, read_table
+from mpmcli.output.tables import read_number_table
 from mpmcli.results.notebook import html_of_error, html_of_facts, html_of_table
 
 if TYPE_CHECKING:
@@ -300,20 +299,14 @@ class Results:
 
     def table_names(self) -> list[str]:
         """Files of the tables that there are: ``globals.csv`` and ``probes/NAME.csv``."""
-        found = [GLOBALS] * (self.directory / GLOBALS).exists()
-        probes = sorted((self.directory / "probes").glob("*.csv"))
-        return found + [path.relative_to(self.directory).as_posix() for path in probes]
+        return table_names(self.directory)
 
     def table(self, name: str) -> Table:
         """One table as numbers; ArchiveError if it cannot be read or has no rows."""
         path = self.directory / name
-        columns, rows = read_table(path)
-        if not rows:
+        columns, numbers = read_number_table(path)
+        if not len(numbers):
             raise ArchiveError(f"{path} has no rows")
-        try:
-            numbers = np.array([read_numbers(row) for row in rows])
-        except ValueError:
-            raise ArchiveError(f"cannot read {path}: some cells are not numbers") from None
         if "time" not in columns:
             raise ArchiveError(f"cannot read {path}: it has no column 'time'")
         return Table(name, columns, numbers, self.units_of(name))
@@ -321,18 +314,14 @@ class Results:
     @cached_property
     def series(self) -> list[tuple[float, Path]]:
         """Time and file of every archive of particles, in the order of time."""
+        from mpmcli.results.read_vtu import read_series
+
         pvd = self.directory / "particles.pvd"
-        try:
-            root = xml.parse(pvd).getroot()
-            entries = [
-                (float(e.attrib["timestep"]), self.directory / e.attrib["file"]) for e in root.iter("DataSet")
-            ]
-        except FileNotFoundError:
+        if not self.has_particles:
             raise ArchiveError(
                 f"{self.directory} has no archives of particles; add archive.particles to the scene"
-            ) from None
-        except (OSError, xml.ParseError, LookupError, ValueError) as error:
-            raise ArchiveError(f"cannot read {pvd}: {error}") from error
+            )
+        entries = read_series(pvd)
         if not entries:
             raise ArchiveError(f"{pvd} lists no archives")
         return sorted(entries, key=lambda entry: entry[0])
@@ -369,13 +358,9 @@ class Results:
 
     def frame(self, path: Path) -> Frame:
         """Read one archive of particles; ArchiveError if it cannot be read."""
-        from mpmcli.results.read_vtu import Vtu
+        from mpmcli.results.read_vtu import read_file
 
-        try:
-            held = Vtu(path)
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or error
-            raise ArchiveError(f"cannot read {path}: {reason}") from error
+        held = read_file(path)
         return Frame(held.time, held.points, held.arrays, held.components)
 
 

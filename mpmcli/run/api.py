@@ -93,61 +93,16 @@ def run(
     else:
         loaded = scene
     directory = default_folder(loaded.path or "scene") if directory is None else Path(directory)
-    with loaded.located():
-        return _run(
-            loaded, directory, threads, until, overwrite, resume, max_walltime, dry_run, verbosity, progress,
-            make_simulation or _solver(),
-        )  # fmt: skip
-
-
-def resume(directory: Path | str, **options: Any) -> Outcome:
-    """Go on from the last checkpoint of a results folder, with the scene and the changes of its run.
-
-    Takes ``threads``, ``until``, ``max_walltime``, ``verbosity`` and ``progress`` of ``run``, and raises what it
-    raises.
-    """
-    return run(scene_of_run(directory), directory, resume=True, **options)
-
-
-def scene_of_run(directory: Path | str) -> LoadedScene:
-    """The scene of a results folder, read again with the changes (``--set``, ``-D``) of its run.
-
-    Raises
-    ------
-    ArchiveError
-        If the folder is none of mpmcli's, or does not tell its scene.
-    SceneError
-        If the scene is not valid any more.
-    """
-    source = scene_of(Path(directory))
-    return load(
-        source["path"],
-        sets=source["set"],
-        defines=source["define"],
-        allow_outside_files=bool(source["allow_outside_files"]),
-    )
-
-
-def _run(
-    loaded: LoadedScene,
-    directory: Path,
-    threads: int | None,
-    until: float | None,
-    overwrite: bool,
-    resume: bool,
-    max_walltime: float | None,
-    dry_run: bool,
-    verbosity: int,
-    progress: bool,
-    make_simulation: Callable[..., Any],
-) -> Outcome:
-    check_output(loaded.scene)
-    if not resume:
-        refuse_occupied(directory, overwrite)
-    end = float(loaded.scene.time.end if until is None else until)
-    unit = loaded.units.label("time")  # the word itself where the scene declares no units
-    shown = Progress(end, progress and verbosity >= 0, "" if unit == "time" else unit)
-    with Interrupts() as interrupts, messages(shown, verbosity), ExitStack() as held:
+    make_simulation = make_simulation or _solver()
+    with loaded.located(), ExitStack() as held:
+        check_output(loaded.scene)
+        if not resume:
+            refuse_occupied(directory, overwrite)
+        end = float(loaded.scene.time.end if until is None else until)
+        unit = loaded.units.label("time")  # the word itself where the scene declares no units
+        shown = Progress(end, progress and verbosity >= 0, "" if unit == "time" else unit)
+        interrupts = held.enter_context(Interrupts())
+        held.enter_context(messages(shown, verbosity))
         held.enter_context(np.errstate(all="ignore"))  # what is not finite the watchdogs name
         begin = time.perf_counter()
         checkpoint = None
@@ -177,6 +132,34 @@ def _run(
         held.enter_context(log_file(directory, "a" if resume else "w"))
         loop = RunLoop(loaded, directory, simulation, interrupts, shown, end, begin, checkpoint)
         return loop.dry_run() if dry_run else loop.run(max_walltime)
+
+
+def resume(directory: Path | str, **options: Any) -> Outcome:
+    """Go on from the last checkpoint of a results folder, with the scene and the changes of its run.
+
+    Takes ``threads``, ``until``, ``max_walltime``, ``verbosity`` and ``progress`` of ``run``, and raises what it
+    raises.
+    """
+    return run(scene_of_run(directory), directory, resume=True, **options)
+
+
+def scene_of_run(directory: Path | str) -> LoadedScene:
+    """The scene of a results folder, read again with the changes (``--set``, ``-D``) of its run.
+
+    Raises
+    ------
+    ArchiveError
+        If the folder is none of mpmcli's, or does not tell its scene.
+    SceneError
+        If the scene is not valid any more.
+    """
+    source = scene_of(Path(directory))
+    return load(
+        source["path"],
+        sets=source["set"],
+        defines=source["define"],
+        allow_outside_files=bool(source["allow_outside_files"]),
+    )
 
 
 def compile_scenes(

@@ -31,13 +31,8 @@ MEMORY = 5e8
 FEWEST = 3
 """Functions from which it pays to start processes."""
 LONGEST = (
-    "find_geometry",
-    "update_strain_and_stress",
-    "find_near_particles",
-    "scatter",
-    "find_impulses",
-    "move_particles",
-)
+    "find_geometry", "update_strain_and_stress", "find_near_particles", "scatter", "find_impulses", "move_particles",
+)  # fmt: skip
 """Functions that take longest to compile, which are begun first."""
 
 

@@ -44,10 +44,7 @@ def _is_dry_run(directory: Path) -> bool:
 def owned_folder(directory: Path, overwrite: bool) -> Iterator[None]:
     """Make the folder, lock it, and clear it of earlier results where that is allowed.
 
-    Raises
-    ------
-    ArchiveError
-        If another run holds it, it holds results, or it cannot be written.
+    Raises ArchiveError if another run holds it, it holds results, or it cannot be written.
     """
     make_folder(directory)
     with locked_folder(directory):
@@ -60,10 +57,7 @@ def owned_folder(directory: Path, overwrite: bool) -> Iterator[None]:
 def locked_folder(directory: Path) -> Iterator[None]:
     """Hold a folder that exists, so that no other run writes to it.
 
-    Raises
-    ------
-    ArchiveError
-        If there is none, another run holds it, or it cannot be written.
+    Raises ArchiveError if there is none, another run holds it, or it cannot be written.
     """
     if not directory.is_dir():
         raise ArchiveError(f"{directory} does not exist, so there is no run to resume")
@@ -75,10 +69,7 @@ def locked_folder(directory: Path) -> Iterator[None]:
 def hold(directory: Path, other: str) -> Iterator[None]:
     """Lock a folder that exists; ``other`` says in words what else may hold it.
 
-    Raises
-    ------
-    ArchiveError
-        If it is held, or cannot be written.
+    Raises ArchiveError if it is held, or cannot be written.
     """
     path = directory / LOCK
     lock = FileLock(path)

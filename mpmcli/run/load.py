@@ -21,7 +21,7 @@ def load(
     Parameters
     ----------
     source
-        Path of a file, or YAML text (text with a line break).
+        Path of a file, ``-`` for standard input, or YAML text (text with a line break).
     sets
         Changes ``key=value`` as of ``--set``: dotted keys, list members by name or index, values in YAML.
     defines

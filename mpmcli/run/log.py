@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from mpmcli.core.errors import ArchiveError
-from mpmcli.output.files import LOG
+from mpmcli.output.files import LOG, writing
 from mpmcli.run.progress import MessageHandler, Progress
 
 LOGGER = logging.getLogger("mpmcli")
@@ -30,10 +29,8 @@ class _LogFile(logging.FileHandler):
 @contextmanager
 def log_file(directory: Path, mode: str) -> Iterator[None]:
     """Write all messages to a folder's log; ArchiveError if it cannot be opened."""
-    try:
+    with writing(directory / LOG):
         handler = _LogFile(directory / LOG, mode=mode, encoding="utf-8")
-    except OSError as error:
-        raise ArchiveError(f"cannot write {directory / LOG}: {error.strerror}") from error
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
     with _handler(handler):
         yield

@@ -41,8 +41,7 @@ class TerminalBar:
 
     Parameters
     ----------
-    console
-        A ``rich`` console; stderr if absent.
+    console : a ``rich`` console; stderr if absent
     """
 
     def __init__(self, console: Any = None) -> None:
@@ -127,12 +126,9 @@ class Progress:
 
     Parameters
     ----------
-    end
-        Time at which the run ends [time].
-    is_shown
-        False for nothing but messages.
-    unit
-        Unit of time, or nothing.
+    end : time at which the run ends [time]
+    is_shown : False for nothing but messages
+    unit : unit of time, or nothing
     """
 
     def __init__(self, end: float, is_shown: bool = True, unit: str = ""):

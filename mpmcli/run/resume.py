@@ -27,12 +27,8 @@ LONGEST = 60
 def last_checkpoint(directory: Path) -> Checkpoint:
     """The last checkpoint in a folder, verified.
 
-    Where the newest is damaged, the one before takes its place, which is said as a warning.
-
-    Raises
-    ------
-    ArchiveError
-        If there is none that can be read.
+    Where the newest is damaged, the one before takes its place, which is said as a warning. Raises ArchiveError if
+    there is none that can be read.
     """
     newest, previous = directory / CHECKPOINT, directory / CHECKPOINT_PREVIOUS
     if not newest.exists() and not previous.exists():
@@ -171,10 +167,7 @@ def _texts(value: Any) -> Iterator[str]:
 def scene_of(directory: Path) -> dict[str, Any]:
     """What ``run.json`` says of the scene of a run: ``path``, ``set``, ``define``, ``allow_outside_files``.
 
-    Raises
-    ------
-    ArchiveError
-        If the folder is none of mpmcli's, or the scene was no file.
+    Raises ArchiveError if the folder is none of mpmcli's, or the scene was no file.
     """
     if not directory.is_dir():
         raise ArchiveError(f"{directory} is not a results folder")

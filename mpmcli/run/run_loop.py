@@ -16,8 +16,15 @@ from mpmcli.core.state import State
 from mpmcli.core.times import is_reached
 from mpmcli.output import manifest
 from mpmcli.output.checkpoint import Checkpoint, write_checkpoint
+from mpmcli.output.end_report import (
+    crack_facts,
+    interface_facts,
+    interfaces_in_words,
+    lost_in_words,
+    stretch_in_words,
+    third_in_words,
+)  # fmt: skip
 from mpmcli.output.files import FAILED
-from mpmcli.output.interface_report import in_words, interface_facts, lost_in_words
 from mpmcli.output.recorder import Recorder
 from mpmcli.output.schedule import Schedule
 from mpmcli.run.folder import DRY_RUN
@@ -133,9 +140,7 @@ class RunLoop:
                 LOGGER.error("%s", error)
                 code, ended = ArchiveError.exit_code, f"stopped: {error}"
         outcome = self._outcome(code, ended)
-        self._report_contacts()
-        self._report_interfaces()
-        self._report_cracks()
+        self._report(self._facts_of_parts())
         self._summarise(outcome)
         return outcome
 
@@ -263,20 +268,19 @@ class RunLoop:
             seconds_per_task=self.simulation.timings | {"output": self.output_seconds},
             peak_memory_bytes=manifest.peak_memory(),
             thread_layer=manifest.thread_layer(),
-            **self._contacts(),
-            **({} if self.events is None else self.events.facts()),
-            **interface_facts(self.simulation.state, self.recorder.balance.largest),
-            **self._cracks(),
+            **self._facts_of_parts(),
             energy_error=self.recorder.energy_error,
         )
 
-    def _cracks(self) -> dict[str, Any]:
-        """What the manifest keeps of cracks; nothing without them."""
-        if self.simulation.state.cracks is None:
-            return {}
-        from mpmcli.output.crack_report import crack_facts
-
-        return crack_facts(self.simulation.state)
+    def _facts_of_parts(self) -> dict[str, Any]:
+        """What the manifest keeps of contacts, events, interfaces and cracks, as far as there are some."""
+        state, found = self.simulation.state, {}
+        if (view := state.contact) is not None:
+            found = {"contacts": view.all_contacts, "contacts_unconverged": view.all_unconverged}
+        if self.events is not None:
+            found |= self.events.facts()
+        found |= interface_facts(state, self.recorder.balance.largest)
+        return found | crack_facts(state)
 
     def _abandon(self, ended: str) -> None:
         """Close what can be closed; the first error is the one to be seen."""
@@ -298,50 +302,28 @@ class RunLoop:
             code, ended, self.directory, state.step, state.time, self._elapsed(), self.recorder.energy_error
         )
 
-    def _contacts(self) -> dict[str, Any]:
-        """How many contacts there were in all steps, and of how many the normal did not converge."""
-        view = self.simulation.state.contact
-        if view is None:
-            return {}
-        return {"contacts": view.all_contacts, "contacts_unconverged": view.all_unconverged}
-
-    def _report_contacts(self) -> None:
-        counts = self._contacts()
-        if not counts:
-            return
-        number, unconverged = counts.values()
-        share = unconverged / max(number, 1)
-        level = logging.WARNING if share > UNCONVERGED_SHARE else logging.DEBUG
-        LOGGER.log(
-            level,
-            "%d contacts in all steps; the normals of %d (%.2g %%) did not converge, and their last iterates were used",
-            number,
-            unconverged,
-            100.0 * share,
-        )
-
-    def _report_interfaces(self) -> None:
-        facts = interface_facts(self.simulation.state, self.recorder.balance.largest)
-        if not facts:
-            return
-        LOGGER.info("%s", in_words(facts["interfaces"], self.loaded.units.label("energy")))
-        if lost := facts["interfaces"]["lost"]:
-            LOGGER.warning("%s", lost_in_words(lost))
-
-    def _report_cracks(self) -> None:
-        """Tell of nodes at which a crack was left out, and of segments that have stretched, once."""
-        facts = self._cracks()
-        if not facts:
-            return
-        from mpmcli.output.crack_report import stretch_in_words, third_in_words
-
-        if third := facts.get("third_cracks"):
-            LOGGER.warning("%s", third_in_words(third))
-        for words in filter(None, map(stretch_in_words, facts.get("cracks", ()))):
-            LOGGER.warning("%s", words)
+    def _report(self, facts: dict[str, Any]) -> None:
+        """Tell what there is to say of contacts, interfaces and cracks, once."""
+        if "contacts" in facts:
+            number, unconverged = facts["contacts"], facts["contacts_unconverged"]
+            share = unconverged / max(number, 1)
+            LOGGER.log(
+                logging.WARNING if share > UNCONVERGED_SHARE else logging.DEBUG,
+                "%d contacts in all steps; the normals of %d (%.2g %%) did not converge, and their last iterates were "
+                "used", number, unconverged, 100.0 * share,
+            )  # fmt: skip
+        if interfaces := facts.get("interfaces"):
+            LOGGER.info("%s", interfaces_in_words(interfaces, self.loaded.units.label("energy")))
+            if interfaces["lost"]:
+                LOGGER.warning("%s", lost_in_words(interfaces["lost"]))
+        if "cracks" in facts:
+            if facts["third_cracks"]:
+                LOGGER.warning("%s", third_in_words(facts["third_cracks"]))
+            for words in filter(None, map(stretch_in_words, facts["cracks"])):
+                LOGGER.warning("%s", words)
 
     def _summarise(self, outcome: Outcome) -> None:
-        speed = self._nanoseconds()
+        speed, seconds = self._nanoseconds(), outcome.wall_seconds
         pace = f" ({speed:.3g} ns per particle and step)" if speed is not None else ""
         first = outcome.ended if outcome.exit_code != SimulationError.exit_code else "failed"
         LOGGER.info(
@@ -350,7 +332,7 @@ class RunLoop:
             outcome.steps,
             outcome.time,
             f" {self.progress.unit}" if self.progress.unit else "",
-            _seconds_in_words(outcome.wall_seconds),
+            f"{seconds:.3g} s" if seconds < 100.0 else duration_in_words(seconds),
             pace,
             "" if outcome.energy_error is None else f", energy error {outcome.energy_error:.2e}",
             outcome.directory,
@@ -372,7 +354,3 @@ def next_command(outcome: Outcome) -> str:
     results = outcome.results
     can_be_drawn = results.has_particles or results.table_names()
     return f"mpmcli {'plot' if can_be_drawn else 'info'} {directory}"
-
-
-def _seconds_in_words(seconds: float) -> str:
-    return f"{seconds:.3g} s" if seconds < 100.0 else duration_in_words(seconds)

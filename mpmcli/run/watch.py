@@ -49,10 +49,7 @@ class EnergyWatch:
     def look(self) -> None:
         """Take the state into account if it is time.
 
-        Raises
-        ------
-        SimulationError
-            If most of the energy is none that anything has put in.
+        Raises SimulationError if most of the energy is none that anything has put in.
         """
         state = self._simulation.state
         if state.step % EVERY:

@@ -128,77 +128,67 @@ class Archive(Model):
     """The state from which a run can be resumed."""
 
 
-class ParticleProbe(Model):
+class _Probe(Model):
+    """What all probes have."""
+
+    kind: str
+    name: Name
+    """Name of the probe, and of its table."""
+    every: PositiveTime | None = None
+    """Time between rows; without it that of ``archive.globals``."""
+
+
+class ParticleProbe(_Probe):
     """A table of the quantities of one particle."""
 
     kind: Literal["particle"]
-    name: Name
-    """Name of the probe, and of its table."""
     body: Name
     """The body whose particle is followed."""
     near: Point
     """The particle is the one nearest to this point at the start."""
     columns: tuple[Column, ...] = ("position", "velocity")
     """Quantities of the particle to write."""
-    every: PositiveTime | None = None
-    """Time between rows; without it that of ``archive.globals``."""
 
 
-class PointProbe(Model):
+class PointProbe(_Probe):
     """A table of the quantities of the grid at a point."""
 
     kind: Literal["point"]
-    name: Name
-    """Name of the probe, and of its table."""
     at: Point
     """The point."""
     columns: tuple[Column, ...] = ("velocity",)
     """Quantities of the grid to write."""
-    every: PositiveTime | None = None
-    """Time between rows; without it that of ``archive.globals``."""
 
 
-class PairProbe(Model):
+class PairProbe(_Probe):
     """A table of what two velocity fields do to each other."""
 
     kind: Literal["pair"]
-    name: Name
-    """Name of the probe, and of its table."""
     between: Annotated[tuple[Name, ...], Field(min_length=2, max_length=2)]
     """The two fields, named as in ``contact.pairs``; vectors are those on the first of them."""
     columns: Annotated[tuple[Column, ...], Field(min_length=1)] | None = None
     """Quantities of the pair to write; without it its mean jump and traction where it has an interface law, else its
     contact force and area."""
-    every: PositiveTime | None = None
-    """Time between rows; without it that of ``archive.globals``."""
 
 
-class CrackTipProbe(Model):
+class CrackTipProbe(_Probe):
     """A table of what happens at the tip of a crack."""
 
     kind: Literal["crack_tip"]
-    name: Name
-    """Name of the probe, and of its table."""
     crack: Name
     """Name of the crack."""
     end: Literal["start", "end"] = "end"
     """Which of its ends, where its path starts or where it ends."""
     columns: Annotated[tuple[Column, ...], Field(min_length=1)] = ("position", "length")
     """Quantities of the tip to write."""
-    every: PositiveTime | None = None
-    """Time between rows; without it that of ``archive.globals``."""
 
 
-class CrackOpeningProbe(Model):
+class CrackOpeningProbe(_Probe):
     """A table of the opening along a crack: at every time a row per point, from the start of its path on."""
 
     kind: Literal["crack_opening"]
-    name: Name
-    """Name of the probe, and of its table."""
     crack: Name
     """Name of the crack."""
-    every: PositiveTime | None = None
-    """Time between rows; without it that of ``archive.globals``."""
 
 
 Probe = Annotated[

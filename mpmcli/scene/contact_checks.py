@@ -12,6 +12,7 @@ from typing import Any
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.scene.checks import NAME, NAME_WORDS
 from mpmcli.scene.contact_combinations import check_combinations
+from mpmcli.scene.fields import chosen_pairs, covering
 from mpmcli.scene.interface_checks import check_interfaces
 from mpmcli.scene.models import MAX_NODES
 from mpmcli.scene.normal_checks import check_specified_normal
@@ -51,6 +52,11 @@ class Fields:
         """Names of the fields in the order of the bodies."""
         return list(dict.fromkeys(member.field for member in self.members))
 
+    @property
+    def owners(self) -> dict[str, str]:
+        """Which field a name stands for: that of an owner, or of a field."""
+        return {member.owner: member.field for member in self.members} | {name: name for name in self.names}
+
     def is_rigid(self, field: str) -> bool:
         """Whether all bodies of a field are rigid."""
         return all(member.is_rigid for member in self.members if member.field == field)
@@ -66,8 +72,8 @@ def check_contact(parts: Parts, report: Report) -> None:
         report("contact.fields", words, "range")
         return
     _check_field_keys(fields, has_contact, report)
-    covering = _covering(parts)
-    _check_rigid(fields, has_contact, covering, report)
+    covering_bodies = covering(model for _, model in parts.boundary)
+    _check_rigid(fields, has_contact, covering_bodies, report)
     _check_motion(parts, fields, report)
     _check_transfer(parts, fields, has_contact, report)
     if contact is None:
@@ -80,7 +86,7 @@ def check_contact(parts: Parts, report: Report) -> None:
             _check_choices(parts, fields, report)
             check_interfaces(parts, fields, report)
             _check_size(parts, fields, report)
-            check_specified_normal(parts, fields.members, report)
+            check_specified_normal(parts, fields, report)
     if parts.contact is not None and parts.grid is not None:
         for place, words in parts.contact.problems(parts.grid.dimensions):
             report(f"contact.{place}", words, "axes")
@@ -165,13 +171,7 @@ def _alike(word: str, names: list[str]) -> str | None:
     return next((name for name in names if found and name.lower() == found[0]), None)
 
 
-def _covering(parts: Parts) -> set[str]:
-    """Names of the bodies that conditions name as covering nodes."""
-    places = (getattr(model, "on", None) for _, model in parts.boundary)
-    return {name for place in places if (name := getattr(place, "covered_by", None)) is not None}
-
-
-def _check_rigid(fields: Fields, has_contact: bool, covering: set[str], report: Report) -> None:
+def _check_rigid(fields: Fields, has_contact: bool, covering_bodies: frozenset[str], report: Report) -> None:
     rigid = [member for member in fields.members if member.is_rigid]
     if not rigid:
         return
@@ -180,7 +180,7 @@ def _check_rigid(fields: Fields, has_contact: bool, covering: set[str], report: 
         return
     for member in rigid:
         if not has_contact:
-            if member.name in covering:
+            if member.name in covering_bodies:
                 continue
             words = (
                 f"the rigid body '{member.name}' acts on other bodies by contact only; add 'contact' to the scene, "
@@ -376,13 +376,12 @@ def _check_choices(parts: Parts, fields: Fields, report: Report) -> None:
 
 def _laws_in_use(contact: Any, fields: Fields) -> list[Any]:
     """Laws of a contact that some pair of fields has; all of them if the fields are not known."""
-    owners = {member.owner: member.field for member in fields.members} | {name: name for name in fields.names}
-    if not fields.complete or any(name not in owners for pair in contact.pairs for name in pair.between):
+    own = chosen_pairs(contact, fields.owners)
+    if not fields.complete or len(own) < len(contact.pairs):
         return [contact.law, *(pair.law for pair in contact.pairs)]
-    own = {frozenset(owners[name] for name in pair.between): pair.law for pair in contact.pairs}
     names, rigid = fields.names, {name for name in fields.names if fields.is_rigid(name)}
     pairs = [frozenset(pair) for pair in itertools.combinations(names, 2) if not rigid.issuperset(pair)]
-    found = [own.get(pair, contact.law) for pair in pairs]
+    found = [own.get(pair, ("", contact))[1].law for pair in pairs]
     return [law for index, law in enumerate(found) if law not in found[:index]]
 
 

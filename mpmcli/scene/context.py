@@ -41,17 +41,12 @@ class Context:
         self.function_files: set[str] = set()
 
     def number(self, text: str, dimension: str) -> float:
-        """The value of text in the scene's units.
+        """The value of text in the scene's units; ValueError with words for the user.
 
         Parameters
         ----------
         text : a number with a unit, or an expression of constants
         dimension : words such as ``"pressure"`` or ``"energy/mass"``
-
-        Raises
-        ------
-        ValueError
-            With words for the user.
         """
         if has_unit(text):
             try:

@@ -14,7 +14,7 @@ from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.geometry.vectors import in_words
 from mpmcli.scene.contact_checks import read_fields
-from mpmcli.scene.interface_checks import FEWEST_CELLS, plane_modulus, process_zone, resistances
+from mpmcli.scene.interface_checks import FEWEST_CELLS, process_zone, resistances, softest_modulus
 from mpmcli.scene.parts import Parts
 from mpmcli.scene.problems import Report
 from mpmcli.scene.tree import Node
@@ -152,8 +152,7 @@ def _check_along(crack: Any, path: str, report: Report) -> None:
 def zones_of(crack: Any, bodies: Any, materials: Any, analysis: str) -> Iterator[tuple[str, float]]:
     """Key and process zone E'G/σ² of each mode of the tractions of a crack, in the softest material [length]."""
     cut = [body.material for body in bodies if crack.cuts is None or body.name in crack.cuts]
-    models = [materials[name] for name in cut if name in materials and materials[name].kind != "rigid"]
-    modulus = min((plane_modulus(model, analysis) for model in models), default=math.inf)
+    modulus = softest_modulus([materials[name] for name in cut if name in materials], analysis)
     for key, law in crack.laws_of_points():
         for mode, resistance in resistances(law):
             yield f"{key}.{mode}", process_zone(modulus, resistance)

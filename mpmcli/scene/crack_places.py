@@ -34,10 +34,7 @@ class Matter(NamedTuple):
 def check_places(scene: Any, filled: Sequence[BodyParticles]) -> None:
     """Refuse cracks whose ends are not where they should be, and those that cut nothing.
 
-    Raises
-    ------
-    SceneError
-        With the distances.
+    Raises SceneError with the distances.
     """
     errors = [problem for crack in scene.cracks for problem in _faults_of(crack, scene, filled)]
     if errors:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -39,9 +41,9 @@ def field_name(scene: Scene, body: Any) -> str:
     return body.field or body.name
 
 
-def covering(scene: Scene) -> frozenset[str]:
-    """Names of the rigid bodies that prescribe the velocity of the nodes that they cover."""
-    places = (getattr(condition, "on", None) for condition in scene.boundary)
+def covering(conditions: Iterable[Any]) -> frozenset[str]:
+    """Names of the bodies that prescribe the velocity of the nodes that they cover, by boundary conditions."""
+    places = (getattr(condition, "on", None) for condition in conditions)
     return frozenset(name for place in places if (name := getattr(place, "covered_by", None)) is not None)
 
 
@@ -50,6 +52,18 @@ def owners_of_fields(scene: Scene) -> dict[str, str]:
     by_material = scene.contact is not None and scene.contact.fields == "material"
     owners = {body.material if by_material else body.name: field_name(scene, body) for body in scene.bodies}
     return owners | {name: name for name in velocity_fields(scene)[0]}
+
+
+def chosen_pairs(contact: Any, owners: dict[str, str]) -> dict[frozenset[str], tuple[str, Any]]:
+    """Return path and model of the pairs of a contact by their two fields; ``owners`` as of ``owners_of_fields``.
+
+    Pairs that name something else are left out.
+    """
+    return {
+        frozenset(owners[name] for name in pair.between): (f"contact.pairs.{index}", pair)
+        for index, pair in enumerate(contact.pairs)
+        if owners.keys() >= set(pair.between)
+    }
 
 
 def conductance_table(scene: Scene, fields: list[str]) -> np.ndarray:
@@ -61,13 +75,11 @@ def conductance_table(scene: Scene, fields: list[str]) -> np.ndarray:
     table = np.zeros((n, n))
     if scene.contact is None or scene.heat is None:
         return table
-    owners = owners_of_fields(scene)
-    chosen = {frozenset(owners[name] for name in pair.between): pair.heat for pair in scene.contact.pairs}
-    for a in range(n):
-        for b in range(a):
-            way = chosen.get(frozenset((fields[a], fields[b]))) or scene.heat.contact
-            h = getattr(way, "conductance", 0.0)
-            table[a, b] = table[b, a] = np.inf if h == "perfect" else h
+    chosen = chosen_pairs(scene.contact, owners_of_fields(scene))
+    for a, b in itertools.combinations(range(n), 2):
+        _, pair = chosen.get(frozenset((fields[a], fields[b])), ("", None))
+        h = getattr(getattr(pair, "heat", None) or scene.heat.contact, "conductance", 0.0)
+        table[a, b] = table[b, a] = np.inf if h == "perfect" else h
     return table
 
 
@@ -96,12 +108,11 @@ def law_table(scene: Scene, fields: list[str]) -> tuple[list[Any], np.ndarray]:
     table = np.full((n, n), -1, dtype=np.int64)
     if scene.contact is None or n < 2:
         return [], table
-    owners = owners_of_fields(scene)
-    chosen = {frozenset(owners[name] for name in pair.between): pair.law for pair in scene.contact.pairs}
+    chosen = chosen_pairs(scene.contact, owners_of_fields(scene))
     laws: list[Any] = []
     for a in range(n):
-        for b in range(a):
-            law = chosen.get(frozenset((fields[a], fields[b])), scene.contact.law)
+        for b in range(a):  # in this order laws have their numbers
+            law = chosen.get(frozenset((fields[a], fields[b])), ("", scene.contact))[1].law
             if law not in laws:
                 laws.append(law)
             table[a, b] = table[b, a] = laws.index(law)

@@ -86,10 +86,7 @@ def section_of(scene: Any) -> float:
 def find_masses(scene: Any, filled: Sequence[BodyParticles]) -> tuple[Array, Array, Array]:
     """Return body, initial volume and mass of all particles, (N,) each.
 
-    Raises
-    ------
-    SceneError
-        If a particle would have a mass that no computer number can hold.
+    Raises SceneError if a particle would have a mass that no computer number can hold.
     """
     numbers = {body.name: number for number, body in enumerate(scene.bodies)}
     index = np.concatenate([np.full(b.count, numbers[b.name]) for b in filled])
@@ -160,11 +157,8 @@ def start_temperature(body: Any, X: Array, is_absolute: bool) -> tuple[Array, li
 def check_filling(scene: Any) -> list[Problem]:
     """Refuse what a run would refuse when it sets up the scene; return what it is warned of.
 
-    Raises
-    ------
-    SceneError
-        If the grid is too large for the memory, a body has no particle, reaches out of the grid or overlaps another
-        one, or a mass or velocity is out of range.
+    Raises SceneError if the grid is too large for the memory, a body has no particle, reaches out of the grid or
+    overlaps another one, or a mass or velocity is out of range.
     """
     check_memory(scene)
     grid: Any = SimpleNamespace(
@@ -177,28 +171,17 @@ def check_filling(scene: Any) -> list[Problem]:
             f"the bodies have up to {places:.2g} particles, more than are checked here; the run checks them"
         )
         return [Problem("bodies", words, code="not_checked", severity="warning")]
-    filled = fill_bodies(scene.bodies, grid, analysis, covering(scene))
+    filled = fill_bodies(scene.bodies, grid, analysis, covering(scene.boundary))
     find_masses(scene, filled)
-    problems = [
-        problem
-        for body, particles in zip(scene.bodies, filled, strict=True)
-        for problem in start_velocity(body, particles.X)[1]
-    ]
-    problems += [
-        problem
-        for body, particles in zip(scene.bodies, filled, strict=True)
-        if body.temperature is not None
-        for problem in start_temperature(body, particles.X, scene.has_temperature)[1]
-    ]
+    problems: list[Problem] = []
     for body, particles in zip(scene.bodies, filled, strict=True):
+        problems += start_velocity(body, particles.X)[1]
+        if body.temperature is not None:
+            problems += start_temperature(body, particles.X, scene.has_temperature)[1]
         if body.stress is not None:
             problems += check_stress(scene, body, particles.X)
-    problems += [
-        problem
-        for body, particles in zip(scene.bodies, filled, strict=True)
-        if body.axes is not None
-        for problem in start_axes(body, particles.X)[1]
-    ]
+        if body.axes is not None:
+            problems += start_axes(body, particles.X)[1]
     if problems:
         raise SceneError(problems)
     return [*stair_stepped_faces(scene, filled), *check_start(scene, filled)]
@@ -207,10 +190,7 @@ def check_filling(scene: Any) -> list[Problem]:
 def check_start(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
     """Refuse interfaces and cracks that are not where matter is at the start; return what is doubtful.
 
-    Raises
-    ------
-    SceneError
-        With the distances.
+    Raises SceneError with the distances.
     """
     if scene.cracks:
         from mpmcli.scene.crack_places import check_places

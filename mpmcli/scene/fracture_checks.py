@@ -44,10 +44,7 @@ class Near(NamedTuple):
 def check_tips(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
     """Refuse criteria that the material at a tip cannot meet; warn of domains that reach what they should not.
 
-    Raises
-    ------
-    SceneError
-        With the material.
+    Raises SceneError with the material.
     """
     tips = [Tip(crack, key, place) for crack in scene.cracks for key, place in tips_of(crack)]
     errors, warnings = [], []

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from mpmcli.boundary.velocity import check_variables
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.geometry.bodies import BodyParticles
-from mpmcli.scene.fields import law_table, owners_of_fields, velocity_fields
+from mpmcli.scene.fields import chosen_pairs, law_table, owners_of_fields, velocity_fields
 from mpmcli.scene.parts import Parts
 from mpmcli.scene.problems import Report
 
@@ -39,17 +39,13 @@ class Joint:
 
 def joints_of(contact: Any, fields: Sequence[str], owners: dict[str, str]) -> list[Joint]:
     """Return the pairs of fields that have an interface law; ``owners`` says which field a name stands for."""
-    chosen = {}
-    for index, pair in enumerate(contact.pairs):
-        if all(name in owners for name in pair.between):
-            key = frozenset(owners[name] for name in pair.between)
-            chosen[key] = (pair.law, f"contact.pairs.{index}", True)
-    found = []
-    for a, b in itertools.combinations(fields, 2):
-        law, path, is_named = chosen.get(frozenset((a, b)), (contact.law, "contact", False))
-        if law.is_interface:
-            found.append(Joint(a, b, law, path, is_named))
-    return found
+    chosen = chosen_pairs(contact, owners)
+    found = [(a, b, *chosen.get(frozenset((a, b)), ("contact", contact))) for a, b in combinations(fields, 2)]
+    return [
+        Joint(a, b, each.law, path, each is not contact)
+        for a, b, path, each in found
+        if each.law.is_interface
+    ]
 
 
 def check_interfaces(parts: Parts, fields: Any, report: Report) -> None:
@@ -67,8 +63,7 @@ def check_interfaces(parts: Parts, fields: Any, report: Report) -> None:
         if "interface" in contact.model_fields_set:
             report.no_effect("contact.interface", "no law of this contact is an interface law")
         return
-    owners = {member.owner: member.field for member in fields.members} | {name: name for name in fields.names}
-    joints = joints_of(contact, fields.names, owners)
+    joints = joints_of(contact, fields.names, fields.owners)
     for joint in joints:
         if joint.is_named and fields.is_rigid(joint.first) and fields.is_rigid(joint.second):
             words = f"'{joint.first}' and '{joint.second}' are rigid; an interface needs a deformable body on one side"
@@ -196,7 +191,14 @@ def process_zone(modulus: float, resistance: Any) -> float:
     return float(modulus * resistance.toughness / resistance.strength**2)
 
 
-def plane_modulus(model: Any, analysis: str) -> float:
+def softest_modulus(models: Iterable[Any], analysis: str) -> float:
+    """Return the least E′ of materials, infinite where none has one [pressure]."""
+    return min(
+        (_plane_modulus(model, analysis) for model in models if model.kind != "rigid"), default=math.inf
+    )
+
+
+def _plane_modulus(model: Any, analysis: str) -> float:
     """Return E′: E in plane stress, else E/(1 − ν²); infinite where a material has none [pressure]."""
     shear, lame = getattr(model, "shear_modulus", None), getattr(model, "lame_modulus", None)
     if shear is None or lame is None:
@@ -215,8 +217,7 @@ def _process_zone(parts: Parts, fields: Any, joint: Joint, resistance: Any) -> f
         for member in fields.members
         if member.field in (joint.first, joint.second) and member.material in parts.materials
     ]
-    moduli = [plane_modulus(model, parts.analysis.kind) for model in models if model.kind != "rigid"]
-    return process_zone(min(moduli, default=math.inf), resistance)
+    return process_zone(softest_modulus(models, parts.analysis.kind), resistance)
 
 
 # ---------------------------------------------------------------------- at the start
@@ -284,10 +285,7 @@ def starts_of_joints(scene: Any, filled: Sequence[BodyParticles]) -> list[Start]
 def check_touch(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
     """Refuse interfaces between bodies that do not touch at the start; return warnings of those that do in part.
 
-    Raises
-    ------
-    SceneError
-        With the gap.
+    Raises SceneError with the gap.
     """
     if scene.contact is None:
         return []

@@ -129,18 +129,7 @@ def load_scene(
     defines: tuple[str, ...] | list[str] = (),
     allow_outside_files: bool = False,
 ) -> LoadedScene:
-    """Read and check a scene.
-
-    Parameters
-    ----------
-    source
-        Path of a file, ``-`` for standard input, or YAML text (text with a line break).
-    sets
-        Changes ``key=value``: dotted keys, list members by name or index, values in YAML.
-    defines
-        Values of constants ``name=value``.
-    allow_outside_files
-        Whether the scene may name files outside its folder.
+    """Read and check a scene as ``run.load`` does, apart from the names of its columns and fields.
 
     Raises
     ------

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.scene.fields import chosen_pairs
 from mpmcli.scene.parts import Parts
 from mpmcli.scene.problems import Report
 
@@ -16,10 +17,10 @@ NEAR = 2.0
 """Bodies whose boxes are at most so many cells apart at the start are about to touch; others may come from anywhere."""
 
 
-def check_specified_normal(parts: Parts, members: tuple[Any, ...], report: Report) -> None:
+def check_specified_normal(parts: Parts, fields: Any, report: Report) -> None:
     """Warn of a normal that points from the later body to the earlier one: they would pass through each other.
 
-    ``members`` are the bodies of the scene as ``contact_checks.read_fields`` lists them. Bodies that a plane across the
+    ``fields`` are the velocity fields as ``contact_checks.read_fields`` lists them. Bodies that a plane across the
     normal does not part say nothing; a run looks again when they meet.
     """
     if parts.grid is None or parts.contact.normal.kind != "specified":
@@ -30,14 +31,15 @@ def check_specified_normal(parts: Parts, members: tuple[Any, ...], report: Repor
     n = np.array(parts.contact.normal.parameters(d, tuple(cell))[:d])
     regions = {body.name: body.region for _, body in parts.bodies if not list(body.region.misfits(d))}
     boxes = {name: region.bounds(d) for name, region in regions.items()}
-    order = list(dict.fromkeys(member.field for member in members))
-    known = [member for member in members if member.name in boxes]
+    known, chosen = [m for m in fields.members if m.name in boxes], chosen_pairs(parts.contact, fields.owners)
     found = []
     for one, other in combinations(known, 2):
         if one.field == other.field or (one.is_rigid and other.is_rigid):
             continue
-        alpha, beta = sorted((one, other), key=lambda member: (member.is_rigid, order.index(member.field)))
-        law = _law_between(parts.contact, alpha, beta)
+        alpha, beta = sorted(
+            (one, other), key=lambda member: (member.is_rigid, fields.names.index(member.field))
+        )
+        law = chosen.get(frozenset((alpha.field, beta.field)), ("", parts.contact))[1].law
         if law.skipped or not law.needs_normal:
             continue
         (low, high), (lower, upper) = boxes[alpha.name], boxes[beta.name]
@@ -50,16 +52,6 @@ def check_specified_normal(parts: Parts, members: tuple[Any, ...], report: Repor
         from mpmcli.contact.normals.specified import wrong_way
 
         report("contact.normal", wrong_way(alpha, beta) + more, "wrong_way", "warning")
-
-
-def _law_between(contact: Any, one: Any, other: Any) -> Any:
-    """The law of two bodies' fields."""
-    for pair in contact.pairs:
-        a, b = pair.between
-        for first, second in ((one, other), (other, one)):
-            if a in (first.owner, first.field) and b in (second.owner, second.field):
-                return pair.law
-    return contact.law
 
 
 def _reach(n: Array, lower: Array, upper: Array) -> float:

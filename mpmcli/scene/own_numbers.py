@@ -1,4 +1,4 @@
-"""Numbers of materials that particles have from the file of points that fills their body."""
+"""Numbers of materials, density among them, that particles have from the file of points that fills their body."""
 
 from __future__ import annotations
 
@@ -151,7 +151,11 @@ def values_of_rows(
     material: Any, columns: Mapping[str, Array], values: Callable[[Any], tuple[Any, ...]]
 ) -> Array:
     """Return values (k, n) of the models that rows of columns (n,) by key make; raises RowError."""
-    return by_rows(lambda numbers: values(with_numbers(material, numbers, _unchecked)), columns)
+
+    def unchecked(model: Any, changed: dict[str, Any]) -> Any:
+        return model.model_copy(update=changed)
+
+    return by_rows(lambda numbers: values(with_numbers(material, numbers, unchecked)), columns)
 
 
 def row_of(columns: Mapping[str, Array], row: int) -> dict[str, float]:
@@ -171,10 +175,6 @@ def _checked(model: Any, changed: dict[str, Any]) -> Any:
     fields = type(model).model_fields
     given = {name: getattr(model, name) for name in model.model_fields_set} | changed
     return type(model)(**{fields[name].alias or name: value for name, value in given.items()})
-
-
-def _unchecked(model: Any, changed: dict[str, Any]) -> Any:
-    return model.model_copy(update=changed)
 
 
 def _check_again(model: Any) -> None:
@@ -269,3 +269,26 @@ def set_own_numbers(scene: Any, model: Any, body: Any, X: Array, H: Array) -> No
     for name, start in found.history.items():
         H[material.history.index(name)] = start
     H[first : first + len(found.table)] = found.table
+
+
+def lightest_density(body: Any, material: Any) -> float:
+    """Return the smallest mass density of the particles of a body of this material."""
+    own = getattr(body.region, "density", None)
+    return float(material.density if own is None else own.min())
+
+
+def lightness(scene: Any) -> list[float]:
+    """Return the density of each material over that of its lightest particle.
+
+    It is 1 of materials without own densities, and of those whose particles have further numbers of their own: their
+    wave speeds take them into account.
+    """
+    found = []
+    for name, material in scene.materials.items():
+        bodies = [body for body in scene.bodies if body.material == name and material.kind != "rigid"]
+        if any(own_keys(body, material) for body in bodies):
+            bodies = []
+        found.append(
+            max((material.density / lightest_density(body, material) for body in bodies), default=1.0)
+        )
+    return found

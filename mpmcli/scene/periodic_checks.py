@@ -60,7 +60,7 @@ def _of_condition(model: Any, axes: tuple[str, ...], dimensions: int) -> Found:
     elif model.kind == "wall":
         normal = unit_vector(model.normal, dimensions)
         for axis in axes:
-            if normal[_number(axis)] != 0.0:
+            if normal["xyz".index(axis)] != 0.0:
                 yield (
                     "normal",
                     f"has a component along the periodic axis {axis}; walls must be parallel to it",
@@ -95,7 +95,3 @@ def _of_load(model: Any, axes: tuple[str, ...], dimensions: int) -> Found:
     face = model.loaded_face()
     if face is not None and face[1].axis in axes:
         yield "on.face.axis", f"a body has no face across the periodic axis {face[1].axis}"
-
-
-def _number(axis: str) -> int:
-    return "xyz".index(axis)

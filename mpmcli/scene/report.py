@@ -115,13 +115,9 @@ def translate(error: ValidationError, root: Node, model: type[BaseModel]) -> lis
             found.setdefault((problem.path, problem.message), (problem, str(details["type"])))
         if len(found) >= MAX_SHOWN:
             kept = _without_echoes(list(found.values()))
-            return [*kept, *_uncounted(len(errors) - index - 1, root.mark)]
+            left = len(errors) - index - 1
+            return [*kept, *[root.mark.problem("", f"… and {left} more", MORE)] * (left > 0)]
     return _without_echoes(list(found.values()))
-
-
-def _uncounted(count: int, mark: Mark) -> list[Problem]:
-    """One problem that stands for so many more, or none."""
-    return [mark.problem("", f"… and {count} more", MORE)] * (count > 0)
 
 
 def _without_echoes(found: list[tuple[Problem, str]]) -> list[Problem]:
@@ -146,9 +142,8 @@ def _problems(details: dict[str, Any], root: Node, model: type[BaseModel]) -> li
     place = follow(root, loc)
     inner = context.get("error")
     if isinstance(inner, ValidationError):
-        return [
-            p for nested in inner.errors(include_url=False) for p in _nested(dict(nested), loc, root, model)
-        ]
+        inside = [dict(each) | {"loc": (*loc, *each["loc"])} for each in inner.errors(include_url=False)]
+        return [problem for each in inside for problem in _problems(each, root, model)]
     path, mark = ".".join(place.path), place.node.mark
     if kind == "too_short" and place.node.is_sequence and len(place.node.value) >= context["min_length"]:
         return []  # pydantic counts valid members only; the others are reported by themselves
@@ -157,8 +152,9 @@ def _problems(details: dict[str, Any], root: Node, model: type[BaseModel]) -> li
     if kind == "extra_forbidden":
         keys = _keys_of(model, loc[:-1])
         word = str(loc[-1])
+        choice = f" (allowed: {listing(keys, 40)})" if keys else ""
         hint = _owners_of_key(word, keys, model, loc[:-1]) or _hint_of_key(word, keys, model, path)
-        message = f"unknown key '{word}'{hint or _choice(keys)}"
+        message = f"unknown key '{word}'{hint or choice}"
         return [place.key.problem(path, message, "unknown_key")]
     if kind in {"union_tag_invalid", "union_tag_not_found"}:
         return [_tag_problem(kind, place, context)]
@@ -168,12 +164,6 @@ def _problems(details: dict[str, Any], root: Node, model: type[BaseModel]) -> li
 _CODES = {*_LIMITS, "finite_number", "literal_error"}
 MORE = "more"
 """The code of the problem that counts those that are left out."""
-
-
-def _nested(
-    details: dict[str, Any], loc: tuple[Any, ...], root: Node, model: type[BaseModel]
-) -> list[Problem]:
-    return _problems(details | {"loc": (*loc, *details["loc"])}, root, model)
 
 
 def _tag_problem(kind: str, place: Place, context: dict[str, Any]) -> Problem:
@@ -313,10 +303,6 @@ def _paths_of_sections(model: type[BaseModel], depth: int = 2, only: str | None 
         for key, path in (_paths_of_sections(inner, depth - 1) if depth > 1 else {}).items():
             found.setdefault(key, f"{section}.{path}")
     return {key: path for key, path in found.items() if key not in {"kind", "name"}}
-
-
-def _choice(keys: list[str]) -> str:
-    return f" (allowed: {listing(keys, 40)})" if keys else ""
 
 
 def _keys_of(model: type[BaseModel], loc: Sequence[Any]) -> list[str]:

@@ -90,7 +90,9 @@ def _choose_by_kind(node: Any, definitions: dict[str, Any]) -> None:
         del node["oneOf"]
         node["type"] = "object"
         node["required"] = [tag]
-        node["properties"] = {tag: {"enum": sorted(_names(kinds))}}
+        node["properties"] = {
+            tag: {"enum": sorted({name for kind in kinds for name in kind.get("enum", [kind.get("const")])})}
+        }
         node["allOf"] = [
             {"if": {"properties": {tag: kind}, "required": [tag]}, "then": branch}
             for kind, branch in zip(kinds, branches, strict=True)
@@ -105,10 +107,6 @@ def _kind_of(branch: Any, definitions: dict[str, Any], tag: str) -> dict[str, An
     definition = definitions.get(str(branch.get("$ref", "")).removeprefix("#/definitions/"), {})
     kind = definition.get("properties", {}).get(tag, {})
     return {key: kind[key] for key in ("const", "enum") if key in kind}
-
-
-def _names(kinds: list[dict[str, Any]]) -> set[str]:
-    return {name for kind in kinds for name in kind.get("enum", [kind.get("const")])}
 
 
 def _require_kind(definition: dict[str, Any]) -> None:

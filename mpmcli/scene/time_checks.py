@@ -93,13 +93,9 @@ def _heat_step(parts: Parts) -> float | None:
     models = [m for name, m in parts.materials.items() if name in used and m.kind != "rigid"]
     cell, d = float(min(parts.grid.cell)), parts.grid.dimensions
     with np.errstate(all="ignore"):
+        fourier = np.float64(parts.heat.fourier)
         steps = [
-            np.float64(parts.heat.fourier)
-            * cell
-            / max(m.conductivity[:d])
-            * cell
-            * m.density
-            * m.specific_heat
+            fourier * cell / max(m.conductivity[:d]) * cell * m.density * m.specific_heat
             for m in models
             if m.specific_heat is not None and m.conductivity is not None and any(m.conductivity[:d])
         ]

@@ -117,18 +117,12 @@ class Node:
 
     def texts(self) -> Iterator[str]:
         """Every text in it."""
-        stack, seen = [self], set()
-        while stack:
-            node = stack.pop()
-            if id(node) in seen:
-                continue
-            seen.add(id(node))
-            if isinstance(node.value, str):
-                yield node.value
-            elif isinstance(node.value, dict):
-                stack.extend(node.value.values())
-            elif isinstance(node.value, list):
-                stack.extend(node.value)
+        value = self.value
+        if isinstance(value, str):
+            yield value
+        members = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+        for member in members:
+            yield from member.texts()
 
 
 def read_scalar(text: str) -> Any:
@@ -151,13 +145,7 @@ def read_scalar(text: str) -> Any:
 
 
 def compose(text: str, file: str) -> Node:
-    """Read YAML text.
-
-    Raises
-    ------
-    SceneError
-        With every repeated key, or with the first fault of syntax.
-    """
+    """Read YAML text; SceneError with every repeated key, or with the first fault of syntax."""
     composer = _Composer(text, file)
     try:
         root = composer.compose()

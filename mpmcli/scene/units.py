@@ -19,82 +19,49 @@ Exponents = tuple[Fraction, Fraction, Fraction, Fraction]
 
 BASE = ("length", "mass", "time", "temperature")
 
-# exponents of length, mass, time, temperature
-DIMENSIONS: dict[str, tuple[int, int, int, int]] = {
-    "1": (0, 0, 0, 0),
-    "angle": (0, 0, 0, 0),
-    "strain": (0, 0, 0, 0),
-    "length": (1, 0, 0, 0),
-    "area": (2, 0, 0, 0),
-    "volume": (3, 0, 0, 0),
-    "mass": (0, 1, 0, 0),
-    "time": (0, 0, 1, 0),
-    "temperature": (0, 0, 0, 1),
-    "frequency": (0, 0, -1, 0),
-    "rate": (0, 0, -1, 0),
-    "velocity": (1, 0, -1, 0),
-    "acceleration": (1, 0, -2, 0),
-    "momentum": (1, 1, -1, 0),
-    "angular_momentum": (2, 1, -1, 0),
-    "force": (1, 1, -2, 0),
-    "stress": (-1, 1, -2, 0),
-    "pressure": (-1, 1, -2, 0),
-    "energy": (2, 1, -2, 0),
-    "power": (2, 1, -3, 0),
-    "density": (-3, 1, 0, 0),
-    "viscosity": (-1, 1, -1, 0),
-    "specific_heat": (2, 0, -2, -1),
-    "specific_energy": (2, 0, -2, 0),
-    "gas_constant": (2, 0, -2, -1),
-    "conductivity": (1, 1, -3, -1),
-    "film_coefficient": (0, 1, -3, -1),
-    "heat_flux": (0, 1, -3, 0),
+# words by their exponents of length, mass, time, temperature
+_WORDS = {
+    (0, 0, 0, 0): "1 angle strain",
+    (1, 0, 0, 0): "length",
+    (2, 0, 0, 0): "area",
+    (3, 0, 0, 0): "volume",
+    (0, 1, 0, 0): "mass",
+    (0, 0, 1, 0): "time",
+    (0, 0, 0, 1): "temperature",
+    (0, 0, -1, 0): "frequency rate",
+    (1, 0, -1, 0): "velocity",
+    (1, 0, -2, 0): "acceleration",
+    (1, 1, -1, 0): "momentum",
+    (2, 1, -1, 0): "angular_momentum",
+    (1, 1, -2, 0): "force",
+    (-1, 1, -2, 0): "stress pressure",
+    (2, 1, -2, 0): "energy",
+    (2, 1, -3, 0): "power",
+    (-3, 1, 0, 0): "density",
+    (-1, 1, -1, 0): "viscosity",
+    (2, 0, -2, -1): "specific_heat gas_constant",
+    (2, 0, -2, 0): "specific_energy",
+    (1, 1, -3, -1): "conductivity",
+    (0, 1, -3, -1): "film_coefficient",
+    (0, 1, -3, 0): "heat_flux",
 }
+DIMENSIONS = {word: exponents for exponents, words in _WORDS.items() for word in words.split()}
 
 # words whose label is a unit of its own where the scale is a power of ten that has a prefix
 _NAMED = {"force": "N", "stress": "Pa", "pressure": "Pa", "energy": "J", "power": "W"}
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 
+_KNOWN = {
+    "length": "pm 1e-12, nm 1e-9, um 1e-6, µm 1e-6, mm 1e-3, cm 1e-2, dm 0.1, m 1, km 1e3, in 0.0254, inch 0.0254, "
+    "ft 0.3048",
+    "mass": "ng 1e-12, ug 1e-9, µg 1e-9, mg 1e-6, g 1e-3, kg 1, t 1e3, tonne 1e3, Mg 1e3, lb 0.45359237",
+    "time": "ps 1e-12, ns 1e-9, us 1e-6, µs 1e-6, ms 1e-3, s 1, min 60, h 3600, day 86400",
+    "temperature": "K 1, mK 1e-3, degR 5/9",
+}
 # units a scene may be written in without help from pint: size in m, kg, s, K
-KNOWN: dict[str, dict[str, Fraction]] = {
-    "length": {
-        "pm": Fraction(1, 10**12),
-        "nm": Fraction(1, 10**9),
-        "um": Fraction(1, 10**6),
-        "µm": Fraction(1, 10**6),
-        "mm": Fraction(1, 1000),
-        "cm": Fraction(1, 100),
-        "dm": Fraction(1, 10),
-        "m": Fraction(1),
-        "km": Fraction(1000),
-        "in": Fraction(254, 10000),
-        "inch": Fraction(254, 10000),
-        "ft": Fraction(3048, 10000),
-    },
-    "mass": {
-        "ng": Fraction(1, 10**12),
-        "ug": Fraction(1, 10**9),
-        "µg": Fraction(1, 10**9),
-        "mg": Fraction(1, 10**6),
-        "g": Fraction(1, 1000),
-        "kg": Fraction(1),
-        "t": Fraction(1000),
-        "tonne": Fraction(1000),
-        "Mg": Fraction(1000),
-        "lb": Fraction(45359237, 10**8),
-    },
-    "time": {
-        "ps": Fraction(1, 10**12),
-        "ns": Fraction(1, 10**9),
-        "us": Fraction(1, 10**6),
-        "µs": Fraction(1, 10**6),
-        "ms": Fraction(1, 1000),
-        "s": Fraction(1),
-        "min": Fraction(60),
-        "h": Fraction(3600),
-        "day": Fraction(86400),
-    },
-    "temperature": {"K": Fraction(1), "mK": Fraction(1, 1000), "degR": Fraction(5, 9)},
+KNOWN = {
+    base: {name: Fraction(size) for name, size in (unit.split() for unit in units.split(", "))}
+    for base, units in _KNOWN.items()
 }
 _EXAMPLES = (
     *("Pa", "kPa", "MPa", "GPa", "psi", "N", "kN", "J", "kJ", "mJ", "W", "Hz", "rad", "deg"),
@@ -155,8 +122,7 @@ class Units:
 
     Parameters
     ----------
-    length, mass, time, temperature
-        Names of the base units, or None where the scene declares none.
+    length, mass, time, temperature : names of the base units, or None where the scene declares none
     """
 
     def __init__(

@@ -67,7 +67,7 @@ def full_ring(plan: Plan) -> float:
 @np.errstate(all="ignore")
 def make_particles(scene: Any, plan: Plan, grid: Grid) -> tuple[Particles, list[BodyParticles]]:
     """Fill all bodies; particles with mass, velocity and the materials' initial history."""
-    filled = fill_bodies(scene.bodies, grid, plan.analysis, covering(scene))
+    filled = fill_bodies(scene.bodies, grid, plan.analysis, covering(scene.boundary))
     names = list(scene.materials)
     X = np.concatenate([body.X for body in filled], axis=1)
     index, vol0, mass = find_masses(scene, filled)

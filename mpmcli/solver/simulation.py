@@ -25,8 +25,7 @@ from mpmcli.core.order import CellOrder
 from mpmcli.core.state import State
 from mpmcli.core.step import Step
 from mpmcli.scene.filling import check_start
-from mpmcli.scene.own_density import lightness
-from mpmcli.scene.own_numbers import materials_of
+from mpmcli.scene.own_numbers import lightness, materials_of
 from mpmcli.solver import continuation, setup
 from mpmcli.solver.averaging import VolumeAveraging
 from mpmcli.solver.courant import TimeStep

@@ -9,8 +9,7 @@ import numpy as np
 
 from mpmcli.core.expressions import Expression
 from mpmcli.materials.thermal import coupled_wave_speed
-from mpmcli.scene.own_density import lightest_density
-from mpmcli.scene.own_numbers import fastest_wave, own_keys
+from mpmcli.scene.own_numbers import fastest_wave, lightest_density, own_keys
 
 Array = np.ndarray
 

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.functions import GRID_FUNCTIONS
-from mpmcli.scene.own_density import lightest_density
-from mpmcli.scene.own_numbers import values_of_particles
+from mpmcli.scene.own_numbers import lightest_density, values_of_particles
 from mpmcli.shapes import SHAPES
 from mpmcli.stability.bodies import deformable, largest_wave_speed, start_velocities, wave_speed_of
 from mpmcli.stability.growth import FAST

@@ -20,7 +20,7 @@ from typing import Any
 from mpmcli.core.errors import Problem
 from mpmcli.scene.fields import field_name, owners_of_fields, velocity_fields
 from mpmcli.scene.interface_checks import joints_of
-from mpmcli.scene.own_density import lightest_density
+from mpmcli.scene.own_numbers import lightest_density
 from mpmcli.stability.bodies import deformable
 
 DIRECTIONS = ("normal", "tangential")

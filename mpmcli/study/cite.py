@@ -66,8 +66,7 @@ def bibtex(scene: Any) -> str:
 
     Parameters
     ----------
-    scene
-        The models of a checked scene.
+    scene : the models of a checked scene
     """
     entries = bibliography()
     reasons: dict[str, list[str]] = {}

@@ -21,17 +21,12 @@ def can_connect() -> bool:
 class Cluster:
     """Runs jobs on a Dask cluster; its machines need mpmcli and the scene at the same path.
 
+    Raises ArchiveError if the scheduler does not answer.
+
     Parameters
     ----------
-    address
-        Of the scheduler, such as ``tcp://host:8786``.
-    timeout
-        Seconds by the clock after which a run is killed; none if None.
-
-    Raises
-    ------
-    ArchiveError
-        If the scheduler does not answer.
+    address : of the scheduler, such as ``tcp://host:8786``
+    timeout : seconds by the clock after which a run is killed; none if None
     """
 
     def __init__(self, address: str, timeout: float | None = None):

@@ -11,22 +11,19 @@ from pathlib import Path
 from typing import Any
 
 from mpmcli.core.errors import ArchiveError
-from mpmcli.output.files import cannot_write, make_folder
+from mpmcli.output.files import make_folder, writing
 from mpmcli.run.folder import hold
 
 
 class Journal:
     """Results by key, kept in a file that only grows; threads may share it.
 
+    Raises ArchiveError if the file cannot be read, or holds something else.
+
     Parameters
     ----------
     path
         The file. What it holds already counts as finished; lines that a crash cut short are left out.
-
-    Raises
-    ------
-    ArchiveError
-        If the file cannot be read, or holds something else.
     """
 
     def __init__(self, path: Path):
@@ -64,13 +61,10 @@ class Journal:
         """Keep a result; it is on disk when this returns."""
         line = json.dumps({"key": key, "result": result}, ensure_ascii=False) + "\n"
         with self._lock:
-            try:
-                with open(self.path, "a", encoding="utf-8", newline="\n") as stream:
-                    stream.write("\n" + line if self._ends_open else line)
-                    stream.flush()
-                    os.fsync(stream.fileno())
-            except OSError as error:
-                raise cannot_write(self.path, error) from error
+            with writing(self.path), open(self.path, "a", encoding="utf-8", newline="\n") as stream:
+                stream.write("\n" + line if self._ends_open else line)
+                stream.flush()
+                os.fsync(stream.fileno())
             self._ends_open = False
             self.results[key] = result
 
@@ -79,10 +73,7 @@ class Journal:
 def study_folder(directory: Path) -> Iterator[Path]:
     """Make the folder of a study and hold it, so that no second study writes to it.
 
-    Raises
-    ------
-    ArchiveError
-        If another study or run holds it, or it cannot be written.
+    Raises ArchiveError if another study or run holds it, or it cannot be written.
     """
     if directory.exists() and not directory.is_dir():
         raise ArchiveError(f"{directory} is a file; give a folder for the study")

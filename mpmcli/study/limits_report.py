@@ -15,6 +15,8 @@ from mpmcli.study.report import as_text, write_csv, write_json
 from mpmcli.study.stability import Case, Settings
 
 NAME = "limits"
+NUMBERS = ("limit", "unstable_at", "predicted", "auto", "below", "loss", "excess")
+"""What is known of a case as numbers."""
 HEADINGS = {
     "shape": "shape",
     "transfer": "transfer",
@@ -36,16 +38,8 @@ def rows_of(cases: Sequence[Case], settings: Settings) -> list[dict[str, Any]]:
     """One row for each case, as in ``limits.csv``."""
     return [
         {
-            "shape": case.shape,
-            "transfer": case.transfer,
-            "criterion": settings.criterion,
-            "limit": case.limit,
-            "unstable_at": case.unstable_at,
-            "predicted": case.predicted,
-            "auto": case.auto,
-            "below": case.below,
-            "loss": case.loss,
-            "excess": case.excess,
+            **{"shape": case.shape, "transfer": case.transfer, "criterion": settings.criterion},
+            **{name: getattr(case, name) for name in NUMBERS},
             "trials": len(case.trials),
             "seconds": sum(trial.get("seconds", 0.0) for trial in case.trials.values()),
             "is_decided": case.is_decided,

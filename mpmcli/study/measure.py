@@ -85,10 +85,7 @@ def measure_case(job: dict[str, Any]) -> dict[str, Any]:
 def only_table(loaded: LoadedScene, columns: Sequence[str]) -> LoadedScene:
     """Take archives and probes out of a scene, and see to it that its table has these columns.
 
-    Raises
-    ------
-    SceneError
-        If the scene cannot have them.
+    Raises SceneError if the scene cannot have them.
     """
     scene = loaded.scene
     asked = scene.archive.globals or GlobalArchive(every=scene.time.end / ROWS)

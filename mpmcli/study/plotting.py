@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from mpmcli.core.errors import ArchiveError
-from mpmcli.output.files import cannot_write
+from mpmcli.output.files import writing
 
 
 def can_plot() -> bool:
@@ -21,10 +21,7 @@ def can_plot() -> bool:
 def new_figure(width: float = 6.4, height: float = 4.4) -> tuple[Any, Any]:
     """A figure with one pair of axes; no window and no state of pyplot is made.
 
-    Raises
-    ------
-    ArchiveError
-        If matplotlib is not installed.
+    Raises ArchiveError if matplotlib is not installed.
     """
     if not can_plot():
         raise ArchiveError("plots need matplotlib; install it with pip install 'mpmcli[plot]'")
@@ -44,7 +41,5 @@ def tidy(axes: Any) -> None:
 def finish(figure: Any, axes: Any, path: Path) -> None:
     """Draw grid and legend, and write the picture."""
     tidy(axes)
-    try:
+    with writing(path):
         figure.savefig(path, dpi=150)
-    except OSError as error:
-        raise cannot_write(path, error) from error

@@ -30,10 +30,8 @@ class Processes:
 
     Parameters
     ----------
-    timeout
-        Seconds by the clock after which a process is killed; none if None.
-    module
-        The module that a worker runs.
+    timeout : seconds by the clock after which a process is killed; none if None
+    module : the module that a worker runs
     """
 
     def __init__(self, timeout: float | None = None, module: str = WORKER):
@@ -43,13 +41,7 @@ class Processes:
         self.is_stopped = False
 
     def run(self, job: dict[str, Any]) -> dict[str, Any]:
-        """Run one job and wait for it; see ``run_job``.
-
-        Raises
-        ------
-        Stopped
-            If ``stop`` was called before it ended.
-        """
+        """Run one job and wait for it as ``run_job`` does; Stopped if ``stop`` was called before it ended."""
         with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as messages:
             with self._lock:
                 if self.is_stopped:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -21,9 +20,9 @@ from mpmcli.core.version import VERSION
 from mpmcli.scene.loader import LoadedScene
 from mpmcli.stability.models import NoKnownLimit
 from mpmcli.stability.scene_limit import limit_in_motion, stable_courant
-from mpmcli.study.interruption import wait_for
+from mpmcli.study.interruption import run_side_by_side
 from mpmcli.study.journal import Journal
-from mpmcli.study.processes import TIMED_OUT, Stopped
+from mpmcli.study.processes import TIMED_OUT
 from mpmcli.study.transfers import label_of, transfer_value
 from mpmcli.study.trial import FINISHED, load_job
 
@@ -175,22 +174,7 @@ def find_limits(
     Trials in the journal are not run again. An exception in one search is raised when all searches have ended, except
     those that come from the runner being stopped.
     """
-    with ThreadPoolExecutor(jobs) as pool:
-        searches = [pool.submit(_Search(case, settings, runner, journal, tell).run) for case in cases]
-        try:
-            wait_for(searches)
-        except BaseException:
-            for search in searches:
-                search.cancel()
-            stop = getattr(runner, "stop", None)
-            if stop is not None:
-                stop()
-            raise
-    for search in searches:
-        try:
-            search.result()
-        except Stopped:
-            continue
+    run_side_by_side([_Search(case, settings, runner, journal, tell).run for case in cases], jobs, runner)
 
 
 class _Search:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 import statistics
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -17,11 +17,11 @@ from mpmcli.core.expressions import Expression
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.core.version import VERSION
 from mpmcli.output.files import make_folder, write_text
-from mpmcli.output.tables import read_numbers, read_table
-from mpmcli.study.interruption import wait_for
+from mpmcli.output.tables import read_number_table
+from mpmcli.study.interruption import run_side_by_side
 from mpmcli.study.journal import Journal
 from mpmcli.study.measure import FINISHED, only_table
-from mpmcli.study.processes import TIMED_OUT, Stopped
+from mpmcli.study.processes import TIMED_OUT
 from mpmcli.study.stability import Runner, Source
 from mpmcli.study.transfers import label_of, split_list, transfer_value
 from mpmcli.study.trial import load_job
@@ -122,10 +122,7 @@ def make_cases(
 ) -> list[Case]:
     """All combinations; one that makes no valid scene is a case that says so.
 
-    Raises
-    ------
-    SceneError
-        If no combination makes a valid scene with these columns in its table.
+    Raises SceneError if no combination makes a valid scene with these columns in its table.
     """
     cases = []
     first: SceneError | None = None
@@ -197,22 +194,8 @@ def run_cases(
 
     for repeat in range(repeats):
         chosen = [case for case in cases if case.scene_hash and (case.is_finished or not case.runs)]
-        with ThreadPoolExecutor(jobs) as pool:
-            futures = [pool.submit(run_one, case, repeat) for case in chosen]
-            try:
-                wait_for(futures)
-            except BaseException:
-                for future in futures:
-                    future.cancel()
-                stop = getattr(runner, "stop", None)
-                if stop is not None:
-                    stop()
-                raise
-        for future in futures:
-            try:
-                future.result()
-            except Stopped:
-                return
+        if not run_side_by_side([partial(run_one, case, repeat) for case in chosen], jobs, runner):
+            return
     for case in cases:
         if case.is_finished:
             case.table = read_columns(_table_path(directory, case))
@@ -230,12 +213,8 @@ def _words(result: Mapping[str, Any]) -> str:
 
 def read_columns(path: Path) -> dict[str, Array]:
     """Columns of a table of numbers by name."""
-    header, rows = read_table(path)
-    try:
-        numbers = np.array([read_numbers(row) for row in rows]).reshape(len(rows), len(header))
-    except ValueError:
-        raise ArchiveError(f"cannot read {path}: some cells are not numbers") from None
-    return {name: numbers[:, i] for i, name in enumerate(header)}
+    header, numbers = read_number_table(path)
+    return dict(zip(header, numbers.T, strict=True))
 
 
 # ---------------------------------------------------------------------- errors

@@ -37,7 +37,10 @@ def rows_of(cases: Sequence[Case]) -> list[dict[str, Any]]:
         | {f"end_error_of_{c}": case.errors[c][0] if c in case.errors else None for c in columns}
         | {f"rms_error_of_{c}": case.errors[c][1] if c in case.errors else None for c in columns}
         | {name: case.median(name) for name in COSTS}
-        | {name: _whole(case.median(name)) for name in ("steps", "particles")}
+        | {
+            name: None if (number := case.median(name)) is None else round(number)
+            for name in ("steps", "particles")
+        }
         | {
             "runs": len(case.runs),
             "on_front": case.on_front,
@@ -47,10 +50,6 @@ def rows_of(cases: Sequence[Case]) -> list[dict[str, Any]]:
         }
         for case in cases
     ]
-
-
-def _whole(number: float | None) -> int | None:
-    return None if number is None else round(number)
 
 
 def tradeoff_as_text(cases: Sequence[Case]) -> str:

@@ -37,10 +37,7 @@ def split_list(text: str) -> list[str]:
 def transfer_value(text: str) -> str:
     """The YAML value that a short form stands for; a mapping ``{kind: …}`` is handed through.
 
-    Raises
-    ------
-    ValueError
-        If there is no such transfer, or it takes no such order.
+    Raises ValueError if there is no such transfer, or it takes no such order.
     """
     if text.lstrip().startswith("{"):
         return text.strip()

@@ -49,7 +49,7 @@ def write_archives(directory: Path, d: int, fields: tuple[str, ...], count: int)
             "J": (np.linalg.det(F), ()),
         }
         always = [("id", np.arange(number), ()), ("body", owner, ()), ("material", owner, ())]
-        path = series.next_path()
+        (path,) = series.next_paths()
         VtuWriter().write(path, time, X, [*always, *((name, *arrays[name]) for name in fields)])
         series.add(time)
 

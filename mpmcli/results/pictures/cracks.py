@@ -55,10 +55,7 @@ class CrackLayer:
 def draw_growth(results: Results) -> Any:
     """A figure of the energy release rates at which tips grew, over the length of their cracks.
 
-    Raises
-    ------
-    PictureError
-        If no tip has grown.
+    Raises PictureError if no tip has grown.
     """
     tips = growth_of_tips(results.directory)
     if not tips:

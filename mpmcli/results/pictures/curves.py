@@ -26,38 +26,20 @@ SUBJECTS: dict[str, tuple[str, ...]] = {
     "reactions": ("reaction",),
     "momentum": ("momentum", "angular_momentum", "contact_momentum_error"),
     "contact": (
-        "contact_force",
-        "contact_area",
-        "contact_work",
-        "rigid_work",
-        "contact_nodes",
-        "contact_touching",
+        "contact_force", "contact_area", "contact_work", "rigid_work", "contact_nodes", "contact_touching",
         "contact_unconverged",
     ),
     "interfaces": (
-        "jump_normal",
-        "jump_tangential",
-        "interface_traction_normal",
-        "interface_traction_tangential",
-        "interface_area",
-        "broken_area",
-        "interface_lost",
+        "jump_normal", "jump_tangential", "interface_traction_normal", "interface_traction_tangential",
+        "interface_area", "broken_area", "interface_lost",
     ),
     "cracks": (
-        "crack_length",
-        "J",
-        "K_I",
-        "K_II",
-        "tip",
-        "tip_speed",
-        "released_energy",
-        "crack_force",
-        "crack_nodes",
+        "crack_length", "J", "K_I", "K_II", "tip", "tip_speed", "released_energy", "crack_force", "crack_nodes",
         "third_cracks",
     ),
     "motion": ("center", "velocity", "largest_speed"),
     "steps": ("dt", "smallest_J", "mass"),
-}
+}  # fmt: skip
 """Quantities of the tables that belong together, by what they are about."""
 
 _COLUMN = re.compile(r"(?P<base>.+?)(?:_(?P<component>[xyz]{1,2}))?(?:\[(?P<owner>.*)\])?", re.DOTALL)
@@ -150,12 +132,8 @@ def probe_panels(results: Results, name: str) -> list[Panel]:
 def column_panels(results: Results, patterns: Sequence[str]) -> list[Panel]:
     """The panels of columns by name, ``*`` standing for any text, from ``globals.csv`` and the probes.
 
-    A name with the probe in front (``tip:velocity_x``) is looked for in its table only.
-
-    Raises
-    ------
-    PictureError
-        If a name fits no column.
+    A name with the probe in front (``tip:velocity_x``) is looked for in its table only. Raises PictureError if a name
+    fits no column.
     """
     tables = _tables(results)
     found: dict[tuple[str, str], Table] = {}
@@ -175,10 +153,7 @@ def column_panels(results: Results, patterns: Sequence[str]) -> list[Panel]:
 def abscissa(results: Results, name: str) -> Abscissa:
     """The column that others are drawn over: of ``globals.csv`` where it has one of that name, else of a probe.
 
-    Raises
-    ------
-    PictureError
-        If no table has it, or several probes do.
+    Raises PictureError if no table has it, or several probes do.
     """
     tables = _tables(results)
     fitting = [(t, each) for t in tables for each in t.columns if name in (each, f"{_probe_of(t)}:{each}")]

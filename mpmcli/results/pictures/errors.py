@@ -12,13 +12,7 @@ class PictureError(RequestError):
 
 
 def matplotlib() -> Any:
-    """The package matplotlib.
-
-    Raises
-    ------
-    PictureError
-        With the command that installs it, if it is missing.
-    """
+    """The package matplotlib; PictureError with the command that installs it, if it is missing."""
     try:
         import matplotlib
     except ImportError:

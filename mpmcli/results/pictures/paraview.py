@@ -79,14 +79,10 @@ def paraview_script(
 
     Parameters
     ----------
-    frame
-        The archive to begin with; all of a series hold the same arrays.
-    coloring
-        By what the particles are coloured, as in pictures.
-    limits
-        Numbers of the first and the last colour; those of the picture of this archive if absent.
-    view
-        From where three dimensions are seen.
+    frame : the archive to begin with; all of a series hold the same arrays
+    coloring : by what the particles are coloured, as in pictures
+    limits : numbers of the first and the last colour; those of the picture of this archive if absent
+    view : from where three dimensions are seen
     """
     d = results.dimensions(frame)
     low, high = color_range(Extent.of([frame], coloring, results), limits)
@@ -103,7 +99,7 @@ def paraview_script(
     pvd = results.directory / "cracks.pvd"
     return SCRIPT.format(
         cracks=CRACKS.format(name="cracks", pvd=str(pvd.resolve())) if pvd.exists() else "",
-        title=_in_docstring(results.title),
+        title=shorten(ascii(results.title)[1:-1], 110).replace('"', "'").replace("\\", "/"),
         script=PARAVIEW,
         name=results.directory.resolve().name,
         pvd=str((results.directory / "particles.pvd").resolve()),
@@ -125,10 +121,6 @@ def paraview_script(
         eye=[round(float(x), 6) for x in towards],
         up=[round(float(x), 6) for x in up],
     )
-
-
-def _in_docstring(text: str) -> str:
-    return shorten(ascii(text)[1:-1], 110).replace('"', "'").replace("\\", "/")
 
 
 def default_path(results: Results) -> Path:

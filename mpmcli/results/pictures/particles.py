@@ -28,8 +28,7 @@ class Palette:
 
     Parameters
     ----------
-    limits
-        Numbers of the first and last colour; ``color_range`` of the extent if absent.
+    limits : numbers of the first and last colour; ``color_range`` of the extent if absent
     """
 
     def __init__(

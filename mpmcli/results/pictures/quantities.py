@@ -6,6 +6,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
+from operator import itemgetter
 
 import numpy as np
 from pydantic import ValidationError
@@ -72,7 +73,7 @@ def colorings(frame: Frame) -> dict[str, Coloring]:
     for name, values in frame.arrays.items():
         components = frame.components.get(name, ())
         if not components:
-            found.append(Coloring(name, name, partial(_scalar, name)))
+            found.append(Coloring(name, name, itemgetter(name)))
             continue
         if values.shape[1] == 3:
             found.append(Coloring(name, name, partial(_magnitude, name), "Magnitude"))
@@ -90,10 +91,6 @@ def colorings(frame: Frame) -> dict[str, Coloring]:
         ]
         found += [coloring for coloring in derived if coloring.name not in frame.arrays]
     return {coloring.name: coloring for coloring in found}
-
-
-def _scalar(name: str, frame: Frame) -> Array:
-    return frame.arrays[name]
 
 
 def _magnitude(name: str, frame: Frame) -> Array:

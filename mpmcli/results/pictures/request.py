@@ -153,11 +153,7 @@ def _jobs(results: Results, request: Request) -> Iterator[tuple[str, str, Draw]]
     over = None if request.over is None else abscissa(results, request.over)
 
     def curves(panels: list[Panel]) -> Draw:
-        def draw(path: Path) -> list[str]:
-            save(draw_panels(panels, results, over), path)
-            return []
-
-        return draw
+        return _saved(lambda: draw_panels(panels, results, over))
 
     for subject in SUBJECTS:
         if subject in what:

@@ -93,10 +93,7 @@ class SectionPicture(PlanePicture):
 def place_of_section(frame: Frame, extent: Extent, axis: int, position: float | None) -> float:
     """Where a plane across an axis cuts particles: as asked for, else through the particle nearest to the middle.
 
-    Raises
-    ------
-    PictureError
-        If it lies beyond all particles.
+    Raises PictureError if it lies beyond all particles.
     """
     low, high = float(extent.lower[axis]), float(extent.upper[axis])
     if position is None:

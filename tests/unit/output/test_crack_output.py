@@ -11,7 +11,7 @@ from mpmcli.core.state import CracksView, TipValues
 from mpmcli.cracks.chain import Chain
 from mpmcli.output.columns import all_columns, default_columns, evaluate, resolve_columns
 from mpmcli.output.crack_files import DIMENSIONS, write_cracks
-from mpmcli.output.crack_report import crack_facts, in_words, third_in_words
+from mpmcli.output.end_report import crack_facts, crack_in_words, third_in_words
 from mpmcli.output.of_scene import check_output, context_of
 from mpmcli.output.probes import make_probe, rows_of
 from mpmcli.output.quantities import Context
@@ -383,8 +383,8 @@ def test_what_a_run_says_of_its_cracks(make_cracked, make_state):
         "stretch": [1.5, 0.5],
     }
     assert facts["cracks"][1]["released_energy"] == pytest.approx(np.pi)
-    assert in_words(facts["cracks"][0], "mm", "mJ") == "crack main: length 4 mm, 5 points, 1 tip"
-    assert in_words(facts["cracks"][1], "", "") == (
+    assert crack_in_words(facts["cracks"][0], "mm", "mJ") == "crack main: length 4 mm, 5 points, 1 tip"
+    assert crack_in_words(facts["cracks"][1], "", "") == (
         "crack side: length 0.5, 2 points, 2 tips, growth released 3.142"
     )
     assert "at 9 nodes (of all steps) a third crack was left out" in third_in_words(9)

@@ -9,7 +9,7 @@ import yaml
 from mpmcli.core.errors import SceneError
 from mpmcli.core.state import ContactView, InterfaceMeans, InterfaceView
 from mpmcli.output.columns import all_columns, default_columns, evaluate, fields_of, resolve_columns
-from mpmcli.output.interface_report import in_words, interface_facts
+from mpmcli.output.end_report import interface_facts, interfaces_in_words
 from mpmcli.output.of_scene import check_output, context_of
 from mpmcli.output.probes import PointProbe, grid_fields, make_probe, resolve_grid_fields
 from mpmcli.output.quantities import Context
@@ -137,7 +137,7 @@ def test_what_is_neither_stored_nor_spent_is_a_numerical_loss(make_joined, kind)
     facts = interface_facts(make_joined(kind), largest=10.0 * ring)["interfaces"]
     assert facts["loss"] == pytest.approx((7.5 - 6.0 - 0.5) * ring)
     assert facts["relative_loss"] == pytest.approx(0.1)
-    words = in_words(facts, "mJ")
+    words = interfaces_in_words(facts, "mJ")
     if ring == 1.0:
         assert words == (
             "interfaces took 7.5 mJ out of the bodies: 6 mJ is stored, 0.5 mJ is dissipated by damage, 1 mJ is "
@@ -148,7 +148,7 @@ def test_what_is_neither_stored_nor_spent_is_a_numerical_loss(make_joined, kind)
 def test_without_a_table_the_loss_has_no_measure_and_without_damage_no_word_of_it(make_joined):
     state = make_joined()
     state.contact.interfaces.cohesive_work[:] = 0.0
-    words = in_words(interface_facts(state, 0.0)["interfaces"], "")
+    words = interfaces_in_words(interface_facts(state, 0.0)["interfaces"], "")
     assert words == "interfaces took 7.5 out of the bodies: 6 is stored, 1.5 is numerical loss"
     state.contact.interfaces = None
     assert interface_facts(state, 1.0) == {}

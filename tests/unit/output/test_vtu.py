@@ -174,7 +174,7 @@ def test_cells_of_the_grid_have_positive_volume(make_grid):
 def test_series_lists_every_file_once_with_its_time(make_state, tmp_path):
     series = Series(tmp_path, "particles")
     for time in (0.0, 0.1, 0.30000000000000004):
-        path = series.next_path()
+        (path,) = series.next_paths()
         write_particles(VtuWriter(), path, Snapshot(make_state(time=time)), fields("plane_strain"))
         series.add(time)
     entries = ElementTree.parse(tmp_path / "particles.pvd").findall(".//DataSet")
