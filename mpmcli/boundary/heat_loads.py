@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
@@ -16,7 +15,7 @@ from mpmcli.boundary.held_temperatures import check_temperatures
 from mpmcli.boundary.loads import GridFunctions
 from mpmcli.boundary.particle_loads import finite
 from mpmcli.boundary.place import Face
-from mpmcli.core.analysis import Analysis, Axisymmetric
+from mpmcli.core.analysis import Analysis, Axisymmetric, full_ring
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
 from mpmcli.core.identity import place_of_identity
@@ -93,7 +92,7 @@ class HeatLoads:
     ):
         self._particles, self._order, self._transfer, self._field = particles, order, transfer, field
         self._node_count = grid.node_count
-        self._is_axisymmetric = isinstance(analysis, Axisymmetric)
+        self._is_axisymmetric, self._ring = isinstance(analysis, Axisymmetric), full_ring(analysis)
         self._section, self._conductivity = section, conductivity
         self._cells = Cells.of(grid, shape.grid_functions, shape.domain)
         self.powers = dict.fromkeys(
@@ -307,4 +306,4 @@ class HeatLoads:
         mass = p.mass[rows]
         if load.power_per == "mass":
             return mass
-        return mass / mass.sum() / (2 * math.pi if self._is_axisymmetric else 1.0)
+        return mass / mass.sum() / self._ring
