@@ -20,14 +20,27 @@ class OnBody(Model):
     """Name of the body."""
 
 
+class LoadOnBodies(LoadModel):
+    """Base of loads on the particles of one body, or of all of them."""
+
+    on: OnBody | None = None
+    """The body; by default all of them."""
+
+    def chosen(self, points: Array, is_of: Callable[[str], Array]) -> Array | None:
+        """Return which particles are of the body."""
+        return None if self.on is None else is_of(self.on.body)
+
+    def bodies(self) -> list[tuple[str, str]]:
+        """The body that it acts on, if it is one."""
+        return [] if self.on is None else [("on.body", self.on.body)]
+
+
 @LOADS.register
-class BodyForce(LoadModel):
+class BodyForce(LoadOnBodies):
     """Gives particles a force per mass, evaluated at each of them at the start of the step."""
 
     kind: Literal["body_force"] = "body_force"
     """Kind of load."""
-    on: OnBody | None = None
-    """The body; by default all of them."""
     acceleration: tuple[AccelerationField, ...]
     """Force per mass, one number or expression of x, y, z and t per axis."""
     coordinates: Literal["current", "initial"] = "current"
@@ -45,10 +58,6 @@ class BodyForce(LoadModel):
         """Whether it is evaluated at the positions at the start."""
         return self.coordinates == "initial"
 
-    def chosen(self, points: Array, is_of: Callable[[str], Array]) -> Array | None:
-        """Return which particles are of the body."""
-        return None if self.on is None else is_of(self.on.body)
-
     def acceleration_at(self, points: Array, time: float) -> Values:
         """Return the force per mass at points (d, n)."""
         return [evaluate(component, points, time) for component in self.acceleration]
@@ -59,7 +68,3 @@ class BodyForce(LoadModel):
         for a, component in enumerate(self.acceleration):
             found += check_variables(f"acceleration.{a}", component, dimensions)
         return found
-
-    def bodies(self) -> list[tuple[str, str]]:
-        """The body that it acts on, if it is one."""
-        return [] if self.on is None else [("on.body", self.on.body)]

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from mpmcli.boundary.base import LOADS, Array, LoadModel
-from mpmcli.boundary.body_force import OnBody
+from mpmcli.boundary.base import LOADS, Array
+from mpmcli.boundary.body_force import LoadOnBodies
 from mpmcli.boundary.velocity import check_variables, evaluate
 from mpmcli.core.expressions import Expression
 from mpmcli.core.model import Density, Varying
@@ -17,7 +16,7 @@ LevelField = Annotated[Expression, Varying("length")]
 
 
 @LOADS.register
-class Buoyancy(LoadModel):
+class Buoyancy(LoadOnBodies):
     """Lifts what is below a water table: −ρ_w g per current volume, the gradient of the pressure of water at rest.
 
     The stress of the material is then the effective one, and ``geostatic`` stress that of the buoyant weight. Gravity
@@ -27,16 +26,10 @@ class Buoyancy(LoadModel):
 
     kind: Literal["buoyancy"] = "buoyancy"
     """Kind of load."""
-    on: OnBody | None = None
-    """The body; by default all of them."""
     level: LevelField
     """Coordinate of the water table along gravity, a number or an expression of the other coordinates and t."""
     density: Density
     """Mass density ρ_w of the water."""
-
-    def chosen(self, points: Array, is_of: Callable[[str], Array]) -> Array | None:
-        """Return which particles are of the body."""
-        return None if self.on is None else is_of(self.on.body)
 
     def water_at(self, points: Array, time: float) -> tuple[Any, float]:
         """Return the coordinate of the water table along gravity at points (d, n), and the density of the water."""
@@ -45,10 +38,6 @@ class Buoyancy(LoadModel):
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What does not fit an analysis with so many axes."""
         return check_variables("level", self.level, dimensions)
-
-    def bodies(self) -> list[tuple[str, str]]:
-        """The body that it acts on, if it is one."""
-        return [] if self.on is None else [("on.body", self.on.body)]
 
 
 def lift(level: Any, density: float, gravity: Array, particles: Any, rows: Any) -> tuple[int, Array]:

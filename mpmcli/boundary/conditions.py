@@ -124,8 +124,8 @@ class VelocityConditions:
         impose.impose_on_momentum(self.entries, mp, f, dt, self.impulse)
 
     def zero_increment(self, dv: Array, mp: Array) -> None:
-        """Conditions on an FMPM increment: see ``impose.zero_increment``."""
-        impose.zero_increment(self.entries, dv, mp, self.impulse)
+        """Take the held components out of an FMPM increment: see ``impose.impose_on_velocity``."""
+        impose.impose_on_velocity(self._at_rest, dv, mp, self.impulse)
 
     def impose_on_velocity(self, v: Array, mp: Array) -> None:
         """Conditions on a grid velocity: see ``impose.impose_on_velocity``."""
@@ -180,6 +180,7 @@ class VelocityConditions:
         self.entries = Entries(
             node, np.empty((nb, d)), np.empty(nb), np.zeros(nb, dtype=bool), owner, (0.0,) * d
         )
+        self._at_rest = self.entries._replace(value=np.zeros(nb))
         self.impulse = np.zeros(nb)
         self._wanted = np.empty(nb)
         self._leader = np.empty(nb, dtype=np.int64)

@@ -29,6 +29,32 @@ class Faces(NamedTuple):
     """(nf, d) traction along the undeformed axes [pressure]."""
 
 
+class Matter(NamedTuple):
+    """What faces need to know of the particles.
+
+    X, F, size : (d, N) positions, (nF, N) deformation gradients, (d, N) half-sizes at the start
+    place : (identities,) place in memory of each identity, -1 if the particle is gone
+    """
+
+    X: Array
+    F: Array
+    size: Array
+    place: Array
+
+
+class Spot(NamedTuple):
+    """A point of a face, and work space for the weights of the nodes around it."""
+
+    x: Array
+    """(d,) the point [length]."""
+    reach: Array
+    """(d,) half-sizes over which grid functions are averaged around it [length]."""
+    line: Array
+    """(w,) weights along an axis."""
+    weight: Array
+    """(w^d,) weights of the nodes."""
+
+
 class Cells(NamedTuple):
     """The grid, ghost layers counted, and how particles see it; loops over the length of tuples are unrolled."""
 
@@ -77,16 +103,21 @@ class Cells(NamedTuple):
 
 
 @inline
-def face_force(
-    faces: Faces, cells: Cells, k: int, F: Array, p: int, size: Array, flat: bool, force: Array
-) -> None:
+def new_spot(cells: Cells) -> Spot:
+    """Return a spot anywhere."""
+    d = len(cells.stride)
+    return Spot(np.empty(d), np.zeros(d), np.empty(cells.width), np.empty(cells.width**d))
+
+
+@inline
+def face_force(faces: Faces, cells: Cells, matter: Matter, k: int, p: int, flat: bool, force: Array) -> None:
     """Force on face k of particle p for a section of 1, into ``force`` (d,).
 
     Dead: T A₀. Follower: a = J F⁻ᵀ N A₀ (Nanson); the normal component of T acts along a, the
     tangential ones along the deformed tangents F e_b/|F e_b|. Out of plane the face widens by F_zz unless
     ``flat`` (axisymmetric, where the radius does that).
     """
-    d = len(cells.stride)
+    d, F, size = len(cells.stride), matter.F, matter.size
     axis = faces.axis[k]
     area = 1.0
     for b in range(d):
@@ -141,14 +172,13 @@ def axis_weight(cells: Cells, r: float, reach: float) -> float:
 
 
 @inline
-def point_weights(
-    cells: Cells, x: Array, reach: Array, first: int, mp: Array, line: Array, weight: Array
-) -> tuple[int, float]:
-    """Weights of the nodes around ``x`` (d,) into ``weight`` (w^d,), zero at nodes without mass.
+def point_weights(cells: Cells, spot: Spot, first: int, mp: Array) -> tuple[int, float]:
+    """Weights of the nodes around a spot into ``spot.weight``, zero at nodes without mass.
 
-    ``reach`` (d,) half-sizes over which grid functions are averaged [length]; ``first`` is node 0 of the velocity
-    field, ``line`` (w,) work space. Returns the stencil's lowest node (-1 outside the grid) and the sum of the weights.
+    ``first`` is node 0 of the velocity field. Returns the stencil's lowest node (-1 outside the grid) and the sum of
+    the weights.
     """
+    x, reach, line, weight = spot
     base = first
     below = 1.0 if cells.quadratic else 0.0
     weight[0] = 1.0
@@ -175,15 +205,13 @@ def point_weights(
 
 
 @inline
-def radius_of_face(
-    faces: Faces, cells: Cells, k: int, X: Array, F: Array, p: int, size: Array, x: Array, reach: Array
-) -> float:
+def radius_of_face(faces: Faces, cells: Cells, matter: Matter, k: int, p: int, spot: Spot) -> float:
     """Radius of the middle of face k in axisymmetric analyses: now for followers, else at the start."""
     if faces.follower[k]:
-        place_middle(faces, cells, k, X, F, p, size, x, reach)
-        return max(x[0], 0.0)
+        place_middle(faces, cells, matter, k, p, spot)
+        return max(spot.x[0], 0.0)
     if faces.axis[k] == 0:
-        return faces.radius[k] + faces.sign[k] * size[0, p]
+        return faces.radius[k] + faces.sign[k] * matter.size[0, p]
     return faces.radius[k]
 
 
@@ -191,42 +219,36 @@ def radius_of_face(
 def give_to_nodes(
     faces: Faces,
     cells: Cells,
+    matter: Matter,
     k: int,
-    X: Array,
-    F: Array,
     p: int,
-    size: Array,
     first: int,
     mp: Array,
     area: float,
     load: Array,
     f: Array,
-    x: Array,
-    reach: Array,
-    line: Array,
-    weight: Array,
+    spot: Spot,
 ) -> bool:
     """Give ``area`` times ``load`` (c,) of face k of particle p to the nodes ``f`` (fields·n, c) around its points.
 
-    ``first`` is node 0 of the particle's field; ``x``, ``reach`` (d,), ``line`` (w,) and ``weight`` (w^d,) are work
-    space. Returns False where a point is off the grid.
+    ``first`` is node 0 of the particle's field; ``spot`` is work space. Returns False where a point is off the grid.
     """
     d = len(cells.stride)
     shares = cells.points ** (d - 1)
     is_on_grid = True
     for point in range(shares):
-        place_middle(faces, cells, k, X, F, p, size, x, reach)
-        share = area * move_along_face(faces, cells, k, point, F, p, size, x)
-        base, total = point_weights(cells, x, reach, first, mp, line, weight)
+        place_middle(faces, cells, matter, k, p, spot)
+        share = area * move_along_face(faces, cells, matter, k, point, p, spot.x)
+        base, total = point_weights(cells, spot, first, mp)
         if base >= 0 and total <= 0.0:
             for a in range(d):
-                x[a] = X[a, p]
-            base, total = point_weights(cells, x, reach, first, mp, line, weight)
+                spot.x[a] = matter.X[a, p]
+            base, total = point_weights(cells, spot, first, mp)
         if base < 0 or total <= 0.0:
             is_on_grid = False
             continue
-        for w in range(weight.shape[0]):
-            part = weight[w] / total
+        for w in range(spot.weight.shape[0]):
+            part = spot.weight[w] / total
             if part != 0.0:
                 i = np.uint64(base + cells.offsets[w])
                 for a in range(load.shape[0]):
@@ -235,16 +257,14 @@ def give_to_nodes(
 
 
 @inline
-def place_middle(
-    faces: Faces, cells: Cells, k: int, X: Array, F: Array, p: int, size: Array, x: Array, reach: Array
-) -> None:
-    """Middle of face k of particle p into ``x`` (d,), and half-sizes to average over into ``reach`` (d,).
+def place_middle(faces: Faces, cells: Cells, matter: Matter, k: int, p: int, spot: Spot) -> None:
+    """Put the spot at the middle of face k of particle p.
 
     Domains that do not follow the deformation keep their size (grid functions end where the undeformed box does) but
     their faces turn with the particle: the middle lies at X + ℓ F e/|F e|, and the average runs along the axes that the
     turned face is least normal to.
     """
-    d = len(cells.stride)
+    d, F, size = len(cells.stride), matter.F, matter.size
     axis = faces.axis[k]
     offset = faces.sign[k] * size[axis, p]
     across = 0
@@ -256,13 +276,13 @@ def place_middle(
     if cells.points == 1:
         offset /= np.sqrt(length)
     for a in range(d):
-        x[a] = X[a, p] + F[d * a + axis, p] * offset
-        reach[a] = size[a, p] if cells.mean and a != across else 0.0
+        spot.x[a] = matter.X[a, p] + F[d * a + axis, p] * offset
+        spot.reach[a] = size[a, p] if cells.mean and a != across else 0.0
 
 
 @inline
 def move_along_face(
-    faces: Faces, cells: Cells, k: int, point: int, F: Array, p: int, size: Array, x: Array
+    faces: Faces, cells: Cells, matter: Matter, k: int, point: int, p: int, x: Array
 ) -> float:
     """Move ``x`` (d,) from the middle of face k to one of its points; returns the point's share of the face."""
     d = len(cells.stride)
@@ -273,7 +293,7 @@ def move_along_face(
             continue
         place = rest % cells.points
         rest //= cells.points
-        offset = size[t, p]
+        offset = matter.size[t, p]
         if cells.points == 2:
             share *= 0.5
             offset *= 2.0 * place - 1.0
@@ -281,5 +301,5 @@ def move_along_face(
             share *= 4.0 / 6.0 if place == 1 else 1.0 / 6.0
             offset *= place - 1.0
         for a in range(d):
-            x[a] += F[d * a + t, p] * offset
+            x[a] += matter.F[d * a + t, p] * offset
     return share

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from mpmcli.boundary.base import Array, LoadModel, Nodes
-from mpmcli.boundary.corners import Cells, Faces
-from mpmcli.boundary.face_kernels import add_tractions
+from mpmcli.boundary.corners import Cells, Faces, Matter
+from mpmcli.boundary.face_kernels import add_to_nodes, find_forces
 from mpmcli.boundary.particle_loads import finite
 from mpmcli.boundary.place import Face
 from mpmcli.core.analysis import Analysis, Axisymmetric
@@ -66,6 +66,7 @@ class TractionFaces:
             [face for _, face, _ in loads], [ids for *_, ids in self._loads],
             [load.follows for load, *_ in loads], particles,
         )  # fmt: skip
+        self._area, self._force = np.zeros(len(self.faces.id)), np.zeros_like(self.faces.traction)
         self._evaluated = False
         self._varies = any(load.changes for load, *_ in loads)
         self._impedances = impedances or {}
@@ -75,7 +76,7 @@ class TractionFaces:
         return self.faces.id.shape[0] > 0
 
     def add(self, time: float, particles: Particles, position_of_id: Array, mp: Array, f: Array) -> None:
-        """Add the tractions at ``time`` to nodal forces: see ``add_tractions``.
+        """Add the tractions at ``time`` to nodal forces: see ``face_kernels``.
 
         Parameters
         ----------
@@ -94,11 +95,12 @@ class TractionFaces:
             self._evaluate(time, particles, position_of_id)
         if self._impedances:
             self._resist(time, particles, position_of_id)
-        lost = add_tractions(
-            self.faces, self._cells, particles.X, particles.F, particles.size,
-            particles.velocity_field if self._several_fields else None, position_of_id, self._section,
-            self._axisymmetric, mp, f,
-        )  # fmt: skip
+        matter = Matter(particles.X, particles.F, particles.size, position_of_id)
+        field = particles.velocity_field if self._several_fields else None
+        find_forces(
+            self.faces, self._cells, matter, self._section, self._axisymmetric, self._area, self._force
+        )
+        lost = add_to_nodes(self.faces, self._cells, matter, field, self._area, self._force, mp, f)
         if lost >= 0:
             raise SimulationError(
                 f"a loaded face of particle {self.faces.id[lost]} left the grid at time {time:g}"

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
 
 from mpmcli.boundary.base import Array, ConditionModel, LoadModel
-from mpmcli.boundary.corners import Cells
-from mpmcli.boundary.face_kernels import add_powers, measure_faces
+from mpmcli.boundary.corners import Cells, Matter
+from mpmcli.boundary.face_kernels import add_to_nodes, find_forces
 from mpmcli.boundary.faces import list_faces
 from mpmcli.boundary.held_temperatures import check_temperatures
 from mpmcli.boundary.loads import GridFunctions
 from mpmcli.boundary.particle_loads import finite
 from mpmcli.boundary.place import Face
-from mpmcli.core.analysis import Analysis, Axisymmetric
+from mpmcli.core.analysis import Analysis, Axisymmetric, full_ring
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
 from mpmcli.core.identity import place_of_identity
@@ -93,7 +92,7 @@ class HeatLoads:
     ):
         self._particles, self._order, self._transfer, self._field = particles, order, transfer, field
         self._node_count = grid.node_count
-        self._is_axisymmetric = isinstance(analysis, Axisymmetric)
+        self._is_axisymmetric, self._ring = isinstance(analysis, Axisymmetric), full_ring(analysis)
         self._section, self._conductivity = section, conductivity
         self._cells = Cells.of(grid, shape.grid_functions, shape.domain)
         self.powers = dict.fromkeys(
@@ -164,12 +163,9 @@ class HeatLoads:
     # ------------------------------------------------------------------ faces
 
     def _heat_faces(self, time: float, theta: Array, q: Array) -> None:
-        p, faces = self._particles, self._faces
-        measure_faces(
-            faces, self._cells, p.X, p.F, p.size, self._place, self._section, self._is_axisymmetric, self._area,
-            self._half, self._normal,
-        )  # fmt: skip
-        at = np.maximum(self._place[faces.id], 0)  # the faces of particles that are gone have no area
+        p = self._particles
+        matter = Matter(p.X, p.F, p.size, self._place)
+        at = self._measure_faces(matter)
         inner = self._gather(at, theta)
         conductance = self._conductivity(at, self._normal) / self._half
         rows_of = zip([*self._held, *self._on_faces], self._rows, strict=True)
@@ -191,7 +187,26 @@ class HeatLoads:
             taken[mine] = True
             self.powers[condition.name] += float((inwards[mine] - total[mine]).sum())
         total[held] = inwards[held]
-        self._add_to_nodes(time, total, q)
+        self._add_to_nodes(time, matter, total, q)
+
+    def _measure_faces(self, matter: Matter) -> Array:
+        """Measure area, normal and half a particle along it of the deformed faces; returns the particles' places.
+
+        They are followers, with traction 1 along their axis. Those of particles that are gone have no area.
+        """
+        faces, d = self._faces, len(matter.X)
+        find_forces(
+            faces, self._cells, matter, self._section, self._is_axisymmetric, self._area, self._normal
+        )
+        place = self._place[faces.id]
+        at, is_there = np.maximum(place, 0), place >= 0
+        size = np.sqrt((self._normal**2).sum(axis=1))
+        self._area *= size
+        self._normal[is_there] /= size[is_there, None]
+        along = matter.F[d * np.arange(d)[:, None] + faces.axis, at]
+        across = (self._normal.T * along).sum(axis=0)
+        self._half = np.where(is_there, matter.size[faces.axis, at] * across, 1.0)
+        return np.asarray(at)
 
     def _gather(self, places: Array, theta: Array) -> Array:
         """Nodal temperatures at particles, θ̂ (n,)."""
@@ -251,12 +266,10 @@ class HeatLoads:
         # of the last tangent, so that they balance but for round-off
         return [flux + change * step[rows] for (flux, change), (_, rows) in zip(found, loads, strict=True)], T
 
-    def _add_to_nodes(self, time: float, power: Array, q: Array) -> None:
-        p, faces = self._particles, self._faces
-        lost = add_powers(
-            faces, self._cells, p.X, p.F, p.size, p.velocity_field if self._field.nodes.by_field else None,
-            self._place, power[:, None], self._field.mp, q,
-        )  # fmt: skip
+    def _add_to_nodes(self, time: float, matter: Matter, power: Array, q: Array) -> None:
+        faces, field = self._faces, self._particles.velocity_field if self._field.nodes.by_field else None
+        whole = np.ones(len(power))
+        lost = add_to_nodes(faces, self._cells, matter, field, whole, power[:, None], self._field.mp, q)
         if lost >= 0:
             raise SimulationError(
                 f"a heated face of particle {faces.id[lost]} left the grid at time {time:g}"
@@ -293,4 +306,4 @@ class HeatLoads:
         mass = p.mass[rows]
         if load.power_per == "mass":
             return mass
-        return mass / mass.sum() / (2 * math.pi if self._is_axisymmetric else 1.0)
+        return mass / mass.sum() / self._ring

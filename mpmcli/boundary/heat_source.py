@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, TypeAdapter, ValidationInfo, WithJsonSchema
 
-from mpmcli.boundary.base import LOADS, Array, LoadModel
-from mpmcli.boundary.body_force import OnBody
+from mpmcli.boundary.base import LOADS, Array
+from mpmcli.boundary.body_force import LoadOnBodies, OnBody
 from mpmcli.boundary.place import read
 from mpmcli.boundary.velocity import check_variables, evaluate
 from mpmcli.core.expressions import Expression
@@ -25,7 +24,7 @@ def _read_power(value: Any, info: ValidationInfo) -> Any:
 
 
 @LOADS.register
-class HeatSource(LoadModel):
+class HeatSource(LoadOnBodies):
     """Heats the particles of a body from inside."""
 
     acts_on: ClassVar[str] = "temperature"
@@ -56,10 +55,6 @@ class HeatSource(LoadModel):
         """What the power is per."""
         return self.per
 
-    def chosen(self, points: Array, is_of: Callable[[str], Array]) -> Array:
-        """Return which particles are of the body."""
-        return is_of(self.on.body)
-
     def heat_power_at(self, points: Array, time: float) -> Any:
         """Return the power at points (d, n)."""
         return evaluate(self.power, points, time)
@@ -67,7 +62,3 @@ class HeatSource(LoadModel):
     def problems(self, dimensions: int) -> list[tuple[str, str]]:
         """What does not fit an analysis with so many axes."""
         return check_variables("power", self.power, dimensions)
-
-    def bodies(self) -> list[tuple[str, str]]:
-        """The heated body."""
-        return [("on.body", self.on.body)]

@@ -70,35 +70,11 @@ def impose_on_momentum(entries: Entries, mp: Array, f: Array | None, dt: float, 
 
 
 @inline
-def zero_increment(entries: Entries, dv: Array, mp: Array, impulse: Array) -> None:
-    """Take the held components out of a velocity increment [nairn2026, Table 2, lower half].
-
-    Parameters
-    ----------
-    entries
-        Held components.
-    dv
-        (n, d) increment Δv(ℓ); overwritten at held nodes.
-    mp
-        (n, 1+d) mass and momentum.
-    impulse
-        (nb,) m Δv along the directions is added [momentum].
-    """
-    for b in range(entries.node.shape[0]):
-        i = np.uint64(entries.node[b])
-        m = mp[i, 0]
-        if m > 0.0 and not entries.repeated[b]:
-            change = 0.0
-            for a in range(len(entries.axes)):
-                change -= dv[i, a] * entries.direction[b, a]
-            for a in range(len(entries.axes)):
-                dv[i, a] += change * entries.direction[b, a]
-            impulse[b] += m * change
-
-
-@inline
 def impose_on_velocity(entries: Entries, v: Array, mp: Array, impulse: Array) -> None:
-    """Give held nodes the velocity v_b along each direction (methods ``velocity`` and ``combined``).
+    """Give held nodes the velocity v_b along each direction.
+
+    Methods ``velocity`` and ``combined`` do so with velocities. With v_b = 0 it takes the held components out of an
+    FMPM increment [nairn2026, Table 2, lower half].
 
     Parameters
     ----------

@@ -9,9 +9,9 @@ import numpy as np
 
 from mpmcli.boundary.base import Array, LoadModel
 from mpmcli.boundary.faces import TractionFaces
-from mpmcli.boundary.particle_loads import ParticleLoads, full_ring
+from mpmcli.boundary.particle_loads import ParticleLoads
 from mpmcli.boundary.place import Face
-from mpmcli.core.analysis import Analysis
+from mpmcli.core.analysis import Analysis, full_ring
 from mpmcli.core.chunks import CHUNKS
 from mpmcli.core.grid import Grid
 from mpmcli.core.identity import place_of_identity

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from mpmcli.boundary.base import Array, LoadModel
-from mpmcli.core.analysis import Analysis, Axisymmetric
+from mpmcli.core.analysis import Analysis, full_ring
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.identity import by_identity
 from mpmcli.core.particles import Particles
@@ -149,11 +148,6 @@ class ParticleLoads:
 def acting(loads: Sequence[LoadModel], time: float) -> list[LoadModel]:
     """Return those of some loads that act in a step that starts at ``time``."""
     return [load for load in loads if load.acts_at(time)]
-
-
-def full_ring(analysis: Analysis) -> float:
-    """Return 2π in axisymmetric analyses, where forces of the user are those on the full ring, else 1."""
-    return 2 * math.pi if isinstance(analysis, Axisymmetric) else 1.0
 
 
 def finite(values: Any, load: LoadModel, time: float) -> Any:

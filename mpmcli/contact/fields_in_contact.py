@@ -120,6 +120,14 @@ def put_contact(m, k, slot, alpha, partner, first, last, law):
 
 
 @inline
+def passes_over(rules, law, mass, total):
+    """Return whether a law leaves a field with ``mass`` of the ``total`` alone."""
+    share = mass / total
+    is_small = share < rules.mass_ratio or share > 1.0 - rules.mass_ratio
+    return rules.skipped[law] or (is_small and rules.screened[law])
+
+
+@inline
 def list_contacts(rules, nodes, mp, m, begin):
     """Write the contacts of all contact nodes into ``m``; returns their number.
 
@@ -151,9 +159,7 @@ def list_contacts(rules, nodes, mp, m, begin):
                     if partner < 0 or volume[other] > volume[partner]:
                         partner = other
                 law = rules.law[field, field_at(nodes, dof[partner])]
-                share = mp[dof[e], 0] / total
-                small = share < rules.mass_ratio or share > 1.0 - rules.mass_ratio
-                if rules.skipped[law] or (small and rules.screened[law]):
+                if passes_over(rules, law, mp[dof[e], 0], total):
                     if both:
                         break
                     continue
@@ -167,16 +173,10 @@ def list_contacts(rules, nodes, mp, m, begin):
         if soft > 2 and rules.explicit:
             for e in range(low, high):
                 for other in range(e + 1, high):
-                    field, partner_field = (
-                        field_at(nodes, dof[e]),
-                        field_at(nodes, dof[other]),
-                    )
-                    if rules.rigid[field] or rules.rigid[partner_field]:
+                    if is_rigid(nodes, dof[e]) or is_rigid(nodes, dof[other]):
                         continue
-                    law = rules.law[field, partner_field]
-                    share = mp[dof[e], 0] / (mp[dof[e], 0] + mp[dof[other], 0])
-                    small = share < rules.mass_ratio or share > 1.0 - rules.mass_ratio
-                    if rules.skipped[law] or (small and rules.screened[law]):
+                    law = rules.law[field_at(nodes, dof[e]), field_at(nodes, dof[other])]
+                    if passes_over(rules, law, mp[dof[e], 0], mp[dof[e], 0] + mp[dof[other], 0]):
                         continue
                     put_contact(m, k, slot, dof[e], dof[other], other, other + 1, law)
                     m.alone[k] = True

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from mpmcli.core.compiled.compiler import compiled_as
+from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.kernel import inline
 
 Array = np.ndarray
@@ -67,49 +67,31 @@ class Parted(NamedTuple):
     node_count: int
 
 
-def row_of_particle(parted: Any, p: Any) -> Any:
+@compiled_too
+def row_of_particle(parted, p):
     """Row of particle ``p`` among those that cracks part from nodes, −1 if it is none; −1 without cracks."""
     if parted is None:
         return -1
-    at = np.searchsorted(parted.particle, p)
-    return at if at < len(parted.particle) and parted.particle[at] == p else -1
+    low, high = 0, parted.particle.shape[0]
+    while low < high:
+        middle = (low + high) // 2
+        if parted.particle[middle] < p:
+            low = middle + 1
+        else:
+            high = middle
+    return low if low < parted.particle.shape[0] and parted.particle[low] == p else -1
 
 
-@compiled_as(row_of_particle)
-def _(parted, p):
-    if str(parted) == "none":
-        return lambda parted, p: -1
-
-    def find(parted, p):
-        low, high = 0, parted.particle.shape[0]
-        while low < high:
-            middle = (low + high) // 2
-            if parted.particle[middle] < p:
-                low = middle + 1
-            else:
-                high = middle
-        return low if low < parted.particle.shape[0] and parted.particle[low] == p else -1
-
-    return find
-
-
-def place_of_side(parted: Any, row: Any, a: Any) -> Any:
+@compiled_too
+def place_of_side(parted, row, a):
     """What is added to a node for its side on which the particle of a row is."""
-    return 0 if row < 0 else np.int64(parted.side[row, a]) * parted.node_count
+    if parted is None:
+        return 0
+    return np.int64(parted.side[row, a]) * parted.node_count if row >= 0 else 0
 
 
-@compiled_as(place_of_side)
-def _(parted, row, a):
-    if str(parted) == "none":
-        return lambda parted, row, a: 0
-    return lambda parted, row, a: (
-        np.int64(parted.side[row, a]) * parted.node_count if row >= 0 else np.int64(0)
-    )
-
-
-def link_other_sides(
-    parted: Any, p: Any, i: Any, slot_of_node: Any, near: Any, at: Any, S: Any, G: Any, a: Any, m: Any
-) -> Any:
+@compiled_too
+def link_other_sides(parted, p, i, slot_of_node, near, at, S, G, a, m):
     """Append a particle that no crack cuts to the lists of the other sides of node ``i``; returns the next place."""
     if parted is not None and parted.whole[p]:
         for side in range(1, parted.sides):
@@ -118,20 +100,3 @@ def link_other_sides(
                 link(near, slot, at, np.int64(p), 0, S, G, a, m)
                 at += 1
     return at
-
-
-@compiled_as(link_other_sides)
-def _(parted, p, i, slot_of_node, near, at, S, G, a, m):
-    if str(parted) == "none":
-        return lambda parted, p, i, slot_of_node, near, at, S, G, a, m: at
-
-    def link_all(parted, p, i, slot_of_node, near, at, S, G, a, m):
-        if parted.whole[p]:
-            for side in range(1, parted.sides):
-                slot = slot_of_node[i + side * parted.node_count]
-                if slot >= 0:
-                    link(near, slot, at, np.int64(p), 0, S, G, a, m)
-                    at += 1
-        return at
-
-    return link_all

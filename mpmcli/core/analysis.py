@@ -15,6 +15,7 @@ In axisymmetric analyses x is r, y is z and zz is the hoop direction.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 
@@ -80,3 +81,8 @@ STRESS_COMPONENTS = {
 def gradient_rows(analysis: Analysis) -> int:
     """How many rows the velocity gradient of a particle has."""
     return {1: 1, 2: 4, 3: 9}[analysis.dimensions] + isinstance(analysis, Axisymmetric)
+
+
+def full_ring(analysis: Analysis) -> float:
+    """Return 2π in axisymmetric analyses, which calculate per radian and whose users give full rings, else 1."""
+    return 2 * math.pi if isinstance(analysis, Axisymmetric) else 1.0

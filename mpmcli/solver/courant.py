@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from mpmcli.core.errors import SimulationError
+from mpmcli.stability.scene_limit import step_of_courant
 
 if TYPE_CHECKING:
     from mpmcli.solver.heat_interval import HeatInterval
@@ -73,10 +74,7 @@ class TimeStep:
                     f"time.step below {self.smallest_cell / max(particle_speed, wave_speed):.2g}, or time.courant"
                 )
             return self.fixed
-        fastest = max(wave_speed, particle_speed)
-        dt = self.courant * self.smallest_cell / fastest if fastest > 0.0 else math.inf
-        if self.courant > 1.0 and particle_speed > 0.0:
-            dt = min(dt, self.smallest_cell / particle_speed)  # no particle may pass a whole cell in a step
+        dt = step_of_courant(self.courant, self.smallest_cell, wave_speed, particle_speed)
         if self.heat is not None:
             dt = self.heat.shorten(dt)
         if not (0.0 < dt < math.inf):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
@@ -12,7 +11,6 @@ import numpy as np
 from mpmcli.boundary.clocks import Clock, ClockedLoad, ClockedVelocity, Clocks
 from mpmcli.boundary.grid_conditions import GridConditions
 from mpmcli.contact.choice import ContactChoice
-from mpmcli.core.analysis import Axisymmetric
 from mpmcli.core.errors import SceneError
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
@@ -57,11 +55,6 @@ def make_grid(scene: Any, plan: Plan) -> Grid:
         sides=plan.sides,
         periodic=tuple("xyz".index(axis) for axis in grid.periodic or ()),
     )
-
-
-def full_ring(plan: Plan) -> float:
-    """2π in axisymmetric analyses (inside per radian), else 1."""
-    return 2 * math.pi if isinstance(plan.analysis, Axisymmetric) else 1.0
 
 
 @np.errstate(all="ignore")

@@ -17,6 +17,7 @@ from mpmcli.boundary.grid_conditions import GridConditions
 from mpmcli.boundary.loads import Loads
 from mpmcli.boundary.rigid import RigidBodies
 from mpmcli.contact.nodal_contact import NodalContact
+from mpmcli.core.analysis import full_ring
 from mpmcli.core.compiled.compiler import use_threads
 from mpmcli.core.compiled.runtime import available_threads
 from mpmcli.core.errors import SimulationError
@@ -329,7 +330,7 @@ class Simulation(Parts):
             bodies=[body.name for body in scene.bodies],
             materials=list(scene.materials),
             material_models=list(scene.materials.values()),
-            full_ring=setup.full_ring(plan),
+            full_ring=full_ring(plan.analysis),
             grid=view_of_grid(self.grid, self.arrays.v, plan.rigid_fields),
             X0=by_identity(self.particles.id, self.particles.X) if plan.shows_displacement else None,
             rigid=setup.rigid_bodies_of(scene),

@@ -10,11 +10,9 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.errors import Problem
-from mpmcli.core.functions import GRID_FUNCTIONS
-from mpmcli.shapes import SHAPES
 from mpmcli.stability.bodies import bounds_in_grid, deformable, largest_speed
 from mpmcli.stability.conduction import CELLS, LARGEST, Conduction, finest_wave, fourier_limit
-from mpmcli.stability.lattice import DOMAINS, Lattice
+from mpmcli.stability.lattice import particle_of
 from mpmcli.stability.scene_limit import SAFETY, courant_of_step, first_step
 
 SHORTEST_REACH = 0.3
@@ -110,12 +108,11 @@ def stable_fourier(scene: Any) -> tuple[float, str]:
 
 def conduction_of(scene: Any, body: Any) -> Conduction | None:
     """Return what is analysed for a body without faces; None where its shape function was not."""
-    shape, transfer = SHAPES[scene.method.shape], scene.heat.transfer
-    if shape.grid_functions not in GRID_FUNCTIONS or shape.domain not in DOMAINS:
+    particle, transfer = particle_of(scene.method.shape), scene.heat.transfer
+    if particle is None:
         return None
     cells = min(max(1, round(float(_lengths(scene, body).min()))), CELLS[1])
-    particles = int(np.max(body.particles_per_axis))
-    row = Lattice(shape.grid_functions, shape.domain, particles, cells=cells)
+    row = replace(particle, particles=int(np.max(body.particles_per_axis)), cells=cells)
     return Conduction(row, transfer.kind == "fmpm", transfer.order)
 
 

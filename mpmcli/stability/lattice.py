@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmcli.core.functions import GRID_FUNCTIONS
+from mpmcli.shapes import SHAPES
 
 Array = np.ndarray
 
@@ -59,6 +60,13 @@ class Lattice:
     def count(self) -> int:
         """Number of particles."""
         return (self.edge * self.particles) ** self.dimensions
+
+
+def particle_of(shape: str) -> Lattice | None:
+    """Return a particle with a shape function of this name, or None if it is of no kind that is analysed here."""
+    entry = SHAPES[shape]
+    is_known = entry.grid_functions in GRID_FUNCTIONS and entry.domain in DOMAINS
+    return Lattice(entry.grid_functions, entry.domain, 1) if is_known else None
 
 
 @dataclass(eq=False)

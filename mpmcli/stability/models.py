@@ -10,13 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.functions import GRID_FUNCTIONS
 from mpmcli.scene.own_numbers import lightest_density, values_of_particles
-from mpmcli.shapes import SHAPES
 from mpmcli.stability.bodies import deformable, largest_wave_speed, start_velocities, wave_speed_of
 from mpmcli.stability.growth import FAST
 from mpmcli.stability.held import held_axes
-from mpmcli.stability.lattice import DOMAINS, Lattice
+from mpmcli.stability.lattice import Lattice, particle_of
 from mpmcli.stability.linear_step import Scheme
 
 SPACE = 0.95
@@ -87,21 +85,21 @@ def models_of(scene: Any) -> list[Model]:
     NoKnownLimit
         If a body or the shape function is of a kind that the analysis does not know.
     """
-    shape = SHAPES[scene.method.shape]
-    if shape.grid_functions not in GRID_FUNCTIONS or shape.domain not in DOMAINS:
+    particle = particle_of(scene.method.shape)
+    if particle is None:
         raise NoKnownLimit(f"the shape function {scene.method.shape} is of no kind that was analysed")
     bodies, held, fastest = deformable(scene), held_axes(scene), largest_wave_speed(scene)
     if not bodies:
         raise NoKnownLimit("all bodies are rigid")
     kinds: dict[Model, Model] = {}
     for body, material in bodies:
-        for model in _models_of_body(scene, body, material, held[body.name], fastest):
+        for model in _models_of_body(scene, particle, body, material, held[body.name], fastest):
             kinds.setdefault(replace(model, body=""), model)
     return sorted(kinds.values(), key=lambda model: model.speed)
 
 
 def _models_of_body(
-    scene: Any, body: Any, material: Any, is_held: np.ndarray, fastest: float
+    scene: Any, particle: Lattice, body: Any, material: Any, is_held: np.ndarray, fastest: float
 ) -> Iterator[Model]:
     """Yield the models of a body.
 
@@ -113,8 +111,7 @@ def _models_of_body(
     if not 0.0 < wave < math.inf or not 0.0 < (modulus := density * wave * wave) < math.inf:
         raise NoKnownLimit(f"body '{body.name}' has the wave speed {wave:.3g}")
     cell = np.asarray(scene.grid.cell, dtype=float)
-    particles = np.broadcast_to(np.asarray(body.particles_per_axis), cell.shape)
-    shape, edges = SHAPES[scene.method.shape], cell / cell.min()
+    particles, edges = np.broadcast_to(np.asarray(body.particles_per_axis), cell.shape), cell / cell.min()
     free = np.flatnonzero(~is_held) if not is_held.all() else np.array([cell.argmin()])
     if particles[free].max() > MOST_PARTICLES:
         raise NoKnownLimit(f"body '{body.name}' has more than {MOST_PARTICLES} particles per cell and axis")
@@ -125,8 +122,8 @@ def _models_of_body(
     shear = float(getattr(material, "shear_modulus", 0.0)) / modulus if len(axes) > 1 else 0.0
     scale = (SPACE if len(free) == 3 else 1.0) * fastest / wave
     for count in sorted({int(n) for n in particles[free]}):
-        elastic = tuple(map(float, edges[axes])), 1.0 - 2.0 * shear, shear
-        block = Lattice(shape.grid_functions, shape.domain, count, *elastic)
+        lengths = tuple(map(float, edges[axes]))
+        block = replace(particle, particles=count, cell=lengths, lame=1.0 - 2.0 * shear, shear=shear)
         yield Model(block, 0.0, scale, body.name, "at rest at its worst position")
         yield Model(block, SLOW, scale, body.name, "moving slowly")
         if dashpots:
@@ -135,7 +132,7 @@ def _models_of_body(
             yield Model(block, SLOW, scale, body.name, "with absorbing faces, moving slowly")
     speeds = np.abs(start_velocities(scene, body)).max(axis=1) / wave
     for a, edge in enumerate(edges):
-        row = Lattice(shape.grid_functions, shape.domain, int(particles[a]), (float(edge),), is_endless=True)
+        row = replace(particle, particles=int(particles[a]), cell=(float(edge),), is_endless=True)
         if is_held[a]:
             yield Model(row, 0.0, fastest / wave, body.name, "between held faces")
         speed = float(f"{min(speeds[a], FASTEST):.2g}")  # bodies that are nearly as fast need one search

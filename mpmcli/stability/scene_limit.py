@@ -135,18 +135,23 @@ def courant_of_step(scene: Any, step: float) -> float:
 
 
 def first_step(scene: Any, wave_speed: float | None = None, particle_speed: float | None = None) -> float:
-    """Return the first time step without conduction, as ``solver.courant`` chooses it [time].
+    """Return the first time step without conduction [time].
 
     Speeds are those of the start, found from the scene where they are not given.
     """
     courant = chosen_courant(scene)
     if courant is None:
         return float(scene.time.step)
-    speed = largest_speed(scene) if particle_speed is None else particle_speed
-    fastest = max(largest_wave_speed(scene) if wave_speed is None else wave_speed, speed)
-    cell = float(min(scene.grid.cell))
+    wave_speed = largest_wave_speed(scene) if wave_speed is None else wave_speed
+    particle_speed = largest_speed(scene) if particle_speed is None else particle_speed
+    return step_of_courant(courant, float(min(scene.grid.cell)), wave_speed, particle_speed)
+
+
+def step_of_courant(courant: float, cell: float, wave_speed: float, particle_speed: float) -> float:
+    """Return Δt = C Δx_min/max(c, |V|), in which no particle passes a whole cell; infinite if nothing moves [time]."""
+    fastest = max(wave_speed, particle_speed)
     dt = courant * cell / fastest if fastest > 0.0 else math.inf
-    return min(dt, cell / speed) if courant > 1.0 and speed > 0.0 else dt
+    return min(dt, cell / particle_speed) if courant > 1.0 and particle_speed > 0.0 else dt
 
 
 def check_tractions(scene: Any) -> None:
