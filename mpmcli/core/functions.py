@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.core.compiled.registers import positive_part
+from mpmcli.core.compiled.registers import positive_part, with_sign
 
 
 @compiled_too
@@ -18,9 +16,9 @@ def hat(r: Any) -> Any:
 
 @compiled_too
 def hat_integral(r: Any) -> Any:
-    """Return the integral of the hat from 0 to r (odd, ±1/2 outside the support); no registers."""
+    """Return the integral of the hat from 0 to r (odd, ±1/2 outside the support)."""
     s = positive_part(1.0 - abs(r))
-    return np.copysign(0.5 - 0.5 * s * s, r)
+    return with_sign(0.5 - 0.5 * s * s, r)
 
 
 @compiled_too
@@ -33,10 +31,10 @@ def quadratic_spline(r: Any) -> Any:
 
 @compiled_too
 def quadratic_spline_integral(r: Any) -> Any:
-    """Return the integral of the spline from 0 to r (odd, ±1/2 outside the support); no registers."""
+    """Return the integral of the spline from 0 to r (odd, ±1/2 outside the support)."""
     s = abs(r)
     outer, inner = positive_part(1.5 - s), positive_part(0.5 - s)
-    return np.copysign(0.5 - outer * outer * outer / 6.0 + 0.5 * inner * inner * inner, r)
+    return with_sign(0.5 - outer * outer * outer / 6.0 + 0.5 * inner * inner * inner, r)
 
 
 GRID_FUNCTIONS = {

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
+from mpmcli.core.compiled.registers import floor
 from mpmcli.core.functions import quadratic_spline, quadratic_spline_integral
 from mpmcli.core.transfer.separable import product_of_axes
 from mpmcli.shapes.base import add_shape
@@ -30,7 +29,7 @@ add_shape(
 
 @product_of_axes(SplineGimp)
 def _(shape, x, l):
-    lowest = np.floor(x) - 1.0
+    lowest = floor(x) - 1.0
     r = x - lowest
     half = 0.5 / l
     values = (

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
+from mpmcli.core.compiled.registers import floor
 from mpmcli.core.transfer.separable import product_of_axes
 from mpmcli.shapes.base import add_shape
 
@@ -29,7 +28,7 @@ add_shape(
 
 @product_of_axes(QuadraticSpline)
 def _(shape, x, l):
-    nearest = np.floor(x + 0.5)
+    nearest = floor(x + 0.5)
     t = x - nearest
     values = (0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t))
     return nearest - 1.0, values, (t - 0.5, -2.0 * t, t + 0.5)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
+from mpmcli.core.compiled.registers import floor
 from mpmcli.core.transfer.separable import product_of_axes
 from mpmcli.shapes.base import add_shape
 
@@ -29,5 +28,6 @@ add_shape(
 
 @product_of_axes(Linear)
 def _(shape, x, l):
-    left = np.floor(x)
-    return left, (1.0 - (x - left), x - left), (-1.0, 1.0)
+    left = floor(x)
+    one = 0.0 * x + 1.0
+    return left, (1.0 - (x - left), x - left), (0.0 - one, one)

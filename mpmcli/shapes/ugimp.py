@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
+from mpmcli.core.compiled.registers import floor, positive_part
 from mpmcli.core.transfer.separable import product_of_axes
 from mpmcli.shapes.base import add_shape
 
@@ -29,12 +28,12 @@ add_shape(
 
 @product_of_axes(UniformGimp)
 def _(shape, x, l):
-    nearest = np.floor(x + 0.5)
+    nearest = floor(x + 0.5)
     t = x - nearest
     quarter = 0.25 / l
     # mean of the outer hats over [t − l, t + l], by differences of their antiderivative
-    l1, l2 = max(l - t, 0.0), max(-l - t, 0.0)
-    r1, r2 = max(l + t, 0.0), max(t - l, 0.0)
+    l1, l2 = positive_part(l - t), positive_part(0.0 - l - t)
+    r1, r2 = positive_part(l + t), positive_part(t - l)
     left, right = (l1 * l1 - l2 * l2) * quarter, (r1 * r1 - r2 * r2) * quarter
     falls, rises = (l2 - l1) * (2.0 * quarter), (r1 - r2) * (2.0 * quarter)
-    return nearest - 1.0, (left, 1.0 - left - right, right), (falls, -falls - rises, rises)
+    return nearest - 1.0, (left, 1.0 - left - right, right), (falls, 0.0 - falls - rises, rises)

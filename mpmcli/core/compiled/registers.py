@@ -6,8 +6,8 @@ the components one by one, in the same order and with the same rounding, so that
 processor's vector width; where ``plus`` rounds once, it always does.
 
 In Python a register is an array, so that what is written with these functions runs there too. ``registers_in_llvm``
-tells the compiler what they are in compiled code. In both, ``+``, ``-``, products (with a number too), a number minus a
-register, and ``abs`` act on all components.
+tells the compiler what they are in compiled code. In both, ``+``, ``-``, ``*`` and ``/`` (with a number, too) and
+``abs`` act on all components.
 """
 
 from __future__ import annotations
@@ -53,6 +53,21 @@ def offsets(start: Any, like: Any) -> Any:
 def positive_part(value: Any) -> Any:
     """Return max(value, 0) of each component, or of a number."""
     return np.maximum(value, 0.0)
+
+
+def floor(value: Any) -> Any:
+    """Return the greatest integer that is not above each component, or a number."""
+    return np.floor(value)
+
+
+def with_sign(value: Any, sign: Any) -> Any:
+    """Return each component, or a number, with the sign of that of ``sign``."""
+    return np.copysign(value, sign)
+
+
+def transposed(rows: Any) -> Any:
+    """Return of a tuple of registers the tuple of all first components, that of all second ones, …"""
+    return tuple(zip(*rows, strict=True))
 
 
 def each(value: Any) -> Any:

@@ -59,6 +59,20 @@ def _all_alike(builder: Any, number: Any, count: int) -> Any:
     return builder.shuffle_vector(one, empty, ir.Constant(ir.VectorType(INDEX, count), [0] * count))
 
 
+def _intrinsic(name: str, arguments: int) -> Callable[..., Any]:
+    """Code of an instruction of LLVM that acts on numbers and on registers alike."""
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = args[0].type
+        suffix = f"v{kind.count}f64" if isinstance(kind, ir.VectorType) else "f64"
+        function = ir.FunctionType(kind, [kind] * arguments)
+        return builder.call(
+            cgutils.get_or_insert_function(builder.module, function, f"llvm.{name}.{suffix}"), args
+        )
+
+    return build
+
+
 @written_in_llvm(registers.load)
 def _(typing_context: Any, array: Any, i: Any, like: Any) -> Any:
     return Register(len(like))(array, types.uint64, like), _load
@@ -138,6 +152,23 @@ def _(typing_context: Any, value: Any) -> Any:
     return value(value), build
 
 
+@written_in_llvm(registers.transposed)
+def _(typing_context: Any, rows: Any) -> Any:
+    column = types.UniTuple(types.float64, len(rows))
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        members = cgutils.unpack_tuple(builder, args[0])
+        columns = [
+            context.make_tuple(
+                builder, column, [builder.extract_element(row, INDEX(position)) for row in members]
+            )
+            for position in range(rows[0].count)
+        ]
+        return context.make_tuple(builder, sig.return_type, columns)
+
+    return types.UniTuple(column, rows[0].count)(rows), build
+
+
 @written_in_llvm(registers.each)
 def _(typing_context: Any, value: Any) -> Any:
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -164,29 +195,45 @@ def _(typing_context: Any, total: Any, weight: Any, value: Any) -> Any:
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         total, weights, value = args
-        count = sig.return_type.count
-        vector = ir.VectorType(DOUBLE, count)
-        name = f"llvm.fma.v{count}f64"
-        fma = cgutils.get_or_insert_function(builder.module, ir.FunctionType(vector, [vector] * 3), name)
         if not is_register:
-            weights = _all_alike(builder, weights, count)
-        return builder.call(fma, [weights, value, total])
+            weights = _all_alike(builder, weights, sig.return_type.count)
+        return _intrinsic("fma", 3)(context, builder, sig, [weights, value, total])
 
     return total(total, weight if is_register else types.float64, value), build
 
 
-class _Sum(AbstractTemplate):
+class _Arithmetic(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
-        if len(args) == 2 and isinstance(args[0], Register) and args[0] == args[1]:
-            return signature(args[0], *args)
-        return None
+        registers = {kind for kind in args if isinstance(kind, Register)}
+        if len(registers) != 1 or not all(isinstance(kind, Register | types.Number) for kind in args):
+            return None
+        register = registers.pop()
+        return signature(register, *(kind if kind == register else types.float64 for kind in args))
 
 
-class _Difference(_Sum):
-    def generic(self, args: Any, kws: Any) -> Any:
-        if len(args) == 2 and isinstance(args[0], types.Float) and isinstance(args[1], Register):
-            return signature(args[1], types.float64, args[1])
-        return super().generic(args, kws)
+def _arithmetic(instruction: str) -> Callable[..., Any]:
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        count = sig.return_type.count
+        vectors = (
+            value if isinstance(kind, Register) else _all_alike(builder, value, count)
+            for kind, value in zip(sig.args, args, strict=True)
+        )
+        return getattr(builder, instruction)(*vectors)
+
+    return build
+
+
+for _operator, _instruction in (
+    (operator.add, "fadd"),
+    (operator.iadd, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.isub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
+):
+    infer_global(_operator)(type("_Arithmetic", (_Arithmetic,), {"key": _operator}))
+    for _kinds in ((Register, Register), (types.Float, Register), (Register, types.Float)):
+        lower_builtin(_operator, *_kinds)(_arithmetic(_instruction))
 
 
 class _Size(AbstractTemplate):
@@ -194,60 +241,20 @@ class _Size(AbstractTemplate):
         return signature(args[0], args[0]) if isinstance(args[0], Register) else None
 
 
-class _Product(AbstractTemplate):
-    def generic(self, args: Any, kws: Any) -> Any:
-        if len(args) == 2 and isinstance(args[1], Register):
-            if args[0] == args[1]:
-                return signature(args[1], *args)
-            if isinstance(args[0], types.Float):
-                return signature(args[1], types.float64, args[1])
-        return None
+infer_global(abs)(type("_Size", (_Size,), {"key": abs}))
 
 
-for _operator, _template in (
-    (operator.add, _Sum),
-    (operator.iadd, _Sum),
-    (operator.sub, _Difference),
-    (operator.isub, _Sum),
-    (operator.mul, _Product),
-    (abs, _Size),
-):
-    infer_global(_operator)(type(_template.__name__, (_template,), {"key": _operator}))
+lower_builtin(abs, Register)(_intrinsic("fabs", 1))
 
 
-@lower_builtin(operator.add, Register, Register)
-@lower_builtin(operator.iadd, Register, Register)
-def _add(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return builder.fadd(*args)
+@written_in_llvm(registers.floor)
+def _(typing_context: Any, value: Any) -> Any:
+    return value(value), _intrinsic("floor", 1)
 
 
-@lower_builtin(operator.sub, Register, Register)
-@lower_builtin(operator.isub, Register, Register)
-def _subtract(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return builder.fsub(*args)
-
-
-@lower_builtin(operator.mul, types.Float, Register)
-def _scale(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return builder.fmul(_all_alike(builder, args[0], sig.args[1].count), args[1])
-
-
-@lower_builtin(operator.mul, Register, Register)
-def _multiply(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return builder.fmul(*args)
-
-
-@lower_builtin(operator.sub, types.Float, Register)
-def _subtract_from(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return builder.fsub(_all_alike(builder, args[0], sig.args[1].count), args[1])
-
-
-@lower_builtin(abs, Register)
-def _size(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    vector = args[0].type
-    name = f"llvm.fabs.v{sig.args[0].count}f64"
-    fabs = cgutils.get_or_insert_function(builder.module, ir.FunctionType(vector, [vector]), name)
-    return builder.call(fabs, args)
+@written_in_llvm(registers.with_sign)
+def _(typing_context: Any, value: Any, sign: Any) -> Any:
+    return value(value, value), _intrinsic("copysign", 2)
 
 
 @written_in_llvm(registers.stay_scalar)

@@ -13,8 +13,9 @@ import numpy as np
 
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.compiled.registers import each, load, pack, store
+from mpmcli.core.compiled.registers import each, load, pack, store, transposed
 from mpmcli.core.grid import LineGeometry, PlaneGeometry, SpaceGeometry
+from mpmcli.core.transfer.gather_scatter import column
 from mpmcli.core.transfer.stencil import fill, first_node, keep, kept_as, weigh, weigh_gathers
 
 
@@ -51,9 +52,10 @@ class StoredRows(NamedTuple):
 # fmt: off
 @generic
 def axis_weights(shape: Any, x: Any, l: Any) -> Any:
-    """One axis of a product shape function at ``x`` with half-size ``l``, both in cells.
+    """A product shape function along its axes at ``x`` with half-sizes ``l``, both in cells.
 
-    Returns the lowest node, and tuples of the values and slopes at the nodes from there on.
+    ``x`` and ``l`` are registers with a component for each axis. Returns the lowest nodes, and tuples of the values and
+    slopes at the nodes from there on: registers as well.
     """
 
 
@@ -111,32 +113,37 @@ def scaled(numbers, factor):
     return each(factor * pack(numbers))
 
 
+@inline
+def all_axes(grid, shape, X, size, p):
+    """Lowest nodes, values and slopes [1/cell] of all axes, which go through the same arithmetic at once."""
+    h = pack(grid.inverse_cell)
+    x = (pack(column(grid.inverse_cell, X, p)) - pack(grid.origin)) * h
+    lowest, values, slopes = axis_weights(shape, x, pack(column(grid.inverse_cell, size, p)) * h)
+    return each(lowest), transposed(values), transposed(slopes)
+
+
 @find_rows.register(LineGeometry)
 def _(grid, shape, across, X, size, p, values, gradients, status):
-    hx = grid.inverse_cell[0]
-    bx, wx, gx = axis_weights(shape, (X[0, p] - grid.origin[0]) * hx, size[0, p] * hx)
+    lowest, (wx,), (gx,) = all_axes(grid, shape, X, size, p)
     values[0] = 1.0
-    return first_node(grid, (bx,), p, status), Rows(wx, scaled(gx, hx), values, gradients)
+    return first_node(grid, lowest, p, status), Rows(wx, scaled(gx, grid.inverse_cell[0]), values, gradients)
 
 
 @find_rows.register(PlaneGeometry)
 def _(grid, shape, across, X, size, p, values, gradients, status):
     hx, hy = grid.inverse_cell
-    bx, wx, gx = axis_weights(shape, (X[0, p] - grid.origin[0]) * hx, size[0, p] * hx)
-    by, wy, gy = axis_weights(shape, (X[1, p] - grid.origin[1]) * hy, size[1, p] * hy)
+    lowest, (wx, wy), (gx, gy) = all_axes(grid, shape, X, size, p)
     store(values, np.uint64(0), pack(wy))
     if gradients is not None:
         store(gradients, np.uint64(0), hy * pack(gy))
-    return first_node(grid, (bx, by), p, status), Rows(wx, scaled(gx, hx), values, gradients)
+    return first_node(grid, lowest, p, status), Rows(wx, scaled(gx, hx), values, gradients)
 
 
 @find_rows.register(SpaceGeometry)
 def _(grid, shape, across, X, size, p, values, gradients, status):
     w = len(across)
     hx, hy, hz = grid.inverse_cell
-    bx, wx, gx = axis_weights(shape, (X[0, p] - grid.origin[0]) * hx, size[0, p] * hx)
-    by, wy, gy = axis_weights(shape, (X[1, p] - grid.origin[1]) * hy, size[1, p] * hy)
-    bz, wz, gz = axis_weights(shape, (X[2, p] - grid.origin[2]) * hz, size[2, p] * hz)
+    lowest, (wx, wy, wz), (gx, gy, gz) = all_axes(grid, shape, X, size, p)
     along_y = pack(wy)
     for k in range(w):
         store(values, k * w, wz[k] * along_y)
@@ -145,7 +152,7 @@ def _(grid, shape, across, X, size, p, values, gradients, status):
         for k in range(w):
             store(gradients, k * w, wz[k] * slopes)
             store(gradients, (w + k) * w, (gz[k] * hz) * along_y)
-    return first_node(grid, (bx, by, bz), p, status), Rows(wx, scaled(gx, hx), values, gradients)
+    return first_node(grid, lowest, p, status), Rows(wx, scaled(gx, hx), values, gradients)
 
 
 @put_nodes.register(LineGeometry)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
+from mpmcli.core.compiled.registers import floor
 from mpmcli.core.transfer.separable import product_of_axes
 from mpmcli.shapes.base import add_shape
 
@@ -29,7 +28,7 @@ add_shape(
 
 @product_of_axes(CubicSpline)
 def _(shape, x, l):
-    below = np.floor(x)
+    below = floor(x)
     t = x - below
     u = 1.0 - t
     values = (

@@ -9,6 +9,7 @@ import pytest
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.compiled.registers import (
     each,
+    floor,
     load,
     offsets,
     pack,
@@ -17,6 +18,8 @@ from mpmcli.core.compiled.registers import (
     read,
     stay_scalar,
     store,
+    transposed,
+    with_sign,
     zeros,
 )
 
@@ -80,6 +83,23 @@ def test_functions_of_the_distance_to_each_node(count, version):
     got = version(parabola)(1.25, 1.5, (0.0,) * count)
     wanted = np.maximum(1.5 - np.abs(1.25 - np.arange(count)), 0.0) ** 2
     assert list(got) == list(wanted)
+
+
+@inline
+def with_numbers(a, b):
+    x, y = pack(a), pack(b)
+    return transposed((x + 0.5, 2 - x, y * 3.0, 0.25 / y, x / 6.0, x / y, floor(x), with_sign(y, x)))
+
+
+@BOTH
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_components_and_numbers_go_through_the_same_arithmetic(count, version):
+    a, b = (tuple(np.random.default_rng(seed).normal(size=count)) for seed in (1, 2))
+    wanted = [
+        (x + 0.5, 2 - x, y * 3.0, 0.25 / y, x / 6.0, x / y, np.floor(x), np.copysign(y, x))
+        for x, y in zip(a, b, strict=True)
+    ]
+    assert list(version(with_numbers)(a, b)) == wanted
 
 
 def test_python_multiplies_and_adds():
