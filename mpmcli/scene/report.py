@@ -48,18 +48,13 @@ _LIMITS = {
     "less_than_equal": ("le", "at most"),
 }
 _NEEDED = {
-    "float_type": "a number",
-    "float_parsing": "a number",
-    "int_type": "a whole number",
-    "int_parsing": "a whole number",
-    "int_from_float": "a whole number",
+    **dict.fromkeys(("float_type", "float_parsing"), "a number"),
+    **dict.fromkeys(("int_type", "int_parsing", "int_from_float"), "a whole number"),
     "string_type": "text",
     "bool_type": "true or false",
-    "tuple_type": "a list",
-    "list_type": "a list",
+    **dict.fromkeys(("tuple_type", "list_type"), "a list"),
     "dict_type": "a mapping of names to values",
-    "model_type": "a mapping of keys to values",
-    "model_attributes_type": "a mapping of keys to values",
+    **dict.fromkeys(("model_type", "model_attributes_type"), "a mapping of keys to values"),
 }
 
 

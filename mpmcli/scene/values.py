@@ -58,23 +58,13 @@ def _per_axis(value: Any, info: ValidationInfo) -> Any:
     return [value] * (len(lower) if lower else 1)
 
 
+_SIZE: list[dict[str, Any]] = [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}]
 CellSize = Annotated[
     tuple[PositiveLength, ...],
     BeforeValidator(_per_axis),
     Field(min_length=1, max_length=3),
     WithJsonSchema(
-        {
-            "anyOf": [
-                {"type": "number", "exclusiveMinimum": 0},
-                {"type": "string"},
-                {
-                    "type": "array",
-                    "items": {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}]},
-                    "minItems": 1,
-                    "maxItems": 3,
-                },
-            ]
-        }
+        {"anyOf": [*_SIZE, {"type": "array", "items": {"anyOf": _SIZE}, "minItems": 1, "maxItems": 3}]}
     ),
 ]
 """One length per axis; in a scene one number may stand for all axes."""

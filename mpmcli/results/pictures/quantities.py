@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from operator import itemgetter
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -172,13 +173,17 @@ def domains_of(results: Results, frame: Frame) -> Domains:
     return Domains(F @ sides, True, are_guessed)
 
 
+def _bodies(results: Results) -> list[dict[str, Any]]:
+    """What the scene says of each body, in the order of the indices in archives; nothing of unknown ones."""
+    known = {str(body.get("name")): body for body in results.scene.get("bodies", [])}
+    return [known.get(name, {}) for name in results.names("bodies")]
+
+
 def _turns(results: Results, frame: Frame, d: int) -> Array:
     """(N, d, d) from the sides of the particles to the grid's axes."""
     turns = np.broadcast_to(np.eye(d), (frame.count, d, d))
     owner = frame.arrays.get("body")
-    bodies = {str(body.get("name")): body for body in results.scene.get("bodies", [])}
-    for index, name in enumerate(results.names("bodies")):
-        body = bodies.get(name, {})
+    for index, body in enumerate(_bodies(results)):
         rotate = body.get("region", {}).get("rotate")
         if owner is None or rotate is None or body.get("particles_along") != "region":
             continue
@@ -193,18 +198,16 @@ def _half_sizes(results: Results, frame: Frame, d: int) -> tuple[Array, bool]:
     """(N, d) half-sizes at the start, and whether any is guessed."""
     half = np.full((frame.count, d), _usual_half_size(frame, d))
     owner = frame.arrays.get("body")
-    bodies = {str(body.get("name")): body for body in results.scene.get("bodies", [])}
     cell = np.asarray(results.scene.get("grid", {}).get("cell", []), dtype=float)
-    names = results.names("bodies")
-    if owner is None or cell.shape != (d,) or not names:
+    bodies = _bodies(results)
+    if owner is None or cell.shape != (d,) or not bodies:
         return half, True
     are_guessed = False
-    for index, name in enumerate(names):
-        body = bodies.get(name, {})
-        size = body.get("region", {}).get("size") if body.get("region", {}).get("kind") == "points" else None
-        if size is not None:
-            edge = np.broadcast_to(np.asarray(size, dtype=float), (d,))
-        elif body.get("region", {}).get("kind") in (None, "points"):
+    for index, body in enumerate(bodies):
+        region = body.get("region", {})
+        if region.get("kind") == "points" and region.get("size") is not None:
+            edge = np.broadcast_to(np.asarray(region["size"], dtype=float), (d,))
+        elif region.get("kind") in (None, "points"):
             are_guessed = are_guessed or bool((owner == index).any())
             continue
         else:

@@ -138,7 +138,7 @@ def test_check_output_finds_every_wrong_name(make_loaded):
         "grid": {"every": 1, "fields": ["mas"]},
     }
     probe = SimpleNamespace(kind="particle", name="tip", columns=("velocty",))
-    point = SimpleNamespace(kind="point", name="eye", columns=("velocty",))
+    point = SimpleNamespace(kind="point", name="eye", at=(0.5, 0.5), columns=("velocty",))
     with pytest.raises(SceneError) as caught:
         check_output(make_loaded(archive, (probe, point)).scene)
     paths = [problem.path for problem in caught.value.problems]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -52,8 +53,15 @@ def test_load_checks_names_of_columns_too():
         mpmcli.load(SCENE + "archive: {globals: {every: 0.05,\n  columns: [kinetic_energi]}}\n")
 
 
-def test_run_reads_scenes_itself_and_says_what_is_doubtful(tmp_path, simulation, capsys, monkeypatch):
-    monkeypatch.setattr(api, "_run", lambda loaded, directory, *rest: (loaded, directory))
+def test_run_reads_scenes_itself_and_says_what_is_doubtful(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def loop(loaded, directory, *rest):
+        return SimpleNamespace(run=lambda max_walltime: (loaded, directory))
+
+    monkeypatch.setattr(api, "RunLoop", loop)
+    monkeypatch.setattr(api, "_solver", lambda: lambda loaded, threads: None)
+    monkeypatch.setattr(api, "_calls_of", lambda simulation, loaded: [])
     rock = "rock: {kind: linear_elastic, density: 1, E: 10, nu: 0.3}"
     text = SCENE.replace(rock, f"{rock}\n  spare: {{kind: tait_fluid, density: 1, K: 1}}")
     loaded, directory = mpmcli.run(text)
