@@ -49,13 +49,10 @@ class Images(Correction):
         """Complete ``sums`` (dofs, c) of scalars."""
         self.mirror.fold_scalars(sums)
 
-    def damping_of(self, mp: Array, f: Array, damping: float, dt: float) -> float:
-        """Energy that grid damping has just taken from images, which is none of the scene's [energy]."""
+    def copies(self) -> tuple[Array, Array]:
+        """Return the nodes that see images, and the share (n,) of each that images have."""
         nodes, share = self.mirror.shared()
-        m, force = mp[nodes, 0], f[nodes]
-        p = mp[nodes, 1:] - force * dt
-        taken = damping * dt * (p * (p + 0.5 * force * dt)).sum(axis=1)
-        return float(((1.0 - share) * np.divide(taken, m, out=np.zeros_like(m), where=m > 0.0)).sum())
+        return nodes, 1.0 - share
 
 
 class ImagesOfScalars(Correction):

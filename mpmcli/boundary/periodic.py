@@ -58,12 +58,9 @@ class PeriodicSides(Correction):
             (self._copies[order[rank == r]], ordered[rank == r]) for r in range(int(rank.max(initial=-1)) + 1)
         ]
 
-    def damping_of(self, mp: Array, f: Array, damping: float, dt: float) -> float:
-        """Energy that grid damping has just taken at copies of nodes, which is none of the scene's [energy]."""
-        m, force = mp[self._copies, 0], f[self._copies]
-        p = mp[self._copies, 1:] - force * dt
-        taken = damping * dt * (p * (p + 0.5 * force * dt)).sum(axis=1)
-        return float(np.divide(taken, m, out=np.zeros_like(m), where=m > 0.0).sum())
+    def copies(self) -> tuple[Array, float]:
+        """Return the nodes that are copies of others, as a whole."""
+        return self._copies, 1.0
 
 
 def enter_again(grid: Grid, particles: Particles, X0: Array | None) -> list[int]:

@@ -94,20 +94,22 @@ class Damping:
                 self._value("local", step.time), rate, step.dt, grid, conditions, self.rigid, parallel
             )
 
-    def leave_out_images(self, mp: Array, f: Array, dt: float) -> None:
-        """Take what mirror images of particles, or copies of nodes, lost out of what nodes lost."""
-        images = self._images
-        if images is not None and self.grid is not None and self.of_nodes is not None:
-            self.of_nodes[0] -= images.damping_of(mp, f, self.grid[0], dt)
+    def leave_out_others(self, mp: Array, f: Array, dt: float) -> None:
+        """Take out of what nodes lost what is none of the scene's.
 
-    def leave_out_rigid(self, mp: Array, f: Array, dt: float) -> None:
-        """Take what the nodes of rigid bodies lost, which get their velocity back, out of what nodes lost."""
-        if self.rigid is not None and self.grid is not None and self.of_nodes is not None:
-            dofs = self.rigid.dofs
-            m, force = mp[dofs, 0], f[dofs]
-            p = mp[dofs, 1:] - force * dt
+        That is what mirror images of particles or copies of nodes lost, and the nodes of rigid bodies, which get their
+        velocity back.
+        """
+        if self.grid is None or self.of_nodes is None:
+            return
+        others = [] if self._images is None else [self._images.copies()]
+        others += [] if self.rigid is None else [(self.rigid.dofs, 1.0)]
+        for nodes, share in others:
+            m, force = mp[nodes, 0], f[nodes]
+            p = mp[nodes, 1:] - force * dt
             taken = self.grid[0] * dt * (p * (p + 0.5 * force * dt)).sum(axis=1)
-            self.of_nodes[0] -= float(np.divide(taken, m, out=np.zeros_like(m), where=m > 0.0).sum())
+            taken = np.divide(taken, m, out=np.zeros_like(m), where=m > 0.0)
+            self.of_nodes[0] -= float((share * taken).sum())
 
     def damped_masses(self, particles: Particles) -> Array:
         """Return the masses (N,) by which what particles lose is counted: 0 in rigid bodies."""

@@ -203,8 +203,7 @@ class _Tasks:
             s.arrays.p_start,
             damping.of_nodes,
         )
-        damping.leave_out_images(mp, f, step.dt)
-        damping.leave_out_rigid(mp, f, step.dt)
+        damping.leave_out_others(mp, f, step.dt)
 
     def find_velocities(self, step: Step) -> None:
         """Task 3.b: grid velocities v⁺(k), and accelerations or filtered velocities where the transfer asks."""

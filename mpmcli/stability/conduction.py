@@ -83,7 +83,7 @@ def _matrices(conduction: Conduction, dimensions: int) -> tuple[Array, Array, Ar
     conductance_of_half = 2.0 * conduction.row.particles
     faces = ((0, (conductance_of_half,)),) if conduction.axes_with_faces else ()
     row = replace(conduction.row, cells=min(conduction.row.edge, CELLS[dimensions]), dashpots=faces)
-    at = stencils(row, np.append(np.linspace(0.0, 0.5, POSITIONS[dimensions]), NEAR)[:, None])
+    at = stencils(row, np.append(np.linspace(0.0, 0.5, POSITIONS[dimensions]), NEAR))
     S, G = at.S, at.G[0]
     M, K = S.swapaxes(1, 2) @ S / at.mass, -G.swapaxes(1, 2) @ G / at.mass
     if faces:
@@ -103,7 +103,7 @@ def filter_factor(conduction: Conduction, wavelength: Array | float) -> Array:
 
     A step of FMPM(k) removes the part aᵏ of the wave.
     """
-    S = stencils(replace(conduction.row, cells=1), np.zeros((1, 1))).S[0]
+    S = stencils(replace(conduction.row, cells=1), np.zeros(1)).S[0]
     phases = np.exp(2j * math.pi * np.divide.outer(np.arange(S.shape[1]), wavelength))
     return 1.0 - np.mean(np.abs(S @ phases) ** 2, axis=0)
 

@@ -63,8 +63,8 @@ def is_stable(lattice: Lattice, scheme: Scheme, courant: float, speed: float = 0
     allowed = FAST_GROWTH if is_lenient else GROWTH
     with np.errstate(over="ignore", invalid="ignore"):
         if speed == 0.0:
-            along = np.append(np.linspace(0.0, 0.5, POSITIONS[lattice.dimensions]), NEAR)
-            passed, *flip = [step.matrices(_on_diagonal(along, lattice)) for step in kinds]
+            offsets = np.append(np.linspace(0.0, 0.5, POSITIONS[lattice.dimensions]), NEAR)
+            passed, *flip = [step.matrices(offsets) for step in kinds]
             for matrices in flip:
                 passed = passed @ np.linalg.matrix_power(matrices, period - 1)
             steps = period
@@ -72,10 +72,6 @@ def is_stable(lattice: Lattice, scheme: Scheme, courant: float, speed: float = 0
             passed, steps = _in_motion(kinds, period, speed * courant / lattice.cell[0])
         power = np.linalg.matrix_power(passed * math.exp(-allowed * steps), PERIODS)
         return bool(np.abs(power).max() <= 1.0)  # not if it is not a number
-
-
-def _on_diagonal(along: Array, lattice: Lattice) -> Array:
-    return np.repeat(along[:, None], lattice.dimensions, axis=1)
 
 
 def _in_motion(kinds: list[LinearStep], period: int, cells_per_step: float) -> tuple[Array, int]:
@@ -90,8 +86,7 @@ def _in_motion(kinds: list[LinearStep], period: int, cells_per_step: float) -> t
     steps = period * round(steps / period)
     along = cells * (np.arange(steps) + 0.5) / steps % 1.0
     passed, number = np.eye(kinds[0].size), 0
-    for part in np.array_split(along, math.ceil(steps * passed.size / MOST_NUMBERS)):
-        offsets = _on_diagonal(part, kinds[0].lattice)
+    for offsets in np.array_split(along, math.ceil(steps * passed.size / MOST_NUMBERS)):
         for matrices in zip(*(kind.matrices(offsets) for kind in kinds), strict=True):
             number += 1
             passed = matrices[number % period > 0] @ passed

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.boundary.place import unit_vector
+from mpmcli.boundary.wall import along_axis
 from mpmcli.stability.bodies import bounds_in_grid, deformable
 
 Array = np.ndarray
@@ -52,7 +53,8 @@ def _holders(scene: Any) -> Iterator[tuple[int, int | slice, Array]]:
             continue
         on = getattr(condition, "on", condition)  # a symmetry plane is a place itself
         plane, box = getattr(on, "plane", None), getattr(on, "box", None)
-        axis = _axis(getattr(condition, "normal", None) or getattr(condition, "direction", None))
+        normal = getattr(condition, "normal", None) or getattr(condition, "direction", None)
+        axis = None if normal is None else along_axis(unit_vector(normal, d))
         if plane is not None and (axis == plane.index or condition.kind == "symmetry"):
             yield from of_plane(plane.index, float(plane.at))
         elif condition.kind == "wall" and axis is not None and not isinstance(condition.position, tuple):
@@ -67,9 +69,3 @@ def _holders(scene: Any) -> Iterator[tuple[int, int | slice, Array]]:
                 box = bounds.copy()
                 box[:, axis] = bounds[1 - side, axis]
                 yield axis, side, box
-
-
-def _axis(direction: Any) -> int | None:
-    """Return the number of the axis that a direction, a name or a vector, is along."""
-    along = [] if direction is None else np.flatnonzero(unit_vector(direction, 3)).tolist()
-    return along[0] if len(along) == 1 else None

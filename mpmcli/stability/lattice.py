@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,25 +91,29 @@ class Stencils:
 
 
 def stencils(lattice: Lattice, offsets: Array) -> Stencils:
-    """Return the tensor products of the axes, at nodes that have mass; ``offsets`` (P, d) of the block in cells."""
-    S, G, reach, faces = zip(*(axis_stencils(lattice, offset) for offset in offsets.T), strict=True)
-    value = functools.reduce(kron, S)
+    """Return the tensor products of the axes, at nodes that have mass.
+
+    ``offsets`` (P,) of the block are the same along all axes: along the diagonal of a cell [cells].
+    """
+    S, G, reach, faces = axis_stencils(lattice, offsets)
+    d = lattice.dimensions
+    value = functools.reduce(kron, [S] * d)
     mass = value.sum(axis=-2, keepdims=True)
     kept = (mass > NO_MASS).any(axis=(0, 1))
     seen = mass[..., kept] > NO_MASS
 
     def with_along(axis: int, A: Array) -> Array:
         """Return the product in which the values along an axis have made room for A."""
-        return functools.reduce(kron, [*S[:axis], A, *S[axis + 1 :]])[..., kept] * seen
+        return functools.reduce(kron, [S] * axis + [A] + [S] * (d - axis - 1))[..., kept] * seen
 
-    def along_each(others: Sequence[Array], scale: Array) -> Array:
-        return np.stack([with_along(a, A * s) for a, (A, s) in enumerate(zip(others, scale, strict=True))])
+    def along_each(A: Array, scale: Array) -> Array:
+        return np.stack([with_along(axis, A * s) for axis, s in enumerate(scale)])
 
     edges = np.array(lattice.cell)
     mass = np.where(seen, mass[..., kept], 1.0).swapaxes(1, 2)
-    drag = np.zeros((lattice.dimensions, *mass.shape[:2], lattice.count if lattice.dashpots else 0))
+    drag = np.zeros((d, *mass.shape[:2], lattice.count if lattice.dashpots else 0))
     for axis, impedances in lattice.dashpots:
-        at = with_along(axis, faces[axis])
+        at = with_along(axis, faces)
         total = at.sum(axis=-1, keepdims=True)  # nodes without mass leave their part to the others
         at = np.divide(at, total, out=np.zeros_like(at), where=total > 0.0).swapaxes(1, 2) / mass
         area = lattice.particles / lattice.cell[axis]  # over the volume of a particle

@@ -68,7 +68,7 @@ class LinearStep:
         return self.rows * self.lattice.count
 
     def matrices(self, offsets: Array) -> Array:
-        """Return the matrices (P, size, size) of steps with the block at ``offsets`` (P, d) [cells]."""
+        """Return the matrices (P, size, size) of steps with the block at ``offsets`` (P,); see ``stencils``."""
         every = np.eye(self.size).reshape(self.rows, 1, self.lattice.count, self.size)
         after = self.advance(every, stencils(self.lattice, offsets))
         return after.swapaxes(0, 1).reshape(len(offsets), self.size, self.size)

@@ -21,18 +21,16 @@ class Displacement(SeparationModel):
     kind: Literal["displacement"]
 
     def parameters(self, dimensions: int, cell: tuple[float, ...], particles_per_axis: int) -> NamedTuple:
-        """The gap at the start."""
-        return Displacements(0.0)
+        """None are needed."""
+        return Displacements()
 
 
 class Displacements(NamedTuple):
-    """Gap between the sides at the start [length]."""
-
-    initial_gap: float
+    """Separation by displacements has no numbers of its own."""
 
 
 @find_separation.register(Displacements)
 def _(separation, axes, neighbours, count, n, h, distances):
     distances[0], distances[1] = UNKNOWN, UNKNOWN
     alpha, beta, both = extrapolate_along(axes, neighbours, neighbours.displacement, count, n)
-    return separation.initial_gap + beta - alpha if both else APART
+    return beta - alpha if both else APART

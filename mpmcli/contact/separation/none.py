@@ -14,17 +14,15 @@ class NoSeparation(SeparationModel):
     kind: Literal["none"]
 
     def parameters(self, dimensions: int, cell: tuple[float, ...], particles_per_axis: int) -> NamedTuple:
-        """The constant separation."""
-        return AlwaysTouching(TOUCHING)
+        """None are needed."""
+        return AlwaysTouching()
 
 
 class AlwaysTouching(NamedTuple):
-    """The separation of all nodes [length]."""
-
-    separation: float
+    """Sides that always touch have no numbers."""
 
 
 @find_separation.register(AlwaysTouching)
 def _(separation, axes, neighbours, count, n, h, distances):
     distances[0], distances[1] = UNKNOWN, UNKNOWN
-    return separation.separation
+    return TOUCHING

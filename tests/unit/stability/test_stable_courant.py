@@ -523,7 +523,7 @@ def check_matrices(dimensions, shape, update, transfer, scheme, absorbs=False):
     state[step.V] = V[:, None, :, None]
     for _ in range(3):
         simulation.step()
-        state = step.advance(state, stencils(block, np.full((1, dimensions), offset)))
+        state = step.advance(state, stencils(block, np.array([offset])))
     p = simulation.particles
     place = np.argsort(p.id)[ids]
     assert p.V[:, place] / TINY == pytest.approx(state[step.V, 0, :, 0], abs=1e-5)
