@@ -51,7 +51,8 @@ def _accumulated(name: str) -> Callable[[Snapshot], float]:
     return lambda snapshot: _work(snapshot, name)
 
 
-def _strain_energy(snapshot: Snapshot) -> float:
+def strain_energy(snapshot: Snapshot) -> float:
+    """Return the stored (elastic) energy of all particles [energy]."""
     return (
         snapshot.total(snapshot.particles.vol0 * snapshot.state.strain_energy_density()) * snapshot.full_ring
     )
@@ -149,7 +150,7 @@ def _accumulated_energy(name: str, symbol: str, text: str, **when: Any) -> Quant
 
 QUANTITIES.add(
     _energy("kinetic_energy", "K", lambda s: s.total_kinetic_energy, "½ Σ M V² of all particles"),
-    _energy("strain_energy", "Ψ", _strain_energy, "stored (elastic) energy"),
+    _energy("strain_energy", "Ψ", strain_energy, "stored (elastic) energy"),
     _energy("stress_work", "W", _stress_work, "work of the stress, Σ V⁰ ½(τⁿ + τⁿ⁺¹):D Δt, accumulated"),
     _energy(
         "plastic_work",
