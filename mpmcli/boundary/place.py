@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import (
     BeforeValidator,
-    Field,
     TypeAdapter,
     ValidationError,
     ValidationInfo,
@@ -244,8 +243,12 @@ def read(adapter: TypeAdapter[Any], value: Any, info: ValidationInfo) -> Any:
 def _read_direction(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, str):
         if value not in AXES:
-            hint = did_you_mean(value, AXES)
-            raise ValueError(f"'{value}' is not a direction{hint}; give x, y, z or a vector such as [1, 0]")
+            is_turned = value[:1] == "-" and value[1:] in AXES
+            hint = "" if is_turned else did_you_mean(value, AXES)
+            example = "[-1, 0] for -x" if is_turned else "[1, 0]"
+            raise ValueError(
+                f"'{value}' is not a direction{hint}; give x, y, z or a vector such as {example}"
+            )
         return value
     if not isinstance(value, list | tuple) or not 1 <= len(value) <= 3:
         raise ValueError("give x, y, z or a vector with one component per axis")
@@ -259,7 +262,6 @@ def _read_direction(value: Any, info: ValidationInfo) -> Any:
 Direction = Annotated[
     Any,
     BeforeValidator(_read_direction),
-    Field(description="Axis or vector; its length does not matter."),
     WithJsonSchema(
         {
             "anyOf": [

@@ -24,7 +24,7 @@ class Velocity(Rough):
     on: Place
     """Where: nodes on a plane and beyond it, in a box or region, or reached by a body's surface particles."""
     direction: Direction
-    """Direction of the component, an axis or a vector; with friction in a box, region or on a face, into the body."""
+    """Direction, an axis or vector of any length; with friction in a box, region or on a face, into the body."""
     value: Annotated[Expression, Varying("velocity")]
     """Velocity in that direction, a number or an expression of x, y, z (of the node) and t."""
 

@@ -60,7 +60,7 @@ class Wall(Rough):
     kind: Literal["wall"] = "wall"
     """Kind of condition."""
     normal: Direction
-    """Normal of the wall, pointing into the material: an axis or a vector."""
+    """Normal of the wall, pointing into the material: an axis or a vector of any length, as [-1, 0]."""
     position: Position
     """Coordinate along the axis of the normal, an expression of t; for an oblique normal a point."""
     velocity: Annotated[Expression, Varying("velocity", ("t",))]

@@ -61,7 +61,7 @@ class Model(BaseModel):
         for name, field in cls.model_fields.items():
             key = field.alias or name
             if key in properties and name in words:
-                properties[key].setdefault("description", words[name])
+                properties[key]["description"] = words[name]
         return schema
 
     @model_validator(mode="before")

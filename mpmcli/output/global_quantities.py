@@ -47,6 +47,13 @@ def _stress_work(snapshot: Snapshot) -> float:
     return snapshot.total(snapshot.particles.stress_work) * snapshot.full_ring
 
 
+def strain_energy(snapshot: Snapshot) -> float:
+    """Return the stored (elastic) energy of all particles [energy]."""
+    return (
+        snapshot.total(snapshot.particles.vol0 * snapshot.state.strain_energy_density()) * snapshot.full_ring
+    )
+
+
 def _viscous_work(snapshot: Snapshot) -> float:
     work = snapshot.particles.viscous_work
     return 0.0 if work is None else snapshot.total(work) * snapshot.full_ring
@@ -122,9 +129,7 @@ def _accumulated_energy(name: str, symbol: str, text: str, **when: Any) -> Quant
 
 QUANTITIES.add(
     _energy("kinetic_energy", "K", lambda s: s.total_kinetic_energy, "½ Σ M V² of all particles"),
-    _energy("strain_energy", "Ψ",
-            lambda s: s.total(s.particles.vol0 * s.state.strain_energy_density()) * s.full_ring,
-            "stored (elastic) energy"),
+    _energy("strain_energy", "Ψ", strain_energy, "stored (elastic) energy"),
     _energy("stress_work", "W", _stress_work, "work of the stress, Σ V⁰ ½(τⁿ + τⁿ⁺¹):D Δt, accumulated"),
     _history_energy("plastic_work", "W_p", "work dissipated by plastic flow"),
     _history_energy("dissipated_energy", "D", "energy that softening has dissipated"),

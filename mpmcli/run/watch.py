@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.errors import SimulationError
-from mpmcli.output.global_quantities import EnergyBalance
+from mpmcli.output.global_quantities import EnergyBalance, strain_energy
 from mpmcli.output.snapshot import Snapshot
 from mpmcli.shapes import SHAPES
 
@@ -70,18 +70,24 @@ class EnergyWatch:
         """Warn once where the balance lacks more than ``LOST_AT`` of the energy.
 
         The balance includes what friction, damping, viscosity and plastic flow dissipate. Work of friction and damping
-        may be far more than the energy of the bodies, and counts as energy here: its own error is no alarm.
+        may be far more than the energy of the bodies, and counts as energy here: its own error is no alarm. Neither is
+        the loss of what growing cracks release, nor one that is small against the strain energy that heat has stored
+        without work.
         """
         if self._scene is None or self._has_warned_of_loss:
             return
-        work = self._simulation.state.work
-        dissipated = sum(abs(work.get(name, 0.0)) for name in ("contact_work", "damping_work"))
+        state = self._simulation.state
+        dissipated = sum(abs(state.work.get(name, 0.0)) for name in ("contact_work", "damping_work"))
         energy = self._balance.largest + dissipated * snapshot.full_ring
-        is_lost = -error * self._balance.largest > LOST_AT * energy
+        lost = -error * self._balance.largest
+        if state.cracks is not None:
+            lost -= float(state.cracks.released.sum()) * snapshot.full_ring
+        is_lost = lost > LOST_AT * energy
+        if is_lost and snapshot.particles.T is not None:
+            is_lost = lost > LOST_AT * max(energy, strain_energy(snapshot))
         self._losses = self._losses + 1 if is_lost else 0
         if self._losses > 1:
             self._has_warned_of_loss = True
-            state = self._simulation.state
             LOGGER.warning(
                 "energy error %.3g %% in step %d, time %.6g: more energy is lost than friction, damping, viscosity and "
                 "plastic flow dissipate. Stresses and velocities are likely wrong; try %s",

@@ -49,8 +49,8 @@ def _check_materials(scene: HeatOfScene, report: Report) -> None:
             _check_stiffness(name, model, report)
         else:
             _check_idle(scene, name, model, report)
-    conducting = [m for _, m in scene.deformable() if m.conductivity is None or any(m.conductivity)]
-    if scene.has_heat and not conducting and scene.fields.complete and len(scene.parts.materials):
+    conducting = [m.conductivity is None or any(m.conductivity) for _, m in scene.deformable()]
+    if scene.has_heat and conducting and not any(conducting) and scene.fields.complete:
         words = "no material conducts heat: each conductivity is 0"
         report("heat", words, "no_effect", "warning")
 

@@ -360,6 +360,7 @@ def _dimension(quantity: Any, text: str) -> Dimension:
     exponents = [Fraction(0)] * 4
     for name, exponent in quantity.dimensionality.items():
         if name not in names:
-            raise ValueError(f"'{text}' has the dimension {name}, which scenes do not use")
+            hint = "; degrees Celsius are 'degC'" if name == "[current]" else ""
+            raise ValueError(f"'{text}' has the dimension {name}, which scenes do not use{hint}")
         exponents[names[name]] = Fraction(exponent)
     return Dimension((exponents[0], exponents[1], exponents[2], exponents[3]))

@@ -217,6 +217,7 @@ def test_a_place_that_makes_no_sense_is_refused(place, message):
     ("direction", "message"),
     [
         ("up", "'up' is not a direction"),
+        ("-y", r"'-y' is not a direction; give x, y, z or a vector such as \[-1, 0\] for -x"),
         ([0, 0], "must not have length zero"),
         ([1, "a"], "error, 'a' is not known"),
         (3, "x, y, z or a vector"),

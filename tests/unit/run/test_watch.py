@@ -9,6 +9,7 @@ import pytest
 
 from mpmcli.core.errors import SimulationError
 from mpmcli.materials import MATERIALS
+from mpmcli.output.snapshot import Snapshot
 from mpmcli.run.api import run
 from mpmcli.run.watch import EVERY, EnergyWatch, remedy
 from mpmcli.scene.method import Method
@@ -130,6 +131,35 @@ def test_energy_that_something_dissipates_is_not_lost(loaded, simulation, accoun
         state.step = look * EVERY
         watch.look()
     assert watch.memory()["losses"][1]
+
+
+def losses_of(simulation, watch, looks=2):
+    """Nine tenths of the kinetic energy vanish at once; return the checks in a row that find it, and the alarm."""
+    watch.look()
+    simulation.state.particles.V *= np.sqrt(0.1)
+    for look in range(1, looks + 1):
+        simulation.state.step = look * EVERY
+        watch.look()
+    return list(watch.memory()["losses"])
+
+
+@pytest.mark.parametrize(("share", "losses"), [(0.5, [2, 1]), (0.8, [0, 0])])
+def test_what_cracks_release_is_not_lost(loaded, simulation, share, losses):
+    made = simulation(loaded)
+    energy = Snapshot(made.state).total_kinetic_energy
+    made.state.cracks = SimpleNamespace(released=np.array([0.5, 0.5]) * share * energy)
+    assert losses_of(made, EnergyWatch(made, scene_of(transfer={"kind": "flip"}))) == losses
+
+
+@pytest.mark.parametrize(("times", "losses"), [(3.0, [2, 1]), (4.0, [0, 0])])
+def test_a_loss_far_below_what_heat_has_stored_is_no_alarm(loaded, simulation, times, losses):
+    made = simulation(loaded)
+    particles, energy = made.state.particles, Snapshot(made.state).total_kinetic_energy
+    particles.T = np.full(particles.vol0.shape, 400.0)
+    made.state.strain_energy_density = lambda: np.full(
+        particles.vol0.shape, times * energy / particles.vol0.sum()
+    )
+    assert losses_of(made, EnergyWatch(made, scene_of(transfer={"kind": "flip"}))) == losses
 
 
 def test_one_look_below_the_limit_is_no_loss(loaded, simulation):

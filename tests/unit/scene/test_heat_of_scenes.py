@@ -109,6 +109,13 @@ def test_conduction_without_a_conductor_has_no_effect() -> None:
     assert problems_of(sets=insulators[:1]) == []
 
 
+def test_bodies_that_cannot_be_read_are_no_reason_to_doubt_conductors() -> None:
+    """``C`` is coulomb: what the other bodies conduct is not known, either."""
+    found = problems_of(sets=tuple(f"bodies.{name}.temperature=100 C" for name in ("left", "right")))
+    assert [problem.path for problem in found] == ["bodies.left.temperature", "bodies.right.temperature"]
+    assert all(problem.message.endswith("; degrees Celsius are 'degC'") for problem in found)
+
+
 @pytest.mark.parametrize("key", ["heat_capacity", "conductivity", "expansion", "T0"])
 @pytest.mark.parametrize("value", ["-1", ".inf", ".nan", "'1e999 W'", "yes", "[]", "{a: 1}"])
 def test_values_out_of_range_are_refused(key: str, value: str) -> None:

@@ -9,6 +9,8 @@ from typing import Any
 import jsonschema
 import pytest
 
+from mpmcli.boundary.base import CONDITIONS, LOADS
+from mpmcli.core.descriptions import field_descriptions
 from mpmcli.scene.schema import schema_text
 from mpmcli.scene.tree import compose
 
@@ -163,3 +165,14 @@ def test_no_alternatives_are_told_apart_by_trial(schema: dict[str, Any]) -> None
         e.message
         for e in jsonschema.Draft7Validator(schema).iter_errors(compose(SCENE_OF_KINDS, "s").plain())
     ] == []
+
+
+@pytest.mark.parametrize("model", [*CONDITIONS.models(), *LOADS.models()], ids=lambda model: model.__name__)
+def test_descriptions_are_those_of_the_fields(model: Any) -> None:
+    """Not those of the types of the fields, such as a direction."""
+    properties = model.model_json_schema()["properties"]
+    words = field_descriptions(model)
+    names = {field.alias or name: name for name, field in model.model_fields.items()}
+    assert {key: node["description"] for key, node in properties.items()} == {
+        key: words[names[key]] for key in properties
+    }
