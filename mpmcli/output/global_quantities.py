@@ -19,7 +19,8 @@ class EnergyBalance:
     """The history that ``energy_error`` needs; update it at every row of the table.
 
     energy_error = (K + stress_work + contact_work + interface_work + damping_work − boundary_work − external_work − its
-    initial value) over the largest K + |stress_work| so far.
+    initial value) over the largest K + |stress_work| so far, or the strain energy of the first state if that is larger:
+    bodies that start with stress in balance have next to no other energy.
     """
 
     def __init__(self) -> None:
@@ -34,6 +35,8 @@ class EnergyBalance:
         total -= _work(snapshot, "boundary_work") + _work(snapshot, "external_work")
         if self.initial is None:
             self.initial = total
+            if snapshot.particles.tau.any():
+                self.largest = max(0.0, strain_energy(snapshot))
         self.largest = max(self.largest, kinetic + abs(work))
         snapshot.energy_error = (total - self.initial) / self.largest if self.largest > 0.0 else 0.0
         return snapshot.energy_error
@@ -144,7 +147,8 @@ QUANTITIES.add(
     _accumulated_energy("external_work", "W_e", "energy put in by loads and gravity"),
     Quantity("energy_error", "e", "1", "scalar", "global", lambda s: s.energy_error,
              "kinetic_energy + stress_work + contact_work + interface_work + damping_work − boundary_work − "
-             "external_work − its initial value, over the largest kinetic_energy + |stress_work| so far"),
+             "external_work − its initial value, over the largest of kinetic_energy + |stress_work| so far and "
+             "strain_energy at the start"),
     Quantity("mass", "M", "mass", "scalar", "global", lambda s: s.total(s.mass), "total mass"),
     Quantity("momentum", "P", "momentum", "vector", "global",
              lambda s: s.total(s.particles.V * s.mass)[int(s.is_axisymmetric) :],
