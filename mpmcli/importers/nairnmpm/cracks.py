@@ -57,6 +57,8 @@ def cracks(job: Job, root: Command, header: Command, bodies: Bodies) -> None:
         made.append(crack)
     if made:
         job.scene["cracks"] = made
+    if made and "heat" in job.scene:
+        job.note("not_supported", lists[0], "cracks together with conduction or ramps of the temperature")
     if not job.tips and job.scene.pop("fracture", None) is not None:
         words = "no end of a crack has a material as its tip, so that there is no J and no growth"
         job.changed(lists[0], words)

@@ -111,16 +111,16 @@ def _common(job: Job, command: Command, made: Made) -> None:
         heat = job.property(command, "Cv") or job.property(command, "Cp")
         if heat is not None:
             made["heat_capacity"] = heat
-        elif job.scene.get("_ramps") and "heat_capacity" not in made and made["kind"] != "ideal_gas":
+        elif "heat" in job.scene and "heat_capacity" not in made and made["kind"] != "ideal_gas":
             made["heat_capacity"] = Value(1.0)
             job.changed(command, "without Cv, NairnMPM's heat capacity is 1")
         conductivity = job.property(command, "kCond", "conductivity", shown=True)
-        insulates = job.scene.get("_insulates", False)
-        if insulates:
-            made["conductivity"] = Value(0.0)
-        if conductivity is not None and "heat" in job.scene and not insulates:
-            made["conductivity"] = conductivity
-        elif conductivity is not None:
+        conducts = "heat" in job.scene and not job.scene.get("_insulates")
+        if "heat" in job.scene:
+            made["conductivity"] = conductivity if conducts and conductivity else Value(0.0)
+        if conducts and conductivity is None:
+            job.changed(command, "without kCond, NairnMPM's conductivity is 0")
+        elif conductivity is not None and not conducts:
             job.note("ignored", command, "kCond: nothing conducts heat in this file")
         reference = job.scene.get("_reference")
         if reference is not None:
