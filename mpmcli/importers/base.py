@@ -6,7 +6,7 @@ Each importer is a package with a function ``translate(path, partial) -> Transla
 from __future__ import annotations
 
 import importlib
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, Protocol
@@ -127,6 +127,15 @@ def importer(program: str) -> Importer:
     """The importer of a program, imported now."""
     module: Importer = importlib.import_module(IMPORTERS[program])  # type: ignore[assignment]
     return module
+
+
+def free_name(name: str, taken: Collection[str], gap: str = "_") -> str:
+    """The name, or with a number behind it if it is taken."""
+    found, count = name, 1
+    while found in taken:
+        count += 1
+        found = f"{name}{gap}{count}"
+    return found
 
 
 def read_source(path: Path) -> bytes:

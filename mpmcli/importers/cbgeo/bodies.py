@@ -35,7 +35,7 @@ def add_bodies(work: Work, materials: dict[int, str]) -> list[Made]:
         if isinstance(entry.generator, OtherGenerator):
             kind = entry.generator.type
             words = "particles that appear during the run" if kind == "inject" else f"the generator '{kind}'"
-            work.note("not_supported", ("particles", index, "generator", "type"), words)
+            work.lacks(("particles", index, "generator", "type"), words)
     cloud = work.cloud
     groups = sorted(set(zip(cloud.generator.tolist(), cloud.material.tolist(), strict=True)))
     found: list[Made] = []
@@ -79,7 +79,7 @@ def _stress(work: Work, members: Array) -> dict[str, Any] | None:
         field = _linear(x, values, LINEAR * largest)
         if field is None:
             words = f"initial stresses {name} that are neither constant nor linear in space"
-            work.note("not_supported", ("mesh", "particles_stresses"), words)
+            work.lacks(("mesh", "particles_stresses"), words)
             return None
         if field != 0:
             made[name] = field

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.importers.base import Expression
-from mpmcli.importers.cbgeo.constraints import Held, directions, first_holds, velocities
-from mpmcli.importers.cbgeo.friction import frictions
+from mpmcli.importers.base import Expression, free_name
+from mpmcli.importers.cbgeo.constraints import Held, directions, first_holds, frictions, velocities
 from mpmcli.importers.cbgeo.mesh import AXES, RegularGrid, cover
 from mpmcli.importers.cbgeo.reading import Array
 from mpmcli.importers.cbgeo.work import Keys, Work
@@ -30,9 +29,9 @@ class Spot:
     side: tuple[int, int] | None = None
     box: tuple[Array, Array] | None = None
 
-    def name(self, grid: RegularGrid, taken: Any) -> str:
-        """A name that is not taken."""
-        return free_name(SIDES[grid.d].get(self.on_side(grid), "nodes"), taken)
+    def name(self, grid: RegularGrid) -> str:
+        """What it is called."""
+        return SIDES[grid.d].get(self.on_side(grid), "nodes")
 
     def on_side(self, grid: RegularGrid) -> tuple[int, int]:
         """The side of the grid on which it lies; (-1, 0) if it lies on none."""
@@ -59,15 +58,6 @@ class Spot:
         assert self.side is not None
         axis, upper = self.side
         return {"axis": AXES[axis], "at": float((grid.upper if upper else grid.lower)[axis])}
-
-
-def free_name(plain: str, taken: Any) -> str:
-    """The name, or with a number behind it if it is taken."""
-    name, count = plain, 1
-    while name in taken:
-        count += 1
-        name = f"{plain} {count}"
-    return name
 
 
 def spots(index: Array, grid: RegularGrid) -> list[Spot] | None:
@@ -103,7 +93,7 @@ def add_conditions(work: Work) -> None:
                 _hold(work, held, group, direction, friction)
     for keys in dict.fromkeys(rough[node].keys for node in rough if node not in used):
         words = "friction at nodes that no velocity constraint holds along its normal"
-        work.note("not_supported", keys, words)
+        work.lacks(keys, words)
     _refuse_others(work)
 
 
@@ -111,53 +101,33 @@ def _hold(work: Work, held: Held, nodes: Array, direction: Array, friction: tupl
     grid, boundary = work.grid, work.scene.setdefault("boundary", [])
     places = spots(grid.nodes[nodes], grid)
     if places is None:
-        words = (
-            f"a set of {len(nodes)} nodes that are neither planes nor at most {MAX_PLACES} boxes of the grid"
-        )
-        work.note("not_supported", held.keys, words)
+        words = f"{len(nodes)} nodes that are neither planes nor at most {MAX_PLACES} boxes of the grid"
+        work.lacks(held.keys, f"a set of {words}")
         return
-    along = np.flatnonzero(np.abs(direction) == 1.0)
+    along = next((axis for axis in range(grid.d) if abs(direction[axis]) == 1.0), None)
     for spot in places:
-        taken = {condition["name"]: condition for condition in boundary}
-        same: dict[str, Any]
-        value: float | Expression
-        if friction is not None:
-            # towards the material
-            inward = -friction[0] * direction
-            value = _signed(held.value, -friction[0])
-            if (
-                along.size and inward[along[0]] < 0
-            ):  # an axis reads better; on a plane its sign does not matter
-                inward, value = (-inward, _signed(value, -1.0)) if spot.side is not None else (inward, value)
-            same = {"kind": "velocity", "on": spot.place(grid), "direction": _towards(inward), "value": value}
-            same["friction"] = friction[1]
-            if (
-                spot.side is not None
-                and friction[0] * direction[spot.side[0]] * (1 if spot.side[1] else -1) <= 0
-            ):
-                words = f"friction with an outward normal that points into the mesh at its {spot.name(grid, ())} side"
-                work.note("not_supported", held.keys, words)
-        elif along.size and held.value == 0.0 and spot.side is not None and spot.side[0] == along[0]:
-            same = {"kind": "symmetry", "plane": spot.plane(grid)}
+        name, side = spot.name(grid), spot.side
+        if friction is None and held.value == 0.0 and side is not None and side[0] == along:
+            same: dict[str, Any] = {"kind": "symmetry", "plane": spot.plane(grid)}
         else:
-            value = held.value
-            if along.size:
-                value = _signed(value, float(direction[along[0]]))
-            towards = np.abs(direction) if along.size else direction
-            same = {
-                "kind": "velocity",
-                "on": spot.place(grid),
-                "direction": _towards(towards),
-                "value": value,
-            }
+            # with friction towards the material; else, or on a plane, an axis reads better than minus an axis
+            sign = 1.0 if friction is None else -friction[0]
+            if along is not None and (friction is None or side is not None):
+                sign = float(direction[along])
+            towards, value = _towards(sign * direction), _signed(held.value, sign)
+            same = {"kind": "velocity", "on": spot.place(grid), "direction": towards, "value": value}
+        if friction is not None:
+            same["friction"] = friction[1]
+            if side is not None and friction[0] * direction[side[0]] * (1 if side[1] else -1) <= 0:
+                words = f"friction with an outward normal that points into the mesh at its {name} side"
+                work.lacks(held.keys, words)
         if any({k: v for k, v in condition.items() if k != "name"} == same for condition in boundary):
             continue
-        plain = spot.name(grid, ())
-        if not along.size:
-            plain += " oblique"
-        elif spot.on_side(grid)[0] != along[0]:
-            plain += f" {AXES[along[0]]}"
-        boundary.append({"name": free_name(plain, taken), **same})
+        if along is None:
+            name += " oblique"
+        elif spot.on_side(grid)[0] != along:
+            name += f" {AXES[along]}"
+        boundary.append({"name": free_name(name, [made["name"] for made in boundary], " "), **same})
 
 
 def _towards(direction: Array) -> str | list[float]:
@@ -183,4 +153,4 @@ def _refuse_others(work: Work) -> None:
     }
     for name, words in reasons.items():
         if getattr(given, name):
-            work.note("not_supported", (*keys, name), words)
+            work.lacks((*keys, name), words)

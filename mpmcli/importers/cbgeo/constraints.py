@@ -1,8 +1,8 @@
-"""Constraints of nodes as the source has them: sets and files, axes of their own, the first of several."""
+"""Constraints of nodes as the source has them: sets and files, axes of their own, the first of several; friction."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,8 +11,8 @@ import numpy as np
 from mpmcli.core.errors import SceneError
 from mpmcli.importers.base import Expression
 from mpmcli.importers.cbgeo.mesh import rounded
-from mpmcli.importers.cbgeo.reading import Array
-from mpmcli.importers.cbgeo.source import VelocityConstraint
+from mpmcli.importers.cbgeo.reading import Array, Table
+from mpmcli.importers.cbgeo.source import FrictionConstraint, VelocityConstraint
 from mpmcli.importers.cbgeo.work import Keys, Work
 
 
@@ -76,7 +76,18 @@ def members(given: Any, keys: Keys) -> list[tuple[Keys, Any]]:
     return [(keys, given)]
 
 
-def rows_of(work: Work, given: Any, keys: Keys, columns: int) -> Any:
+def with_tables(work: Work, given: Any, keys: Keys, columns: int) -> Iterator[tuple[Keys, Any, Table | None]]:
+    """Yield constraints with their keys and, of those that a file gives, the table; its faults are noted."""
+    for at, member in members(given, keys):
+        try:
+            table = _table(work, member, at, columns)
+        except SceneError as error:
+            work.refuse(error)
+        else:
+            yield at, member, table
+
+
+def _table(work: Work, given: Any, keys: Keys, columns: int) -> Table | None:
     """The table of a constraint that is given by a file, or None."""
     name = given if isinstance(given, str) else getattr(given, "file", None)
     if name is None:
@@ -98,12 +109,8 @@ def velocities(work: Work) -> list[Held]:
     """Velocity constraints, those of files grouped by direction and value."""
     keys: Keys = ("mesh", "boundary_conditions", "velocity_constraints")
     found: list[Held] = []
-    for at, given in members(work.given.source.mesh.boundary_conditions.velocity_constraints, keys):
-        try:
-            table = rows_of(work, given, at, 3)
-        except SceneError as error:
-            work.refuse(error)
-            continue
+    constraints = work.given.source.mesh.boundary_conditions.velocity_constraints
+    for at, given, table in with_tables(work, constraints, keys, 3):
         if table is not None:
             found += _grouped(table, at)
         elif isinstance(given, VelocityConstraint):
@@ -111,7 +118,7 @@ def velocities(work: Work) -> list[Held]:
     return found
 
 
-def _grouped(table: Any, keys: Keys) -> list[Held]:
+def _grouped(table: Table, keys: Keys) -> list[Held]:
     nodes, axes, values = np.array(table.whole(0)), np.array(table.whole(1)), table.array(slice(2, 3))[:, 0]
     pairs = dict.fromkeys(zip(axes.tolist(), values.tolist(), strict=True))
     return [Held(keys, np.unique(nodes[(axes == a) & (values == v)]), a, v) for a, v in pairs]
@@ -140,3 +147,43 @@ def first_holds(work: Work, all_held: Sequence[Held]) -> list[Held]:
         if kept.any():
             found.append(Held(held.keys, held.nodes[kept], held.axis, held.value))
     return found
+
+
+@dataclass(frozen=True)
+class Rough:
+    """Friction of a node: across which of its axes, the sign of the outward normal along it, and the coefficient."""
+
+    keys: Keys
+    axis: int
+    sign: int
+    friction: float
+
+
+def frictions(work: Work) -> dict[int, Rough]:
+    """Friction by node; the last constraint of a node counts, as in CB-Geo."""
+    keys: Keys = ("mesh", "boundary_conditions", "friction_constraints")
+    found: dict[int, Rough] = {}
+    constraints = work.given.source.mesh.boundary_conditions.friction_constraints
+    for at, given, table in with_tables(work, constraints, keys, 4):
+        if table is not None:
+            axes = table.whole(1)
+            for row, (node, numbers) in enumerate(zip(table.whole(0), table.rows, strict=True)):
+                sign, friction = numbers[2:]
+                if friction < 0:
+                    work.refuse(table.fault(row, f"the friction coefficient {friction:g} is below 0"))
+                    return {}
+                found[node] = Rough(at, axes[row], 1 if sign > 0 else -1, friction)
+        elif isinstance(given, FrictionConstraint):
+            found |= _friction(work, given, at)
+    return {node: rough for node, rough in found.items() if rough.friction > 0.0}
+
+
+def _friction(work: Work, given: FrictionConstraint, keys: Keys) -> dict[int, Rough]:
+    nodes, axis = work.nodes_of(given.nset_id, keys), work.axis(given.dir, keys)
+    for name in ("sign_n", "friction"):
+        if getattr(given, name) is None:
+            work.fault(keys, f"'{name}' is missing")
+    if nodes is None or axis is None or given.sign_n is None or given.friction is None:
+        return {}
+    rough = Rough(keys, axis, 1 if given.sign_n > 0 else -1, given.friction)
+    return dict.fromkeys(nodes.tolist(), rough)

@@ -8,7 +8,6 @@ import numpy as np
 
 from mpmcli.importers.base import Expression
 from mpmcli.importers.cbgeo.bodies import Made
-from mpmcli.importers.cbgeo.conditions import free_name
 from mpmcli.importers.cbgeo.mesh import AXES, rounded
 from mpmcli.importers.cbgeo.nodal_loads import add_absorbing, add_nodal_forces
 from mpmcli.importers.cbgeo.particles import as_table
@@ -45,18 +44,12 @@ def _add_gravity(work: Work) -> None:
         if not work.grid.is_turned:
             values = [Expression(f"{sign}g") if axis == acting[0] else 0 for axis in range(d)]
         elif d == 2:
-            sine, cosine = Expression("g*sin(turn*pi/180)"), Expression("g*cos(turn*pi/180)")
-            down = (
-                [f"{sign}{sine}", f"{sign}{cosine}"]
-                if acting[0] == 1
-                else [f"{sign}{cosine}", f"{_other(sign)}{sine}"]
-            )
-            values = [Expression(text) for text in down]
-    work.scene.setdefault("loads", []).append({"name": "gravity", "kind": "gravity", "acceleration": values})
-
-
-def _other(sign: str) -> str:
-    return "" if sign else "-"
+            sine, cosine, other = "g*sin(turn*pi/180)", "g*cos(turn*pi/180)", "" if sign else "-"
+            along_x = [sign + cosine, other + sine]
+            values = [
+                Expression(text) for text in (along_x if acting[0] == 0 else [sign + sine, sign + cosine])
+            ]
+    work.load("gravity", "gravity", acceleration=values)
 
 
 def _add_traction(work: Work, bodies: list[Made], given: SurfaceTraction, keys: Keys) -> None:
@@ -110,38 +103,24 @@ def _add_face(
         value = _scaled(value, ratio)
         words += f". Scaled by {ratio:.6g}, because CB-Geo takes particles as square"
     work.note("changed", keys, words)
-    loads = work.scene.setdefault("loads", [])
-    load: dict[str, Any] = {
-        "name": free_name("traction", [load["name"] for load in loads]),
-        "kind": "traction",
-        "on": {"body": body.name, "face": {"axis": AXES[axis], "side": "upper" if upper else "lower"}},
-        "traction": _along(direction, value),
-    }
-    loads.append(load)
+    on = {"body": body.name, "face": {"axis": AXES[axis], "side": "upper" if upper else "lower"}}
+    work.load("traction", "traction", on=on, traction=_along(direction, value))
 
 
 def _add_forces(work: Work, members: Array, given: SurfaceTraction, direction: Array, keys: Keys) -> None:
     """A force on each particle, as the source has it: traction × volume^((d-1)/d)."""
     d = work.grid.d
     sizes = rounded(work.cloud.volume[members] ** ((d - 1) / d))
-    loads = work.scene.setdefault("loads", [])
     for size in np.unique(sizes):
         chosen = members[sizes == size]
         value = work.times(float(rounded(np.array(given.traction * size))), given.math_function_id, keys)
         if value is None:
             return
-        name = free_name("traction", [load["name"] for load in loads])
-        load = {
-            "name": name,
-            "kind": "particle_force",
-            "on": _target(work, chosen, name),
-            "force": _along(direction, value),
-            "per": "particle",
-        }
-        work.made.comment(
-            ("loads", len(loads)), f"{plain(given.traction)} times the edge of each particle, as in CB-Geo"
-        )
-        loads.append(load)
+        name = work.load("traction", "particle_force")
+        load = work.scene["loads"][-1]
+        load |= {"on": _target(work, chosen, name), "force": _along(direction, value), "per": "particle"}
+        words = f"{plain(given.traction)} times the edge of each particle, as in CB-Geo"
+        work.made.comment(("loads", len(work.scene["loads"]) - 1), words)
 
 
 def _target(work: Work, members: Array, name: str) -> dict[str, Any]:
@@ -159,14 +138,8 @@ def _target(work: Work, members: Array, name: str) -> dict[str, Any]:
 
 
 def _along(direction: Array, value: Any) -> list[Any]:
-    made: list[Any] = []
-    for component in direction.tolist():
-        component = round(component, 12)
-        if component in (0.0, 1.0):
-            made.append(value if component else 0)
-        else:
-            made.append(_scaled(value, component))
-    return made
+    shares = [round(component, 12) for component in direction.tolist()]
+    return [_scaled(value, share) if share not in (0.0, 1.0) else value if share else 0 for share in shares]
 
 
 def _scaled(value: Any, factor: float) -> Any:

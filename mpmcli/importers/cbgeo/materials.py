@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from mpmcli.importers.cbgeo.conditions import free_name
+from mpmcli.importers.base import free_name
 from mpmcli.importers.cbgeo.source import (
     Bingham,
     LinearElastic,
@@ -51,7 +51,7 @@ def add_materials(work: Work) -> dict[int, str]:
             continue
         translated = _translate(work, material, keys)
         if translated is not None:
-            names[material.id] = free_name(NAMES.get(family(material.type), "elastic"), made)
+            names[material.id] = free_name(NAMES.get(family(material.type), "elastic"), made, " ")
             made[names[material.id]] = translated
     for number in sorted(used - seen):
         index = work.cloud.generator[(work.cloud.material == number).argmax()]
@@ -62,31 +62,16 @@ def add_materials(work: Work) -> dict[int, str]:
 
 def _translate(work: Work, material: Material, keys: Keys) -> dict[str, Any] | None:
     if isinstance(material, OtherMaterial):
-        work.note("not_supported", (*keys, "type"), f"the material '{material.type}'")
+        work.lacks((*keys, "type"), f"the material '{material.type}'")
         return _stand_in(material)
-    made: dict[type[Material], Callable[[Work, Any, Keys], dict[str, Any] | None]] = {
-        LinearElastic: _elastic,
-        Newtonian: _newtonian,
-        Bingham: _bingham,
-        MohrCoulomb: _mohr_coulomb,
-        ModifiedCamClay: _cam_clay,
-    }
-    return made[type(material)](work, material, keys)
+    return _MAKERS[type(material)](work, material, keys)
 
 
 def _stand_in(material: Material) -> dict[str, Any] | None:
     """The elastic part of a material that is not supported, for scenes that may be partial."""
     extra = material.model_extra or {}
-    numbers = {
-        "density": material.density,
-        "E": extra.get("youngs_modulus"),
-        "nu": extra.get("poisson_ratio"),
-    }
-    numbers |= {
-        ours: getattr(material, theirs)
-        for ours, theirs in (("E", "youngs_modulus"), ("nu", "poisson_ratio"))
-        if hasattr(material, theirs) and getattr(material, theirs) is not None
-    }
+    E, nu = extra.get("youngs_modulus"), extra.get("poisson_ratio")
+    numbers = {"density": material.density, "E": E, "nu": nu}
     if not all(isinstance(number, int | float) for number in numbers.values()):
         return None
     return {"kind": "linear_elastic", **numbers}
@@ -94,17 +79,16 @@ def _stand_in(material: Material) -> dict[str, Any] | None:
 
 def _elastic(work: Work, given: LinearElastic, keys: Keys) -> dict[str, Any]:
     work.note("changed", (*keys, "type"), SMALL_STRAIN)
-    return {
-        "kind": "linear_elastic",
-        "density": given.density,
-        "E": given.youngs_modulus,
-        "nu": given.poisson_ratio,
-    }
+    return {"kind": "linear_elastic", **_hooke(given)}
+
+
+def _hooke(given: LinearElastic) -> dict[str, Any]:
+    return {"density": given.density, "E": given.youngs_modulus, "nu": given.poisson_ratio}
 
 
 def _newtonian(work: Work, given: Newtonian, keys: Keys) -> dict[str, Any] | None:
     if given.incompressible:
-        work.note("not_supported", (*keys, "incompressible"), INCOMPRESSIBLE)
+        work.lacks((*keys, "incompressible"), INCOMPRESSIBLE)
     words = (
         "the pressure follows Tait's equation; CB-Geo's, -K ln J, differs where volumes change by percents"
     )
@@ -115,7 +99,7 @@ def _newtonian(work: Work, given: Newtonian, keys: Keys) -> dict[str, Any] | Non
 
 def _bingham(work: Work, given: Bingham, keys: Keys) -> dict[str, Any] | None:
     if given.incompressible:
-        work.note("not_supported", (*keys, "incompressible"), INCOMPRESSIBLE)
+        work.lacks((*keys, "incompressible"), INCOMPRESSIBLE)
     words = "below the yield stress it is elastic, with G of K/10; the pressure follows Tait's equation"
     work.note("changed", (*keys, "type"), words)
     if given.critical_shear_rate:
@@ -129,35 +113,19 @@ def _bingham(work: Work, given: Bingham, keys: Keys) -> dict[str, Any] | None:
     }
 
 
-def _apex(given: MohrCoulomb) -> float:
-    """The tensile strength without a cut-off."""
-    return given.cohesion / math.tan(math.radians(given.friction)) if given.friction else math.inf
-
-
 def _mohr_coulomb(work: Work, given: MohrCoulomb, keys: Keys) -> dict[str, Any] | None:
-    made: dict[str, Any] = {
-        "kind": "mohr_coulomb",
-        "density": given.density,
-        "E": given.youngs_modulus,
-        "nu": given.poisson_ratio,
-        "cohesion": given.cohesion,
-        "friction": given.friction,
-        "dilation": given.dilation,
-    }
-    if given.tension_cutoff < _apex(given):
+    names = ("cohesion", "friction", "dilation")
+    strength = {name: getattr(given, name) for name in names}
+    made: dict[str, Any] = {"kind": "mohr_coulomb", **_hooke(given), **strength}
+    apex = given.cohesion / math.tan(math.radians(given.friction)) if given.friction else math.inf
+    if given.tension_cutoff < apex:
         made["tension"] = given.tension_cutoff
     if given.softening is False:
         work.note("ignored", (*keys, "softening"), "switched off; the residual values have no effect")
     softens = given.softening is not False and given.peak_pdstrain is not None
     if softens and given.residual_pdstrain is not None:
-        residual = {
-            "cohesion": given.residual_cohesion,
-            "friction": given.residual_friction,
-            "dilation": given.residual_dilation,
-        }
-        changed = {
-            f"residual_{key}": value for key, value in residual.items() if value not in (None, made[key])
-        }
+        residual = {name: getattr(given, f"residual_{name}") for name in names}
+        changed = {f"residual_{name}": v for name, v in residual.items() if v not in (None, made[name])}
         if changed:
             made |= changed
             made |= {"softening_start": given.peak_pdstrain, "softening_end": given.residual_pdstrain}
@@ -174,24 +142,20 @@ _EXTENSIONS = {
 def _cam_clay(work: Work, given: ModifiedCamClay, keys: Keys) -> dict[str, Any] | None:
     for option in ("three_invariants", "subloading", "bonding"):
         if getattr(given, option):
-            work.note("not_supported", (*keys, option), "an extension of the plain model")
+            work.lacks((*keys, option), "an extension of the plain model")
     for option, names in _EXTENSIONS.items():
         for name in names:
             if getattr(given, name) is not None and not getattr(given, option):
                 work.note("ignored", (*keys, name), f"{option} is switched off")
-    start: dict[str, Any] = {}
-    if work.cloud.stress is None:
-        start["pressure"] = given.pc0 / given.ocr
+    pressure = given.pc0 / given.ocr
+    start = {"pressure": pressure} if work.cloud.stress is None else {}
+    if start:
         words = (
             "starts at the pressure pc0/ocr, to which its void ratio belongs; CB-Geo starts without stress"
         )
         work.note("changed", (*keys, "type"), words)
     work.note("ignored", (*keys, "youngs_modulus"), "the elastic moduli follow from kappa and the pressure")
-    e0 = (
-        given.e_ref
-        - given.lambda_ * math.log(given.pc0 / given.ocr / given.p_ref)
-        - given.kappa * math.log(given.ocr)
-    )
+    e0 = given.e_ref - given.lambda_ * math.log(pressure / given.p_ref) - given.kappa * math.log(given.ocr)
     return {
         "kind": "modified_cam_clay",
         "density": given.density,
@@ -203,3 +167,12 @@ def _cam_clay(work: Work, given: ModifiedCamClay, keys: Keys) -> dict[str, Any] 
         "e0": e0,
         **start,
     }
+
+
+_MAKERS: dict[type[Material], Callable[[Work, Any, Keys], dict[str, Any] | None]] = {
+    LinearElastic: _elastic,
+    Newtonian: _newtonian,
+    Bingham: _bingham,
+    MohrCoulomb: _mohr_coulomb,
+    ModifiedCamClay: _cam_clay,
+}

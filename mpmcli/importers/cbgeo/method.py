@@ -28,16 +28,14 @@ def add_method(work: Work) -> None:
     kind = EXPLICIT.match(given.type)
     if kind is None:
         words = f"the analysis '{given.type}'; MPMExplicit2D and MPMExplicit3D are"
-        work.note("not_supported", ("analysis", "type"), words)
+        work.lacks(("analysis", "type"), words)
     elif int(kind[2]) != work.grid.d:
         cell = work.given.source.mesh.cell_type
         work.fault(("analysis", "type"), f"'{given.type}' does not fit the {work.grid.d}D cells '{cell}'")
     stress_update = (kind[1] or given.stress_update).lower() if kind else given.stress_update.lower()
     update = UPDATES.get(stress_update)
     if update is None:
-        work.note(
-            "not_supported", ("analysis", "stress_update"), f"'{given.stress_update}'; usf, usl and musl are"
-        )
+        work.lacks(("analysis", "stress_update"), f"'{given.stress_update}'; usf, usl and musl are")
     method: dict[str, Any] = {
         "shape": CELL_TYPES[work.given.source.mesh.cell_type][1],
         "update": update or "usf",
@@ -51,20 +49,18 @@ def add_method(work: Work) -> None:
     work.scene["method"] = method
     if given.resume.resume:
         words = "checkpoints of CB-Geo are not read; the scene starts at time 0"
-        work.note("not_supported", ("analysis", "resume", "resume"), words)
+        work.lacks(("analysis", "resume", "resume"), words)
 
 
 def _transfer(work: Work) -> dict[str, Any]:
     given = work.given.source.analysis.velocity_update
-    name = {True: "pic", False: "flip"}.get(given, given) if isinstance(given, bool) else given
+    name = given if isinstance(given, str) else "pic" if given else "flip"
     words = "alpha 1: positions follow the new grid velocity, as in CB-Geo"
     if name == "flip":
         work.made.comment(("method", "transfer"), words)
         return {"kind": "flip", "alpha": 1}
     if name != "pic":
-        work.note(
-            "not_supported", ("analysis", "velocity_update"), f"'{name}'; true, false, pic and flip are"
-        )
+        work.lacks(("analysis", "velocity_update"), f"'{name}'; true, false, pic and flip are")
     else:
         work.made.comment(("method", "transfer"), "velocity_update true is PIC; order 4 dissipates far less")
     return {"kind": "fmpm", "order": 1, "alpha": 1}
@@ -75,9 +71,7 @@ def _add_damping(work: Work, method: dict[str, Any]) -> None:
     if damping is None or damping.damping_factor == 0.0:
         return
     if damping.type != "Cundall":
-        work.note(
-            "not_supported", ("analysis", "damping", "type"), f"damping of type '{damping.type}'; Cundall is"
-        )
+        work.lacks(("analysis", "damping", "type"), f"damping of type '{damping.type}'; Cundall is")
     else:
         words = "acts against the velocity vector; in CB-Geo against each of its components"
         work.note("changed", ("analysis", "damping"), words)

@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.errors import SceneError
 from mpmcli.importers.base import Expression
 from mpmcli.importers.cbgeo.bodies import Made
-from mpmcli.importers.cbgeo.conditions import SIDES, free_name, spots
-from mpmcli.importers.cbgeo.constraints import members, rows_of
+from mpmcli.importers.cbgeo.conditions import SIDES, spots
+from mpmcli.importers.cbgeo.constraints import members, with_tables
 from mpmcli.importers.cbgeo.mesh import AXES
 from mpmcli.importers.cbgeo.reading import Array
 from mpmcli.importers.cbgeo.source import AbsorbingConstraint, NodalForce
@@ -35,12 +34,8 @@ class Layer:
 def add_nodal_forces(work: Work) -> None:
     """Translate concentrated forces, which each node of a set has in full."""
     keys: Keys = ("external_loading_conditions", "concentrated_nodal_forces")
-    for at, given in members(work.given.source.external_loading_conditions.concentrated_nodal_forces, keys):
-        try:
-            table = rows_of(work, given, at, 3)
-        except SceneError as error:
-            work.refuse(error)
-            continue
+    given_forces = work.given.source.external_loading_conditions.concentrated_nodal_forces
+    for at, given, table in with_tables(work, given_forces, keys, 3):
         if table is not None:
             forces = np.zeros((len(work.grid.nodes), work.grid.d))
             for node, axis, numbers in zip(table.whole(0), table.whole(1), table.rows, strict=True):
@@ -65,15 +60,11 @@ def _of_set(work: Work, given: NodalForce, keys: Keys) -> None:
 
 def _add(work: Work, keys: Keys, forces: list[tuple[int, list[Any]]]) -> None:
     if len(forces) > MAX_FORCES:
-        work.note(
-            "not_supported", keys, f"forces on {len(forces)} nodes; at most {MAX_FORCES} are translated"
-        )
+        work.lacks(keys, f"forces on {len(forces)} nodes; at most {MAX_FORCES} are translated")
         return
-    loads = work.scene.setdefault("loads", [])
     for node, force in forces:
-        name = free_name("force", {load["name"] for load in loads})
         at = work.grid.place(work.grid.nodes[node]).tolist()
-        loads.append({"name": name, "kind": "nodal_force", "at": at, "force": force})
+        work.load("force", "nodal_force", at=at, force=force)
 
 
 def add_absorbing(work: Work, bodies: list[Made]) -> None:
@@ -82,7 +73,7 @@ def add_absorbing(work: Work, bodies: list[Made]) -> None:
     groups: dict[tuple[int, Layer], tuple[Keys, list[int]]] = {}
     for at, given in members(work.given.source.mesh.boundary_conditions.absorbing_constraints, keys):
         if not isinstance(given, AbsorbingConstraint) or given.file is not None:
-            work.note("not_supported", at, "absorbing constraints in files")
+            work.lacks(at, "absorbing constraints in files")
             continue
         nodes, axis = work.nodes_of(given.nset_id, at), work.axis(given.dir, at)
         for name in ("delta", "a", "b"):
@@ -110,7 +101,7 @@ def _absorb(work: Work, bodies: list[Made], keys: Keys, nodes: Array, axis: int,
                 _add_layer(work, body, keys, side, at, layer)
                 return
     words = "absorbing nodes that are no whole side of the mesh on which a box of material lies"
-    work.note("not_supported", keys, words)
+    work.lacks(keys, words)
 
 
 def _add_layer(work: Work, body: Made, keys: Keys, side: tuple[int, int], at: float, layer: Layer) -> None:
@@ -118,28 +109,21 @@ def _add_layer(work: Work, body: Made, keys: Keys, side: tuple[int, int], at: fl
     name = next(made["material"] for made in work.scene["bodies"] if made["name"] == body.name)
     material = work.scene["materials"][name]
     if not {"E", "nu", "density"} <= material.keys():
-        work.note("not_supported", keys, f"absorbing constraints of the material '{name}'")
+        work.lacks(keys, f"absorbing constraints of the material '{name}'")
         return
     E, nu, density = material["E"], material["nu"], material["density"]
     stiffness = E * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
-    loads = work.scene.setdefault("loads", [])
-    plain_name = f"absorbing {SIDES[work.grid.d][side]}"
     face = {"body": body.name, "face": {"axis": AXES[side[0]], "side": "upper" if side[1] else "lower"}}
-    dashpots: dict[str, Any] = {
-        "name": free_name(plain_name, {load["name"] for load in loads}), "kind": "absorbing", "on": face
-    }  # fmt: skip
+    waves = {}
     if (layer.a, layer.b) != (1.0, 1.0):
-        dashpots["pressure_wave"] = layer.a * math.sqrt(stiffness / density)
-        dashpots["shear_wave"] = layer.b * math.sqrt(E / (2 * (1 + nu) * density))
-    loads.append(dashpots)
+        waves["pressure_wave"] = layer.a * math.sqrt(stiffness / density)
+        waves["shear_wave"] = layer.b * math.sqrt(E / (2 * (1 + nu) * density))
+    dashpots = work.load(f"absorbing {SIDES[work.grid.d][side]}", "absorbing", on=face, **waves)
     axis = AXES[side[0]]
     way = axis if at == 0 else f"({axis} - {plain(at)})" if at > 0 else f"({axis} + {plain(-at)})"
     traction: list[Any] = [0] * work.grid.d
     traction[side[0]] = Expression(f"-{plain(stiffness / layer.delta)}*{way}")
     words = f"stiffness {plain(stiffness)} over a layer of {plain(layer.delta)}"
-    work.made.comment(("loads", len(loads)), words)
-    loads.append(
-        {"name": f"{dashpots['name']} springs", "kind": "traction", "on": dict(face), "traction": traction,
-         "coordinates": "current"}
-    )  # fmt: skip
+    work.made.comment(("loads", len(work.scene["loads"])), words)
+    work.load(f"{dashpots} springs", "traction", on=dict(face), traction=traction, coordinates="current")
     work.note("changed", keys, SPRINGS)

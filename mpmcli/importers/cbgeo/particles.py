@@ -47,8 +47,9 @@ class Cloud:
         return np.arange(len(self.x)) if number == -1 else self.sets.get(number)
 
 
-def read_cloud(given: Input, folder: Folder, grid: RegularGrid, sets: EntitySets) -> Cloud:
+def read_cloud(folder: Folder, grid: RegularGrid, sets: EntitySets) -> Cloud:
     """Make or read the particles of all generators that can be translated."""
+    given = folder.given
     places: list[Array] = []
     materials: list[int] = []
     own_sets: dict[int, list[int]] = {}
@@ -58,13 +59,13 @@ def read_cloud(given: Input, folder: Folder, grid: RegularGrid, sets: EntitySets
         made = entry.generator
         at = ("particles", index, "generator")
         if isinstance(made, FileGenerator):
-            x = _from_file(given, folder, grid, made, index)
+            x = _from_file(folder, grid, made, index)
         elif isinstance(made, GaussGenerator):
-            x = _gauss(given, folder, grid, sets, made, index)
+            x = _gauss(given, grid, sets, made, index)
         else:
             x = np.zeros((0, grid.d))
         if count + len(x) > MAX_ROWS:
-            raise _fault(given, f"more than {MAX_ROWS:,} particles", *at)
+            raise given.fault(f"more than {MAX_ROWS:,} particles", *at)
         material = made.material_id if isinstance(made.material_id, int) else (made.material_id or (0,))[0]
         places.append(x)
         materials += [material] * len(x)
@@ -77,22 +78,14 @@ def read_cloud(given: Input, folder: Folder, grid: RegularGrid, sets: EntitySets
         x, _volumes(x, grid), np.array(materials, dtype=int), np.array(generators, dtype=int),
         {number: np.array(ids, dtype=int) for number, ids in own_sets.items()},
     )  # fmt: skip
-    _add_sets(given, folder, cloud, sets)
+    _add_sets(given, cloud, sets)
     _set_materials(given, cloud)
-    _read_volumes(given, folder, cloud)
-    _read_stresses(given, folder, cloud, grid)
+    _read_volumes(folder, cloud)
+    _read_stresses(folder, cloud, grid)
     return cloud
 
 
-def _fault(given: Input, words: str, *keys: str | int) -> Exception:
-    from mpmcli.core.errors import Problem, SceneError
-
-    return SceneError(
-        [Problem(".".join(map(str, keys)), words, str(given.path), given.line(*keys), code="source")]
-    )
-
-
-def _from_file(given: Input, folder: Folder, grid: RegularGrid, made: FileGenerator, index: int) -> Array:
+def _from_file(folder: Folder, grid: RegularGrid, made: FileGenerator, index: int) -> Array:
     at = ("particles", index, "generator", "location")
     table = folder.table(made.location, (1, grid.d, 3), *at)
     count = table.rows[0][0]
@@ -128,21 +121,19 @@ def sub_cells(n: int) -> Array:
     return (np.arange(n) + 0.5) / n
 
 
-def _gauss(
-    given: Input, folder: Folder, grid: RegularGrid, sets: EntitySets, made: GaussGenerator, index: int
-) -> Array:
+def _gauss(given: Input, grid: RegularGrid, sets: EntitySets, made: GaussGenerator, index: int) -> Array:
     cells = grid.cells
     if made.cset_id != -1:
         chosen = next((group for group in sets.cell_sets if group.id == made.cset_id), None)
         at = ("particles", index, "generator", "cset_id")
         if chosen is None:
-            raise _fault(given, f"there is no cell set {made.cset_id}", *at)
+            raise given.fault(f"there is no cell set {made.cset_id}", *at)
         if not chosen.set or max(chosen.set) >= len(cells):
             words = f"the cells of the set {made.cset_id} must be numbers from 0 to {len(cells) - 1}"
-            raise _fault(given, words, *at)
+            raise given.fault(words, *at)
         cells = cells[np.unique(np.array(chosen.set))]
     if len(cells) * made.nparticles_per_dir**grid.d > MAX_ROWS:
-        raise _fault(given, f"more than {MAX_ROWS:,} particles", "particles", index, "generator")
+        raise given.fault(f"more than {MAX_ROWS:,} particles", "particles", index, "generator")
     points = gauss_points(made.nparticles_per_dir)
     offsets = np.stack(np.meshgrid(*[points] * grid.d, indexing="ij"), axis=-1).reshape(-1, grid.d)
     return np.asarray((grid.lower + grid.cell * (cells[:, None, :] + offsets)).reshape(-1, grid.d))
@@ -162,14 +153,14 @@ def _volumes(x: Array, grid: RegularGrid) -> Array:
     return np.asarray(grid.cell.prod() / count[cell])
 
 
-def _add_sets(given: Input, folder: Folder, cloud: Cloud, sets: EntitySets) -> None:
+def _add_sets(given: Input, cloud: Cloud, sets: EntitySets) -> None:
     for group in sets.particle_sets:
         ids = np.unique(np.array(group.set, dtype=int))
         if ids.size and ids[-1] >= len(cloud.x):
             words = (
                 f"particle {ids[-1]} of the particle set {group.id} does not exist ({len(cloud.x)} particles)"
             )
-            raise _fault(given, words, "mesh", "entity_sets")
+            raise given.fault(words, "mesh", "entity_sets")
         cloud.sets[group.id] = ids
 
 
@@ -180,12 +171,12 @@ def _set_materials(given: Input, cloud: Cloud) -> None:
         members = cloud.members(chosen.pset_id)
         if members is None:
             words = f"there is no particle set {chosen.pset_id}"
-            raise _fault(given, words, "material_sets", index, "pset_id")
+            raise given.fault(words, "material_sets", index, "pset_id")
         cloud.material[members] = chosen.material_id
 
 
-def _read_volumes(given: Input, folder: Folder, cloud: Cloud) -> None:
-    name = given.source.mesh.particles_volumes
+def _read_volumes(folder: Folder, cloud: Cloud) -> None:
+    name = folder.given.source.mesh.particles_volumes
     if name is None:
         return
     table = folder.table(name, (2,), "mesh", "particles_volumes")
@@ -197,9 +188,9 @@ def _read_volumes(given: Input, folder: Folder, cloud: Cloud) -> None:
         cloud.volume[number] = volume
 
 
-def _read_stresses(given: Input, folder: Folder, cloud: Cloud, grid: RegularGrid) -> None:
+def _read_stresses(folder: Folder, cloud: Cloud, grid: RegularGrid) -> None:
     """Initial stresses (n, 6), xx yy zz xy yz xz in the grid's axes."""
-    name = given.source.mesh.particles_stresses
+    name = folder.given.source.mesh.particles_stresses
     if name is None:
         return
     table = folder.table(name, (1, 6), "mesh", "particles_stresses")
@@ -243,17 +234,14 @@ def filled(x: Array, volume: Array, grid: RegularGrid) -> Filled | None:
     part = (x - grid.lower) / grid.cell - cells
     per_axis, pattern = [], []
     at_gauss = False
-    for axis in range(grid.d):
-        places = np.unique(np.round(part[:, axis] / NEAR) * NEAR)
-        n = next((n for n in range(1, 11) if _is_at(part[:, axis], sub_cells(n))), None)
-        if n is None:
-            n = next((n for n in range(2, 11) if _is_at(part[:, axis], gauss_points(n))), None)
-            at_gauss = True
-        if n is None or len(places) < n:
+    candidates = [sub_cells(n) for n in range(1, 11)] + [gauss_points(n) for n in range(2, 11)]
+    for along in part.T:
+        which = next((i for i, points in enumerate(candidates) if _is_at(along, points)), None)
+        if which is None or len(np.unique(np.round(along / NEAR))) < len(candidates[which]):
             return None
-        points = gauss_points(n) if at_gauss and not _is_at(part[:, axis], sub_cells(n)) else sub_cells(n)
-        per_axis.append(n)
-        pattern.append(np.argmin(np.abs(part[:, axis, None] - points), axis=1))
+        at_gauss |= which >= 10
+        per_axis.append(len(candidates[which]))
+        pattern.append(np.argmin(np.abs(along[:, None] - candidates[which]), axis=1))
     wanted = int(np.prod(per_axis))
     if not np.allclose(volume, grid.cell.prod() / wanted, rtol=1e-4):
         return None

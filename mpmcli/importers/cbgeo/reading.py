@@ -35,28 +35,28 @@ class Input:
 
     def line(self, *keys: str | int) -> int | None:
         """The line of a key, or of the nearest one above it that exists."""
+        return self._found(keys)[1]
+
+    def fault(self, words: str, *keys: str | int) -> SceneError:
+        """A fault at a key."""
+        return _refused(self.path, words, self.line(*keys), ".".join(map(str, keys)))
+
+    def has(self, *keys: str | int) -> bool:
+        """Whether the source gives a key."""
+        return self._found(keys)[0] == len(keys)
+
+    def _found(self, keys: tuple[str | int, ...]) -> tuple[int, int | None]:
+        """How many of the keys exist, one inside the other, and the line of the last of them."""
         node, line = self.tree, self.tree.mark.line
-        for key in keys:
+        for count, key in enumerate(keys):
             if isinstance(node.value, dict) and key in node.value:
                 line, node = node.keys[str(key)].line, node.value[key]
             elif isinstance(node.value, list) and isinstance(key, int) and key < len(node.value):
                 node = node.value[key]
                 line = node.mark.line
             else:
-                break
-        return line
-
-    def has(self, *keys: str | int) -> bool:
-        """Whether the source gives a key."""
-        node = self.tree
-        for key in keys:
-            member = node.value.get(key) if isinstance(node.value, dict) else None
-            if isinstance(node.value, list) and isinstance(key, int) and key < len(node.value):
-                member = node.value[key]
-            if member is None:
-                return False
-            node = member
-        return True
+                return count, line
+        return len(keys), line
 
     def unknown_keys(self) -> Iterator[tuple[int | None, str, str]]:
         """Line, path and nearest name of every key that no model has."""
@@ -91,8 +91,6 @@ def read_input(path: Path) -> Input:
     if len(text) > MAX_INPUT:
         raise _refused(path, f"the file has more than {MAX_INPUT // 1_000_000} million characters")
     data = _json(text, path)
-    if not isinstance(data, dict):
-        raise _refused(path, "the file must be one JSON object: {…}", 1)
     tree = compose(text, str(path))
     if "input_files" in data:
         line = tree.keys["input_files"].line if "input_files" in tree.keys else 1
@@ -101,18 +99,15 @@ def read_input(path: Path) -> Input:
     try:
         source = Source.model_validate_json(text)
     except ValidationError as error:
-        raise SceneError(_faults(error, tree, Source)) from None
+        with few_suggestions():
+            problems = in_words(error, tree, Source)
+        raise SceneError(problems) from None
     return Input(path, source, tree)
 
 
-def _faults(error: ValidationError, tree: Node, model: type[BaseModel]) -> list[Problem]:
-    with few_suggestions():
-        return in_words(error, tree, model)
-
-
-def _json(text: str, path: Path) -> Any:
+def _json(text: str, path: Path) -> dict[str, Any]:
     try:
-        return json.loads(text, parse_constant=_no_constant)
+        data = json.loads(text, parse_constant=_no_constant)
     except json.JSONDecodeError as error:
         raise SceneError(
             [Problem("", f"not valid JSON: {error.msg}", str(path), error.lineno, error.colno, code="source")]
@@ -121,6 +116,9 @@ def _json(text: str, path: Path) -> Any:
         raise _refused(path, "not valid JSON: nested too deeply") from None
     except ValueError as error:
         raise _refused(path, f"not valid JSON: {error}") from None
+    if not isinstance(data, dict):
+        raise _refused(path, "the file must be one JSON object: {…}", 1)
+    return data
 
 
 def _no_constant(word: str) -> float:
@@ -147,20 +145,17 @@ class Folder:
     def path(self, name: str, *keys: str | int) -> Path:
         """The path of a file that a key of the source names."""
         root = self.given.path.resolve().parent
-        key = ".".join(map(str, keys))
-        line = self.given.line(*keys)
         try:
             found = (root / name).resolve()
             inside = found.is_relative_to(root)
         except (OSError, ValueError, RuntimeError):
             inside = False
         if not inside:
-            words = f"'{name}' is outside the folder of the source, which is not read"
-            raise _refused(self.given.path, words, line, key)
+            raise self.given.fault(f"'{name}' is outside the folder of the source, which is not read", *keys)
         if not found.is_file():
             here = sorted(child.name for child in root.iterdir() if child.suffix in (".txt", ".json", ".dat"))
-            words = f"there is no file '{name}' beside the source{did_you_mean(name, here[:500])}"
-            raise _refused(self.given.path, words, line, key)
+            hint = did_you_mean(name, here[:500])
+            raise self.given.fault(f"there is no file '{name}' beside the source{hint}", *keys)
         return found
 
     def table(self, name: str, columns: tuple[int, ...], *keys: str | int) -> Table:
@@ -174,17 +169,13 @@ class Folder:
             return EntitySets()
         path = self.path(name, "mesh", "entity_sets")
         text = _text(path, name)
-        data = _json(text, path)
-        if not isinstance(data, dict):
-            raise _refused(path, "the file must be one JSON object: {…}", 1)
+        _json(text, path)
         try:
             sets = EntitySets.model_validate_json(text)
         except ValidationError as error:
             details = error.errors(include_url=False)[0]
-            place = ".".join(map(str, details["loc"]))
-            raise _refused(
-                path, str(details["msg"]).replace("Input should be", "must be"), None, place
-            ) from None
+            words = str(details["msg"]).replace("Input should be", "must be")
+            raise _refused(path, words, None, ".".join(map(str, details["loc"]))) from None
         for group in ("node_sets", "cell_sets", "particle_sets"):
             numbers = [member.id for member in getattr(sets, group)]
             double = next((n for i, n in enumerate(numbers) if n in numbers[:i]), None)
@@ -240,19 +231,12 @@ def _numbers(path: Path, line: int, text: str, columns: tuple[int, ...]) -> list
     if len(words) not in columns:
         allowed = " or ".join(map(str, columns))
         raise _refused(path, f"{allowed} numbers are needed in the row, not {len(words)}", line)
-    try:
-        numbers = [float(word) for word in words]
-    except ValueError:
-        wrong = next(word for word in words if not _is_number(word))
-        raise _refused(path, f"'{wrong[:40]}' is not a number", line) from None
+    numbers = []
+    for word in words:
+        try:
+            numbers.append(float(word))
+        except ValueError:
+            raise _refused(path, f"'{word[:40]}' is not a number", line) from None
     if not all(abs(number) < 1e300 for number in numbers):
         raise _refused(path, "numbers must be finite", line)
     return numbers
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True

@@ -20,6 +20,7 @@ def _whole(value: Any) -> Any:
 Whole = Annotated[int, BeforeValidator(_whole)]
 Index = Annotated[int, BeforeValidator(_whole), Field(ge=0)]
 Axis = Annotated[int, BeforeValidator(_whole), Field(ge=0, le=5)]
+Count = Annotated[int, BeforeValidator(_whole), Field(ge=1, le=MAX_STEPS)]
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 Angle = Annotated[float, Field(ge=0, lt=90)]
@@ -33,7 +34,7 @@ class Part(BaseModel):
 
 
 class NodeConstraint(Part):
-    """A constraint on a set of nodes, or on those that a file lists."""
+    """What acts on a set of nodes, or on those that a file lists."""
 
     file: File | None = None
     nset_id: Whole | None = None
@@ -134,9 +135,13 @@ class OtherGenerator(Generator):
     """Particles that appear in empty cells while the source runs, and what no reader knows."""
 
 
-def _generator(value: Any) -> str:
-    kind = value.get("type") if isinstance(value, dict) else getattr(value, "type", None)
-    return kind if kind in ("file", "gauss") else "other"
+def _type(value: Any) -> Any:
+    return value.get("type") if isinstance(value, dict) else getattr(value, "type", None)
+
+
+def _by_type(*kinds: str) -> Discriminator:
+    """Choose a model by the type that the source gives, ``other`` if it is none of these."""
+    return Discriminator(lambda value: kind if (kind := _type(value)) in kinds else "other")
 
 
 class Particles(Part):
@@ -146,7 +151,7 @@ class Particles(Part):
         Annotated[FileGenerator, Tag("file")]
         | Annotated[GaussGenerator, Tag("gauss")]
         | Annotated[OtherGenerator, Tag("other")],
-        Discriminator(_generator),
+        _by_type("file", "gauss"),
     ]
 
 
@@ -233,24 +238,11 @@ class OtherMaterial(Material):
     density: float | None = None  # type: ignore[assignment]
 
 
-MATERIALS: dict[str, type[Material]] = {
-    "LinearElastic": LinearElastic,
-    "Newtonian": Newtonian,
-    "Bingham": Bingham,
-    "MohrCoulomb": MohrCoulomb,
-    "ModifiedCamClay": ModifiedCamClay,
-}
-"""Materials by their name without 2D or 3D."""
-
-
 def family(kind: Any) -> str:
     """The name of a material without 2D or 3D, or ``other``."""
     plain = kind[:-2] if isinstance(kind, str) and kind[-2:] in ("2D", "3D") else ""
-    return plain if plain in MATERIALS else "other"
-
-
-def _material(value: Any) -> str:
-    return family(value.get("type") if isinstance(value, dict) else getattr(value, "type", None))
+    known = (LinearElastic, Newtonian, Bingham, MohrCoulomb, ModifiedCamClay)
+    return plain if plain in {model.__name__ for model in known} else "other"
 
 
 AnyMaterial = Annotated[
@@ -260,7 +252,7 @@ AnyMaterial = Annotated[
     | Annotated[MohrCoulomb, Tag("MohrCoulomb")]
     | Annotated[ModifiedCamClay, Tag("ModifiedCamClay")]
     | Annotated[OtherMaterial, Tag("other")],
-    Discriminator(_material),
+    Discriminator(lambda value: family(_type(value))),
 ]
 
 
@@ -271,12 +263,9 @@ class MaterialSet(Part):
     pset_id: Whole
 
 
-class NodalForce(Part):
+class NodalForce(NodeConstraint):
     """A force on each node of a set, or forces that a file lists."""
 
-    file: File | None = None
-    nset_id: Whole | None = None
-    dir: Axis | None = None
     force: float | None = None
     math_function_id: Index | None = None
 
@@ -324,16 +313,11 @@ class OtherFunction(Part):
     type: str
 
 
-def _function(value: Any) -> str:
-    kind = value.get("type") if isinstance(value, dict) else getattr(value, "type", None)
-    return kind if kind in ("Linear", "Sin") else "other"
-
-
 AnyFunction = Annotated[
     Annotated[LinearFunction, Tag("Linear")]
     | Annotated[SinFunction, Tag("Sin")]
     | Annotated[OtherFunction, Tag("other")],
-    Discriminator(_function),
+    _by_type("Linear", "Sin"),
 ]
 
 
@@ -359,7 +343,7 @@ class Analysis(Part):
 
     type: str
     dt: Positive
-    nsteps: Annotated[int, BeforeValidator(_whole), Field(ge=1, le=MAX_STEPS)]
+    nsteps: Count
     uuid: str | None = None
     stress_update: str = Field(
         default="usf", validation_alias=AliasChoices("stress_update", "mpm_scheme", "stress_analysis")
@@ -375,7 +359,7 @@ class Analysis(Part):
 class PostProcessing(Part):
     """What is written, and how often."""
 
-    output_steps: Annotated[int, BeforeValidator(_whole), Field(ge=1, le=MAX_STEPS)]
+    output_steps: Count
     path: str | None = None
     vtk: tuple[str, ...] = ()
     vtk_statevars: tuple[Any, ...] = ()

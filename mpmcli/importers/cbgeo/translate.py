@@ -87,7 +87,7 @@ def _begun(given: Input, made: Translation) -> Work | None:
     try:
         grid = read_grid(folder.table(mesh.mesh, (2, d, 3, 2**d, 4**d), "mesh", "mesh"), d, shape)
         sets = folder.sets()
-        return Work(given, folder, made, grid, sets, read_cloud(given, folder, grid, sets))
+        return Work(given, folder, made, grid, sets, read_cloud(folder, grid, sets))
     except SceneError as error:
         add_problems(made, error)
         return None
@@ -116,13 +116,13 @@ def _note_phases(work: Work) -> None:
     """Nodes and particles of two phases."""
     words = "two phases"
     if PHASES.search(work.given.source.mesh.node_type):
-        work.note("not_supported", ("mesh", "node_type"), words)
+        work.lacks(("mesh", "node_type"), words)
     for index, entry in enumerate(work.given.source.particles):
         keys = ("particles", index, "generator")
         if PHASES.search(entry.generator.particle_type):
-            work.note("not_supported", (*keys, "particle_type"), words)
+            work.lacks((*keys, "particle_type"), words)
         if isinstance(entry.generator.material_id, tuple) and len(entry.generator.material_id) > 1:
-            work.note("not_supported", (*keys, "material_id"), "particles of several materials")
+            work.lacks((*keys, "material_id"), "particles of several materials")
 
 
 def _add_grid(work: Work) -> None:

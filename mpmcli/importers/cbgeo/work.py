@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from mpmcli.core.errors import SceneError
-from mpmcli.importers.base import Expression, NoteKind, Translation
+from mpmcli.importers.base import Expression, NoteKind, Translation, free_name
 from mpmcli.importers.cbgeo.mesh import RegularGrid
 from mpmcli.importers.cbgeo.particles import Cloud
 from mpmcli.importers.cbgeo.reading import Array, Folder, Input
@@ -38,6 +40,10 @@ class Work:
         """Add a note about a key of the source."""
         self.made.note(kind, self.given.line(*keys), dotted(keys), words)
 
+    def lacks(self, keys: Keys, words: str) -> None:
+        """A key of the source is not supported."""
+        self.note("not_supported", keys, words)
+
     def fault(self, keys: Keys, words: str) -> None:
         """Add a fault of the source."""
         self.made.error(self.given.line(*keys), dotted(keys), words)
@@ -46,14 +52,19 @@ class Work:
         """Keep the problems of an error with the others."""
         add_problems(self.made, error)
 
+    def load(self, name: str, kind: str, **rest: Any) -> str:
+        """Add a load; the name that it has in the end."""
+        loads = self.scene.setdefault("loads", [])
+        free = free_name(name, [load["name"] for load in loads], " ")
+        loads.append({"name": free, "kind": kind, **rest})
+        return free
+
     def constant(self, name: str, value: float) -> None:
         """Name a number."""
         self.scene.setdefault("constants", {})[name] = value
 
     def nodes_of(self, set_id: int | None, keys: Keys) -> Array | None:
         """Numbers of the nodes of a set; −1 is all of them. A fault if there is no such set."""
-        import numpy as np
-
         if set_id is None:
             self.fault(keys, "'nset_id' is missing")
             return None
@@ -64,10 +75,8 @@ class Work:
             self.fault((*keys, "nset_id"), f"there is no node set {set_id}, or it is empty")
             return None
         if max(chosen.set) >= len(self.grid.nodes):
-            words = (
-                f"node {max(chosen.set)} of the set {set_id} does not exist ({len(self.grid.nodes)} nodes)"
-            )
-            self.fault((*keys, "nset_id"), words)
+            words = f"of the set {set_id} does not exist ({len(self.grid.nodes)} nodes)"
+            self.fault((*keys, "nset_id"), f"node {max(chosen.set)} {words}")
             return None
         return np.unique(np.array(chosen.set))
 
@@ -96,7 +105,7 @@ class Work:
         if isinstance(function, LinearFunction):
             return self._linear(value, function, ("math_functions", at))
         words = f"functions of type '{function.type}'; Linear and Sin are"
-        self.note("not_supported", ("math_functions", at, "type"), words)
+        self.lacks(("math_functions", at, "type"), words)
         return None
 
     def _sine(self, value: float, function: SinFunction) -> Expression:
@@ -113,9 +122,8 @@ class Work:
             return None
         back = next((i for i in range(1, len(x)) if x[i] <= x[i - 1]), None)
         if back is not None:
-            self.fault(
-                (*keys, "xvalues"), f"the values must increase, but {x[back]:g} follows {x[back - 1]:g}"
-            )
+            words = f"the values must increase, but {x[back]:g} follows {x[back - 1]:g}"
+            self.fault((*keys, "xvalues"), words)
             return None
         if all(member == f[0] for member in f):
             return value * f[0]
@@ -127,9 +135,7 @@ class Work:
         last = max(i for i in range(1, len(x)) if f[i] != f[i - 1])  # constant from there on
         if last == 1 and f[0] == 0.0:
             return Expression(f"{times_text(value * f[1])}ramp(t, {plain(x[0])}, {plain(x[1])})")
-        pairs = ", ".join(
-            f"{plain(a)}, {plain(b)}" for a, b in zip(x[: last + 1], f[: last + 1], strict=True)
-        )
+        pairs = ", ".join(f"{plain(x[i])}, {plain(f[i])}" for i in range(last + 1))
         return Expression(f"{times_text(value)}interpolate(t, {pairs})")
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from mpmcli.importers.nairnmpm.commands import Command
 from mpmcli.importers.nairnmpm.job import Job, Material
 from mpmcli.importers.nairnmpm.shapes import NAMES
-from mpmcli.importers.nairnmpm.values import Formula, Value
+from mpmcli.importers.nairnmpm.values import Value
 
 Made = dict[str, Any]
 ANISOTROPIC = {2, 3, 4, 15}
@@ -32,11 +32,9 @@ def with_axes(kind: str, names: dict[str, str], axis: str = "") -> Callable[[Job
         for theirs, ours in names.items():
             value = job.property(material.command, theirs)
             if value is None:
-                job.made.error(material.command.line, "<Material>", f"the command <{theirs}> is missing")
+                job.error(material.command, f"the command <{theirs}> is missing")
                 return None
             made[ours] = value
-        for inside in material.command.all("largeRotation"):
-            job.ignored(inside, "large rotations are always taken into account")
         return made
 
     return make
@@ -59,26 +57,22 @@ def hill(job: Job, material: Material) -> Made | None:
         job.note("not_supported", command, f"yield stresses without bound: {', '.join(lacking)}")
         return None
     flow = found["xx"]
-    ratios = {f"R{_NUMBERED[key]}": found[key].scaled / flow.scaled for key in _HILL[1:3]}
-    ratios |= {
-        f"R{_NUMBERED[key]}": math.sqrt(3.0) * found[key].scaled / flow.scaled
-        for key in _HILL[3:]
+    ratios = {
+        f"R{number}": Value((math.sqrt(3.0) if key in _HILL[3:] else 1.0) * found[key].scaled / flow.scaled)
+        for key, number in zip(_HILL[1:], ("22", "33", "12", "13", "23"), strict=True)
         if key in found
     }
-    made["anisotropy"] = {"kind": "ratios", **{key: Value(ratio) for key, ratio in ratios.items()}}
+    made["anisotropy"] = {"kind": "ratios", **ratios}
+    made["hardening"] = {"kind": "linear", "yield_stress": flow}
     if K is None or K.scaled == 0:
-        made["hardening"] = {"kind": "linear", "yield_stress": flow}
         return made
     job.changed(command, "the plastic strain of the hardening law is conjugate to Hill's equivalent stress")
     slope = Value(flow.scaled * K.scaled)
     if n is None or n.scaled == 1:
-        made["hardening"] = {"kind": "linear", "yield_stress": flow, "modulus": slope}
+        made["hardening"]["modulus"] = slope
     else:
-        made["hardening"] = {"kind": "power_law", "yield_stress": flow, "B": slope, "n": n}
+        made["hardening"] |= {"kind": "power_law", "B": slope, "n": n}
     return made
-
-
-_NUMBERED = dict(zip(_HILL, ("11", "22", "33", "12", "13", "23"), strict=True))
 
 
 def body_axes(job: Job, command: Command) -> list[Made]:
@@ -104,7 +98,7 @@ def body_axes(job: Job, command: Command) -> list[Made]:
         turns = [{"angle": whole.negative, "axis": "z"}]
     if job.analysis != "3d":
         if any(turn["axis"] != "z" for turn in turns):
-            job.made.error(command.line, f"<{command.name}>", "in 2D, material axes turn about z only")
+            job.error(command, "in 2D, material axes turn about z only")
         for turn in turns:
             del turn["axis"]
     return turns
@@ -112,16 +106,10 @@ def body_axes(job: Job, command: Command) -> list[Made]:
 
 def _clockwise(job: Job, command: Command) -> Any:
     """Minus an angle: a number, or an expression of place."""
-    value = job.number(command, None) if _is_number(job, command.text) else None
-    if value is not None:
-        return value.negative if value.number != 0 else None
-    formula = job.formula(command, command.text)
-    return None if formula is None else Formula(f"-({formula.text})")
-
-
-def _is_number(job: Job, text: str) -> bool:
     try:
-        float(job.source.plain(text))
+        float(job.word(command))
     except ValueError:
-        return False
-    return True
+        formula = job.formula(command, command.text)
+        return None if formula is None else formula.negative
+    value = job.number(command, None)
+    return value.negative if value is not None and value.number != 0 else None

@@ -12,15 +12,9 @@ from mpmcli.importers.nairnmpm.values import Value
 _FIELDS = {2: "velocity", 3: "stress", 4: "deformation_gradient", 8: "temperature"}
 """Fields by their place in the text of MPMArchiveOrder."""
 _RESULTS = {
-    "velocity": "velocity",
-    "stress": "stress",
-    "strain": "deformation_gradient",
-    "plasticstrain": "deformation_gradient",
-    "temperature": "temperature",
-    "workenergy": "stress_work",
-    "strainenergy": "strain_energy",
-    "rotstrain": "deformation_gradient",
-    "pressure": "pressure",
+    **{name: name for name in ("velocity", "stress", "temperature", "pressure")},
+    **dict.fromkeys(("strain", "plasticstrain", "rotstrain"), "deformation_gradient"),
+    **{"workenergy": "stress_work", "strainenergy": "strain_energy"},
 }
 _GLOBALS = {
     "kinetic energy": "kinetic_energy",
@@ -52,17 +46,13 @@ def archive(job: Job, header: Command, names: list[tuple[str, str]]) -> None:
     groups = list(header.all("ArchiveGroup"))
     for inside in header.all("ArchiveTime"):
         every = job.number(inside, None, "time")
-        inside.get("maxProps")
     for inside in groups:
         every = every or job.number(inside, "time", "time")
-        inside.get("maxProps")
         if job.plain(inside, "start"):
             job.changed(inside, "archives begin at time 0")
         inside.get("start")
     if len(groups) > 1:
         job.changed(groups[1], "archives are written at the interval of the first group")
-    for inside in header.all("FirstArchiveTime"):
-        job.ignored(inside, "archives begin at time 0")
     fields = _fields(job, header)
     if every is not None and every.scaled > 0:
         made["particles"] = {"every": every, "fields": fields}
@@ -87,8 +77,7 @@ def archive(job: Job, header: Command, names: list[tuple[str, str]]) -> None:
 
 def _tips(job: Job, header: Command) -> list[str]:
     """Columns of J and K of tips, which NairnMPM archives with its cracks."""
-    order = header.last("CrackArchiveOrder")
-    text = job.source.plain(order.text).strip() if order is not None else ""
+    text = job.word(header.last("CrackArchiveOrder"))
     results = {
         (inside.attributes.get("result") or "").lower()
         for inside in header.children
@@ -103,13 +92,10 @@ def _tips(job: Job, header: Command) -> list[str]:
 
 def _fields(job: Job, header: Command) -> list[str]:
     found = ["displacement"]
-    order = header.last("MPMArchiveOrder")
-    if order is not None:
-        text = job.source.plain(order.text).strip()
-        found += [name for place, name in _FIELDS.items() if len(text) > place and text[place] == "Y"]
+    text = job.word(header.last("MPMArchiveOrder"))
+    found += [name for place, name in _FIELDS.items() if text[place : place + 1] == "Y"]
     for inside in header.all("MPMArchive"):
         result = (inside.get("result") or "").lower()
-        inside.get("setting")
         if result in {"jintegral", "stressintensity"}:
             continue
         if result in _RESULTS:
@@ -150,26 +136,22 @@ def column_of(job: Job, command: Command, names: list[tuple[str, str]]) -> str |
     if of is not None and of.is_rigid:
         job.note("ignored", command, "rigid bodies have no such result")
         return None
-    keys = (
-        [of.key]
-        if of is not None and of.used
-        else [m.key for m in job.materials if m.used and not m.is_rigid][:1]
-    )
-    if not keys:
+    owners = [of] if of is not None and of.used else [m for m in job.materials if m.used and not m.is_rigid]
+    if not owners:
         job.note("ignored", command, "its material is in no body")
         return None
-    owners = {material for _, material in names}
+    key = owners[0].key
+    bodies = [body for body, material in names if material == key]
     for word, column in _OF_MATERIAL.items():
         rest = low.removeprefix(word)
         if rest == low and word != low:
             continue
-        bodies = [body for body, material in names if material == keys[0]]
-        if word in {"s", "e"} and rest in _TENSOR and keys[0] in owners:
-            return f"{column}{rest}[{keys[0]}]"
+        if word in {"s", "e"} and rest in _TENSOR and bodies:
+            return f"{column}{rest}[{key}]"
         if word in {"vel", "disp"} and rest in {"x", "y", "z"} and len(bodies) == 1:
             return f"{column}{rest}[{bodies[0]}]"
         if word == "temp" and rest in {"", "erature"} and job.heats:
-            return f"temperature[{keys[0]}]"
+            return f"temperature[{key}]"
     job.note("ignored", command, f"the quantity '{kind}' is not archived")
     return None
 
@@ -185,26 +167,15 @@ def _reaction(job: Job, command: Command, axis: str) -> str | None:
     if axis in job.axes and len(named) == 1:
         return f"reaction_{axis}[{named[0]}]"
     columns = ", ".join(f"reaction_{axis}[{name}]" for name in named[:5])
-    words = (
-        f"the reaction is the sum of the columns {columns}"
-        if columns
-        else f"no condition has the id {number}"
-    )
+    words = f"the reaction is the sum of the columns {columns}" if columns else ""
+    words = words or f"no condition has the id {number}"
     job.note("ignored", command, words if axis in job.axes else f"there is no axis {axis}")
     return None
 
 
 _PERIODIC = {
-    "FMPMOrder",
-    "XPICOrder",
-    "periodicTime",
-    "periodicCFL",
-    "periodicSteps",
-    "periodicTimeConduction",
-    "periodicCFLConduction",
-    "periodicStepsConduction",
-    "verbose",
-    "GridBCOption",
+    *("FMPMOrder", "XPICOrder", "periodicTime", "periodicCFL", "periodicSteps", "verbose", "GridBCOption"),
+    *("periodicTimeConduction", "periodicCFLConduction", "periodicStepsConduction"),
 }
 
 
@@ -230,87 +201,57 @@ def _periodic(job: Job, task: Command) -> None:
         if name not in _PERIODIC:
             job.unsupported(parameter, f"the parameter '{name}' of PeriodicXPIC")
         elif name == "GridBCOption":
-            _grid_option(job, parameter)
+            option = job.word(parameter).lower()
+            if option in {"lumped", "velocity", "combined"}:
+                job.scene["method"]["velocity_conditions"] = option
+            else:
+                job.unsupported(parameter, f"GridBCOption '{option}'")
         else:
             found[name] = job.plain(parameter, None)
-    kind = "fmpm" if "FMPMOrder" in found else "xpic"
-    made: dict[str, Any] = {
-        "kind": kind,
-        "order": max(1, round(found.get("FMPMOrder", found.get("XPICOrder", 2.0)))),
-    }
+    order = max(1, round(found.get("FMPMOrder", found.get("XPICOrder", 2.0))))
+    made: dict[str, Any] = {"kind": "fmpm" if "FMPMOrder" in found else "xpic", "order": order}
     if found.get("periodicCFL", 0) > 0:
         made["every_courant"] = Value(found["periodicCFL"])
     elif found.get("periodicSteps", 0) > 1:
         made["every_steps"] = round(found["periodicSteps"])
     if found.get("periodicTime", 0) > 0:
         job.note("not_supported", task, "periodicTime; every_courant and every_steps are")
-    method = job.scene["method"]
-    method["transfer"] = made
+    job.scene["method"]["transfer"] = made
     job.made.comments.pop(("method", "transfer"), None)
     if "heat" in job.scene and found.get("periodicStepsConduction", 0) > 0:
         steps = round(found["periodicStepsConduction"])
-        job.scene["heat"]["transfer"] = {"kind": "fmpm", "order": made["order"]} | (
-            {"every_steps": steps} if steps > 1 else {}
-        )
-
-
-def _grid_option(job: Job, parameter: Command) -> None:
-    option = job.source.plain(parameter.text).strip().lower()
-    if option in {"lumped", "velocity", "combined"}:
-        job.scene["method"]["velocity_conditions"] = option
-    else:
-        job.unsupported(parameter, f"GridBCOption '{option}'")
+        job.scene["heat"]["transfer"] = {"kind": "fmpm", "order": order}
+        if steps > 1:
+            job.scene["heat"]["transfer"]["every_steps"] = steps
 
 
 def heat(job: Job, root: Command) -> None:
     """Conduction and coupling."""
-    conducts = adiabatic = False
-    friction: bool | None = None
-    for block in root.all("Thermal"):
-        for inside in block.children:
-            inside.handled = True
-            if inside.name == "Conduction":
-                conducts = True
-            elif inside.name == "EnergyCoupling":
-                adiabatic = True
-            elif inside.name in {"ContactHeating", "FrictionalHeating"}:
-                friction = True
-            elif inside.name == "ContactHeatFlow":
-                job.unsupported(inside, "its conductances; heat.contact has one")
-            elif inside.name == "NoAVHeating":
-                job.ignored(inside, "there is no artificial viscosity")
-            elif inside.name != "Isothermal":
-                job.unsupported(inside, "no counterpart")
-    if conducts:
-        in_contact = any(
-            inside.name == "MultiMaterialMode" for block in root.children for inside in block.children
-        )
-        job.scene["heat"] = {"friction": bool(friction)} if in_contact else {}
+    read = ("Conduction", "EnergyCoupling", "ContactHeating", "FrictionalHeating")
+    given = {inside.name for block in root.all("Thermal") for inside in block.all(*read)}
+    adiabatic = "EnergyCoupling" in given
+    if "Conduction" in given:
+        rubs = not given.isdisjoint({"ContactHeating", "FrictionalHeating"})
+        in_contact = any(inside.name == "MultiMaterialMode" for inside in root.walk())
+        job.scene["heat"] = {"friction": rubs} if in_contact else {}
+    if adiabatic or "Conduction" in given:
         job.scene["method"]["heating"] = "adiabatic" if adiabatic else "isothermal"
-    elif adiabatic:
-        job.scene["method"]["heating"] = "adiabatic"
 
 
 def temperatures_matter(job: Job, root: Command, header: Command) -> bool:
     """Whether temperatures change, or are other than that without stress."""
-    reference = header.last("StressFreeTemp")
-    at_rest = job.number(reference, None) if reference is not None else None
+    at_rest = job.property(header, "StressFreeTemp")
     job.scene["_at_rest"] = at_rest
     zero = at_rest.number if at_rest is not None else 0.0
-    matter = any(
-        inside.name in {"Conduction", "EnergyCoupling"}
-        for block in root.children
-        for inside in block.children
-    )
-    matter = matter or any(True for _ in ramp_commands(root))
+    matter = any(True for _ in ramp_commands(root))
+    matter |= any(inside.name in {"Conduction", "EnergyCoupling"} for inside in root.walk())
     for command in root.walk():
         if command.name in {"Body", "mp"} and "temp" in command.attributes:
             value = job.number(command, "temp")
             matter = matter or (value is not None and value.number != zero)
     if matter and not zero > 0:
-        where = reference if reference is not None else header
         words = f"a temperature without stress (StressFreeTemp) of {zero:g}; temperatures are absolute here"
-        job.note("not_supported", where, words)
+        job.note("not_supported", header.last("StressFreeTemp") or header, words)
     elif matter:
         job.scene["_reference"] = at_rest
     return matter

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+from mpmcli.core.files import NoPlainFile, TooLarge, read_plain
 from mpmcli.importers.nairnmpm.anisotropic import ANISOTROPIC, body_axes
 from mpmcli.importers.nairnmpm.commands import Command
 from mpmcli.importers.nairnmpm.job import Job, Material
@@ -28,20 +30,16 @@ class Bodies:
 
     def read(self, block: Command) -> None:
         """Make all bodies of the block."""
-        for command in block.children:
-            command.handled = True
+        for command in block.all("Body", "Hole", "BMP", "PointList"):
             if command.name == "Body":
                 self._body(command)
             elif command.name == "Hole":
-                self.holes += [
-                    r for shape in command.all(*NAMES) if (r := region(self.job, shape)) is not None
-                ]
+                holes = [region(self.job, shape) for shape in command.all(*NAMES)]
+                self.holes += [hole for hole in holes if hole is not None]
             elif command.name == "BMP":
                 self._picture(command)
-            elif command.name == "PointList":
+            else:
                 self._points(command)
-            elif command.name == "Membrane":
-                self.job.unsupported(command, "membranes")
         self._name()
 
     def _body(self, command: Command) -> None:
@@ -58,9 +56,8 @@ class Bodies:
             elif (inside.name == "Unrotate" and index > last) or inside is turned:
                 inside.handled = True
             elif inside.name == "Deform":
-                job.unsupported(
-                    inside, "a deformation at the start; bodies may have 'stress: {kind: strain, …}'"
-                )
+                words = "a deformation at the start; bodies may have 'stress: {kind: strain, …}'"
+                job.unsupported(inside, words)
             elif regions:
                 late = True
         if late:
@@ -72,9 +69,8 @@ class Bodies:
                 command.skip()
             self._rest(command)
             return
-        body: dict[str, Any] = {
-            "region": found[0] if len(found) == 1 else {"kind": "union", "regions": found}
-        }
+        whole = found[0] if len(found) == 1 else {"kind": "union", "regions": found}
+        body: dict[str, Any] = {"region": whole}
         if turned is not None:
             self._turn(turned, body)
         velocity = self._velocity(command)
@@ -119,9 +115,8 @@ class Bodies:
                 value = job.formula(inside, inside.text, "velocity")
             if axis < len(job.axes):
                 parts.append(value if value is not None else 0)
-        if any(not isinstance(part, Value) or part.number != 0 for part in parts if part != 0):
-            return [0 if isinstance(part, Value) and part.number == 0 else part for part in parts]
-        return None
+        parts = [0 if isinstance(part, Value) and part.number == 0 else part for part in parts]
+        return parts if any(part != 0 for part in parts) else None
 
     def _temperature(self, command: Command, body: dict[str, Any], value: Value | None) -> None:
         if value is not None and self.job.heats and not value.number > 0:
@@ -138,21 +133,17 @@ class Bodies:
         if value is None or not job.analysis.startswith("plane") or material.is_rigid:
             return
         if self.thickness is not None and abs(value.scaled - self.thickness.scaled) > 1e-12:
-            job.note(
-                "not_supported",
-                command,
-                f"thickness {value.number:g}, another than that of the bodies before",
-            )
+            words = f"thickness {value.number:g}, another than that of the bodies before"
+            job.note("not_supported", command, words)
         elif value.scaled > 0:
             self.thickness = value
             job.scene["analysis"]["thickness"] = value
 
     def _rest(self, command: Command) -> None:
-        """What says something of stresses and concentrations."""
-        job = self.job
+        """Concentrations and rotation."""
         for name in ("conc", "wtconc", "rpm"):
-            if job.plain(command, name):
-                job.note("not_supported", command, f"attribute {name}")
+            if self.job.plain(command, name):
+                self.job.note("not_supported", command, f"attribute {name}")
 
     def _stress(self, command: Command) -> dict[str, Any]:
         """Initial stress, as numbers or expressions of place."""
@@ -195,7 +186,6 @@ class Bodies:
         origin = command.last("Origin")
         if origin is not None:
             corner = [job.number(origin, letter) or 0 for letter in "xy"]
-            origin.get("z")
             base["origin"] = corner
             if (origin.get("flipped") or "").lower() in {"yes", "1"}:
                 base["flip"] = "vertical"
@@ -224,7 +214,7 @@ class Bodies:
         given = [job.number(command, word) for word in ("width", "height")]
         count = _pixels(job.made.files[base["file"]])
         if count is None:
-            job.made.error(command.line, "<BMP>", f"{base['file']} is no picture that can be read")
+            job.error(command, f"{base['file']} is no picture that can be read")
             return
         lengths = [None if value is None else value.scaled for value in given]
         pixel = [
@@ -233,7 +223,7 @@ class Bodies:
         ]
         one = next((edge for edge in pixel if edge), None)
         if one is None:
-            job.made.error(command.line, "<BMP>", "the attribute 'width' or 'height' is missing")
+            job.error(command, "the attribute 'width' or 'height' is missing")
         elif None not in given and all(v is not None and v.number > 0 for v in given):
             base["size"] = given
         else:  # pixels are square where one length is given, and negative lengths are those of pixels
@@ -243,13 +233,11 @@ class Bodies:
         job = self.job
         for inside in level.all("vel"):
             parts = [job.number(inside, letter, "velocity") or 0 for letter in job.axes]
-            inside.get("z")
             if any(isinstance(part, Value) and part.number != 0 for part in parts):
                 body["velocity"] = parts
         for inside in level.all("Temperature"):
             self._temperature(inside, body, job.number(inside, None))
-        for inside in level.all("Thickness", "Angle", "Concentration"):
-            job.unsupported(inside, "a value for one intensity")
+        job.unsupported(level, "a value for one intensity", "Thickness Angle Concentration")
         for attribute in ("minAngle", "maxAngle"):
             if level.get(attribute) is not None:
                 job.note("not_supported", level, f"attribute {attribute}")
@@ -260,14 +248,12 @@ class Bodies:
         folder = job.made.source.resolve().parent
         path = (folder / name).resolve()
         if not path.is_relative_to(folder):
-            job.made.error(command.line, "<BMP>", f"the picture {name} lies outside the folder of the file")
+            job.error(command, f"the picture {name} lies outside the folder of the file")
             return False
         try:
-            from mpmcli.core.files import NoPlainFile, TooLarge, read_plain
-
             contents = read_plain(path, MAX_PICTURE)
         except (OSError, NoPlainFile, TooLarge, ValueError):
-            job.made.error(command.line, "<BMP>", f"the picture {name} cannot be read")
+            job.error(command, f"the picture {name} cannot be read")
             return False
         job.made.files[Path(name).name] = contents
         return True
@@ -280,20 +266,15 @@ class Bodies:
         for point in command.all("mp"):
             material = job.material(point)
             at, velocity = point.last("pt"), point.last("vel")
-            for name in ("elem", "thick"):
-                point.get(name)
             angle = job.plain(point, "angle")
             for name in ("conc", "wtconc", "temp"):
                 if job.plain(point, name):
                     job.note("not_supported", point, f"attribute {name} of single points")
-            for inside in point.all("mass"):
-                job.unsupported(inside, "masses of single points")
             if at is None or material is None:
                 if at is None:
-                    job.made.error(point.line, "<mp>", "the command <pt> is missing")
+                    job.error(point, "the command <pt> is missing")
                 continue
             place = [job.number(at, letter) for letter in job.axes]
-            at.get("z")
             speed = [job.number(velocity, letter, "velocity") if velocity else None for letter in job.axes]
             if None in place:
                 continue
@@ -318,18 +299,15 @@ class Bodies:
 
     def _name(self) -> None:
         """Name bodies by their materials and, where several have one, by their places."""
-        groups: dict[str, list[int]] = {}
-        for index, material in enumerate(self.materials):
-            groups.setdefault(material.key, []).append(index)
-        names: dict[int, str] = {}
-        for key, members in groups.items():
-            endings = _places([self.boxes[index] for index in members])
-            for index, ending in zip(members, endings, strict=True):
-                names[index] = f"{key}_{ending}" if ending else key
-        bodies = []
-        for index, body in enumerate(self.made):
-            bodies.append({"name": names[index], "material": self.materials[index].key, **body})
-        self.made = bodies
+        keys = [material.key for material in self.materials]
+        endings = {
+            key: iter(_places([box for other, box in zip(keys, self.boxes, strict=True) if other == key]))
+            for key in keys
+        }
+        self.made = [
+            {"name": key + next(endings[key]), "material": key, **body}
+            for key, body in zip(keys, self.made, strict=True)
+        ]
 
 
 def _meet(one: Box | None, other: Box | None) -> bool:
@@ -341,10 +319,10 @@ def _meet(one: Box | None, other: Box | None) -> bool:
 
 
 def _places(boxes: list[Box | None]) -> list[str]:
-    """Words for the places of bodies: left, right, lower, upper, front, back; or numbers."""
+    """Ends of the names of bodies: left, right, lower, upper, front, back; or numbers."""
     if len(boxes) == 1:
         return [""]
-    words = (("left", "right"), ("lower", "upper"), ("back", "front"))
+    words = (("_left", "_right"), ("_lower", "_upper"), ("_back", "_front"))
     if len(boxes) == 2 and None not in boxes:
         centers = [[0.5 * (a + b) for a, b in zip(*box, strict=True)] for box in boxes if box is not None]
         gaps = [b - a for a, b in zip(*centers, strict=True)]
@@ -352,13 +330,11 @@ def _places(boxes: list[Box | None]) -> list[str]:
         if abs(gaps[axis]) > 0:
             pair = words[axis]
             return list(pair) if gaps[axis] > 0 else [pair[1], pair[0]]
-    return [str(number) for number in range(1, len(boxes) + 1)]
+    return [f"_{number}" for number in range(1, len(boxes) + 1)]
 
 
 def _pixels(contents: str | bytes) -> tuple[int, int] | None:
     """Columns and rows of a picture, or None if it is none."""
-    from io import BytesIO
-
     from PIL import Image
 
     try:

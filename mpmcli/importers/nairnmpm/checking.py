@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 from mpmcli.core.suggest import did_you_mean
-from mpmcli.importers.base import Translation
+from mpmcli.importers.base import NoteKind, Translation
 from mpmcli.importers.nairnmpm.commands import NUMBER, Command, CommandFile
-from mpmcli.importers.nairnmpm.grammar import COMMANDS, PROPERTIES, Known, known
+from mpmcli.importers.nairnmpm.grammar import COMMANDS, NOTES, PROPERTIES, Known, known
 
 _COORDINATE = re.compile(r"(?:min|max)\s*([-+]?\s*[\d.]*(?:[eE][-+]?\d+)?)\Z")
 LARGEST = 1e30
@@ -40,6 +41,7 @@ class _Checker:
                     del command.attributes[name]
             else:
                 self._value(command, f"attribute {name}", rules.attributes[name], value)
+        command.used |= rules.idle
         for name in sorted(rules.needed - set(command.attributes)):
             self._error(command, f"the attribute '{name}' is missing")
         if rules.text == "0" and (stray := command.text.strip()):
@@ -64,15 +66,10 @@ class _Checker:
         if parent in {"Material", "Periodic"}:
             if parent == "Periodic":
                 return None
-            if command.name in COMMANDS and command.name in {
-                "Friction",
-                "PDamping",
-                "Propagate",
-                "AltPropagate",
-            }:
+            if command.name in {"Friction", "PDamping", "Propagate", "AltPropagate"}:
                 return COMMANDS[command.name]
             attributes = "red:n green:n blue:n alpha:n" if command.name == "color" else ""
-            return known(attributes, PROPERTIES.get(command.name, "n"), "")
+            return known(PROPERTIES.get(command.name, "n"), attributes)
         return COMMANDS.get(command.name)
 
     def _value(self, command: Command, where: str, kind: str, value: str) -> None:
@@ -88,10 +85,8 @@ class _Checker:
             digits = "0" if digits in {"+", "-"} else digits
         found = NUMBER.match(digits)
         if found is None:
-            self._error(
-                command,
-                f"{where}: '{plain[:60]}' is not a number" if plain else f"{where}: a value is missing",
-            )
+            words = f"'{plain[:60]}' is not a number" if plain else "a value is missing"
+            self._error(command, f"{where}: {words}")
         elif not abs(float(found[0])) < LARGEST:
             self._error(command, f"{where}: '{plain[:60]}' is too large")
 
@@ -113,15 +108,16 @@ def _choice(names: object) -> str:
     return f" (allowed: {shown})"
 
 
-def unread(command: Command) -> list[Command | tuple[Command, str]]:
-    """What no translation has read: replaced commands, and others with words for what is unread."""
+def unread(command: Command) -> Iterator[tuple[NoteKind, Command, str]]:
+    """Yield notes about what no translation has read: replaced commands, others, and attributes."""
     if command.replaced:
-        return [command]
-    if not command.handled:
-        return [(command, "no counterpart")]
-    missed: list[Command | tuple[Command, str]] = [
-        (command, f"attribute {name}: no counterpart")
-        for name in command.attributes
-        if name not in command.used
-    ]
-    return missed + [row for child in command.children for row in unread(child)]
+        yield "ignored", command, "a later command of this name replaces it"
+    elif not command.handled:
+        kind, words = NOTES.get(command.name, ("not_supported", "no counterpart"))
+        yield kind, command, words
+    else:
+        for name in command.attributes:
+            if name not in command.used:
+                yield "not_supported", command, f"attribute {name}: no counterpart"
+        for child in command.children:
+            yield from unread(child)

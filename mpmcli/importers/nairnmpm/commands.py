@@ -70,6 +70,10 @@ class Command:
             child.replaced = True
         return found[-1] if found else None
 
+    def first(self, name: str) -> Command | None:
+        """The first command of this name directly inside this one, or None; it does not count as read."""
+        return next((child for child in self.children if child.name == name), None)
+
     def get(self, name: str) -> str | None:
         """An attribute, or None; it counts as read."""
         self.used.add(name)

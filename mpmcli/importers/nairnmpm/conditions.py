@@ -6,6 +6,7 @@ import math
 import re
 from typing import Any
 
+from mpmcli.importers.base import free_name
 from mpmcli.importers.nairnmpm.bodies import Bodies
 from mpmcli.importers.nairnmpm.commands import CLOSE, OPEN, Command
 from mpmcli.importers.nairnmpm.job import Job
@@ -17,14 +18,8 @@ Made = dict[str, Any]
 _PLACES = ("BCLine", "BCArc", "BCBox", "BCShape", "LdRect")
 _DIRECTIONS = {1: (0,), 2: (1,), 3: (2,), 12: (0, 1), 13: (0, 2), 23: (1, 2), 123: (0, 1, 2)}
 """Axes of a direction of velocity conditions."""
-_FACES = {
-    1: ("y", "lower"),
-    2: ("x", "upper"),
-    3: ("y", "upper"),
-    4: ("x", "lower"),
-    5: ("z", "lower"),
-    6: ("z", "upper"),
-}
+_FACES = {1: ("y", "lower"), 2: ("x", "upper"), 3: ("y", "upper")}
+_FACES |= {4: ("x", "lower"), 5: ("z", "lower"), 6: ("z", "upper")}
 
 
 def raw(value: Value) -> str:
@@ -54,7 +49,7 @@ def history(job: Job, command: Command, value: Value | None, quantity: str, is_a
         return Formula(f"{raw(amount)}*{'sin' if style == 3 else 'cos'}({start}*t)", factor)
     if style == 6:
         if not (function or "").strip():
-            job.made.error(command.line, f"<{command.name}>", "the attribute 'function' is missing")
+            job.error(command, "the attribute 'function' is missing")
             return None
         made = job.formula(command, str(function), quantity, f"(t - {start})" if later else "t")
         if made is not None and later:
@@ -73,8 +68,6 @@ def _window(job: Job, command: Command) -> Made:
 def grid_conditions(job: Job, block: Command) -> list[Made]:
     """Conditions on nodes."""
     made: list[Made] = []
-    for inside in block.all("DisplacementBCs"):
-        job.unsupported(inside, "conditions on numbered nodes")
     names: set[str] = set()
     for number, shape in enumerate(block.all(*_PLACES), start=1):
         place = where(job, shape, number)
@@ -91,14 +84,10 @@ def grid_conditions(job: Job, block: Command) -> list[Made]:
                 several = sum(child.name in {"DisBC", "TempBC"} for child in shape.children) > 1
                 along = entry.get("direction", "temperature")
                 end = f"_{along if isinstance(along, str) else 'oblique'}" if several else ""
-                rest = dict(entry)
-                entry.clear()
-                entry |= {
-                    "name": _name(f"{place.name}{end}", names),
-                    "kind": rest.pop("kind"),
-                    "on": on,
-                    **rest,
-                }
+                first = {"name": _name(f"{place.name}{end}", names), "kind": entry["kind"], "on": on}
+                rest = {key: value for key, value in entry.items() if key != "kind"}
+                entry.clear()  # reactions know this one
+                entry |= first | rest
                 made.append(entry)
     return made
 
@@ -107,14 +96,11 @@ def _condition(job: Job, command: Command) -> Made | None:
     if command.name == "DisBC":
         code = round(job.plain(command, "dir"))
         angles = [job.plain(command, name) for name in ("angle", "angle2")]
-        command.get("depth")
         number = round(job.plain(command, "id"))
-        velocity = job.number(command, "vel", "velocity") or job.number(command, "disp", "velocity")
-        command.get("disp")
-        command.get("vel")
         command.get("value")
+        velocity = job.amount(command, "vel disp", "velocity")
         if code not in _DIRECTIONS or any(axis >= len(job.axes) for axis in _DIRECTIONS[code]):
-            job.made.error(command.line, "<DisBC>", f"there is no direction {code} in this analysis")
+            job.error(command, f"there is no direction {code} in this analysis")
             return None
         value = history(job, command, velocity, "velocity")
         if value is None:
@@ -156,8 +142,6 @@ def particle_loads(job: Job, block: Command, bodies: Bodies) -> list[Made]:
     """Loads on particles."""
     made: list[Made] = []
     names: set[str] = set()
-    for inside in block.all("LoadBCs"):
-        job.unsupported(inside, "loads on numbered particles")
     for number, shape in enumerate(block.all(*_PLACES), start=1):
         place = where(job, shape, number)
         net = False
@@ -180,26 +164,22 @@ def particle_loads(job: Job, block: Command, bodies: Bodies) -> list[Made]:
             else:
                 job.unsupported(load, "no counterpart on particles")
         if any(forces) and place is not None:
-            force = [_sum(parts) for parts in forces]
             entry = {
                 "name": _name(f"load_{number}", names),
                 "kind": "particle_force",
                 "on": place.particles(),
-                "force": force,
             }
-            if not net:
-                entry["per"] = "particle"
-            made.append(entry)
+            entry["force"] = [_sum(parts) for parts in forces]
+            made.append(entry if net else entry | {"per": "particle"})
     return made
 
 
 def _force(job: Job, load: Command, forces: list[list[Any]], net: bool) -> None:
     axis = round(job.plain(load, "dir")) - 1
-    value = job.number(load, "load") or job.number(load, "value")
-    for name in ("load", "value", "stress"):
-        load.get(name)
+    load.get("stress")
+    value = job.amount(load, "load value")
     if not 0 <= axis < len(job.axes):
-        job.made.error(load.line, "<LoadBC>", f"there is no direction {axis + 1} in this analysis")
+        job.error(load, f"there is no direction {axis + 1} in this analysis")
         return
     found = history(job, load, value, "", is_alone=False)
     if found is None:
@@ -228,14 +208,7 @@ def _on_faces(job: Job, load: Command, place: Where | None, bodies: Bodies) -> l
     code, face = round(job.plain(load, "dir")), round(job.plain(load, "face", 1.0))
     heat = load.name == "HeatFluxBC"
     quantity = "flux" if heat else ""
-    amount = (
-        job.number(load, "stress", quantity)
-        or job.number(load, "load", quantity)
-        or job.number(load, "value", quantity)
-    )
-    for name in ("load", "value", "stress"):
-        load.get(name)
-    value = history(job, load, amount, quantity)
+    value = history(job, load, job.amount(load, "stress load value", quantity), quantity)
     if value is None or place is None:
         return []
     side = _FACES.get(face)
@@ -247,20 +220,17 @@ def _on_faces(job: Job, load: Command, place: Where | None, bodies: Bodies) -> l
     if not found:
         job.note("not_supported", load, "faces of particles that are not whole faces of rectangular bodies")
         return []
-    made, window = [], _window(job, load)
-    for body in found:
-        on = {"body": body, "face": {"axis": side[0], "side": side[1]}}
-        if heat:
-            made.append({"kind": "heat_flux", "on": on, "flux": value, **window})
-        elif code == 11:
-            negative = (
-                value.negative if isinstance(value, Value) else Formula(f"-({value.text})", value.factor)
-            )
-            made.append({"kind": "traction", "on": on, "pressure": negative, **window})
-        else:
-            parts = [value if axis == code - 1 else 0 for axis in range(len(job.axes))]
-            made.append({"kind": "traction", "on": on, "traction": parts, **window})
-    return made
+    kind, amount = "traction", {"traction": [value if a == code - 1 else 0 for a in range(len(job.axes))]}
+    if heat:
+        kind, amount = "heat_flux", {"flux": value}
+    elif code == 11:
+        amount = {"pressure": value.negative}
+    window = _window(job, load)
+    return [{"kind": kind, "on": _face(body, side), **amount, **window} for body in found]
+
+
+def _face(body: str, side: tuple[str, str]) -> Made:
+    return {"body": body, "face": {"axis": side[0], "side": side[1]}}
 
 
 def _silent(job: Job, load: Command, place: Where | None, bodies: Bodies) -> list[Made]:
@@ -274,10 +244,7 @@ def _silent(job: Job, load: Command, place: Where | None, bodies: Bodies) -> lis
     found = [(side, body) for side in sides for body in _whole_faces(job, place, bodies, side)]
     if not found:
         job.note("not_supported", load, "silent particles that are not whole faces of rectangular bodies")
-    return [
-        {"kind": "absorbing", "on": {"body": body, "face": {"axis": side[0], "side": side[1]}}}
-        for side, body in found
-    ]
+    return [{"kind": "absorbing", "on": _face(body, side)} for side, body in found]
 
 
 def _whole_faces(job: Job, place: Where, bodies: Bodies, side: tuple[str, str]) -> list[str]:
@@ -358,8 +325,6 @@ def gravity(job: Job, block: Command) -> list[Made]:
 
 
 def _name(base: str, taken: set[str]) -> str:
-    name, count = base, 2
-    while name in taken:
-        name, count = f"{base}_{count}", count + 1
+    name = free_name(base, taken)
     taken.add(name)
     return name

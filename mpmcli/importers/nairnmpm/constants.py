@@ -29,14 +29,18 @@ def elastic_constants(job: Job, material: Material, bulk: str = "K", shear: str 
         made = {"E": modulus, "nu": nu if nu is not None else other}
         k, g = modulus.scaled / (3 * max(1e-12, 1 - 2 * other)), G.scaled
     else:
-        job.made.error(
-            command.line,
-            "<Material>",
+        job.error(
+            command,
             f"elastic constants are missing: two of E, nu, {shear}, or {bulk} and {shear}",
         )
         return None
-    rho = next((c for c in command.children if c.name == "rho"), None)
-    density = job.number(rho, None, "density") if rho is not None else None
-    if density is not None and density.scaled > 0 and k + 4 * g / 3 > 0:
-        material.speed = math.sqrt((k + 4 * g / 3) / density.scaled)
+    set_speed(job, material, k + 4 * g / 3)
     return made
+
+
+def set_speed(job: Job, material: Material, modulus: float) -> None:
+    """Note the wave speed of a material with this modulus, if its density is known."""
+    rho = material.command.first("rho")
+    density = job.number(rho, None, "density") if rho is not None else None
+    if density is not None and density.scaled > 0 and modulus > 0:
+        material.speed = math.sqrt(modulus / density.scaled)

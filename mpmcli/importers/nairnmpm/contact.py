@@ -18,6 +18,7 @@ _NORMALS = {
     5: "linear_regression",
     6: "logistic_regression",
 }
+_STIFFNESSES = ("Dn", "Dnt", "Dnc", "Dt")
 
 
 def law(job: Job, command: Command) -> dict[str, Any] | None:
@@ -25,24 +26,16 @@ def law(job: Job, command: Command) -> dict[str, Any] | None:
     for name in ("lawname", "law"):
         chosen = command.get(name)
         if chosen is not None:
-            for listed in ("Dn", "Dnt", "Dnc", "Dt"):
+            for listed in _STIFFNESSES:
                 command.get(listed)
             return _named_law(job, command, name, job.source.plain(chosen).strip())
-    if command.name == "CrackList":
-        friction = job.plain(command, "friction")
-        springs = any(name in command.attributes for name in ("Dn", "Dnt", "Dnc", "Dt"))
-        friction = 11.0 if springs else friction
-        value = job.number(command, "friction")
-    else:
-        value = job.number(command, None)
-        friction = 0.0 if value is None else value.number
-    if friction > 10:
-        return _springs(
-            job.number(command, "Dnt") or job.number(command, "Dn"),
-            job.number(command, "Dnc"),
-            job.number(command, "Dt"),
-        )
-    for name in ("Dn", "Dnt", "Dnc", "Dt"):
+    is_crack = command.name == "CrackList"
+    value = job.number(command, "friction" if is_crack else None)
+    friction = 0.0 if value is None else value.number
+    if friction > 10 or (is_crack and any(name in command.attributes for name in _STIFFNESSES)):
+        tension = job.number(command, "Dnt") or job.number(command, "Dn")
+        return _springs(tension, job.number(command, "Dnc"), job.number(command, "Dt"))
+    for name in _STIFFNESSES:
         if command.get(name) is not None:
             job.note("ignored", command, f"attribute {name}: the friction coefficient is no more than 10")
     if friction < -10:
@@ -68,18 +61,15 @@ def _springs(tension: Value | None, compression: Value | None, tangential: Value
 def _named_law(job: Job, command: Command, attribute: str, chosen: str) -> dict[str, Any] | None:
     found: Material | None = None
     if attribute == "lawname":
-        names = {job.source.plain(m.command.attributes.get("Name", "")): m for m in job.materials}
-        found = names.get(chosen)
+        found = {material.title: material for material in job.materials}.get(chosen)
     else:
         index = int(float(chosen)) if chosen.replace(".", "").isdigit() else 0
         found = job.materials[index - 1] if 1 <= index <= len(job.materials) else None
     if found is None:
-        job.made.error(command.line, f"<{command.name}>", f"no contact law '{chosen}'")
+        job.error(command, f"no contact law '{chosen}'")
         return None
     material = found.command
     material.handled = True
-    for name in ("Type", "Name"):
-        material.get(name)
     for inside in material.all("rho"):
         inside.handled = True
     if found.kind == 60:
@@ -107,11 +97,7 @@ def contact(job: Job, header: Command, bodies: Bodies) -> None:
     mode = header.last("MultiMaterialMode")
     if mode is None:
         for material in rigid:
-            job.made.error(
-                material.command.line,
-                "<Material>",
-                "a rigid material in contact needs the command <MultiMaterialMode>",
-            )
+            job.error(material.command, "a rigid material in contact needs the command <MultiMaterialMode>")
         return
     made: dict[str, Any] = {"fields": "material"}
     normal = _normal(job, mode)
@@ -120,12 +106,8 @@ def contact(job: Job, header: Command, bodies: Bodies) -> None:
     found = law(job, friction) if friction is not None else {"kind": "frictionless"}
     vmin = job.plain(mode, "Vmin")
     if vmin > 0:
-        job.changed(
-            mode,
-            f"Vmin {vmin:g}: contact acts at nodes of any volume, except where mass_ratio leaves one out",
-        )
-    for name in ("Lumping", "Contact"):
-        mode.get(name)
+        words = "contact acts at nodes of any volume, except where mass_ratio leaves one out"
+        job.changed(mode, f"Vmin {vmin:g}: {words}")
     fields = [m for m in job.materials if m.used and (not m.is_rigid or m.direction == 8)]
     pairs = _pairs(job, fields)
     if len(fields) < 2:
@@ -196,47 +178,35 @@ def rigid(job: Job, bodies: Bodies) -> list[dict[str, Any]]:
         if not material.is_rigid:
             continue
         command = material.command
-        functions = [
-            job.formula(inside, inside.text, "velocity")
-            for name in ("SettingFunction", "SettingFunction2", "SettingFunction3")
-            for inside in command.all(name)
-        ]
-        names = [
-            index
+        functions = {
+            index: job.formula(inside, inside.text, "velocity")
             for index, name in enumerate(("SettingFunction", "SettingFunction2", "SettingFunction3"))
-            if next((c for c in command.children if c.name == name), None) is not None
-        ]
-        for inside in command.all("SetTemperature", "SetConcentration", "ValueFunction"):
-            job.unsupported(inside, "rigid particles that set temperatures or concentrations")
+            if (inside := command.last(name)) is not None
+        }
+        job.unsupported(
+            command,
+            "rigid particles that set temperatures or concentrations",
+            "SetTemperature SetConcentration ValueFunction",
+        )
         for inside in command.all("mirrored"):
             if job.plain(inside, None):
                 job.changed(inside, "velocities beyond the rigid body are not mirrored")
-        for inside in command.all("rho", "E", "nu", "alpha", "kCond", "Cv", "Cp"):
-            job.ignored(inside, "a property that rigid materials do not have")
+        job.ignored(command, "a property that rigid materials do not have", "rho E nu alpha kCond Cv Cp")
         velocity = list(body.get("velocity") or [0] * len(job.axes))
         if material.direction == 8:
-            for axis, function in zip(names, functions, strict=True):
-                if axis < len(job.axes) and function is not None:
-                    velocity[axis] = function
-            if any(part != 0 for part in velocity):
-                body["velocity"] = velocity
-            continue
-        held = [axis for axis in range(len(job.axes)) if material.direction & (1 << axis)]
-        if functions:  # those without a function are then free in NairnMPM
-            held = held[: len(functions)] if names[0] == 0 else []
-        for axis, function in zip(held, functions, strict=False):
-            if function is not None:
+            held, moved = [], list(functions)
+        else:
+            held = [axis for axis in range(len(job.axes)) if material.direction & (1 << axis)]
+            if functions:  # those without a function are then free in NairnMPM
+                held = held[: len(functions)] if 0 in functions else []
+            moved = held
+        for axis, function in zip(moved, functions.values(), strict=False):
+            if axis < len(job.axes) and function is not None:
                 velocity[axis] = function
         if any(part != 0 for part in velocity):
             body["velocity"] = velocity
         for axis in held:
-            conditions.append(
-                {
-                    "name": f"{body['name']}_{job.axes[axis]}",
-                    "kind": "velocity",
-                    "on": {"covered_by": body["name"]},
-                    "direction": job.axes[axis],
-                    "value": velocity[axis],
-                }
-            )
+            on, along = {"covered_by": body["name"]}, job.axes[axis]
+            made = {"kind": "velocity", "on": on, "direction": along, "value": velocity[axis]}
+            conditions.append({"name": f"{body['name']}_{along}", **made})
     return conditions

@@ -13,8 +13,9 @@ from mpmcli.importers.nairnmpm.job import Job, Material
 from mpmcli.importers.nairnmpm.values import Value
 
 Made = dict[str, Any]
+_OWN = ("friction", "Dn", "Dnt", "Dnc", "Dt", "law", "lawname")
+"""Attributes of a crack that give a law of its own."""
 _MOVES = {"cm": "mass", "avg": "average"}
-_DIRECTIONS = {1: "self_similar", 2: "opening", 3: "opening_hoop", 4: "initial"}
 
 
 def cracks(job: Job, root: Command, header: Command, bodies: Bodies) -> None:
@@ -34,8 +35,6 @@ def cracks(job: Job, root: Command, header: Command, bodies: Bodies) -> None:
             moves = _MOVES.get((plane.get("type") or "avg").lower(), "average")
             if (plane.get("prevent") or "no").lower() == "yes":
                 job.note("ignored", plane, "attribute prevent: planes of cracks do not cross here")
-        for inside in settings.all("ContactPosition", "CrackParticleSize"):
-            job.changed(inside, "faces of cracks are separated by displacements")
         _fracture(job, settings.last("JContour"))
     growth = _growth(job, settings, bodies)
     made = []
@@ -43,25 +42,23 @@ def cracks(job: Job, root: Command, header: Command, bodies: Bodies) -> None:
         crack = _crack(job, command, bodies, "crack" if len(lists) == 1 else f"crack_{number}")
         if crack is None:
             continue
-        own = any(
-            name in command.attributes for name in ("friction", "Dn", "Dnt", "Dnc", "Dt", "law", "lawname")
-        )
-        face_law = law(job, command) if own else faces
+        face_law = law(job, command) if any(name in command.attributes for name in _OWN) else faces
         if face_law is not None and face_law["kind"] != "frictionless":
             crack["faces"] = {"law": face_law}
         if moves is not None and moves != "average":
             crack["moves"] = moves
         if (command.get("type") or "free") == "fixed":
             crack["moves"] = "fixed"
-        grows = {
-            end: dict(growth) for end in ("start", "end") if growth and f"{crack['name']}:{end}" in job.tips
-        }
-        if grows and growth is not None:
+        tips = [end for end in ("start", "end") if f"{crack['name']}:{end}" in job.tips]
+        grows = {end: dict(growth) for end in tips} if growth else {}
+        if grows:
             crack["growth"] = grows
             job.scene.setdefault("fracture", {"integral": "contour", "size": 2})
         made.append(crack)
     if made:
         job.scene["cracks"] = made
+    if made and "heat" in job.scene:
+        job.note("not_supported", lists[0], "cracks together with conduction or ramps of the temperature")
     if not job.tips and job.scene.pop("fracture", None) is not None:
         words = "no end of a crack has a material as its tip, so that there is no J and no growth"
         job.changed(lists[0], words)
@@ -70,8 +67,6 @@ def cracks(job: Job, root: Command, header: Command, bodies: Bodies) -> None:
 def _fracture(job: Job, contour: Command | None) -> None:
     if contour is None:
         return
-    contour.get("type")
-    contour.get("gridenergy")
     size, terms = round(job.plain(contour, "size", 2.0)), round(job.plain(contour, "terms", 1.0))
     made: Made = {"integral": "contour", "size": max(1, size)}
     if terms == 2:
@@ -87,16 +82,11 @@ def _growth(job: Job, settings: Command | None, bodies: Bodies) -> Made | None:
     length = settings.last("PropagateLength") if settings is not None else None
     if settings is not None:
         commands += [(inside, None) for inside in settings.all("Propagate")]
-        for inside in settings.all("AltPropagate"):
-            job.unsupported(inside, "a second criterion of growth")
+        job.unsupported(settings, "a second criterion of growth", "AltPropagate")
     for material in materials:
         commands += [(inside, material) for inside in material.command.all("Propagate")]
-        for inside in material.command.all("AltPropagate"):
-            job.unsupported(inside, "a second criterion of growth")
+        job.unsupported(material.command, "a second criterion of growth", "AltPropagate")
     chosen = [row for row in commands if round(job.plain(row[0], "criterion")) != 0]
-    for command, _owner in commands:
-        for name in ("criterion", "direction", "traction"):
-            command.get(name)
     if not chosen:
         _skip_properties(job, materials)
         return None
@@ -136,9 +126,8 @@ def _criterion(job: Job, command: Command, material: Material) -> Made | None:
         return {"kind": kind, "K_Ic": K} if K is not None else _missing(job, properties, "KIc")
     if code == 7:
         J = job.property(properties, "JIc", "energy_rate", shown=True)
-        return (
-            {"kind": "energy_release_rate", "J_c": J} if J is not None else _missing(job, properties, "JIc")
-        )
+        kind = "energy_release_rate"
+        return {"kind": kind, "J_c": J} if J is not None else _missing(job, properties, "JIc")
     if code == 6:
         made: Made = {"kind": "opening"}
         for theirs, ours in (("delIc", "normal"), ("delIIc", "tangential")):
@@ -151,16 +140,14 @@ def _criterion(job: Job, command: Command, material: Material) -> Made | None:
 
 
 def _missing(job: Job, command: Command, name: str) -> Made | None:
-    job.made.error(
-        command.line, "<Material>", f"the command <{name}> is missing, which the growth of cracks needs"
-    )
+    job.error(command, f"the command <{name}> is missing, which the growth of cracks needs")
     return None
 
 
 def _skip_properties(job: Job, materials: list[Material]) -> None:
     for material in materials:
         for inside in material.command.children:
-            if inside.name in FRACTURE and not inside.handled:
+            if inside.name in FRACTURE.split() and not inside.handled:
                 job.ignored(inside, "no criterion of growth uses it")
 
 
@@ -172,7 +159,6 @@ def _crack(job: Job, command: Command, bodies: Bodies, name: str) -> Made | None
         inside.handled = True
         if inside.name == "pt":
             pair: list[Any] = [job.coordinate(inside, letter, axis) for axis, letter in enumerate("xy")]
-            inside.get("z")
             _traction(job, inside)
             if None in pair:
                 return None
@@ -205,7 +191,7 @@ def _crack(job: Job, command: Command, bodies: Bodies, name: str) -> Made | None
         job.unsupported(command, "a crack of arcs and lines")
         return None
     if arc is None and len(points) < 2:
-        job.made.error(command.line, "<CrackList>", "two points are needed at least")
+        job.error(command, "two points are needed at least")
         return None
     made: Made = {"name": name, "path": arc or {"kind": "points", "points": points}}
     mouths = {end: "mouth" for end, tip in (("start", tips[0]), ("end", tips[-1])) if tip == -2}
@@ -260,7 +246,5 @@ def _reach_surface(
             if 0 <= gap < cell:
                 reach = gap + 0.25 * cell
                 tip[:] = [Value(x + reach * dx / length), Value(y + reach * dy / length)]
-                job.changed(
-                    command,
-                    f"the {end} of the crack is moved by {reach:g}, past the surface, as a mouth must be",
-                )
+                words = f"is moved by {reach:g}, past the surface, as a mouth must be"
+                job.changed(command, f"the {end} of the crack {words}")

@@ -18,25 +18,9 @@ _TOKEN = re.compile(
 MAX_LENGTH = 2000
 MAX_DEPTH = 50
 
-_SAME = (
-    "sin",
-    "cos",
-    "tan",
-    "asin",
-    "acos",
-    "atan",
-    "sinh",
-    "cosh",
-    "tanh",
-    "exp",
-    "log",
-    "log10",
-    "sqrt",
-    "abs",
-    "erf",
-)
+_SAME = "sin cos tan asin acos atan sinh cosh tanh exp log log10 sqrt abs erf"
 _FUNCTIONS: dict[str, tuple[int, Callable[..., str]]] = {
-    **{name: (1, lambda a, name=name: f"{name}({a})") for name in _SAME},
+    **{name: (1, lambda a, name=name: f"{name}({a})") for name in _SAME.split()},
     "int": (1, lambda a: f"floor({a})"),
     "sign": (1, lambda a: f"({a} > 0)"),
     "sgn": (1, lambda a: f"sign({a})"),

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
+from mpmcli.importers.nairnmpm.constants import set_speed
 from mpmcli.importers.nairnmpm.job import Job, Material
 from mpmcli.importers.nairnmpm.values import Value
 
@@ -21,16 +21,15 @@ def mie_gruneisen(job: Job, material: Material) -> Made | None:
             made[name] = value
     made.setdefault("C0", Value(4004.0))
     material.speed = 1.5 * made["C0"].scaled
-    if job.property(command, "Cv") is None and job.property(command, "Cp") is None:
-        made["heat_capacity"] = Value(1.0)
-    elif not job.heats:
-        made["heat_capacity"] = job.property(command, "Cv") or job.property(command, "Cp")
-    for inside in command.all(
-        "yield", "Hardening", "Khard", "nhard", "Ep", "Ajc", "Bjc", "njc", "Cjc", "ep0jc"
-    ):
-        job.unsupported(inside, "plasticity with an equation of state")
-    for inside in command.all("UJOption", "Kmax"):
-        job.ignored(inside, "the equation of state gives the pressure")
+    capacity = job.property(command, "Cv") or job.property(command, "Cp")
+    if capacity is None or not job.heats:
+        made["heat_capacity"] = capacity or Value(1.0)
+    job.unsupported(
+        command,
+        "plasticity with an equation of state",
+        "yield Hardening Khard nhard Ep Ajc Bjc njc Cjc ep0jc",
+    )
+    job.ignored(command, "the equation of state gives the pressure", "UJOption Kmax")
     return made
 
 
@@ -39,10 +38,8 @@ def tait_fluid(job: Job, material: Material) -> Made | None:
     command = material.command
     K = job.property(command, "K")
     if K is None:
-        job.made.error(command.line, "<Material>", "the command <K> is missing")
+        job.error(command, "the command <K> is missing")
         return None
-    for inside in command.all("InitialPressure", "xi", "function"):
-        job.unsupported(inside, "an initial pressure")
     job.changed(
         command, "p = (K/n)(J^(−n) − 1) with n = 10.19 has NairnMPM's pressure to second order in J − 1"
     )
@@ -52,12 +49,7 @@ def tait_fluid(job: Job, material: Material) -> Made | None:
         job.note("not_supported", command, "a viscosity that depends on the rate")
     if viscosity and viscosity[0] is not None:
         made["viscosity"] = viscosity[0]
-    for inside in command.all("logshearrate"):
-        job.unsupported(inside, "a viscosity that depends on the rate")
-    rho = next((c for c in command.children if c.name == "rho"), None)
-    density = job.number(rho, None, "density") if rho is not None else None
-    if density is not None and density.scaled > 0:
-        material.speed = math.sqrt(K.scaled / density.scaled)
+    set_speed(job, material, K.scaled)
     return made
 
 
@@ -66,7 +58,7 @@ def ideal_gas(job: Job, material: Material) -> Made | None:
     command = material.command
     pressure, T0 = job.property(command, "P0"), job.property(command, "T0")
     if pressure is None:
-        job.made.error(command.line, "<Material>", "the command <P0> is missing")
+        job.error(command, "the command <P0> is missing")
         return None
     made: Made = {"kind": "ideal_gas", "pressure": pressure, "gamma": Value(5 / 3)}
     if T0 is not None:

@@ -12,7 +12,7 @@ from mpmcli.importers.nairnmpm.values import Value
 def hardening_law(job: Job, command: Command) -> dict[str, Any] | None:
     """The hardening of a material, or None after a note."""
     chosen = command.last("Hardening")
-    law = job.source.plain(chosen.text).strip() if chosen is not None else "Linear"
+    law = job.word(chosen, "Linear")
 
     def get(name: str, default: float | None = None, quantity: str = "", shown: bool = False) -> Any:
         found = job.property(command, name, quantity, shown)
@@ -42,17 +42,11 @@ def hardening_law(job: Job, command: Command) -> dict[str, Any] | None:
             if job.scene.get("_reference") is not None:
                 made["T0"] = job.scene["_reference"]
         else:
-            for inside in command.all("mjc", "Tmjc"):
-                job.ignored(inside, "no temperature changes in this file")
-        for inside in command.all("Djc", "n2jc"):
-            job.unsupported(inside, "a second rate term of Johnson-Cook")
+            job.ignored(command, "no temperature changes in this file", "mjc Tmjc")
         return made
     if law in {"SCGL", "4"} and yield_stress is not None:
-        made = {
-            "kind": "steinberg_cochran_guinan",
-            "yield_stress": yield_stress,
-            "Y_max": get("yieldMax", 2500.0),
-        }
+        made = {"kind": "steinberg_cochran_guinan", "yield_stress": yield_stress}
+        made["Y_max"] = get("yieldMax", 2500.0)
         made |= {"beta": get("betahard", 27.0), "n": get("nhard", 0.36), "alpha0": get("ep0", 0.0)}
         pressure, temperature = get("GPpG0"), get("GTpG0")
         if pressure is not None and pressure.number != 0:
@@ -64,12 +58,8 @@ def hardening_law(job: Job, command: Command) -> dict[str, Any] | None:
     if law in {"Nonlinear", "2"} and yield_stress is not None and K.scaled > 0:
         return {"kind": "swift", "yield_stress": yield_stress, "eps0": Value(1 / K.scaled), "n": n}
     if law in {"Nonlinear2", "6"} and yield_stress is not None:
-        return {
-            "kind": "power_law",
-            "yield_stress": yield_stress,
-            "B": Value(yield_stress.scaled * K.scaled),
-            "n": n,
-        }
+        slope = Value(yield_stress.scaled * K.scaled)
+        return {"kind": "power_law", "yield_stress": yield_stress, "B": slope, "n": n}
     if chosen is not None:
         job.unsupported(chosen, f"the hardening law {law}")
     return None

@@ -11,28 +11,13 @@ from mpmcli.importers.nairnmpm.values import Value
 
 ANALYSES = {10: "plane_strain", 11: "plane_stress", 12: "3d", 13: "axisymmetric"}
 _SHAPES = {
-    "Dirac": "linear",
-    "Classic": "linear",
-    "0": "linear",
-    "uGIMP": "ugimp",
-    "GIMP": "ugimp",
-    "1": "ugimp",
-    "lCPDI": "lcpdi",
-    "CPDI": "lcpdi",
-    "2": "lcpdi",
-    "qCPDI": "qcpdi",
-    "3": "qcpdi",
-    "B2GIMP": "b2gimp",
-    "B2SPLINE": "bspline2",
-    "B2CPDI": "b2cpdi",
-    "Finite": "ugimp",
+    **dict.fromkeys(("Dirac", "Classic", "0"), "linear"),
+    **dict.fromkeys(("uGIMP", "GIMP", "1", "Finite"), "ugimp"),
+    **dict.fromkeys(("lCPDI", "CPDI", "2"), "lcpdi"),
+    **dict.fromkeys(("qCPDI", "3"), "qcpdi"),
+    **{"B2GIMP": "b2gimp", "B2SPLINE": "bspline2", "B2CPDI": "b2cpdi"},
 }
 _UPDATES = {0: "usf", 2: "usavg", 3: "usl"}
-_DISPLAY = {
-    "ArchiveRoot": "mpmcli run -o names the folder of results",
-    "ProgSteps": "progress is displayed always",
-    "NeedsMechanics": "mechanics is always solved",
-}
 
 
 def header(job: Job, command: Command) -> None:
@@ -43,23 +28,16 @@ def header(job: Job, command: Command) -> None:
         if code in ANALYSES:
             job.analysis = ANALYSES[code]
         else:
-            job.unsupported(
-                inside,
-                f"analysis {code}; NairnMPM's are 10 to 13 (plane strain, plane stress, 3D, axisymmetric)",
-            )
+            words = "NairnMPM's are 10 to 13 (plane strain, plane stress, 3D, axisymmetric)"
+            job.unsupported(inside, f"analysis {code}; {words}")
     for inside in command.all("ConsistentUnits"):
         job.legacy = False
-        named = [inside.get(name) for name in ("length", "mass", "time")]
-        if any(named) and all(named):
-            replaced = {"sec": "s", "msec": "ms", "microns": "um"}
-            units = {
-                name: replaced.get(str(word), str(word))
-                for name, word in zip(("length", "mass", "time"), named, strict=True)
-            }
-        else:
-            units = None
-    for inside in command.all("DevelFlag"):
-        job.unsupported(inside, "a switch of developers")
+        replaced = {"sec": "s", "msec": "ms", "microns": "um"}
+        named = {name: inside.get(name) or "" for name in ("length", "mass", "time")}
+        units = (
+            {name: replaced.get(word, word) for name, word in named.items()} if all(named.values()) else None
+        )
+    job.unsupported(command, "a switch of developers", "DevelFlag")
     description = command.last("Description")
     lines = [line.strip() for line in description.text.splitlines() if line.strip()] if description else []
     labels = {line.split(":", 1)[0].lower(): line.split(":", 1)[1].strip() for line in lines if ":" in line}
@@ -78,18 +56,12 @@ def header(job: Job, command: Command) -> None:
 
 def grid(job: Job, mesh: Command) -> list[dict[str, Any]]:
     """The grid; returns its symmetry planes as conditions."""
-    mesh.get("output")
-    for inside in mesh.all("NodeList", "ElementList"):
-        job.unsupported(inside, "a mesh of listed elements; only regular grids are")
+    job.unsupported(mesh, "a mesh of listed elements; only regular grids are", "NodeList ElementList")
     found = mesh.last("Grid")
     if found is None:
-        job.made.error(mesh.line, "<Mesh>", "the command <Grid> is missing")
+        job.error(mesh, "the command <Grid> is missing")
         return []
-    found.get("type")
-    found.get("style")
-    lower: list[Value] = []
-    upper: list[Value] = []
-    cells: list[Value] = []
+    rows: list[tuple[Value, Value, Value]] = []
     symmetries: list[dict[str, Any]] = []
     for axis, letter in enumerate(job.axes):
         low, high = (job.number(found, f"{letter}{side}") for side in ("min", "max"))
@@ -97,7 +69,7 @@ def grid(job: Job, mesh: Command) -> list[dict[str, Any]]:
         along = found.last(word)
         if along is None or low is None or high is None:
             if along is None:
-                job.made.error(found.line, "<Grid>", f"the command <{word}> is missing")
+                job.error(found, f"the command <{word}> is missing")
             return []
         if low.scaled > high.scaled:
             low, high = high, low
@@ -107,8 +79,8 @@ def grid(job: Job, mesh: Command) -> list[dict[str, Any]]:
         row = _axis(job, along, "xyz"[axis], low, high)
         if row is None:
             return []
-        low, high, cell = row
-        lower, upper, cells = [*lower, low], [*upper, high], [*cells, cell]
+        rows.append(row)
+        low, high, _ = row
         for side, attribute in (("lower", "symmin"), ("upper", "symmax")):
             at = job.number(along, attribute)
             if at is not None:
@@ -118,13 +90,13 @@ def grid(job: Job, mesh: Command) -> list[dict[str, Any]]:
                     plane["side"] = side
                 name = f"symmetry_{SIDES[axis, side == 'upper']}"
                 symmetries.append({"name": name, "kind": "symmetry", "plane": plane})
-    for name in ("Depth",) if len(job.axes) == 2 else ():
-        for inside in found.all(name):
-            job.made.error(inside.line, "<Depth>", "belongs to analyses in 3D")
-    for attribute in ("zmin", "zmax") if len(job.axes) == 2 else ():
-        found.get(attribute)
-    job.lower, job.upper = [v.scaled for v in lower], [v.scaled for v in upper]
-    job.cell = [v.scaled for v in cells]
+    if len(job.axes) == 2:
+        found.get("zmin")
+        found.get("zmax")
+        for inside in found.all("Depth"):
+            job.error(inside, "belongs to analyses in 3D")
+    lower, upper, cells = map(list, zip(*rows, strict=True))
+    job.lower, job.upper, job.cell = ([v.scaled for v in values] for values in (lower, upper, cells))
     same = all(abs(size - job.cell[0]) <= 1e-9 * job.cell[0] for size in job.cell)
     job.scene["grid"] = {"lower": lower, "upper": upper, "cell": cells[0] if same else cells}
     thickness = job.number(found, "thickness")
@@ -145,12 +117,12 @@ def _axis(
     cell = job.number(along, "cellsize")
     count = round(job.plain(along, f"n{letter}"))
     if not length > 0:
-        job.made.error(along.line, f"<{along.name}>", f"the grid has no extent along {letter}")
+        job.error(along, f"the grid has no extent along {letter}")
         return None
     if cell is not None and cell.scaled > 0:
         cells = length / cell.scaled
         if cells > 1e6:
-            job.made.error(along.line, f"<{along.name}>", f"more than a million cells along {letter}")
+            job.error(along, f"more than a million cells along {letter}")
             return None
         if abs(cells - round(cells)) > 1e-6:
             whole = int(cells) + 1
@@ -158,7 +130,7 @@ def _axis(
             job.changed(along, f"{letter} ends at {high.scaled:g}, after whole cells, as in NairnMPM")
         return low, high, cell
     if count < 1:
-        job.made.error(along.line, f"<{along.name}>", f"a positive cellsize or n{letter} is missing")
+        job.error(along, f"a positive cellsize or n{letter} is missing")
         return None
     return low, high, Value(length / count)
 
@@ -174,9 +146,8 @@ def method(job: Job, command: Command) -> None:
         else:
             job.unsupported(shape, f"type '{word}'")
     made["shape"] = job.shape
-    update = command.last("MPMMethod")
-    code = round(job.plain(update, None)) if update is not None else 2
-    if update is not None and code not in _UPDATES:
+    code = job.code(command, "MPMMethod", 2)
+    if (update := command.last("MPMMethod")) is not None and code not in _UPDATES:
         job.unsupported(update, f"method {code}; 0, 2 and 3 are USF, USAVG and USL")
     skips = command.last("SkipPostExtrapolation") is not None
     word = _UPDATES.get(code, "usavg")
@@ -194,25 +165,15 @@ def method(job: Job, command: Command) -> None:
             made["transfer"] = {"kind": "xpic", "order": 1}
             job.made.comments.pop(("method", "transfer"), None)
         elif share != 1.0:
-            job.unsupported(
-                inside, f"{share:g} of FLIP mixed with PIC; XPIC or FMPM of order 2 filter noise instead"
-            )
-    for inside in command.all("DefGradTerms"):
-        job.ignored(inside, "increments of deformation are exact exponentials")
-    for inside in command.all("ExtrapolateRigid"):
-        job.changed(inside, "rigid bodies prescribe the velocity of the nodes that they cover")
-    points = command.last("MatlPtsPerElement")
-    if points is not None:
-        _particles(job, points)
-
-
-def _particles(job: Job, points: Command) -> None:
-    count = round(job.plain(points, None))
-    per_axis = round(max(count, 1) ** (1 / len(job.axes)))
-    if per_axis ** len(job.axes) == count and 1 <= per_axis <= 100:
-        job.scene["_particles_per_axis"] = per_axis
-    else:
-        job.unsupported(points, f"{count} particles per cell, not the same number along each axis")
+            words = "of FLIP mixed with PIC; XPIC or FMPM of order 2 filter noise instead"
+            job.unsupported(inside, f"{share:g} {words}")
+    if (points := command.last("MatlPtsPerElement")) is not None:
+        count = round(job.plain(points, None))
+        per_axis = round(max(count, 1) ** (1 / len(job.axes)))
+        if per_axis ** len(job.axes) == count and 1 <= per_axis <= 100:
+            job.scene["_particles_per_axis"] = per_axis
+        else:
+            job.unsupported(points, f"{count} particles per cell, not the same number along each axis")
 
 
 def _damping(job: Job, command: Command, made: dict[str, Any]) -> None:
@@ -243,17 +204,11 @@ def _damping(job: Job, command: Command, made: dict[str, Any]) -> None:
 
 def _feedback(job: Job, command: Command, gain: Value) -> dict[str, Any]:
     """Damping towards a kinetic energy."""
-    made: dict[str, Any] = {"gain": gain}
-    if command.name == "PFeedbackDamping":
-        made = {"damps": "particle", "gain": gain}
-    target, limit = command.get("target"), job.number(command, "max", "frequency")
-    if target is not None:
-        formula = job.formula(command, target, "kinetic")
-        if formula is not None:
-            made["target"] = formula
-    if limit is not None:
-        made["limit"] = limit
-    return made
+    made: dict[str, Any] = {"damps": "particle"} if command.name == "PFeedbackDamping" else {}
+    target = command.get("target")
+    made |= {"gain": gain, "target": target and job.formula(command, target, "kinetic")}
+    made["limit"] = job.number(command, "max", "frequency")
+    return {key: value for key, value in made.items() if value is not None}
 
 
 def time(job: Job, command: Command) -> None:
@@ -275,8 +230,6 @@ def time(job: Job, command: Command) -> None:
         where = inside
     for inside in command.all("TimeFactor"):
         cfl = job.number(inside, None) or cfl
-    for inside in command.all("TransTimeFactor", "RestartScaling"):
-        job.ignored(inside, "steps of conduction follow their own stability limit")
     made: dict[str, Any] = {"end": end if end is not None else Value(1.0, job.unit("time"))}
     if not made["end"].scaled > 0:
         job.made.error(command.line, "<MaxTime>", "the end must be above 0")
@@ -296,25 +249,11 @@ def time(job: Job, command: Command) -> None:
 
 
 def display(job: Job, command: Command) -> None:
-    """Commands that change nothing but what is shown, and those that the scene lacks."""
+    """What is archived of cracks without cracks, and what happens to particles that leave."""
     if not job.scene.get("cracks"):
-        for inside in command.all("CrackArchiveOrder"):
-            job.ignored(inside, "there are no cracks in this file")
-    for name, words in _DISPLAY.items():
-        for inside in command.all(name):
-            job.ignored(inside, words)
+        job.ignored(command, "there are no cracks in this file", "CrackArchiveOrder")
     for inside in command.all("LeaveLimit", "DeleteLimit"):
         count = round(job.plain(inside, None))
         if count > 1 or inside.name == "DeleteLimit":
             job.scene["domain"] = {"on_exit": "delete"}
             job.changed(inside, "particles that leave are deleted, however many")
-    for name in (
-        "TrackParticleSpin",
-        "TrackGradV",
-        "ExactTractions",
-        "PlusXPIC",
-        "Diffusion",
-        "Poroelasticity",
-    ):
-        for inside in command.all(name):
-            job.unsupported(inside, "no counterpart")

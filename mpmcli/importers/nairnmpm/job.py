@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, field
 from typing import Any
 
-from mpmcli.importers.base import NoteKind, Translation
+from mpmcli.importers.base import NoteKind, Translation, free_name
 from mpmcli.importers.nairnmpm import expressions
 from mpmcli.importers.nairnmpm.commands import Command, CommandFile
 from mpmcli.importers.nairnmpm.values import PLAIN, Formula, Unit, Value, read
@@ -41,6 +41,7 @@ class Material:
     key: str
     kind: int
     command: Command
+    title: str
     used: bool = False
     speed: float = 0.0
     """Wave speed in the scene's units, 0 if it is not known."""
@@ -121,6 +122,15 @@ class Job:
         inside = command.last(name)
         return None if inside is None else self.number(inside, None, quantity, shown)
 
+    def code(self, command: Command, name: str, default: int) -> int:
+        """The number in a command inside this one, rounded; the default without it."""
+        inside = command.last(name)
+        return default if inside is None else round(self.plain(inside, None))
+
+    def word(self, command: Command | None, default: str = "") -> str:
+        """The text of a command, or the default without it."""
+        return default if command is None else self.source.plain(command.text).strip()
+
     def _with_units(self, command: Command, units: str, quantity: str, unit: Unit) -> Unit:
         table = {"time": _TIMES, "velocity": _VELOCITIES}.get(quantity, _LENGTHS)
         if units not in table:
@@ -130,18 +140,21 @@ class Job:
             return PLAIN if units in {"ms", "msec"} else Unit("", factor)
         return Unit("", factor)
 
+    def amount(self, command: Command, names: str, quantity: str = "") -> Value | None:
+        """The first of several attributes that is there; all of them count as read."""
+        values = [self.number(command, name, quantity) for name in names.split()]
+        return next((value for value in values if value is not None), None)
+
     def formula(self, command: Command, text: str, quantity: str = "", time: str = "t") -> Formula | None:
         """An expression of the source with the factor to the scene's unit, or None after an error."""
         try:
             made = expressions.translate(text, time, self.analysis == "axisymmetric")
         except expressions.NotTranslated as error:
-            plain = self.source.plain(text).strip()
-            kind = "has no counterpart" in str(error) or "not a variable" in str(error)
-            words = f"expression '{plain[:60]}': {error}"
-            if kind:
+            words = f"expression '{self.source.plain(text).strip()[:60]}': {error}"
+            if "has no counterpart" in str(error) or "not a variable" in str(error):
                 self.note("not_supported", command, words)
             else:
-                self.made.error(command.line, f"<{command.name}>", words)
+                self.error(command, words)
             return None
         return Formula(made, self.unit(quantity).factor)
 
@@ -161,19 +174,26 @@ class Job:
         """A note about a command."""
         self.made.note(kind, command.line, f"<{command.name}>", words)
 
-    def unsupported(self, command: Command, words: str) -> None:
-        """The scene lacks this command; what is in it needs no words of its own."""
-        command.skip()
-        self.note("not_supported", command, words)
+    def error(self, command: Command, words: str) -> None:
+        """This command is a fault of the source."""
+        self.made.error(command.line, f"<{command.name}>", words)
 
-    def ignored(self, command: Command, words: str) -> None:
-        """This command has no effect on the motion."""
-        command.skip()
-        self.note("ignored", command, words)
+    def unsupported(self, command: Command, words: str, inside: str = "") -> None:
+        """The scene lacks this command, or those inside it of these names; what is in them needs no words."""
+        for lacking in command.all(*inside.split()) if inside else (command,):
+            lacking.skip()
+            self.note("not_supported", lacking, words)
 
-    def changed(self, command: Command, words: str) -> None:
-        """This command has another meaning or default here."""
-        self.note("changed", command, words)
+    def ignored(self, command: Command, words: str, inside: str = "") -> None:
+        """This command, or those inside it of these names, have no effect on the motion."""
+        for idle in command.all(*inside.split()) if inside else (command,):
+            idle.skip()
+            self.note("ignored", idle, words)
+
+    def changed(self, command: Command, words: str, inside: str = "") -> None:
+        """This command, or those inside it of these names, have another meaning or default here."""
+        for other in command.all(*inside.split()) if inside else (command,):
+            self.note("changed", other, words)
 
     # -------------------------------------------------------------- materials
 
@@ -189,7 +209,7 @@ class Job:
                 words = f"no material {self.source.plain(number or '')}; the file has {len(self.materials)}"
             else:
                 words = "a material is missing: matname or mat"
-            self.made.error(command.line, f"<{command.name}>", words)
+            self.error(command, words)
         return found
 
     def find_material(self, command: Command) -> Material | None:
@@ -198,10 +218,7 @@ class Job:
         texts = [command.get(word) for word in ("mat", "matl", "material")]
         if name is not None:
             plain = self.source.plain(name)
-            named = (
-                m for m in self.materials if self.source.plain(m.command.attributes.get("Name", "")) == plain
-            )
-            return next(named, None)
+            return next((m for m in self.materials if m.title == plain), None)
         number = next((text for text in texts if text), "")
         try:
             index = round(read(number, source=self.source).number)
@@ -223,15 +240,11 @@ class Job:
         return Value(side + (float(rest) if rest else 0.0) * min(self.cell))
 
 
-def slug(text: str, taken: set[str] | None = None) -> str:
+def slug(text: str, taken: set[str]) -> str:
     """A name for a scene: lower case, with underscores; another one if it is taken."""
     name = re.sub(r"\W+", "_", text.lower()).strip("_")[:60] or "unnamed"
     if name[0].isdigit():
         name = f"m{name}"
-    if taken is None:
-        return name
-    made, count = name, 2
-    while made in taken:
-        made, count = f"{name}_{count}", count + 1
+    made = free_name(name, taken)
     taken.add(made)
     return made

@@ -14,7 +14,6 @@ from mpmcli.importers.nairnmpm.grammar import FRACTURE, TRANSPORT
 from mpmcli.importers.nairnmpm.hardening import hardening_law
 from mpmcli.importers.nairnmpm.job import Job, Material, slug
 from mpmcli.importers.nairnmpm.values import Value
-from mpmcli.materials import MATERIALS
 
 Made = dict[str, Any]
 NAMES = {
@@ -40,30 +39,24 @@ CONTACT_LAWS = {60, 61, 62, 63, 64, 65}
 def number_materials(job: Job, root: Command) -> None:
     """Number the materials as NairnMPM does: those that are named by others first, in the order of naming."""
     taken: set[str] = set()
-    listed = [
-        Material(
-            slug(job.source.plain(command.attributes.get("Name", "")), taken),
-            round(job.plain(command, "Type")),
-            command,
-        )
-        for command in root.all("Material")
+    listed = []
+    for command in root.all("Material"):
+        title = job.source.plain(command.attributes.get("Name", ""))
+        listed.append(Material(slug(title, taken), round(job.plain(command, "Type")), command, title))
+    named = [
+        job.source.plain(command.attributes[word])
+        for command in root.walk()
+        for word in ("matname", "lawname")
+        if word in command.attributes
     ]
-    named: list[str] = []
-    for command in root.walk():
-        if command.name != "Material":
-            named += [
-                command.attributes[word] for word in ("matname", "lawname") if word in command.attributes
-            ]
-    by_name = {job.source.plain(m.command.attributes.get("Name", "")): m for m in reversed(listed)}
-    first = [by_name[name] for name in dict.fromkeys(map(job.source.plain, named)) if name in by_name]
+    by_name = {material.title: material for material in reversed(listed)}
+    first = [by_name[name] for name in dict.fromkeys(named) if name in by_name]
     job.materials = first + [material for material in listed if material not in first]
     for material in listed:
-        material.command.get("Name")
         if material.kind == 35:
             material.direction = 8
         elif material.kind == 11:
-            direction = material.command.last("SetDirection")
-            material.direction = round(job.plain(direction, None)) if direction is not None else 0
+            material.direction = job.code(material.command, "SetDirection", 0)
 
 
 def materials(job: Job) -> Made:
@@ -78,16 +71,13 @@ def materials(job: Job) -> Made:
         entry = _one(job, material)
         if entry is not None:
             made[material.key] = entry
-            title = job.source.plain(material.command.attributes.get("Name", ""))
-            if title.lower().replace(" ", "_") != material.key:
-                job.made.comment(["materials", material.key], title)
+            if material.title.lower().replace(" ", "_") != material.key:
+                job.made.comment(["materials", material.key], material.title)
     return made
 
 
 def _one(job: Job, material: Material) -> Made | None:
     command = material.command
-    for inside in command.all("color"):
-        job.ignored(inside, "a colour of plots")
     if material.is_rigid:
         return {"kind": "rigid"}
     maker = _MAKERS.get(material.kind)
@@ -96,12 +86,8 @@ def _one(job: Job, material: Material) -> Made | None:
         job.unsupported(command, f"material type {material.kind} ({name})")
         return None
     made = maker(job, material)
-    if made is None:
-        return None
-    if made["kind"] not in MATERIALS:
-        job.unsupported(command, f"material type {material.kind}: there is no material '{made['kind']}'")
-        return None
-    _common(job, command, made)
+    if made is not None:
+        _common(job, command, made)
     return made
 
 
@@ -125,39 +111,32 @@ def _common(job: Job, command: Command, made: Made) -> None:
         heat = job.property(command, "Cv") or job.property(command, "Cp")
         if heat is not None:
             made["heat_capacity"] = heat
-        elif job.scene.get("_ramps") and "heat_capacity" not in made and made["kind"] != "ideal_gas":
+        elif "heat" in job.scene and "heat_capacity" not in made and made["kind"] != "ideal_gas":
             made["heat_capacity"] = Value(1.0)
             job.changed(command, "without Cv, NairnMPM's heat capacity is 1")
         conductivity = job.property(command, "kCond", "conductivity", shown=True)
-        insulates = job.scene.get("_insulates", False)
-        if insulates:
-            made["conductivity"] = Value(0.0)
-        if conductivity is not None and "heat" in job.scene and not insulates:
-            made["conductivity"] = conductivity
-        elif conductivity is not None:
+        conducts = "heat" in job.scene and not job.scene.get("_insulates")
+        if "heat" in job.scene:
+            made["conductivity"] = conductivity if conducts and conductivity else Value(0.0)
+        if conducts and conductivity is None:
+            job.changed(command, "without kCond, NairnMPM's conductivity is 0")
+        elif conductivity is not None and not conducts:
             job.note("ignored", command, "kCond: nothing conducts heat in this file")
         reference = job.scene.get("_reference")
         if reference is not None:
             made["T0"] = reference
     for names, words in (
-        (("alpha", "alphaA", "alphaT", "alphax", "alphay", "alphaz"), "no temperature changes in this file"),
+        ("alpha alphaA alphaT alphax alphay alphaz", "no temperature changes in this file"),
         (
             TRANSPORT,
             "no transport in this file" if not job.heats else "used in NairnMPM's other transport only",
         ),
     ):
-        for inside in command.all(*(name for name in names)):
+        for inside in command.all(*names.split()):
             if not inside.used and not inside.attributes and not (job.heats and inside.name in _HEAT):
                 job.ignored(inside, words)
-    for inside in command.all("largeRotation", "UJOption_"):
-        job.ignored(inside, "large rotations are always taken into account")
-    for inside in command.all("ArtificialVisc", "avA1", "avA2"):
-        job.unsupported(
-            inside, "artificial viscosity of one material; method.artificial_viscosity acts on all"
-        )
     if not job.scene.get("_cracks"):
-        for inside in command.all(*FRACTURE, "Propagate", "AltPropagate"):
-            job.ignored(inside, "there are no cracks in this file")
+        job.ignored(command, "there are no cracks in this file", f"{FRACTURE} Propagate AltPropagate")
     _particle_damping(job, command)
 
 
@@ -183,11 +162,10 @@ def _particle_damping(job: Job, command: Command) -> None:
 
 
 def _same_damping(job: Job, other: Material, damping: Command) -> bool:
-    found = next((c for c in other.command.children if c.name == "PDamping"), None)
+    found = other.command.first("PDamping")
     if found is None:
         return False
-    same = [(job.source.plain(c.text).strip(), c.attributes) for c in (found, damping)]
-    return same[0] == same[1]
+    return (job.word(found), found.attributes) == (job.word(damping), damping.attributes)
 
 
 # ------------------------------------------------------------------ elasticity
@@ -195,8 +173,6 @@ def _same_damping(job: Job, other: Material, damping: Command) -> bool:
 
 def _isotropic(job: Job, material: Material) -> Made | None:
     found = elastic_constants(job, material)
-    for inside in material.command.all("largeRotation"):
-        job.ignored(inside, "large rotations are always taken into account")
     return None if found is None else {"kind": "linear_elastic", **found}
 
 
@@ -204,20 +180,16 @@ _VOLUMETRIC = {0: "j_minus_inverse", 2: "log"}
 
 
 def _volumetric(job: Job, command: Command) -> str | None:
-    option = command.last("UJOption")
-    code = round(job.plain(option, None)) if option is not None else 0
-    if option is not None and code not in _VOLUMETRIC:
-        job.changed(
-            option, "the energy (K/2)(J − 1)² has no counterpart; (K/2)(½(J² − 1) − ln J) stands for it"
-        )
+    code = job.code(command, "UJOption", 0)
+    if (option := command.last("UJOption")) is not None and code not in _VOLUMETRIC:
+        words = "the energy (K/2)(J − 1)² has no counterpart; (K/2)(½(J² − 1) − ln J) stands for it"
+        job.changed(option, words)
     return _VOLUMETRIC.get(code, "j_minus_inverse")
 
 
 def _neohookean(job: Job, material: Material) -> Made | None:
-    lame = job.property(material.command, "Lame")
-    G = job.property(material.command, "G")
+    lame, G = job.property(material.command, "Lame"), job.property(material.command, "G")
     if lame is not None and G is not None:
-        material.speed = 0.0
         found: Made | None = {"K": Value(lame.scaled + 2 * G.scaled / 3), "G": G}
     else:
         found = elastic_constants(job, material)
@@ -229,8 +201,6 @@ def _neohookean(job: Job, material: Material) -> Made | None:
 def _mooney(job: Job, material: Material) -> Made | None:
     command = material.command
     second = job.property(command, "G2")
-    for inside in command.all("IdealRubber"):
-        job.unsupported(inside, "heat of an ideal rubber")
     volumetric = _volumetric(job, command)
     found = elastic_constants(job, material, "K", "G1")
     if found is None:
@@ -252,12 +222,11 @@ def _viscoelastic(job: Job, material: Material) -> Made | None:
     made: Made = {"kind": "viscoelastic", **(found or {})}
     terms: list[Made] = []
     for count, modulus, time, name in (("ntaus", "Gk", "tauk", "G"), ("ntausK", "Kk", "tauKk", "K")):
-        for inside in command.all(count):
-            inside.handled = True
+        command.last(count)
         moduli = [job.number(inside, None) for inside in command.all(modulus)]
         times = [job.number(inside, None, "time", shown=True) for inside in command.all(time)]
         if len(moduli) != len(times):
-            job.made.error(command.line, "<Material>", f"as many commands <{modulus}> as <{time}> are needed")
+            job.error(command, f"as many commands <{modulus}> as <{time}> are needed")
             return None
         terms += [{"time": t, name: m} for m, t in zip(moduli, times, strict=True)]
     for inside in command.all("pressureLaw"):
@@ -284,29 +253,23 @@ def _shift(job: Job, command: Command, made: Made) -> None:
     moisture = command.last("mref")
     if moisture is not None and job.plain(moisture, None) >= 0:
         job.unsupported(moisture, "relaxation times that depend on moisture")
-    for inside in command.all("Cm1", "Cm2"):
-        job.ignored(inside, "no moisture in this file")
 
 
 # ------------------------------------------------------------------ plasticity
 
 
-def _plastic(job: Job, material: Material) -> Made | None:
-    found = elastic_constants(job, material)
+def _plastic(job: Job, material: Material, shear: str = "G") -> Made | None:
+    found = elastic_constants(job, material, "K", shear)
     hardening = hardening_law(job, material.command)
-    if found is None or hardening is None:
-        return None
-    return {"kind": "j2_plastic", **found, "hardening": hardening}
+    return found and hardening and {"kind": "j2_plastic", **found, "hardening": hardening}
 
 
 def _hyper_plastic(job: Job, material: Material) -> Made | None:
-    found = elastic_constants(job, material, "K", "G1")
-    hardening = hardening_law(job, material.command)
+    made = _plastic(job, material, "G1")
     _volumetric(job, material.command)
-    if found is None or hardening is None:
-        return None
-    job.changed(material.command, "the elasticity is logarithmic here, neo-Hookean in NairnMPM")
-    return {"kind": "j2_plastic", **found, "hardening": hardening}
+    if made is not None:
+        job.changed(material.command, "the elasticity is logarithmic here, neo-Hookean in NairnMPM")
+    return made
 
 
 _MAKERS: dict[int, Callable[[Job, Material], Made | None]] = {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 from mpmcli.importers.nairnmpm.commands import Command
@@ -41,27 +42,20 @@ class Where:
                 for a in others
             ):
                 continue
-            cell = job.cell[axis]
-            first = math.ceil((self.lower[axis] - job.lower[axis] - tolerance) / cell)
-            last = math.floor((self.upper[axis] - job.lower[axis] + tolerance) / cell)
-            count = round((job.upper[axis] - job.lower[axis]) / cell)
+            first, last = self._lines(job, axis)
+            count = round((job.upper[axis] - job.lower[axis]) / job.cell[axis])
             if last < first or first > count or last < 0:
                 continue
-            if last >= count and first > 0:
-                self.name = SIDES[axis, True]
-                at = (
-                    job.scene["grid"]["upper"][axis]
-                    if first == count
-                    else Value(job.lower[axis] + first * cell)
-                )
-                return {"plane": {"axis": job.axes[axis], "at": at} | _side(first, count, True)}
-            if first <= 0 and last < count:
-                self.name = SIDES[axis, False]
-                at = job.scene["grid"]["lower"][axis] if last == 0 else Value(job.lower[axis] + last * cell)
-                return {"plane": {"axis": job.axes[axis], "at": at} | _side(last, count, False)}
+            upper = last >= count
+            if (first > 0) == upper:  # one of the two sides is in it, the other is not
+                line = first if upper else last
+                self.name = SIDES[axis, upper]
+                at: Value = job.scene["grid"]["upper" if upper else "lower"][axis]
+                if line != (count if upper else 0):
+                    at = Value(job.lower[axis] + line * job.cell[axis])
+                return {"plane": {"axis": job.axes[axis], "at": at} | _side(line, count, upper)}
         for a in range(len(job.axes)):
-            first = math.ceil((self.lower[a] - job.lower[a] - tolerance) / job.cell[a])
-            last = math.floor((self.upper[a] - job.lower[a] + tolerance) / job.cell[a])
+            first, last = self._lines(job, a)
             if (
                 last < first
                 or self.lower[a] > job.upper[a] + tolerance
@@ -71,6 +65,11 @@ class Where:
             if first == last:  # one line of nodes: its own coordinate instead of a tolerance around it
                 self.lower[a] = self.upper[a] = job.lower[a] + first * job.cell[a]
         return _box(self.lower, self.upper)
+
+    def _lines(self, job: Job, axis: int) -> tuple[int, int]:
+        """First and last line of nodes of the grid in the place, across an axis."""
+        first = math.ceil((self.lower[axis] - job.lower[axis] - job.tolerance) / job.cell[axis])
+        return first, math.floor((self.upper[axis] - job.lower[axis] + job.tolerance) / job.cell[axis])
 
 
 def _box(lower: list[float], upper: list[float]) -> dict[str, Any]:
@@ -90,7 +89,7 @@ def where(job: Job, shape: Command, number: int) -> Where | None:
         return _line(job, shape, f"line_{number}")
     if shape.name in {"BCBox", "LdRect"}:
         found = corners(job, shape)
-        if (shape.get("axis") or "0") not in {"0"}:
+        if (shape.get("axis") or "0") != "0":
             job.note("not_supported", shape, "a cylinder of nodes; use BCShape")
             return None
         if found is None:
@@ -102,7 +101,7 @@ def where(job: Job, shape: Command, number: int) -> Where | None:
             return _line(job, shapes[0], f"line_{number}")
         made = [region(job, inside) for inside in shapes]
         if not made:
-            job.made.error(shape.line, "<BCShape>", "a shape is missing")
+            job.error(shape, "a shape is missing")
         if not made or made[0] is None:
             return None
         if made[0]["kind"] == "box":
@@ -123,23 +122,27 @@ def _tolerance(job: Job, shape: Command) -> float:
         return 0.01 * min(job.cell)
 
 
+def _ends(job: Job, shape: Command, names: Iterable[str]) -> list[list[float]] | None:
+    """Both ends of a line or of the box around an arc, or None if one is missing."""
+    ends = [
+        [job.coordinate(shape, f"{letter}{name}", axis) for axis, letter in enumerate("xy")] for name in names
+    ]
+    known = [[value.scaled for value in pair if value is not None] for pair in ends]
+    return known if all(len(pair) == 2 for pair in known) else None
+
+
 def _line(job: Job, shape: Command, name: str) -> Where | None:
     if job.analysis == "3d":
         job.made.error(shape.line, "<BCLine>", "belongs to analyses in 2D")
         return None
-    ends = []
-    for end in ("min", "max") if "xmin" in shape.attributes else "12":
-        pair = [job.coordinate(shape, f"{letter}{end}", axis) for axis, letter in enumerate("xy")]
-        if None in pair:
-            return None
-        ends.append([v.scaled for v in pair if v is not None])
-    shape.get("z1")
-    shape.get("z2")
+    ends = _ends(job, shape, ("min", "max") if "xmin" in shape.attributes else "12")
+    if ends is None:
+        return None
     width = _tolerance(job, shape)
     (x1, y1), (x2, y2) = ends
     length = math.hypot(x2 - x1, y2 - y1)
     if length == 0:
-        job.made.error(shape.line, f"<{shape.name}>", "the line has no length")
+        job.error(shape, "the line has no length")
         return None
     if abs(x2 - x1) <= 1e-9 * length:
         return Where(name, [x1 - width, min(y1, y2)], [x1 + width, max(y1, y2)])
@@ -152,13 +155,10 @@ def _line(job: Job, shape: Command, name: str) -> Where | None:
 
 def _arc(job: Job, shape: Command, name: str) -> Where | None:
     """A ring as wide as the tolerance on both sides; arcs that are no full circle are not translated."""
-    ends: list[list[float]] = []
-    for end in "12":
-        pair = [job.coordinate(shape, f"{letter}{end}", axis) for axis, letter in enumerate("xy")]
-        if None in pair:
-            job.made.error(shape.line, f"<{shape.name}>", "x1, x2, y1 and y2 are needed")
-            return None
-        ends.append([v.scaled for v in pair if v is not None])
+    ends = _ends(job, shape, "12")
+    if ends is None:
+        job.error(shape, "x1, x2, y1 and y2 are needed")
+        return None
     width = _tolerance(job, shape)
     turn = job.plain(shape, "end", 360.0) - job.plain(shape, "start", 0.0)
     half = [abs(b - a) / 2 for a, b in zip(*ends, strict=True)]

@@ -60,27 +60,18 @@ def ramp_loads(job: Job) -> list[dict[str, Any]]:
                 continue
             if ramp["time"] is None:
                 before = body.get("temperature", material.get("T0"))
-                body["temperature"] = (
-                    Value(before.scaled + ramp["amount"].scaled)
-                    if isinstance(before, Value)
-                    else Formula(f"{before.text} + {raw(ramp['amount'])}")
-                )
-                continue
+                if isinstance(before, Value):
+                    body["temperature"] = Value(before.scaled + ramp["amount"].scaled)
+                continue  # temperatures that are not absolute have a note
             capacity = material.get("heat_capacity")
             if capacity is None:
-                job.note(
-                    "not_supported", ramp["command"], f"a ramp of the temperature of '{material['kind']}'"
-                )
+                words = f"a ramp of the temperature of '{material['kind']}'"
+                job.note("not_supported", ramp["command"], words)
                 break
-            made.append(
-                {
-                    "name": f"ramp{'' if number == 1 else f'_{number}'}_{body['name']}",
-                    "kind": "heat_source",
-                    "on": {"body": body["name"]},
-                    "per": "mass",
-                    "power": Formula(f"{raw(capacity)}*{ramp['rate']}", capacity.unit.factor),
-                }
-            )
+            power = Formula(f"{raw(capacity)}*{ramp['rate']}", capacity.unit.factor)
+            source = {"kind": "heat_source", "on": {"body": body["name"]}, "per": "mass", "power": power}
+            name = f"ramp{'' if number == 1 else f'_{number}'}_{body['name']}"
+            made.append({"name": name, **source})
     return made
 
 
@@ -93,7 +84,6 @@ def _read(job: Job, command: Command) -> dict[str, Any] | None:
         numbers |= {name: job.number(command, name) for name in ("time", "start")}
         given = {name: value for name, value in numbers.items() if value is not None}
     else:
-        command.get("name")
         for parameter in command.all("Parameter"):
             name = parameter.get("name") or ""
             if name in _PICTURE or name.startswith("map "):

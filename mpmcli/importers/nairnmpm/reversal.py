@@ -16,14 +16,8 @@ _ACTIONS = {1: "hold", 2: "", 3: "stop"}
 """By style; all others reverse."""
 _STYLES = {"reverse": 0, "hold": 1, "nochange": 2, "abort": 3}
 _JOULES = {
-    "boundary_work",
-    "contact_work",
-    "external_work",
-    "interface_energy",
-    "kinetic_energy",
-    "plastic_work",
-    "strain_energy",
-    "stress_work",
+    *("boundary_work", "contact_work", "external_work", "plastic_work", "stress_work"),
+    *("interface_energy", "kinetic_energy", "strain_energy"),
 }
 
 
@@ -36,7 +30,6 @@ def reversal(job: Job, root: Command, names: list[tuple[str, str]]) -> None:
 
 
 def _task(job: Job, task: Command, names: list[tuple[str, str]]) -> None:
-    task.get("name")
     found: dict[str, Command] = {}
     for parameter in task.all("Parameter"):
         word = parameter.get("name") or ""
@@ -73,7 +66,7 @@ def _action(job: Job, style: Command | None) -> str | None:
     """What happens to the loads, by the number or the word of a style, or None after a note."""
     if style is None:
         return "reverse"
-    word = job.source.plain(style.text).strip().lower()
+    word = job.word(style).lower()
     try:
         number = _STYLES[word] if word in _STYLES else round(float(word))
     except (ValueError, OverflowError):
@@ -116,7 +109,7 @@ def _of_crack(job: Job, task: Command, found: dict[str, Command]) -> Formula | N
     limit = found.get("maxLength") or found.get("maxValue")
     value = 10.0 if limit is None else job.plain(limit, None)
     if number > len(cracks):
-        job.made.error(task.line, "<Schedule>", f"there is no crack {number}")
+        job.error(task, f"there is no crack {number}")
         return None
     asked = cracks if number < 1 else [cracks[number - 1]]
     parts = [f"crack_length[{crack['name']}] > {value:.12g}" for crack in asked]

@@ -36,17 +36,9 @@ TYPES = {
     "ignorecontact": 60,
 }
 STYLES = {"constant": 1, "linear": 2, "sine": 3, "cosine": 4, "silent": 5, "function": 6}
-AXES = {
-    "x": 1,
-    "y": 2,
-    "z": 3,
-    "normal": 11,
-    "shear": 12,
-    "skewxy": 12,
-    "skewrz": 12,
-    "external": 1,
-}
+AXES = {"x": 1, "y": 2, "z": 3, "normal": 11, "shear": 12, "skewxy": 12, "skewrz": 12, "external": 1}
 PROPERTIES = {"a": "alpha", "ax": "alphax", "ay": "alphay", "az": "alphaz", "aa": "alphaA", "at": "alphaT"}
+PROPERTIES |= {"direction": "SetDirection", "hardening": "Hardening"}
 PLACES: dict[str, tuple[tuple[str, ...], int]] = {
     "line": (("x1", "y1", "x2", "y2", "tolerance"), 4),
     "arc": (("x1", "y1", "x2", "y2", "start", "end", "tolerance"), 6),
@@ -64,24 +56,43 @@ CRITERIA = {
     "critical err": 7,
 }
 DIRECTIONS = {"default": 0, "self similar": 1, "cod normal": 2, "cod hoop": 3, "initial": 4}
-MOST = {
-    **dict.fromkeys(("title", "name", "analysis", "maximumtime", "cflfactor", "damping", "pdamping"), 1),
-    **dict.fromkeys(("stressfreetemp", "leavelimit", "ptsperelement", "loadtype", "customtask"), 1),
-    **dict.fromkeys(("contactposition", "frictionmm", "contactmm", "friction", "moveplane"), 1),
-    **dict.fromkeys(("globalarchivetime", "gridthickness", "done", "endregion", "endhole"), 1),
-    **dict.fromkeys(("mpmmethod", "archivetime", "globalarchive", "polypt", "propagate", "altpropagate"), 2),
-    **dict.fromkeys(("hole", "gridbc", "particlebc"), 0),
-    **dict.fromkeys(("consistentunits", "archive", "archiveunique", "timestep", "feedbackdamping"), 3),
-    **dict.fromkeys(("material", "gravity", "growcrack", "jcontour", "parameter"), 3),
-    **dict.fromkeys(("gridhoriz", "gridvert", "griddepth", "multimaterialmode", "newcrack"), 4),
-    **dict.fromkeys(("growcrackline", "loadrect", "temperature"), 4),
-    **dict.fromkeys(("moveline", "loadline", "load", "heatflux"), 5),
-    **dict.fromkeys(("gridrect", "traction", "velocity", "rect", "oval", "box", "sphere"), 6),
-    **dict.fromkeys(("movearc", "loadarc", "movebox", "loadbox"), 7),
-    "line": 7,
-    "cylinder": 8,
-    "conduction": 2,
+SETTINGS = {
+    "archive": ("ArchiveRoot", "ArchiveTime", "FirstArchiveTime"),
+    "archiveunique": ("ArchiveRoot", "ArchiveTime", "FirstArchiveTime"),
+    "archivetime": ("ArchiveTime", "FirstArchiveTime"),
+    "cflfactor": ("TimeFactor",),
+    "globalarchivetime": ("GlobalArchiveTime",),
+    "leavelimit": ("LeaveLimit",),
+    "maximumtime": ("MaxTime",),
+    "ptsperelement": ("MatlPtsPerElement",),
+    "stressfreetemp": ("StressFreeTemp",),
+    "timestep": ("TimeStep", "MaxTime", "TimeFactor"),
 }
+"""The command of MPMHeader that each value of a script's command makes."""
+TIMES = {"ArchiveTime", "FirstArchiveTime", "GlobalArchiveTime", "MaxTime", "TimeStep"}
+"""Those of them that are times."""
+HISTORIES = {
+    "velocity": ("DisBC", 1, "vel"),
+    "temperature": ("TempBC", 0, "value"),
+    "load": ("LoadBC", 1, "load"),
+    "traction": ("TractionBC", 2, "stress"),
+    "heatflux": ("HeatFluxBC", 2, "value"),
+}
+"""The command that a condition makes, the values before its style, and what its value is called."""
+_MOST = {
+    0: "hole gridbc particlebc",
+    1: "title name analysis damping pdamping loadtype customtask contactposition frictionmm contactmm friction"
+    " moveplane gridthickness done endregion endhole",
+    2: "mpmmethod globalarchive polypt propagate altpropagate conduction",
+    3: "consistentunits feedbackdamping material gravity growcrack jcontour parameter",
+    4: "gridhoriz gridvert griddepth multimaterialmode newcrack growcrackline loadrect temperature",
+    5: "moveline loadline load heatflux",
+    6: "gridrect traction velocity rect oval box sphere",
+    7: "movearc loadarc movebox loadbox line",
+    8: "cylinder",
+}
+MOST = {name: count for count, names in _MOST.items() for name in names.split()}
+MOST |= {name: len(made) for name, made in SETTINGS.items()}
 """The values of a command that are read; more are refused. Public scripts give loads a last one that nothing reads."""
 
 NAMES = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax")

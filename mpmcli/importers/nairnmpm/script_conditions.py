@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mpmcli.importers.nairnmpm.commands import Command
 from mpmcli.importers.nairnmpm.language import Line
-from mpmcli.importers.nairnmpm.script_base import AXES, CRITERIA, DIRECTIONS, PLACES, STYLES, Base
+from mpmcli.importers.nairnmpm.script_base import AXES, CRITERIA, DIRECTIONS, HISTORIES, PLACES, STYLES, Base
 from mpmcli.importers.nairnmpm.script_values import Scalar, ScriptError, text_of
 
 
@@ -13,7 +13,8 @@ class Conditions(Base):
 
     # -------------------------------------------------------------- conditions
 
-    def _place(self, line: Line, block: str) -> None:
+    def _do_moveline(self, line: Line) -> None:
+        block = "GridBCs" if line.name.startswith("move") else "ParticleBCs"
         kind = line.name.removeprefix("move").removeprefix("load")
         names, count = PLACES[kind]
         values = self._need(line, count)
@@ -25,21 +26,13 @@ class Conditions(Base):
         word = "LdRect" if kind == "rect" else f"BC{kind.title()}"
         self.shape = self._add(self._block(block), word, **given)
 
-    def _do_moveline(self, line: Line) -> None:
-        self._place(line, "GridBCs")
-
-    _do_movearc = _do_movebox = _do_moveline
-
-    def _do_loadline(self, line: Line) -> None:
-        self._place(line, "ParticleBCs")
-
-    _do_loadarc = _do_loadrect = _do_loadbox = _do_loadline
+    _do_movearc = _do_movebox = _do_loadline = _do_loadarc = _do_loadrect = _do_loadbox = _do_moveline
 
     def _do_gridbc(self, line: Line) -> None:
-        self.shape = self._add(self._block("GridBCs"), "BCShape")
+        block = "GridBCs" if line.name == "gridbc" else "ParticleBCs"
+        self.shape = self._add(self._block(block), "BCShape")
 
-    def _do_particlebc(self, line: Line) -> None:
-        self.shape = self._add(self._block("ParticleBCs"), "BCShape")
+    _do_particlebc = _do_gridbc
 
     def _do_endmoveline(self, line: Line) -> None:
         self.shape = self.polygon = None
@@ -54,26 +47,8 @@ class Conditions(Base):
             raise ScriptError(f"'{word[:30]}' is not a type of load: net or perParticle")
         self._add(self._into(), words[word])
 
-    def _do_velocity(self, line: Line) -> None:
-        made = self._history(line, "DisBC", 1, "vel")
-        for name, value in zip(("angle", "angle2"), line.values[4:], strict=False):
-            made.attributes[name] = text_of(value)
-
-    def _do_temperature(self, line: Line) -> None:
-        self._history(line, "TempBC", 0, "value")
-
-    def _do_load(self, line: Line) -> None:
-        self._history(line, "LoadBC", 1, "load")
-
-    def _do_traction(self, line: Line) -> None:
-        made = self._history(line, "TractionBC", 2, "stress")
-        made.attributes["face"] = text_of(line.values[1])
-
-    def _do_heatflux(self, line: Line) -> None:
-        made = self._history(line, "HeatFluxBC", 2, "value")
-        made.attributes["face"] = text_of(line.values[1])
-
-    def _history(self, line: Line, name: str, skip: int, key: str) -> Command:
+    def _history(self, line: Line) -> None:
+        name, skip, key = HISTORIES[line.name]
         values = self._need(line, skip + 1)
         style = self._choice(values[skip], STYLES, "style")
         made = self._add(self._into(), name, style=float(style))
@@ -87,7 +62,10 @@ class Conditions(Base):
             made.attributes[key] = text_of(rest[0])
         if len(rest) > 1:
             made.attributes["time"] = text_of(rest[1])
-        return made
+        if name == "DisBC":
+            made.attributes |= {k: text_of(v) for k, v in zip(("angle", "angle2"), values[4:], strict=False)}
+        if skip == 2:
+            made.attributes["face"] = text_of(values[1])
 
     def _do_gravity(self, line: Line) -> None:
         for axis, value in zip("XYZ", line.values, strict=False):
@@ -96,9 +74,7 @@ class Conditions(Base):
     # ------------------------------------------------------------------ cracks
 
     def _cracks(self) -> Command:
-        head = self.blocks["MPMHeader"]
-        found = next((c for c in head.children if c.name == "Cracks"), None)
-        return found or self._add(head, "Cracks")
+        return self.blocks["MPMHeader"].first("Cracks") or self._set("Cracks")
 
     def _choice_of_friction(self, value: Scalar) -> Scalar:
         number = {"none": 0.0, "stick": -5.0, "single": -11.0, "ignore": -11.0}.get(

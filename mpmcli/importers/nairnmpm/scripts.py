@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from mpmcli.importers.nairnmpm import script_base as tables
 from mpmcli.importers.nairnmpm.commands import Command, CommandFile, parse
 from mpmcli.importers.nairnmpm.language import Line, run
-from mpmcli.importers.nairnmpm.script_base import ANALYSES, METHODS, MOST, NAMES, NORMALS, PROPERTIES, TYPES
 from mpmcli.importers.nairnmpm.script_conditions import Conditions
 from mpmcli.importers.nairnmpm.script_values import Scalar, ScriptError, text_of
 
@@ -34,7 +34,9 @@ class _Maker(Conditions):
     def __init__(self, path: Path):
         super().__init__(path)
         self.handlers: dict[str, Callable[[Line], None]] = {
-            name[4:]: getattr(self, name) for name in dir(self) if name.startswith("_do_")
+            **{name[4:]: getattr(self, name) for name in dir(self) if name.startswith("_do_")},
+            **dict.fromkeys(tables.SETTINGS, self._settings),
+            **dict.fromkeys(tables.HISTORIES, self._history),
         }
 
     def take(self, line: Line) -> None:
@@ -46,8 +48,8 @@ class _Maker(Conditions):
         handler = self.handlers.get(line.name)
         if handler is None:
             self.refuse(line.number, f"not supported: the script command '{line.text.split(' ')[0][:40]}'")
-        if len(line.values) > MOST.get(line.name, len(line.values)):
-            given = text_of(line.values[MOST[line.name]])
+        if len(line.values) > tables.MOST.get(line.name, len(line.values)):
+            given = text_of(line.values[tables.MOST[line.name]])
             raise ScriptError(f"not supported: the value '{given[:40]}' of '{line.text.split(' ')[0]}'")
         handler(line)
 
@@ -64,10 +66,10 @@ class _Maker(Conditions):
     # ------------------------------------------------------------------ header
 
     def _do_title(self, line: Line) -> None:
-        self.description.insert(0, f"Title: {text_of(self._need(line, 1)[0])}")
+        at = 0 if line.name == "title" else len(self.description)
+        self.description.insert(at, f"{line.name.title()}: {text_of(self._need(line, 1)[0])}")
 
-    def _do_name(self, line: Line) -> None:
-        self.description.append(f"Name: {text_of(self._need(line, 1)[0])}")
+    _do_name = _do_title
 
     def _do_header(self, line: Line) -> None:
         self.description += str(line.values[1]).splitlines()
@@ -78,39 +80,26 @@ class _Maker(Conditions):
     _do_processors = _do_comment
 
     def _do_analysis(self, line: Line) -> None:
-        code = self._choice(self._need(line, 1)[0], ANALYSES, "analysis")
+        code = self._choice(self._need(line, 1)[0], tables.ANALYSES, "analysis")
         self.is_3d, self.is_axisymmetric = code == 12, code == 13
         self._add(self.blocks["Header"], "Analysis", float(code))
 
     def _do_consistentunits(self, line: Line) -> None:
-        names = dict(zip(("length", "mass", "time"), line.values, strict=False))
         self.ms = {}
-        self._add(self.blocks["Header"], "ConsistentUnits", **names)
+        units = dict(zip(("length", "mass", "time"), line.values, strict=False))
+        self._add(self.blocks["Header"], "ConsistentUnits", **units)
 
     def _do_mpmmethod(self, line: Line) -> None:
         word = text_of(self._need(line, 1)[0]).lower()
-        self._set("MPMMethod", float(self._choice(word.rstrip("+-"), METHODS, "method")))
+        self._set("MPMMethod", float(self._choice(word.rstrip("+-"), tables.METHODS, "method")))
         if word.endswith("-"):
             self._set("SkipPostExtrapolation")
         if len(line.values) > 1:
             self._set("GIMP", type=line.values[1])
 
-    def _do_archive(self, line: Line) -> None:
-        self._set("ArchiveRoot", self._need(line, 1)[0])
-        if len(line.values) > 1:
-            self._set("ArchiveTime", line.values[1], **self.ms)
-        if len(line.values) > 2:
-            self._set("FirstArchiveTime", line.values[2], **self.ms)
-
-    _do_archiveunique = _do_archive
-
-    def _do_archivetime(self, line: Line) -> None:
-        self._set("ArchiveTime", self._need(line, 1)[0], **self.ms)
-        if len(line.values) > 1:
-            self._set("FirstArchiveTime", line.values[1], **self.ms)
-
-    def _do_globalarchivetime(self, line: Line) -> None:
-        self._set("GlobalArchiveTime", self._need(line, 1)[0], **self.ms)
+    def _settings(self, line: Line) -> None:
+        for name, value in zip(tables.SETTINGS[line.name], self._need(line, 1), strict=False):
+            self._set(name, value, **(self.ms if name in tables.TIMES else {}))
 
     def _do_globalarchive(self, line: Line) -> None:
         values = self._need(line, 1)
@@ -123,19 +112,6 @@ class _Maker(Conditions):
     def _do_toarchive(self, line: Line) -> None:
         for value in line.values:
             self._set("MPMArchive", result=text_of(value).strip())
-
-    def _do_maximumtime(self, line: Line) -> None:
-        self._set("MaxTime", self._need(line, 1)[0], **self.ms)
-
-    def _do_cflfactor(self, line: Line) -> None:
-        self._set("TimeFactor", self._need(line, 1)[0])
-
-    def _do_timestep(self, line: Line) -> None:
-        self._set("TimeStep", self._need(line, 1)[0], **self.ms)
-        if len(line.values) > 1:
-            self._set("MaxTime", line.values[1], **self.ms)
-        if len(line.values) > 2:
-            self._set("TimeFactor", line.values[2])
 
     def _do_damping(self, line: Line) -> None:
         value = self._need(line, 1)[0]
@@ -150,15 +126,6 @@ class _Maker(Conditions):
     def _do_feedbackdamping(self, line: Line) -> None:
         more = dict(zip(("target", "max"), line.values[1:], strict=False))
         self._set("FeedbackDamping", self._need(line, 1)[0], **more)
-
-    def _do_stressfreetemp(self, line: Line) -> None:
-        self._set("StressFreeTemp", self._need(line, 1)[0])
-
-    def _do_leavelimit(self, line: Line) -> None:
-        self._set("LeaveLimit", self._need(line, 1)[0])
-
-    def _do_ptsperelement(self, line: Line) -> None:
-        self._set("MatlPtsPerElement", self._need(line, 1)[0])
 
     def _do_xmldata(self, line: Line) -> None:
         where = text_of(line.values[0]).split(",")[0].strip().strip('"')
@@ -176,13 +143,13 @@ class _Maker(Conditions):
         values = line.values
         mode = self._set("MultiMaterialMode", Normals=2.0)
         if len(values) > 2:
-            mode.attributes["Normals"] = text_of(float(self._choice(values[2], NORMALS, "normal")))
+            mode.attributes["Normals"] = text_of(float(self._choice(values[2], tables.NORMALS, "normal")))
         if len(values) > 3:
             name = "Azimuth" if mode.attributes["Normals"] == "4" else "RigidBias"
             mode.attributes[name] = text_of(values[3])
 
     def _mode(self) -> Command:
-        mode = next((c for c in self.blocks["MPMHeader"].children if c.name == "MultiMaterialMode"), None)
+        mode = self.blocks["MPMHeader"].first("MultiMaterialMode")
         if mode is None:
             raise ScriptError("'MultimaterialMode' must come before its choices")
         return mode
@@ -203,7 +170,7 @@ class _Maker(Conditions):
     def _do_material(self, line: Line) -> None:
         values = self._need(line, 3)
         key = text_of(values[0])
-        kind = self._choice(values[2], TYPES, "material")
+        kind = self._choice(values[2], tables.TYPES, "material")
         name = text_of(values[1])
         taken = set(self.ids.values())
         self.ids[key] = name if name not in taken else f"{name} ({key})"
@@ -217,22 +184,20 @@ class _Maker(Conditions):
     def _property(self, line: Line) -> None:
         assert self.material is not None
         word = line.text.split(None, 1)[0].rstrip(",")
-        name = PROPERTIES.get(word.lower(), word)
+        name = tables.PROPERTIES.get(word.lower(), word)
         if word.lower() == "color":
             return  # displayed only
         if len(line.values) > 1:
             raise ScriptError(f"not supported: several values of '{word}'")
-        if word.lower() == "direction":
-            name = "SetDirection"
-        elif word.lower().startswith("settingfunction"):
+        if word.lower().startswith("settingfunction"):
             name = "SettingFunction" + {"x": "", "y": "2", "z": "3"}.get(word[15:].lower(), word[15:])
-        elif word.lower() == "hardening":
-            name = "Hardening"
         self._add(self.material, name, line.values[0] if line.values else "")
 
     # -------------------------------------------------------------------- grid
 
-    def _axis(self, line: Line, name: str, count: str) -> None:
+    def _do_gridhoriz(self, line: Line) -> None:
+        name = line.name.removeprefix("grid").title()
+        count = {"Horiz": "nx", "Vert": "ny", "Depth": "nz"}[name]
         values = self._need(line, 1)
         if any(isinstance(value, str) for value in values):
             raise ScriptError("not supported: cells that grow (R-Style)")
@@ -241,17 +206,10 @@ class _Maker(Conditions):
         made |= {k: text_of(v) for k, v in zip((first, second), values[1:2] + values[3:4], strict=False)}
         self.axes[name] = made
 
-    def _do_gridhoriz(self, line: Line) -> None:
-        self._axis(line, "Horiz", "nx")
-
-    def _do_gridvert(self, line: Line) -> None:
-        self._axis(line, "Vert", "ny")
-
-    def _do_griddepth(self, line: Line) -> None:
-        self._axis(line, "Depth", "nz")
+    _do_gridvert = _do_griddepth = _do_gridhoriz
 
     def _do_gridrect(self, line: Line) -> None:
-        self.grid |= {k: text_of(v) for k, v in zip(NAMES, self._need(line, 4), strict=False)}
+        self.grid |= {k: text_of(v) for k, v in zip(tables.NAMES, self._need(line, 4), strict=False)}
 
     def _do_gridthickness(self, line: Line) -> None:
         self.grid["thickness"] = text_of(self._need(line, 1)[0])
@@ -285,7 +243,7 @@ class _Maker(Conditions):
         values = self._need(line, 1)
         if self.body is None or self.body.name != "Body":
             raise ScriptError("'Transform' belongs into a region")
-        if any(inside.name == "Transform" for inside in self.body.children):
+        if self.body.first("Transform") is not None:
             raise ScriptError("only one 'Transform' is allowed in a region")
         if self.is_3d or len(values) > 5:
             raise ScriptError("not supported: 'Transform' in 3D")
@@ -297,7 +255,7 @@ class _Maker(Conditions):
         count = 4 if name in {"Rect", "Oval"} or (name == "Line" and not self.is_3d) else 6
         values = self._need(line, count)
         self.polygon = None
-        made = self._add(self._into(), name, **dict(zip(NAMES, values[:count], strict=False)))
+        made = self._add(self._into(), name, **dict(zip(tables.NAMES, values[:count], strict=False)))
         more = values[count:]
         if more and name == "Oval":
             angles = {"start": text_of(more[0]), "end": text_of(more[-1])}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from mpmcli.importers.nairnmpm.commands import Command
@@ -37,8 +38,7 @@ def limits(made: dict[str, Any]) -> Box | None:
         x0, y0 = (_plain(v) for v in turn["about"])
         corners = [(x0 + c * (x - x0) - s * (y - y0), y0 + s * (x - x0) + c * (y - y0)) for x, y in corners]
     way = [_plain(v) for v in made.get("translate", [0] * len(box[0]))]
-    columns = [[x + way[a] for x in column] for a, column in enumerate(zip(*corners, strict=True))]
-    return [min(column) for column in columns], [max(column) for column in columns]
+    return _around([[x + step for x, step in zip(corner, way, strict=True)] for corner in corners])
 
 
 def _untransformed(made: dict[str, Any]) -> Box | None:
@@ -50,18 +50,13 @@ def _untransformed(made: dict[str, Any]) -> Box | None:
     elif kind in {"ellipse", "ellipsoid"}:
         half = [_plain(v) for v in made["semi_axes"]]
     elif kind == "polygon":
-        columns = list(zip(*[[_plain(v) for v in point] for point in made["points"]], strict=True))
-        return [min(column) for column in columns], [max(column) for column in columns]
+        return _around([[_plain(v) for v in point] for point in made["points"]])
     elif kind == "difference":
         return limits(made["region"])
     elif kind == "union":
         boxes = [limits(part) for part in made["regions"]]
         known = [box for box in boxes if box is not None]
-        if len(known) < len(boxes):
-            return None
-        return [min(v) for v in zip(*[b[0] for b in known], strict=True)], [
-            max(v) for v in zip(*[b[1] for b in known], strict=True)
-        ]
+        return _around([end for box in known for end in box]) if len(known) == len(boxes) else None
     elif kind == "cylinder":
         radius = _plain(made["radius"])
         ends = [[_plain(v) for v in made[end]] for end in ("from", "to")]
@@ -71,10 +66,14 @@ def _untransformed(made: dict[str, Any]) -> Box | None:
         return low, high
     else:
         return None
-    center = [_plain(v) for v in made["center"]]
-    return [c - h for c, h in zip(center, half, strict=True)], [
-        c + h for c, h in zip(center, half, strict=True)
-    ]
+    pairs = list(zip([_plain(v) for v in made["center"]], half, strict=True))
+    return [c - h for c, h in pairs], [c + h for c, h in pairs]
+
+
+def _around(points: Iterable[Sequence[float]]) -> Box:
+    """The box around points."""
+    columns = list(zip(*points, strict=True))
+    return [min(column) for column in columns], [max(column) for column in columns]
 
 
 def _plain(value: Any) -> float:
@@ -83,8 +82,7 @@ def _plain(value: Any) -> float:
 
 def corners(job: Job, shape: Command) -> tuple[list[Value], list[Value]] | None:
     """Lowest and highest coordinates of a shape, or None after an error."""
-    lower: list[Value] = []
-    upper: list[Value] = []
+    ends: list[tuple[Value, Value]] = []
     for axis, letter in enumerate(job.axes):
         names = (f"{letter}min", f"{letter}max")
         if names[0] not in shape.attributes:
@@ -93,17 +91,14 @@ def corners(job: Job, shape: Command) -> tuple[list[Value], list[Value]] | None:
         if low is None or high is None:
             if not set(names) <= set(shape.attributes):
                 words = f"the attribute {letter}min or {letter}max is missing"
-                job.made.error(shape.line, f"<{shape.name}>", words)
+                job.error(shape, words)
             return None
-        if low.scaled > high.scaled:
-            low, high = high, low
-        lower.append(low)
-        upper.append(high)
+        ends.append((low, high) if low.scaled <= high.scaled else (high, low))
     if len(job.axes) == 2:
         shape.get("zmin")
         shape.get("zmax")
     shape.get("tolerance")
-    return lower, upper
+    return [low for low, _ in ends], [high for _, high in ends]
 
 
 def _whole(job: Job, shape: Command) -> dict[str, Any] | None:
@@ -115,7 +110,7 @@ def _whole(job: Job, shape: Command) -> dict[str, Any] | None:
     flat = shape.name in {"Rect", "Oval"}
     if flat == (job.analysis == "3d"):
         there = "2D" if flat else "3D"
-        job.made.error(shape.line, f"<{shape.name}>", f"belongs to analyses in {there}")
+        job.error(shape, f"belongs to analyses in {there}")
         return None
     found = corners(job, shape)
     if found is None:
@@ -130,8 +125,6 @@ def _whole(job: Job, shape: Command) -> dict[str, Any] | None:
     center = [0.5 * (high.scaled + low.scaled) for low, high in zip(lower, upper, strict=True)]
     if turned or shape.name == "Cylinder":
         return _cylinder(job, shape, _AXES.get(axis or "z", 2), lower, upper)
-    for inside in shape.all("arc"):
-        job.unsupported(inside, "a sector of an oval")
     if max(half) - min(half) <= 1e-9 * max(half):
         return {"kind": "disk" if flat else "sphere", "center": center, "radius": half[0]}
     return {"kind": "ellipse" if flat else "ellipsoid", "center": center, "semi_axes": half}
@@ -139,22 +132,20 @@ def _whole(job: Job, shape: Command) -> dict[str, Any] | None:
 
 def _polygon(job: Job, shape: Command) -> dict[str, Any] | None:
     if job.analysis == "3d":
-        job.made.error(shape.line, "<Polygon>", "belongs to analyses in 2D")
+        job.error(shape, "belongs to analyses in 2D")
         return None
-    shape.get("np")
     points = []
     for point in shape.all("pt"):
         pair = [job.coordinate(point, letter, axis) for axis, letter in enumerate("xy")]
-        point.get("z")
         if None in pair:
             return None
         points.append(pair)
-    if len(points) > 1 and all(
-        abs(_plain(a) - _plain(b)) <= 1e-12 for a, b in zip(points[0], points[-1], strict=True)
-    ):
-        points.pop()
+    if len(points) > 1:
+        ends = zip(points[0], points[-1], strict=True)
+        if all(abs(_plain(a) - _plain(b)) <= 1e-12 for a, b in ends):
+            points.pop()
     if len(points) < 3:
-        job.made.error(shape.line, "<Polygon>", f"three points are needed, not {len(points)}")
+        job.error(shape, f"three points are needed, not {len(points)}")
         return None
     return {"kind": "polygon", "points": points}
 

@@ -26,24 +26,8 @@ from mpmcli.importers.nairnmpm.job import Job
 from mpmcli.importers.nairnmpm.values import settle
 
 _ORDER = (
-    "version",
-    "title",
-    "units",
-    "analysis",
-    "grid",
-    "method",
-    "heat",
-    "materials",
-    "bodies",
-    "contact",
-    "cracks",
-    "fracture",
-    "boundary",
-    "loads",
-    "time",
-    "events",
-    "domain",
-    "archive",
+    *("version", "title", "units", "analysis", "grid", "method", "heat", "materials", "bodies", "contact"),
+    *("cracks", "fracture", "boundary", "loads", "time", "events", "domain", "archive"),
 )
 _NEEDED = ("Header", "MPMHeader", "Mesh", "MaterialPoints", "Material")
 
@@ -86,7 +70,6 @@ def _keep_last(job: Job, head: Command) -> None:
 
 def _translate(job: Job, root: Command, blocks: dict[str, Any]) -> None:
     root.handled = True
-    root.get("version")
     head = blocks["MPMHeader"]
     _keep_last(job, head)
     header.header(job, blocks["Header"])
@@ -125,12 +108,7 @@ def _translate(job: Job, root: Command, blocks: dict[str, Any]) -> None:
     archive.archive(job, head, names)
     reversal.reversal(job, root, names)
     header.display(job, head)
-    for block in root.all("Periodic"):
-        job.unsupported(block, "periodic boundaries")
-    for row in unread(root):
-        if isinstance(row, Command):
-            job.ignored(row, "a later command of this name replaces it")
-        else:
-            job.note("not_supported", *row)
+    for note in unread(root):
+        job.note(*note)
     scene = {key: job.scene[key] for key in _ORDER if key in job.scene}
     job.made.scene.update(settle(scene, job.source, job.made))

@@ -54,6 +54,11 @@ class Formula:
     text: str
     factor: float = 1.0
 
+    @property
+    def negative(self) -> Formula:
+        """Minus this expression."""
+        return Formula(f"-({self.text})", self.factor)
+
 
 def read(text: str, unit: Unit = PLAIN, shown: bool = False, source: CommandFile | None = None) -> Value:
     """The number at the start of a text, as C's ``sscanf`` reads it.

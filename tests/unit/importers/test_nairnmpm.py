@@ -1198,3 +1198,25 @@ def test_units_of_the_source_are_units_of_scenes():
     for unit in LEGACY.values():
         if unit.text:
             assert units.any_number(f"1 {unit.text}") == pytest.approx(unit.factor), unit.text
+
+
+def test_conduction_without_properties_has_nairnmpms_defaults(tmp_path):
+    """A material without Cv and kCond gave a scene that is not valid."""
+    heat = "<Thermal><Conduction/></Thermal>"
+    scene = scene_of(tmp_path, setup="<StressFreeTemp>300</StressFreeTemp>", more=heat)
+    assert scene["materials"]["stuff"]["heat_capacity"] == 1
+    assert scene["materials"]["stuff"]["conductivity"] == 0
+
+
+def test_a_jump_of_temperatures_needs_absolute_ones(tmp_path):
+    ramp = '<Schedule name="ThermalRamp"><Parameter name="DeltaT">30</Parameter></Schedule>'
+    made = translated(tmp_path, source(more=f"<CustomTasks>{ramp}</CustomTasks>"))
+    assert "temperatures are absolute here" in str(made.problems(partial=False)[0])
+
+
+def test_cracks_with_heat_are_told(tmp_path):
+    crack = '<CrackList><pt x="0" y="2"/><pt x="2" y="2"/></CrackList>'
+    heat = "<Thermal><Conduction/></Thermal>"
+    text = source(setup="<StressFreeTemp>300</StressFreeTemp>", more=heat + crack)
+    (problem,) = translated(tmp_path, text).problems(partial=False)
+    assert "cracks together with conduction" in problem.message
