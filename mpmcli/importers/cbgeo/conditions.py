@@ -24,10 +24,11 @@ MAX_PLACES = 20
 
 @dataclass(frozen=True)
 class Spot:
-    """A side of the grid, or a box of nodes (lowest, highest index)."""
+    """A box of nodes (lowest, highest index), and the side of the grid that it is, if it is a whole one."""
 
+    low: Array
+    high: Array
     side: tuple[int, int] | None = None
-    box: tuple[Array, Array] | None = None
 
     def name(self, grid: RegularGrid) -> str:
         """What it is called."""
@@ -35,29 +36,19 @@ class Spot:
 
     def on_side(self, grid: RegularGrid) -> tuple[int, int]:
         """The side of the grid on which it lies; (-1, 0) if it lies on none."""
-        if self.side is not None:
-            return self.side
-        assert self.box is not None
-        low, high = self.box
         for axis, upper in SIDES[grid.d]:
             edge = grid.counts[axis] if upper else 0
-            if low[axis] == high[axis] == edge:
+            if self.low[axis] == self.high[axis] == edge:
                 return axis, upper
         return -1, 0
 
     def place(self, grid: RegularGrid) -> dict[str, Any]:
         """Where a condition acts."""
-        if self.side is not None:
-            return {"plane": self.plane(grid)}
-        assert self.box is not None
-        low, high = (grid.place(corner).tolist() for corner in self.box)
-        return {"box": {"lower": low, "upper": high}}
-
-    def plane(self, grid: RegularGrid) -> dict[str, Any]:
-        """The plane of a side."""
-        assert self.side is not None
+        if self.side is None:
+            ends = {"lower": self.low, "upper": self.high}
+            return {"box": {end: grid.place(corner).tolist() for end, corner in ends.items()}}
         axis, upper = self.side
-        return {"axis": AXES[axis], "at": float((grid.upper if upper else grid.lower)[axis])}
+        return {"plane": {"axis": AXES[axis], "at": float((grid.upper if upper else grid.lower)[axis])}}
 
 
 def spots(index: Array, grid: RegularGrid) -> list[Spot] | None:
@@ -68,13 +59,13 @@ def spots(index: Array, grid: RegularGrid) -> list[Spot] | None:
         axis, upper = side
         on_it = index[:, axis] == (grid.counts[axis] if upper else 0)
         if on_it.sum() == (grid.counts + 1).prod() // (grid.counts[axis] + 1):
-            found.append(Spot(side=side))
+            found.append(Spot(index[on_it].min(axis=0), index[on_it].max(axis=0), side))
             rest &= ~on_it
     if rest.any():
         boxes = cover(index[rest])
         if len(boxes) > MAX_PLACES:
             return None
-        found += [Spot(box=box) for box in boxes]
+        found += [Spot(low, high) for low, high in boxes]
     return found
 
 
@@ -108,7 +99,7 @@ def _hold(work: Work, held: Held, nodes: Array, direction: Array, friction: tupl
     for spot in places:
         name, side = spot.name(grid), spot.side
         if friction is None and held.value == 0.0 and side is not None and side[0] == along:
-            same: dict[str, Any] = {"kind": "symmetry", "plane": spot.plane(grid)}
+            same: dict[str, Any] = {"kind": "symmetry", **spot.place(grid)}
         else:
             # with friction towards the material; else, or on a plane, an axis reads better than minus an axis
             sign = 1.0 if friction is None else -friction[0]

@@ -53,44 +53,31 @@ def translate(path: Path, partial: bool) -> Translation:
             made.note("ignored", line, key, dead)
         else:
             made.note("not_supported", line, key, f"the key is not known{hint}")
-    work = _begun(given, made)
-    if work is None or made.errors:
-        return made
     try:
-        _run(work)
+        _run(_begun(given, made))
     except SceneError as error:
         add_problems(made, error)
     made.scene = {key: made.scene[key] for key in ORDER if made.scene.get(key)}
     return made
 
 
-def _begun(given: Input, made: Translation) -> Work | None:
-    """The source's grid, sets and particles; None, with problems, if there are none."""
+def _begun(given: Input, made: Translation) -> Work:
+    """The source's grid, sets and particles."""
     mesh = given.source.mesh
+    if mesh.cell_type in OTHER_CELLS:
+        words = f"not supported: {OTHER_CELLS[mesh.cell_type]}; the grid has rectangular cells"
+        raise given.fault(words, "mesh", "cell_type")
     if mesh.cell_type not in CELL_TYPES:
-        words = OTHER_CELLS.get(mesh.cell_type)
-        line = given.line("mesh", "cell_type")
-        if words is None:
-            known = ", ".join(CELL_TYPES)
-            made.error(
-                line, "mesh.cell_type", f"'{mesh.cell_type}' is no type of cell that is known ({known})"
-            )
-        else:
-            made.error(line, "mesh.cell_type", f"not supported: {words}; the grid has rectangular cells")
-        return None
+        words = f"'{mesh.cell_type}' is no type of cell that is known ({', '.join(CELL_TYPES)})"
+        raise given.fault(words, "mesh", "cell_type")
     d, shape = CELL_TYPES[mesh.cell_type]
     if mesh.io_type != f"Ascii{d}D":
         words = f"'{mesh.io_type}' does not fit the {d}D cells '{mesh.cell_type}'"
-        made.error(given.line("mesh", "io_type"), "mesh.io_type", words)
-        return None
+        raise given.fault(words, "mesh", "io_type")
     folder = Folder(given)
-    try:
-        grid = read_grid(folder.table(mesh.mesh, (2, d, 3, 2**d, 4**d), "mesh", "mesh"), d, shape)
-        sets = folder.sets()
-        return Work(given, folder, made, grid, sets, read_cloud(folder, grid, sets))
-    except SceneError as error:
-        add_problems(made, error)
-        return None
+    grid = read_grid(folder.table(mesh.mesh, (2, d, 3, 2**d, 4**d), "mesh", "mesh"), d, shape)
+    sets = folder.sets()
+    return Work(given, folder, made, grid, sets, read_cloud(folder, grid, sets))
 
 
 def _run(work: Work) -> None:

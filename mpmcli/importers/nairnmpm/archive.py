@@ -42,10 +42,8 @@ _TENSOR = {"xx", "yy", "zz", "xy", "xz", "yz"}
 def archive(job: Job, header: Command, names: list[tuple[str, str]]) -> None:
     """The section of archives. ``names`` are the bodies and their materials."""
     made: dict[str, Any] = {}
-    every = None
     groups = list(header.all("ArchiveGroup"))
-    for inside in header.all("ArchiveTime"):
-        every = job.number(inside, None, "time")
+    every = job.property(header, "ArchiveTime", "time")
     for inside in groups:
         every = every or job.number(inside, "time", "time")
         if job.plain(inside, "start"):
@@ -56,9 +54,7 @@ def archive(job: Job, header: Command, names: list[tuple[str, str]]) -> None:
     fields = _fields(job, header)
     if every is not None and every.scaled > 0:
         made["particles"] = {"every": every, "fields": fields}
-    wide = None
-    for inside in header.all("GlobalArchiveTime"):
-        wide = job.number(inside, None, "time")
+    wide = job.property(header, "GlobalArchiveTime", "time")
     columns = _tips(job, header)
     if job.scene.get("cracks") and every is not None:
         made["cracks"] = {"every": every}

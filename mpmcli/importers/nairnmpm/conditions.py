@@ -250,13 +250,12 @@ def _silent(job: Job, load: Command, place: Where | None, bodies: Bodies) -> lis
 def _whole_faces(job: Job, place: Where, bodies: Bodies, side: tuple[str, str]) -> list[str]:
     """The rectangular bodies of whose particles a box holds the outermost layer at a side, all of it and no others.
 
-    None if it holds particles of bodies in any other way.
+    Empty if it holds particles of bodies in any other way.
     """
     if place.region is not None:
         return []
-    axes = range(len(job.axes))
     axis, upper = "xyz".index(side[0]), side[1] == "upper"
-    sign = 1 if upper else -1
+    low, high = [v - job.tolerance for v in place.lower], [v + job.tolerance for v in place.upper]
     per_axis = job.scene.get("_particles_per_axis") or 2
     spacing = [cell / per_axis for cell in job.cell]
     found = []
@@ -267,27 +266,15 @@ def _whole_faces(job: Job, place: Where, bodies: Bodies, side: tuple[str, str]) 
             [end + s * 0.5 * step for end, step in zip(ends, spacing, strict=True)]
             for ends, s in zip(box, (1, -1), strict=True)
         )
-        if any(
-            place.upper[a] < first[a] - job.tolerance or place.lower[a] > last[a] + job.tolerance
-            for a in axes
-        ):
+        axes = range(len(job.axes))
+        if any(high[a] < first[a] or low[a] > last[a] for a in axes):
             continue
         edge = last[axis] if upper else first[axis]
-        covers = (
-            _is_box_at(body["region"], axis, edge, 0.5 * spacing[axis] + job.tolerance)
-            and place.lower[axis] <= edge + job.tolerance
-            and place.upper[axis] >= edge - job.tolerance
-            and not place.lower[axis] - job.tolerance
-            <= edge - sign * spacing[axis]
-            <= place.upper[axis] + job.tolerance
-            and all(
-                place.lower[across] <= first[across] + job.tolerance
-                and place.upper[across] >= last[across] - job.tolerance
-                for across in axes
-                if across != axis
-            )
-        )
-        if not covers:
+        inner = edge - spacing[axis] if upper else edge + spacing[axis]
+        outermost = low[axis] <= edge <= high[axis] and not low[axis] <= inner <= high[axis]
+        across = all(low[a] <= first[a] and last[a] <= high[a] for a in axes if a != axis)
+        reach = 0.5 * spacing[axis] + job.tolerance
+        if not (outermost and across and _is_box_at(body["region"], axis, edge, reach)):
             return []
         found.append(str(body["name"]))
     return found

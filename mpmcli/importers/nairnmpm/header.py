@@ -223,13 +223,11 @@ def time(job: Job, command: Command) -> None:
             words = "attribute TransCFL: steps of conduction follow their own stability limit"
             job.note("ignored", inside, words)
         where = inside
-    for inside in command.all("MaxTime"):
-        end = job.number(inside, None, "time") or end
+    end = job.property(command, "MaxTime", "time") or end
     for inside in command.all("TimeStep"):
         step = job.number(inside, None, "time") or step
         where = inside
-    for inside in command.all("TimeFactor"):
-        cfl = job.number(inside, None) or cfl
+    cfl = job.property(command, "TimeFactor") or cfl
     made: dict[str, Any] = {"end": end if end is not None else Value(1.0, job.unit("time"))}
     if not made["end"].scaled > 0:
         job.made.error(command.line, "<MaxTime>", "the end must be above 0")

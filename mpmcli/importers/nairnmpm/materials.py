@@ -7,11 +7,10 @@ from typing import Any
 
 from mpmcli.importers.nairnmpm.anisotropic import AXIAL, ORTHOTROPIC, hill, with_axes
 from mpmcli.importers.nairnmpm.commands import Command
-from mpmcli.importers.nairnmpm.constants import elastic_constants
+from mpmcli.importers.nairnmpm.constants import elastic_constants, hardening_law
 from mpmcli.importers.nairnmpm.damage import snow, softening
 from mpmcli.importers.nairnmpm.fluids import ideal_gas, mie_gruneisen, tait_fluid
 from mpmcli.importers.nairnmpm.grammar import FRACTURE, TRANSPORT
-from mpmcli.importers.nairnmpm.hardening import hardening_law
 from mpmcli.importers.nairnmpm.job import Job, Material, slug
 from mpmcli.importers.nairnmpm.values import Value
 
@@ -261,7 +260,9 @@ def _shift(job: Job, command: Command, made: Made) -> None:
 def _plastic(job: Job, material: Material, shear: str = "G") -> Made | None:
     found = elastic_constants(job, material, "K", shear)
     hardening = hardening_law(job, material.command)
-    return found and hardening and {"kind": "j2_plastic", **found, "hardening": hardening}
+    if found is None or hardening is None:
+        return None
+    return {"kind": "j2_plastic", **found, "hardening": hardening}
 
 
 def _hyper_plastic(job: Job, material: Material) -> Made | None:
