@@ -28,7 +28,10 @@ LEGACY = {
     "velocity": Unit("mm/s", 1e-3),
     "viscosity": Unit("cP", 1e-6),
 }
-"""Units of NairnMPM that are not those of a scene in mm, g and ms, where forces are N and stresses MPa."""
+"""Units of NairnMPM that are not those of a scene in mm, g and ms, where forces are N and stresses MPa.
+
+Files with consistent units have them for expansions only, which are always 1e-6/K.
+"""
 _LENGTHS = {"m": 1e3, "cm": 10.0, "microns": 1e-3, "in": 25.4, "ft": 304.8}
 _TIMES = {"msec": 1e-3, "ms": 1e-3, "microsec": 1e-6, "us": 1e-6}
 _VELOCITIES = {"m/sec": 1e3, "mm/msec": 1e3, "cm/sec": 10.0, "in/sec": 25.4, "ft/sec": 304.8}
@@ -90,7 +93,7 @@ class Job:
 
     def unit(self, quantity: str) -> Unit:
         """The unit of a quantity in the source."""
-        return LEGACY.get(quantity, PLAIN) if self.legacy else PLAIN
+        return LEGACY.get(quantity, PLAIN) if self.legacy or quantity == "expansion" else PLAIN
 
     def number(
         self, command: Command, attribute: str | None, quantity: str = "", shown: bool = False

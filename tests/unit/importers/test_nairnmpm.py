@@ -1220,3 +1220,13 @@ def test_cracks_with_heat_are_told(tmp_path):
     text = source(setup="<StressFreeTemp>300</StressFreeTemp>", more=heat + crack)
     (problem,) = translated(tmp_path, text).problems(partial=False)
     assert "cracks together with conduction" in problem.message
+
+
+@pytest.mark.parametrize("units", ["", '<ConsistentUnits length="m" mass="kg" time="sec"/>'])
+@pytest.mark.parametrize(("alpha", "expansion"), [("", 40e-6), ("<alpha>12</alpha>", 12e-6)])
+def test_expansions_are_1e_6_per_kelvin_in_all_units(units, alpha, expansion, tmp_path):
+    material = MATERIAL.replace("</Material>", f"{alpha}<Cv>1</Cv><kCond>1</kCond></Material>")
+    setup = "<StressFreeTemp>300</StressFreeTemp>"
+    more = "<Thermal><Conduction/></Thermal>"
+    scene = scene_of(tmp_path, head=units, setup=setup, material=material, more=more)
+    assert scene["materials"]["stuff"]["expansion"] == pytest.approx(expansion, rel=1e-12)
