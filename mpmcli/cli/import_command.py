@@ -58,7 +58,7 @@ def command(program: str, file: Path, output: Path | None, partial: bool, overwr
 
 def _validated(text: str, translation: Translation, output: Path | None) -> list[Problem]:
     """What ``mpmcli validate`` says of the scene."""
-    from mpmcli.cli.options import SceneChanges, check_start, check_time_step, load_checked
+    from mpmcli.cli.options import SceneChanges, all_problems
     from mpmcli.core.errors import SceneError
 
     nothing = SceneChanges(sets=(), defines=(), allow_outside_files=False)
@@ -68,10 +68,7 @@ def _validated(text: str, translation: Translation, output: Path | None) -> list
         for name, contents in translation.files.items():
             _save(scene.with_name(name), contents)
         try:
-            loaded = load_checked(str(scene), nothing)
-            check_start(loaded)
-            check_time_step(loaded)
-            found = loaded.warnings
+            found = all_problems(str(scene), nothing)
         except SceneError as error:
             found = error.problems
         return [replace(problem, file=str(output or "scene")) for problem in found]

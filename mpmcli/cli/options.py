@@ -136,6 +136,14 @@ def check_time_step(loaded: LoadedScene) -> None:
         _add_warning(loaded, warning)
 
 
+def all_problems(scene: str, changes: SceneChanges) -> list[Problem]:
+    """Everything that ``mpmcli validate`` reports of a valid scene; SceneError of another one."""
+    loaded = load_checked(scene, changes)
+    check_start(loaded)
+    check_time_step(loaded)
+    return loaded.warnings
+
+
 def show_warnings(loaded: LoadedScene) -> None:
     """Write a scene's warnings to stderr."""
     for warning in loaded.warnings:

@@ -6,7 +6,7 @@ from typing import Unpack
 
 import click
 
-from mpmcli.cli.options import SceneChanges, check_start, check_time_step, load_checked, scene_options
+from mpmcli.cli.options import SceneChanges, all_problems, scene_options
 
 
 @click.command("validate")
@@ -22,10 +22,7 @@ def command(scenes: tuple[str, ...], as_list: bool, **changes: Unpack[SceneChang
     exit_code = 0
     for scene in scenes:
         try:
-            loaded = load_checked(scene, changes)
-            check_start(loaded)
-            check_time_step(loaded)
-            found = loaded.warnings
+            found = all_problems(scene, changes)
             verdict = f"{scene}: valid" + (f", {len(found)} warning{'s' * (len(found) > 1)}" if found else "")
         except SceneError as error:
             found, verdict, exit_code = error.problems, "", error.exit_code

@@ -19,119 +19,92 @@ ALIKE = 1e-9
 
 def check_places(scene: HeatOfScene, report: Report) -> None:
     """Report places that are held at two temperatures, and loads on faces that are held."""
-    _check_faces(scene, report)
-    _check_planes(scene, report)
-
-
-def _check_faces(scene: HeatOfScene, report: Report) -> None:
-    """Faces that two conditions hold at different temperatures, and loads on faces that are held."""
-    held: dict[tuple[str, str, str], list[tuple[str, Any]]] = {}
-    for index, model in scene.parts.boundary:
-        place = model.held_face() if model.acts_on == "temperature" else None
-        if place is None:
-            continue
-        path, key = scene.report.label("boundary", index), _key(place)
-        others = held.setdefault(key, [])
-        for first_path, first in others:
-            if not _agree(scene, place, first, model):
-                line = report.line(first_path)
-                words = f"the face is held at another temperature by '{first.name}' in line {line}"
-                report(f"{path}.value", words, "contradiction")
+    sides = list(_sides(scene))
+    for k, second in enumerate(sides):
+        for first in sides[:k]:
+            face = second if first.face is None else first
+            if _is_same(scene, first, second) and not _alike(face, first.model, second.model):
+                noun = "this place" if first.face is None or second.face is None else "the face"
+                line = report.line(first.path)
+                words = f"{noun} is held at another temperature by '{first.model.name}' in line {line}"
+                report(f"{second.path}.value", words, "contradiction")
                 break
-        others.append((path, model))
     for path, model in scene.acting():
         place = None if hasattr(model, "held_face") else model.loaded_face()
-        found = [] if place is None else held.get(_key(place), [])
-        for _, holder in [each for each in found if model.acts_within(each[1])][:1]:
-            words = f"has no effect on the body, because '{holder.name}' holds the temperature of this face"
-            report(f"{path}.on", words, "no_effect", "warning")
+        loaded = None if place is None else (place[0], place[1].axis, place[1].side)
+        for side in sides:
+            if loaded is not None and side.face == loaded and model.acts_within(side.model):
+                words = f"has no effect on the body, because '{side.model.name}' holds the temperature of this face"
+                report(f"{path}.on", words, "no_effect", "warning")
+                break
 
 
 @dataclass(frozen=True)
 class _Side:
-    """Where a condition holds temperatures: a plane, or a plane face of a body.
+    """Where a condition holds temperatures: a plane, or a face of a body.
 
     Attributes
     ----------
     path, model : of the condition
+    face : body, axis and side of a face, None for a plane
     axis, side, at : number of the axis that it is normal to, where bodies are not, and its coordinate
-    box : corners (d,) of the face's body, or of the grid
-    is_face : whether it is a face
+    box : corners (d,) of the face's body, or of the grid; None where they are not known
+    is_flat : whether all of it lies at this coordinate
     """
 
     path: str
     model: Any
+    face: tuple[str, str, str] | None
     axis: int
     side: str
-    at: float
-    box: tuple[np.ndarray, np.ndarray]
-    is_face: bool
+    at: float = 0.0
+    box: tuple[np.ndarray, np.ndarray] | None = None
+    is_flat: bool = False
 
 
 def _sides(scene: HeatOfScene) -> Iterator[_Side]:
-    grid, boxes = scene.parts.grid, {body.name: body for _, body in scene.parts.bodies}
+    grid, bodies = scene.parts.grid, {body.name: body for _, body in scene.parts.bodies}
     for index, model in scene.parts.boundary:
-        if model.acts_on != "temperature" or grid is None:
+        if model.acts_on != "temperature":
             continue
         path, place = scene.report.label("boundary", index), model.held_face()
         plane = getattr(getattr(model, "on", None), "plane", None)
         if place is not None:
-            body = boxes.get(place[0])
-            box = None if body is None or body.region.kind != "box" else scene.box_of(body)
-            if box is not None and place[1].index < grid.dimensions:
-                at = box[place[1].side == "upper"][place[1].index]
-                yield _Side(path, model, place[1].index, place[1].side, float(at), box, True)
-        elif plane is not None and plane.index < grid.dimensions:
+            name, face = place
+            body = bodies.get(name)
+            box = None if body is None else scene.box_of(body)
+            key, axis = (name, face.axis, face.side), face.index
+            if body is None or box is None or axis >= len(box[0]):
+                yield _Side(path, model, key, axis, face.side)
+            else:
+                at = float(box[face.side == "upper"][axis])
+                yield _Side(path, model, key, axis, face.side, at, box, body.region.kind == "box")
+        elif plane is not None and grid is not None and plane.index < grid.dimensions:
             try:
                 side = plane.side_on(grid)
             except ValueError:
                 continue  # reported already
             box = np.array(grid.lower, dtype=float), np.array(grid.upper, dtype=float)
-            yield _Side(path, model, plane.index, side, float(plane.at), box, False)
+            yield _Side(path, model, None, plane.index, side, float(plane.at), box, True)
 
 
-def _check_planes(scene: HeatOfScene, report: Report) -> None:
-    """Planes that are held at another temperature than a plane or a face at the same place."""
-    sides = list(_sides(scene))
-    for k, second in enumerate(sides):
-        for first in sides[:k]:
-            if first.is_face and second.is_face:
-                continue
-            margin = ON_LINE * float(scene.parts.grid.cell[first.axis])
-            is_same = (first.axis, first.side) == (second.axis, second.side)
-            if not is_same or abs(first.at - second.at) > margin:
-                continue
-            face = first if first.is_face else second
-            if not _alike(face.box, face.axis, face.at, first.model, second.model):
-                line = report.line(first.path)
-                words = f"this place is held at another temperature by '{first.model.name}' in line {line}"
-                report(f"{second.path}.value", words, "contradiction")
-                break
+def _is_same(scene: HeatOfScene, first: _Side, second: _Side) -> bool:
+    """Whether two conditions hold the same face, or lie at the same coordinate."""
+    if first.face is not None and second.face is not None:
+        return first.face == second.face
+    if not (first.is_flat and second.is_flat) or (first.axis, first.side) != (second.axis, second.side):
+        return False
+    return abs(first.at - second.at) <= ON_LINE * float(scene.parts.grid.cell[first.axis])
 
 
-def _key(place: tuple[str, Any]) -> tuple[str, str, str]:
-    body, face = place
-    return body, face.axis, face.side
-
-
-def _agree(scene: HeatOfScene, place: tuple[str, Any], first: Any, second: Any) -> bool:
-    """Whether two conditions hold a face at the same temperature when first both act, at points spread over it."""
-    body = next((body for _, body in scene.parts.bodies if body.name == place[0]), None)
-    box = None if body is None else scene.box_of(body)
-    if box is None or place[1].index >= len(box[0]):
-        return True
-    axis = place[1].index
-    return _alike(box, axis, box[place[1].side == "upper"][axis], first, second)
-
-
-def _alike(box: tuple[np.ndarray, np.ndarray], axis: int, at: float, first: Any, second: Any) -> bool:
-    """Whether two conditions ask for the same when first both act, at points of a box (corners (d,)) on a plane."""
+def _alike(face: _Side, first: Any, second: Any) -> bool:
+    """Whether two conditions ask for the same when first both act, at points spread over a face; so it is without."""
     time = first.first_with(second)
-    if time is None:
+    if time is None or face.box is None:
         return True
-    low, high = box
+    low, high = face.box
     points = low[:, None] + (high - low)[:, None] * np.array([[0.1, 0.35, 0.6, 0.85]])
-    points[axis] = at
+    points[face.axis] = face.at
     with np.errstate(all="ignore"):
         one, other = (
             np.broadcast_to(model.face_temperature_at(points, time), points.shape[1:])
