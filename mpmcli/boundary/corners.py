@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmcli.boundary.base import Array, Nodes
+from mpmcli.core.analysis import Analysis, Axisymmetric
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.functions import hat, hat_integral, quadratic_spline, quadratic_spline_integral
 
@@ -78,9 +79,13 @@ class Cells(NamedTuple):
     """Whether grid functions are averaged along the face, over the particle's undeformed box."""
     width: int
     """w, nodes per axis that see a point of a face."""
+    section: float
+    """Thickness in plane analyses, area of the section in 1D, else 1."""
+    axisymmetric: bool
+    """Whether areas are per radian, so that radii weigh them."""
 
     @classmethod
-    def of(cls, grid: Nodes, grid_functions: str, domain: str) -> Cells:
+    def of(cls, grid: Nodes, analysis: Analysis, section: float, grid_functions: str, domain: str) -> Cells:
         """The cells of a grid, for grid functions and particle domains as ``shapes.ShapeEntry`` names them."""
         origin = grid.lower - grid.pad * grid.cell
         strides = tuple(math.prod(grid.shape[:a]) for a in range(len(grid.shape)))
@@ -99,6 +104,8 @@ class Cells(NamedTuple):
             points={"point": 1, "box": 1, "corners": 2, "corners_and_middles": 3}[domain],
             mean=domain == "box",
             width=width,
+            section=section,
+            axisymmetric=isinstance(analysis, Axisymmetric),
         )
 
 
@@ -110,12 +117,12 @@ def new_spot(cells: Cells) -> Spot:
 
 
 @inline
-def face_force(faces: Faces, cells: Cells, matter: Matter, k: int, p: int, flat: bool, force: Array) -> None:
+def face_force(faces: Faces, cells: Cells, matter: Matter, k: int, p: int, force: Array) -> None:
     """Force on face k of particle p for a section of 1, into ``force`` (d,).
 
     Dead: T A₀. Follower: a = J F⁻ᵀ N A₀ (Nanson); the normal component of T acts along a, the
-    tangential ones along the deformed tangents F e_b/|F e_b|. Out of plane the face widens by F_zz unless
-    ``flat`` (axisymmetric, where the radius does that).
+    tangential ones along the deformed tangents F e_b/|F e_b|. Out of plane the face widens by F_zz, but not in
+    axisymmetric analyses, where the radius does that.
     """
     d, F, size = len(cells.stride), matter.F, matter.size
     axis = faces.axis[k]
@@ -134,7 +141,7 @@ def face_force(faces: Faces, cells: Cells, matter: Matter, k: int, p: int, flat:
         turn = 1.0 if axis == 0 else -1.0
         force[0] = turn * F[3 - axis, p]
         force[1] = -turn * F[1 - axis, p]
-        if not flat:
+        if not cells.axisymmetric:
             area *= F[4, p]
     else:
         b = (axis + 1) % 3

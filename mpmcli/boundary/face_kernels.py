@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from mpmcli.boundary.base import Array
 from mpmcli.boundary.corners import (
     Cells,
@@ -16,22 +18,12 @@ from mpmcli.core.compiled.kernel import inline
 
 
 @inline
-def find_forces(
-    faces: Faces, cells: Cells, matter: Matter, section: float, axisymmetric: bool, area: Array, force: Array
-) -> None:
-    """Find the forces on all faces, as a factor of each and the force for a section of 1; see ``face_force``.
+def find_forces(faces: Faces, cells: Cells, matter: Matter, area: Array, force: Array) -> None:
+    """Find the forces on all faces: a factor ``area`` (nf,) and ``force`` (nf, d) of each, for a section of 1.
 
-    Parameters
-    ----------
-    faces, cells, matter
-        Loaded faces, the grid, and the particles.
-    section
-        Thickness, or area in 1D.
-    axisymmetric
-        Whether areas are weighted with r, as volumes are by that of the particle: r of the middle of the deformed
-        face for followers, of the initial one for dead loads.
-    area, force
-        (nf,) and (nf, d): overwritten; 0 where the particle is gone.
+    Both are overwritten, with 0 where the particle is gone. In axisymmetric analyses areas are weighted with r, as
+    volumes are by that of the particle: r of the middle of the deformed face for followers, of the initial one for dead
+    loads.
     """
     spot = new_spot(cells)
     for k in range(faces.id.shape[0]):
@@ -39,10 +31,45 @@ def find_forces(
         area[k], force[k] = 0.0, 0.0
         if p < 0:
             continue
-        face_force(faces, cells, matter, k, p, axisymmetric, force[k])
-        area[k] = section
-        if axisymmetric:
+        face_force(faces, cells, matter, k, p, force[k])
+        area[k] = cells.section
+        if cells.axisymmetric:
             area[k] *= radius_of_face(faces, cells, matter, k, p, spot)
+
+
+@inline
+def measure_faces(
+    faces: Faces, cells: Cells, matter: Matter, area: Array, half: Array, normal: Array
+) -> None:
+    """Measure the deformed faces; they must be followers under the traction 1 along their axis.
+
+    ``area`` (nf,), per radian in axisymmetric analyses, ``half`` (nf,), half the size of the particle along the normal,
+    and the unit ``normal`` (nf, d) are overwritten; where the particle is gone they are 0, 1 and 0.
+    """
+    find_forces(faces, cells, matter, area, normal)
+    d = len(cells.stride)
+    for k in range(faces.id.shape[0]):
+        half[k] = 1.0
+        p, axis = matter.place[faces.id[k]], faces.axis[k]
+        if p < 0:
+            continue
+        total = 0.0
+        for a in range(d):
+            total += normal[k, a] ** 2
+        total = np.sqrt(total)
+        across = 0.0
+        for a in range(d):
+            normal[k, a] /= total
+            across += normal[k, a] * matter.F[d * a + axis, p]
+        half[k] = matter.size[axis, p] * across
+        area[k] *= total
+
+
+@inline
+def add_tractions(faces, cells, matter, field, area, force, mp, f) -> int:
+    """``find_forces`` and ``add_to_nodes`` at once."""
+    find_forces(faces, cells, matter, area, force)
+    return add_to_nodes(faces, cells, matter, field, area, force, mp, f)
 
 
 @inline

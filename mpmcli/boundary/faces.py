@@ -8,10 +8,10 @@ import numpy as np
 
 from mpmcli.boundary.base import Array, LoadModel, Nodes
 from mpmcli.boundary.corners import Cells, Faces, Matter
-from mpmcli.boundary.face_kernels import add_to_nodes, find_forces
+from mpmcli.boundary.face_kernels import add_tractions
 from mpmcli.boundary.particle_loads import finite
 from mpmcli.boundary.place import Face
-from mpmcli.core.analysis import Analysis, Axisymmetric
+from mpmcli.core.analysis import Analysis
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.identity import place_of_identity
 from mpmcli.core.particles import Particles
@@ -58,10 +58,8 @@ class TractionFaces:
         impedances: Mapping[int, Array] | None = None,
     ):
         self._loads = [(load, face, np.asarray(ids, dtype=np.int64)) for load, face, ids in loads]
-        self._cells = Cells.of(grid, grid_functions, domain)
+        self._cells = Cells.of(grid, analysis, section, grid_functions, domain)
         self._several_fields = several_fields
-        self._axisymmetric = isinstance(analysis, Axisymmetric)
-        self._section = section
         self.faces, self._centres, self._rows = list_faces(
             [face for _, face, _ in loads], [ids for *_, ids in self._loads],
             [load.follows for load, *_ in loads], particles,
@@ -97,10 +95,7 @@ class TractionFaces:
             self._resist(time, particles, position_of_id)
         matter = Matter(particles.X, particles.F, particles.size, position_of_id)
         field = particles.velocity_field if self._several_fields else None
-        find_forces(
-            self.faces, self._cells, matter, self._section, self._axisymmetric, self._area, self._force
-        )
-        lost = add_to_nodes(self.faces, self._cells, matter, field, self._area, self._force, mp, f)
+        lost = add_tractions(self.faces, self._cells, matter, field, self._area, self._force, mp, f)
         if lost >= 0:
             raise SimulationError(
                 f"a loaded face of particle {self.faces.id[lost]} left the grid at time {time:g}"

@@ -9,13 +9,13 @@ import numpy as np
 
 from mpmcli.boundary.base import Array, ConditionModel, LoadModel
 from mpmcli.boundary.corners import Cells, Matter
-from mpmcli.boundary.face_kernels import add_to_nodes, find_forces
+from mpmcli.boundary.face_kernels import add_to_nodes, measure_faces
 from mpmcli.boundary.faces import list_faces
 from mpmcli.boundary.held_temperatures import check_temperatures
 from mpmcli.boundary.loads import GridFunctions
 from mpmcli.boundary.particle_loads import finite
 from mpmcli.boundary.place import Face
-from mpmcli.core.analysis import Analysis, Axisymmetric, full_ring
+from mpmcli.core.analysis import Analysis, full_ring
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
 from mpmcli.core.identity import place_of_identity
@@ -92,9 +92,8 @@ class HeatLoads:
     ):
         self._particles, self._order, self._transfer, self._field = particles, order, transfer, field
         self._node_count = grid.node_count
-        self._is_axisymmetric, self._ring = isinstance(analysis, Axisymmetric), full_ring(analysis)
-        self._section, self._conductivity = section, conductivity
-        self._cells = Cells.of(grid, shape.grid_functions, shape.domain)
+        self._ring, self._conductivity = full_ring(analysis), conductivity
+        self._cells = Cells.of(grid, analysis, section, shape.grid_functions, shape.domain)
         self.powers = dict.fromkeys(
             [*(each.name for each in conditions), *(each.name for each in loads)], 0.0
         )
@@ -163,9 +162,10 @@ class HeatLoads:
     # ------------------------------------------------------------------ faces
 
     def _heat_faces(self, time: float, theta: Array, q: Array) -> None:
-        p = self._particles
+        p, faces = self._particles, self._faces
         matter = Matter(p.X, p.F, p.size, self._place)
-        at = self._measure_faces(matter)
+        measure_faces(faces, self._cells, matter, self._area, self._half, self._normal)
+        at = np.maximum(self._place[faces.id], 0)  # the faces of particles that are gone have no area
         inner = self._gather(at, theta)
         conductance = self._conductivity(at, self._normal) / self._half
         rows_of = zip([*self._held, *self._on_faces], self._rows, strict=True)
@@ -188,25 +188,6 @@ class HeatLoads:
             self.powers[condition.name] += float((inwards[mine] - total[mine]).sum())
         total[held] = inwards[held]
         self._add_to_nodes(time, matter, total, q)
-
-    def _measure_faces(self, matter: Matter) -> Array:
-        """Measure area, normal and half a particle along it of the deformed faces; returns the particles' places.
-
-        They are followers, with traction 1 along their axis. Those of particles that are gone have no area.
-        """
-        faces, d = self._faces, len(matter.X)
-        find_forces(
-            faces, self._cells, matter, self._section, self._is_axisymmetric, self._area, self._normal
-        )
-        place = self._place[faces.id]
-        at, is_there = np.maximum(place, 0), place >= 0
-        size = np.sqrt((self._normal**2).sum(axis=1))
-        self._area *= size
-        self._normal[is_there] /= size[is_there, None]
-        along = matter.F[d * np.arange(d)[:, None] + faces.axis, at]
-        across = (self._normal.T * along).sum(axis=0)
-        self._half = np.where(is_there, matter.size[faces.axis, at] * across, 1.0)
-        return np.asarray(at)
 
     def _gather(self, places: Array, theta: Array) -> Array:
         """Nodal temperatures at particles, θ̂ (n,)."""
