@@ -94,6 +94,13 @@ class Wall(Rough):
         is_within = -TOLERANCE <= line <= grid.cells[axis] + TOLERANCE
         return (axis, int(normal[axis] < 0.0)) if is_within else None
 
+    def is_behind(self, X: Array) -> Array:
+        """Whether points (d, N) lie behind the wall at the start, (N,)."""
+        normal = unit_vector(self.normal, len(X))
+        if isinstance(self.position, tuple):
+            return normal @ X < sum(n * p(t=0.0) for n, p in zip(normal, self.position, strict=True))
+        return normal @ X < normal.sum() * self.position(t=0.0)
+
     def inward(self, grid: Nodes) -> float:
         """The normal points into the material; walls across an axis hold the component along its positive side."""
         normal = unit_vector(self.normal, len(grid.shape))

@@ -201,7 +201,26 @@ def check_start(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
         from mpmcli.scene.fracture_checks import check_tips
 
         found += check_tips(scene, filled)
-    return [*found, *idle_nodal_forces(scene, filled)]
+    return [*found, *idle_nodal_forces(scene, filled), *bodies_behind_walls(scene, filled)]
+
+
+def bodies_behind_walls(scene: Any, filled: Sequence[BodyParticles]) -> Iterator[Problem]:
+    """Warn of walls that hold all of a body, as with a normal that points out of the material."""
+    soft = [
+        (body.name, particles.X)
+        for body, particles in zip(scene.bodies, filled, strict=True)
+        if scene.materials[body.material].kind != "rigid"
+    ]
+    for wall in scene.boundary:
+        if wall.kind != "wall" or not wall.acts_at(0.0):
+            continue
+        held = [name for name, X in soft if wall.is_behind(X).all()]
+        if held:
+            words = (
+                f"all of body '{held[0]}' is behind this wall, which moves it as if it were rigid; "
+                "the normal points from the wall into the material"
+            )
+            yield Problem(f"boundary.{wall.name}.normal", words, code="behind_wall", severity="warning")
 
 
 def idle_nodal_forces(scene: Any, filled: Sequence[BodyParticles]) -> Iterator[Problem]:

@@ -95,3 +95,30 @@ def test_a_nodal_force_is_warned_of_where_no_node_has_mass(shape, at, plain_pyth
 def test_explain_tells_of_a_nodal_force_without_a_body():
     facts = explain(load_scene(FORCED.replace("SHAPE", "ugimp").replace("AT", "5.0")))
     assert "loads.push.at: the nodal force at (5, 2) is at no node" in facts["text"]
+
+
+PISTON = """\
+[{name: a, material: m, region: {kind: box, lower: [1, 1], upper: [3, 3]}}]
+boundary: [{kind: wall, name: piston, WALL}]"""
+
+
+@pytest.mark.parametrize(
+    ("wall", "is_behind"),
+    [
+        ("normal: x, position: '3 - t', velocity: -1", True),
+        ("normal: x, position: '3 - t', velocity: -1, from: 1", False),
+        ("normal: [-2, 0], position: '3 - t', velocity: -1", False),
+        ("normal: [-2, 0], position: [0.9, 7], velocity: 1", True),
+        ("normal: y, position: 2.6, velocity: 1", False),
+        ("normal: [1, 1], position: [3, 3.1], velocity: 0", True),
+        ("normal: [1, 1], position: [1, 1], velocity: 0", False),
+    ],
+)
+def test_a_wall_with_all_of_a_body_behind_it_is_warned_of(wall, is_behind):
+    """As with a normal that points out of the material: it would hold every node."""
+    scene = FORCED.replace("SHAPE", "ugimp").replace("AT", "2.0")
+    body = next(line for line in scene.splitlines() if line.startswith("bodies:"))
+    found = check_filling(load_scene(scene.replace(body, "bodies: " + PISTON.replace("WALL", wall))).scene)
+    assert [(each.path, each.code) for each in found] == [
+        ("boundary.piston.normal", "behind_wall")
+    ] * is_behind
