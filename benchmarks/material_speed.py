@@ -2,6 +2,7 @@
 
     python benchmarks/material_speed.py [KIND …] [--analysis plane_strain] [--particles 40000] [--rounds 15]
 
+``--analysis`` is also plane_stress, axisymmetric or 3d; materials that the analysis does not allow are left out.
 CPU time of one thread, medians; the materials take turns. ``lcpdi``, FLIP, 2 particles per axis and cell. Plastic
 materials flow and brittle ones crack in most particles.
 """
@@ -14,6 +15,7 @@ import time
 
 import yaml
 
+from mpmcli.materials import MATERIALS as KINDS
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
 
@@ -133,7 +135,8 @@ def main() -> None:
     chosen = [
         name
         for name in MATERIALS
-        if not arguments.kinds or name == "neo_hookean" or name.partition(",")[0] in arguments.kinds
+        if (not arguments.kinds or name == "neo_hookean" or name.partition(",")[0] in arguments.kinds)
+        and arguments.analysis in KINDS[str(MATERIALS[name]["kind"])].analyses
     ]
     runs = {name: simulation_of(MATERIALS[name], arguments.analysis, arguments.particles) for name in chosen}
     seconds: dict[str, list[float]] = {name: [] for name in chosen}

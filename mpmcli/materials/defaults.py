@@ -13,7 +13,16 @@ from mpmcli.materials.base import (
     isentropic_growth,
     needs_increment,
 )
-from mpmcli.materials.lateral import lateral_stretch, search_lateral, search_thickness, thickness_stretch
+from mpmcli.materials.lateral import (
+    lateral_stress,
+    lateral_stretch,
+    search_lateral,
+    search_thickness,
+    share_nothing,
+    shared_by_trials,
+    stress_of_law,
+    thickness_stretch,
+)
 
 Parameters = TypeVar("Parameters", bound=type)
 
@@ -66,4 +75,6 @@ def with_defaults(parameters: Parameters) -> Parameters:
     needs_increment.register(parameters)(no)
     thickness_stretch.register(parameters)(search_thickness)
     lateral_stretch.register(parameters)(search_lateral)
+    shared_by_trials.register(parameters)(share_nothing)
+    lateral_stress.register(parameters)(stress_of_law)
     return parameters

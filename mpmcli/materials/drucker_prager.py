@@ -20,8 +20,10 @@ from mpmcli.materials.hencky import (
     keep_plastic,
     keep_tensor,
     split_strain,
+    trial_strain,
     trial_tensor,
 )
+from mpmcli.materials.lateral import lateral_stress, shared_by_trials
 
 MATCHES = {"outer": 0, "inner": 1, "plane_strain": 2}
 """Number of each match, as the functions take it."""
@@ -64,7 +66,32 @@ def cone_of(match: int, s: float, d: float) -> Any:
     return r * s, a, r
 
 
+@inline
+def return_to_surface(m: Any, alpha: float, trial: float, mean: float) -> Any:
+    """√J₂ and mean stress at the plastic strain ``alpha``, from their trial values."""
+    c, s, d, limit = strength_at(m, alpha)
+    A, a, r = cone_of(m.match, s, d)
+    B = r * c * math.sqrt(1.0 - s * s)
+    # where the trial state is inside the cone, nothing is taken away
+    g = max(0.0, trial + A * mean - B) / (m.shear + m.bulk * A * a)
+    shear, normal = max(0.0, trial - m.shear * g), mean - m.bulk * a * g
+    if normal > limit:
+        normal, shear = limit, min(trial, max(0.0, B - A * limit))
+    return shear, normal
+
+
 for _Prager in PRAGER.values():
+    shared_by_trials.register(_Prager)(trial_strain)
+
+    @lateral_stress.register(_Prager)
+    def _(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, x: Any, both: Any) -> Any:
+        xx, yy, zz, xy, _, _ = shared
+        zz, yy = zz + 2.0 * x, yy + 2.0 * x if both else yy
+        third = (xx + yy + zz) / 3.0
+        a, b, c = xx - third, yy - third, zz - third
+        trial = m.shear * math.sqrt(0.5 * (a * a + b * b + c * c) + xy * xy)
+        shear, normal = return_to_surface(m, H[STRAIN, p], trial, 1.5 * m.bulk * third)
+        return normal + m.shear * (shear / trial if shear < trial else 1.0) * c
 
     @kirchhoff_stress.register(_Prager)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
@@ -72,14 +99,7 @@ for _Prager in PRAGER.values():
         trace, e = split_strain(b)
         K, G = m.bulk, m.shear
         trial, mean = G * math.sqrt(2.0 * double_contraction(e)), K * trace
-        c, s, d, limit = strength_at(m, H[STRAIN, p])
-        A, a, r = cone_of(m.match, s, d)
-        B = r * c * math.sqrt(1.0 - s * s)
-        # where the trial state is inside the cone, nothing is taken away
-        g = max(0.0, trial + A * mean - B) / (G + K * A * a)
-        shear, normal = max(0.0, trial - G * g), mean - K * a * g
-        if normal > limit:
-            normal, shear = limit, min(trial, max(0.0, B - A * limit))
+        shear, normal = return_to_surface(m, H[STRAIN, p], trial, mean)
         scale = shear / trial if shear < trial else 1.0
         if commit:
             strain, work = 0.0, 0.0

@@ -101,6 +101,11 @@ def keep_plastic(H: Any, p: Any, strain: float, work: float) -> None:
     H[LAST, p] = work
 
 
+def trial_strain(m: Any, dF: Any, H: Any, p: Any) -> Any:
+    """``shared_by_trials``: twice the elastic strain after an elastic step, 6-tuple."""
+    return log_symmetric(trial_tensor(m, dF, H, p))
+
+
 def hencky_plastic(name: str, fields: tuple[str, ...], module: str) -> dict[bool, Any]:
     """``in_space_and_plane``, and all of a plastic law but its stress, from bulk, shear, density and lateral.
 

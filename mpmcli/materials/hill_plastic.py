@@ -48,7 +48,7 @@ from mpmcli.materials.hardening import (
     SteinbergCochranGuinan,
     SwiftHardening,
     VoceHardening,
-    flow_slope,
+    flow,
     flow_stress,
 )
 from mpmcli.materials.hill_anisotropy import Hill, HillAnisotropy, Modes, modes_of
@@ -217,20 +217,21 @@ def return_factor(m: Any, parts: Any, trial: float, alpha: float, T: float, dt: 
     an error below 1e-5 and is quadratic, so that its end needs no evaluation.
     """
     rate = 1.0 / dt if dt > 0.0 else 0.0
-    Y = max(flow_stress(m, alpha, 0.0, T), LEAST * trial)
+    Y, slope = flow(m, alpha, 0.0, T, dt)
+    Y = max(Y, LEAST * trial)
     low, high = 0.0, (trial / Y - 1.0) / m.least
     square, fall = reduced(m, parts, 0.0)
-    slope = flow_slope(m, alpha, 0.0, T, dt)
     k = min(high, (trial - Y) * Y * square / (slope * square * square + fall * Y * Y))
     stress, change = trial, 0.0
     for _ in range(60):
         square, fall = reduced(m, parts, k)
         stress = math.sqrt(square)
         step = k * stress
-        Y = max(flow_stress(m, alpha + step, step * rate, T), LEAST * trial)
+        Y, slope = flow(m, alpha + step, step * rate, T, dt)
+        Y = max(Y, LEAST * trial)
         excess = stress - Y
         # dσ̄/dk = −fall/σ̄, dΔα/dk = (σ̄² − k fall)/σ̄
-        hardening = flow_slope(m, alpha + step, step * rate, T, dt) * (square - k * fall)
+        hardening = slope * (square - k * fall)
         change = excess * Y * square / (hardening * square + fall * Y * Y)
         if abs(excess) <= 1e-5 * trial:
             k, stress = max(0.0, k + change), stress - change * fall / stress
@@ -344,8 +345,7 @@ for (_law, _planar), _Hill in HILL_WITH.items():
     with_defaults((in_plane if _planar else in_space)(_Hill))
     needs_increment.register(_Hill)(yes)
     with_own_numbers(_Hill)
-    flow_stress.register(_Hill)(flow_stress.implementations[_law])
-    flow_slope.register(_Hill)(flow_slope.implementations[_law])
+    flow.register(_Hill)(flow.implementations[_law])
 
     gradient_of.register(_Hill)(gradient_in_plane if _planar else gradient_in_space)
     reduced.register(_Hill)(reduced_in_plane if _planar else reduced_in_space)

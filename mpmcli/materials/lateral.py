@@ -1,7 +1,7 @@
 """Thickness where the lateral stress vanishes: plane stress (τ_zz = 0) and uniaxial stress (τ_yy = τ_zz = 0).
 
 A material with a closed form registers it; ``search_thickness`` and ``search_lateral`` serve every other one
-by trial calls of its stress that leave its history as it was.
+by trials of its stress that leave its history as it was.
 """
 
 from __future__ import annotations
@@ -25,6 +25,28 @@ def lateral_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
     """F_yy = F_zz for which τ_yy = τ_zz = 0; ``F`` holds the new F_xx, and F_yy = F_zz of the last step."""
 
 
+@generic
+def shared_by_trials(m: Any, dF: Any, H: Any, p: Any) -> Any:
+    """What the trials of a search have in common, for ``lateral_stress``."""
+
+
+@generic
+def lateral_stress(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, x: Any, both: Any) -> Any:
+    """τ_zz once F_zz (and F_yy, if ``both``) are multiplied by exp x."""
+
+
+def share_nothing(m: Any, dF: Any, H: Any, p: Any) -> Any:
+    """Every trial evaluates the whole law."""
+    return 0.0
+
+
+def stress_of_law(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, x: Any, both: Any) -> Any:
+    """τ_zz of ``kirchhoff_stress``."""
+    z = exponential(x)
+    y = z if both else 1.0
+    return kirchhoff_stress(m, stretch_laterally(F, y, z), stretch_laterally(dF, y, z), H, p, dt, False)[2]
+
+
 @inline
 def stretch_laterally(F: Any, y: float, z: float) -> Any:
     """``F`` with its components yy and zz multiplied by y and z."""
@@ -43,10 +65,9 @@ def search_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) 
     size = min(size, 1e-3) if size > 1e-7 else 1e-3
     x0, f0 = 0.0, 0.0
     x = 0.0
+    shared = shared_by_trials(m, dF, H, p)
     for trial in range(80):
-        z = exponential(x)
-        y = z if both else 1.0
-        f = kirchhoff_stress(m, stretch_laterally(F, y, z), stretch_laterally(dF, y, z), H, p, dt, False)[2]
+        f = lateral_stress(m, shared, F, dF, H, p, dt, x, both)
         if f > 0.0:
             high = min(high, x)
         else:

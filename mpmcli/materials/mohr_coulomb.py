@@ -13,7 +13,15 @@ from mpmcli.materials.friction_angle import (
     FrictionalPart,
     strength_at,
 )
-from mpmcli.materials.hencky import STRAIN, hencky_plastic, keep_plastic, keep_tensor, trial_tensor
+from mpmcli.materials.hencky import (
+    STRAIN,
+    hencky_plastic,
+    keep_plastic,
+    keep_tensor,
+    trial_strain,
+    trial_tensor,
+)
+from mpmcli.materials.lateral import lateral_stress, shared_by_trials
 from mpmcli.materials.principal import from_principal, principal_strains
 
 
@@ -96,6 +104,21 @@ def return_principal(m: Any, stress: Any, alpha: float) -> Any:
 
 
 for _Coulomb in COULOMB.values():
+    shared_by_trials.register(_Coulomb)(trial_strain)
+
+    @lateral_stress.register(_Coulomb)
+    def _(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, x: Any, both: Any) -> Any:
+        xx, yy, zz, xy, _, _ = shared
+        zz, yy = zz + 2.0 * x, yy + 2.0 * x if both else yy
+        mean, d = 0.5 * (xx + yy), 0.5 * (xx - yy)
+        r = math.sqrt(d * d + xy * xy)
+        high, low = mean + r, mean - r
+        G, trace = m.shear, (m.bulk / 2.0 - m.shear / 3.0) * (xx + yy + zz)
+        trial = (
+            trace + G * max(high, zz), trace + G * max(low, min(high, zz)), trace + G * min(low, zz)
+        )  # fmt: skip
+        tau = return_principal(m, trial, H[STRAIN, p])
+        return tau[0] if zz > high else tau[2] if zz < low else tau[1]
 
     @kirchhoff_stress.register(_Coulomb)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:

@@ -6,6 +6,7 @@ from contextlib import nullcontext
 import examples
 import numpy as np
 import pytest
+from material_point import MaterialPoint
 from scipy.spatial.transform import Rotation
 
 from mpmcli.core.analysis import ANALYSES, F_COMPONENTS
@@ -199,6 +200,31 @@ def test_wave_speed_is_the_slope_of_stress_against_strain(model):
     dilation = slope(lambda x: np.exp(x / 3) * np.eye(3))
     bulk = np.trace(dilation) / 3 - np.trace(stress(model, np.eye(3))) / 3
     assert bulk_speed_squared(m, IDENTITY, H, 0) == pytest.approx(bulk / model.density, rel=1e-4)
+
+
+@pytest.mark.parametrize("analysis", sorted(set(ANALYSES) - {"3d"}))
+@every
+def test_every_analysis_gives_the_stress_of_space(model, analysis):
+    """Compression and shear, their reverse, and back; a width that the analysis leaves free is prescribed in space."""
+    if not {analysis, "3d"} <= model.analyses or "rigid" in model.properties:
+        return
+    words, dt = model.model_dump(by_alias=True, exclude_none=True), 0.02
+    point, space = MaterialPoint(analysis, words), MaterialPoint("3d", words)
+    plane, hoop = point.F.size == 5, 0.2 if analysis == "axisymmetric" else 0.0
+    largest = 0.0
+    for sign in (-1, -1, 1, 1, 1, -1):
+        L = sign * np.array([[0.5, 0.7, 0], [-0.1, -0.3, 0], [0, 0, hoop]])
+        before = point.F
+        if plane:
+            tau = point.step(dt, *L[:2, :2].ravel(), *[sign * hoop][: int(hoop > 0)])
+            L[2, 2] = np.log(point.F[4] / before[4]) / dt
+        else:
+            tau = point.step(dt, L[0, 0])
+            L = np.diag([L[0, 0], *np.log(point.F[1:] / before[1:]) / dt])
+        wanted = space.step(dt, *L.ravel())[: tau.size]
+        largest = max(largest, abs(wanted).max())
+        assert tau == pytest.approx(wanted, rel=0, abs=1e-8 * largest)
+    assert largest > 0
 
 
 @every

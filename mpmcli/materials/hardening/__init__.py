@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from mpmcli.materials.hardening.base import changes_stiffness, flow_slope, flow_stress, stiffness_ratio
+from mpmcli.materials.hardening.base import changes_stiffness, flow, flow_stress, stiffness_ratio
 from mpmcli.materials.hardening.johnson_cook import JohnsonCook, JohnsonCookHardening
 from mpmcli.materials.hardening.linear import Linear, LinearHardening
 from mpmcli.materials.hardening.power_law import PowerLaw, PowerLawHardening
@@ -35,7 +35,7 @@ __all__ = [
     "JohnsonCook",
     "Linear",
     "changes_stiffness",
-    "flow_slope",
+    "flow",
     "flow_stress",
     "stiffness_ratio",
 ]

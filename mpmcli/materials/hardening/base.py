@@ -1,14 +1,14 @@
-"""What a hardening law is: a pydantic model (the scene's words), a named tuple of numbers, and two functions.
+"""What a hardening law is: a pydantic model (the scene's words), a named tuple of numbers, and one function.
 
-A new law is one new file here, and its row in ``hardening/__init__.py``. ``flow_stress`` and ``flow_slope`` are
-registered for the tuple's class. A law that changes the elastic moduli too registers ``changes_stiffness`` and
-``stiffness_ratio``.
+A new law is one new file here, and its row in ``hardening/__init__.py``. ``flow`` is registered for the tuple's class.
+A law that changes the elastic moduli too registers ``changes_stiffness`` and ``stiffness_ratio``.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, Any, NamedTuple, TypeVar
 
+from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.model import Model, Quantity
@@ -37,13 +37,17 @@ class RateModel(HardeningModel):
 
 
 @generic
+def flow(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
+    """Flow stress Y(α, α̇, T), and dY/dα of a step in which the rate is Δα/``dt`` [pressure].
+
+    Where the law changes the stiffness, both are over ``stiffness_ratio``.
+    """
+
+
+@compiled_too
 def flow_stress(h: Any, alpha: Any, rate: Any, T: Any) -> Any:
-    """Flow stress Y(α, α̇, T) [pressure]; where the law changes the stiffness, over ``stiffness_ratio``."""
-
-
-@generic
-def flow_slope(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
-    """dY/dα of a step in which the rate is Δα/``dt`` [pressure]."""
+    """The first of ``flow``."""
+    return flow(h, alpha, rate, T, 1.0)[0]
 
 
 @generic
@@ -74,16 +78,9 @@ def of_constant_stiffness(law: Law) -> Law:
 
 
 @inline
-def rate_factor(h: Any, rate: float) -> float:
-    """Factor (α̇/ε̇₀)^m of the flow stress, at least 1; ``h`` has ``m`` and ``rate``."""
+def with_rate(h: Any, static: float, slope: float, rate: float, dt: float) -> Any:
+    """``flow`` of ``static`` flow stress and its ``slope`` times (α̇/ε̇₀)^m, at least 1; ``h`` has ``m`` and ``rate``."""
     if h.m == 0.0 or rate <= h.rate:
-        return 1.0
-    return (rate / h.rate) ** h.m
-
-
-@inline
-def slope_with_rate(h: Any, static: float, slope: float, rate: float, dt: float) -> float:
-    """Slope of ``static``·``rate_factor`` in a step, where ``slope`` is that of ``static``."""
-    if h.m == 0.0 or rate <= h.rate:
-        return slope
-    return (slope + static * h.m / (rate * dt)) * (rate / h.rate) ** h.m
+        return static, slope
+    factor = (rate / h.rate) ** h.m
+    return static * factor, (slope + static * h.m / (rate * dt)) * factor

@@ -6,7 +6,7 @@ import math
 from typing import Annotated, Any, Literal, NamedTuple
 
 from mpmcli.core.model import PositivePressure, Quantity
-from mpmcli.materials.hardening.base import HardeningModel, flow_slope, flow_stress, of_constant_stiffness
+from mpmcli.materials.hardening.base import HardeningModel, flow, of_constant_stiffness
 
 
 class JohnsonCookHardening(HardeningModel):
@@ -52,15 +52,7 @@ class JohnsonCook(NamedTuple):
     m: float
 
 
-@flow_stress.register(JohnsonCook)
-def _(h: Any, alpha: Any, rate: Any, T: Any) -> Any:
-    hardened = h.A + h.B * alpha**h.n
-    hastened = 1.0 + h.C * math.log(max(1.0, rate / h.rate))
-    heated = min(1.0, max(0.0, (T - h.T0) / (h.Tm - h.T0)))
-    return hardened * hastened * (1.0 - heated**h.m)
-
-
-@flow_slope.register(JohnsonCook)
+@flow.register(JohnsonCook)
 def _(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
     hardened = h.A + h.B * alpha**h.n
     hastened = 1.0 + h.C * math.log(max(1.0, rate / h.rate))
@@ -68,4 +60,5 @@ def _(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
     slope = h.B * h.n * max(alpha, 1e-12) ** (h.n - 1.0) * hastened
     if rate > h.rate:
         slope += hardened * h.C / (rate * dt)
-    return slope * (1.0 - heated**h.m)
+    cooler = 1.0 - heated**h.m
+    return hardened * hastened * cooler, slope * cooler

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, NamedTuple
 
 from mpmcli.core.model import PositivePressure, Quantity
-from mpmcli.materials.hardening.base import HardeningModel, flow_slope, flow_stress, of_constant_stiffness
+from mpmcli.materials.hardening.base import HardeningModel, flow, of_constant_stiffness
 
 
 class LinearHardening(HardeningModel):
@@ -30,11 +30,6 @@ class Linear(NamedTuple):
     modulus: float
 
 
-@flow_stress.register(Linear)
-def _(h: Any, alpha: Any, rate: Any, T: Any) -> Any:
-    return h.yield_stress + h.modulus * alpha
-
-
-@flow_slope.register(Linear)
+@flow.register(Linear)
 def _(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
-    return h.modulus
+    return h.yield_stress + h.modulus * alpha, h.modulus

@@ -8,11 +8,9 @@ from mpmcli.core.model import PositivePressure, Quantity
 from mpmcli.materials.hardening.base import (
     SMALLEST_STRAIN,
     RateModel,
-    flow_slope,
-    flow_stress,
+    flow,
     of_constant_stiffness,
-    rate_factor,
-    slope_with_rate,
+    with_rate,
 )
 
 
@@ -46,13 +44,8 @@ class PowerLaw(NamedTuple):
     rate: float
 
 
-@flow_stress.register(PowerLaw)
-def _(h: Any, alpha: Any, rate: Any, T: Any) -> Any:
-    return (h.yield_stress + h.B * alpha**h.n) * rate_factor(h, rate)
-
-
-@flow_slope.register(PowerLaw)
+@flow.register(PowerLaw)
 def _(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
     hardened = h.B * alpha**h.n
     slope = h.n * hardened / max(alpha, SMALLEST_STRAIN)
-    return slope_with_rate(h, h.yield_stress + hardened, slope, rate, dt)
+    return with_rate(h, h.yield_stress + hardened, slope, rate, dt)

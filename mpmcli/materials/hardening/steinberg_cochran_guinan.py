@@ -11,8 +11,7 @@ from mpmcli.core.model import PositivePressure, Quantity
 from mpmcli.materials.hardening.base import (
     HardeningModel,
     changes_stiffness,
-    flow_slope,
-    flow_stress,
+    flow,
     stiffness_ratio,
 )
 
@@ -71,18 +70,13 @@ class SteinbergCochranGuinan(NamedTuple):
     Tm: float
 
 
-@flow_stress.register(SteinbergCochranGuinan)
-def _(h: Any, alpha: Any, rate: Any, T: Any) -> Any:
-    return min(h.Y_max, h.yield_stress * (1.0 + h.beta * (alpha + h.alpha0)) ** h.n)
-
-
-@flow_slope.register(SteinbergCochranGuinan)
+@flow.register(SteinbergCochranGuinan)
 def _(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
     hardened = 1.0 + h.beta * (alpha + h.alpha0)
     Y = h.yield_stress * hardened**h.n
     if Y >= h.Y_max:
-        return 0.0
-    return Y * h.n * h.beta / hardened
+        return h.Y_max, 0.0
+    return Y, Y * h.n * h.beta / hardened
 
 
 @changes_stiffness.register(SteinbergCochranGuinan)

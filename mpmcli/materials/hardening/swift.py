@@ -7,11 +7,9 @@ from typing import Annotated, Any, Literal, NamedTuple
 from mpmcli.core.model import PositivePressure, Quantity
 from mpmcli.materials.hardening.base import (
     RateModel,
-    flow_slope,
-    flow_stress,
+    flow,
     of_constant_stiffness,
-    rate_factor,
-    slope_with_rate,
+    with_rate,
 )
 
 
@@ -45,12 +43,7 @@ class Swift(NamedTuple):
     rate: float
 
 
-@flow_stress.register(Swift)
-def _(h: Any, alpha: Any, rate: Any, T: Any) -> Any:
-    return h.yield_stress * (1.0 + alpha / h.eps0) ** h.n * rate_factor(h, rate)
-
-
-@flow_slope.register(Swift)
+@flow.register(Swift)
 def _(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
     static = h.yield_stress * (1.0 + alpha / h.eps0) ** h.n
-    return slope_with_rate(h, static, static * h.n / (h.eps0 + alpha), rate, dt)
+    return with_rate(h, static, static * h.n / (h.eps0 + alpha), rate, dt)

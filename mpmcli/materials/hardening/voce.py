@@ -8,7 +8,7 @@ from pydantic import model_validator
 
 from mpmcli.core.exponentials import exponential_1d
 from mpmcli.core.model import PositivePressure, Quantity
-from mpmcli.materials.hardening.base import HardeningModel, flow_slope, flow_stress, of_constant_stiffness
+from mpmcli.materials.hardening.base import HardeningModel, flow, of_constant_stiffness
 
 
 class VoceHardening(HardeningModel):
@@ -48,11 +48,8 @@ class Voce(NamedTuple):
     modulus: float
 
 
-@flow_stress.register(Voce)
-def _(h: Any, alpha: Any, rate: Any, T: Any) -> Any:
-    return h.yield_stress + h.gain * (1.0 - exponential_1d(-alpha / h.eps0)) + h.modulus * alpha
-
-
-@flow_slope.register(Voce)
+@flow.register(Voce)
 def _(h: Any, alpha: Any, rate: Any, T: Any, dt: Any) -> Any:
-    return h.gain / h.eps0 * exponential_1d(-alpha / h.eps0) + h.modulus
+    left = exponential_1d(-alpha / h.eps0)
+    Y = h.yield_stress + h.gain * (1.0 - left) + h.modulus * alpha
+    return Y, h.gain / h.eps0 * left + h.modulus

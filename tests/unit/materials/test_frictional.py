@@ -12,6 +12,7 @@ from mpmcli.materials import MATERIALS
 from mpmcli.materials.base import kirchhoff_stress, strain_energy
 from mpmcli.materials.drucker_prager import cone_of
 from mpmcli.materials.hencky import LAST, STRAIN, WORK
+from mpmcli.materials.lateral import lateral_stress, shared_by_trials, stress_of_law
 from mpmcli.materials.mohr_coulomb import return_principal
 
 E, NU = 3.0, 0.3
@@ -240,3 +241,22 @@ def test_strengths_that_make_no_sense_are_refused(kind, numbers, words):
 
 def test_angles_may_carry_their_unit():
     assert make(friction="0.5 rad").friction == pytest.approx(math.degrees(0.5))
+
+
+@pytest.mark.parametrize("both", [False, True])
+@pytest.mark.parametrize("kind", ["mohr_coulomb", "drucker_prager"])
+def test_trials_of_the_thickness_have_the_stress_of_the_law(plain_python, kind, both):
+    """Compressed and stretched, sheared unless in a bar, so that z is the first, middle and last principal axis."""
+    model = make(kind, tension=0.02, dilation=10.0)
+    m, H = model.parameters("plane_stress", False), np.zeros((len(model.history), 1))
+    for x, y, shear, z in itertools.product(
+        (-0.05, 0.0, 0.03), (-0.04, 0.02), (0.0, 0.02), (-0.06, 0.0, 0.05)
+    ):
+        dF = (1 + x, shear, 0.0, 0.5 * shear, 1 + y, 0.0, 0.0, 0.0, 1.0)
+        if both:
+            dF = (1 + x, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+        with plain_python():
+            shared = shared_by_trials(m, dF, H, 0)
+            found = lateral_stress(m, shared, dF, dF, H, 0, 0.1, z, both)
+            wanted = stress_of_law(m, None, dF, dF, H, 0, 0.1, z, both)
+        assert found == pytest.approx(wanted, rel=1e-10, abs=1e-13)

@@ -4,10 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from material_point import MaterialPoint
 
 from mpmcli.materials import MATERIALS
 from mpmcli.materials.base import kirchhoff_stress, strain_energy, wave_speed_squared
-from mpmcli.materials.hardening import flow_slope, flow_stress
+from mpmcli.materials.hardening import flow, flow_stress
+from mpmcli.materials.j2_plastic import plastic_increment
 from mpmcli.scene.loader import load_scene
 
 LAWS = {
@@ -58,7 +60,47 @@ def test_formula_and_slope(kind):
             return FORMULAS[kind](a + step + x, (step + x) / dt)
 
         slope = (Y(e) - Y(-e)) / (2 * e)
-        assert flow_slope(h, a + step, step / dt, 300, dt) == pytest.approx(slope, rel=2e-5, abs=1e-8)
+        assert flow(h, a + step, step / dt, 300, dt)[1] == pytest.approx(slope, rel=2e-5, abs=1e-8)
+
+
+@pytest.mark.parametrize("eps0_dot", [1e-12, 1.0, 1e8])
+@pytest.mark.parametrize("m", [0.0, 1e-6, 0.02, 0.5, 1.0])
+@pytest.mark.parametrize("n", [1e-3, 0.3, 5.0])
+def test_the_return_meets_the_flow_stress_at_extreme_rates_and_exponents(plain_python, n, m, eps0_dot):
+    words = {"yield_stress": 2.0, "B": 5.0, "n": n, "m": m, "eps0_dot": eps0_dot}
+    numbers = make("linear").model_dump() | {"hardening": {"kind": "power_law"} | words}
+    numbers = MATERIALS["j2_plastic"].model_validate(numbers).parameters("3d", False)
+    for alpha in (0.0, 1e-9, 0.3):
+        for dt in (1e-10, 1e-3, 1e4):
+            start = flow(numbers, alpha, 0.0, 300.0, dt)
+            for trial in (start[0] * (1 + 1e-9), start[0] + 0.1, start[0] * 1e3):
+                with plain_python():
+                    step = plastic_increment(numbers, trial, 300.0, start, alpha, 300.0, dt)
+                # the stress is exact to 1e-12 of the trial stress
+                near = 1e-12 * trial / 300
+                low, high = max(0.0, step - near), step + near
+                Y = [(2 + 5 * (alpha + x) ** n) * max(1, x / dt / eps0_dot) ** m for x in (low, high)]
+                assert trial - 300 * low >= Y[0] * (1 - 1e-15)
+                assert trial - 300 * high <= Y[1] * (1 + 1e-15)
+
+
+@pytest.mark.parametrize("analysis", ["plane_stress", "uniaxial_stress"])
+@pytest.mark.parametrize("rate", [1.0, 1e-6])
+@every
+def test_no_stress_across_the_plane_or_the_bar(plain_python, kind, rate, analysis):
+    """Also while it unloads, and in the next cycle."""
+    point = MaterialPoint(analysis, make(kind).model_dump())
+    for sign in (1, -1, 1):
+        L = (sign * rate, 0.7 * rate, 0.2 * sign * rate, -0.4 * sign * rate)
+        for _ in range(8):
+            with plain_python():
+                tau = point.step(0.005 / rate, *(L if analysis == "plane_stress" else L[:1]))
+            size = abs(tau).max()
+            limit = 2e-7 if kind == "steinberg_cochran_guinan" else 1e-12
+            assert abs(tau[2]) <= limit * size
+            if analysis == "uniaxial_stress":
+                assert abs(tau[1]) <= limit * size
+    assert point.history("equivalent_plastic_strain") > 0.02
 
 
 @every
