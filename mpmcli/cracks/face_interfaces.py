@@ -13,7 +13,7 @@ from mpmcli.core.variants import StrainUpdate
 from mpmcli.cracks.face_contacts import FaceContacts
 from mpmcli.interfaces import impulses
 from mpmcli.interfaces.areas import open_areas
-from mpmcli.interfaces.jump import JumpRows, Sides, act_at_node, allocate_jumps
+from mpmcli.interfaces.jump import JumpRows, Sides, act_at_node, allocate_ends, allocate_jumps
 
 Array = np.ndarray
 
@@ -58,8 +58,9 @@ class FaceInterfaces:
         """Rows beside those of the contacts, whose jumps they share."""
         faces = self._contacts.faces
         if self._rows is None or self._rows.jump is not faces.jump:
-            rows = allocate_jumps(len(faces.jump), 2, 0)
+            rows = allocate_jumps(len(faces.jump), 2)
             self._rows = rows._replace(jump=faces.jump, aside=faces.aside, mass=faces.mass)
+            self._ends = allocate_ends(len(faces.jump), 2)
         return self._rows
 
     def find(self) -> None:
@@ -97,8 +98,9 @@ class FaceInterfaces:
         sums = np.zeros((5, len(view.interface_energy)))
         for which, law in self._laws.items():
             impulses.close_step[False](
-                law, AXES, which, c.count, c.fields, c.table, c.geometry, c.rows, j, None, after, weight,
-                c.faces.crack, dt, self._late, np.inf, np.inf, self._grid.mp, sums,
+                law, AXES, which, c.count, c.fields, c.table, c.geometry.normal, c.geometry.area, c.rows.slip,
+                c.rows.net, j, self._ends, None, after, weight, c.faces.crack, dt, self._late, np.inf, np.inf,
+                self._grid.mp, sums,
             )  # fmt: skip
         self._work["interface_work"] += float(sums[0].sum())
         view.interface_energy[:] = sums[1]

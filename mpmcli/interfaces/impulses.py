@@ -111,6 +111,8 @@ def go_to_node(law, axes, n, area, jump, aside, mass, history, reduced, dt, out)
     interface. The share is φ²/(1 + φ²) with the ``mass`` per area of a node on the interface: it is the same at all
     nodes across, which share its area such that these parts of their tractions cancel.
     """
+    if dot(axes, aside, aside) == 0.0:
+        return
     along, (normal, tangential) = dot(axes, aside, n), tangents(law, axes, n, jump, history)
     compliance = compliance_of(area * dt, dt / max(reduced, TINIEST))
     of_normal = share_of(normal * compliance) * share_of(normal * compliance_of(dt, dt / max(mass, TINIEST)))
@@ -190,13 +192,15 @@ def find_pair_impulses(
 
 @kernel
 def close_step(
-    law, axes, which, count, fields, nodes, geometry, rows, jumps, memory, after, share, pair, dt, late, widest,
-    farthest, mp, sums,
+    law, axes, which, count, fields, nodes, normals, areas, before, nets, jumps, ends, memory, after, share, pair, dt,
+    late, widest, farthest, mp, sums,
 ):  # fmt: skip
     """Jumps at the end of the step, what interfaces took out of the bodies, store and have spent, and histories.
 
-    ``after`` (k, d) are the relative velocities that the impulses leave, those before are in ``rows.slip``. The share
-    ``late`` of the work is found with the former, as that of the stresses is: the two agree in sum, not at each node.
+    ``before`` and ``after`` (k, d) are the relative velocities before the impulses ``nets`` (k, d) and those that these
+    leave. The share ``late`` of the work is found with the latter, as that of the stresses is: the two agree in sum,
+    not at each node. ``normals`` (k, d) and ``areas`` (k,) are those of ``Geometry``, alone because to hand over all
+    the rows of contacts takes longer than the work on a few of them.
     Interfaces that open by more than ``widest`` or slip by more than ``farthest`` are lost; the latter break, with the
     energy that they store.
 
@@ -207,21 +211,20 @@ def close_step(
     for k in range(count):
         if fields.law[k] != which:
             continue
-        normal, end, history, now, area = (
-            geometry.normal[k], jumps.end[k], jumps.history[k], jumps.now[k], geometry.area[k],
-        )  # fmt: skip
+        normal, area, history, end = normals[k], areas[k], jumps.history[k], ends.end[k]
+        now, held = ends.now[k], ends.scratch[k]
         for a in range(len(axes)):
             end[a] = jumps.jump[k, a] + after[k, a] * dt
         now[0], now[1] = 0.0, 0.0
         if history[BREAKS] > 0.5:
             if memory is not None:
-                keep_history(memory, fields, nodes, k, jumps.apart[k], history, now)
+                keep_history(memory, fields, nodes, k, ends.apart[k], history, now)
             continue
         part = share_of_work(axes, fields, k, nodes, mp)
-        net, held, work = rows.net[k], rows.found[k], 0.0
+        net, work = nets[k], 0.0
         held_impulse(law, axes, net, normal, held)
         for a in range(len(axes)):
-            slip = (1.0 - late) * rows.slip[k, a] + late * after[k, a]
+            slip = (1.0 - late) * before[k, a] + late * after[k, a]
             work += part * (net[a] - held[a]) * slip
         openings(law, axes, normal, jumps.jump[k], now)
         spent = area * remember(law, axes, normal, jumps.jump[k], history)
@@ -243,16 +246,16 @@ def close_step(
         if lost and weight > 0.0:
             sums[4, mine] += 1.0
         if memory is not None:
-            keep_history(memory, fields, nodes, k, jumps.apart[k], history, now)
+            keep_history(memory, fields, nodes, k, ends.apart[k], history, now)
 
 
 @kernel
-def find_tractions(law, axes, which, count, fields, geometry, jumps, out):
-    """Traction on α at the end of the step, into ``out`` (k, d); zero where it is broken."""
+def find_tractions(law, axes, which, count, fields, geometry, jumps, end, out):
+    """Traction on α at the jumps ``end`` (k, d) of the step's end, into ``out`` (k, d); zero where it is broken."""
     for k in prange(count):
         if fields.law[k] == which:
             if jumps.history[k, BREAKS] > 0.5:
                 for a in range(len(axes)):
                     out[k, a] = 0.0
             else:
-                traction(law, axes, geometry.normal[k], jumps.end[k], jumps.history[k], out[k])
+                traction(law, axes, geometry.normal[k], end[k], jumps.history[k], out[k])

@@ -23,9 +23,11 @@ from mpmcli.interfaces.jump import (
     EDGES,
     EXTRAPOLATED,
     GRADIENT,
+    EndRows,
     JumpRows,
     Sides,
     act_at_node,
+    allocate_ends,
     allocate_jumps,
     find_interfaces,
 )
@@ -54,6 +56,7 @@ class Interfaces:
     Attributes
     ----------
     laws : indices of the laws that are interfaces
+    jumps, ends : the rows of the step's contacts
     view : what output sees
     """
 
@@ -82,7 +85,9 @@ class Interfaces:
         chosen = [int(choice.table[at[a], at[b]]) in self.laws for a, b in names]
         self._acts = False
         self._room = -1
-        self.jumps = self._make_room(0)
+        self.jumps: JumpRows
+        self.ends: EndRows
+        self._make_room(0)
         n = len(names)
         self._start_gap = np.full(n, np.nan)
         self.view = InterfaceView(
@@ -111,13 +116,14 @@ class Interfaces:
         c, p = self._contacts, self._particles
         self._acts = False
         matter = matter._replace(F=p.F)
+        self._make_room(len(c.fields.slot))
         start_gap = self._start_gap
         if self._way == EDGES:
             self._find_start_gaps()
             start_gap = np.nan_to_num(start_gap, nan=UNKNOWN)
         find_interfaces[parallel](
             self._axes, self._way, self._opens, self._sides, c.count, c.fields, c.table, around, c.nodes.near, matter,
-            p.interface, start_gap, c.geometry, act_at_node(plan), self._make_room(len(c.fields.slot)),
+            p.interface, start_gap, c.geometry, act_at_node(plan), self.jumps, self.ends,
         )  # fmt: skip
 
     def forces_known(self, known: bool) -> None:
@@ -152,21 +158,24 @@ class Interfaces:
         ``after`` (k, d) are the relative velocities at its end, ``shares`` (k,) what of each contact belongs to real
         particles.
         """
-        c, j, p, view = self._contacts, self.jumps, self._particles, self.view
+        c, p, view, cell = self._contacts, self._particles, self.view, self._widest_cell
+        normal, area, before, net = c.geometry.normal, c.geometry.area, c.rows.slip, c.rows.net
         memory = Memory(self._sides.row, c.nodes.near, p.velocity_field, p.interface)
-        sums, cell = np.zeros((5, len(view.energy))), self._widest_cell
-        for which in self._law:
+        sums = np.zeros((5, len(view.energy)))
+        for which, law in self._law.items():
             impulses.close_step[False](
-                self._law[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows, j, memory, after,
-                shares, j.pair, dt, self._late, LOST * cell, SLIPPED * cell, self._grid.mp, sums,
+                law, self._axes, which, c.count, c.fields, c.table, normal, area, before, net, self.jumps, self.ends,
+                memory, after, shares, self.ends.pair, dt, self._late, LOST * cell, SLIPPED * cell, self._grid.mp,
+                sums,
             )  # fmt: skip
         self._shares, self._means = shares, None
-        work, view.energy[:], spent, broken, lost = sums
-        view.lost = int(lost.sum())
+        work, _, _, _, lost = sums.sum(axis=1).tolist()
+        view.energy[:] = sums[1]
+        view.cohesive_work += sums[2]
+        view.broken_area += sums[3]
+        view.lost = int(lost)
         view.all_lost += view.lost
-        self._work["interface_work"] += float(work.sum())
-        view.cohesive_work += spent
-        view.broken_area += broken
+        self._work["interface_work"] += work
 
     # ------------------------------------------------------------------ what others see
 
@@ -176,7 +185,8 @@ class Interfaces:
 
     def bonded(self) -> Array:
         """(k,) whether a contact is an interface that holds: no friction is in its impulse."""
-        return self._is_mine() & (self.jumps.history[: self._contacts.count, BREAKS] < 0.5)
+        found: Array = self.jumps.history[: self._contacts.count, BREAKS] < 0.5
+        return found
 
     def _is_mine(self) -> Array:
         """(k,) whether a contact is an interface, broken or not."""
@@ -187,12 +197,12 @@ class Interfaces:
     def means(self) -> InterfaceMeans:
         """Areas, jumps and tractions of every pair in the last step."""
         if self._means is None:
-            c, j, n = self._contacts, self.jumps, len(self.view.energy)
+            c, ends, n = self._contacts, self.ends, len(self.view.energy)
             mine = np.flatnonzero(self.bonded())
-            pair, area = j.pair[mine], c.geometry.area[mine] * self._shares[mine]
+            pair, area = ends.pair[mine], c.geometry.area[mine] * self._shares[mine]
             total = sums_of_pairs(pair, area, n)
             normal = c.geometry.normal[mine]
-            parts = (*parts_of(j.end[mine], normal), *parts_of(self.tractions()[mine], normal))
+            parts = (*parts_of(ends.end[mine], normal), *parts_of(self.tractions()[mine], normal))
             sums = [sums_of_pairs(pair, part * area, n) for part in parts]
             for each in sums:
                 np.divide(each, total, out=each, where=total > 0.0)
@@ -205,8 +215,8 @@ class Interfaces:
         out = np.zeros((c.count, len(self._axes)))
         for which in self._law:
             impulses.find_tractions[False](
-                self._law[which], self._axes, which, c.count, c.fields, c.geometry, self.jumps, out
-            )
+                self._law[which], self._axes, which, c.count, c.fields, c.geometry, self.jumps, self.ends.end, out
+            )  # fmt: skip
         return out
 
     def damages(self) -> Array:
@@ -226,7 +236,7 @@ class Interfaces:
         c = self._contacts
         return {
             "interface_is_there": lambda: on_nodes(self._is_mine().astype(float)),
-            "interface_jump": lambda: on_nodes(self.jumps.end[: c.count] * self._is_mine()[:, None]),
+            "interface_jump": lambda: on_nodes(self.ends.end[: c.count] * self._is_mine()[:, None]),
             "interface_traction": lambda: on_nodes(self.tractions()),
             "interface_damage": lambda: on_nodes(self.damages()),
         }
@@ -261,11 +271,11 @@ class Interfaces:
             if its.any():
                 self._start_gap[new] = np.average(c.geometry.separation[mine[its]], weights=area[its])
 
-    def _make_room(self, room: int) -> JumpRows:
+    def _make_room(self, room: int) -> None:
         if room > self._room:
             self._room, d = room, self._grid.dimensions
-            self.jumps = allocate_jumps(room, d, 4 * d + d * d)
-        return self.jumps
+            self.jumps = allocate_jumps(room, d)
+            self.ends = allocate_ends(room, d)
 
 
 VIEWED = ("energy", "cohesive_work", "broken_area", "lost", "all_lost")

@@ -11,12 +11,12 @@ from mpmcli.contact.area import SMALLEST, perpendicular_size
 from mpmcli.contact.fields_in_contact import field_at
 from mpmcli.contact.geometry import index_at_home
 from mpmcli.contact.laws.impulse import dot
-from mpmcli.contact.near_particles import IMAGE_BITS
+from mpmcli.contact.near_particles import IMAGE_BITS, NEAREST
 from mpmcli.contact.separation.base import UNKNOWN
 from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.interfaces.areas import open_area
 from mpmcli.interfaces.base import BREAKS, HISTORY
-from mpmcli.interfaces.memory import UNSET, recall_history, row_of_history
+from mpmcli.interfaces.memory import UNSET, add_histories, add_history
 
 Array = np.ndarray
 
@@ -34,38 +34,50 @@ def act_at_node(plan: Any) -> bool:
 
 
 class JumpRows(NamedTuple):
-    """What interfaces know of the contacts of a step, a row for each.
+    """What the impulses of interfaces need to know of the contacts of a step, a row for each.
 
     jump : (k, d) δ(0) = u_β − u_α at the start of the step [length]
-    end : (k, d) δ(Δt) at its end [length]
     aside : (k, d) by how much the jump at the node exceeds that at the interface beside it [length]
     mass : (k,) m_red over the area where an interface lies on a node: half a cell of both sides [mass/area]
     force : (k, d) m_red (f_β/m_β − f_α/m_α) without the interface [force]
-    history : (k, 3) largest openings so far, and whether it is broken
-    now : (k, 2) openings at the end of the step [length]
-    pair : (k,) number of its pair of fields
-    apart : (k,) whether matter of either side was not bonded at the start of the run
-    sums : (k, 4 d + d d) scratch
+    history : (k, 3) largest openings so far, and whether it is broken; what is no interface counts as broken
     """
 
     jump: Array
-    end: Array
     aside: Array
     mass: Array
     force: Array
     history: Array
+
+
+class EndRows(NamedTuple):
+    """What becomes of the contacts of a step that are interfaces, a row for each.
+
+    end : (k, d) δ(Δt) at the end of the step [length]
+    now : (k, 2) openings at the end of the step [length]
+    pair : (k,) number of its pair of fields
+    apart : (k,) whether matter of either side was not bonded at the start of the run
+    scratch : (k, 4 d + d d)
+    """
+
+    end: Array
     now: Array
     pair: Array
     apart: Array
-    sums: Array
+    scratch: Array
 
 
-def allocate_jumps(room: int, d: int, scratch: int) -> JumpRows:
+def allocate_jumps(room: int, d: int) -> JumpRows:
     """Rows of zeros for ``room`` contacts in ``d`` dimensions."""
-    vectors = {name: np.zeros((room, d)) for name in ("jump", "end", "aside", "force")}
-    return JumpRows(
-        **vectors, mass=np.zeros(room), history=np.zeros((room, HISTORY)), now=np.zeros((room, 2)),
-        pair=np.zeros(room, dtype=np.int64), apart=np.zeros(room, dtype=bool), sums=np.zeros((room, scratch)),
+    vectors = {name: np.zeros((room, d)) for name in ("jump", "aside", "force")}
+    return JumpRows(**vectors, mass=np.zeros(room), history=np.zeros((room, HISTORY)))
+
+
+def allocate_ends(room: int, d: int) -> EndRows:
+    """Rows of zeros for ``room`` contacts in ``d`` dimensions."""
+    return EndRows(
+        end=np.zeros((room, d)), now=np.zeros((room, 2)), pair=np.zeros(room, dtype=np.int64),
+        apart=np.zeros(room, dtype=bool), scratch=np.zeros((room, 4 * d + d * d)),
     )  # fmt: skip
 
 
@@ -118,7 +130,7 @@ def add_inverse_times(axes, F, p, weight, turned, r, out):
 
 @kernel
 def find_interfaces(
-    axes, way, opens, sides, count, fields, nodes, around, near, matter, kept, start_gap, geometry, to_node, rows
+    axes, way, opens, sides, count, fields, nodes, around, near, matter, kept, start_gap, geometry, to_node, rows, ends
 ):  # fmt: skip
     """Jump δ(0), area and history of every contact whose law is one of interfaces.
 
@@ -130,19 +142,19 @@ def find_interfaces(
 
     ``rows.aside`` is what the gradients of both sides add to the jump on the way to the node; 0 unless ``to_node``.
 
-    ``rows.apart`` tells whether the matter of a side that is nearest to the interface was not bonded at the start, by
+    ``ends.apart`` tells whether the matter of a side that is nearest to the interface was not bonded at the start, by
     the histories ``kept`` (rows, N) of the particles. ``opens``: areas follow the opening (``open_area``).
 
     One call for all of it: to hand so many arrays over takes longer than the work on a few nodes.
     """
     # unfolded: numba drops what a parallel loop writes through a tuple
-    jump, aside, mass, sums, pair, apart, history = (
-        rows.jump, rows.aside, rows.mass, rows.sums, rows.pair, rows.apart, rows.history,
-    )  # fmt: skip
+    jump, aside, mass, history = rows.jump, rows.aside, rows.mass, rows.history
+    pair, apart, scratch = ends.pair, ends.apart, ends.scratch
     area = geometry.area
     reach = REACH * max_of(axes, around.cell)
     for k in prange(count):
         if not sides.law[fields.law[k]]:
+            history[k, BREAKS] = 1.0
             continue
         slot = fields.slot[k]
         alpha, beta = field_at(nodes, fields.alpha[k]), field_at(nodes, fields.partner[k])
@@ -151,8 +163,8 @@ def find_interfaces(
         # the interface lies beside the node: there sides that turn apart have another jump
         beside = 0.5 * (geometry.distances[k, 0] + geometry.distances[k, 1])
         bonded, density = find_jump(
-            axes, way, slot, nodes.node[slot], alpha, beta, rigid, around, near, matter, beside, h, normal, sides, kept,
-            reach, sums[k], to_node, jump[k], aside[k],
+            axes, way, slot, nodes.node[slot], alpha, beta, rigid, around, near, matter, beside, h, normal, sides.row,
+            kept, reach, scratch[k], to_node, jump[k], aside[k], history[k],
         )  # fmt: skip
         apart[k] = not bonded
         pair[k] = sides.pair[alpha, beta]
@@ -166,7 +178,10 @@ def find_interfaces(
             area[k] = open_area(
                 axes, nodes.node[slot], around, area[k], geometry.distances[k], jump[k], normal, h
             )
-        recall_history(sides, slot, alpha, beta, near, matter, kept, apart[k], history[k])
+        if apart[k] or history[k, BREAKS] > 0.5:
+            history[k, BREAKS] = 1.0
+        else:
+            history[k, BREAKS] = 0.0
 
 
 @inline
@@ -180,11 +195,11 @@ def max_of(axes, values):
 
 @inline
 def find_jump(
-    axes, way, slot, i, alpha, beta, rigid, around, near, matter, beside, h, normal, sides, kept, reach, sums, to_node,
-    out, aside,
+    axes, way, slot, i, alpha, beta, rigid, around, near, matter, beside, h, normal, row, kept, reach, sums, to_node,
+    out, aside, history,
 ):  # fmt: skip
-    """Find the jump of one contact, ``beside`` the node along the normal; returns whether both sides were bonded, and
-    ρ_α ρ_β/(ρ_α + ρ_β), ρ_α beside a rigid body.
+    """Find the jump of one contact, ``beside`` the node along the normal, and its ``history`` (3,); returns whether
+    both sides were bonded, and ρ_α ρ_β/(ρ_α + ρ_β), ρ_α beside a rigid body.
 
     Matter is that of the particle nearest to the interface; where this is not known (``UNKNOWN``), along the surface
     only. ``sums`` is scratch.
@@ -211,7 +226,10 @@ def find_jump(
     along_alpha, along_beta = sums[2 * d : 3 * d], sums[3 * d : 4 * d]
     for j in range(4 * d + d * d):
         sums[j] = 0.0
-    m_alpha, m_beta, m_both, v_alpha, v_beta = 0.0, 0.0, 0.0, 0.0, 0.0
+    m_alpha, m_beta, m_both, v_alpha, v_beta, remembered = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    row_alpha, row_beta = row[alpha, beta], row[beta, alpha]
+    for j in range(HISTORY):
+        history[j] = 0.0
     at = near.head[slot]
     while at >= 0:
         p, turned = near.particle[at], near.flag[at]
@@ -239,7 +257,10 @@ def find_jump(
                 moved = turn(matter.X[a, p] - matter.X0[a, p], turned, a)
                 mine[a] -= w * (moved if way == EXTRAPOLATED else moved + out[a])
             distance = square if knows_place else max(square - deep * deep, 0.0)
-            was_bonded = kept[row_of_history(sides.row, field, alpha, beta) + BREAKS, p] > UNSET
+            mine_kept = row_beta if is_beta else row_alpha
+            was_bonded = kept[mine_kept + BREAKS, p] > UNSET
+            if turned & NEAREST:
+                remembered += add_history(kept, mine_kept, p, near.S[at], matter, history)
             if is_beta:
                 if was_bonded:
                     bonded_beta = min(bonded_beta, distance)
@@ -266,6 +287,10 @@ def find_jump(
                 m_alpha += w
                 v_alpha += share * matter.vol0[p]
         at = near.next[at]
+    if remembered == 0.0:
+        remembered = add_histories(kept, row, slot, alpha, beta, near, matter, history)
+    for j in range(HISTORY):
+        history[j] /= remembered if remembered > 0.0 else 1.0
     for a in range(d):
         sees_both = m_alpha > 0.0 and m_beta > 0.0
         at_alpha[a] = at_alpha[a] / m_alpha - at_beta[a] / m_beta if sees_both else 0.0

@@ -27,33 +27,29 @@ def row_of_history(rows, field, alpha, beta):
 
 
 @inline
-def recall_history(sides, slot, alpha, beta, near, matter, kept, apart, history):
-    """History of an interface from the particles near it, ``kept`` (rows, N), into ``history`` (3,).
-
-    It is that of the particles whose nearest node this is, or else of all that the node sees: the mean by their
-    shares S V. Particles that no interface has reached count for nothing; broken is an
-    interface of whose matter more than half is, or of matter that was not bonded (``apart``).
-    """
+def add_history(kept, row, p, S, matter, history):
+    """Add what particle ``p`` keeps from ``row`` of ``kept`` (rows, N) on to ``history`` (3,), times its share S V of a
+    node; returns that share, 0 if no interface has reached the particle."""
+    if kept[row, p] <= UNSET:
+        return 0.0
+    w = S * determinant_of_particle(matter.F, p) * matter.vol0[p]
     for j in range(HISTORY):
-        history[j] = 0.0
-    for nearest in range(2):
-        share = 0.0
-        at = near.head[slot]
-        while at >= 0:
-            p = near.particle[at]
-            if nearest == 1 or near.flag[at] & NEAREST:
-                row = row_of_history(sides.row, matter.field[p], alpha, beta)
-                if row >= 0 and kept[row, p] > UNSET:
-                    w = near.S[at] * determinant_of_particle(matter.F, p) * matter.vol0[p]
-                    share += w
-                    for j in range(HISTORY):
-                        history[j] += w * max(kept[row + j, p], 0.0)
-            at = near.next[at]
-        if share > 0.0:
-            for j in range(HISTORY):
-                history[j] /= share
-            break
-    history[BREAKS] = 1.0 if apart or history[BREAKS] > 0.5 else 0.0
+        history[j] += w * max(kept[row + j, p], 0.0)
+    return w
+
+
+@inline
+def add_histories(kept, rows, slot, alpha, beta, near, matter, history):
+    """``add_history`` of all particles of two fields that a node sees: for nodes that are the nearest of none."""
+    share = 0.0
+    at = near.head[slot]
+    while at >= 0:
+        p = near.particle[at]
+        row = row_of_history(rows, matter.field[p], alpha, beta)
+        if row >= 0:
+            share += add_history(kept, row, p, near.S[at], matter, history)
+        at = near.next[at]
+    return share
 
 
 class Memory(NamedTuple):

@@ -36,9 +36,9 @@ def test_the_impulse_is_the_traction_at_the_end_of_the_step(start, method, k, sh
     while s.time < 30.0 * CELL_TIME:
         before = s.state.work["interface_work"]
         s.step()
-        c, jumps = s.contact.contacts, s.contact.interfaces.jumps
+        c, parts = s.contact.contacts, s.contact.interfaces
         area, net = c.geometry.area[: c.count], c.rows.net[: c.count, 0]
-        first, last = (jump[: c.count, 0] for jump in (jumps.jump, jumps.end))
+        first, last = (jump[: c.count, 0] for jump in (parts.jumps.jump, parts.ends.end))
         np.testing.assert_allclose(
             net, area * D * last * s.state.dt, rtol=1e-6, atol=1e-9 * np.abs(net).max()
         )

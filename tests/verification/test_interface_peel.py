@@ -116,12 +116,14 @@ def test_mixed_modes_fail_on_the_curve(start, angle, exponent):
     breaks, directions = [], []
     while s.time < 1.2 and (s.contact.view.interfaces.means().area[0] > 0.0 or s.time < 0.1):
         s.step()
-        c, j = s.contact.contacts, s.contact.interfaces.jumps
+        c, j, ends = s.contact.contacts, s.contact.interfaces.jumps, s.contact.interfaces.ends
         if s.time > 0.1 and not breaks:
             means = s.contact.view.interfaces.means()
             directions.append(np.degrees(np.arctan2(means.jump_normal[0], means.jump_tangential[0])))
         # broken ones have no openings any more, those that break in the step have
-        breaks_now = (j.history[: c.count, BREAKS] > 0.5) & (j.now[: c.count].max(axis=1, initial=0.0) > 0.0)
+        breaks_now = (j.history[: c.count, BREAKS] > 0.5) & (
+            ends.now[: c.count].max(axis=1, initial=0.0) > 0.0
+        )
         for k in np.flatnonzero(breaks_now):
             n, t = j.history[k, MOST_NORMAL], j.history[k, MOST_TANGENTIAL]
             shares = normal.spent(n) / normal.toughness, tangential.spent(t) / tangential.toughness

@@ -21,7 +21,7 @@ def look(run):
     """Largest jump [cells], mean traction, energy of the interface over the kinetic one, and angular momentum."""
     parts = run.simulation.contact.interfaces
     p = run.particles
-    jumps = np.linalg.norm(parts.jumps.end[parts.rows()], axis=1)
+    jumps = np.linalg.norm(parts.ends.end[parts.rows()], axis=1)
     turning = np.sum(p.mass * (p.X[0] * p.V[1] - p.X[1] * p.V[0]))
     energy = parts.view.energy.sum() / max(run.kinetic_energy, 1e-9)
     return jumps.max() / run.simulation.grid.cell[0], parts.view.means().traction_normal[0], energy, turning
@@ -119,7 +119,7 @@ def test_an_open_joint_turns_with_its_halves(start):
         (A, a), (B, b) = motion(run, 0), motion(run, 1)
         mean = 0.5 * (A + B)
         wanted = (mean @ (np.linalg.solve(A, x - a[:, None]) - np.linalg.solve(B, x - b[:, None]))).T
-        jumps = parts.jumps.end[rows] * np.sign(contacts.geometry.normal[rows] @ wanted.mean(axis=0))[:, None]
+        jumps = parts.ends.end[rows] * np.sign(contacts.geometry.normal[rows] @ wanted.mean(axis=0))[:, None]
         assert len(jumps) > 20
         assert (
             np.linalg.norm(jumps - wanted, axis=1).max() < 0.005 * 0.05 + 0.15 * dt

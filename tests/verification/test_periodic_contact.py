@@ -24,8 +24,8 @@ FRICTION = {"law": {"kind": "coulomb", "friction": 0.3}}
 INPUTS = Path(__file__).parents[2] / "inputs"
 STEPS = 25
 AGREES = 1e-8
-"""Largest difference over the largest value of a column: sums in another order, heat as a small difference, and areas
-of interfaces, which lose six digits where a normal is nearly along an axis (``ACROSS``), times stiff springs."""
+"""Largest difference over the largest value of a column: sums in another order, heat as a small difference, and
+round-off of jumps times stiff springs."""
 
 pytestmark = pytest.mark.slow
 

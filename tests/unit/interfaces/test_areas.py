@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
+import math
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -41,6 +45,31 @@ def test_it_is_the_integral_of_the_grid_function(angle, d):
     along = np.trapezoid(np.prod(np.maximum(1.0 - np.abs(places) / cell, 0.0), axis=1), s)
     wanted = along * perpendicular_size((0.0, 0.0), cell, n) / np.prod(cell)
     assert part(n, d, cell) == pytest.approx(wanted, abs=2e-5)
+
+
+def exact_part(n, d, cell):
+    """The divided differences in rational numbers, over the axes that the normal has a part of."""
+    widths = [Fraction(c) * abs(Fraction(a)) for c, a in zip(cell, n, strict=True) if a]
+    power, total = 2 * len(widths) - 1, Fraction(0)
+    for steps in itertools.product((-1, 0, 1), repeat=len(widths)):
+        weight, x = Fraction(1), Fraction(d)
+        for step, width in zip(steps, widths, strict=True):
+            weight *= (1 if step else -2) / width**2
+            x += step * width
+        total += weight * abs(x) ** power
+    h = perpendicular_size((0.0,) * len(n), np.array(cell), np.array(n))
+    return float(Fraction(h) * total / (2 * math.factorial(power)))
+
+
+@pytest.mark.parametrize("tilt", [0.7, 1e-2, 1e-4, 1e-8, 1e-13, 1e-200])
+@pytest.mark.parametrize("d", [0.0, 1e-13, 3e-9, 2e-4, 0.31, -0.97])
+def test_no_digit_is_lost_along_an_axis(tilt, d):
+    """However small the other parts of the normal are, in a plane and in space, beside axes and diagonals."""
+    cell = [0.9, 1.0, 0.8]
+    for n in ([1, tilt], [tilt, -1], [1, tilt, 0], [tilt, 1, -tilt], [tilt, 0.3 * tilt, 1], [1, 1, tilt]):
+        n = np.array(n) / np.linalg.norm(n)
+        wanted = exact_part(n.tolist(), d, cell[: len(n)])
+        assert part(n, d, np.array(cell[: len(n)])) == pytest.approx(wanted, abs=5e-15)
 
 
 @pytest.mark.parametrize("gap", [0.0, 0.1, -0.1])
