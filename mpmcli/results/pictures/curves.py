@@ -45,6 +45,8 @@ SUBJECTS: dict[str, tuple[str, ...]] = {
 _COLUMN = re.compile(r"(?P<base>.+?)(?:_(?P<component>[xyz]{1,2}))?(?:\[(?P<owner>.*)\])?", re.DOTALL)
 TOO_MANY = 8
 """A panel with more lines is split by component."""
+STYLES = ("-", "--", ":", "-.")
+"""The first two by turns for the first ten lines, the others for the next ten, which have the same colours."""
 MOST_IN_LEGEND = 16
 
 
@@ -235,7 +237,7 @@ def draw_panel(axes: Any, panel: Panel, over: Abscissa | None = None) -> None:
         drawn += axes.plot(
             places,
             line.table[line.column],
-            "-" if index % 2 == 0 else "--",
+            STYLES[index % 2 + 2 * (index // 10 % 2)],
             linewidth=1.4,
             marker=mark,
             color=f"C{index % 10}",

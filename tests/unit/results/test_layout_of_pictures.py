@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -142,3 +143,15 @@ def test_titles_are_one_line_of_any_length(text, width):
     assert shown == " ".join(text.split()) or shown.endswith("…")
     if len(text) > 100:
         assert box.x1 > 0.6 * figure.bbox.x1  # no more is cut than need be
+
+
+def test_twenty_lines_of_a_panel_differ_in_colour_or_style(make_results):
+    """Scenes with heat have more than ten energies."""
+    directory = make_results()
+    (directory / "globals.csv").write_text("step,time,mass\n0,0,1\n1,1,2\n")
+    results = Results(directory)
+    (panel,) = column_panels(results, ("mass",))
+    with drawing():
+        figure = draw_panels([replace(panel, lines=panel.lines * 20)], results)
+        shown = [(line.get_color(), line.get_linestyle()) for line in figure.axes[0].lines]
+    assert len(shown) == len(set(shown)) == 20
