@@ -142,7 +142,7 @@ class Place(Model):
     covered_by: str | None = None
     """Nodes that the particles of this rigid body see, wherever it has moved to; only for velocities."""
     body: str | None = None
-    """Nodes that the surface particles of this body see."""
+    """Nodes that the surface particles of this body see, also those up to a cell inside the body."""
     face: Face | None = None
     """Which surface of the body."""
 
