@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmcli.boundary.base import Array, Nodes
 from mpmcli.core.analysis import Analysis, Axisymmetric
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.functions import hat, hat_integral, quadratic_spline, quadratic_spline_integral
 
 
@@ -109,14 +109,14 @@ class Cells(NamedTuple):
         )
 
 
-@inline
+@compiled_too
 def new_spot(cells: Cells) -> Spot:
     """Return a spot anywhere."""
     d = len(cells.stride)
     return Spot(np.empty(d), np.zeros(d), np.empty(cells.width), np.empty(cells.width**d))
 
 
-@inline
+@compiled_too
 def face_force(faces: Faces, cells: Cells, matter: Matter, k: int, p: int, force: Array) -> None:
     """Force on face k of particle p for a section of 1, into ``force`` (d,).
 
@@ -166,7 +166,7 @@ def face_force(faces: Faces, cells: Cells, matter: Matter, k: int, p: int, force
                 force[a] += shear * F[d * a + t, p]
 
 
-@inline
+@compiled_too
 def axis_weight(cells: Cells, r: float, reach: float) -> float:
     """Grid function at distance r from its node, or its mean over r ± ``reach`` (in cells)."""
     if reach == 0.0:
@@ -178,7 +178,7 @@ def axis_weight(cells: Cells, r: float, reach: float) -> float:
     return 0.5 * rise / reach
 
 
-@inline
+@compiled_too
 def point_weights(cells: Cells, spot: Spot, first: int, mp: Array) -> tuple[int, float]:
     """Weights of the nodes around a spot into ``spot.weight``, zero at nodes without mass.
 
@@ -211,7 +211,7 @@ def point_weights(cells: Cells, spot: Spot, first: int, mp: Array) -> tuple[int,
     return base, total
 
 
-@inline
+@compiled_too
 def radius_of_face(faces: Faces, cells: Cells, matter: Matter, k: int, p: int, spot: Spot) -> float:
     """Radius of the middle of face k in axisymmetric analyses: now for followers, else at the start."""
     if faces.follower[k]:
@@ -222,7 +222,7 @@ def radius_of_face(faces: Faces, cells: Cells, matter: Matter, k: int, p: int, s
     return faces.radius[k]
 
 
-@inline
+@compiled_too
 def give_to_nodes(
     faces: Faces,
     cells: Cells,
@@ -263,7 +263,7 @@ def give_to_nodes(
     return is_on_grid
 
 
-@inline
+@compiled_too
 def place_middle(faces: Faces, cells: Cells, matter: Matter, k: int, p: int, spot: Spot) -> None:
     """Put the spot at the middle of face k of particle p.
 
@@ -287,7 +287,7 @@ def place_middle(faces: Faces, cells: Cells, matter: Matter, k: int, p: int, spo
         spot.reach[a] = size[a, p] if cells.mean and a != across else 0.0
 
 
-@inline
+@compiled_too
 def move_along_face(
     faces: Faces, cells: Cells, matter: Matter, k: int, point: int, p: int, x: Array
 ) -> float:
