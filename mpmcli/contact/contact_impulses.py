@@ -235,29 +235,29 @@ class ContactImpulses(Correction, ABC):
     def _find_pair_impulses(self, here: Place, v: Array, laws: Sequence[int]) -> None:
         """The contacts that ``three_or_more: pairs`` or ``coupled`` asks for."""
         c, mp = self._found, self._grid.mp
-        slots = len(c.table.node)
-        chosen = np.zeros(slots, dtype=bool)
+        changed = np.zeros(len(c.table.node), dtype=np.int64)
         coupled_pairs.start_pairs(self._axes, c.count, c.fields, c.table, c.geometry, c.rows, here, mp, v)
-        for sweep in range(coupled_pairs.SWEEPS + 1):
+        laws = [which for which in laws if not self._skipped[which]]
+        takes_turns = len(laws) > 1 or any(self._of_interface[which] for which in laws)
+        rounds = 1 if takes_turns else coupled_pairs.ROUNDS
+        for turn in (0, *range(1, coupled_pairs.ROUNDS + 1, rounds)):
             change = size = 0.0
             for which in laws:
-                moved = whole = 0.0
                 if self._of_interface[which]:
-                    moved, whole = self.interfaces.find_pair_impulses(which, here, chosen, sweep > 0)
-                elif not self._skipped[which]:
+                    moved, whole = self.interfaces.find_pair_impulses(which, here, changed, turn)
+                else:
                     moved, whole = coupled_pairs.find_pair_impulses(
-                        self._parameters[which], self._axes, which, c.count, c.fields, c.begin, chosen,
-                        sweep > 0, c.geometry, c.rows, here, mp,
+                        self._parameters[which], self._axes, which, c.fields, c.begin, changed, turn,
+                        rounds if turn > 0 else 1, c.geometry, c.rows, here, mp,
                     )  # fmt: skip
                 change, size = change + moved, size + whole
-            if sweep == 0:
+            if turn == 0:
                 most = len(c.fields.pair) if self._ways.coupled else 2
-                coupled_pairs.choose_pairs(slots, c.fields, c.begin, most, c.rows.state, chosen)
-                if not chosen.any():
+                if not coupled_pairs.choose_pairs(c.fields, c.begin, most, c.rows.state, changed):
                     break
             elif change <= coupled_pairs.CONVERGED * size:
                 break
-        coupled_pairs.finish_pairs(self._axes, c.count, c.fields, chosen, c.rows, here)
+        coupled_pairs.finish_pairs(self._axes, c.count, c.fields, changed, c.rows, here)
 
     def _start_increments(self) -> None:
         c, rows = self._found, self._found.rows

@@ -12,18 +12,21 @@ import numpy as np
 
 from mpmcli.contact.impulses import relative_momentum
 from mpmcli.contact.laws.impulse import law_impulse
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.core.compiled.kernel import called_once, inline
 
 Array = np.ndarray
 
-SWEEPS = 40
+ROUNDS = 40
 """Most rounds in which pairs that share a field take turns; each round shrinks what is left by a mass ratio."""
+
+LEFT_OUT = -1
+"""Instead of the last round in which impulses at a node changed: its pairs do not act."""
 
 CONVERGED = 1e-14
 """Rounds end when the impulses of all pairs together change by less than this share."""
 
 
-@inline
+@called_once
 def start_pairs(axes, count, fields, nodes, geometry, rows, here, mp, v):
     """Δp_α(0) of every pair by itself into ``rows.dp0``, with the total of earlier FMPM increments; clears
     ``rows.total``.
@@ -59,26 +62,59 @@ def start_pairs(axes, count, fields, nodes, geometry, rows, here, mp, v):
                 dp0[a] -= rows.drive[k] * normal[a]
 
 
-@inline
-def find_pair_impulses(law, axes, which, count, fields, begin, chosen, coupled, geometry, rows, here, mp):
+@called_once
+def find_pair_impulses(law, axes, which, fields, begin, changed, first, rounds, geometry, rows, here, mp):
     """Find the impulses ``rows.total`` of all pairs that law ``which`` governs; ``dp`` and ``found`` are scratch.
 
-    With ``coupled`` only pairs of nodes that ``chosen`` (slots,) marks, each on what the others at its node do to it.
-    Returns by how much totals changed and how large they are, sums of magnitudes.
+    Round 0 takes each pair by itself. Later ones take those of the nodes that ``choose_pairs`` has chosen, each on what
+    the others at its node do to it; of them so many ``rounds`` from ``first`` on, or fewer if impulses converge.
+    ``changed`` (slots,) is the last round in which impulses at a node changed.
+
+    Returns by how much totals changed in the last round and how large they are, sums of magnitudes.
     """
     change, size = 0.0, 0.0
-    for k in range(count):
-        if not fields.pair[k] or fields.law[k] != which or (coupled and not chosen[fields.slot[k]]):
-            continue
-        wanted, found = rows.dp[k], rows.found[k]
-        reduced = wanted_by_pair(axes, k, fields, begin, coupled, rows, mp, wanted)
-        rows.state[k] = law_impulse(
-            law, axes, wanted, geometry.normal[k], rows.separation_now[k], geometry.area[k], reduced, here.dt,
-            here.displacement_only, geometry.bond[k], found,
-        )  # fmt: skip
-        moved, whole = take_total(axes, found, rows.total[k])
-        change, size = change + moved, size + whole
+    for turn in range(first, first + rounds):
+        change, size = 0.0, 0.0
+        for slot in range(len(changed)):
+            if turn > 0 and changed[slot] == LEFT_OUT:
+                continue
+            settled = is_settled(slot, changed, turn)
+            for k in range(begin[slot], begin[slot + 1]):
+                if not fields.pair[k] or fields.law[k] != which:
+                    continue
+                if not settled:
+                    wanted = rows.dp[k]
+                    reduced = wanted_by_pair(axes, k, fields, begin, turn > 0, rows, mp, wanted)
+                    rows.state[k] = law_impulse(
+                        law, axes, wanted, geometry.normal[k], rows.separation_now[k], geometry.area[k], reduced,
+                        here.dt, here.displacement_only, geometry.bond[k], rows.found[k],
+                    )  # fmt: skip
+                    change += take_total(axes, k, slot, changed, turn, rows)
+                size += magnitude(axes, rows.total[k])
+        if change <= CONVERGED * size:
+            break
     return change, size
+
+
+@inline
+def magnitude(axes, a):
+    """Return the sum of the magnitudes of the components."""
+    total = 0.0
+    for i in range(len(axes)):
+        total += abs(a[i])
+    return total
+
+
+@inline
+def is_left_out(slot, changed, turn):
+    """Return whether the pairs of a node are not chosen."""
+    return turn > 0 and changed[slot] == LEFT_OUT
+
+
+@inline
+def is_settled(slot, changed, turn):
+    """Return whether no impulse at a node has changed in the round before, so that none will."""
+    return turn > 0 and changed[slot] < turn - 1
 
 
 @inline
@@ -104,40 +140,45 @@ def wanted_by_pair(axes, k, fields, begin, coupled, rows, mp, wanted):
 
 
 @inline
-def take_total(axes, found, total):
-    """Let ``total`` (d,) be ``found``; returns by how much it changed and how large it is, sums of magnitudes."""
-    change, size = 0.0, 0.0
+def take_total(axes, k, slot, changed, turn, rows):
+    """Let ``rows.total`` of a pair be ``rows.found``; returns by how much it changed, a sum of magnitudes."""
+    change = 0.0
     for a in range(len(axes)):
-        change += abs(found[a] - total[a])
-        size += abs(found[a])
-        total[a] = found[a]
-    return change, size
+        change += abs(rows.found[k, a] - rows.total[k, a])
+        rows.total[k, a] = rows.found[k, a]
+    if change != 0.0:
+        changed[slot] = turn
+    return change
 
 
-@inline
-def choose_pairs(slots, fields, begin, most, state, chosen):
-    """Mark the nodes where one to ``most`` pairs are in contact: ``chosen`` (slots,)."""
-    for slot in range(slots):
+@called_once
+def choose_pairs(fields, begin, most, state, changed):
+    """Choose the nodes where one to ``most`` pairs are in contact, in ``changed`` (slots,); returns whether any is."""
+    some = False
+    for slot in range(len(changed)):
         touching = 0
         for k in range(begin[slot], begin[slot + 1]):
             if fields.pair[k] and state[k] > 0:
                 touching += 1
-        chosen[slot] = 0 < touching <= most
+        chosen = 0 < touching <= most
+        changed[slot] = 0 if chosen else LEFT_OUT
+        some = some or chosen
+    return some
 
 
-@inline
-def finish_pairs(axes, count, fields, chosen, rows, here):
+@called_once
+def finish_pairs(axes, count, fields, changed, rows, here):
     """Momentum changes of pairs from their totals; at each node either pairs or lumped contacts act.
 
     Where pairs are not chosen their rows become zero; where they are, those of the lumped contacts.
     """
     prior, net, dp = rows.prior, rows.net, rows.dp
     for k in range(count):
-        slot = fields.slot[k]
+        chosen = changed[fields.slot[k]] != LEFT_OUT
         lumped = not fields.pair[k] and fields.stage[k] == 0 and not fields.alone[k]
         if fields.pair[k]:
             for a in range(len(axes)):
-                full = rows.total[k, a] if chosen[slot] else 0.0
+                full = rows.total[k, a] if chosen else 0.0
                 dp[k, a] = full
                 if here.of_increment:
                     if here.evolving:
@@ -147,7 +188,7 @@ def finish_pairs(axes, count, fields, chosen, rows, here):
                         prior[k, a] = rows.dp0[k, a]
                         dp[k, a] = full - net[k, a]
                         net[k, a] = full
-        elif lumped and chosen[slot]:
+        elif lumped and chosen:
             for a in range(len(axes)):
                 if not here.of_increment:
                     dp[k, a] = 0.0
@@ -158,5 +199,5 @@ def finish_pairs(axes, count, fields, chosen, rows, here):
                 else:  # what lumped contacts of earlier increments did is taken back: the totals of the pairs hold it
                     dp[k, a] -= net[k, a]
                     net[k, a] = 0.0
-        if (fields.pair[k] and not chosen[slot]) or (lumped and chosen[slot]):
+        if (fields.pair[k] and not chosen) or (lumped and chosen):
             rows.state[k] = 0

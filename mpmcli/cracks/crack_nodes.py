@@ -11,10 +11,10 @@ import math
 import numpy as np
 
 from mpmcli.core.compiled.compiler import compiled_too
+from mpmcli.core.compiled.kernel import called_once
 from mpmcli.core.dofs import dof_of
 from mpmcli.core.grid import unfold
 from mpmcli.core.transfer.stencil import fill
-from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.crossing import (
     AX,
     AY,

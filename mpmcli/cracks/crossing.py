@@ -15,7 +15,7 @@ import numpy as np
 
 from mpmcli.contact.laws.impulse import TINIEST
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.cracks.calls import called_once
+from mpmcli.core.compiled.kernel import called_once
 from mpmcli.cracks.points import Points
 
 Array = np.ndarray

@@ -8,12 +8,12 @@ import numpy as np
 
 from mpmcli.contact.contact_impulses import ContactImpulses, Ways
 from mpmcli.contact.laws.impulse import slip_work
+from mpmcli.core.compiled.kernel import called_once
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
 from mpmcli.core.state import CracksView
 from mpmcli.core.step import Step
 from mpmcli.core.variants import StrainUpdate
-from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.face_contacts import FaceContacts
 from mpmcli.cracks.face_geometry import Separations
 from mpmcli.cracks.sides import CrackSides

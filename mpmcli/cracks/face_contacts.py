@@ -10,10 +10,10 @@ from mpmcli.contact.fields_in_contact import NodeTable, allocate_fields, put_con
 from mpmcli.contact.geometry import allocate_geometry
 from mpmcli.contact.impulses import allocate_rows
 from mpmcli.core.compiled.compiler import compiled_too
+from mpmcli.core.compiled.kernel import called_once
 from mpmcli.core.dofs import dof_of, side_of
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles, determinant_of_particle
-from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.crossing import BITS, is_left
 from mpmcli.cracks.face_geometry import SUMS, Lattice, Matter, Separations, Springs, find_face_geometry
 from mpmcli.cracks.sides import CrackSides

@@ -9,8 +9,8 @@ import numpy as np
 
 from mpmcli.contact.laws.impulse import TINIEST
 from mpmcli.core.compiled.compiler import compiled_too
+from mpmcli.core.compiled.kernel import called_once
 from mpmcli.core.grid import Grid
-from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.chain import FOLDED, SHRUNK, STRETCHED, VISIBLE
 from mpmcli.cracks.crossing import BITS, CRACK, cell_of, crosses, list_near, whole
 from mpmcli.cracks.sides import CrackSides

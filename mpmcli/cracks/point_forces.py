@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcli.core.compiled.kernel import called_once
 from mpmcli.core.dofs import dof_of
 from mpmcli.core.grid import Grid
-from mpmcli.cracks.calls import called_once
 from mpmcli.cracks.chain import ABOVE, Chain
 from mpmcli.cracks.crossing import BITS, UNIT, cell_of, list_near, whole
 from mpmcli.cracks.motion import BESIDE, side_seen

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from mpmcli.contact import increments
-from mpmcli.contact.coupled_pairs import take_total, wanted_by_pair
+from mpmcli.contact.coupled_pairs import is_left_out, is_settled, magnitude, take_total, wanted_by_pair
 from mpmcli.contact.fields_in_contact import is_rigid
 from mpmcli.contact.impulses import relative_momentum, share_of_work
 from mpmcli.contact.laws.impulse import TINIEST, dot, law_impulse, law_impulse_at_end
-from mpmcli.core.compiled.kernel import inline, kernel, prange
+from mpmcli.core.compiled.kernel import called_once, inline, kernel, prange
 from mpmcli.interfaces.base import (
     BREAKS,
     held_impulse,
@@ -164,29 +164,39 @@ def find_jump_impulses(
             )
 
 
-@inline
+@called_once
 def find_pair_impulses(
-    law, closed, axes, which, count, fields, begin, chosen, coupled, nodes, geometry, rows, jumps, here, acts,
+    law, closed, axes, which, count, fields, begin, changed, turn, nodes, geometry, rows, jumps, here, acts,
     oscillates, mp, f,
 ):  # fmt: skip
-    """``contact.coupled_pairs.find_pair_impulses`` for the pairs that the interface law ``which`` governs."""
+    """``contact.coupled_pairs.find_pair_impulses``, one round, for the pairs that interface law ``which`` governs."""
     change, size = 0.0, 0.0
     for k in range(count):
-        if not fields.pair[k] or fields.law[k] != which or (coupled and not chosen[fields.slot[k]]):
+        slot = fields.slot[k]
+        if not fields.pair[k] or fields.law[k] != which or is_left_out(slot, changed, turn):
             continue
-        wanted, found = rows.dp[k], rows.found[k]
-        reduced = wanted_by_pair(axes, k, fields, begin, coupled, rows, mp, wanted)
-        if here.after_forces:
-            relative_force(
-                axes, fields.alpha[k], fields.first[k], fields.last[k], False, nodes, mp, f, jumps.force[k]
-            )
-        rows.state[k] = impulse_of(
-            law, closed, axes, wanted, geometry.normal[k], geometry.area[k], geometry.separation[k],
-            rows.separation_now[k], jumps.jump[k], jumps.aside[k], jumps.mass[k], jumps.force[k],
-            jumps.history[k], reduced, here, acts, oscillates, found,
-        )  # fmt: skip
-        moved, whole = take_total(axes, found, rows.total[k])
-        change, size = change + moved, size + whole
+        if not is_settled(slot, changed, turn):
+            wanted, found = rows.dp[k], rows.found[k]
+            reduced = wanted_by_pair(axes, k, fields, begin, turn > 0, rows, mp, wanted)
+            if here.after_forces:
+                relative_force(
+                    axes,
+                    fields.alpha[k],
+                    fields.first[k],
+                    fields.last[k],
+                    False,
+                    nodes,
+                    mp,
+                    f,
+                    jumps.force[k],
+                )
+            rows.state[k] = impulse_of(
+                law, closed, axes, wanted, geometry.normal[k], geometry.area[k], geometry.separation[k],
+                rows.separation_now[k], jumps.jump[k], jumps.aside[k], jumps.mass[k], jumps.force[k],
+                jumps.history[k], reduced, here, acts, oscillates, found,
+            )  # fmt: skip
+            change += take_total(axes, k, slot, changed, turn, rows)
+        size += magnitude(axes, rows.total[k])
     return change, size
 
 

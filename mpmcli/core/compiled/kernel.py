@@ -218,3 +218,11 @@ def kernel(function: Callable[..., Any]) -> Kernel:
 def inline(function: Callable[..., Any]) -> Any:
     """Decorate a small function that kernels call."""
     return Compiled(function)
+
+
+def called_once(function: Callable[..., Any]) -> Any:
+    """Decorate a serial function that Python calls, and that allocates nothing.
+
+    As ``inline``, but views are not counted, as in kernels: counting them takes several times longer than the work.
+    """
+    return Compiled(function, _nrt=False)

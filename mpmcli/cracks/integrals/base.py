@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmcli.core.analysis import Analysis, Axisymmetric
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.cracks.calls import called_once
+from mpmcli.core.compiled.kernel import called_once
 
 Array = np.ndarray
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mpmcli.cracks.calls import called_once
+from mpmcli.core.compiled.kernel import called_once
 from mpmcli.cracks.integrals.base import Frame, Matter
 from mpmcli.cracks.integrals.domain import face_terms
 from mpmcli.cracks.integrals.faces import NO_FACES, REACH, Faces, add_to_fit, fitted

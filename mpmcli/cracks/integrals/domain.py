@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from mpmcli.cracks.calls import called_once
+from mpmcli.core.compiled.kernel import called_once
 from mpmcli.cracks.integrals.base import Matter, weight_at
 from mpmcli.cracks.integrals.faces import NO_FACES, Faces
 

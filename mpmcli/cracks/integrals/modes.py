@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.cracks.calls import called_once
+from mpmcli.core.compiled.kernel import called_once
 from mpmcli.cracks.integrals.base import Matter, weight_at
 from mpmcli.cracks.integrals.elastic import PlaneElasticity, field_of_mode
 from mpmcli.cracks.integrals.faces import NO_FACES, Faces

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.core.compiled.compiler import compiled_too
-from mpmcli.cracks.calls import called_once
+from mpmcli.core.compiled.kernel import called_once
 from mpmcli.cracks.chain import START
 
 Array = np.ndarray
