@@ -17,7 +17,8 @@ class Rough(ConditionModel):
     """Coulomb coefficient: the nodes are not free to slide along the plane where the material presses on it.
 
     The velocity across the plane is held in tension too: bodies do not lift off, as they do from a rigid body in
-    contact.
+    contact. With FMPM of order 2 or more on every step, friction is too weak where a material flows plastically at the
+    plane; use FLIP, XPIC or a rigid body in contact.
     """
     cohesion: Annotated[float, Quantity("pressure", ge=0)] | None = None
     """Tangential stress that the plane holds without pressure, over its area in contact."""

@@ -64,6 +64,7 @@ class Recorder:
         self.balance = EnergyBalance()
         self.energy_error: float | None = None
         self._parts: list[_Part] = []
+        self._archived: list[str] = []
         self._memory, self._label = memory, loaded.units.label
         self._units: dict[str, dict[str, str]] = {}
         try:
@@ -178,8 +179,8 @@ class Recorder:
             return
         from mpmcli.output.vtu import VtuWriter, write_particles
 
-        names = archived_names(asked.fields, self.context)
-        fields = resolve_fields([*ALWAYS, *names], self.context)
+        self._archived = list(archived_names(asked.fields, self.context))
+        fields = resolve_fields([*ALWAYS, *self._archived], self.context)
         writer = VtuWriter(asked.precision, asked.compression)
 
         def write(snapshot: Snapshot, paths: list[Path]) -> None:
@@ -253,13 +254,17 @@ class Recorder:
                 part.schedule.advance(state.time)
 
     def write_failed(self, state: State) -> Path:
-        """Write ``failed.vtu``: all particles of the last state that there is, in double precision; and its cracks."""
+        """Write ``failed.vtu``: all particles of the last state that there is, in double precision; and its cracks.
+
+        It has the fields that archives have, and those that show what failed.
+        """
         from mpmcli.output.vtu import VtuWriter, write_particles
 
         path = self.directory / FAILED
         displacement = () if state.X0 is None else ("displacement",)
         heat = ("temperature",) if self.context.has_heat else ()
-        fields = resolve_fields([*ALWAYS, *displacement, *FAILED_FIELDS, *heat], self.context)
+        names = [*ALWAYS, *displacement, *FAILED_FIELDS, *heat, *self._archived]
+        fields = resolve_fields(names, self.context)
         with np.errstate(all="ignore"):
             write_particles(VtuWriter("float64"), path, Snapshot(state), fields)
             if state.cracks is not None:

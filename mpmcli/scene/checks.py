@@ -254,6 +254,33 @@ def _check_plane(model: Any, path: str, grid: Any, report: Report) -> None:
         )
 
 
+def _check_friction_of_planes(parts: Parts, report: Report) -> None:
+    """Friction on a symmetry plane has no effect; with FMPM on every step it is too weak where a material flows."""
+    mirrors = [model for _, model in parts.boundary if model.kind == "symmetry"]
+    for index, model in parts.boundary:
+        plane = getattr(getattr(model, "on", None), "plane", None)
+        if plane is None or not getattr(model, "rubs", False):
+            continue
+        for mirror in mirrors:
+            if (mirror.plane.axis, mirror.plane.at) == (plane.axis, plane.at):
+                words = (
+                    f"has no effect, because the symmetry plane '{mirror.name}' holds these nodes; remove it"
+                )
+                report(f"{report.label('boundary', index)}.friction", words, "no_effect", "warning")
+    transfer = parts.method.transfer
+    if transfer.kind != "fmpm" or transfer.order == 1 or transfer.every_courant or transfer.every_steps:
+        return
+    used = {body.material for _, body in parts.bodies}
+    flowing = [name for name in used if "plastic_work" in getattr(parts.materials.get(name), "history", ())]
+    for index, model in parts.boundary:
+        if flowing and getattr(model, "rubs", False):
+            words = (
+                f"friction on planes and walls is too weak, up to three times, with FMPM({transfer.order}) where "
+                f"material '{min(flowing)}' flows at them; use the transfer flip or xpic, or a rigid body in contact"
+            )
+            report(f"{report.label('boundary', index)}.friction", words, "friction", "warning")
+
+
 def _check_loaded_point(load: Any, path: str, grid: Any, report: Report) -> None:
     """The nodes around a point that is loaded must exist."""
     if "nodal_force_at" not in load.effects():
@@ -348,6 +375,7 @@ def _check_effects(parts: Parts, report: Report) -> None:
             if getattr(model, "rubs", False):
                 words = f"the friction of '{model.name}' acts on momenta; use incremental, lumped or combined"
                 report("method.velocity_conditions", words, "friction")
+    _check_friction_of_planes(parts, report)
     if "velocity_conditions" in given and parts.method.transfer.kind != "fmpm":
         words = f"has no effect with {parts.method.transfer.kind}; only the transfer fmpm uses it"
         report("method.velocity_conditions", words, "no_effect", "warning")

@@ -255,7 +255,7 @@ class Transfer:
         if problem == DOMAIN_TOO_WIDE:
             return (
                 f"{who}: its domain, which '{self.shape.name}' deforms, spans more than {self.widest - 1} cells. For "
-                "fluids, use a shape function with undeformed domains, such as b2gimp"
+                "fluids and soils that flow, use a shape function with undeformed domains, such as b2gimp or ugimp"
             )
         return f"{who} reaches nodes outside the grid"
 
