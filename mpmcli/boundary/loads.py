@@ -148,13 +148,13 @@ class Loads:
         """Add them to nodal forces (n, d)."""
         nodes.add_nodal[self._parallel](self._grid.active, self.force, f)
 
-    def work(self, p_start: Array, v: Array, dt: float) -> float:
-        """Return the work of the loads in this step, with the mean of the velocities before and after it.
+    def work(self, v: Array, dt: float) -> float:
+        """Return the work of the loads in this step, with the mean velocity: ``v`` (n, d) are v⁺.
 
-        ``p_start`` (n, d) momenta at the start of the step, ``v`` (n, d) velocities v⁺.
+        The stress does its work with v⁺(k), too: loads in balance with it give what it takes.
         """
         grid = self._grid
         nodes.external_power[self._parallel](
-            grid.active, grid.active_chunks, self.force, grid.mp, p_start, v, self._work
+            grid.active, grid.active_chunks, self.force, grid.mp, grid.f, v, dt, self._work
         )
         return float(self._work.sum()) * dt

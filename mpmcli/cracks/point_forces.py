@@ -111,7 +111,6 @@ class PointForces:
         self._rows = ForceRows(np.zeros(0, dtype=np.int64), np.zeros((0, 2)))
         self._dof = np.zeros(0, dtype=np.int64)
         self._force = np.zeros((0, 2))
-        self._power = 0.0
         self.force = np.zeros((2, 2, 0))
         self.alone = 0
 
@@ -132,9 +131,9 @@ class PointForces:
         met = np.flatnonzero(self._rows.dof[:room] >= 0)
         self._dof, self._force = self._rows.dof[met], self._rows.force[met]
         np.add.at(f, self._dof, self._force)
-        mp = grid.mp[self._dof]
-        self._power = float((self._force * mp[:, 1:] / mp[:, :1]).sum())
 
     def work(self, v: Array, dt: float) -> float:
-        """Return the work of the step, with the mean of the velocities before and after it, ``v`` (dofs, 2)."""
-        return 0.5 * dt * (self._power + float((self._force * v[self._dof]).sum()))
+        """Return the work of the step, with the mean velocity as ``Loads.work``; ``v`` (dofs, 2) are v⁺."""
+        dof, grid = self._dof, self._grid
+        mean = v[dof] - 0.5 * dt * grid.f[dof] / grid.mp[dof, :1]
+        return dt * float((self._force * mean).sum())

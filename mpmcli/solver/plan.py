@@ -152,7 +152,7 @@ class Plan:
     @property
     def keeps_start_momenta(self) -> bool:
         """The momenta of the start of the step are needed later in it."""
-        return self.method.projects or self.has_loads
+        return self.method.projects
 
 
 def make_plan(scene: Any) -> Plan:

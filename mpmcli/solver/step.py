@@ -223,7 +223,7 @@ class _Tasks:
             if s.conditions.friction:
                 s.state.extra["boundary_friction_work"] -= s.conditions.friction_work * s.state.full_ring
         if s.loads is not None:
-            work["external_work"] += s.loads.work(s.arrays.p_start, v, step.dt)
+            work["external_work"] += s.loads.work(v, step.dt)
         if s.contact is not None:
             s.contact.account(step, v)
         if s.cracks is not None:

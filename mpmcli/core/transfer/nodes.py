@@ -176,8 +176,11 @@ def add_projected(active, dt, u, v, w, start):
 
 
 @kernel
-def external_power(active, chunks, f_external, mp, p_start, v, work):
-    """Power of external forces with the mean velocity of the step: Σ f·½(p/m + v⁺), a two-stage sum in ``work``."""
+def external_power(active, chunks, f_external, mp, f, v, dt, work):
+    """Power of external forces with the mean velocity of the step: Σ f·(v⁺ − ½ a Δt), a two-stage sum in ``work``.
+
+    ``f`` (n, d) are all forces, which give the acceleration a = f/m.
+    """
     d = f_external.shape[1]
     for n in prange(chunks.shape[0] - 1):
         c = chunk_of_round(n)
@@ -187,5 +190,5 @@ def external_power(active, chunks, f_external, mp, p_start, v, work):
             m = mp[i, 0]
             if m > 0.0:
                 for a in range(d):
-                    total += f_external[i, a] * 0.5 * (p_start[i, a] / m + v[i, a])
+                    total += f_external[i, a] * (v[i, a] - 0.5 * dt * f[i, a] / m)
         work[c] = total

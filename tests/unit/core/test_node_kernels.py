@@ -97,8 +97,8 @@ def test_gravity_and_loads_add_to_forces(values):
 
 def test_power_of_external_forces_takes_the_mean_velocity(values):
     mp, f, v = values
-    start, work = mp[:, 1:].copy(), np.zeros(CHUNKS)
-    nodes.external_power[False](ACTIVE, IN_CHUNKS, f, mp, start, v, work)
+    loads, work, dt = 0.3 * f + 1.0, np.zeros(CHUNKS), 0.25
+    nodes.external_power[False](ACTIVE, IN_CHUNKS, loads, mp, f, v, dt, work)
     rows = ACTIVE[mp[ACTIVE, 0] > 0]
-    expected = (f[rows] * 0.5 * (start[rows] / mp[rows, :1] + v[rows])).sum()
+    expected = (loads[rows] * (v[rows] - 0.5 * dt * f[rows] / mp[rows, :1])).sum()
     assert work.sum() == pytest.approx(expected, rel=1e-13)

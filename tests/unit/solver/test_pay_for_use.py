@@ -207,7 +207,7 @@ NEEDS = [
     ({"method__damping": {"grid": 0.1}}, {"damping.of_nodes"}),
     ({"method__damping": {"particle": 0.1}}, {"damping.of_particles"}),
     ({"method__damping": {"local": 0.1}}, {"damping.of_forces"}),
-    ({"loads": [{"name": "g", "kind": "gravity", "acceleration": [0, -1]}]}, {"p_start", "loads.force"}),
+    ({"loads": [{"name": "g", "kind": "gravity", "acceleration": [0, -1]}]}, {"loads.force"}),
 ]
 
 
