@@ -101,7 +101,7 @@ def cross_nodes(near, k, last, x0, y0, across, times, crossed):
 
 # fmt: off
 @compiled_too
-def find_crossings(shape, geometry, across, X, F, size, stencil, reach, clear, candidates, body, cuts, segments, table, scratch, nodes, sights, G, crossings, counts):  # noqa: E501
+def find_crossings(shape, geometry, across, X, F, size, stencil, clear, candidates, body, cuts, segments, table, scratch, nodes, sights, G, crossings, counts):  # noqa: E501
     """Find the lines of sight that cross cracks, and name the crack nodes; returns how many particles have some.
 
     These get rows of ``sights`` with their weights, and of ``G``. Candidates farther than ``clear`` have none [cells].
@@ -115,12 +115,14 @@ def find_crossings(shape, geometry, across, X, F, size, stencil, reach, clear, c
         px = whole(X[0, p], geometry.origin[0], geometry.inverse_cell[0])
         py = whole(X[1, p], geometry.origin[1], geometry.inverse_cell[1])
         cell = cell_of(table, px >> BITS, py >> BITS)
-        n = list_near(segments, table, cell, px, py, reach, cuts, np.int64(body[p]), near)
-        if n == 0:
+        if cell < 0:
             continue
         weights = sights.S[rows]
         base = fill(shape, geometry, across, X, F, size, p, weights, G[rows], stencil.W[0], stencil.status)
         x0, y0 = (np.int64(base) % columns << BITS) - px, (np.int64(base) // columns << BITS) - py
+        n = list_near(segments, table, cell, px, py, x0, y0, len(across) - 1, cuts, np.int64(body[p]), near)
+        if n == 0:
+            continue
         before, k = found, 0
         for j in range(len(number)):
             number[j] = 0
@@ -267,9 +269,8 @@ def find_sides(
     geometry, side = unfold(grid), scratch.number
     clear_step(nodes, sights, cut.mask, counts)
     find_segments(points, beyond, origin, cell, segments)
-    whole_reach = np.int64(reach * (1 << BITS))
     tried = find_crossings(
-        shape, geometry, across, X, F, size, stencil, whole_reach, clear, candidates, body, cuts, segments, table,
+        shape, geometry, across, X, F, size, stencil, clear, candidates, body, cuts, segments, table,
         scratch, nodes, sights, cut.G, crossings, counts,
     )  # fmt: skip
     columns = np.int64(geometry.stride[1])

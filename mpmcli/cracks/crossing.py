@@ -63,28 +63,31 @@ S, CRACK, AX, AY, DX, DY, MINE = range(7)
 
 @compiled_too
 def list_near(
-    segments: Any, table: Any, cell: Any, px: Any, py: Any, reach: Any, cuts: Any, body: Any, near: Any
-) -> Any:
-    """List in ``near`` (longest, 7) the segments that may part a point from one within ``reach``; returns how many.
+    segments: Any, table: Any, cell: Any, px: Any, py: Any, x0: Any, y0: Any, cells: Any, cuts: Any, body: Any,
+    near: Any,
+) -> Any:  # fmt: skip
+    """List in ``near`` (longest, 7) the segments that may part a point from nodes; returns how many.
 
+    The first node is at (x0, y0) from the point (px, py), the last one so many ``cells`` farther along both axes.
     ``cell`` is the place of the point's cell in the hash ``table``, negative where no segment is near. ``cuts``
     (cracks, bodies) says which cracks count for a body; all do for a negative ``body``.
     """
     n = 0
     if cell < 0:
         return n
+    left, right = min(x0, 0), max(x0 + (cells << BITS), 0)
+    low, high = min(y0, 0), max(y0 + (cells << BITS), 0)
     for at in range(table.first[cell], table.first[cell + 1]):
         s = table.segment[at]
-        crack = segments.crack[s]
-        if body >= 0 and not cuts[crack, body]:
-            continue
         ax, ay = segments.ax[s] - px, segments.ay[s] - py
         dx, dy = segments.bx[s] - px - ax, segments.by[s] - py - ay
-        if ax > reach or ax + dx < -reach or min(ay, ay + dy) > reach or max(ay, ay + dy) < -reach:
+        if ax > right or ax + dx < left or min(ay, ay + dy) > high or max(ay, ay + dy) < low:
             continue
-        area = dy * ax - dx * ay
-        most = reach * (dx + abs(dy))
-        if area >= most or area < -most:  # the whole box around the point is on its side of the line
+        area, across, along = dy * ax - dx * ay, (dy * left, dy * right), (dx * low, dx * high)
+        if area + along[0] >= max(across[0], across[1]) or area + along[1] < min(across[0], across[1]):
+            continue  # the whole box around point and nodes is on one side of the line
+        crack = segments.crack[s]
+        if body >= 0 and not cuts[crack, body]:
             continue
         near[n, S], near[n, CRACK], near[n, MINE] = s, crack, 1 if area >= 0 else 0
         near[n, AX], near[n, AY], near[n, DX], near[n, DY] = ax, ay, dx, dy

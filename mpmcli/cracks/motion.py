@@ -109,9 +109,9 @@ def face_velocity(
     out[0] = out[1] = out[2] = 0.0
     px, py = whole(x, lattice.origin[0], inverse_x), whole(y, lattice.origin[1], inverse_y)
     fields = moves.shape[1]
-    reach = max(abs(px - (cx << BITS)), abs(((cx + 1) << BITS) - px))
-    reach = max(reach, max(abs(py - (cy << BITS)), abs(((cy + 1) << BITS) - py)))
-    count = list_near(segments, table, cell_of(table, cx, cy), px, py, reach, moves, -1, near)
+    count = list_near(
+        segments, table, cell_of(table, cx, cy), px, py, (cx << BITS) - px, (cy << BITS) - py, 1, moves, -1, near
+    )  # fmt: skip
     total, mass = 0.0, 0.0
     for turn in range(2):  # crack nodes first: then others, which see matter of one face alone
         for j in range(4):

@@ -58,9 +58,9 @@ def share_out(
             x = (faces[face, 0, k] - lattice.origin[0]) / lattice.cell[0]
             y = (faces[face, 1, k] - lattice.origin[1]) / lattice.cell[1]
             cx, cy = np.int64(np.floor(x)), np.int64(np.floor(y))
-            reach = max(abs((cx << BITS) - sx), abs(((cx + 1) << BITS) - sx))
-            reach = max(reach, max(abs((cy << BITS) - sy), abs(((cy + 1) << BITS) - sy)))
-            count = list_near(segments, table, cell, sx, sy, reach, table.place, -1, near)
+            count = list_near(
+                segments, table, cell, sx, sy, (cx << BITS) - sx, (cy << BITS) - sy, 1, table.place, -1, near
+            )  # fmt: skip
             for j in range(CORNERS):
                 nx, ny = cx + j % 2, cy + j // 2
                 inside = nx >= 0 and ny >= 0 and nx < lattice.shape[0] and ny < lattice.shape[1] and cell >= 0

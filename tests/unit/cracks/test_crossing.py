@@ -64,7 +64,7 @@ def count(found, P, Q, unit=UNIT):
     reach = max(abs(x - px), abs(y - py))
     table, near = hash_segments(found, 1 + (reach >> BITS)), np.zeros((len(found.ax), 7), dtype=np.int64)
     cell = cell_of(table, px >> BITS, py >> BITS)
-    n = list_near(found, table, cell, px, py, reach, np.zeros((1, 1), dtype=bool), -1, near)
+    n = list_near(found, table, cell, px, py, x - px, y - py, 0, np.zeros((1, 1), dtype=bool), -1, near)
     return sum(bool(crosses(near, k, x - px, y - py)) for k in range(n))
 
 
@@ -133,14 +133,16 @@ def test_lines_of_sight_to_all_nodes_of_a_stencil_are_those_to_each(chain, P, fi
     found = segments_of(np.array(chain) + 5)
     px, py = (int(UNIT * (5 + 0.25 * v)) for v in P)
     x0, y0 = ((5 + first[0]) << BITS) - px, ((5 + first[1]) << BITS) - py
-    table, near = hash_segments(found, 20), np.zeros((len(found.ax), 7), dtype=np.int64)
+    table, cuts = hash_segments(found, 20), np.zeros((1, 1), dtype=bool)
+    near, wide = np.zeros((2, len(found.ax), 7), dtype=np.int64)
     cell = cell_of(table, px >> BITS, py >> BITS)
-    n = list_near(found, table, cell, px, py, 20 << BITS, np.zeros((1, 1), dtype=bool), -1, near)
+    n = list_near(found, table, cell, px, py, x0, y0, 2, cuts, -1, near)
+    most = list_near(found, table, cell, px, py, -20 << BITS, -20 << BITS, 40, cuts, -1, wide)
     times, crossed = np.zeros(9, dtype=np.int64), np.full(9, -1)
     cross_nodes(near, 0, n, x0, y0, range(3), times, crossed)
     for j in range(9):
         x, y = x0 + ((j % 3) << BITS), y0 + ((j // 3) << BITS)
-        each = [int(near[k, 0]) for k in range(n) if crosses(near, k, x, y)]
+        each = [int(wide[k, 0]) for k in range(most) if crosses(wide, k, x, y)]
         assert times[j] == len(each)
         if each:
             assert crossed[j] == each[min(1, len(each) - 1)]
