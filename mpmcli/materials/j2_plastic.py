@@ -136,6 +136,8 @@ def plastic_increment(
     for _ in range(60):
         Y, slope = flow(m, alpha + step, step * rate, T, dt)
         excess = trial - stiffness * step - Y
+        if abs(excess) <= 1e-13 * trial:
+            break
         if excess > 0.0:
             low = step
         else:
@@ -183,7 +185,7 @@ def free_strain(
         else:
             low = r
         less = excess / (trial + r * change + slope / stiffness * (trial - (1.0 - r) * change))
-        is_last = abs(less) <= 1e-7 * (1.0 - r) + 1e-15
+        is_last = abs(less) <= 1e-7 * (1.0 - r) or abs(excess) <= 1e-14 * trial
         r -= less
         if is_last:
             return -s * (K - g * r) / (free * K + (3.0 - free) * g * r)
