@@ -286,6 +286,12 @@ def unit_vector(direction: str | tuple[float, ...], dimensions: int) -> Array:
     return np.array(direction, dtype=np.float64)
 
 
+def along_axis(normal: Array) -> int | None:
+    """Number of the axis that a unit vector (d,) is along, or None."""
+    axis = int(np.argmax(np.abs(normal)))
+    return axis if abs(normal[axis]) == 1.0 else None
+
+
 def check_direction(key: str, direction: Any, dimensions: int) -> list[tuple[str, str]]:
     """What is wrong with a direction for so many axes."""
     if not isinstance(direction, str):

@@ -19,6 +19,7 @@ from mpmcli.boundary.base import (
 )
 from mpmcli.boundary.place import (
     Direction,
+    along_axis,
     axis_index,
     check_direction,
     grid_line,
@@ -111,12 +112,6 @@ class Wall(Rough):
         """The wall on a grid."""
         axis = along_axis(unit_vector(self.normal, len(grid.shape)))
         return ObliqueWall(self, grid) if axis is None else AxisWall(self, grid, axis)
-
-
-def along_axis(normal: Array) -> int | None:
-    """Number of the axis that a unit vector (d,) is along, or None."""
-    axis = int(np.argmax(np.abs(normal)))
-    return axis if abs(normal[axis]) == 1.0 else None
 
 
 def finite_position(position: float, name: str, time: float) -> float:

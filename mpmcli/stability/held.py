@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.boundary.place import unit_vector
-from mpmcli.boundary.wall import along_axis
+from mpmcli.boundary.place import along_axis, unit_vector
 from mpmcli.stability.bodies import bounds_in_grid, deformable
 
 Array = np.ndarray
