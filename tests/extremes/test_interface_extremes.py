@@ -147,7 +147,15 @@ def test_at_rest_under_load(law, transfer):
     rest(law, transfer, 10_000)
 
 
-@pytest.mark.parametrize("transfer", TRANSFERS, ids=IDS)
-def test_long_at_rest_under_load(transfer):
-    """10⁵ steps of the cohesive joint."""
-    rest(PEEL, transfer, 100_000)
+BILINEAR = {"kind": "bilinear_interface", "tension": 50.0, "compression": 200.0, "tangential": 30.0}
+MORSE = {"kind": "morse_interface", "stiffness": 50.0, "peak": 2.0, "tangential": 30.0}
+
+
+@pytest.mark.parametrize(
+    ("law", "transfer"),
+    [(PEEL, "flip"), (PEEL, "fmpm4"), (JOINT, "fmpm4"), (BILINEAR, "flip"), (MORSE, "fmpm4")],
+    ids=["cohesive-flip", "cohesive-fmpm4", "linear-fmpm4", "bilinear-flip", "morse-fmpm4"],
+)
+def test_long_at_rest_under_load(law, transfer):
+    """10⁵ steps."""
+    rest(law, TRANSFERS[IDS.index(transfer)], 100_000)
