@@ -25,6 +25,8 @@ from mpmcli.output.tables import Table
 ALWAYS = ("id", "body", "material")
 """Fields of particles that every archive has."""
 FAILED_FIELDS = ("velocity", "stress", "deformation_gradient", "J", "mass")
+FOLLOWING = ("strain", "pressure", "von_mises", "kinetic_energy")
+"""Fields that follow from these, which a failed state has where archives have them; of others nothing is kept."""
 
 
 class Recorder:
@@ -256,14 +258,15 @@ class Recorder:
     def write_failed(self, state: State) -> Path:
         """Write ``failed.vtu``: all particles of the last state that there is, in double precision; and its cracks.
 
-        It has the fields that archives have, and those that show what failed.
+        It has the fields that show what failed, and those of the archives that follow from them.
         """
         from mpmcli.output.vtu import VtuWriter, write_particles
 
         path = self.directory / FAILED
         displacement = () if state.X0 is None else ("displacement",)
         heat = ("temperature",) if self.context.has_heat else ()
-        names = [*ALWAYS, *displacement, *FAILED_FIELDS, *heat, *self._archived]
+        following = (name for name in self._archived if name in FOLLOWING)
+        names = [*ALWAYS, *displacement, *FAILED_FIELDS, *heat, *following]
         fields = resolve_fields(names, self.context)
         with np.errstate(all="ignore"):
             write_particles(VtuWriter("float64"), path, Snapshot(state), fields)
