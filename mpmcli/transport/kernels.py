@@ -293,6 +293,9 @@ def account(C, T, inflow, entropy, limit, bad, new, slot, p):
         bad[slot] = np.int64(p)
     elif inflow is not None:
         old = T[p]
+        if not old > 0.0:  # work has cooled it since
+            bad[slot] = np.int64(p)
+            return
         inflow[p] += C[p] * (new - old)
         entropy[p] += C[p] * log_ratio(new, old)
     T[p] = new

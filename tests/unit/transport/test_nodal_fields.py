@@ -8,6 +8,7 @@ import pytest
 from mpmcli.core.errors import SceneError
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
+from mpmcli.transport.kernels import account
 
 SCENE = """
 version: 1
@@ -82,3 +83,14 @@ def test_without_conduction_there_are_none(tmp_path):
 
     with pytest.raises(SceneError, match="'temperature' is not a field of the grid"):
         run(load_scene(SCENE, sets=["heat=null"]), tmp_path / "out", progress=False)
+
+
+@pytest.mark.parametrize("old", [-1.0, 0.0, np.nan])
+def test_a_temperature_that_work_has_taken_below_zero_is_impossible(old):
+    """Conduction may bring it back; the entropy would be no number from then on."""
+    C, T, inflow, entropy = np.ones(1), np.array([old]), np.zeros(1), np.zeros(1)
+    bad = np.full(2, -1)
+    account(C, T, inflow, entropy, np.inf, bad, 5.0, 1, 0)
+    assert bad.tolist() == [-1, 0]
+    np.testing.assert_array_equal(T, [old])
+    assert inflow[0] == entropy[0] == 0.0
