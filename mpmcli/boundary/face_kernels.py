@@ -19,11 +19,11 @@ from mpmcli.core.compiled.kernel import inline
 
 @inline
 def find_forces(faces: Faces, cells: Cells, matter: Matter, area: Array, force: Array) -> None:
-    """Find the forces on all faces: a factor ``area`` (nf,) and ``force`` (nf, d) of each, for a section of 1.
+    """Find the forces on all faces: ``area`` (nf,) times ``force`` (nf, d) of each [force].
 
-    Both are overwritten, with 0 where the particle is gone. In axisymmetric analyses areas are weighted with r, as
-    volumes are by that of the particle: r of the middle of the deformed face for followers, of the initial one for dead
-    loads.
+    ``force`` is that for a section of 1. ``area`` is the section, in axisymmetric analyses times r, as volumes are
+    weighted by that of the particle: r of the middle of the deformed face for followers, of the initial one for dead
+    loads. Both are overwritten, with 0 where the particle is gone.
     """
     spot = new_spot(cells)
     for k in range(faces.id.shape[0]):

@@ -37,18 +37,8 @@ def start_pairs(axes, count, fields, nodes, geometry, rows, here, mp, v):
         if not fields.pair[k]:
             continue
         dp0, normal = rows.dp0[k], geometry.normal[k]
-        reduced = relative_momentum(
-            axes,
-            fields.alpha[k],
-            fields.first[k],
-            fields.last[k],
-            False,
-            nodes,
-            mp,
-            v,
-            here.of_velocity,
-            dp0,
-        )
+        alpha, first, last = fields.alpha[k], fields.first[k], fields.last[k]
+        reduced = relative_momentum(axes, alpha, first, last, False, nodes, mp, v, here.of_velocity, dp0)
         if not here.of_increment:
             rows.separation_now[k] = geometry.separation[k]
         for a in range(len(axes)):
@@ -76,7 +66,7 @@ def find_pair_impulses(law, axes, which, fields, begin, changed, first, rounds, 
     for turn in range(first, first + rounds):
         change, size = 0.0, 0.0
         for slot in range(len(changed)):
-            if turn > 0 and changed[slot] == LEFT_OUT:
+            if is_left_out(slot, changed, turn):
                 continue
             settled = is_settled(slot, changed, turn)
             for k in range(begin[slot], begin[slot + 1]):

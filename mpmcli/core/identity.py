@@ -15,7 +15,7 @@ def by_identity(identity: Array, values: Array) -> Array:
 
 
 def place_of_identity(identity: Array, asked: Array) -> Array:
-    """Return the place in memory of each identity, −1 if it is gone.
+    """Return the place in memory of each identity, −1 if it is gone; as long as the highest identity asks for.
 
     Parameters
     ----------

@@ -179,17 +179,8 @@ def find_pair_impulses(
             wanted, found = rows.dp[k], rows.found[k]
             reduced = wanted_by_pair(axes, k, fields, begin, turn > 0, rows, mp, wanted)
             if here.after_forces:
-                relative_force(
-                    axes,
-                    fields.alpha[k],
-                    fields.first[k],
-                    fields.last[k],
-                    False,
-                    nodes,
-                    mp,
-                    f,
-                    jumps.force[k],
-                )
+                alpha, first, last = fields.alpha[k], fields.first[k], fields.last[k]
+                relative_force(axes, alpha, first, last, False, nodes, mp, f, jumps.force[k])
             rows.state[k] = impulse_of(
                 law, closed, axes, wanted, geometry.normal[k], geometry.area[k], geometry.separation[k],
                 rows.separation_now[k], jumps.jump[k], jumps.aside[k], jumps.mass[k], jumps.force[k],
