@@ -85,7 +85,7 @@ def measure(case: Case, folder: Path) -> tuple[float, dict[str, float]]:
     def strains(how: str) -> Callable[[], None]:
         return lambda: update[how](
             plan.analysis, stress._parameters[0], -1, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material,
-            p.stress_work, None, None, 1e-9, stress._limits, stress._speed2, stress._bad,
+            p.stress_work, None, None, stress._limits, stress._speed2, stress._bad, 1e-9,
         )  # fmt: skip
 
     jobs: dict[str, tuple[Callable[[], object], float]] = {

@@ -156,7 +156,7 @@ class Run:
             p.L[row] = value
         update_strain_and_stress[False](
             self.analysis, self.m, -1, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material, p.stress_work,
-            self.viscous, self.thermal, dt, (0.0, math.inf), self.speed2, self.bad,
+            self.viscous, self.thermal, (0.0, math.inf), self.speed2, self.bad, dt,
         )  # fmt: skip
         assert self.bad[0] == -1
         return self

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -48,6 +48,7 @@ class Particles:
     interface : (3 m, N) or None; history of the interfaces that a particle may belong to, three rows each: largest
         opening so far along the normal and along the surface, −1 before any interface reached it, and 1 where it is
         broken, else 0 [length], [length], [-]
+    version : changes whenever an array is replaced by another one
     """
 
     X: Array
@@ -76,6 +77,12 @@ class Particles:
     T_stress: Array | None = None
     bond: Array | None = None
     interface: Array | None = None
+
+    version: ClassVar[int] = 0
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self.__dict__["version"] = self.version + 1
+        self.__dict__[name] = value
 
     @property
     def count(self) -> int:

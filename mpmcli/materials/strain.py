@@ -232,10 +232,10 @@ def update_strain_and_stress(
     stress_work: Any,
     viscous: Any,
     thermal: Any,
-    dt: Any,
     limits: Any,
     speed2: Any,
     bad: Any,
+    dt: Any,
 ) -> None:
     """Advance deformation gradient, stress and history of the particles of one material by dF = exp(L dt).
 
@@ -257,13 +257,13 @@ def update_strain_and_stress(
         None or ``ArtificialViscosity``, which acts in compression only and is part of ``tau``.
     thermal
         None or ``Thermal``, by whose temperature the material expands, and which work changes.
-    dt
-        Time step.
     limits
         Smallest and largest J that a particle may have; 0 or less is never allowed.
     speed2, bad
         (blocks,) overwritten: square of the fastest wave speed in each block (0 without particles of the
         material), and the first particle with stress not finite or J out of its limits, else -1.
+    dt
+        Time step.
     """
     n = mass.shape[0]
     largest_small = np.float64(SMALL_INCREMENT / max(abs(dt), 1e-300)).view(np.uint64)

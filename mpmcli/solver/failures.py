@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from mpmcli.core.errors import SimulationError
@@ -89,7 +91,7 @@ class Failures:
 
     def refuse_speed(self, speed: float) -> None:
         """Raise SimulationError if the largest speed of particles is not finite."""
-        if not np.isfinite(speed):
+        if not math.isfinite(speed):
             bad = ~np.isfinite(self._particles.V).all(axis=0)
             raise SimulationError(
                 f"the velocity is not finite; {self.describe(int(np.argmax(bad)))}. {self._advice()}"

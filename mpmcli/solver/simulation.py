@@ -214,11 +214,13 @@ class Simulation(Parts):
         try:
             self.last_step = step = self._next_step()
             with np.errstate(all="ignore"):  # the watchdogs say it better
+                begin = perf_counter()
                 for task in self.tasks[step.plan.method.flip]:
                     is_untouched = is_untouched and not task.changes_state
-                    begin = perf_counter()
                     task.run(step)
-                    self.timings[task.title] += perf_counter() - begin
+                    end = perf_counter()
+                    self.timings[task.title] += end - begin
+                    begin = end
             self.particle_speed = self.transfer.largest_speed
             if self.state.step == 1:
                 self._warn_of_idle(self.conditions)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from mpmcli.core.chunks import largest
+from mpmcli.core.compiled.bound import BoundKernels
 from mpmcli.core.compiled.runtime import available_threads
 from mpmcli.core.particles import Particles
 from mpmcli.materials.base import dissipated_heat
@@ -63,6 +65,7 @@ class StressUpdate:
         self._analysis, self._viscosity, self._cell = plan.analysis, plan.viscosity, cell
         self._particles, self._parallel, self._refuse = particles, parallel, refuse
         self._threads = available_threads() if parallel else 1
+        self._kernels = BoundKernels(parallel, lambda: particles.version)
         self._materials, self._work, self._lightness = materials, work, lightness
         self._has_bath = plan.heat is not None and not plan.adiabatic
         if self._has_bath:
@@ -97,17 +100,11 @@ class StressUpdate:
         SimulationError
             If a state is not finite or J is out of its limits.
         """
-        p = self._particles
-        several = len(self._used) > 1
         fastest = 0.0
         if self._bath is not None:
             self._bath[:] = 0.0
         for i in self._used:
-            update_strain_and_stress[self._parallel](
-                self._analysis, self._parameters[i], i if several else -1, p.F, L, p.tau, p.H, p.mass, p.vol0,
-                p.material, p.stress_work, self._viscous(), self._thermal(i), dt, self._limits, self._speed2,
-                self._bad,
-            )  # fmt: skip
+            self._kernels.run(update_strain_and_stress, (i, id(L)), partial(self._arguments, i, L), dt)
             bad = int(largest(self._bad))
             if bad >= 0:
                 self._refuse(bad)
@@ -117,6 +114,13 @@ class StressUpdate:
             heat = float(self._bath.sum())
             self._work["bath_heat"] += heat
             self._work["boundary_heat"] += heat
+
+    def _arguments(self, material: int, L: Array) -> tuple[Any, ...]:
+        p, several = self._particles, len(self._used) > 1
+        return (
+            self._analysis, self._parameters[material], material if several else -1, p.F, L, p.tau, p.H, p.mass, p.vol0,
+            p.material, p.stress_work, self._viscous(), self._thermal(material), self._limits, self._speed2, self._bad,
+        )  # fmt: skip
 
     def energy_density(self) -> Array:
         """Return the stored energy per initial volume of every particle (N,) [pressure]."""

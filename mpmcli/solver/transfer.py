@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from mpmcli.core.analysis import Analysis
 from mpmcli.core.chunks import CHUNKS, largest
+from mpmcli.core.compiled.bound import BoundKernels
 from mpmcli.core.domains import turn_domains
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
@@ -67,6 +69,7 @@ class Transfer:
     Attributes
     ----------
     farthest : largest displacement of a particle along an axis in the last motion [cells]
+    largest_speed : largest particle speed after it [velocity]
     sights : what cuts particles, or None
     cut : the particles that it cuts in this step, or None
     """
@@ -104,9 +107,13 @@ class Transfer:
         self._domain_F = particles.F
         self.speed_squared = np.zeros(CHUNKS)
         self.travel = np.zeros(CHUNKS)
-        self.farthest = 0.0
+        self.farthest = self.largest_speed = 0.0
         self.outside = np.full(CHUNKS, -1, dtype=np.int64)
         self.bounds = bounds
+        self._fitted = 0  # counts what bound arguments depend on beside the particles
+        self.stencil: Any = None
+        self.across: tuple[np.uint64, ...] = ()
+        self._kernels = BoundKernels(parallel, lambda: (particles.version, self._fitted))
         self.sort()
         self._fix_domains()
 
@@ -124,11 +131,13 @@ class Transfer:
 
     def size_buffers(self) -> None:
         """Fit geometry and buffers to the grid's stencil width and the bands of the order."""
-        self.geometry = self.grid.geometry
-        self.across = across_of(self.grid.width)
-        self.stencil = allocate_stencil(
-            self.grid.dimensions, self.grid.width, self.grid.offsets(), self.order.slots
-        )
+        self._fitted += 1
+        grid, slots = self.grid, self.order.slots
+        if self.stencil is not None and (len(self.across), len(self.stencil.S)) == (grid.width, slots):
+            return
+        self.geometry = grid.geometry
+        self.across = across_of(grid.width)
+        self.stencil = allocate_stencil(grid.dimensions, grid.width, grid.offsets(), slots)
 
     def begin_step(self) -> None:
         """Sort if particles have drifted far; fix the domains that this step's stencils are built from."""
@@ -139,7 +148,9 @@ class Transfer:
         self._find_cut()
 
     def _find_cut(self) -> None:
-        self.cut = None if self.sights is None else self.sights.find_cut(self, self._domain_F)
+        if self.sights is not None:
+            self.cut = self.sights.find_cut(self, self._domain_F)
+            self._fitted += 1
 
     @property
     def reach(self) -> Array:
@@ -156,12 +167,16 @@ class Transfer:
 
     def _fix_domains(self) -> None:
         F = self.particles.F
-        if self.turns is None:
-            self._domain_F = F.copy() if self._keeps_domain else F
+        if self.turns is None and not self._keeps_domain:
+            self._domain_F = F
             return
         if self._domain_F is F or self._domain_F.shape != F.shape:
             self._domain_F = np.empty_like(F)
-        turn_domains[self.parallel](F, self.particles.body, self.turns, self._domain_F)
+            self._fitted += 1
+        if self.turns is None:
+            np.copyto(self._domain_F, F)
+        else:
+            turn_domains[self.parallel](F, self.particles.body, self.turns, self._domain_F)
 
     def operator(self, ranges: Array | Bands, by_field: bool = True) -> tuple[Any, ...]:
         """What makes S and G: the arguments that all transfer kernels share, for bands or chunks of particles.
@@ -173,35 +188,49 @@ class Transfer:
         where = (p.X, self._domain_F, p.size, field, self.cut)
         return self.analysis, self.shape.parameters, self.geometry, self.across, ranges, self.stencil, *where
 
-    def scatter(
-        self, task: NamedTuple, zero: Any = None, shape: NamedTuple | None = None, by_field: bool = True,
-        too: NamedTuple | None = None,
-    ) -> None:  # fmt: skip
+    def scatter(self, task: NamedTuple, zero: Any = None, by_field: bool = True) -> None:
         """Particles to grid: run a task of ``core.transfer.kernels`` over all particles.
 
-        ``zero`` has as many zeros as the carried quantity has components, unless it is a vector. ``shape`` takes the
-        place of the scene's shape function. ``by_field``: nodes have values for each velocity field. ``too``
-        is a task of ``scatter_too`` for another field.
+        ``zero`` has as many zeros as the carried quantity has components, unless it is a vector. ``by_field``: nodes
+        have values for each velocity field.
         """
-        analysis, own_shape, *rest = self.operator(self.order.bands, by_field)
-        zero = self.zero if zero is None else zero
-        kernels.scatter[self.parallel](
-            task, zero, too, analysis, own_shape if shape is None else shape, *rest
-        )
+        operator = self.operator(self.order.bands, by_field)
+        kernels.scatter[self.parallel](task, self.zero if zero is None else zero, None, *operator)
 
-    def _stored_weights(self, first: bool) -> Any:
-        """The shape function that reads its weights from memory; the ``first`` pass finds those of moved particles."""
+    def _scatter_field(
+        self, field: NodalField, key: Hashable, task: Callable[[], NamedTuple], weights: Any = None,
+        too: NamedTuple | None = None,
+    ) -> None:  # fmt: skip
+        """Run a task of a field; the ``key`` stands for all arrays that tasks of velocities hold.
+
+        ``weights``, unless None, take the place of the shape function. ``too`` is a task of ``scatter_too`` for another
+        field.
+        """
+
+        def arguments() -> tuple[Any, ...]:
+            analysis, shape, *rest = self.operator(self.order.bands, field.nodes.by_field)
+            return task(), field.zero, too, analysis, shape if weights is None else weights, *rest
+
+        if field is self.fields[0] and too is None:
+            self._kernels.run(kernels.scatter, key, arguments)
+        else:
+            kernels.scatter[self.parallel](*arguments())
+
+    def _store_weights(self) -> None:
+        """Let ``_stored`` be the shape function that reads its weights from memory, those of particles as they are."""
+        if not self._moved:
+            return
         p, store = self.particles, kept_as(self.shape.parameters)
         shape = p.count, store.columns(self.grid.width, self.grid.dimensions)
         if self._stored is None or self._stored.S.shape != shape:
-            self._stored, self._moved = store(np.zeros(p.count, dtype=np.uint64), np.zeros(shape)), True
-        if first and self._moved:
-            self._moved = False
-            kernels.store_weights[self.parallel](
+            self._stored = store(np.zeros(p.count, dtype=np.uint64), np.zeros(shape))
+        self._moved = False
+        self._kernels.run(
+            kernels.store_weights, "weights", lambda: (
                 self.shape.parameters, self.geometry, self.across, self.order.chunks, self.stencil,
                 p.X, self._domain_F, p.size, *self._stored,
-            )  # fmt: skip
-        return self._stored
+            ),
+        )  # fmt: skip
 
     def gather(self, task: NamedTuple, by_field: bool = True) -> None:
         """Grid to particles: run a task of ``core.transfer.beside.gather_particle`` over all particles."""
@@ -216,27 +245,18 @@ class Transfer:
         ``replaces_values``: particles take on nodal values in this step. Widens the stencil where a particle has
         stretched over more nodes than it spans. ``scalar`` is a field of one component that is extrapolated at once.
         """
-        p, f, by_field = self.particles, field.f, field.nodes.by_field
         while True:
             clear_nodes[self.parallel](field.nodes.active, field.mp)
-            M, V, flat = field.capacity(), field.carried(), field.mp.reshape(-1)
             too = None if scalar is None else self._begin_sums(scalar)
             if with_forces:
-                clear_nodes[self.parallel](self.grid.active, f)
-            if not with_forces and field.gradient is not None:
-                self.scatter(AffineMassAndMomentum(M, V, field.gradient(), flat), field.zero, too=too)
-            elif not with_forces:
-                self.scatter(MassAndMomentum(M, V, flat), field.zero, by_field=by_field, too=too)
-            elif field.gradient is not None:
-                task = AffineStateAndForces(M, V, field.gradient(), p.vol0, p.tau, flat, f.reshape(-1))
-                self.scatter(task, too=too)
-            else:
-                self.scatter(StateAndForces(M, V, p.vol0, p.tau, flat, f.reshape(-1)), too=too)
-            problem, particle = self.stencil.status
+                clear_nodes[self.parallel](self.grid.active, field.f)
+            task = partial(self._extrapolation, field, with_forces)
+            self._scatter_field(field, ("extrapolate", with_forces), task, too=too)
+            problem, particle = self.stencil.status.tolist()
             if problem == 0:
                 break
             if problem == OUTSIDE_GRID or self.grid.width >= self.widest:
-                raise SimulationError(self._what_is_wrong(int(problem), int(particle)))
+                raise SimulationError(self._what_is_wrong(problem, particle))
             self.grid.width = min(self.grid.width + WIDENING, self.widest)
             self.sort()
             self._fix_domains()
@@ -244,6 +264,17 @@ class Transfer:
         field.complete_extrapolated(replaces_values)
         if scalar is not None:
             scalar.complete_extrapolated(replaces_values)
+
+    def _extrapolation(self, field: NodalField, with_forces: bool) -> NamedTuple:
+        p, M, V, flat = self.particles, field.capacity(), field.carried(), field.mp.reshape(-1)
+        if not with_forces:
+            if field.gradient is None:
+                return MassAndMomentum(M, V, flat)
+            return AffineMassAndMomentum(M, V, field.gradient(), flat)
+        f = field.f.reshape(-1)
+        if field.gradient is None:
+            return StateAndForces(M, V, p.vol0, p.tau, flat, f)
+        return AffineStateAndForces(M, V, field.gradient(), p.vol0, p.tau, flat, f)
 
     def _begin_sums(self, scalar: NodalField) -> ScalarSums:
         clear_nodes[self.parallel](scalar.nodes.active, scalar.mp)
@@ -262,7 +293,11 @@ class Transfer:
     def internal_forces(self, tau: Array, f: Array, too: NamedTuple | None = None) -> None:
         """Task 2: f = −Gᵀ Ω τ; ``too`` is a task of ``scatter_too`` for another field."""
         clear_nodes[self.parallel](self.grid.active, f)
-        self.scatter(InternalForces(self.particles.vol0, tau, f.reshape(-1)), too=too)
+
+        def task() -> NamedTuple:
+            return InternalForces(self.particles.vol0, tau, f.reshape(-1))
+
+        self._scatter_field(self.fields[0], ("forces", id(tau), id(f)), task, too=too)
 
     def add_vector(self, V: Array, out: Array) -> None:
         """out += Sᵀ M V."""
@@ -270,11 +305,14 @@ class Transfer:
 
     def add_values(self, field: NodalField, out: Array) -> None:
         """out += Sᵀ M V for the values that particles carry, with their gradients in affine transfers; completed."""
-        M, V, flat = field.capacity(), field.carried(), out.reshape(-1)
-        if field.gradient is not None:
-            self.scatter(AffineVectorSum(M, V, field.gradient(), flat), field.zero)
-        else:
-            self.scatter(VectorSum(M, V, flat), field.zero)
+
+        def task() -> NamedTuple:
+            M, V, flat = field.capacity(), field.carried(), out.reshape(-1)
+            if field.gradient is None:
+                return VectorSum(M, V, flat)
+            return AffineVectorSum(M, V, field.gradient(), flat)
+
+        self._scatter_field(field, ("values", id(out)), task)
         field.complete(out)
 
     def project(self, field: NodalField, v: Array, out: Array, weight: float, first: bool = True) -> None:
@@ -282,49 +320,51 @@ class Transfer:
 
         ``first``: the first pass of a loop, before which particles may have moved or changed.
         """
-        M = field.capacity()
-        if field.gradient is not None:
+
+        def task() -> NamedTuple:
+            M, flat, sums = field.capacity(), v.reshape(-1), out.reshape(-1)
+            if field.gradient is None:
+                return Projection(M, flat, sums)
             L = field.gradient()
             if self._passing is None or self._passing.shape != L.shape:  # particles were removed
                 self._passing = np.zeros_like(L)
-            self.scatter(AffineProjection(M, v.reshape(-1), self._passing, out.reshape(-1)), field.zero)
-        else:
-            task = Projection(M, v.reshape(-1), out.reshape(-1))
-            weights = self._stored_weights(first) if self._stores else None
-            self.scatter(task, field.zero, weights, field.nodes.by_field)
+            return AffineProjection(M, flat, self._passing, sums)
+
+        reads_weights = self._stores and field.gradient is None
+        if reads_weights and first:
+            self._store_weights()
+        self._scatter_field(field, ("project", id(v), id(out)), task, self._stored if reads_weights else None)
         field.complete(out, weight)
 
     def velocity_gradients(self, v: Array) -> None:
         """L = G v."""
-        kernels.find_velocity_gradients[self.parallel](
-            self.zero, *self.operator(self.order.chunks), v.reshape(-1), self.particles.L,
+        self._kernels.run(
+            kernels.find_velocity_gradients, ("gradients", id(v)),
+            lambda: (self.zero, *self.operator(self.order.chunks), v.reshape(-1), self.particles.L),
         )  # fmt: skip
 
     def move(
-        self,
-        v: Array,
-        w: Array | None,
-        start: Array | None,
-        flip: bool,
-        alpha: float,
-        damping: float,
-        dt: float,
-        X_new: Array,
-        with_gradients: bool,
-        damped: Array | None,
-        mass: Array,
-        too: NamedTuple | None = None,
-    ) -> None:
+        self, v: Array, w: Array | None, start: Array | None, flip: bool, alpha: float, damping: float, dt: float,
+        X_new: Array, with_gradients: bool, damped: Array | None, mass: Array, too: NamedTuple | None = None,
+    ) -> None:  # fmt: skip
         """Task 4 (and 5's velocity gradients): see ``core.transfer.move_particles``."""
         p = self.particles
-        kernels.move_particles[self.parallel](
-            *self.operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1),
-            None if start is None else start.reshape(-1), alpha, damping, dt, True if flip else None, p.V, X_new,
-            p.L if with_gradients else None, mass,
-            self.speed_squared, self.travel, self.outside, self.bounds, damped, too,
-        )  # fmt: skip
+
+        def arguments() -> tuple[Any, ...]:
+            return (
+                *self.operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1),
+                None if start is None else start.reshape(-1), True if flip else None, p.V, X_new,
+                p.L if with_gradients else None, mass, self.speed_squared, self.travel, self.outside, self.bounds,
+                damped, too,
+            )  # fmt: skip
+
+        if damped is None and too is None:
+            key = ("move", flip, with_gradients, id(v), id(w), id(start), id(X_new))
+            self._kernels.run(kernels.move_particles, key, arguments, alpha, damping, dt)
+        else:
+            kernels.move_particles[self.parallel](*arguments(), alpha, damping, dt)
         self._moved = True
-        self.farthest = largest(self.travel)
+        self.farthest, self.largest_speed = largest(self.travel), math.sqrt(largest(self.speed_squared))
         self.order.drift += self.farthest
 
     def add_powers(self, field: NodalField, power: Array, out: Array) -> None:
@@ -352,11 +392,6 @@ class Transfer:
         for row, node in np.argwhere((S > 0.0) & ~seen):
             seen[row, node] = is_seen.py_func(S[row], node, len(self.across), self.grid.dimensions)
         return np.unique(nodes[seen])
-
-    @property
-    def largest_speed(self) -> float:
-        """Largest particle speed after the last motion."""
-        return math.sqrt(largest(self.speed_squared))
 
     def particle_outside(self) -> int:
         """Memory place of a particle that left the domain in the last motion, or −1."""

@@ -221,8 +221,8 @@ def move_particle(
 
 @kernel
 def move_particles(
-    analysis, shape, grid, across, chunks, stencil, X, F, size, field, cut, v, w, start, alpha, damping, dt, flip, V,
-    X_new, L, M, speed2, travel, outside, bounds, damped, too,
+    analysis, shape, grid, across, chunks, stencil, X, F, size, field, cut, v, w, start, flip, V, X_new, L, M, speed2,
+    travel, outside, bounds, damped, too, alpha, damping, dt,
 ):  # fmt: skip
     """Tasks 4 and 5: effective acceleration 𝔸 and velocity 𝕍, positions and velocities by Eq. 7 of Nairn (2026).
 

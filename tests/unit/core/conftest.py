@@ -132,9 +132,9 @@ class Cloud:
         }
         bounds = np.stack([self.grid.lower, self.grid.upper], axis=1)
         transfer.move_particles[self.parallel](
-            *self.operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1), None, alpha,
-            damping, dt, True if flip else None, p.V, p.X, p.L if L else None, p.mass,
-            report["speed2"], report["travel"], report["outside"], bounds, damped, None,
+            *self.operator(self.order.chunks), v.reshape(-1), None if w is None else w.reshape(-1), None,
+            True if flip else None, p.V, p.X, p.L if L else None, p.mass, report["speed2"], report["travel"],
+            report["outside"], bounds, damped, None, alpha, damping, dt,
         )  # fmt: skip
         return report
 

@@ -71,7 +71,7 @@ class Run:
             p.L[row] = value
         update_strain_and_stress[parallel](
             self.analysis, self.m, index, p.F, p.L, p.tau, p.H, p.mass, p.vol0, p.material, p.stress_work,
-            self.viscous, self.thermal, dt, self.limits, self.speed2, self.bad,
+            self.viscous, self.thermal, self.limits, self.speed2, self.bad, dt,
         )  # fmt: skip
         return p
 
