@@ -56,7 +56,7 @@ def test_arrays_of_another_type_get_code_of_their_own(other):
 
 def test_numbers_are_added_to_what_is_bound():
     values, kernels = np.zeros(3), BoundKernels(False, lambda: 0)
-    for number in (1.0, np.float64(2.0), 4):  # numbers are floats for compiled code, whatever they are in Python
+    for number in (1.0, np.float64(2.0), 4):  # to compiled code all of them are floats
         kernels.run(add, "add", lambda: (values,), number)
     assert values.tolist() == [7, 7, 7]
 
