@@ -87,16 +87,19 @@ class ContactAccount:
         ``bonded`` (k,) says which contacts are interfaces, without friction; None: none is.
         """
         c, view, grid = self._contacts, self.view, self._grid
-        view.nodes = int(np.count_nonzero(self._grid.is_first(c.nodes.node)))
-        is_first = self._grid.is_first(c.fields.alpha[: c.count])
-        view.contacts = int(np.count_nonzero(is_first))
+        nodes, alpha = c.nodes.node, c.fields.alpha[: c.count]
+        state, status = c.rows.state[: c.count], c.geometry.status[: c.count]
+        if grid.periodic:  # of nodes that are one the first counts
+            first = grid.is_first(alpha)
+            nodes, state, status = nodes[grid.is_first(nodes)], state[first], status[first]
+        view.nodes, view.contacts = len(nodes), len(state)
         view.all_contacts += view.contacts
         if c.count == 0:
             return
         self._identity, self._dt = self._particles.id, dt
         self._impulse = c.rows.net[: c.count].copy()  # of the whole step, for those who look later
         rigid_work = self._rigid_work.sum()
-        self.shares = self._shares(c.fields.alpha[: c.count])
+        self.shares = self._shares(alpha)
         sums = impulses.Tallies(
             self._pair, self.shares, view.force, view.area, view.momentum_error,
             self._rigid_work,
@@ -105,9 +108,8 @@ class ContactAccount:
             (0.0,) * grid.dimensions, c.count, c.fields, c.table, c.geometry, c.rows, after, grid.mp, bonded, sums
         )  # fmt: skip
         view.force /= dt
-        view.touching = int(np.count_nonzero(c.rows.state[: c.count][is_first]))
+        view.touching = int(np.count_nonzero(state))
         if self._has_geometry:
-            status = c.geometry.status[: c.count][is_first]
             view.unconverged = int(np.count_nonzero(status == NOT_CONVERGED))
             view.all_unconverged += view.unconverged
         if view.rigid_work:

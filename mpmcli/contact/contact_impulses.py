@@ -94,7 +94,7 @@ class ContactImpulses(Correction, ABC):
         keeps_start = keeps_start_impulses(step.plan)
         if keeps_start:
             self._find_slip(None, rows.slip)
-        if not self._ways.once:
+        if not self._ways.once and not self._waits():
             self._correct_momenta(step.dt, after_forces=False, advance=0.0)
             rows.start[: c.count] = rows.dp[: c.count]
             self._start_increments()
@@ -134,7 +134,8 @@ class ContactImpulses(Correction, ABC):
         """Part (2) of an FMPM increment: contact on Δv(ℓ); conditions, whose impulses may count, have the last word."""
         if self._found.count == 0 or not self._incremental:
             return
-        self._correct_velocities(step.dt, dv, is_increment=True)
+        if not self._waits():
+            self._correct_velocities(step.dt, dv, is_increment=True)
         if step.plan.zeroes_increments:
             self._conditions.zero_increment(dv, counts_reactions)
 
@@ -152,8 +153,9 @@ class ContactImpulses(Correction, ABC):
             return
         if self.interfaces is not None:
             self.interfaces.forces_known(False)
-        self._correct_momenta(step.dt, after_forces=False, advance=0.0)
-        self._start_increments()
+        if not self._waits():
+            self._correct_momenta(step.dt, after_forces=False, advance=0.0)
+            self._start_increments()
         if step.plan.imposes_lumped:
             self._conditions.impose_again(step)
 
@@ -172,6 +174,10 @@ class ContactImpulses(Correction, ABC):
             if keeps_start_impulses(step.plan):
                 c.rows.net[: c.count] += c.rows.start[: c.count]
         return after
+
+    def _waits(self) -> bool:
+        """Whether all contacts are interfaces that do nothing before the forces of the step are known."""
+        return self.interfaces is not None and bool(self.interfaces.waits)
 
     def _find_drive(self, dt: float) -> None:
         """Find the impulses that take overlap back, where there are any."""

@@ -317,6 +317,7 @@ class ContactNodes:
         images = (len(self.images.flag) + 1) // self.images.copies * most_alike(self._grid) - 1
         self.candidates = c = find_candidates(self._order, self._grid, images, self._whole)
         self._version = self._order.version
+        self._geometry = self._grid.geometry
         self._node = np.zeros(len(c.node), dtype=np.int64)
         self._first = np.zeros(len(c.node) + 1, dtype=np.int64)
         self._dof = np.zeros(len(c.dof), dtype=np.int64)
@@ -351,6 +352,6 @@ class ContactNodes:
         s.head[: self._count] = -1
         s.number[: self._count] = 0
         find_near_particles[parallel and len(images.flag) == 0](
-            shape, self._grid.geometry, across, stencil, self.candidates, images, self._slot_of_node, self._shape,
+            shape, self._geometry, across, stencil, self.candidates, images, self._slot_of_node, self._shape,
             X, F, size, s, parted,
         )  # fmt: skip

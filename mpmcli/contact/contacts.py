@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.contact.contact_nodes import ContactNodes
+from mpmcli.contact.contact_nodes import Candidates, ContactNodes
 from mpmcli.contact.fields_in_contact import NodeTable, Rules, allocate_fields, list_contacts, most_contacts
 from mpmcli.contact.geometry import Matter, Surroundings, allocate_geometry, find_geometry, sum_volumes
 from mpmcli.contact.impulses import allocate_rows
@@ -48,9 +48,19 @@ class Contacts:
         self.begin = np.zeros(1, dtype=np.int64)
         self._room = -1
         self._make_room(0)
+        self._known = nodes.candidates
         self._buffers: Neighbours | None = None
         self.table: NodeTable
         """The contact nodes of the step."""
+
+    def _make_room_for(self, candidates: Candidates) -> None:
+        """Make room for whatever may be in contact before the next sort."""
+        self._known = candidates
+        self.volume = np.zeros(len(candidates.dof))
+        self.begin = np.zeros(len(candidates.node) + 1, dtype=np.int64)
+        if len(candidates.node) > 0:
+            all_of_them = self._tabulate(candidates.node, candidates.first, candidates.dof)
+            self._make_room(most_contacts(self.rules, all_of_them))
 
     def _make_room(self, room: int) -> None:
         if room <= self._room:
@@ -62,17 +72,16 @@ class Contacts:
         self.geometry = allocate_geometry(room, d)
         self.rows = allocate_rows(room, d)
 
-    def _tabulate(self) -> NodeTable:
-        c = self.nodes
-        return NodeTable(c.node, c.first, c.dof, self.volume, self.rules.rigid, self._node_count)
+    def _tabulate(self, node: Array, first: Array, dof: Array) -> NodeTable:
+        return NodeTable(node, first, dof, self.volume, self.rules.rigid, self._node_count)
 
     def find_nodes(self) -> int:
         """Choose the contact nodes of this step from the masses on the grid; returns how many."""
-        self.count = 0
-        found = self.nodes.find_nodes()
-        if len(self.volume) < len(self.nodes.dof):
-            self.volume = np.zeros(2 * len(self.nodes.dof))
-        self.table = self._tabulate()
+        c, self.count = self.nodes, 0
+        found = c.find_nodes()
+        if c.candidates is not self._known:
+            self._make_room_for(c.candidates)
+        self.table = self._tabulate(c.node, c.first, c.dof)
         return found
 
     def sum_volumes(self, matter: Matter, parallel: bool) -> None:
@@ -81,13 +90,9 @@ class Contacts:
 
     def find_fields(self, mp: Array) -> None:
         """List the pairs of fields in contact at the contact nodes; masses from ``mp`` (dofs, 1 + d)."""
-        slots = self.nodes.count
-        self._make_room(most_contacts(self.rules, self.table))
-        if len(self.begin) < slots + 1:
-            self.begin = np.zeros(2 * slots + 1, dtype=np.int64)
-        self.count = list_contacts(self.rules, self.table, mp, self.fields, self.begin)
-        self.stages = 1 + int(self.fields.stage[: self.count].max(initial=0))
-        self.has_pairs = bool(self.fields.pair[: self.count].any())
+        self.count, self.stages, self.has_pairs = list_contacts(
+            self.rules, self.table, mp, self.fields, self.begin
+        )
 
     def find_geometry(
         self, normal: Any, separation: Any, around: Surroundings, matter: Matter, needs_radius: bool,

@@ -129,12 +129,14 @@ def passes_over(rules, law, mass, total):
 
 @inline
 def list_contacts(rules, nodes, mp, m, begin):
-    """Write the contacts of all contact nodes into ``m``; returns their number.
+    """Write the contacts of all contact nodes into ``m``.
 
     ``begin`` (slots + 1,) receives where the contacts of each node begin.
+
+    Returns their number, in how many stages they act, and whether some are pairs at nodes of three or more fields.
     """
     first, dof, volume, slots = nodes.first, nodes.dof, nodes.volume, nodes.node.shape[0]
-    k = 0
+    k, last_stage, has_pairs = 0, 0, False
     for slot in range(slots):
         begin[slot] = k
         low, high = first[slot], first[slot + 1]
@@ -180,7 +182,7 @@ def list_contacts(rules, nodes, mp, m, begin):
                         continue
                     put_contact(m, k, slot, dof[e], dof[other], other, other + 1, law)
                     m.alone[k] = True
-                    m.pair[k] = True
+                    m.pair[k] = has_pairs = True
                     m.both[k] = True
                     k += 1
         stage = 0
@@ -203,8 +205,10 @@ def list_contacts(rules, nodes, mp, m, begin):
             for row in range(begin[slot], k):
                 if not m.pair[row]:
                     m.stage[row] += side
+        for row in range(begin[slot], k):
+            last_stage = max(last_stage, m.stage[row])
     begin[slots] = k
-    return k
+    return k, 1 + last_stage, has_pairs
 
 
 @inline

@@ -106,16 +106,15 @@ def sum_volumes(nodes, near, field, F, vol0):
     """Volume Ω of each field at each contact node, Σ S J V₀, into ``nodes.volume``; of particles see ``Matter``."""
     volume = nodes.volume  # unfolded: numba drops what a parallel loop writes through a tuple
     for slot in prange(nodes.node.shape[0]):
-        first, last = nodes.first[slot], nodes.first[slot + 1]
-        for e in range(first, last):
-            volume[e] = 0.0
-        at = near.head[slot]
-        while at >= 0:
-            p = near.particle[at]
-            for e in range(first, last):
-                if field_at(nodes, nodes.dof[e]) == field[p]:
-                    volume[e] += near.S[at] * determinant_of_particle(F, p) * vol0[p]
-            at = near.next[at]
+        for e in range(nodes.first[slot], nodes.first[slot + 1]):
+            mine, total = field_at(nodes, nodes.dof[e]), 0.0
+            at = near.head[slot]
+            while at >= 0:
+                p = near.particle[at]
+                if field[p] == mine:
+                    total += near.S[at] * determinant_of_particle(F, p) * vol0[p]
+                at = near.next[at]
+            volume[e] = total
 
 
 @inline

@@ -44,7 +44,8 @@ class FaceInterfaces:
         self._laws = {int(i): models[i].parameters() for i in np.flatnonzero(self.of_law)}
         self._closed = {i: models[i].closed_law.parameters() for i in self._laws}
         nothing = np.zeros((0, 0), dtype=np.int64)
-        self._sides = Sides(self.of_law, nothing, nothing)
+        self._sides = Sides(self.of_law, np.zeros_like(self.of_law), nothing, nothing)
+        self._hold = all(model.is_interface and not model.has_perfect_direction for model in models)
         self._acts = False
         self._rows: JumpRows | None = None
         # momenta that are extrapolated again are nearer to those of the start of the step than to updated ones
@@ -72,6 +73,11 @@ class FaceInterfaces:
     def forces_known(self, known: bool) -> None:
         """From now on in the step interfaces do all that they do (momenta are updated), or hold perfect directions."""
         self._acts = known
+
+    @property
+    def waits(self) -> bool:
+        """Whether no contact does anything yet: all are springs, whose forces come with those of the step."""
+        return self._hold and not self._acts
 
     def find_impulses(self, which: int, here: Place, v: Array) -> None:
         """Impulses of the contacts of law ``which``, of the stage of ``here``."""

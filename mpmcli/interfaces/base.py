@@ -18,8 +18,10 @@ from mpmcli.core.model import Varying
 
 MOST_NORMAL, MOST_TANGENTIAL, BREAKS = 0, 1, 2
 """Columns of a history: the largest opening so far along the normal and along the surface [length], 1 if broken."""
-HISTORY = 3
-"""How many there are."""
+OPENINGS = 2
+"""How many openings there are; they come first."""
+HISTORY = OPENINGS + 1
+"""How many columns there are."""
 
 
 class InterfaceModel(LawModel):
@@ -50,6 +52,11 @@ class InterfaceModel(LawModel):
     def slopes(self) -> tuple[float, float]:
         """Largest slopes of the traction along the normal and along the surface [pressure/length]; 0 if perfect."""
         raise TypeError(f"{type(self).__name__} gives no slopes")
+
+    @property
+    def has_perfect_direction(self) -> bool:
+        """Whether there is no jump along the normal, or none along the surface."""
+        return False
 
     @property
     def last_opening(self) -> float:

@@ -33,6 +33,11 @@ class BilinearInterface(InterfaceModel):
         """The larger of D_nt and D_nc, and D_t; 0 where perfect."""
         return max(self.tension, slope_of(self.compression)), slope_of(self.tangential)
 
+    @property
+    def has_perfect_direction(self) -> bool:
+        """Whether there is no slip; no overlap is less than that."""
+        return bool(self.tangential == "perfect")
+
     def parameters(self) -> Independent:
         """Two springs."""
         normal: NamedTuple = OneSided(self.tension)

@@ -10,7 +10,7 @@ import numpy as np
 from mpmcli.contact.choice import ContactChoice
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles
-from mpmcli.interfaces.base import HISTORY
+from mpmcli.interfaces.base import OPENINGS
 from mpmcli.interfaces.memory import UNSET
 from mpmcli.interfaces.touch import gaps_at_nodes, with_images
 
@@ -20,25 +20,30 @@ Array = np.ndarray
 def start_histories(choice: ContactChoice, particles: Particles, half: Array, grid: Grid) -> Array:
     """Give the particles their histories: those of every interface that was bonded, where it was, know no opening.
 
+    That is one number per interface, or three where its law depends on the openings of the past.
+
     ``half`` (d, N) are half sizes of the boxes around the particles [length].
 
     Returns
     -------
-    rows : (fields, fields) first row of a pair's history on particles of the first field, −1 where it has none
+    rows : (fields, fields) row of a pair's history on particles of the first field that tells whether it is broken,
+        −1 where it has none; where the law keeps openings, they have the rows before it
     """
     laws, table = choice.laws, choice.table
     pairs = [(a, b) for a, b in np.argwhere(table >= 0).tolist() if laws[table[a, b]].is_interface]
     rows = np.full(table.shape, -1, dtype=np.int64)
+    numbers = {(a, b): OPENINGS * laws[table[a, b]].keeps_history + 1 for a, b in pairs}
     for a, b in pairs:
-        rows[a, b] = HISTORY * np.count_nonzero(rows[a] >= 0)
+        rows[a, b] = rows[a].max() + numbers[a, b]
     if particles.interface is None:
-        kept = np.full((int(rows.max()) + HISTORY, particles.count), UNSET)
+        kept = np.full((int(rows.max()) + 1, particles.count), UNSET)
         for a, b in pairs:
             if a < b:
                 found = bonded_particles(choice, particles, half, grid, (a, b))
                 for mine, other in ((a, b), (b, a)):
                     its = found[particles.velocity_field[found] == mine]
-                    kept[rows[mine, other] : rows[mine, other] + HISTORY, its] = 0.0
+                    last = rows[mine, other]
+                    kept[last + 1 - numbers[mine, other] : last + 1, its] = 0.0
         particles.interface = kept
     return rows
 

@@ -80,10 +80,12 @@ class Interfaces:
         of_law = np.zeros(len(choice.laws), dtype=bool)
         of_law[list(self.laws)] = True
         rows = start_histories(choice, order.particles, reach, grid)
-        self._sides = Sides(of_law, rows, pair)
+        keeps = of_law & np.array([getattr(law, "keeps_history", False) for law in choice.laws])
+        self._sides = Sides(of_law, keeps, rows, pair)
         at = {name: field for field, name in enumerate(choice.fields)}
         chosen = [int(choice.table[at[a], at[b]]) in self.laws for a, b in names]
-        self._acts = False
+        self._has_perfect = any(choice.laws[i].has_perfect_direction for i in self.laws)
+        self._acts = self._all_hold = False
         self._room = -1
         self.jumps: JumpRows
         self.ends: EndRows
@@ -125,10 +127,16 @@ class Interfaces:
             self._axes, self._way, self._opens, self._sides, c.count, c.fields, c.table, around, c.nodes.near, matter,
             p.interface, start_gap, c.geometry, act_at_node(plan), self.jumps, self.ends,
         )  # fmt: skip
+        self._all_hold = not self._has_perfect and float(self.jumps.history[: c.count, BREAKS].max()) < 0.5
 
     def forces_known(self, known: bool) -> None:
         """From now on in the step interfaces do all that they do (momenta are updated), or hold perfect directions."""
         self._acts = known
+
+    @property
+    def waits(self) -> bool:
+        """Whether no contact does anything yet: all are interfaces that hold by springs, whose forces come later."""
+        return self._all_hold and not self._acts
 
     def find_impulses(self, which: int, here: Place, v: Array) -> None:
         """Impulses of the contacts of law ``which``, of the stage of ``here``.
@@ -158,9 +166,10 @@ class Interfaces:
         """
         c, p, view, cell = self._contacts, self._particles, self.view, self._widest_cell
         normal, area, before, net = c.geometry.normal, c.geometry.area, c.rows.slip, c.rows.net
-        memory = Memory(self._sides.row, c.nodes.near, p.velocity_field, p.interface)
         sums = np.zeros((5, len(view.energy)))
         for which, law in self._law.items():
+            keeps = self._choice.laws[which].keeps_history
+            memory = Memory(keeps, self._sides.row, c.nodes.near, p.velocity_field, p.interface)
             impulses.close_step[False](
                 law, self._axes, which, c.count, c.fields, c.table, normal, area, before, net, self.jumps, self.ends,
                 memory, after, shares, self.ends.pair, dt, self._late, LOST * cell, SLIPPED * cell, self._grid.mp,
@@ -227,7 +236,7 @@ class Interfaces:
 
     def particle_damages(self) -> Array:
         """Return the largest damage of the interfaces that each particle remembers (N,), 0 where it knows none."""
-        return damage_of_particles(self._choice.table, self._law, self._sides.row, self._particles)
+        return damage_of_particles(self._choice.table, self._law, self._sides, self._particles)
 
     def nodal_fields(self, on_nodes: Callable[[Array], Array]) -> dict[str, Callable[[], Array]]:
         """Jump, traction and damage of the first contact of every node (``ContactAccount.nodal_fields``)."""

@@ -84,12 +84,14 @@ def allocate_ends(room: int, d: int) -> EndRows:
 class Sides(NamedTuple):
     """Which pairs of fields have an interface, and where particles keep its history.
 
-    law : (laws,) whether a law is one of interfaces
-    row : (fields, fields) first row of the pair's history on particles of the first field, −1 where it has none
+    law, keeps : (laws,) whether a law is one of interfaces, and whether particles keep openings for it
+    row : (fields, fields) row of the pair's history on particles of the first field that tells whether it is broken,
+        −1 where it has none; openings have the rows before it
     pair : (fields, fields) number of each pair of fields
     """
 
     law: Array
+    keeps: Array
     row: Array
     pair: Array
 
@@ -164,7 +166,7 @@ def find_interfaces(
         beside = 0.5 * (geometry.distances[k, 0] + geometry.distances[k, 1])
         bonded, density = find_jump(
             axes, way, slot, nodes.node[slot], alpha, beta, rigid, around, near, matter, beside, h, normal, sides.row,
-            kept, reach, scratch[k], to_node, jump[k], aside[k], history[k],
+            sides.keeps[fields.law[k]], kept, reach, scratch[k], to_node, jump[k], aside[k], history[k],
         )  # fmt: skip
         apart[k] = not bonded
         pair[k] = sides.pair[alpha, beta]
@@ -195,8 +197,8 @@ def max_of(axes, values):
 
 @inline
 def find_jump(
-    axes, way, slot, i, alpha, beta, rigid, around, near, matter, beside, h, normal, row, kept, reach, sums, to_node,
-    out, aside, history,
+    axes, way, slot, i, alpha, beta, rigid, around, near, matter, beside, h, normal, row, keeps, kept, reach, sums,
+    to_node, out, aside, history,
 ):  # fmt: skip
     """Find the jump of one contact, ``beside`` the node along the normal, and its ``history`` (3,); returns whether
     both sides were bonded, and ρ_α ρ_β/(ρ_α + ρ_β), ρ_α beside a rigid body.
@@ -258,9 +260,9 @@ def find_jump(
                 mine[a] -= w * (moved if way == EXTRAPOLATED else moved + out[a])
             distance = square if knows_place else max(square - deep * deep, 0.0)
             mine_kept = row_beta if is_beta else row_alpha
-            was_bonded = kept[mine_kept + BREAKS, p] > UNSET
+            was_bonded = kept[mine_kept, p] > UNSET
             if turned & NEAREST:
-                remembered += add_history(kept, mine_kept, p, near.S[at], matter, history)
+                remembered += add_history(kept, mine_kept, keeps, p, near.S[at], matter, history)
             if is_beta:
                 if was_bonded:
                     bonded_beta = min(bonded_beta, distance)
@@ -288,7 +290,7 @@ def find_jump(
                 v_alpha += share * matter.vol0[p]
         at = near.next[at]
     if remembered == 0.0:
-        remembered = add_histories(kept, row, slot, alpha, beta, near, matter, history)
+        remembered = add_histories(kept, row, keeps, slot, alpha, beta, near, matter, history)
     for j in range(HISTORY):
         history[j] /= remembered if remembered > 0.0 else 1.0
     for a in range(d):

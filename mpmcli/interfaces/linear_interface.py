@@ -33,6 +33,11 @@ class LinearInterface(InterfaceModel):
         """D_n and D_t, 0 if perfect."""
         return slope_of(self.normal), slope_of(self.tangential)
 
+    @property
+    def has_perfect_direction(self) -> bool:
+        """Whether a stiffness is ``perfect``."""
+        return "perfect" in (self.normal, self.tangential)
+
     def parameters(self) -> Independent:
         """Two springs."""
         return Independent(spring_of(self.normal), spring_of(self.tangential))

@@ -73,6 +73,11 @@ class MorseInterface(InterfaceModel):
         return self.stiffness, self.stiffness if same else slope_of(self.tangential)
 
     @property
+    def has_perfect_direction(self) -> bool:
+        """Whether there is no slip."""
+        return bool(self.tangential == "perfect")
+
+    @property
     def last_opening(self) -> float:
         """Opening beyond which the traction is below 1 % of its peak [length]."""
         return 4.0 * self.peak / self.stiffness * math.log(400.0)

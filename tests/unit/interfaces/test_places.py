@@ -5,7 +5,7 @@ import pytest
 import yaml
 
 from mpmcli.contact.laws import LAWS
-from mpmcli.interfaces.base import HISTORY
+from mpmcli.interfaces.base import BREAKS, HISTORY
 from mpmcli.interfaces.impulses import go_to_node
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
@@ -21,7 +21,11 @@ def in_python(plain_python):
         yield
 
 
-def bars(order=5, **interface):
+SHAPE = {"shape": "triangular", "strength": 50, "toughness": 2}
+SPRINGS = {"kind": "linear_interface", "normal": 50, "tangential": 50}
+
+
+def bars(order=5, law=SPRINGS, **interface):
     """Two bars that meet beside a grid line, the right one stretched by 2 %."""
     boxes = {"left": (AT - 4, AT), "right": (AT, AT + 4)}
     scene = {
@@ -40,7 +44,7 @@ def bars(order=5, **interface):
             for name, (low, high) in boxes.items()
         ],
         "contact": {
-            "law": {"kind": "linear_interface", "normal": 50, "tangential": 50},
+            "law": law,
             "interface": interface,
         },
         "time": {"end": 1, "step": 0.1},
@@ -101,3 +105,33 @@ def test_stiff_springs_act_at_the_node():
         common = stiffness * dt**2 / mass
         share = square / (1.0 + square) * common / (1.0 + common)
         assert out @ direction == pytest.approx(reduced / dt * share * (aside @ direction), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("law", "numbers", "waits"),
+    [
+        ({"kind": "linear_interface", "normal": 50, "tangential": 50}, 1, True),
+        ({"kind": "linear_interface", "normal": "perfect", "tangential": 50}, 1, False),
+        ({"kind": "bilinear_interface", "tension": 5, "compression": "perfect", "tangential": 5}, 1, True),
+        ({"kind": "bilinear_interface", "tension": 5, "compression": 5, "tangential": "perfect"}, 1, False),
+        ({"kind": "morse_interface", "stiffness": 50, "peak": 5}, 1, True),
+        ({"kind": "morse_interface", "stiffness": 50, "peak": 5, "tangential": "perfect"}, 1, False),
+        ({"kind": "cohesive", "normal": SHAPE, "tangential": SHAPE}, 3, True),
+    ],
+)
+def test_what_particles_keep_and_which_interfaces_wait_for_forces(law, numbers, waits):
+    """Springs do nothing to momenta that are only extrapolated; what breaks does, as perfect directions do."""
+    s = bars(law=law)
+    s.step()
+    joints = s.contact.interfaces
+    assert s.particles.interface.shape == (numbers, s.particles.count)
+    joints.forces_known(False)
+    assert joints.waits == waits
+    joints.forces_known(True)
+    assert not joints.waits
+    s.particles.interface[:] = 1.0
+    s.step()
+    assert (joints.jumps.history[: s.contact.contacts.count, BREAKS] > 0.5).all()
+    joints.forces_known(False)
+    assert not joints.waits
+    assert set(joints.particle_damages()) == {1.0}
