@@ -13,6 +13,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from mpmcli.core.analysis import F_COMPONENTS
+from mpmcli.core.compiled import bound
 from mpmcli.core.compiled.kernel import Compiled, Kernel
 from mpmcli.core.grid import Grid
 from mpmcli.core.transfer.stencil import across_of, allocate_stencil, fill_stencils
@@ -26,6 +27,7 @@ settings.register_profile(
 settings.load_profile("mpmcli")
 
 
+bound.CHECKS = True  # compiled code would misread arguments of other types
 SLOW_UNTIL = os.environ.get("SLOW_UNTIL", "")
 """Seconds of the clock, set by CI: slow tests that would begin later are left out."""
 

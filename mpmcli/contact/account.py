@@ -14,6 +14,7 @@ from mpmcli.contact.laws.impulse import BROKEN
 from mpmcli.contact.near_particles import NEAREST
 from mpmcli.contact.normals.base import NOT_CONVERGED
 from mpmcli.contact.separation.base import APART
+from mpmcli.core.compiled.bound import TypedCalls
 from mpmcli.core.contacts import ContactRows
 from mpmcli.core.dofs import field_of
 from mpmcli.core.grid import Grid
@@ -60,6 +61,7 @@ class ContactAccount:
         self._impulse = np.zeros((0, d))
         self._dt = 0.0
         self._share: Array | None = None
+        self._call = TypedCalls()
         self.shares = np.zeros(0)
         self.view = ContactView(
             pairs=[(names[i], names[j]) for i, j in pairs],
@@ -104,8 +106,9 @@ class ContactAccount:
             self._pair, self.shares, view.force, view.area, view.momentum_error,
             self._rigid_work,
         )  # fmt: skip
-        self._work["contact_work"] += impulses.tally(
-            (0.0,) * grid.dimensions, c.count, c.fields, c.table, c.geometry, c.rows, after, grid.mp, bonded, sums
+        self._work["contact_work"] += self._call(
+            impulses.tally, (0.0,) * grid.dimensions, c.count, c.fields, c.table, c.geometry, c.rows, after, grid.mp,
+            bonded, sums,
         )  # fmt: skip
         view.force /= dt
         view.touching = int(np.count_nonzero(state))

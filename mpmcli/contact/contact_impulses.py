@@ -12,6 +12,7 @@ from mpmcli.contact import coupled_pairs, impulses
 from mpmcli.contact.fields_in_contact import FieldsInContact, NodeTable
 from mpmcli.contact.geometry import Geometry
 from mpmcli.contact.impulses import ImpulseRows, Place
+from mpmcli.core.compiled.bound import TypedCalls
 from mpmcli.core.grid import Grid
 from mpmcli.core.step import Step
 from mpmcli.core.transfer.nodal_field import Correction
@@ -72,6 +73,7 @@ class ContactImpulses(Correction, ABC):
         self._evolving = ways.increments == "evolving"
         self._later = ways.increments in ("after", "combined")
         self._removes_overlap = False
+        self._call = TypedCalls()
         self.interfaces: Any = None
 
     @abstractmethod
@@ -190,9 +192,10 @@ class ContactImpulses(Correction, ABC):
         for stage in range(c.stages):
             here = here._replace(stage=stage)
             self._find_impulses(here, grid.f, self._used)
-            impulses.add_to_momenta[self._parallel](
-                self._axes, c.count, c.fields, c.rows.dp, here, grid.mp, grid.f
-            )
+            self._call(
+                impulses.add_to_momenta, self._axes, c.count, c.fields, c.rows.dp, here, grid.mp, grid.f,
+                parallel=self._parallel,
+            )  # fmt: skip
 
     def _correct_velocities(
         self, dt: float, v: Array, is_increment: bool, laws: Sequence[int] | None = None
@@ -207,9 +210,10 @@ class ContactImpulses(Correction, ABC):
             if laws is not None:
                 c.rows.dp[: c.count] = 0.0
             self._find_impulses(here, v, self._used if laws is None else laws)
-            impulses.add_to_velocities[self._parallel](
-                self._axes, c.count, c.fields, c.rows.dp, here, self._grid.mp, v
-            )
+            self._call(
+                impulses.add_to_velocities, self._axes, c.count, c.fields, c.rows.dp, here, self._grid.mp, v,
+                parallel=self._parallel,
+            )  # fmt: skip
 
     def _place(self, dt: float, advance: float) -> Place:
         return Place(
@@ -231,9 +235,9 @@ class ContactImpulses(Correction, ABC):
             if self._of_interface[which]:
                 self.interfaces.find_impulses(which, here, v)
             elif not self._skipped[which]:
-                impulses.find_impulses[self._parallel](
-                    self._parameters[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows,
-                    here, grid.mp, grid.f, v,
+                self._call(
+                    impulses.find_impulses, self._parameters[which], self._axes, which, c.count, c.fields, c.table,
+                    c.geometry, c.rows, here, grid.mp, grid.f, v, parallel=self._parallel, key=which,
                 )  # fmt: skip
         if c.has_pairs and here.stage == 0:
             self._find_pair_impulses(here, v, laws)
@@ -267,15 +271,17 @@ class ContactImpulses(Correction, ABC):
 
     def _start_increments(self) -> None:
         c, rows = self._found, self._found.rows
-        impulses.start_increments[self._parallel](
-            self._axes, c.count, self._evolving, rows.dp0, rows.dp, rows.prior, rows.net
-        )
+        self._call(
+            impulses.start_increments, self._axes, c.count, self._evolving, rows.dp0, rows.dp, rows.prior, rows.net,
+            parallel=self._parallel,
+        )  # fmt: skip
 
     def _find_slip(self, v: Array | None, out: Array) -> None:
         c, grid = self._found, self._grid
-        impulses.find_slip[self._parallel](
-            self._axes, c.count, c.fields, c.table, grid.mp, grid.f if v is None else v, v is not None, out
-        )
+        self._call(
+            impulses.find_slip, self._axes, c.count, c.fields, c.table, grid.mp, grid.f if v is None else v,
+            v is not None, out, parallel=self._parallel,
+        )  # fmt: skip
 
 
 def keeps_start_impulses(plan: Any) -> bool:

@@ -22,6 +22,7 @@ from mpmcli.contact.near_particles import (
     place_of_side,
     row_of_particle,
 )
+from mpmcli.core.compiled.bound import TypedCalls
 from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.core.dofs import node_of
 from mpmcli.core.grid import Grid, unfold
@@ -287,6 +288,7 @@ class ContactNodes:
         self._slot_of_node, self._whole = slot_of_node, whole
         self._version = -1
         self.candidates = NONE
+        self._call = TypedCalls()
         self._shape = np.array(grid.shape, dtype=np.int64)
         self.images = images_of(planes, grid)
         self._count = 0
@@ -338,8 +340,14 @@ class ContactNodes:
         """Choose the contact nodes of this step from the masses on the grid; returns how many."""
         if self._order.version != self._version:
             self.renew()
-        self._count = select_nodes(
-            self.candidates, self._grid.mp, self._slot_of_node, self._node, self._first, self._dof
+        self._count = self._call(
+            select_nodes,
+            self.candidates,
+            self._grid.mp,
+            self._slot_of_node,
+            self._node,
+            self._first,
+            self._dof,
         )
         return self._count
 
@@ -351,7 +359,8 @@ class ContactNodes:
         s, images = self.near, self.images
         s.head[: self._count] = -1
         s.number[: self._count] = 0
-        find_near_particles[parallel and len(images.flag) == 0](
-            shape, self._geometry, across, stencil, self.candidates, images, self._slot_of_node, self._shape,
-            X, F, size, s, parted,
+        self._call(
+            find_near_particles, shape, self._geometry, across, stencil, self.candidates, images, self._slot_of_node,
+            self._shape, X, F, size, s, parted, parallel=parallel and len(images.flag) == 0,
+            key=(len(across), parted is None),
         )  # fmt: skip

@@ -11,6 +11,7 @@ from mpmcli.contact.fields_in_contact import NodeTable, Rules, allocate_fields, 
 from mpmcli.contact.geometry import Matter, Surroundings, allocate_geometry, find_geometry, sum_volumes
 from mpmcli.contact.impulses import allocate_rows
 from mpmcli.contact.neighbours import Neighbours, allocate_several
+from mpmcli.core.compiled.bound import TypedCalls
 
 Array = np.ndarray
 
@@ -50,6 +51,7 @@ class Contacts:
         self._make_room(0)
         self._known = nodes.candidates
         self._buffers: Neighbours | None = None
+        self._call = TypedCalls()
         self.table: NodeTable
         """The contact nodes of the step."""
 
@@ -86,12 +88,14 @@ class Contacts:
 
     def sum_volumes(self, matter: Matter, parallel: bool) -> None:
         """Find the volume of each field at each contact node."""
-        sum_volumes[parallel](self.table, self.nodes.near, matter.field, matter.F, matter.vol0)
+        self._call(
+            sum_volumes, self.table, self.nodes.near, matter.field, matter.F, matter.vol0, parallel=parallel
+        )
 
     def find_fields(self, mp: Array) -> None:
         """List the pairs of fields in contact at the contact nodes; masses from ``mp`` (dofs, 1 + d)."""
-        self.count, self.stages, self.has_pairs = list_contacts(
-            self.rules, self.table, mp, self.fields, self.begin
+        self.count, self.stages, self.has_pairs = self._call(
+            list_contacts, self.rules, self.table, mp, self.fields, self.begin
         )
 
     def find_geometry(
@@ -108,7 +112,7 @@ class Contacts:
             self._buffers = allocate_several(
                 WORKERS, self._dimensions, max(most, 2 * kept, 32), matter.X0 is not None, needs_radius
             )
-        find_geometry[parallel](
-            normal, separation, (0.0,) * self._dimensions, self.count, self.fields, self.table, around, near,
-            matter, guesses, self._buffers, self.geometry,
+        self._call(
+            find_geometry, normal, separation, (0.0,) * self._dimensions, self.count, self.fields, self.table, around,
+            near, matter, guesses, self._buffers, self.geometry, parallel=parallel,
         )  # fmt: skip

@@ -11,6 +11,7 @@ from mpmcli.contact.geometry import Matter, Surroundings
 from mpmcli.contact.impulses import Place
 from mpmcli.contact.nodal_contact import NodalContact
 from mpmcli.contact.separation.base import UNKNOWN
+from mpmcli.core.compiled.bound import TypedCalls
 from mpmcli.core.dofs import field_of
 from mpmcli.core.order import CellOrder
 from mpmcli.core.state import InterfaceMeans, InterfaceView
@@ -86,6 +87,7 @@ class Interfaces:
         chosen = [int(choice.table[at[a], at[b]]) in self.laws for a, b in names]
         self._has_perfect = any(choice.laws[i].has_perfect_direction for i in self.laws)
         self._acts = self._all_hold = False
+        self._call = TypedCalls()
         self._room = -1
         self.jumps: JumpRows
         self.ends: EndRows
@@ -123,9 +125,10 @@ class Interfaces:
         if self._way == EDGES:
             self._find_start_gaps()
             start_gap = np.nan_to_num(start_gap, nan=UNKNOWN)
-        find_interfaces[parallel](
-            self._axes, self._way, self._opens, self._sides, c.count, c.fields, c.table, around, c.nodes.near, matter,
-            p.interface, start_gap, c.geometry, act_at_node(plan), self.jumps, self.ends,
+        self._call(
+            find_interfaces, self._axes, self._way, self._opens, self._sides, c.count, c.fields, c.table, around,
+            c.nodes.near, matter, p.interface, start_gap, c.geometry, act_at_node(plan), self.jumps, self.ends,
+            parallel=parallel,
         )  # fmt: skip
         self._all_hold = not self._has_perfect and float(self.jumps.history[: c.count, BREAKS].max()) < 0.5
 
@@ -144,9 +147,10 @@ class Interfaces:
         Serial: parallel loops take no laws of parts, which are tuples within tuples, and contacts are few.
         """
         c, grid = self._contacts, self._grid
-        impulses.find_jump_impulses[False](
-            self._law[which], self._closed[which], self._axes, which, c.count, c.fields, c.table, c.geometry, c.rows,
-            self.jumps, here, self._acts, self._oscillates, grid.mp, grid.f, v,
+        self._call(
+            impulses.find_jump_impulses, self._law[which], self._closed[which], self._axes, which, c.count, c.fields,
+            c.table, c.geometry, c.rows, self.jumps, here, self._acts, self._oscillates, grid.mp, grid.f, v,
+            key=which,
         )  # fmt: skip
 
     def find_pair_impulses(self, which: int, here: Place, changed: Array, turn: int) -> tuple[float, float]:
@@ -170,10 +174,10 @@ class Interfaces:
         for which, law in self._law.items():
             keeps = self._choice.laws[which].keeps_history
             memory = Memory(keeps, self._sides.row, c.nodes.near, p.velocity_field, p.interface)
-            impulses.close_step[False](
-                law, self._axes, which, c.count, c.fields, c.table, normal, area, before, net, self.jumps, self.ends,
-                memory, after, shares, self.ends.pair, dt, self._late, LOST * cell, SLIPPED * cell, self._grid.mp,
-                sums,
+            self._call(
+                impulses.close_step, law, self._axes, which, c.count, c.fields, c.table, normal, area, before, net,
+                self.jumps, self.ends, memory, after, shares, self.ends.pair, dt, self._late, LOST * cell, SLIPPED *
+                cell, self._grid.mp, sums, key=which,
             )  # fmt: skip
         self._shares, self._means = shares, None
         work, _, _, _, lost = sums.sum(axis=1).tolist()

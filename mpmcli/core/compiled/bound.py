@@ -1,7 +1,7 @@
-"""Kernels bound to the arrays that they run on in step after step.
+"""Calls of compiled functions that are made in step after step, for which types of arguments are looked at once.
 
 At each call numba looks at the type of every array, also of those in tuples, which takes as long as the arithmetic of
-some hundred particles. Here types are looked at once, and the arguments of a step are not put together again.
+some hundred particles.
 """
 
 from __future__ import annotations
@@ -12,10 +12,38 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.compiled.kernel import Kernel
+from mpmcli.core.compiled.kernel import Compiled, Kernel, dispatcher_of
 
-_code: dict[Any, Callable[..., Any]] = {}
-"""Machine code for types of arguments, by kernel, version and what tells these types apart."""
+Code = Callable[..., Any]
+
+CHECKS = False
+"""Refuse arguments of other types than those of the first call; tests do, since compiled code would misread them."""
+
+_code: dict[Any, Code] = {}
+"""Machine code for types of arguments, by function, version and what tells these types apart."""
+
+
+class TypedCalls:
+    """Calls whose arguments have the same types whenever the same function is called with the same ``key``."""
+
+    def __init__(self) -> None:
+        self._code: dict[Hashable, Code] = {}
+
+    def __call__(
+        self, function: Kernel | Compiled, *arguments: Any, parallel: bool = False, key: Hashable = None
+    ) -> Any:
+        """Call a function, of a kernel the parallel version or the serial one."""
+        place = function, parallel, key
+        code = self._code.get(place)
+        if code is None or CHECKS:
+            found = _code_for(function, parallel, arguments)
+            if found is None:
+                launch = function[parallel] if isinstance(function, Kernel) else function
+                return launch(*arguments)
+            if code is not None and found is not code:
+                raise TypeError(f"{function} takes arguments of other types than before, with the key {key}")
+            code = self._code[place] = found
+        return code(*arguments)
 
 
 class BoundKernels:
@@ -29,7 +57,7 @@ class BoundKernels:
 
     def __init__(self, parallel: bool, version: Callable[[], Any]):
         self._parallel, self._version = parallel, version
-        self._bound: dict[Hashable, Callable[..., Any]] = {}
+        self._bound: dict[Hashable, Code] = {}
         self._known: Any = None
 
     def run(
@@ -51,12 +79,12 @@ class BoundKernels:
         call(*numbers)
 
 
-def _code_for(kernel: Kernel, parallel: bool, arguments: tuple[Any, ...]) -> Callable[..., Any] | None:
-    """Machine code for arguments of these types; None where kernels are listed, or run as Python."""
-    dispatcher = kernel[parallel]
-    if not hasattr(dispatcher, "overloads"):
+def _code_for(function: Kernel | Compiled, parallel: bool, arguments: tuple[Any, ...]) -> Code | None:
+    """Machine code for arguments of these types; None where functions are listed, or run as Python."""
+    dispatcher = dispatcher_of(function, parallel)
+    if dispatcher is None:
         return None
-    place = (kernel, parallel, _kind_of(arguments))
+    place = (function, parallel, _kind_of(arguments))
     if place not in _code:
         types = tuple(dispatcher.typeof_pyval(argument) for argument in arguments)
         dispatcher.compile(types)

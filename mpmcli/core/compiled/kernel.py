@@ -134,6 +134,17 @@ class Call(NamedTuple):
         return self.name.replace("_", " ").replace("(", " (")
 
 
+_call = Compiled.__call__
+
+
+def dispatcher_of(function: Kernel | Compiled, parallel: bool) -> Any:
+    """Numba's dispatcher of a function; None where functions are listed (``recording``), or run as Python."""
+    if isinstance(function, Kernel):
+        found = function[parallel]
+        return found if hasattr(found, "overloads") else None
+    return function.dispatcher if Compiled.__call__ is _call else None
+
+
 def find_compiled(module: str, name: str, version: bool | None) -> Compiled:
     """The compiled function at an ``address``."""
     found = getattr(importlib.import_module(module), name)
