@@ -11,13 +11,14 @@ import numpy as np
 
 from mpmcli.core.analysis import Analysis
 from mpmcli.core.chunks import CHUNKS, largest
-from mpmcli.core.compiled.bound import BoundKernels
+from mpmcli.core.compiled.bound import BoundKernels, TypedCalls
+from mpmcli.core.compiled.kernel import Kernel
 from mpmcli.core.domains import turn_domains
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
 from mpmcli.core.order import Bands, CellOrder
 from mpmcli.core.particles import Particles
-from mpmcli.core.transfer import kernels
+from mpmcli.core.transfer import kernels, tasks
 from mpmcli.core.transfer.beside import ScalarSums
 from mpmcli.core.transfer.cut import Cut, Sights
 from mpmcli.core.transfer.nodal_field import NodalField
@@ -31,17 +32,6 @@ from mpmcli.core.transfer.stencil import (
     fill_stencils,
     is_seen,
     kept_as,
-)
-from mpmcli.core.transfer.tasks import (
-    AffineMassAndMomentum,
-    AffineProjection,
-    AffineStateAndForces,
-    AffineVectorSum,
-    InternalForces,
-    MassAndMomentum,
-    Projection,
-    StateAndForces,
-    VectorSum,
 )
 from mpmcli.shapes import ShapeEntry
 
@@ -113,7 +103,8 @@ class Transfer:
         self._fitted = 0  # counts what bound arguments depend on beside the particles
         self.stencil: Any = None
         self.across: tuple[np.uint64, ...] = ()
-        self._kernels = BoundKernels(parallel, lambda: (particles.version, self._fitted))
+        self._bound = BoundKernels(parallel, lambda: (particles.version, self._fitted))
+        self._call = TypedCalls()
         self.sort()
         self._fix_domains()
 
@@ -148,9 +139,7 @@ class Transfer:
         self._find_cut()
 
     def _find_cut(self) -> None:
-        if self.sights is not None:
-            self.cut = self.sights.find_cut(self, self._domain_F)
-            self._fitted += 1
+        self.cut = None if self.sights is None else self.sights.find_cut(self, self._domain_F)
 
     @property
     def reach(self) -> Array:
@@ -211,26 +200,35 @@ class Transfer:
             analysis, shape, *rest = self.operator(self.order.bands, field.nodes.by_field)
             return task(), field.zero, too, analysis, shape if weights is None else weights, *rest
 
-        if field is self.fields[0] and too is None:
-            self._kernels.run(kernels.scatter, key, arguments)
+        is_bound = field is self.fields[0] and too is None
+        self._run(kernels.scatter, (field.name, key, type(too)), is_bound, arguments)
+
+    def _run(
+        self, kernel: Kernel, key: Hashable, is_bound: bool, arguments: Callable[[], tuple[Any, ...]], *numbers: float
+    ) -> None:  # fmt: skip
+        """Run a kernel; ``is_bound``: its arguments are the same arrays until particles are sorted or removed."""
+        if is_bound and self.sights is None:
+            self._bound.run(kernel, key, arguments, *numbers)
         else:
-            kernels.scatter[self.parallel](*arguments())
+            types = key, len(self.across), self.cut is None
+            self._call(kernel, *arguments(), *numbers, parallel=self.parallel, key=types)
 
     def _store_weights(self) -> None:
         """Let ``_stored`` be the shape function that reads its weights from memory, those of particles as they are."""
         if not self._moved:
             return
         p, store = self.particles, kept_as(self.shape.parameters)
-        shape = p.count, store.columns(self.grid.width, self.grid.dimensions)
-        if self._stored is None or self._stored.S.shape != shape:
-            self._stored = store(np.zeros(p.count, dtype=np.uint64), np.zeros(shape))
+        room = p.count, store.columns(self.grid.width, self.grid.dimensions)
+        if self._stored is None or self._stored.S.shape != room:
+            self._stored = store(np.zeros(p.count, dtype=np.uint64), np.zeros(room))
         self._moved = False
-        self._kernels.run(
-            kernels.store_weights, "weights", lambda: (
-                self.shape.parameters, self.geometry, self.across, self.order.chunks, self.stencil,
-                p.X, self._domain_F, p.size, *self._stored,
-            ),
-        )  # fmt: skip
+
+        def arguments() -> tuple[Any, ...]:
+            shape, chunks = self.shape.parameters, self.order.chunks
+            where = (p.X, self._domain_F, p.size, *self._stored)
+            return shape, self.geometry, self.across, chunks, self.stencil, *where
+
+        self._run(kernels.store_weights, "weights", True, arguments)
 
     def gather(self, task: NamedTuple, by_field: bool = True) -> None:
         """Grid to particles: run a task of ``core.transfer.beside.gather_particle`` over all particles."""
@@ -269,12 +267,12 @@ class Transfer:
         p, M, V, flat = self.particles, field.capacity(), field.carried(), field.mp.reshape(-1)
         if not with_forces:
             if field.gradient is None:
-                return MassAndMomentum(M, V, flat)
-            return AffineMassAndMomentum(M, V, field.gradient(), flat)
+                return tasks.MassAndMomentum(M, V, flat)
+            return tasks.AffineMassAndMomentum(M, V, field.gradient(), flat)
         f = field.f.reshape(-1)
         if field.gradient is None:
-            return StateAndForces(M, V, p.vol0, p.tau, flat, f)
-        return AffineStateAndForces(M, V, field.gradient(), p.vol0, p.tau, flat, f)
+            return tasks.StateAndForces(M, V, p.vol0, p.tau, flat, f)
+        return tasks.AffineStateAndForces(M, V, field.gradient(), p.vol0, p.tau, flat, f)
 
     def _begin_sums(self, scalar: NodalField) -> ScalarSums:
         clear_nodes[self.parallel](scalar.nodes.active, scalar.mp)
@@ -295,13 +293,13 @@ class Transfer:
         clear_nodes[self.parallel](self.grid.active, f)
 
         def task() -> NamedTuple:
-            return InternalForces(self.particles.vol0, tau, f.reshape(-1))
+            return tasks.InternalForces(self.particles.vol0, tau, f.reshape(-1))
 
         self._scatter_field(self.fields[0], ("forces", id(tau), id(f)), task, too=too)
 
     def add_vector(self, V: Array, out: Array) -> None:
         """out += Sᵀ M V."""
-        self.scatter(VectorSum(self.particles.mass, V, out.reshape(-1)))
+        self.scatter(tasks.VectorSum(self.particles.mass, V, out.reshape(-1)))
 
     def add_values(self, field: NodalField, out: Array) -> None:
         """out += Sᵀ M V for the values that particles carry, with their gradients in affine transfers; completed."""
@@ -309,8 +307,8 @@ class Transfer:
         def task() -> NamedTuple:
             M, V, flat = field.capacity(), field.carried(), out.reshape(-1)
             if field.gradient is None:
-                return VectorSum(M, V, flat)
-            return AffineVectorSum(M, V, field.gradient(), flat)
+                return tasks.VectorSum(M, V, flat)
+            return tasks.AffineVectorSum(M, V, field.gradient(), flat)
 
         self._scatter_field(field, ("values", id(out)), task)
         field.complete(out)
@@ -324,11 +322,11 @@ class Transfer:
         def task() -> NamedTuple:
             M, flat, sums = field.capacity(), v.reshape(-1), out.reshape(-1)
             if field.gradient is None:
-                return Projection(M, flat, sums)
+                return tasks.Projection(M, flat, sums)
             L = field.gradient()
             if self._passing is None or self._passing.shape != L.shape:  # particles were removed
                 self._passing = np.zeros_like(L)
-            return AffineProjection(M, flat, self._passing, sums)
+            return tasks.AffineProjection(M, flat, self._passing, sums)
 
         reads_weights = self._stores and field.gradient is None
         if reads_weights and first:
@@ -338,10 +336,11 @@ class Transfer:
 
     def velocity_gradients(self, v: Array) -> None:
         """L = G v."""
-        self._kernels.run(
-            kernels.find_velocity_gradients, ("gradients", id(v)),
-            lambda: (self.zero, *self.operator(self.order.chunks), v.reshape(-1), self.particles.L),
-        )  # fmt: skip
+
+        def arguments() -> tuple[Any, ...]:
+            return self.zero, *self.operator(self.order.chunks), v.reshape(-1), self.particles.L
+
+        self._run(kernels.find_velocity_gradients, id(v), True, arguments)
 
     def move(
         self, v: Array, w: Array | None, start: Array | None, flip: bool, alpha: float, damping: float, dt: float,
@@ -358,18 +357,16 @@ class Transfer:
                 damped, too,
             )  # fmt: skip
 
-        if damped is None and too is None:
-            key = ("move", flip, with_gradients, id(v), id(w), id(start), id(X_new))
-            self._kernels.run(kernels.move_particles, key, arguments, alpha, damping, dt)
-        else:
-            kernels.move_particles[self.parallel](*arguments(), alpha, damping, dt)
+        key = flip, with_gradients, id(v), id(w), id(start), id(X_new), damped is None, type(too)
+        is_bound = damped is None and too is None
+        self._run(kernels.move_particles, key, is_bound, arguments, alpha, damping, dt)
         self._moved = True
         self.farthest, self.largest_speed = largest(self.travel), math.sqrt(largest(self.speed_squared))
         self.order.drift += self.farthest
 
     def add_powers(self, field: NodalField, power: Array, out: Array) -> None:
         """out += Sᵀ P, of a scalar field, with P (N,) of each particle."""
-        task = VectorSum(power, np.broadcast_to(1.0, (1, len(power))), out.reshape(-1))
+        task = tasks.VectorSum(power, np.broadcast_to(1.0, (1, len(power))), out.reshape(-1))
         self.scatter(task, field.zero, by_field=field.nodes.by_field)
 
     def weights_of(self, particles: Array) -> tuple[Array, Array]:

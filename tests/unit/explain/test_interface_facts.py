@@ -148,7 +148,7 @@ def test_a_linear_interface_remembers_where_it_was_bonded_and_has_no_zone():
         LINEAR, method={"transfer": {"kind": "fmpm", "order": 3}}, interface={"step": "oscillator"}
     )
     found = facts["interfaces"]
-    assert found["arrays"] == {"X0": 16 * facts["particles"], "interface": 24 * facts["particles"]}
+    assert found["arrays"] == {"X0": 16 * facts["particles"], "interface": 8 * facts["particles"]}
     [pair] = found["pairs"]
     assert (pair["zone_cells"], pair["failure_cells"]) == ({}, {})
     assert "in 3.b on every increment of the FMPM loop" in facts["text"]
