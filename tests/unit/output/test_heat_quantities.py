@@ -96,3 +96,25 @@ def check(
     if heating == "adiabatic":
         into_lower = sums["air"] + sums["coil"] + sums["lower|upper"]
         assert inflow[is_lower].sum() == pytest.approx(into_lower, rel=1e-12)
+
+
+@pytest.mark.parametrize("transfer", TRANSFERS)
+def test_particles_that_leave_take_their_heat_out_of_the_full_ring(plain_python, transfer):
+    text = SCENE.replace("KIND", "axisymmetric").replace("HEATING", "adiabatic")
+    text = text.replace("TRANSFER", TRANSFERS[transfer]).replace("velocity: [0, -0.2]", "velocity: [0, 9]")
+    loaded = load_scene(text.replace("upper: [6, 9]", "upper: [6, 5]") + "domain: {on_exit: delete}\n")
+    with plain_python():
+        s = Simulation(loaded, threads=1)
+        count = s.particles.count
+        columns = all_columns(context_of(loaded.scene, s.state))
+        names = ("heat_inflow", "deleted_heat", "boundary_heat", "source_heat", "heat_error")
+        chosen = [column for column in columns if column.name in names]
+        for _ in range(5):
+            s.step()
+        row = dict(zip((c.name for c in chosen), evaluate(chosen, Snapshot(s.state)), strict=True))
+    assert 0 < s.particles.count < count
+    assert row["deleted_heat"] != 0.0
+    left = row["heat_inflow"] + row["deleted_heat"]
+    assert left == pytest.approx(row["boundary_heat"] + row["source_heat"], rel=1e-12)
+    assert row["source_heat"] == pytest.approx(7.0 * s.state.time, rel=1e-12)
+    assert abs(row["heat_error"]) < 1e-12
