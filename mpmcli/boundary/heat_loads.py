@@ -128,6 +128,7 @@ class HeatLoads:
                 self._rows[k] = there.start + np.searchsorted(ids, identities[k])
         n, d = faces.traction.shape
         self._area, self._half, self._normal = np.zeros(n), np.ones(n), np.zeros((n, d))
+        self._whole = np.ones(n)
 
     def _choose(self, load: LoadModel, bodies: list[str]) -> Array:
         """Which particles a source heats, (N,) bool by identity."""
@@ -249,8 +250,7 @@ class HeatLoads:
 
     def _add_to_nodes(self, time: float, matter: Matter, power: Array, q: Array) -> None:
         faces, field = self._faces, self._particles.velocity_field if self._field.nodes.by_field else None
-        whole = np.ones(len(power))
-        lost = add_to_nodes(faces, self._cells, matter, field, whole, power[:, None], self._field.mp, q)
+        lost = add_to_nodes(faces, self._cells, matter, field, self._whole, power[:, None], self._field.mp, q)
         if lost >= 0:
             raise SimulationError(
                 f"a heated face of particle {faces.id[lost]} left the grid at time {time:g}"

@@ -31,7 +31,7 @@ NUMBERS_PER_NODE = {d: 1 + 4 * d for d in (1, 2, 3)}
 MOST_HEIGHTS = 3
 """Heights of the particles of a face that is made of flat ones."""
 NUMBERS_OF_HEAT = 4
-"""The same of conduction: capacity, content, power, temperature; FLIP and the full-capacity loop have two more each."""
+"""The same of conduction: capacity, content, power, temperature; the full-capacity loop has one more."""
 MAX_DISTANCES = 20_000_000
 """Distances between particles and points of loads up to which points are checked."""
 ON_NODE = 1e-6
@@ -53,9 +53,7 @@ def check_memory(scene: Any) -> None:
     nodes = math.prod(cells + 1.0 + 2 * pad for cells in grid.cells)
     needed = (nodes + _nodes_of_cracks(scene)) * fields * NUMBERS_PER_NODE[grid.dimensions] * 8
     if scene.heat is not None:
-        transfer = scene.heat.transfer
-        takes_changes = transfer.kind == "flip" or transfer.every_steps is not None
-        numbers = NUMBERS_OF_HEAT + 2 * takes_changes + 2 * (transfer.order > 1)
+        numbers = NUMBERS_OF_HEAT + (scene.heat.transfer.order > 1)
         needed += nodes * (1 if scene.heat.contact == "shared" else fields) * numbers * 8
     there = available_memory()
     if needed > there:

@@ -146,7 +146,7 @@ class Conduction:
         self._capacity_version = (-1, -1)
         self._C = self._C_of_nodes = np.zeros(0)
         if choices.order > 1:
-            nodal.allocate_loop(is_dynamic=False)
+            nodal.allocate_loop(is_dynamic=False, out=nodal.f)  # powers have acted by then, and are 0
 
     # ------------------------------------------------------------------ tasks
 

@@ -162,11 +162,12 @@ def find_values(active, mp, theta, q):
 
 @kernel
 def update_values(active, mp, q, dt, theta):
-    """θ⁺(1) = θ + q Δt/C, from powers ``q`` (n, 1), at all active nodes with capacity."""
+    """θ⁺(1) = θ + q Δt/C, from powers ``q`` (n, 1), at all active nodes with capacity; clears the powers."""
     for j in prange(active.shape[0]):
         i = np.uint64(active[j])
         c = mp[i, 0]
         theta[i, 0] = (mp[i, 1] + q[i, 0] * dt) / c if c > 0.0 else 0.0
+        q[i, 0] = 0.0
 
 
 @kernel

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from heat_runs import table, transfer
 
 from mpmcli import Results, run
 from mpmcli.scene.loader import load_scene
@@ -38,9 +39,8 @@ def test_heat_is_the_work_of_friction_whatever_the_transfers(tmp_path, velocitie
         },
     )
     work, heat = results["contact_work"][-1], results["heat_inflow"][-1]
-    assert work > 0.1
-    content = 300.0 * 20.0  # ΣCT, of which round-off is
-    assert heat == pytest.approx(work, rel=1e-10, abs=1e-14 * content)
+    assert work > 0.5
+    assert heat == pytest.approx(work, rel=1e-10)
 
 
 @pytest.mark.slow
@@ -75,9 +75,19 @@ def test_both_sides_of_a_brake_warm_by_their_effusivities(tmp_path):
     assert heat.sum() == pytest.approx(results["contact_work"][-1], rel=1e-5)
 
 
+DISKS = {
+    (row["velocities"], float(row["friction"])): row
+    for row in table("nairnmpm_two_disks")
+    if row["temperatures"] == "FLIP" and float(row["cell mm"]) == 1.0
+}
+
+
 @pytest.mark.slow
-def test_the_free_energy_of_two_disks_is_that_of_nairnmpm(tmp_path):
-    """Off-centre impact with friction (Nairn 2026, Figs. 9 and 10), cells of 1 mm: A peaks at 878 mJ, ends at 55 mJ."""
+@pytest.mark.parametrize(
+    ("method", "friction"), [("FLIP", 0.0), ("FLIP", 0.3), ("FLIP", 0.6), ("FMPM(4)", 0.0)]
+)
+def test_energies_of_two_disks_are_those_of_nairnmpm(tmp_path, method, friction):
+    """Off-centre impact with friction (Nairn 2026, Figs. 9 and 10), cells of 1 mm: free energy A, entropy, K + U."""
     columns = (
         "kinetic_energy, stress_work, contact_work, internal_energy, entropy, helmholtz_energy, heat_error"
     )
@@ -85,19 +95,35 @@ def test_the_free_energy_of_two_disks_is_that_of_nairnmpm(tmp_path):
         "two_disks_heat",
         tmp_path / "run",
         **{
-            "method.transfer": "{kind: flip}",
+            "method.transfer": transfer(method).split("=")[1],
+            "constants.friction": str(friction),
             "archive.particles": "null",
             "archive.globals": f"{{every: 0.001, columns: [{columns}]}}",
         },
     )
+    row = DISKS[method, friction]
     K, A, S = (results[name] for name in ("kinetic_energy", "helmholtz_energy", "entropy"))
-    assert A.max() == pytest.approx(878.0, rel=0.03)
-    assert A[-1] == pytest.approx(54.6, abs=20.0)
-    assert S[-1] == pytest.approx(2.465, rel=0.03)
+    assert A.max() == pytest.approx(1e3 * float(row["A largest J"]), rel=0.03)
+    assert A[-1] == pytest.approx(1e3 * float(row["A end J"]), abs=20.0)
+    assert S[-1] == pytest.approx(1e3 * float(row["entropy end"]), rel=0.03, abs=1e-9)
     # hot particles pass through the cells, and the seen temperature varies
-    assert np.diff(S).min() > -1e-3 * S[-1]
+    assert np.diff(S).min() > -1e-3 * S[-1] - 1e-9
     total = K + results["internal_energy"]
     mechanical = K + results["stress_work"] + results["contact_work"]
     assert np.abs(total - mechanical).max() < 1e-6 * K[0]
-    assert np.abs(results["heat_error"]).max() < 1e-12
-    assert 1.0 - total[-1] / total[0] == pytest.approx(0.0257, abs=0.005)
+    if friction > 0.0:  # else nothing heats
+        assert np.abs(results["heat_error"]).max() < 1e-12
+    # with friction 0.6 the loss is 3.5 to 4.9 %, depending on where the grid lines are
+    near = 0.006 if friction == 0.6 else 0.005
+    assert 1.0 - total[-1] / total[0] == pytest.approx(0.01 * float(row["loss U+K %"]), abs=near)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("friction", [0.3, 0.6])
+def test_the_hottest_particle_of_two_disks_is_that_of_nairnmpm(start, friction):
+    """By FLIP; NairnMPM shows the temperature that particles carry."""
+    run = start("two_disks_heat.yaml", "method.transfer={kind: flip}", f"constants.friction={friction}")
+    run.to(0.16)
+    rise = float(DISKS["FLIP", friction]["hottest K"]) - 300.0
+    assert run.particles.T_carried.max() - 300.0 == pytest.approx(rise, rel=0.03)
+    assert run.particles.T.max() - 300.0 < 0.75 * rise

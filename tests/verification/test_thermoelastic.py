@@ -24,14 +24,19 @@ def decay(t, a, root, is_relaxing=False):
 @pytest.mark.slow
 @pytest.mark.parametrize("conductivity", [0.01, 0.1])
 @pytest.mark.parametrize(
-    ("velocities", "method", "most"),
+    ("velocities", "method", "most", "off"),
     [
-        ("{kind: flip}", "FLIP", 0.006),
-        ("{kind: fmpm, order: 4}", "FLIP", 0.006),
-        ("{kind: fmpm, order: 4}", "FMPM(4)", 0.002),
+        (
+            "{kind: flip}",
+            "FLIP",
+            0.003,
+            0.0043,
+        ),  # the grid's: the same with half the time step and any strain update
+        ("{kind: fmpm, order: 4}", "FLIP", 0.004, 0.0015),
+        ("{kind: fmpm, order: 4}", "FMPM(4)", 0.002, 0.002),
     ],
 )
-def test_a_thermoelastic_wave(start, conductivity, velocities, method, most):
+def test_a_thermoelastic_wave(start, conductivity, velocities, method, most, off):
     """Amplitude after four periods, and frequency, of the root of the characteristic cubic."""
     run = start(
         "thermoelastic_bar.yaml",
@@ -48,7 +53,7 @@ def test_a_thermoelastic_wave(start, conductivity, velocities, method, most):
     rate, frequency = decay(t, a, root, is_relaxing=True)
     four = 8 * np.pi / root.imag
     assert np.exp(rate * four) == pytest.approx(np.exp(root.real * four), rel=most)
-    assert frequency == pytest.approx(root.imag, rel=0.0045)
+    assert frequency == pytest.approx(root.imag, rel=off)
     if "fmpm" in velocities:
         # kinetic energy and work, over a period each: what the transfer loses
         first, last = (

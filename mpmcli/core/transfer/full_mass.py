@@ -43,12 +43,12 @@ def add_full_mass_increments(
     that it reached.
     """
     active, parallel = field.nodes.active, transfer.parallel
-    nodes.start_increments[parallel](active, field.v, field.dv, field.out)
-    order = 1
+    increment, order = field.v, 1
     while order < rule.largest:
         order += 1
-        transfer.project(field, field.dv, field.out, -1.0 if counts_reactions else 0.0, first=order == 2)
-        nodes.next_increment[parallel](active, field.mp, field.out, rule.scale(order), field.dv)
+        transfer.project(field, increment, field.out, -1.0 if counts_reactions else 0.0, first=order == 2)
+        nodes.next_increment[parallel](active, field.mp, field.out, rule.scale(order), increment, field.dv)
+        increment = field.dv
         field.correct(step, counts_reactions)  # (1), (2)
         nodes.add_nodal[parallel](active, field.dv, field.v)
         if rule.dynamic is not None and has_converged(field, parallel, *rule.dynamic):  # (3)

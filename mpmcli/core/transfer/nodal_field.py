@@ -77,7 +77,7 @@ class NodalField:
     mp : (dofs, 1 + c) capacity and extensive value: mass and momentum
     f : (dofs, c) rate of the extensive value: force; None where nothing changes it
     v : (dofs, c) value: velocity
-    dv, out : (dofs, c) an increment of the full-mass loop and what one pass makes of it; None without the loop
+    dv, out : (dofs, c) an increment of the full-mass loop and what one pass makes of it, 0 before it; None without loop
     sums : (chunks, 4) what a dynamic order is judged by; None where orders are fixed
     corrections : what acts on sums and increments, in this order
     """
@@ -96,15 +96,18 @@ class NodalField:
     sums: Any = None
     corrections: list[Correction] = field(default_factory=list)
 
-    def allocate_loop(self, is_dynamic: bool) -> None:
-        """Allocate what the full-mass loop and the filter of XPIC work on; ``is_dynamic``: orders may end early."""
+    def allocate_loop(self, is_dynamic: bool, out: Array | None = None) -> None:
+        """Allocate what the full-mass loop and the filter of XPIC work on; ``is_dynamic``: orders may end early.
+
+        ``out`` (dofs, c) is an array that nothing else needs while they run, and 0 when they begin.
+        """
         # not zeros_like, which touches every page of memory
-        self.dv, self.out = np.zeros(self.v.shape), np.zeros(self.v.shape)
+        self.dv, self.out = np.zeros(self.v.shape), np.zeros(self.v.shape) if out is None else out
         self.sums = np.zeros((CHUNKS, 4)) if is_dynamic else None
 
     def nodal_arrays(self) -> dict[str, Array]:
-        """Return the arrays of the full-mass loop over all nodes, by name."""
-        found = {"dv": self.dv, "out": self.out}
+        """Return the arrays over all nodes that only the full-mass loop has, by name."""
+        found = {"dv": self.dv, "out": None if self.out is self.f else self.out}
         return {name: array for name, array in found.items() if array is not None}
 
     def complete_extrapolated(self, replaces_values: bool) -> None:

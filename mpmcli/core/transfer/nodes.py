@@ -79,27 +79,18 @@ def find_velocities(active, mp, f, v, a):
 
 
 @kernel
-def start_increments(active, v, dv, out):
-    """Before the FMPM loop: Δv(1) = v⁺(1), and zero for the first pass to add to."""
-    for j in prange(active.shape[0]):
-        i = np.uint64(active[j])
-        for a in range(dv.shape[1]):
-            dv[i, a] = v[i, a]
-            out[i, a] = 0.0
-
-
-@kernel
-def next_increment(active, mp, out, scale, dv):
+def next_increment(active, mp, out, scale, before, dv):
     """Δv(ℓ) = ``scale`` (Δv(ℓ−1) − S⁺S Δv(ℓ−1)) (Nairn 2026, Eq. 6 and section 3.3).
 
-    ``out`` holds m S⁺S Δv and is zeroed for the next pass; ``scale`` is 1 unless orders are blended.
+    ``before`` (n, d) is Δv(ℓ−1), perhaps in the memory of ``dv``; ``out`` holds m S⁺S Δv(ℓ−1) and is zeroed for the
+    next pass; ``scale`` is 1 unless orders are blended.
     """
     for j in prange(active.shape[0]):
         i = np.uint64(active[j])
         m = mp[i, 0]
         inverse = 1.0 / m if m > 0.0 else 0.0
         for a in range(dv.shape[1]):
-            dv[i, a] = scale * (dv[i, a] - out[i, a] * inverse)
+            dv[i, a] = scale * (before[i, a] - out[i, a] * inverse)
             out[i, a] = 0.0
 
 

@@ -100,7 +100,7 @@ def test_conduction_says_what_it_uses():
 
 def test_full_capacity_needs_arrays_of_its_loop():
     more = heat_of(heat={"transfer": {"kind": "fmpm", "order": 4}})
-    assert set(more["arrays"]) - set(heat_of()["arrays"]) == {"heat.dv", "heat.out"}
+    assert set(more["arrays"]) - set(heat_of()["arrays"]) == {"heat.dv"}
     assert more["particle_bytes"] < heat_of()["particle_bytes"]  # nothing is carried beside T
 
 

@@ -547,17 +547,17 @@ def test_arrays_of_heat_count_as_memory(monkeypatch: pytest.MonkeyPatch) -> None
         monkeypatch.setattr(filling, "available_memory", lambda: nodes * numbers * 8)
 
     mechanics = 3 * filling.NUMBERS_PER_NODE[2]
-    limit(mechanics + 6)
+    limit(mechanics + 4)
     check_memory(scene)
-    limit(mechanics + 5)
+    limit(mechanics + 3)
     with pytest.raises(SceneError, match="of memory"):
         check_memory(scene)
     own = load_scene(
         SCENE.replace("heat: {}", "heat: {contact: insulated, transfer: {kind: fmpm, order: 2}}")
     ).scene
-    limit(mechanics + 3 * 6)
+    limit(mechanics + 3 * 5)
     check_memory(own)
-    limit(mechanics + 3 * 6 - 1)
+    limit(mechanics + 3 * 5 - 1)
     with pytest.raises(SceneError, match="of memory"):
         check_memory(own)
 
