@@ -100,7 +100,7 @@ class ContactAccount:
             return
         self._identity, self._dt = self._particles.id, dt
         self._impulse = c.rows.net[: c.count].copy()  # of the whole step, for those who look later
-        rigid_work = self._rigid_work.sum()
+        rigid_work = self._rigid_work.sum() if view.rigid_work else 0.0
         self.shares = self._shares(alpha)
         sums = impulses.Tallies(
             self._pair, self.shares, view.force, view.area, view.momentum_error,

@@ -40,9 +40,9 @@ def test_load_and_toughness(start):
         chosen = (time > first) & (time < last)
         return float(np.mean((load / opening)[chosen]))
 
-    # before: the joint itself gives, the arms are 5 to 10 % more compliant than beams with a clamped root
+    # before: the joint itself gives a little
     stiffness = 3.0 * BENDING / (NOTCH + CORRECTION) ** 3
-    assert 0.88 < mean(0.7, 1.4) / stiffness < 1.0
+    assert 0.95 < mean(0.7, 1.4) / stiffness < 1.0
     # as it grows, energy per area from one broken row of nodes to the next
     at = np.flatnonzero(np.diff(broken) > 0.2) + 1
     assert len(at) >= 7
@@ -55,7 +55,7 @@ def test_load_and_toughness(start):
     force = float(np.mean(load[rest]))
     compliant = (3.0 * BENDING / force) ** (1.0 / 3.0) - CORRECTION
     assert compliant == pytest.approx(34.0, abs=1.5)
-    assert force == pytest.approx(np.sqrt(BENDING * TOUGHNESS) / (compliant + CORRECTION), rel=0.06)
+    assert force == pytest.approx(np.sqrt(BENDING * TOUGHNESS) / (compliant + CORRECTION), rel=0.05)
     assert NOTCH + broken[-1] == pytest.approx(34.0, abs=1.5)
 
 

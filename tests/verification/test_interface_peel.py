@@ -74,14 +74,23 @@ def test_strength_and_toughness_of_every_shape(start, keys):
     bonded = seen["area"] > 0.99 * AREA
     follows = np.abs(seen["stress"] - mode.traction(seen["opening"]))[bonded]
     assert follows.max() < 0.04 * STRENGTH
-    assert follows.mean() < 0.01 * STRENGTH
+    assert follows.mean() < 0.006 * STRENGTH
     last = {name: column[-1] for name, column in seen.items()}
-    assert last["spent"] == pytest.approx(TOUGHNESS * AREA, rel=0.01)
-    assert last["interface"] == pytest.approx(TOUGHNESS * AREA, rel=0.03)
-    assert last["boundary"] - last["kinetic"] - last["strain"] == pytest.approx(TOUGHNESS * AREA, rel=0.02)
+    assert last["spent"] == pytest.approx(TOUGHNESS * AREA, rel=1e-4)
+    assert last["interface"] == pytest.approx(TOUGHNESS * AREA, rel=0.02)
+    assert last["boundary"] - last["kinetic"] - last["strain"] == pytest.approx(TOUGHNESS * AREA, rel=0.016)
     assert last["broken"] == pytest.approx(AREA, rel=0.01)
     assert last["area"] == last["stored"] == 0.0
     assert np.all(np.diff(seen["spent"]) >= 0.0)
+
+
+@pytest.mark.parametrize("keys", SHAPES, ids=NAMES)
+def test_work_of_the_grips_with_cells_of_half_the_size(start, keys):
+    """All that the grips worked is G A within 1 %; with the cells of the scene within 1.5 %."""
+    seen = Pull(start, f"contact.law.normal={words(keys)}", "grid.cell=1").to(0.7)
+    work = (seen["boundary"] - seen["kinetic"] - seen["strain"])[-1]
+    assert work == pytest.approx(TOUGHNESS * AREA, rel=0.01)
+    assert seen["stress"].max() == pytest.approx(STRENGTH, rel=0.005)
 
 
 @pytest.mark.parametrize("keys", SHAPES, ids=NAMES)

@@ -168,7 +168,7 @@ def test_a_run_goes_on_with_the_same_bits(transfer):
 @pytest.mark.parametrize("shift", [0, 0.37])
 @pytest.mark.parametrize("method", ["FLIP", "FMPM(2)", "FMPM(4)"])
 def test_a_huge_stiffness_is_perfect_contact(start, method, shift):
-    """A pulse through it: 0.1 % of the pulse."""
+    """A pulse through it: at most 0.2 % of the pulse."""
     found = wave_profile(start, method, 1e6, shift)[1]
     perfect = wave_profile(start, method, 1.0, shift, PERFECT)[1]
     assert np.linalg.norm(found - perfect) < 0.002 * np.linalg.norm(perfect)
@@ -190,7 +190,7 @@ def test_a_huge_stiffness_is_perfect_contact_in_a_plane(jumps):
         for row, name in enumerate("XV"):
             off[row, time] = np.sqrt(np.mean((stiff[name] - perfect[name]) ** 2))
             signal[row, time] = np.abs(perfect[name] - free[name]).max()
-    assert np.all(off.max(axis=1) < (0.01, 0.02) * signal.max(axis=1))
+    assert np.all(off.max(axis=1) < (0.01, 0.018) * signal.max(axis=1))
 
 
 @every_way
