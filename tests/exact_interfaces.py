@@ -20,6 +20,18 @@ def impact_speed(t: Array, D: float, passage: float, Z: float = 1.0, v: float = 
     return v * (t - tau * (1.0 - np.exp(-t / tau))) / passage
 
 
+def unlike_impact(
+    t: Array, D: float, mass: float, Z: float, other: float, v: float = 1.0
+) -> tuple[Array, Array]:
+    """Mean speed of the bar that was at rest, of impedance ``other`` and ``mass`` per area, after an impact at ``v`` of
+    one of impedance ``Z``, until a wave returns; and the energy per area of the interface.
+    """
+    both = Z * other / (Z + other)
+    tau = both / D
+    rise = 1.0 - np.exp(-t / tau)
+    return both * v * (t - tau * rise) / mass, 0.5 * (both * v * rise) ** 2 / D
+
+
 def impact_energy(D: float, Z: float = 1.0, v: float = 1.0) -> float:
     """Energy per area that the interface stores once the force is constant."""
     return 0.5 * (0.5 * Z * v) ** 2 / D

@@ -29,6 +29,20 @@ def test_the_second_bar_moves_as_in_the_closed_form(start, method, D, shift):
 @pytest.mark.parametrize("shift", [0, 0.37])
 @pytest.mark.parametrize("D", list(ASKED))
 @pytest.mark.parametrize("method", METHODS)
+def test_between_materials(start, method, D, shift):
+    """The second bar is four times as dense: twice the impedance, half the speed of waves."""
+    other = "{kind: linear_elastic, density: 4e-3, E: 1000, nu: 0}"
+    sets = f"constants.shift={shift}", f"materials.other={other}", "bodies.right.material=other"
+    t, speed, energy = impact(start, method, D, *sets)
+    wanted, stored = exact.unlike_impact(t, D, 4e-3 * 20.0, 1.0, 2.0)
+    assert np.abs(speed - wanted).max() < 0.7 * ASKED[D]
+    plateau = (t > 0.02) & (t < 0.036)
+    assert energy[plateau].mean() == pytest.approx(stored[plateau].mean(), rel=0.005)
+
+
+@pytest.mark.parametrize("shift", [0, 0.37])
+@pytest.mark.parametrize("D", list(ASKED))
+@pytest.mark.parametrize("method", METHODS)
 def test_coarse_bars_move_as_in_the_closed_form_until_waves_return(start, method, D, shift):
     t, speed, energy = impact(start, method, D, f"constants.shift={shift}", "constants.cell=0.5")
     off = np.abs(speed - exact.impact_speed(t, D, PASSAGE))
