@@ -69,14 +69,8 @@ def test_velocities_and_accelerations_of_empty_nodes_are_zero(values):
 def test_an_increment_of_the_fmpm_loop(values):
     """Δv(ℓ) = Δv(ℓ−1) − (m S⁺S Δv)/m, added to v; work space is empty again."""
     mp, out, v = values
-    dv = np.zeros((9, 2))
-    made = out.copy()
-    nodes.start_increments[False](ACTIVE, v, dv, out)
-    np.testing.assert_array_equal(dv[ACTIVE], v[ACTIVE])
-    assert not out[ACTIVE].any()
-    out[ACTIVE] = made[ACTIVE]
-    total = v.copy()
-    nodes.next_increment[False](ACTIVE, mp, out, 0.8, dv)
+    dv, made, total = np.zeros((9, 2)), out.copy(), v.copy()
+    nodes.next_increment[False](ACTIVE, mp, out, 0.8, v, dv)
     nodes.add_nodal[False](ACTIVE, dv, total)
     inverse = np.divide(1.0, mp[:, :1], out=np.zeros((9, 1)), where=mp[:, :1] > 0)
     expected = 0.8 * (v - made * inverse)
