@@ -20,7 +20,17 @@ import numpy as np
 
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.tensors import inverse_transpose, largest_eigenvalue_bound, push_forward
+from mpmcli.core.exponentials import exponential_symmetric, log_symmetric
+from mpmcli.core.tensors import (
+    inverse_transpose,
+    largest_eigenvalue_bound,
+    multiply,
+    multiply_commuting,
+    push_forward,
+)
+
+SMALL = 0.004
+"""Plastic strain of a step from which on logarithms are needed."""
 
 
 class Stiffness(NamedTuple):
@@ -236,6 +246,47 @@ def push_stress(m: Any, A: Any, T: Any) -> Any:
 def stress_of(m: Any, A: Any) -> Any:
     """Kirchhoff stress at A, and what it adds to ρ₀c² (``push_stress``) [pressure]."""
     return push_stress(m, A, times_stiffness(m, strain_of(m, A)))
+
+
+@inline
+def minus(A: Any, X: Any, s: float) -> Any:
+    """s A·(I − X) with a symmetric X."""
+    B = multiply(A, (X[0], X[3], X[5], X[3], X[1], X[4], X[5], X[4], X[2]))
+    return (
+        s * (A[0] - B[0]), s * (A[1] - B[1]), s * (A[2] - B[2]),
+        s * (A[3] - B[3]), s * (A[4] - B[4]), s * (A[5] - B[5]),
+        s * (A[6] - B[6]), s * (A[7] - B[7]), s * (A[8] - B[8]),
+    )  # fmt: skip
+
+
+@inline
+def deviator(X: Any) -> Any:
+    """dev X."""
+    mean = (X[0] + X[1] + X[2]) / 3.0
+    return X[0] - mean, X[1] - mean, X[2] - mean, X[3], X[4], X[5]
+
+
+@inline
+def flowed(m: Any, A: Any, E: Any, X: Any) -> Any:
+    """A of elastic strain E after the plastic strain X of the strain E + X, without change of volume.
+
+    A·exp(½ ln AᵀA − E) has it if both have the same axes and E is small; one correction for the rest. Where E + X is
+    small, it is taken for ½ ln AᵀA, which the correction covers too. The trace of the strain follows from the volume
+    and the shape: what it exceeds that of E by comes second.
+    """
+    if double_product(X, X) > SMALL * SMALL:
+        X = deviator(combine(0.5, log_symmetric(squared(m, A)), -1.0, E))
+        e = exponential_symmetric((-X[0], -X[1], -X[2], -X[3], -X[4], -X[5]))
+    else:
+        X = deviator(X)
+        X2 = multiply_commuting(X, X)
+        e = combine(-1.0, X, 0.5, combine(1.0, X2, -1.0 / 3.0, multiply_commuting(X, X2)))
+        e = (1.0 + e[0], 1.0 + e[1], 1.0 + e[2], e[3], e[4], e[5])
+    B = multiply(A, (e[0], e[3], e[5], e[3], e[1], e[4], e[5], e[4], e[2]))
+    Y = combine(1.0, strain_of(m, B), -1.0, E)
+    dilation = Y[0] + Y[1] + Y[2]
+    Y = deviator(Y)
+    return minus(B, Y, 1.0 + double_product(Y, Y) / 6.0), dilation
 
 
 @inline

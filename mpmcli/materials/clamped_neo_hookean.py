@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.exponentials import exponential, exponential_1d
+from mpmcli.core.exponentials import exponential, exponential_1d, logarithm_1p
 from mpmcli.core.model import Quantity
 from mpmcli.core.rows import log1p
 from mpmcli.core.tensors import largest_eigenvalue_bound, smallest_eigenvalue_bound
@@ -26,6 +27,7 @@ from mpmcli.materials.hencky import (
     keep_tensor,
     trial_tensor,
 )
+from mpmcli.materials.lateral import lateral_stress, shared_by_trials
 from mpmcli.materials.planar import in_space_and_plane
 from mpmcli.materials.principal import from_principal, principal_strains
 
@@ -115,6 +117,16 @@ def _bulk(m: Any, J2: Any) -> Any:
     return 0.5 * m.lame * (J2 + 1.0)
 
 
+@inline
+def _clamped(m: Any, low: float, high: float, e: float, v: float) -> Any:
+    """Square ``v`` of a stretch kept within both limits, what that cuts off its logarithm ``e``, and 1, or 0 if cut."""
+    if e < m.lowest:
+        return low, e - m.lowest, 0.0
+    if e > m.highest:
+        return high, e - m.highest, 0.0
+    return v, 0.0, 1.0
+
+
 for _Snow in SNOW.values():
 
     @kirchhoff_stress.register(_Snow)
@@ -164,6 +176,35 @@ for _Snow in SNOW.values():
         G = h * m.shear
         c = h * _mean_stress(m, J2) - G
         return c + G * b[0], c + G * b[1], c + G * b[2], G * b[3], G * b[4], G * b[5]
+
+    @shared_by_trials.register(_Snow)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+        # of both axes in the plane the first is the one nearer to x; b_xx in a bar, where y is as free as z
+        b = trial_tensor(m, dF, H, p)
+        xx, yy, zz = b[0] - 1.0, b[1] - 1.0, b[2] - 1.0
+        mean, d = 0.5 * (xx + yy), 0.5 * (xx - yy)
+        r = math.copysign(math.sqrt(d * d + b[3] * b[3]), d)
+        x, y = mean + r, mean - r
+        strains = (0.5 * logarithm_1p(x), 0.5 * logarithm_1p(y), 0.5 * logarithm_1p(zz))
+        limits = (exponential_1d(2.0 * m.lowest), exponential_1d(2.0 * m.highest))
+        return strains, (1.0 + x, 1.0 + y, 1.0 + zz), limits, H[VOLUME, p]
+
+    @lateral_stress.register(_Snow)
+    def _(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, x: Any, both: Any) -> Any:
+        e, v, (low, high), log_volume = shared
+        square = exponential(2.0 * x)
+        first, cut_1, _ = _clamped(m, low, high, e[0], v[0])
+        second, cut_2, free_2 = _clamped(
+            m, low, high, e[1] + x if both else e[1], v[1] * (square if both else 1.0)
+        )
+        third, cut_3, free = _clamped(m, low, high, e[2] + x, v[2] * square)
+        J_plastic = exponential(log_volume + cut_1 + cut_2 + cut_3)
+        h = exponential(m.hardening * (1.0 - J_plastic))
+        J2 = first * second * third
+        stress = h * (_mean_stress(m, J2) + m.shear * (third - 1.0))
+        stretches, flows = (free + free_2, 2.0 - free - free_2) if both else (free, 1.0 - free)
+        slope = h * (m.lame * J2 * stretches + 2.0 * m.shear * third * free)
+        return stress, slope - stress * m.hardening * J_plastic * flows
 
     @dissipated_heat.register(_Snow)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:

@@ -1,5 +1,4 @@
-"""Which components of a particle's tensors each analysis stores, and how a step changes its deformation
-gradient.
+"""Which components of a particle's tensors each analysis stores, and how a step changes its deformation gradient.
 
 Generic over the analysis, so that the particle loop in ``strain.py`` is written once. Inside, tensors are
 complete (9 or 6 components); the zeros of 1D and 2D analyses are known to the compiler.
@@ -31,7 +30,8 @@ from mpmcli.core.exponentials import (
     exponential_3d,
     logarithm,
 )
-from mpmcli.materials.lateral import lateral_stretch, thickness_stretch
+from mpmcli.materials.base import kirchhoff_stress
+from mpmcli.materials.lateral import free_stress, lateral_stretch, thickness_stretch, widened
 
 ONE_AXIS: tuple[type[Analysis], ...] = (UniaxialStrain, UniaxialStress)
 TWO_AXES: tuple[type[Analysis], ...] = (PlaneStrain, PlaneStress, Axisymmetric)
@@ -80,6 +80,11 @@ def close_gradient(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: A
 
     ``F`` is dF·Fⁿ already, except for a lateral stretch that is still that of the last step.
     """
+
+
+@generic
+def close_stress(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
+    """``close_gradient`` and the stress, with which the history becomes that of the end of the step."""
 
 
 @generic
@@ -257,18 +262,14 @@ def _(analysis: Any, tau: Any, p: Any, T: Any) -> Any:
     tau[3, p], tau[4, p], tau[5, p] = T[3], T[4], T[5]
 
 
-@inline
-def _scaled(L: Any, p: Any, dt: Any) -> Any:
-    return (
+@load_increment.register(Solid)
+def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
+    A = (
         L[0, p] * dt, L[1, p] * dt, L[2, p] * dt,
         L[3, p] * dt, L[4, p] * dt, L[5, p] * dt,
         L[6, p] * dt, L[7, p] * dt, L[8, p] * dt,
     )  # fmt: skip
-
-
-@load_increment.register(Solid)
-def _(analysis: Any, L: Any, p: Any, dt: Any) -> Any:
-    return exponential_3d(_scaled(L, p, dt))
+    return exponential_3d(A)
 
 
 @inline
@@ -321,27 +322,13 @@ for _analysis in FIXED_WIDTH:
     def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
         return F, dF
 
+    @close_stress.register(_analysis)
+    def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
+        return F, dF, kirchhoff_stress(m, F, dF, H, p, dt, True)
+
     @add_pressure.register(_analysis)
     def _(analysis: Any, T: Any, q: Any) -> Any:
         return T[0] - q, T[1] - q, T[2] - q, T[3], T[4], T[5]
-
-
-@close_gradient.register(PlaneStress)
-def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
-    z = thickness_stretch(m, F, dF, H, p, dt)
-    F1 = (F[0], F[1], 0.0, F[3], F[4], 0.0, 0.0, 0.0, z)
-    return F1, (dF[0], dF[1], 0.0, dF[3], dF[4], 0.0, 0.0, 0.0, dF[8] * (z / F[8]))
-
-
-@close_gradient.register(UniaxialStress)
-def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
-    z = lateral_stretch(m, F, dF, H, p, dt)
-    F1 = (F[0], 0.0, 0.0, 0.0, z, 0.0, 0.0, 0.0, z)
-    growth = dF[8] * (z / F[8])
-    return F1, (dF[0], 0.0, 0.0, 0.0, growth, 0.0, 0.0, 0.0, growth)
-
-
-for _analysis in FIXED_WIDTH:
 
     @store_lateral.register(_analysis)
     def _(analysis: Any, F: Any, p: Any, F1: Any) -> Any:
@@ -361,6 +348,26 @@ for _analysis in (PlaneStress, UniaxialStress):
     @frees_width.register(_analysis)
     def _(analysis: Any) -> Any:
         return True
+
+
+@close_gradient.register(PlaneStress)
+def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
+    return widened(F, dF, thickness_stretch(m, F, dF, H, p, dt), False)
+
+
+@close_gradient.register(UniaxialStress)
+def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
+    return widened(F, dF, lateral_stretch(m, F, dF, H, p, dt), True)
+
+
+@close_stress.register(PlaneStress)
+def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
+    return free_stress(m, F, dF, H, p, dt, False)
+
+
+@close_stress.register(UniaxialStress)
+def _(analysis: Any, F: Any, dF: Any, m: Any, H: Any, p: Any, dt: Any) -> Any:
+    return free_stress(m, F, dF, H, p, dt, True)
 
 
 @lateral_growth.register(PlaneStress)

@@ -14,6 +14,7 @@ from mpmcli.materials.base import (
     needs_increment,
 )
 from mpmcli.materials.lateral import (
+    free_stress,
     lateral_stress,
     lateral_stretch,
     search_lateral,
@@ -21,6 +22,7 @@ from mpmcli.materials.lateral import (
     share_nothing,
     shared_by_trials,
     stress_of_law,
+    stress_of_stretch,
     thickness_stretch,
 )
 
@@ -75,6 +77,7 @@ def with_defaults(parameters: Parameters) -> Parameters:
     needs_increment.register(parameters)(no)
     thickness_stretch.register(parameters)(search_thickness)
     lateral_stretch.register(parameters)(search_lateral)
+    free_stress.register(parameters)(stress_of_stretch)
     shared_by_trials.register(parameters)(share_nothing)
     lateral_stress.register(parameters)(stress_of_law)
     return parameters

@@ -6,7 +6,7 @@ import math
 from typing import Any, Literal, NamedTuple
 
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.exponentials import exponential_symmetric
+from mpmcli.core.exponentials import exponential, exponential_symmetric, log_symmetric
 from mpmcli.materials.base import MATERIALS, kirchhoff_stress
 from mpmcli.materials.friction_angle import (
     FrictionalModel,
@@ -19,11 +19,19 @@ from mpmcli.materials.hencky import (
     hencky_plastic,
     keep_plastic,
     keep_tensor,
+    split_logarithm,
     split_strain,
-    trial_strain,
     trial_tensor,
 )
-from mpmcli.materials.lateral import lateral_stress, shared_by_trials
+from mpmcli.materials.lateral import (
+    add_laterally,
+    free_stress,
+    lateral_stress,
+    search_strain,
+    shared_by_trials,
+    stretch_tensor,
+    widened,
+)
 
 MATCHES = {"outer": 0, "inner": 1, "plane_strain": 2}
 """Number of each match, as the functions take it."""
@@ -67,53 +75,100 @@ def cone_of(match: int, s: float, d: float) -> Any:
 
 
 @inline
-def return_to_surface(m: Any, alpha: float, trial: float, mean: float) -> Any:
-    """√J₂ and mean stress at the plastic strain ``alpha``, from their trial values."""
+def surface_at(m: Any, alpha: float) -> Any:
+    """B and slope A of the cone, the return of √J₂ and mean stress over the excess, and the tensile strength.
+
+    At the plastic strain ``alpha``.
+    """
     c, s, d, limit = strength_at(m, alpha)
     A, a, r = cone_of(m.match, s, d)
-    B = r * c * math.sqrt(1.0 - s * s)
+    g = 1.0 / (m.shear + m.bulk * A * a)
+    return r * c * math.sqrt(1.0 - s * s), A, m.shear * g, m.bulk * a * g, limit
+
+
+@inline
+def return_to_surface(m: Any, surface: Any, trial: float, mean: float, more: float, rise: float) -> Any:
+    """√J₂ and mean stress from their trial values, and what they grow by while these grow by ``more`` and ``rise``."""
+    B, A, down, back, limit = surface
+    shear, normal, grows = trial, mean, more
     # where the trial state is inside the cone, nothing is taken away
-    g = max(0.0, trial + A * mean - B) / (m.shear + m.bulk * A * a)
-    shear, normal = max(0.0, trial - m.shear * g), mean - m.bulk * a * g
+    excess = trial + A * mean - B
+    if excess > 0.0:
+        change = more + A * rise
+        shear, grows = trial - down * excess, more - down * change
+        normal, rise = mean - back * excess, rise - back * change
+        if shear < 0.0:
+            shear, grows = 0.0, 0.0
     if normal > limit:
-        normal, shear = limit, min(trial, max(0.0, B - A * limit))
-    return shear, normal
+        shear, normal, grows, rise = max(0.0, B - A * limit), limit, 0.0, 0.0
+        if shear > trial:
+            shear, grows = trial, more
+    return shear, normal, grows, rise
+
+
+@inline
+def settled_stress(m: Any, surface: Any, b: Any, trace: float, e: Any, H: Any, p: Any, commit: Any) -> Any:
+    """Kirchhoff stress of a trial state with the tensor b, and with trace and deviator of ½ ln b."""
+    K, G = m.bulk, m.shear
+    trial, mean = G * math.sqrt(2.0 * double_contraction(e)), K * trace
+    shear, normal, _, _ = return_to_surface(m, surface, trial, mean, 0.0, 0.0)
+    scale = shear / trial if shear < trial else 1.0
+    if commit:
+        strain, work = 0.0, 0.0
+        if shear < trial or normal < mean:
+            strain = (trial - shear) / (math.sqrt(3.0) * G)
+            work = shear * (trial - shear) / G + normal * (mean - normal) / K
+            third = normal / (3.0 * K)
+            b = exponential_symmetric(
+                (
+                    2.0 * (scale * e[0] + third), 2.0 * (scale * e[1] + third), 2.0 * (scale * e[2] + third),
+                    2.0 * scale * e[3], 2.0 * scale * e[4], 2.0 * scale * e[5],
+                )
+            )  # fmt: skip
+        keep_plastic(H, p, strain, work)
+        keep_tensor(m, H, p, b)
+    g = 2.0 * G * scale
+    return normal + g * e[0], normal + g * e[1], normal + g * e[2], g * e[3], g * e[4], g * e[5]
 
 
 for _Prager in PRAGER.values():
-    shared_by_trials.register(_Prager)(trial_strain)
-
-    @lateral_stress.register(_Prager)
-    def _(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, x: Any, both: Any) -> Any:
-        xx, yy, zz, xy, _, _ = shared
-        zz, yy = zz + 2.0 * x, yy + 2.0 * x if both else yy
-        third = (xx + yy + zz) / 3.0
-        a, b, c = xx - third, yy - third, zz - third
-        trial = m.shear * math.sqrt(0.5 * (a * a + b * b + c * c) + xy * xy)
-        shear, normal = return_to_surface(m, H[STRAIN, p], trial, 1.5 * m.bulk * third)
-        return normal + m.shear * (shear / trial if shear < trial else 1.0) * c
 
     @kirchhoff_stress.register(_Prager)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
         b = trial_tensor(m, dF, H, p)
         trace, e = split_strain(b)
-        K, G = m.bulk, m.shear
-        trial, mean = G * math.sqrt(2.0 * double_contraction(e)), K * trace
-        shear, normal = return_to_surface(m, H[STRAIN, p], trial, mean)
-        scale = shear / trial if shear < trial else 1.0
-        if commit:
-            strain, work = 0.0, 0.0
-            if shear < trial or normal < mean:
-                strain = (trial - shear) / (math.sqrt(3.0) * G)
-                work = shear * (trial - shear) / G + normal * (mean - normal) / K
-                third = normal / (3.0 * K)
-                b = exponential_symmetric(
-                    (
-                        2.0 * (scale * e[0] + third), 2.0 * (scale * e[1] + third), 2.0 * (scale * e[2] + third),
-                        2.0 * scale * e[3], 2.0 * scale * e[4], 2.0 * scale * e[5],
-                    )
-                )  # fmt: skip
-            keep_plastic(H, p, strain, work)
-            keep_tensor(m, H, p, b)
-        g = 2.0 * G * scale
-        return normal + g * e[0], normal + g * e[1], normal + g * e[2], g * e[3], g * e[4], g * e[5]
+        return settled_stress(m, surface_at(m, H[STRAIN, p]), b, trace, e, H, p, commit)
+
+    @shared_by_trials.register(_Prager)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+        b = trial_tensor(m, dF, H, p)
+        return b, log_symmetric(b), surface_at(m, H[STRAIN, p])
+
+    @lateral_stress.register(_Prager)
+    def _(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, x: Any, both: Any) -> Any:
+        _, e, surface = shared
+        xx, yy, zz, xy, _, _ = add_laterally(e, 2.0 * x, both)
+        G, free, third = m.shear, 2.0 if both else 1.0, (xx + yy + zz) * (1.0 / 3.0)
+        a, b, c = xx - third, yy - third, zz - third
+        trial = G * math.sqrt(0.5 * (a * a + b * b + c * c) + xy * xy)
+        inverse = 1.0 / max(trial, 1e-300)
+        more = G * G * (b + c if both else c) * inverse
+        shear, normal, grows, rise = return_to_surface(
+            m, surface, trial, 1.5 * m.bulk * third, more, free * m.bulk
+        )
+        scale, bend = 1.0, 0.0
+        if shear < trial:
+            scale = shear * inverse
+            bend = (grows - scale * more) * c * inverse
+        slope = rise + G * (bend + scale * (2.0 - free * (2.0 / 3.0)))
+        return normal + G * scale * c, slope
+
+    @free_stress.register(_Prager)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) -> Any:
+        shared = shared_by_trials(m, F, dF, H, p, dt)
+        x = search_strain(m, shared, F, dF, H, p, dt, both)
+        b, e, surface = shared
+        trace, e = split_logarithm(add_laterally(e, 2.0 * x, both))
+        b = stretch_tensor(b, x, both)
+        F1, dF1 = widened(F, dF, F[8] * exponential(x), both)
+        return F1, dF1, settled_stress(m, surface, b, trace, e, H, p, True)

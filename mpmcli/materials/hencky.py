@@ -54,7 +54,12 @@ def trial_tensor(m: Any, dF: Any, H: Any, p: Any) -> Any:
 @inline
 def split_strain(b: Any) -> Any:
     """Trace of ε = ½ ln b, and its deviator, 6-tuple."""
-    e = log_symmetric(b)
+    return split_logarithm(log_symmetric(b))
+
+
+@inline
+def split_logarithm(e: Any) -> Any:
+    """The same from e = ln b."""
     mean = (e[0] + e[1] + e[2]) / 3.0
     deviator = (
         0.5 * (e[0] - mean), 0.5 * (e[1] - mean), 0.5 * (e[2] - mean), 0.5 * e[3], 0.5 * e[4], 0.5 * e[5]
@@ -99,11 +104,6 @@ def keep_plastic(H: Any, p: Any, strain: float, work: float) -> None:
     H[STRAIN, p] += strain
     H[WORK, p] += work
     H[LAST, p] = work
-
-
-def trial_strain(m: Any, dF: Any, H: Any, p: Any) -> Any:
-    """``shared_by_trials``: twice the elastic strain after an elastic step, 6-tuple."""
-    return log_symmetric(trial_tensor(m, dF, H, p))
 
 
 def hencky_plastic(name: str, fields: tuple[str, ...], module: str) -> dict[bool, Any]:

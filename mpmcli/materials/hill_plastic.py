@@ -11,20 +11,19 @@ from pydantic import Field
 
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.exponentials import exponential_symmetric, log_symmetric, logarithm
+from mpmcli.core.exponentials import logarithm
 from mpmcli.core.model import Quantity
-from mpmcli.core.tensors import determinant, multiply, multiply_commuting
+from mpmcli.core.tensors import determinant, multiply
 from mpmcli.materials.anisotropic import (
     Stiffness,
     combine,
-    double_product,
     energy_of,
     extension_of,
+    flowed,
     in_plane,
     in_space,
     push_stress,
     reduced_stiffness,
-    squared,
     strain_of,
     times_stiffness,
     wave_modulus,
@@ -52,7 +51,7 @@ from mpmcli.materials.hardening import (
     flow_stress,
 )
 from mpmcli.materials.hill_anisotropy import Hill, HillAnisotropy, Modes, modes_of
-from mpmcli.materials.lateral import thickness_stretch
+from mpmcli.materials.lateral import free_stress, thickness_stretch, widened
 from mpmcli.materials.orthotropic import OrthotropicConstants
 from mpmcli.materials.own_numbers import with_own_numbers
 
@@ -60,8 +59,6 @@ Array = np.ndarray
 
 # rows of the history after the nine of Fᵉ·R
 STRAIN, WORK, TEMPERATURE, HEAT, STIFFER = 9, 10, 11, 12, 13
-SMALL = 0.004
-"""Plastic strain of a step from which on logarithms are needed."""
 LEAST = 1e-9
 """Flow stress over the trial stress, at least."""
 
@@ -271,47 +268,6 @@ def relaxed(m: Any, E: Any, T: Any, k: float) -> Any:
 
 
 @inline
-def minus(A: Any, X: Any, s: float) -> Any:
-    """s A·(I − X) with a symmetric X."""
-    B = multiply(A, (X[0], X[3], X[5], X[3], X[1], X[4], X[5], X[4], X[2]))
-    return (
-        s * (A[0] - B[0]), s * (A[1] - B[1]), s * (A[2] - B[2]),
-        s * (A[3] - B[3]), s * (A[4] - B[4]), s * (A[5] - B[5]),
-        s * (A[6] - B[6]), s * (A[7] - B[7]), s * (A[8] - B[8]),
-    )  # fmt: skip
-
-
-@inline
-def deviator(X: Any) -> Any:
-    """dev X."""
-    mean = (X[0] + X[1] + X[2]) / 3.0
-    return X[0] - mean, X[1] - mean, X[2] - mean, X[3], X[4], X[5]
-
-
-@inline
-def flowed(m: Any, A: Any, E: Any, X: Any) -> Any:
-    """A of elastic strain E after the plastic strain X of the strain E + X, without change of volume.
-
-    A·exp(½ ln AᵀA − E) has it if both have the same axes and E is small; one correction for the rest. Where E + X is
-    small, it is taken for ½ ln AᵀA, which the correction covers too. The trace of the strain follows from the volume
-    and the shape: what it exceeds that of E by comes second.
-    """
-    if double_product(X, X) > SMALL * SMALL:
-        X = deviator(combine(0.5, log_symmetric(squared(m, A)), -1.0, E))
-        e = exponential_symmetric((-X[0], -X[1], -X[2], -X[3], -X[4], -X[5]))
-    else:
-        X = deviator(X)
-        X2 = multiply_commuting(X, X)
-        e = combine(-1.0, X, 0.5, combine(1.0, X2, -1.0 / 3.0, multiply_commuting(X, X2)))
-        e = (1.0 + e[0], 1.0 + e[1], 1.0 + e[2], e[3], e[4], e[5])
-    B = multiply(A, (e[0], e[3], e[5], e[3], e[1], e[4], e[5], e[4], e[2]))
-    Y = combine(1.0, strain_of(m, B), -1.0, E)
-    dilation = Y[0] + Y[1] + Y[2]
-    Y = deviator(Y)
-    return minus(B, Y, 1.0 + double_product(Y, Y) / 6.0), dilation
-
-
-@inline
 def returned(m: Any, E: Any, alpha: float, temperature: float, dt: float) -> Any:
     """T, k = Δα/σ̄ and σ̄ at the end of a step with the elastic trial strain E."""
     T = times_stiffness(m, E)
@@ -333,12 +289,61 @@ def gradient_in_space(m: Any, H: Any, p: Any) -> Any:
     return H[0, p], H[1, p], H[2, p], H[3, p], H[4, p], H[5, p], H[6, p], H[7, p], H[8, p]
 
 
-def plane_thickness(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
-    """Stretch of the thickness; in plane stress the numbers are those of the plane: the return needs none."""
+@inline
+def settled_stress(
+    m: Any, A: Any, E: Any, T: Any, k: float, end: float, H: Any, p: Any, dt: float, commit: Any
+) -> Any:
+    """Kirchhoff stress of A with the trial strain E, of which T and k = Δα/σ̄, σ̄ being ``end``, are ``returned``."""
+    if k > 0.0:
+        alpha, temperature = H[STRAIN, p], H[TEMPERATURE, p]
+        X = slope_of(m, T)
+        X = combine(k, X, 0.0, X)
+        A, dilation = flowed(m, A, combine(1.0, E, -1.0, X), X)
+        if commit:
+            step = k * end
+            rate = step / dt if dt > 0.0 else 0.0
+            # the pressure takes its part of what flow changes the trace of the elastic strain by
+            work = 0.5 * (min(end, flow_stress(m, alpha, rate, temperature)) + end) * step
+            work -= (T[0] + T[1] + T[2]) / 3.0 * dilation
+            H[STRAIN, p] = alpha + step
+            H[WORK, p] += work
+            H[TEMPERATURE, p] = temperature + m.heating * m.chi * work
+            H[HEAT, p] += m.chi * work
+    tau, stiffer = push_stress(m, A, T)
+    if commit:
+        H[STIFFER, p] = stiffer
+        H[0, p], H[1, p], H[2, p] = A[0], A[1], A[2]
+        H[3, p], H[4, p], H[5, p] = A[3], A[4], A[5]
+        H[6, p], H[7, p], H[8, p] = A[6], A[7], A[8]
+    return tau
+
+
+@inline
+def free_trial(m: Any, dF: Any, H: Any, p: Any, dt: float) -> Any:
+    """A with the thickness of the last step and its strain, the one across the plane, and what is ``returned``.
+
+    In plane stress the numbers are those of the plane: the return needs no thickness.
+    """
     A = multiply(dF, gradient_of(m, H, p))
-    T, k, _ = returned(m, strain_of(m, A), H[STRAIN, p], H[TEMPERATURE, p], dt)
-    e = m.thin_1 * T[0] + m.thin_2 * T[1] + k * slope_of(m, T)[2]
-    return F[8] * extension_of(e) / A[8]
+    E = strain_of(m, A)
+    T, k, end = returned(m, E, H[STRAIN, p], H[TEMPERATURE, p], dt)
+    return A, E, m.thin_1 * T[0] + m.thin_2 * T[1] + k * slope_of(m, T)[2], T, k, end
+
+
+def plane_thickness(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+    """``thickness_stretch`` of the law."""
+    A, _, across, _, _, _ = free_trial(m, dF, H, p, dt)
+    return F[8] * extension_of(across) / A[8]
+
+
+def plane_stress(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) -> Any:
+    """``free_stress`` of the law."""
+    A, E, across, T, k, end = free_trial(m, dF, H, p, dt)
+    z = extension_of(across)
+    F1, dF1 = widened(F, dF, F[8] * z / A[8], both)
+    A = (A[0], A[1], 0.0, A[3], A[4], 0.0, 0.0, 0.0, z)
+    E = (E[0], E[1], across, E[3], 0.0, 0.0)
+    return F1, dF1, settled_stress(m, A, E, T, k, end, H, p, dt, True)
 
 
 for (_law, _planar), _Hill in HILL_WITH.items():
@@ -351,34 +356,14 @@ for (_law, _planar), _Hill in HILL_WITH.items():
     reduced.register(_Hill)(reduced_in_plane if _planar else reduced_in_space)
     if _planar:
         thickness_stretch.register(_Hill)(plane_thickness)
+        free_stress.register(_Hill)(plane_stress)
 
     @kirchhoff_stress.register(_Hill)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
         A = multiply(dF, gradient_of(m, H, p))
         E = strain_of(m, A)
-        alpha, temperature = H[STRAIN, p], H[TEMPERATURE, p]
-        T, k, end = returned(m, E, alpha, temperature, dt)
-        if k > 0.0:
-            X = slope_of(m, T)
-            X = combine(k, X, 0.0, X)
-            A, dilation = flowed(m, A, combine(1.0, E, -1.0, X), X)
-            if commit:
-                step = k * end
-                rate = step / dt if dt > 0.0 else 0.0
-                # the pressure takes its part of what flow changes the trace of the elastic strain by
-                work = 0.5 * (min(end, flow_stress(m, alpha, rate, temperature)) + end) * step
-                work -= (T[0] + T[1] + T[2]) / 3.0 * dilation
-                H[STRAIN, p] = alpha + step
-                H[WORK, p] += work
-                H[TEMPERATURE, p] = temperature + m.heating * m.chi * work
-                H[HEAT, p] += m.chi * work
-        tau, stiffer = push_stress(m, A, T)
-        if commit:
-            H[STIFFER, p] = stiffer
-            H[0, p], H[1, p], H[2, p] = A[0], A[1], A[2]
-            H[3, p], H[4, p], H[5, p] = A[3], A[4], A[5]
-            H[6, p], H[7, p], H[8, p] = A[6], A[7], A[8]
-        return tau
+        T, k, end = returned(m, E, H[STRAIN, p], H[TEMPERATURE, p], dt)
+        return settled_stress(m, A, E, T, k, end, H, p, dt, commit)
 
     @absorb_work.register(_Hill)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, work: Any, viscous: Any) -> Any:

@@ -9,8 +9,9 @@ from __future__ import annotations
 from typing import Any
 
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.exponentials import exponential_1d, logarithm
+from mpmcli.core.exponentials import exponential, exponential_1d, logarithm
 from mpmcli.core.tensors import left_cauchy_green, smallest_eigenvalue_bound
+from mpmcli.materials.volumetric import volumetric_slope, volumetric_stress
 
 
 @inline
@@ -36,3 +37,25 @@ def isochoric_stiffness(shear: float, F: Any, J: float) -> float:
     g = shear * exponential_1d(-2.0 / 3.0 * logarithm(J))
     smallest = max(0.0, smallest_eigenvalue_bound(b))
     return g * (5.0 / 9.0 * (b[0] + b[1] + b[2]) - smallest / 3.0)
+
+
+@inline
+def isochoric_lateral_stress(
+    form: Any, bulk: float, J: float, b: Any, c: Any, mean: float, rate: float, x: float, both: Any
+) -> Any:
+    """τ_zz, and its derivative by x, once F_zz (and F_yy, if ``both``) are multiplied by exp x [pressure].
+
+    τ = (J U' + mean + rate·tr ε) I + dev b − dev c, where tr ε is the change of ln J, b is proportional to
+    J^(−2/3) F Fᵀ and c to its inverse; of both the diagonals at x = 0 are given.
+    """
+    t = exponential(x / 3.0)
+    s = t * t
+    free, up, down = (2.0, s, 1.0 / (s * s)) if both else (1.0, s * s, 1.0 / s)
+    J *= s * s * s if both else s * t
+    # of the dilating axes, and of the others
+    y, d = (2.0, 0.0) if both else (4.0, 1.0)
+    b_up, c_up = (2.0 * b[2] - (1.0 - d) * b[1]) / 3.0 * up, (2.0 * c[2] - (1.0 - d) * c[1]) / 3.0 / up
+    b_down, c_down = (b[0] + d * b[1]) / 3.0 * down, (c[0] + d * c[1]) / 3.0 / down
+    f = volumetric_stress(form, bulk, J) + mean + free * rate * x + b_up - b_down - c_up + c_down
+    slope = free * (volumetric_slope(form, bulk, J) + rate)
+    return f, slope + (y * (b_up + c_up) + (6.0 - y) * (b_down + c_down)) / 3.0

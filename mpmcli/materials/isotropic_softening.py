@@ -27,7 +27,14 @@ from mpmcli.materials.base import (
 )
 from mpmcli.materials.defaults import with_defaults
 from mpmcli.materials.elastic_constants import ElasticModel
-from mpmcli.materials.lateral import lateral_stretch, search_lateral, search_thickness, thickness_stretch
+from mpmcli.materials.lateral import (
+    lateral_stress,
+    lateral_stretch,
+    search_lateral,
+    search_thickness,
+    shared_by_trials,
+    thickness_stretch,
+)
 from mpmcli.materials.own_numbers import with_own_numbers
 
 BAND, NORMAL, DRIVER, DAMAGE, OPENING, DISSIPATED = 0, 3, 6, 7, 8, 9
@@ -155,7 +162,8 @@ def _(m: Any, driver: Any, band: Any) -> Any:
         change = (stress + M * opening - driver) / (M - rate * stress)
         opening -= change
         stress = m.strength * exponential_1d(-rate * opening)
-        if abs(change) <= 1e-15 * opening:
+        # the next change is of second order
+        if rate * rate * stress * change * change <= 1e-15 * opening * (M - rate * stress):
             break
     x = rate * opening
     released = (m.strength - stress) / rate if x > 1e-6 else m.strength * opening * (1.0 - 0.5 * x)
@@ -225,6 +233,29 @@ def _normal_now(R: Any, H: Any, p: Any) -> Any:
     return R[0] * x + R[1] * y + R[2] * z, R[3] * x + R[4] * y + R[5] * z, R[6] * x + R[7] * y + R[8] * z
 
 
+@inline
+def _across(R: Any, n: Any) -> Any:
+    """``n`` turned back into the undeformed material."""
+    return (
+        R[0] * n[0] + R[3] * n[1] + R[6] * n[2],
+        R[1] * n[0] + R[4] * n[1] + R[7] * n[2],
+        R[2] * n[0] + R[5] * n[1] + R[8] * n[2],
+    )
+
+
+@inline
+def _damaged(m: Any, T: Any, n: Any, N: Any, driver: Any, H: Any, p: Any) -> Any:
+    """Normal and shear traction on a crack with normal ``n``, ``N`` in the undeformed material, its driver, damage and
+    dissipation."""
+    normal, s = _traction(T, n)
+    M, opened = m.lame + 2.0 * m.shear, max(0.0, normal)
+    shear2 = s[0] * s[0] + s[1] * s[1] + s[2] * s[2]
+    driver = max(driver, math.sqrt(opened * opened + M / m.shear * shear2))
+    x, y, z = N[0] * H[BAND, p], N[1] * H[BAND + 1, p], N[2] * H[BAND + 2, p]
+    opening, dissipated = largest_opening(m, driver, math.sqrt(x * x + y * y + z * z))
+    return normal, s, driver, M * opening / driver, dissipated
+
+
 for _Softening in (LinearSoftening, ExponentialSoftening):
 
     @kirchhoff_stress.register(_Softening)
@@ -237,29 +268,42 @@ for _Softening in (LinearSoftening, ExponentialSoftening):
             largest, n = _largest_axis(T)
             if largest <= m.strength:
                 return T
-            R = _rotation(F, e)
-            x = R[0] * n[0] + R[3] * n[1] + R[6] * n[2]
-            y = R[1] * n[0] + R[4] * n[1] + R[7] * n[2]
-            z = R[2] * n[0] + R[5] * n[1] + R[8] * n[2]
+            N = _across(_rotation(F, e), n)
             driver = m.strength
             if commit:
-                H[NORMAL, p], H[NORMAL + 1, p], H[NORMAL + 2, p] = x, y, z
+                H[NORMAL, p], H[NORMAL + 1, p], H[NORMAL + 2, p] = N
         else:
             n = _normal_now(_rotation(F, e), H, p)
-            x, y, z = H[NORMAL, p], H[NORMAL + 1, p], H[NORMAL + 2, p]
-        normal, s = _traction(T, n)
-        M = m.lame + 2.0 * m.shear
-        opened, shear2 = max(0.0, normal), s[0] * s[0] + s[1] * s[1] + s[2] * s[2]
-        driver = max(driver, math.sqrt(opened * opened + M / m.shear * shear2))
-        x, y, z = x * H[BAND, p], y * H[BAND + 1, p], z * H[BAND + 2, p]
-        opening, dissipated = largest_opening(m, driver, math.sqrt(x * x + y * y + z * z))
-        damage = M * opening / driver
+            N = (H[NORMAL, p], H[NORMAL + 1, p], H[NORMAL + 2, p])
+        normal, s, driver, damage, dissipated = _damaged(m, T, n, N, driver, H, p)
         if commit:
             H[DRIVER, p] = driver
             H[DAMAGE, p] = damage
-            H[OPENING, p] = damage * opened / M
+            H[OPENING, p] = damage * max(0.0, normal) / (m.lame + 2.0 * m.shear)
             H[DISSIPATED, p] = dissipated
         return _relieved(m, T, n, normal, s, damage)
+
+    @shared_by_trials.register(_Softening)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+        # a stretch across the plane does not turn anything
+        e, T = _elastic(m, F)
+        R = _rotation(F, e)
+        return T, R, _normal_now(R, H, p)
+
+    @lateral_stress.register(_Softening)
+    def _(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, x: Any, both: Any) -> Any:
+        T, R, n = shared
+        a, b = (2.0 if both else 1.0) * m.lame * x, 2.0 * m.shear * x
+        T = (T[0] + a, T[1] + (a + b if both else a), T[2] + a + b, T[3], T[4], T[5])
+        driver = H[DRIVER, p]
+        N = (H[NORMAL, p], H[NORMAL + 1, p], H[NORMAL + 2, p])
+        if driver == 0.0:
+            largest, n = _largest_axis(T)
+            if largest <= m.strength:
+                return T[2], (2.0 if both else 1.0) * m.lame + 2.0 * m.shear
+            N, driver = _across(R, n), m.strength
+        normal, s, _, damage, _ = _damaged(m, T, n, N, driver, H, p)
+        return _relieved(m, T, n, normal, s, damage)[2], 0.0
 
     @strain_energy.register(_Softening)
     def _(m: Any, F: Any, H: Any, p: Any) -> Any:

@@ -7,7 +7,6 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import model_validator
 
-from mpmcli.core.compiled.compiler import called_too
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential, exponential_symmetric, log_symmetric, logarithm
 from mpmcli.core.model import Quantity
@@ -29,8 +28,18 @@ from mpmcli.materials.hardening import (
     flow_stress,
     stiffness_ratio,
 )
-from mpmcli.materials.hencky import elastic_tensor, keep_tensor, trial_tensor
-from mpmcli.materials.lateral import lateral_stretch, search_lateral, search_thickness, thickness_stretch
+from mpmcli.materials.hencky import double_contraction, elastic_tensor, keep_tensor, trial_tensor
+from mpmcli.materials.lateral import (
+    add_laterally,
+    free_stress,
+    lateral_stretch,
+    search_lateral,
+    search_thickness,
+    stress_of_stretch,
+    stretch_tensor,
+    thickness_stretch,
+    widened,
+)
 from mpmcli.materials.planar import in_space_and_plane
 
 # rows of the history array after the six of the elastic strain
@@ -153,45 +162,135 @@ def plastic_increment(
     return step
 
 
-@called_too
-def free_strain(
-    m: Any, xx: float, yy: float, xy: float, free: float, alpha: float, T: float, dt: float
-) -> float:
-    """Logarithmic strain ε along the axes without stress, where the trial strain in the others is xx, yy and xy.
+@inline
+def free_increment(
+    m: Any, a: float, b: float, k: float, h: float, ratio: float, start: Any, step: float, alpha: float, T: float,
+    dt: float,
+) -> Any:  # fmt: skip
+    """Δα > 0 with (a/(Y + kΔα))² + (b/(Y + hΔα))² = 1, and Y, which is ``ratio`` times ``flow``.
 
-    ``free`` is the number of such axes, z or y and z; then yy is 0. Newton's method for the factor r that takes the
-    deviator back to Y: K tr ε + 2Gr dev ε is 0 along the free axes, and ε is a fraction of xx + yy that depends on r.
+    Chebyshev's method from ``step`` on for 1/√ of the left side, which is linear in Δα where a or b is 0 and Y is
+    linear. As in ``plastic_increment`` the curvature of Y is taken as that of a logarithm. ``start`` is the flow of
+    ``step``; k is at most h.
     """
-    K, g, stiffness = m.bulk, 2.0 / 3.0 * m.shear, 3.0 * m.shear
+    low, high = 0.0, (a + b) / k
     rate = 1.0 / dt if dt > 0.0 else 0.0
-    s, squares = xx + yy, xx * xx + yy * yy + 2.0 * xy * xy
-    low, high, r = 0.0, 1.0, 1.0
-    Y, slope = flow(m, alpha, 0.0, T, dt)
+    Y, slope = ratio * start[0], ratio * start[1]
     for _ in range(60):
-        resists = free * K + (3.0 - free) * g * r
-        strain = -s * (K - g * r) / resists
-        trace, turn = s + free * strain, (3.0 - free) * strain - s
-        trial = math.sqrt(3.0 * stiffness * g * (squares + free * strain * strain - trace * trace / 3.0))
-        if r == 1.0 and trial <= Y:
+        y, z = 1.0 / (Y + k * step), 1.0 / (Y + h * step)
+        u, v, f, g = a * a * y * y, b * b * z * z, (slope + k) * y, (slope + h) * z
+        square, fall = u + v, u * f + v * g
+        excess = math.sqrt(square) - 1.0
+        if abs(excess) <= 1e-13:
             break
-        change = 3.0 * K * g * s / (resists * resists)
-        change *= stiffness * g * free * turn / trial
-        step = (1.0 - r) * trial / stiffness
-        if r < 1.0:
-            Y, slope = flow(m, alpha + step, step * rate, T, dt)
-        excess = r * trial - Y
         if excess > 0.0:
-            high = r
+            low = step
         else:
-            low = r
-        less = excess / (trial + r * change + slope / stiffness * (trial - (1.0 - r) * change))
-        is_last = abs(less) <= 1e-7 * (1.0 - r) or abs(excess) <= 1e-14 * trial
-        r -= less
-        if is_last:
-            return -s * (K - g * r) / (free * K + (3.0 - free) * g * r)
-        if r <= low or r >= high:
-            r = 0.5 * (low + high)
-    return strain
+            high = step
+        change = square * excess / fall
+        bend = 3.0 * u * v * (f - g) * (f - g) / (square * fall)
+        limit, is_last = abs(change), False
+        if step > 0.0:
+            bend += slope * (u * y + v * z) / (step * fall)
+            limit = min(limit, step)
+            is_last = abs(excess) <= 1e-5 and slope * change * change * z <= 1e-13 * step
+        step += change + 0.5 * bend * change * min(limit, max(-limit, change))
+        if step >= high if excess > 0.0 else step <= low:
+            step = 0.5 * (low + high)
+        elif is_last:
+            Y += slope * change
+            break
+        Y, slope = flow(m, alpha + step, step * rate, T, dt)
+        Y, slope = ratio * Y, ratio * slope
+    return step, Y
+
+
+@inline
+def free_strain(m: Any, e: Any, both: Any, alpha: float, T: float, dt: float) -> Any:
+    """Logarithmic strain along the axes without stress, z or y and z, the plastic increment, and whether it is found.
+
+    ``e`` is twice the trial strain with the stretches of the last step along these axes. Hooke's law of plane or
+    uniaxial stress gives sum and difference of the stresses along the others. Where the moduli change with the volume,
+    the strain is found in rounds, each closer by a factor of about the elastic strain.
+    """
+    free, stiffness = (2.0, 1.0) if both else (1.0, 4.0)
+    trace = 0.5 * e[0] if both else 0.5 * (e[0] + e[1])
+    shape = 0.0 if both else 0.75 * (e[0] - e[1]) * (e[0] - e[1]) + 3.0 * e[3] * e[3]
+    begin = flow(m, alpha, 0.0, T, dt)
+    start, step, strain, change = begin, 0.0, 0.5 * e[2], 1e-6
+    ratio, shift, K = 1.0, 0.0, 3.0 * m.bulk
+    for _ in range(20):
+        if changes_stiffness(m):
+            ratio, slope = stiffness_ratio(m, m.bulk, trace + free * strain, T)
+        G, s = ratio * m.shear, trace + (3.0 - free) / 3.0 * shift
+        below = 1.0 / (K + stiffness * G)
+        k, elastic = 3.0 * K * G * below, (K - 2.0 * G) / free * below
+        a, b = k * abs(s), G * math.sqrt(shape)
+        stress, found = math.sqrt(a * a + b * b), -s * elastic
+        if stress > ratio * begin[0]:
+            step, stress = free_increment(m, a, b, k, 3.0 * G, ratio, start, step, alpha, T, dt)
+            found = -s * (elastic * stress + k / free * step) / (stress + k * step)
+        else:
+            step = 0.0
+        if not changes_stiffness(m):
+            return found, step, True
+        found -= shift / 3.0
+        last, change, strain = change, abs(found - strain), found
+        if change * change <= 1e-14 * last:
+            return found, step, True
+        # the mean stress that follows from the change of G, as a strain of volume
+        shift = 0.5 * slope * stress * stress / (max(ratio * ratio, 1e-300) * m.shear * K)
+        start = flow(m, alpha + step, step / dt if dt > 0.0 else 0.0, T, dt)
+    return strain, step, False
+
+
+@inline
+def split(m: Any, e: Any) -> Any:
+    """A third of tr e, dev e, and √(3/2)|G dev e|: the equivalent trial stress, where e is twice the trial strain."""
+    mean = (e[0] + e[1] + e[2]) / 3.0
+    d = (e[0] - mean, e[1] - mean, e[2] - mean, e[3], e[4], e[5])
+    return mean, d, m.shear * math.sqrt(1.5 * double_contraction(d))
+
+
+@inline
+def stress_of_step(
+    m: Any, b: Any, mean: float, d: Any, trial: float, step: float, H: Any, p: Any, dt: float, commit: Any
+) -> Any:
+    """Kirchhoff stress after the plastic increment ``step`` of a trial state with the tensor b and ``split`` ln b."""
+    xx, yy, zz, xy, yz, xz = d
+    G, alpha, T = m.shear, H[STRAIN, p], H[TEMPERATURE, p]
+    ratio, slope = stiffness_ratio(m, m.bulk, 1.5 * mean, T) if changes_stiffness(m) else (1.0, 0.0)
+    if step > 0.0:
+        r = 1.0 - 3.0 * G * step / trial
+        xx, yy, zz, xy, yz, xz = r * xx, r * yy, r * zz, r * xy, r * yz, r * xz
+        if commit:
+            b = exponential_symmetric((xx + mean, yy + mean, zz + mean, xy, yz, xz))
+            rate = step / dt if dt > 0.0 else 0.0
+            end = trial - 3.0 * G * step
+            work = 0.5 * (min(end, flow_stress(m, alpha, rate, T)) + end) * step
+            if changes_stiffness(m):
+                work *= ratio
+            H[STRAIN, p] = alpha + step
+            H[WORK, p] += work
+            H[TEMPERATURE, p] = T + m.heating * m.chi * work
+            H[HEAT, p] += m.chi * work
+    if commit:
+        keep_tensor(m, H, p, b)
+    mean *= 1.5 * m.bulk
+    if changes_stiffness(m):
+        # the modulus depends on J, and so does the energy of the shape
+        mean += 0.25 * G * slope * double_contraction((xx, yy, zz, xy, yz, xz))
+        G *= ratio
+    return mean + G * xx, mean + G * yy, mean + G * zz, G * xy, G * yz, G * xz
+
+
+@inline
+def free_trial(m: Any, dF: Any, H: Any, p: Any, dt: float, both: Any) -> Any:
+    """b and ln b after an elastic step, half of what ln b lacks along the axes without stress, and ``free_strain``."""
+    b = trial_tensor(m, dF, H, p)
+    e = log_symmetric(b)
+    strain, step, is_found = free_strain(m, e, both, H[STRAIN, p], H[TEMPERATURE, p], dt)
+    return b, e, strain - 0.5 * e[2], step, is_found
 
 
 for (_law, _), _J2 in J2_WITH.items():
@@ -202,57 +301,33 @@ for (_law, _), _J2 in J2_WITH.items():
     @kirchhoff_stress.register(_J2)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
         b = trial_tensor(m, dF, H, p)
-        e = log_symmetric(b)
-        mean = (e[0] + e[1] + e[2]) / 3.0
         # τ = G·(twice the elastic strain)
-        xx, yy, zz, xy, yz, xz = e[0] - mean, e[1] - mean, e[2] - mean, e[3], e[4], e[5]
-        G = m.shear
-        trial = G * math.sqrt(1.5 * (xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + yz * yz + xz * xz)))
+        mean, d, trial = split(m, log_symmetric(b))
         alpha, T = H[STRAIN, p], H[TEMPERATURE, p]
-        ratio, slope = stiffness_ratio(m, m.bulk, 1.5 * mean, T) if changes_stiffness(m) else (1.0, 0.0)
-        start = flow(m, alpha, 0.0, T, dt)
+        start, step = flow(m, alpha, 0.0, T, dt), 0.0
         if trial > start[0]:
-            step = plastic_increment(m, trial, 3.0 * G, start, alpha, T, dt)
-            r = 1.0 - 3.0 * G * step / trial
-            xx, yy, zz, xy, yz, xz = r * xx, r * yy, r * zz, r * xy, r * yz, r * xz
-            if commit:
-                b = exponential_symmetric((xx + mean, yy + mean, zz + mean, xy, yz, xz))
-                rate = step / dt if dt > 0.0 else 0.0
-                end = trial - 3.0 * G * step
-                work = 0.5 * (min(end, flow_stress(m, alpha, rate, T)) + end) * step
-                if changes_stiffness(m):
-                    work *= ratio
-                H[STRAIN, p] = alpha + step
-                H[WORK, p] += work
-                H[TEMPERATURE, p] = T + m.heating * m.chi * work
-                H[HEAT, p] += m.chi * work
-        if commit:
-            keep_tensor(m, H, p, b)
-        mean *= 1.5 * m.bulk
-        if changes_stiffness(m):
-            # the modulus depends on J, and so does the energy of the shape
-            squares = xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + yz * yz + xz * xz)
-            mean += 0.25 * G * slope * squares
-            G *= ratio
-        return mean + G * xx, mean + G * yy, mean + G * zz, G * xy, G * yz, G * xz
+            step = plastic_increment(m, trial, 3.0 * m.shear, start, alpha, T, dt)
+        return stress_of_step(m, b, mean, d, trial, step, H, p, dt, commit)
+
+    @free_stress.register(_J2)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) -> Any:
+        b, e, x, step, is_found = free_trial(m, dF, H, p, dt, both)
+        if not is_found:
+            return stress_of_stretch(m, F, dF, H, p, dt, both)
+        F1, dF1 = widened(F, dF, F[8] * exponential(x), both)
+        mean, d, trial = split(m, add_laterally(e, 2.0 * x, both))
+        b = stretch_tensor(b, x, both)
+        return F1, dF1, stress_of_step(m, b, mean, d, trial, step, H, p, dt, True)
 
     @thickness_stretch.register(_J2)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
-        if changes_stiffness(m):
-            return search_thickness(m, F, dF, H, p, dt)
-        e = log_symmetric(trial_tensor(m, dF, H, p))
-        strain = free_strain(
-            m, 0.5 * e[0], 0.5 * e[1], 0.5 * e[3], 1.0, H[STRAIN, p], H[TEMPERATURE, p], dt
-        )  # fmt: skip
-        return F[8] * exponential(strain - 0.5 * e[2])
+        _, _, x, _, is_found = free_trial(m, dF, H, p, dt, False)
+        return F[8] * exponential(x) if is_found else search_thickness(m, F, dF, H, p, dt)
 
     @lateral_stretch.register(_J2)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
-        if changes_stiffness(m):
-            return search_lateral(m, F, dF, H, p, dt)
-        e = log_symmetric(trial_tensor(m, dF, H, p))
-        strain = free_strain(m, 0.5 * e[0], 0.0, 0.0, 2.0, H[STRAIN, p], H[TEMPERATURE, p], dt)
-        return F[8] * exponential(strain - 0.5 * e[2])
+        _, _, x, _, is_found = free_trial(m, dF, H, p, dt, True)
+        return F[8] * exponential(x) if is_found else search_lateral(m, F, dF, H, p, dt)
 
     @absorb_work.register(_J2)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, work: Any, viscous: Any) -> Any:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from mpmcli.core.compiled.compiler import called_too
+from mpmcli.core.compiled.compiler import called_too, compiled_too
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential
@@ -26,16 +26,24 @@ def lateral_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
 
 
 @generic
-def shared_by_trials(m: Any, dF: Any, H: Any, p: Any) -> Any:
+def free_stress(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) -> Any:
+    """(F, dF) completed by the F_zz (= F_yy, if ``both``) without lateral stress, and the stress of the step's end.
+
+    The history becomes that of the end, too.
+    """
+
+
+@generic
+def shared_by_trials(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
     """What the trials of a search have in common, for ``lateral_stress``."""
 
 
 @generic
 def lateral_stress(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, x: Any, both: Any) -> Any:
-    """τ_zz once F_zz (and F_yy, if ``both``) are multiplied by exp x."""
+    """τ_zz once F_zz (and F_yy, if ``both``) are multiplied by exp x, and its derivative by x, or 0: not known."""
 
 
-def share_nothing(m: Any, dF: Any, H: Any, p: Any) -> Any:
+def share_nothing(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
     """Every trial evaluates the whole law."""
     return 0.0
 
@@ -44,7 +52,25 @@ def stress_of_law(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any,
     """τ_zz of ``kirchhoff_stress``."""
     z = exponential(x)
     y = z if both else 1.0
-    return kirchhoff_stress(m, stretch_laterally(F, y, z), stretch_laterally(dF, y, z), H, p, dt, False)[2]
+    T = kirchhoff_stress(m, stretch_laterally(F, y, z), stretch_laterally(dF, y, z), H, p, dt, False)
+    return T[2], 0.0
+
+
+@compiled_too
+def stress_of_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) -> Any:
+    """``free_stress`` by the stretch, then the stress."""
+    z = lateral_stretch(m, F, dF, H, p, dt) if both else thickness_stretch(m, F, dF, H, p, dt)
+    F1, dF1 = widened(F, dF, z, both)
+    return F1, dF1, kirchhoff_stress(m, F1, dF1, H, p, dt, True)
+
+
+@inline
+def widened(F: Any, dF: Any, z: float, both: Any) -> Any:
+    """The pair (F, dF) once F_zz is z, and F_yy, if ``both``."""
+    growth = dF[8] * (z / F[8])
+    y, w = (z, growth) if both else (F[4], dF[4])
+    F1 = (F[0], F[1], 0.0, F[3], y, 0.0, 0.0, 0.0, z)
+    return F1, (dF[0], dF[1], 0.0, dF[3], w, 0.0, 0.0, 0.0, growth)
 
 
 @inline
@@ -54,26 +80,27 @@ def stretch_laterally(F: Any, y: float, z: float) -> Any:
 
 
 @called_too
-def search_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) -> Any:
-    """F_zz (and F_yy, if ``both``) for which τ_zz = 0: a bracketed secant search in its logarithm.
+def search_strain(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) -> Any:
+    """x for which τ_zz = 0 once F_zz (and F_yy, if ``both``) are multiplied by exp x: Newton's method, bracketed.
 
-    The second trial is as far from the first as the strain of the step. The search ends with a change below 1e-9, whose
-    own error is of second order.
+    Where the law does not know the slope of τ_zz, that of the secant takes its place, and the second trial is as far
+    from the first as the strain of the step. The search ends with a change below 1e-9, whose own error is of second
+    order, or sooner where the last two changes show that Newton's next one would be below 1e-12.
     """
     low, high = -20.0, 20.0
     size = max(abs(dF[0] - 1.0), abs(dF[4] - 1.0), abs(dF[1]), abs(dF[3]))
     size = min(size, 1e-3) if size > 1e-7 else 1e-3
-    x0, f0 = 0.0, 0.0
-    x = 0.0
-    shared = shared_by_trials(m, dF, H, p)
+    x0, f0, x, change = 0.0, 0.0, 0.0, 0.0
     for trial in range(80):
-        f = lateral_stress(m, shared, F, dF, H, p, dt, x, both)
+        f, slope = lateral_stress(m, shared, F, dF, H, p, dt, x, both)
         if f > 0.0:
             high = min(high, x)
         else:
             low = max(low, x)
         rise = (f - f0) * (x - x0)
-        if trial == 0:
+        if slope > 0.0:
+            step = -f / slope
+        elif trial == 0:
             step = size if f < 0.0 else -size
         elif rise > 0.0:
             step = -f * (x - x0) * (x - x0) / rise
@@ -85,9 +112,32 @@ def search_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) 
         x += min(0.5, max(-0.5, step))
         if x < low - 1e-12 or x > high + 1e-12:
             x = 0.5 * (low + high)
-        if abs(x - x0) < 1e-9:
+        last, change = change, abs(x - x0)
+        if change < 1e-9:
             break
-    return F[8] * exponential(x)
+        if slope > 0.0 and change < 1e-6 and change * change * change <= 1e-12 * last * last:
+            break
+    return x
+
+
+@compiled_too
+def search_stretch(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) -> Any:
+    """F_zz (and F_yy, if ``both``) for which τ_zz = 0."""
+    shared = shared_by_trials(m, F, dF, H, p, dt)
+    return F[8] * exponential(search_strain(m, shared, F, dF, H, p, dt, both))
+
+
+@inline
+def stretch_tensor(b: Any, x: float, both: Any) -> Any:
+    """b = F·Fᵀ once F_zz (and F_yy, if ``both``) are multiplied by exp x."""
+    square = exponential(2.0 * x)
+    return b[0], b[1] * square if both else b[1], b[2] * square, b[3], b[4], b[5]
+
+
+@inline
+def add_laterally(e: Any, x: float, both: Any) -> Any:
+    """``e`` with x added to the component zz (and yy, if ``both``)."""
+    return e[0], e[1] + x if both else e[1], e[2] + x, e[3], e[4], e[5]
 
 
 @called_too

@@ -26,6 +26,8 @@ from mpmcli.materials.base import (
 )
 from mpmcli.materials.defaults import with_defaults
 from mpmcli.materials.elastic_constants import lateral_factor, wave_modulus
+from mpmcli.materials.isochoric import isochoric_lateral_stress
+from mpmcli.materials.lateral import lateral_stress, shared_by_trials
 from mpmcli.materials.own_numbers import with_own_numbers
 from mpmcli.materials.volumetric import (
     FORMS,
@@ -139,6 +141,19 @@ def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
         G1 * b[4] - G2 * c[4],
         G1 * b[5] - G2 * c[5],
     )
+
+
+@shared_by_trials.register(RubberNumbers)
+def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+    J = determinant(F)
+    b, c = isochoric_tensors(F, J)
+    return J, (m.G1 * b[0], m.G1 * b[1], m.G1 * b[2]), (m.G2 * c[0], m.G2 * c[1], m.G2 * c[2])
+
+
+@lateral_stress.register(RubberNumbers)
+def _(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, x: Any, both: Any) -> Any:
+    J, b, c = shared
+    return isochoric_lateral_stress(m.form, m.bulk, J, b, c, 0.0, 0.0, x, both)
 
 
 @strain_energy.register(RubberNumbers)

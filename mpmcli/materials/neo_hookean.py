@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, ClassVar, Literal, NamedTuple
 
-from mpmcli.core.exponentials import logarithm
+from mpmcli.core.exponentials import exponential_1d, logarithm
 from mpmcli.core.tensors import determinant, largest_eigenvalue_bound, left_cauchy_green
 from mpmcli.materials.base import (
     MATERIALS,
@@ -17,8 +17,20 @@ from mpmcli.materials.base import (
 )
 from mpmcli.materials.defaults import with_defaults
 from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
-from mpmcli.materials.isochoric import isochoric_energy, isochoric_stiffness, isochoric_stress
-from mpmcli.materials.lateral import lateral_stretch, search_lateral, search_thickness, thickness_stretch
+from mpmcli.materials.isochoric import (
+    isochoric_energy,
+    isochoric_lateral_stress,
+    isochoric_stiffness,
+    isochoric_stress,
+)
+from mpmcli.materials.lateral import (
+    lateral_stress,
+    lateral_stretch,
+    search_lateral,
+    search_thickness,
+    shared_by_trials,
+    thickness_stretch,
+)
 from mpmcli.materials.own_numbers import with_own_numbers
 from mpmcli.materials.volumetric import (
     FORMS,
@@ -169,6 +181,19 @@ def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
     s = isochoric_stress(m.shear, F, J)
     mean = volumetric_stress(m.form, m.modulus, J)
     return mean + s[0], mean + s[1], mean + s[2], s[3], s[4], s[5]
+
+
+@shared_by_trials.register(IsochoricNeoHookean)
+def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+    b, J = left_cauchy_green(F), determinant(F)
+    g = m.shear * exponential_1d(-2.0 / 3.0 * logarithm(J))
+    return J, (g * b[0], g * b[1], g * b[2])
+
+
+@lateral_stress.register(IsochoricNeoHookean)
+def _(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, x: Any, both: Any) -> Any:
+    J, b = shared
+    return isochoric_lateral_stress(m.form, m.modulus, J, b, (0.0, 0.0, 0.0), 0.0, 0.0, x, both)
 
 
 @strain_energy.register(IsochoricNeoHookean)

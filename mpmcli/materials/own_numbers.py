@@ -25,7 +25,7 @@ from mpmcli.materials.base import (
     strain_energy,
     wave_speed_squared,
 )
-from mpmcli.materials.lateral import lateral_stretch, thickness_stretch
+from mpmcli.materials.lateral import free_stress, lateral_stretch, thickness_stretch
 
 Parameters = TypeVar("Parameters", bound=type)
 
@@ -84,6 +84,10 @@ def with_own_numbers(law: Parameters) -> Parameters:
     @lateral_stretch.register(twin)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
         return lateral_stretch(own(m, H, p), F, dF, H, p, dt)
+
+    @free_stress.register(twin)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) -> Any:
+        return free_stress(own(m, H, p), F, dF, H, p, dt, both)
 
     @strain_energy.register(twin)
     def _(m: Any, F: Any, H: Any, p: Any) -> Any:

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from mpmcli.core.compiled.dispatch import generic
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import logarithm_1p
 from mpmcli.core.tensors import eigen_symmetric
 
@@ -52,16 +53,26 @@ def tensor_of_space(m: Any, v: Any, axes: Any) -> Any:
     )
 
 
-def strains_in_plane(m: Any, b: Any) -> Any:
-    """``principal_strains``; of the axes, cosine and sine of twice the angle from x, and whether z is first or last."""
-    xx, yy, zz, xy = b[0] - 1.0, b[1] - 1.0, b[2] - 1.0, b[3]
+@inline
+def principal_in_plane(a: Any) -> Any:
+    """Principal values of a tensor without shear across the plane, in descending order, and its axes.
+
+    Of the axes, cosine and sine of twice the angle from x, and whether z is first or last.
+    """
+    xx, yy, zz, xy, _, _ = a
     mean, d = 0.5 * (xx + yy), 0.5 * (xx - yy)
     r = math.sqrt(d * d + xy * xy)
     s = 1.0 / max(r, 1e-300)
     high, low = mean + r, mean - r
-    x, y, z = max(high, zz), max(low, min(high, zz)), min(low, zz)
-    e = (0.5 * logarithm_1p(x), 0.5 * logarithm_1p(y), 0.5 * logarithm_1p(z))
-    return e, (1.0 + x, 1.0 + y, 1.0 + z), (s * d, s * xy, zz > high, zz < low)
+    values = (max(high, zz), max(low, min(high, zz)), min(low, zz))
+    return values, (s * d, s * xy, zz > high, zz < low)
+
+
+def strains_in_plane(m: Any, b: Any) -> Any:
+    """``principal_strains``; the axes are those of ``principal_in_plane``."""
+    v, axes = principal_in_plane((b[0] - 1.0, b[1] - 1.0, b[2] - 1.0, b[3], 0.0, 0.0))
+    e = (0.5 * logarithm_1p(v[0]), 0.5 * logarithm_1p(v[1]), 0.5 * logarithm_1p(v[2]))
+    return e, (1.0 + v[0], 1.0 + v[1], 1.0 + v[2]), axes
 
 
 def tensor_of_plane(m: Any, v: Any, axes: Any) -> Any:

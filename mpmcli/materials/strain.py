@@ -26,7 +26,7 @@ from mpmcli.materials.base import (
 )
 from mpmcli.materials.components import (
     add_pressure,
-    close_gradient,
+    close_stress,
     deform_little,
     load_gradient,
     load_increment,
@@ -160,7 +160,7 @@ def stress_particles(
         F1 = load_gradient(analysis, F, p)
         J0 = determinant(F1)
         if thermal is None:
-            F1, dF = close_gradient(analysis, F1, dF, m, H, p, dt)
+            F1, dF, T = close_stress(analysis, F1, dF, m, H, p, dt)
             Fe = F1
         else:
             heat = value_at(thermal.heat, p, 0.0)
@@ -173,9 +173,8 @@ def stress_particles(
         smallest_J = min(smallest_J, J)
         largest_J = max(largest_J, J)
         T0 = load_stress(analysis, tau, p)
-        T = kirchhoff_stress(m, Fe, dF, H, p, dt, True)
         if thermal is not None:
-            T = scale_symmetric(T, cube)
+            T = scale_symmetric(kirchhoff_stress(m, Fe, dF, H, p, dt, True), cube)
         law_stress, old_pressure, viscous_work = T, 0.0, 0.0
         if viscous is not None:
             # q0, q: Kirchhoff pressures Jq at the start and the end of the step

@@ -14,7 +14,7 @@ from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential, exponential_1d, logarithm, logarithm_1p
 from mpmcli.core.model import Model, Quantity
 from mpmcli.core.rows import sqrt
-from mpmcli.core.tensors import determinant, push_forward, smallest_eigenvalue_bound
+from mpmcli.core.tensors import determinant, left_cauchy_green, push_forward, smallest_eigenvalue_bound
 from mpmcli.materials.base import (
     MATERIALS,
     MaterialModel,
@@ -25,7 +25,13 @@ from mpmcli.materials.base import (
     wave_speed_squared,
 )
 from mpmcli.materials.elastic_constants import lateral_factor, wave_modulus
-from mpmcli.materials.isochoric import isochoric_energy, isochoric_stiffness, isochoric_stress
+from mpmcli.materials.isochoric import (
+    isochoric_energy,
+    isochoric_lateral_stress,
+    isochoric_stiffness,
+    isochoric_stress,
+)
+from mpmcli.materials.lateral import lateral_stress, shared_by_trials
 from mpmcli.materials.planar import in_space_and_plane, is_planar
 from mpmcli.materials.volumetric import (
     FORMS,
@@ -323,6 +329,28 @@ for (_count, _), _Maxwell in (*MAXWELL.items(), *SHIFTED.items()):
         if commit and dt == 0.0:
             H[end + STORED, p] = strain_energy(m, F, H, p)
         return mean + xx, mean + yy, mean + zz, xy, yz, xz
+
+    @shared_by_trials.register(_Maxwell)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+        J, b = determinant(F), left_cauchy_green(F)
+        g = m.shear * exponential_1d(-2.0 / 3.0 * logarithm(J))
+        xx, yy, zz, mean, rate = g * b[0], g * b[1], g * b[2], 0.0, 0.0
+        rise = logarithm_1p(determinant(dF) - 1.0)
+        c = exponential(rise * (-2.0 / 3.0))
+        terms = terms_of(m)
+        relaxed = relaxations_of(m, -0.5 * dt * haste(m, H[OF_TERM * terms, p]))
+        for k in range(terms):
+            r, row = relaxed[k], OF_TERM * k
+            a = push_forward(dF, stretched(excess(m, H, row, p), r))
+            g, K = c * r * m[FIRST + 3 * k + 1], r * m[FIRST + 3 * k + 2]
+            xx, yy, zz = xx + g * a[0], yy + g * a[1], zz + g * a[2]
+            mean, rate = mean + K * (r * H[row + 6, p] + rise), rate + K
+        return J, (xx, yy, zz), mean, rate
+
+    @lateral_stress.register(_Maxwell)
+    def _(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, x: Any, both: Any) -> Any:
+        J, b, mean, rate = shared
+        return isochoric_lateral_stress(m.form, m.bulk, J, b, (0.0, 0.0, 0.0), mean, rate, x, both)
 
     @absorb_work.register(_Maxwell)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, work: Any, viscous: Any) -> Any:

@@ -24,6 +24,14 @@ def volumetric_stress(form: Any, M: Any, J: Any) -> Any:
 
 
 @inline
+def volumetric_slope(form: Any, M: Any, J: Any) -> Any:
+    """Derivative of ``volumetric_stress`` by ln J [pressure]."""
+    if form == 1:
+        return M
+    return M * J * J
+
+
+@inline
 def volumetric_energy(form: Any, M: Any, J: Any) -> Any:
     """U per initial volume [pressure]."""
     log = logarithm(J)
