@@ -84,27 +84,34 @@ def cross_nodes(near, k, last, x0, y0, across, times, crossed):
         times[j] = 0
     for at in range(k, last):
         ax, ay, dx, dy, mine = near[at, AX], near[at, AY], near[at, DX], near[at, DY], near[at, MINE] == 1
-        area, j, y = dx * (y0 - ay) - dy * (x0 - ax), 0, y0
+        bx, by = ax + dx, ay + dy
+        area, y, first = dx * (y0 - ay) - dy * (x0 - ax), y0, 0
         for _ in across:
-            here, x = area, x0
-            for _ in across:
-                if (here >= 0) != mine and (x * ay - y * ax >= 0) != (x * (ay + dy) - y * (ax + dx) >= 0):
+            here, x, bit, found = area, x0, 1, 0
+            for _ in across:  # no branches: most lines cross nothing, but which is hard to predict
+                found |= bit * (((here >= 0) != mine) & ((x * ay >= y * ax) != (x * by >= y * bx)))
+                here -= dy << BITS
+                x += CELL
+                bit += bit
+            j = first
+            while found > 0:
+                if found & 1:
                     times[j] += 1
                     if times[j] < 3:
                         crossed[j] = near[at, S]
-                here -= dy << BITS
-                x += CELL
+                found >>= 1
                 j += 1
             area += dx << BITS
             y += CELL
+            first += len(across)
 
 
 # fmt: off
 @compiled_too
-def find_crossings(shape, geometry, across, X, F, size, stencil, clear, candidates, body, cuts, segments, table, scratch, nodes, sights, G, crossings, counts):  # noqa: E501
+def find_crossings(shape, geometry, across, X, F, size, stencil, clear, candidates, body, cuts, segments, table, scratch, nodes, sights, cut, crossings, counts):  # noqa: E501
     """Find the lines of sight that cross cracks, and name the crack nodes; returns how many particles have some.
 
-    These get rows of ``sights`` with their weights, and of ``G``. Candidates farther than ``clear`` have none [cells].
+    These get rows of ``sights`` and of ``cut``, with their weights. Candidates farther than ``clear`` have none [cells].
     """
     rows, found, count, columns = 0, 0, 0, np.int64(geometry.stride[1])
     near, times, crossed, number = scratch.near, scratch.times, scratch.crossed, scratch.number
@@ -117,8 +124,8 @@ def find_crossings(shape, geometry, across, X, F, size, stencil, clear, candidat
         cell = cell_of(table, px >> BITS, py >> BITS)
         if cell < 0:
             continue
-        weights = sights.S[rows]
-        base = fill(shape, geometry, across, X, F, size, p, weights, G[rows], stencil.W[0], stencil.status)
+        weights = cut.S[rows]
+        base = fill(shape, geometry, across, X, F, size, p, weights, cut.G[rows], stencil.W[0], stencil.status)
         x0, y0 = (np.int64(base) % columns << BITS) - px, (np.int64(base) // columns << BITS) - py
         n = list_near(segments, table, cell, px, py, x0, y0, len(across) - 1, cuts, np.int64(body[p]), near)
         if n == 0:
@@ -173,14 +180,17 @@ def name_face_nodes(points, origin, cell, columns, nodes, count):
 
 
 @compiled_too
-def place_sight(row, p, base, side, X, offsets, sides, fields, field, nodes, sights):
-    """Complete row ``row`` of ``sights`` of a particle that is on the sides ``side`` (m,) of its nodes."""
+def place_sight(row, p, base, weights, side, X, offsets, sides, fields, field, nodes, sights):
+    """Write row ``row`` of ``sights`` of a particle that is on the sides ``side`` (m,) of its nodes."""
     sights.particle[row], sights.corner[row] = p, base
     sights.place[row, 0], sights.place[row, 1] = X[0, p], X[1, p]
+    e = np.int64(sights.first[row])
     for j in range(len(offsets)):
         slot = np.int64(nodes.slot_of_node[np.int64(base + offsets[j])])
-        seen = slot >= 0 and sights.S[row, j] > 0.0
-        sights.at[row, j] = (slot * sides + side[j]) * fields + field if seen else -1
+        if slot >= 0 and weights[j] > 0.0:
+            sights.column[e], sights.at[e], sights.S[e] = j, (slot * sides + side[j]) * fields + field, weights[j]
+            e += 1
+    sights.first[row + 1] = e
 
 
 @compiled_too
@@ -188,7 +198,7 @@ def keep_cut(tried, offsets, X, field, sides, fields, segments, nodes, side, sig
     """Keep those of the ``tried`` first rows that see nodes on other sides: others only see third cracks."""
     rows, at, kept = 0, 0, 0
     for r in range(tried):
-        p, base, parted, begin = sights.particle[r], sights.corner[r], False, kept
+        p, base, parted = np.uint64(sights.particle[r]), np.uint64(sights.corner[r]), False
         for j in range(len(offsets)):
             side[j] = 0
         while at < counts[CROSSINGS] and crossings.row[at] == r:
@@ -203,15 +213,14 @@ def keep_cut(tried, offsets, X, field, sides, fields, segments, nodes, side, sig
             crossings.row[kept], crossings.column[kept], crossings.segment[kept] = rows, column, s
             kept += 1
         if not parted:
-            kept = begin
             continue
         if rows < r:
             for j in range(len(offsets)):
-                sights.S[rows, j] = sights.S[r, j]
+                cut.S[rows, j] = cut.S[r, j]
             for j in range(2 * len(offsets)):
                 cut.G[rows, j] = cut.G[r, j]
         of_field = np.int64(field[p])
-        place_sight(rows, p, base, side, X, offsets, sides, fields, of_field, nodes, sights)
+        place_sight(rows, p, base, cut.S[rows], side, X, offsets, sides, fields, of_field, nodes, sights)
         for j in range(len(offsets)):
             i = np.int64(base + offsets[j])
             cut.dof[rows, j] = dof_of(i, of_field, side[j], len(nodes.slot_of_node), fields)
@@ -266,12 +275,12 @@ def find_sides(
     ``counts`` (6,) holds the counts of the step before and receives those of this one. Nodes are few, and the place of
     each depends on those before it: serial.
     """
-    geometry, side = unfold(grid), scratch.number
+    geometry, side, weights = unfold(grid), scratch.number, stencil.S[0]
     clear_step(nodes, sights, cut.mask, counts)
     find_segments(points, beyond, origin, cell, segments)
     tried = find_crossings(
         shape, geometry, across, X, F, size, stencil, clear, candidates, body, cuts, segments, table,
-        scratch, nodes, sights, cut.G, crossings, counts,
+        scratch, nodes, sights, cut, crossings, counts,
     )  # fmt: skip
     columns = np.int64(geometry.stride[1])
     counts[LISTED] = name_face_nodes(points, origin, cell, columns, nodes, counts[NODES])
@@ -290,11 +299,9 @@ def find_sides(
         if not inside or scratch.mark[y * columns + x] == 0 or cut.mask[p] == 1:
             continue
         if sees_listed(geometry, reach, X, p, nodes):
-            base = fill(
-                shape, geometry, across, X, F, size, p, sights.S[rows], None, stencil.W[0], stencil.status
-            )
+            base = fill(shape, geometry, across, X, F, size, p, weights, None, stencil.W[0], stencil.status)
             place_sight(
-                rows, p, base, side, X, stencil.offsets, sides, fields, np.int64(field[p]), nodes, sights
+                rows, p, base, weights, side, X, stencil.offsets, sides, fields, np.int64(field[p]), nodes, sights
             )
             rows += 1
     mark_cells(counts[LISTED], nodes, reach, columns, scratch.mark, 0)

@@ -61,7 +61,7 @@ class Faces(NamedTuple):
 
 
 @compiled_too
-def find_planes(counts, sights, width, crossings, nodes, segments, lattice, matter, planes):
+def find_planes(counts, sights, weights, width, crossings, nodes, segments, lattice, matter, planes):
     """Normals and places of the cracks of every crack node, from the lines of sight that cross them (Nairn 2023)."""
     normal, distance, above = planes.normal, planes.distance, planes.above
     for slot in range(counts[NODES]):
@@ -74,7 +74,7 @@ def find_planes(counts, sights, width, crossings, nodes, segments, lattice, matt
         column, line = corner % lattice.shape[0] + j % width, corner // lattice.shape[0] + j // width
         slot = nodes.slot_of_node[line * lattice.shape[0] + column]
         bit = 0 if segments.crack[s] == nodes.crack[slot, 0] else 1
-        w = sights.S[row, j] * determinant_of_particle(matter.F, p) * matter.vol0[p]
+        w = weights[row, j] * determinant_of_particle(matter.F, p) * matter.vol0[p]
         if lattice.ring:
             w /= matter.X[0, p]
         a, b = segments.normal[s, 0], segments.normal[s, 1]
@@ -169,8 +169,8 @@ def list_faces(
 
 @called_once
 def find_faces(
-    counts, nodes, sights, crossings, segments, lattice, matter, planes, laws, skipped, screened, separations, points,
-    springs, rigid, node_count, sides, width, mp, dof, first, m, faces, begin, sums, M, geometry,
+    counts, nodes, sights, weights, crossings, segments, lattice, matter, planes, laws, skipped, screened, separations,
+    points, springs, rigid, node_count, sides, width, mp, dof, first, m, faces, begin, sums, M, geometry,
 ):  # fmt: skip
     """Find the pairs of sides in contact and their geometry; returns how many, and whether some are coupled.
 
@@ -178,7 +178,7 @@ def find_faces(
     least, SUMS) and ``M`` (4, 1) are scratch.
     """
     slots = counts[NODES]
-    find_planes(counts, sights, width, crossings, nodes, segments, lattice, matter, planes)
+    find_planes(counts, sights, weights, width, crossings, nodes, segments, lattice, matter, planes)
     found = list_faces(
         nodes, slots, planes, laws, skipped, screened, rigid, node_count, mp, dof, first, m, faces, begin
     )
@@ -211,6 +211,8 @@ class FaceContacts:
     Attributes
     ----------
     planes, faces : see ``Planes``, ``Faces``
+    room : the crack nodes as ``table``, with room for more
+    whole : (at least, count) ones
     """
 
     def __init__(
@@ -228,7 +230,8 @@ class FaceContacts:
         self._M = np.zeros((4, 1))
         self.count, self.stages = 0, 1
         self.has_pairs = False
-        self._slots, self._room = -1, -1
+        self._slots, self._room, self._slots_now = -1, -1, 0
+        self._table: NodeTable | None = None
         self._make_room(0, 0)
 
     def _make_room(self, slots: int, room: int) -> None:
@@ -241,6 +244,9 @@ class FaceContacts:
             self._first = np.zeros(slots + 1, dtype=np.int64)
             self._dof = np.zeros(slots * SIDES * fields, dtype=np.int64)
             self._sums = np.zeros((slots * self._grid.sides * fields, SUMS))
+            self.room = NodeTable(
+                np.zeros(slots, dtype=np.int64), self._first, self._dof, NOTHING, self._rigid, self._grid.node_count
+            )
         if room <= self._room:
             return
         self._room = room = max(room, self._room + self._room // 4)
@@ -255,6 +261,7 @@ class FaceContacts:
         )
         self.geometry = allocate_geometry(room, d)
         self.rows = allocate_rows(room, d)
+        self.whole = np.ones(room)
 
     def find(self, F: Array, to_node: bool) -> int:
         """Find the pairs and their geometry; ``F`` (nF, N) are the particles' own. Returns how many.
@@ -262,19 +269,25 @@ class FaceContacts:
         ``to_node``: stiff springs act at the node (``Springs``).
         """
         sides, p, grid = self._sides, self._particles, self._grid
-        self.count, slots = 0, sides.count
+        slots = sides.count
+        self.count, self._slots_now, self._table = 0, slots, None
         if slots == 0:
             return 0
         self._make_room(slots, slots * (1 if grid.sides == 2 else SIDES) * len(self._rigid) ** 2)
         self.count, self.has_pairs = find_faces(
-            sides.counts, sides.nodes, sides.sights, sides.crossings, sides.segments, self.lattice,
+            sides.counts, sides.nodes, sides.sights, sides.weights, sides.crossings, sides.segments, self.lattice,
             Matter(p.X, p.X0, F, p.vol0, p.mass, p.size), self.planes, self._laws, self._skipped, self._screened,
-            self._separations, sides.points.get(), Springs(self._springs, to_node), self._rigid, grid.node_count,
+            self._separations, sides.points.now, Springs(self._springs, to_node), self._rigid, grid.node_count,
             grid.sides, grid.width, grid.mp, self._dof, self._first, self.fields, self.faces, self.begin, self._sums,
             self._M, self.geometry,
         )  # fmt: skip
-        first = self._first[: slots + 1]
-        self.table = NodeTable(
-            sides.nodes.node[:slots], first, self._dof[: first[-1]], NOTHING, self._rigid, grid.node_count
-        )
         return self.count
+
+    @property
+    def table(self) -> NodeTable:
+        """The crack nodes of the step."""
+        if self._table is None:
+            first = self._first[: self._slots_now + 1]
+            node, dof = self._sides.nodes.node[: self._slots_now], self._dof[: first[-1]]
+            self._table = NodeTable(node, first, dof, NOTHING, self._rigid, self._grid.node_count)
+        return self._table

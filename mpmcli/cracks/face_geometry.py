@@ -86,34 +86,37 @@ def sum_matter(rows, sights, width, lattice, matter, places, sums):
         xx, xy, yx, yy = F[0, p], F[1, p], F[2, p], F[3, p]
         inverse = 1.0 / (xx * yy - xy * yx)
         a, b, c, d = yy * inverse, -xy * inverse, -yx * inverse, xx * inverse
-        mass, volume, j = matter.mass[p], determinant_of_particle(F, p) * matter.vol0[p], 0
-        for _ in range(width):
-            x = left
-            for _ in range(width):
-                at, S = sights.at[row, j], sights.S[row, j]
-                if 0 <= at < places:
-                    out = sums[at]
-                    away = abs(out[ACROSS] * x + out[ACROSS + 1] * y + out[ACROSS + 2])
-                    share = S * max(1.0 - away, SMALLEST)
-                    w = share * mass
-                    out[MASS] += w
-                    out[WHOLE] += share * matter.vol0[p]
-                    out[VOLUME] += S * volume
-                    out[REFERENCE] += w * (moved_x - x + a * x + b * y)
-                    out[REFERENCE + 1] += w * (moved_y - y + c * x + d * y)
-                    out[INVERSE] += w * a
-                    out[INVERSE + 1] += w * b
-                    out[INVERSE + 2] += w * c
-                    out[INVERSE + 3] += w * d
-                    out[GRADIENT] += w * xx
-                    out[GRADIENT + 1] += w * xy
-                    out[GRADIENT + 2] += w * yx
-                    out[GRADIENT + 3] += w * yy
-                    out[MEAN] -= w * x
-                    out[MEAN + 1] -= w * y
-                x += lattice.cell[0]
+        mass, volume = matter.mass[p], determinant_of_particle(F, p) * matter.vol0[p]
+        x, j, end_of_line = left, 0, width
+        for e in range(sights.first[row], sights.first[row + 1]):
+            at, S = sights.at[e], sights.S[e]
+            if at >= places:
+                continue
+            while j < sights.column[e]:
                 j += 1
-            y += lattice.cell[1]
+                x += lattice.cell[0]
+                if j == end_of_line:
+                    x, end_of_line = left, end_of_line + width
+                    y += lattice.cell[1]
+            out = sums[at]
+            away = abs(out[ACROSS] * x + out[ACROSS + 1] * y + out[ACROSS + 2])
+            share = S * max(1.0 - away, SMALLEST)
+            w = share * mass
+            out[MASS] += w
+            out[WHOLE] += share * matter.vol0[p]
+            out[VOLUME] += S * volume
+            out[REFERENCE] += w * (moved_x - x + a * x + b * y)
+            out[REFERENCE + 1] += w * (moved_y - y + c * x + d * y)
+            out[INVERSE] += w * a
+            out[INVERSE + 1] += w * b
+            out[INVERSE + 2] += w * c
+            out[INVERSE + 3] += w * d
+            out[GRADIENT] += w * xx
+            out[GRADIENT + 1] += w * xy
+            out[GRADIENT + 2] += w * yx
+            out[GRADIENT + 3] += w * yy
+            out[MEAN] -= w * x
+            out[MEAN + 1] -= w * y
 
 
 @compiled_too
@@ -125,9 +128,9 @@ def find_edges(rows, sights, per, slots, matter, faces, begin, geometry, separat
     for row in range(rows):
         p = sights.particle[row]
         put_radius(AXES, matter.F, matter.size, p, 0, M, 0)
-        for j in range(sights.at.shape[1]):
-            at = sights.at[row, j]
-            if at < 0 or at >= slots * per:
+        for e in range(sights.first[row], sights.first[row + 1]):
+            at = sights.at[e]
+            if at >= slots * per:
                 continue
             for k in range(begin[at // per], begin[at // per + 1]):
                 if separations.way[faces.crack[k]] != REGRESSION or (

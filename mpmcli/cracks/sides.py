@@ -108,6 +108,11 @@ class CrackSides:
         return int(self._counts[THIRD])
 
     @property
+    def weights(self) -> Array:
+        """(at least, c, m) shape function values of cut particles, the first rows of ``sights``."""
+        return self._cut.S
+
+    @property
     def near(self) -> Array:
         """Room for the longest list of the hash, see ``crossing.list_near``."""
         return self._scratch.near
@@ -173,7 +178,7 @@ class CrackSides:
                 away = np.minimum(away, self._distances(X, of_face, far))
         self.hash = hash_segments(self.segments, math.ceil(near))
         # faces move with what their crack may cut: not with a wedge between them
-        particle = np.flatnonzero((away <= far) & is_cut).astype(np.uint64)
+        particle = np.flatnonzero((away <= far) & is_cut).astype(np.uint32)
         # rounded down: what may be parted is never passed over
         self.candidates = Candidates(particle, (away[particle] - ROUND_OFF).astype(np.float32))
         c, m = len(particle), grid.width**grid.dimensions
