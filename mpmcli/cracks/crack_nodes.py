@@ -23,6 +23,7 @@ from mpmcli.cracks.crossing import (
     DX,
     DY,
     MINE,
+    OF,
     S,
     cell_of,
     find_segments,
@@ -111,7 +112,7 @@ def cross_nodes(near, k, last, x0, y0, across, times, crossed):
 def find_crossings(shape, geometry, across, X, F, size, stencil, clear, candidates, body, cuts, segments, table, scratch, nodes, sights, cut, crossings, counts):  # noqa: E501
     """Find the lines of sight that cross cracks, and name the crack nodes; returns how many particles have some.
 
-    These get rows of ``sights`` and of ``cut``, with their weights. Candidates farther than ``clear`` have none [cells].
+    These get rows of ``sights`` and of ``cut``. Candidates farther than ``clear`` have none [cells].
     """
     rows, found, count, columns = 0, 0, 0, np.int64(geometry.stride[1])
     near, times, crossed, number = scratch.near, scratch.times, scratch.crossed, scratch.number
@@ -188,7 +189,11 @@ def place_sight(row, p, base, weights, side, X, offsets, sides, fields, field, n
     for j in range(len(offsets)):
         slot = np.int64(nodes.slot_of_node[np.int64(base + offsets[j])])
         if slot >= 0 and weights[j] > 0.0:
-            sights.column[e], sights.at[e], sights.S[e] = j, (slot * sides + side[j]) * fields + field, weights[j]
+            sights.column[e], sights.at[e], sights.S[e] = (
+                j,
+                (slot * sides + side[j]) * fields + field,
+                weights[j],
+            )
             e += 1
     sights.first[row + 1] = e
 
@@ -205,8 +210,8 @@ def keep_cut(tried, offsets, X, field, sides, fields, segments, nodes, side, sig
             column, s = crossings.column[at], crossings.segment[at]
             at += 1
             slot = nodes.slot_of_node[np.int64(base + offsets[column])]
-            bit = 1 if segments.crack[s] == nodes.crack[slot, 0] else 2
-            if bit == 2 and segments.crack[s] != nodes.crack[slot, 1]:
+            bit = 1 if segments.whole[s, OF] == nodes.crack[slot, 0] else 2
+            if bit == 2 and segments.whole[s, OF] != nodes.crack[slot, 1]:
                 continue
             side[column] += bit
             parted = True
@@ -301,7 +306,18 @@ def find_sides(
         if sees_listed(geometry, reach, X, p, nodes):
             base = fill(shape, geometry, across, X, F, size, p, weights, None, stencil.W[0], stencil.status)
             place_sight(
-                rows, p, base, weights, side, X, stencil.offsets, sides, fields, np.int64(field[p]), nodes, sights
+                rows,
+                p,
+                base,
+                weights,
+                side,
+                X,
+                stencil.offsets,
+                sides,
+                fields,
+                np.int64(field[p]),
+                nodes,
+                sights,
             )
             rows += 1
     mark_cells(counts[LISTED], nodes, reach, columns, scratch.mark, 0)

@@ -8,6 +8,7 @@ import numpy as np
 
 from mpmcli.contact import impulses
 from mpmcli.contact.contact_impulses import ContactImpulses, Ways, keeps_start_impulses
+from mpmcli.contact.fields_in_contact import NodeTable
 from mpmcli.contact.impulses import Place
 from mpmcli.contact.laws.impulse import slip_work
 from mpmcli.core.compiled.kernel import called_once
@@ -16,7 +17,7 @@ from mpmcli.core.particles import Particles
 from mpmcli.core.state import CracksView
 from mpmcli.core.step import Step
 from mpmcli.core.variants import StrainUpdate
-from mpmcli.cracks.face_contacts import FaceContacts
+from mpmcli.cracks.face_contacts import FaceContacts, tables_in
 from mpmcli.cracks.face_geometry import Separations
 from mpmcli.cracks.sides import CrackSides
 
@@ -36,12 +37,14 @@ EARLY, LATE, NEVER = 0, 1, 2
 
 
 @called_once
-def correct_at_once(law, axes, count, fields, nodes, geometry, rows, mp, f, dt, after_forces, slips):
+def correct_at_once(law, axes, count, blocks, first, dof, rigid, node_count, mp, f, dt, after_forces, slips):
     """What ``ContactImpulses`` does at a place in the step, where all contacts have one law and a node has one of them.
 
     One call for all of it: there are few contacts, and handing them over takes longer than the work. Where ``slips`` is
     not ``NEVER``, momenta are those extrapolated first, whose impulses ``rows.start`` keeps.
     """
+    fields, _, geometry, rows = tables_in(blocks)
+    nodes = NodeTable(first, first, dof, blocks.numbers[0], rigid, node_count)
     here = Place(0, after_forces, False, False, False, False, False, dt, dt if after_forces else 0.0)
     if slips == EARLY:
         find_slip(axes, count, fields, nodes, mp, f, False, rows.slip)
@@ -57,13 +60,17 @@ def correct_at_once(law, axes, count, fields, nodes, geometry, rows, mp, f, dt, 
 
 
 @called_once
-def close_step(axes, count, fields, nodes, faces, geometry, rows, mp, v, dt, keeps_start, weight, springs, force):
+def close_step(
+    axes, count, blocks, first, dof, rigid, node_count, mp, v, dt, keeps_start, weight, springs, force
+):
     """Complete ``rows.net`` and sum up a step: writes the forces on the matter above into ``force`` (cracks, 2).
 
     Returns the friction work. ``rows.prior`` receives the relative velocities that the impulses leave, ``weight`` (k,)
     are shares of real particles, ``springs`` (laws,) laws without friction. ``rows.start`` is part of the impulses if
     the step ``keeps_start``; see ``ContactImpulses``.
     """
+    fields, faces, geometry, rows = tables_in(blocks)
+    nodes = NodeTable(first, first, dof, blocks.numbers[0], rigid, node_count)
     work = 0.0
     for crack in range(force.shape[0]):
         for a in range(len(axes)):
@@ -153,8 +160,8 @@ class FaceContact(ContactImpulses):
     def _correct_at_once(self, dt: float, after_forces: bool, slips: int) -> None:
         c, grid = self.contacts, self._grid
         correct_at_once(
-            self._parameters[0], self._axes, c.count, c.fields, c.room, c.geometry, c.rows, grid.mp, grid.f, dt,
-            after_forces, slips,
+            self._parameters[0], self._axes, c.count, c.blocks, c.first, c.dof, c.rigid, grid.node_count, grid.mp,
+            grid.f, dt, after_forces, slips,
         )  # fmt: skip
 
     def rehearse(self) -> None:
@@ -174,12 +181,10 @@ class FaceContact(ContactImpulses):
         if c.count == 0:
             view.force.fill(0.0)
             return
-        if self._mirror is not None:
-            weight = self._mirror.share_of(c.fields.alpha[: c.count])
-        else:
-            weight = c.whole
+        mirror = self._mirror
+        weight = c.whole if mirror is None else mirror.share_of(c.fields.alpha[: c.count])
         self._work["contact_work"] += close_step(
-            self._axes, c.count, c.fields, c.room, c.faces, c.geometry, c.rows, self._grid.mp, v, step.dt,
+            self._axes, c.count, c.blocks, c.first, c.dof, c.rigid, self._grid.node_count, self._grid.mp, v, step.dt,
             keeps_start_impulses(step.plan), weight, self._springs, view.force,
         )  # fmt: skip
         if self.interfaces is not None:

@@ -134,13 +134,13 @@ def find_edges(rows, sights, per, slots, matter, faces, begin, geometry, separat
                 continue
             for k in range(begin[at // per], begin[at // per + 1]):
                 if separations.way[faces.crack[k]] != REGRESSION or (
-                    at != faces.at[k, 0] and at != faces.at[k, 1]
+                    at != faces.at[0, k] and at != faces.at[1, k]
                 ):
                     continue
                 n, edges = geometry.normal[k], geometry.distances[k]
                 along = n[0] * matter.X[0, p] + n[1] * matter.X[1, p]
                 reach = radius_along(Ellipsoids(2), AXES, M, 0, n)
-                if at == faces.at[k, 0]:
+                if at == faces.at[0, k]:
                     edges[0] = max(edges[0], along + reach)
                 else:
                     edges[1] = min(edges[1], along - reach)
@@ -205,12 +205,12 @@ def find_face_geometry(
         for face in range(2):
             dof = fields.alpha[k] if face == 0 else fields.partner[k]
             side, field = side_of(dof, node_count, field_count), field_of(dof, node_count, field_count)
-            faces.at[k, face] = (slot * sides + side) * field_count + field
+            faces.at[face, k] = (slot * sides + side) * field_count + field
         normal[k, 0], normal[k, 1] = planes.normal[slot, bit, 0], planes.normal[slot, bit, 1]
         if springs.of_law[fields.law[k]]:
             h = perpendicular_size(AXES, lattice.cell, normal[k])
             for face in range(2):
-                across = sums[faces.at[k, face]]
+                across = sums[faces.at[face, k]]
                 across[ACROSS], across[ACROSS + 1] = normal[k, 0] / h, normal[k, 1] / h
                 across[ACROSS + 2] = planes.distance[slot, bit] / h
         distances[k, 0], distances[k, 1] = -FAR_AWAY, FAR_AWAY
@@ -220,7 +220,7 @@ def find_face_geometry(
         find_edges(rows, sights, per, slots, matter, faces, begin, geometry, separations, M)
     for k in range(count):
         slot, crack, n, here = fields.slot[k], faces.crack[k], normal[k], faces.jump[k]
-        a, b, away = sums[faces.at[k, 0]], sums[faces.at[k, 1]], planes.distance[slot, faces.bit[k]]
+        a, b, away = sums[faces.at[0, k]], sums[faces.at[1, k]], planes.distance[slot, faces.bit[k]]
         both = a[MASS] > 0.0 and b[MASS] > 0.0
         shift = (away * n[0], away * n[1])
         here[0] = here[1] = 0.0
