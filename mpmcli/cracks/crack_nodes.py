@@ -7,6 +7,7 @@ side 1·(c₁ lies between them) + 2·(c₂ lies between them) of the node (Nair
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,6 +35,35 @@ from mpmcli.cracks.sights import CROSSINGS, CUT, LISTED, NODES, SIGHTS, THIRD
 
 CELL = 1 << BITS
 """Side of a cell in whole numbers."""
+ROUND_OFF = 1e-6
+"""Cells by which distances may be wrong: positions are whole numbers of 2⁻²⁴ cells."""
+
+
+class Reach(NamedTuple):
+    """How far particles see along an axis [cells].
+
+    nodes : of the grid functions themselves
+    domain : a particle sees them from its domain, else from its middle alone
+    follows : the domain follows the deformation
+    most : as far as stencils go, whatever particles do
+    """
+
+    nodes: float
+    domain: bool
+    follows: bool
+    most: float
+
+
+@compiled_too
+def reach_of(reach, inverse_cell, F, size, p):
+    """How far particle ``p`` sees along the axis where it is more, at most [cells]."""
+    x, y = 0.0, 0.0
+    if reach.follows:
+        x = abs(F[0, p]) * size[0, p] + abs(F[1, p]) * size[1, p]
+        y = abs(F[2, p]) * size[0, p] + abs(F[3, p]) * size[1, p]
+    elif reach.domain:
+        x, y = size[0, p], size[1, p]
+    return min(reach.nodes + max(x * inverse_cell[0], y * inverse_cell[1]) + ROUND_OFF, reach.most)
 
 
 @compiled_too
@@ -109,17 +139,18 @@ def cross_nodes(near, k, last, x0, y0, across, times, crossed):
 
 # fmt: off
 @compiled_too
-def find_crossings(shape, geometry, across, X, F, size, stencil, clear, candidates, body, cuts, segments, table, scratch, nodes, sights, cut, crossings, counts):  # noqa: E501
+def find_crossings(shape, geometry, across, X, F, size, stencil, reach, moved, candidates, body, cuts, segments, table, scratch, nodes, sights, cut, crossings, counts):  # noqa: E501
     """Find the lines of sight that cross cracks, and name the crack nodes; returns how many particles have some.
 
-    These get rows of ``sights`` and of ``cut``. Candidates farther than ``clear`` have none [cells].
+    These get rows of ``sights`` and of ``cut``. Candidates see nothing that is farther than their reach; they, and the
+    segments, may have ``moved`` so far since they were listed [cells].
     """
     rows, found, count, columns = 0, 0, 0, np.int64(geometry.stride[1])
     near, times, crossed, number = scratch.near, scratch.times, scratch.crossed, scratch.number
     for q in range(len(candidates.particle)):
-        if candidates.away[q] > clear:
+        p, away = candidates.particle[q], candidates.away[q] - moved
+        if away > reach.most or away > reach_of(reach, geometry.inverse_cell, F, size, p):
             continue
-        p = candidates.particle[q]
         px = whole(X[0, p], geometry.origin[0], geometry.inverse_cell[0])
         py = whole(X[1, p], geometry.origin[1], geometry.inverse_cell[1])
         cell = cell_of(table, px >> BITS, py >> BITS)
@@ -273,7 +304,7 @@ def list_first_rows(particle, count, ranges, out):
 @called_once
 def find_sides(
     shape, grid, across, X, F, size, stencil, bands, chunks, field, body, fields, sides, cuts, candidates, points,
-    beyond, origin, cell, reach, clear, segments, table, scratch, nodes, sights, cut, crossings, counts,
+    beyond, origin, cell, reach, moved, segments, table, scratch, nodes, sights, cut, crossings, counts,
 ):  # fmt: skip
     """Find the segments, the crack nodes, and the sides of all particles that see them: one call, see ``CrackSides``.
 
@@ -284,7 +315,7 @@ def find_sides(
     clear_step(nodes, sights, cut.mask, counts)
     find_segments(points, beyond, origin, cell, segments)
     tried = find_crossings(
-        shape, geometry, across, X, F, size, stencil, clear, candidates, body, cuts, segments, table,
+        shape, geometry, across, X, F, size, stencil, reach, moved, candidates, body, cuts, segments, table,
         scratch, nodes, sights, cut, crossings, counts,
     )  # fmt: skip
     columns = np.int64(geometry.stride[1])
@@ -295,7 +326,7 @@ def find_sides(
     for j in range(len(stencil.offsets)):
         side[j] = 0
     rows = counts[CUT]
-    mark_cells(counts[LISTED], nodes, reach, columns, scratch.mark, 1)
+    mark_cells(counts[LISTED], nodes, reach.most, columns, scratch.mark, 1)
     for q in range(len(candidates.particle)):
         p = candidates.particle[q]
         x = np.int64((X[0, p] - geometry.origin[0]) * geometry.inverse_cell[0])
@@ -303,7 +334,7 @@ def find_sides(
         inside = 0 <= x < columns and 0 <= y * columns < len(scratch.mark)
         if not inside or scratch.mark[y * columns + x] == 0 or cut.mask[p] == 1:
             continue
-        if sees_listed(geometry, reach, X, p, nodes):
+        if sees_listed(geometry, reach_of(reach, geometry.inverse_cell, F, size, p), X, p, nodes):
             base = fill(shape, geometry, across, X, F, size, p, weights, None, stencil.W[0], stencil.status)
             place_sight(
                 rows,
@@ -320,7 +351,7 @@ def find_sides(
                 sights,
             )
             rows += 1
-    mark_cells(counts[LISTED], nodes, reach, columns, scratch.mark, 0)
+    mark_cells(counts[LISTED], nodes, reach.most, columns, scratch.mark, 0)
     counts[SIGHTS] = rows
     for slot in range(counts[NODES]):
         counts[THIRD] += nodes.third[slot]
