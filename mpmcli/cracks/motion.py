@@ -368,7 +368,7 @@ class FaceMotion:
 
         Returns the farthest that a face went [cells], and the crack and the point that did.
         """
-        sides, grid, points = self._sides, self._grid, self._sides.points.now
+        sides, grid, points = self._sides, self._grid, self._sides.points.get()
         places = sides.listed * grid.sides * self._fields.shape[1]
         if len(self._sums) < places:
             self._sums = np.zeros((places + places // 4, SUMS))
