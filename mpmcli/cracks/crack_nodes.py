@@ -33,8 +33,6 @@ from mpmcli.cracks.crossing import (
 )
 from mpmcli.cracks.sights import CROSSINGS, CUT, LISTED, NODES, SIGHTS, THIRD
 
-CELL = 1 << BITS
-"""Side of a cell in whole numbers."""
 ROUND_OFF = 1e-6
 """Cells by which distances may be wrong: positions are whole numbers of 2⁻²⁴ cells."""
 
@@ -114,27 +112,24 @@ def cross_nodes(near, k, last, x0, y0, across, times, crossed):
     for j in range(len(times)):
         times[j] = 0
     for at in range(k, last):
-        ax, ay, dx, dy, mine = near[at, AX], near[at, AY], near[at, DX], near[at, DY], near[at, MINE] == 1
-        bx, by = ax + dx, ay + dy
-        area, y, first = dx * (y0 - ay) - dy * (x0 - ax), y0, 0
+        ax, ay, dx, dy = near[at, AX], near[at, AY], near[at, DX], near[at, DY]
+        bx, by, mine = ax + dx, ay + dy, near[at, MINE] - 1
+        # where a node is of the segment, and A and B of its line of sight: signs alone tell
+        area, of_a, of_b, j = dx * (y0 - ay) - dy * (x0 - ax), x0 * ay - y0 * ax, x0 * by - y0 * bx, 0
         for _ in across:
-            here, x, bit, found = area, x0, 1, 0
-            for _ in across:  # no branches: most lines cross nothing, but which is hard to predict
-                found |= bit * (((here >= 0) != mine) & ((x * ay >= y * ax) != (x * by >= y * bx)))
-                here -= dy << BITS
-                x += CELL
-                bit += bit
-            j = first
-            while found > 0:
-                if found & 1:
+            here, a, b = area, of_a, of_b
+            for _ in across:
+                if ((here ^ mine) & (a ^ b)) < 0:
                     times[j] += 1
                     if times[j] < 3:
                         crossed[j] = near[at, S]
-                found >>= 1
+                here -= dy << BITS
+                a += ay << BITS
+                b += by << BITS
                 j += 1
             area += dx << BITS
-            y += CELL
-            first += len(across)
+            of_a -= ax << BITS
+            of_b -= bx << BITS
 
 
 # fmt: off

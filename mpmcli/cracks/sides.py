@@ -65,6 +65,7 @@ class CrackSides:
     candidates : particles near cracks
     nodes, sights, crossings : of the step
     segments, hash : of the chains in the step; where segments are near cells
+    reach : how far particles see, with stencils of the width that they have now
     drift : how far points have moved since the candidates were listed, at most [cells]
     """
 
@@ -80,6 +81,7 @@ class CrackSides:
         self.segments: Segments
         self.hash: Hash
         self.candidates: Candidates
+        self.reach: Reach
         self.sights: Sights
         self.crossings: Crossings
         self._cut: CutRows
@@ -122,8 +124,7 @@ class CrackSides:
         """(6,) all counts of the step, as ``sights`` has them."""
         return self._counts
 
-    @property
-    def _reach(self) -> Reach:
+    def _find_reach(self) -> Reach:
         w, shape = self._grid.width, self._shape
         follows = shape.follows_deformation  # such domains reach farther than half the stencil
         most = w - 1.0 if follows else 0.5 * w
@@ -167,7 +168,8 @@ class CrackSides:
         is_cut: Array = np.logical_or.reduce(self._cuts, axis=0)[self._order.particles.body]
         self.segments = allocate_segments(self.points.get())
         self._find_segments(self.points.get(), self.segments)
-        reach = self._reach.most
+        self.reach = self._find_reach()
+        reach = self.reach.most
         near, far = reach + 2 * SLACK, 2.0 * reach + 2 * SLACK
         away = self._distances(X, self.segments, far)
         points = self.points.get()
@@ -222,7 +224,7 @@ class CrackSides:
         find_sides(
             transfer.shape.parameters, transfer.geometry, transfer.across, p.X, F, p.size, transfer.stencil,
             order.bands.first, order.chunks, p.velocity_field, p.body, grid.fields, grid.sides, self._cuts,
-            self.candidates, self.points.get(), self._beyond, self._origin, grid.cell, self._reach, moved,
+            self.candidates, self.points.get(), self._beyond, self._origin, grid.cell, self.reach, moved,
             self.segments, self.hash, self._scratch, self.nodes, self.sights, self._cut, self.crossings, self._counts,
         )  # fmt: skip
         return cut_of(self.sights, self._cut, int(self._counts[CUT])) if self.count > 0 else None

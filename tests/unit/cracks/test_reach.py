@@ -34,7 +34,7 @@ def test_no_node_is_seen_from_beyond_the_reach(shape):
     p, grid, rng = simulation.particles, simulation.grid, np.random.default_rng(7)
     p.X += rng.uniform(-0.1, 0.1, p.X.shape)
     p.F[:4] += rng.uniform(-0.3, 0.3, (4, p.count))
-    reach = simulation.cracks.sides._reach
+    reach = simulation.cracks.sides.reach
     every = np.arange(p.count)
     nodes, S = simulation.transfer.weights_of(every)
     away = (
