@@ -266,8 +266,7 @@ class FaceContacts:
         self._M = np.zeros((4, 1))
         self.count, self.stages = 0, 1
         self.has_pairs = False
-        self._slots, self._room, self._slots_now = -1, -1, 0
-        self._table: NodeTable | None = None
+        self._slots, self._room = -1, -1
         self._make_room(0, 0)
 
     def _make_room(self, slots: int, room: int) -> None:
@@ -294,7 +293,7 @@ class FaceContacts:
         """
         sides, p, grid = self._sides, self._particles, self._grid
         slots = sides.count
-        self.count, self._slots_now, self._table = 0, slots, None
+        self.count = 0
         if slots == 0:
             return 0
         self._make_room(slots, slots * (1 if grid.sides == 2 else SIDES) * len(self.rigid) ** 2)
@@ -304,13 +303,8 @@ class FaceContacts:
             self._separations, sides.points.now, Springs(self._springs, to_node), self.rigid, grid.node_count,
             grid.sides, grid.width, grid.mp, self.dof, self.first, self.begin, self._sums, self._M, self.blocks,
         )  # fmt: skip
+        first = self.first[: slots + 1]
+        self.table = NodeTable(
+            sides.nodes.node[:slots], first, self.dof[: first[-1]], NOTHING, self.rigid, grid.node_count
+        )
         return self.count
-
-    @property
-    def table(self) -> NodeTable:
-        """The crack nodes of the step."""
-        if self._table is None:
-            first = self.first[: self._slots_now + 1]
-            node, dof = self._sides.nodes.node[: self._slots_now], self.dof[: first[-1]]
-            self._table = NodeTable(node, first, dof, NOTHING, self.rigid, self._grid.node_count)
-        return self._table
