@@ -7,6 +7,7 @@ side 1·(c₁ lies between them) + 2·(c₂ lies between them) of the node (Nair
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from mpmcli.cracks.crossing import (
     DX,
     DY,
     MINE,
+    OF,
     S,
     cell_of,
     find_segments,
@@ -31,8 +33,35 @@ from mpmcli.cracks.crossing import (
 )
 from mpmcli.cracks.sights import CROSSINGS, CUT, LISTED, NODES, SIGHTS, THIRD
 
-CELL = 1 << BITS
-"""Side of a cell in whole numbers."""
+ROUND_OFF = 1e-6
+"""Cells by which distances may be wrong: positions are whole numbers of 2⁻²⁴ cells."""
+
+
+class Reach(NamedTuple):
+    """How far particles see along an axis [cells].
+
+    nodes : of the grid functions themselves
+    domain : a particle sees them from its domain, else from its middle alone
+    follows : the domain follows the deformation
+    most : as far as stencils go, whatever particles do
+    """
+
+    nodes: float
+    domain: bool
+    follows: bool
+    most: float
+
+
+@compiled_too
+def reach_of(reach, inverse_cell, F, size, p):
+    """How far particle ``p`` sees along the axis where it is more, at most [cells]."""
+    x, y = 0.0, 0.0
+    if reach.follows:
+        x = abs(F[0, p]) * size[0, p] + abs(F[1, p]) * size[1, p]
+        y = abs(F[2, p]) * size[0, p] + abs(F[3, p]) * size[1, p]
+    elif reach.domain:
+        x, y = size[0, p], size[1, p]
+    return min(reach.nodes + max(x * inverse_cell[0], y * inverse_cell[1]) + ROUND_OFF, reach.most)
 
 
 @compiled_too
@@ -83,42 +112,47 @@ def cross_nodes(near, k, last, x0, y0, across, times, crossed):
     for j in range(len(times)):
         times[j] = 0
     for at in range(k, last):
-        ax, ay, dx, dy, mine = near[at, AX], near[at, AY], near[at, DX], near[at, DY], near[at, MINE] == 1
-        area, j, y = dx * (y0 - ay) - dy * (x0 - ax), 0, y0
+        ax, ay, dx, dy = near[at, AX], near[at, AY], near[at, DX], near[at, DY]
+        bx, by, mine = ax + dx, ay + dy, near[at, MINE] - 1
+        # where a node is of the segment, and A and B of its line of sight: signs alone tell
+        area, of_a, of_b, j = dx * (y0 - ay) - dy * (x0 - ax), x0 * ay - y0 * ax, x0 * by - y0 * bx, 0
         for _ in across:
-            here, x = area, x0
+            here, a, b = area, of_a, of_b
             for _ in across:
-                if (here >= 0) != mine and (x * ay - y * ax >= 0) != (x * (ay + dy) - y * (ax + dx) >= 0):
+                if ((here ^ mine) & (a ^ b)) < 0:
                     times[j] += 1
                     if times[j] < 3:
                         crossed[j] = near[at, S]
                 here -= dy << BITS
-                x += CELL
+                a += ay << BITS
+                b += by << BITS
                 j += 1
             area += dx << BITS
-            y += CELL
+            of_a -= ax << BITS
+            of_b -= bx << BITS
 
 
 # fmt: off
 @compiled_too
-def find_crossings(shape, geometry, across, X, F, size, stencil, clear, candidates, body, cuts, segments, table, scratch, nodes, sights, G, crossings, counts):  # noqa: E501
+def find_crossings(shape, geometry, across, X, F, size, stencil, reach, moved, candidates, body, cuts, segments, table, scratch, nodes, sights, cut, crossings, counts):  # noqa: E501
     """Find the lines of sight that cross cracks, and name the crack nodes; returns how many particles have some.
 
-    These get rows of ``sights`` with their weights, and of ``G``. Candidates farther than ``clear`` have none [cells].
+    These get rows of ``sights`` and of ``cut``. Candidates see nothing that is farther than their reach; they, and the
+    segments, may have ``moved`` so far since they were listed [cells].
     """
     rows, found, count, columns = 0, 0, 0, np.int64(geometry.stride[1])
     near, times, crossed, number = scratch.near, scratch.times, scratch.crossed, scratch.number
     for q in range(len(candidates.particle)):
-        if candidates.away[q] > clear:
+        p, away = candidates.particle[q], candidates.away[q] - moved
+        if away > reach.most or away > reach_of(reach, geometry.inverse_cell, F, size, p):
             continue
-        p = candidates.particle[q]
         px = whole(X[0, p], geometry.origin[0], geometry.inverse_cell[0])
         py = whole(X[1, p], geometry.origin[1], geometry.inverse_cell[1])
         cell = cell_of(table, px >> BITS, py >> BITS)
         if cell < 0:
             continue
-        weights = sights.S[rows]
-        base = fill(shape, geometry, across, X, F, size, p, weights, G[rows], stencil.W[0], stencil.status)
+        weights = cut.S[rows]
+        base = fill(shape, geometry, across, X, F, size, p, weights, cut.G[rows], stencil.W[0], stencil.status)
         x0, y0 = (np.int64(base) % columns << BITS) - px, (np.int64(base) // columns << BITS) - py
         n = list_near(segments, table, cell, px, py, x0, y0, len(across) - 1, cuts, np.int64(body[p]), near)
         if n == 0:
@@ -173,14 +207,21 @@ def name_face_nodes(points, origin, cell, columns, nodes, count):
 
 
 @compiled_too
-def place_sight(row, p, base, side, X, offsets, sides, fields, field, nodes, sights):
-    """Complete row ``row`` of ``sights`` of a particle that is on the sides ``side`` (m,) of its nodes."""
+def place_sight(row, p, base, weights, side, X, offsets, sides, fields, field, nodes, sights):
+    """Write row ``row`` of ``sights`` of a particle that is on the sides ``side`` (m,) of its nodes."""
     sights.particle[row], sights.corner[row] = p, base
     sights.place[row, 0], sights.place[row, 1] = X[0, p], X[1, p]
+    e = np.int64(sights.first[row])
     for j in range(len(offsets)):
         slot = np.int64(nodes.slot_of_node[np.int64(base + offsets[j])])
-        seen = slot >= 0 and sights.S[row, j] > 0.0
-        sights.at[row, j] = (slot * sides + side[j]) * fields + field if seen else -1
+        if slot >= 0 and weights[j] > 0.0:
+            sights.column[e], sights.at[e], sights.S[e] = (
+                j,
+                (slot * sides + side[j]) * fields + field,
+                weights[j],
+            )
+            e += 1
+    sights.first[row + 1] = e
 
 
 @compiled_too
@@ -188,30 +229,29 @@ def keep_cut(tried, offsets, X, field, sides, fields, segments, nodes, side, sig
     """Keep those of the ``tried`` first rows that see nodes on other sides: others only see third cracks."""
     rows, at, kept = 0, 0, 0
     for r in range(tried):
-        p, base, parted, begin = sights.particle[r], sights.corner[r], False, kept
+        p, base, parted = np.uint64(sights.particle[r]), np.uint64(sights.corner[r]), False
         for j in range(len(offsets)):
             side[j] = 0
         while at < counts[CROSSINGS] and crossings.row[at] == r:
             column, s = crossings.column[at], crossings.segment[at]
             at += 1
             slot = nodes.slot_of_node[np.int64(base + offsets[column])]
-            bit = 1 if segments.crack[s] == nodes.crack[slot, 0] else 2
-            if bit == 2 and segments.crack[s] != nodes.crack[slot, 1]:
+            bit = 1 if segments.whole[s, OF] == nodes.crack[slot, 0] else 2
+            if bit == 2 and segments.whole[s, OF] != nodes.crack[slot, 1]:
                 continue
             side[column] += bit
             parted = True
             crossings.row[kept], crossings.column[kept], crossings.segment[kept] = rows, column, s
             kept += 1
         if not parted:
-            kept = begin
             continue
         if rows < r:
             for j in range(len(offsets)):
-                sights.S[rows, j] = sights.S[r, j]
+                cut.S[rows, j] = cut.S[r, j]
             for j in range(2 * len(offsets)):
                 cut.G[rows, j] = cut.G[r, j]
         of_field = np.int64(field[p])
-        place_sight(rows, p, base, side, X, offsets, sides, fields, of_field, nodes, sights)
+        place_sight(rows, p, base, cut.S[rows], side, X, offsets, sides, fields, of_field, nodes, sights)
         for j in range(len(offsets)):
             i = np.int64(base + offsets[j])
             cut.dof[rows, j] = dof_of(i, of_field, side[j], len(nodes.slot_of_node), fields)
@@ -259,19 +299,19 @@ def list_first_rows(particle, count, ranges, out):
 @called_once
 def find_sides(
     shape, grid, across, X, F, size, stencil, bands, chunks, field, body, fields, sides, cuts, candidates, points,
-    beyond, origin, cell, reach, clear, segments, table, scratch, nodes, sights, cut, crossings, counts,
+    beyond, origin, cell, reach, moved, segments, table, scratch, nodes, sights, cut, crossings, counts,
 ):  # fmt: skip
     """Find the segments, the crack nodes, and the sides of all particles that see them: one call, see ``CrackSides``.
 
     ``counts`` (6,) holds the counts of the step before and receives those of this one. Nodes are few, and the place of
     each depends on those before it: serial.
     """
-    geometry, side = unfold(grid), scratch.number
+    geometry, side, weights = unfold(grid), scratch.number, stencil.S[0]
     clear_step(nodes, sights, cut.mask, counts)
     find_segments(points, beyond, origin, cell, segments)
     tried = find_crossings(
-        shape, geometry, across, X, F, size, stencil, clear, candidates, body, cuts, segments, table,
-        scratch, nodes, sights, cut.G, crossings, counts,
+        shape, geometry, across, X, F, size, stencil, reach, moved, candidates, body, cuts, segments, table,
+        scratch, nodes, sights, cut, crossings, counts,
     )  # fmt: skip
     columns = np.int64(geometry.stride[1])
     counts[LISTED] = name_face_nodes(points, origin, cell, columns, nodes, counts[NODES])
@@ -281,7 +321,7 @@ def find_sides(
     for j in range(len(stencil.offsets)):
         side[j] = 0
     rows = counts[CUT]
-    mark_cells(counts[LISTED], nodes, reach, columns, scratch.mark, 1)
+    mark_cells(counts[LISTED], nodes, reach.most, columns, scratch.mark, 1)
     for q in range(len(candidates.particle)):
         p = candidates.particle[q]
         x = np.int64((X[0, p] - geometry.origin[0]) * geometry.inverse_cell[0])
@@ -289,15 +329,24 @@ def find_sides(
         inside = 0 <= x < columns and 0 <= y * columns < len(scratch.mark)
         if not inside or scratch.mark[y * columns + x] == 0 or cut.mask[p] == 1:
             continue
-        if sees_listed(geometry, reach, X, p, nodes):
-            base = fill(
-                shape, geometry, across, X, F, size, p, sights.S[rows], None, stencil.W[0], stencil.status
-            )
+        if sees_listed(geometry, reach_of(reach, geometry.inverse_cell, F, size, p), X, p, nodes):
+            base = fill(shape, geometry, across, X, F, size, p, weights, None, stencil.W[0], stencil.status)
             place_sight(
-                rows, p, base, side, X, stencil.offsets, sides, fields, np.int64(field[p]), nodes, sights
+                rows,
+                p,
+                base,
+                weights,
+                side,
+                X,
+                stencil.offsets,
+                sides,
+                fields,
+                np.int64(field[p]),
+                nodes,
+                sights,
             )
             rows += 1
-    mark_cells(counts[LISTED], nodes, reach, columns, scratch.mark, 0)
+    mark_cells(counts[LISTED], nodes, reach.most, columns, scratch.mark, 0)
     counts[SIGHTS] = rows
     for slot in range(counts[NODES]):
         counts[THIRD] += nodes.third[slot]

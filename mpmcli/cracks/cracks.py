@@ -78,7 +78,7 @@ class Cracks:
         if particles.X0 is None:
             particles.X0 = particles.X.copy()
         self._particles, self._order, self._grid = particles, order, grid
-        self.sides = CrackSides(self.chains, cuts, order, grid, plan.shape.follows_deformation)
+        self.sides = CrackSides(self.chains, cuts, order, grid, plan.shape)
         transfer.sights = self.sides
         transfer.sort()
         mirror = None if conditions is None or conditions.images is None else conditions.images.mirror

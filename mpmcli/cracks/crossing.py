@@ -25,24 +25,22 @@ UNIT = float(1 << BITS)
 """Whole numbers per cell."""
 
 
+FROM_X, FROM_Y, TO_X, TO_Y, OF, ALONG = range(6)
+NORMAL, AT = 0, 2
+"""Columns of ``Segments``."""
+
+
 class Segments(NamedTuple):
     """The segments of all chains, crack after crack, each chain from its start to its end.
 
-    ax, ay, bx, by : (n,) end points, A before B in the order of (x, y) [2⁻²⁴ cells]
-    crack : (n,) index of the crack
-    along : (n,) 1 where A comes first on the way from the chain's start, else −1
-    normal : (n, 2) unit normal from below the crack to above
-    at : (n, 2) the first point on the way [length]
+    whole : (n, 6) end points A (``FROM_X``, ``FROM_Y``) and B (``TO_X``, ``TO_Y``), A before B in the order of (x, y)
+        [2⁻²⁴ cells]; index of the crack (``OF``); 1 where A comes first on the way from the chain's start, else −1
+        (``ALONG``)
+    place : (n, 4) unit normal from below the crack to above (``NORMAL``), the first point on the way (``AT``) [length]
     """
 
-    ax: Array
-    ay: Array
-    bx: Array
-    by: Array
-    crack: Array
-    along: Array
-    normal: Array
-    at: Array
+    whole: Array
+    place: Array
 
 
 @compiled_too
@@ -79,14 +77,15 @@ def list_near(
     low, high = min(y0, 0), max(y0 + (cells << BITS), 0)
     for at in range(table.first[cell], table.first[cell + 1]):
         s = table.segment[at]
-        ax, ay = segments.ax[s] - px, segments.ay[s] - py
-        dx, dy = segments.bx[s] - px - ax, segments.by[s] - py - ay
+        segment = segments.whole[s]
+        ax, ay = segment[FROM_X] - px, segment[FROM_Y] - py
+        dx, dy = segment[TO_X] - px - ax, segment[TO_Y] - py - ay
         if ax > right or ax + dx < left or min(ay, ay + dy) > high or max(ay, ay + dy) < low:
             continue
         area, across, along = dy * ax - dx * ay, (dy * left, dy * right), (dx * low, dx * high)
         if area + along[0] >= max(across[0], across[1]) or area + along[1] < min(across[0], across[1]):
             continue  # the whole box around point and nodes is on one side of the line
-        crack = segments.crack[s]
+        crack = segment[OF]
         if body >= 0 and not cuts[crack, body]:
             continue
         near[n, S], near[n, CRACK], near[n, MINE] = s, crack, 1 if area >= 0 else 0
@@ -121,9 +120,9 @@ def allocate_segments(points: Points) -> Segments:
     """Make room for the segments of chains, with one more behind each mouth."""
     count = np.diff(points.first) - 1 + np.count_nonzero(points.mouths, axis=1)
     n = int(count.sum())
-    whole_numbers = {name: np.zeros(n, dtype=np.int64) for name in ("ax", "ay", "bx", "by", "along")}
-    crack = np.repeat(np.arange(len(count)), count)
-    return Segments(**whole_numbers, crack=crack, normal=np.zeros((n, 2)), at=np.zeros((n, 2)))
+    segments = Segments(np.zeros((n, 6), dtype=np.int64), np.zeros((n, 4)))
+    segments.whole[:, OF] = np.repeat(np.arange(len(count)), count)
+    return segments
 
 
 @compiled_too
@@ -132,13 +131,13 @@ def put_segment(segments, s, x, y, x_next, y_next, origin, cell):
     ax, ay = whole(x, origin[0], 1.0 / cell[0]), whole(y, origin[1], 1.0 / cell[1])
     bx, by = whole(x_next, origin[0], 1.0 / cell[0]), whole(y_next, origin[1], 1.0 / cell[1])
     forward = ax < bx or (ax == bx and ay <= by)
-    segments.along[s] = 1 if forward else -1
-    segments.ax[s], segments.ay[s] = (ax, ay) if forward else (bx, by)
-    segments.bx[s], segments.by[s] = (bx, by) if forward else (ax, ay)
+    segment, place = segments.whole[s], segments.place[s]
+    segment[ALONG] = 1 if forward else -1
+    segment[FROM_X], segment[FROM_Y] = (ax, ay) if forward else (bx, by)
+    segment[TO_X], segment[TO_Y] = (bx, by) if forward else (ax, ay)
     wx, wy = x_next - x, y_next - y
     size = max(math.sqrt(wx * wx + wy * wy), TINIEST)
-    segments.normal[s, 0], segments.normal[s, 1] = -wy / size, wx / size
-    segments.at[s, 0], segments.at[s, 1] = x, y
+    place[NORMAL], place[NORMAL + 1], place[AT], place[AT + 1] = -wy / size, wx / size, x, y
 
 
 @called_once
@@ -185,8 +184,8 @@ class Hash(NamedTuple):
 
 def hash_segments(segments: Segments, reach: int) -> Hash:
     """List the segments within ``reach`` cells of each cell."""
-    low = np.stack([np.minimum(segments.ax, segments.bx), np.minimum(segments.ay, segments.by)]) >> BITS
-    high = np.stack([np.maximum(segments.ax, segments.bx), np.maximum(segments.ay, segments.by)]) >> BITS
+    begin, end = segments.whole[:, FROM_X:TO_X].T, segments.whole[:, TO_X:OF].T
+    low, high = np.minimum(begin, end) >> BITS, np.maximum(begin, end) >> BITS
     low, high = low - reach, high + reach
     corner = low.min(axis=1)
     nx, ny = (high.max(axis=1) - corner + 1).tolist()
@@ -222,7 +221,8 @@ def find_distances(X, origin, inverse_cell, segments, table, away):
         nearest = np.int64(1) << 62
         for at in range(table.first[cell], table.first[cell + 1]):
             s = table.segment[at]
-            ax, ay, bx, by = segments.ax[s], segments.ay[s], segments.bx[s], segments.by[s]
+            segment = segments.whole[s]
+            ax, ay, bx, by = segment[FROM_X], segment[FROM_Y], segment[TO_X], segment[TO_Y]
             dx = max(min(ax, bx) - x, x - max(ax, bx))
             dy = max(min(ay, by) - y, y - max(ay, by))
             nearest = min(nearest, max(dx, dy))

@@ -6,7 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.contact.contact_impulses import ContactImpulses, Ways
+from mpmcli.contact import impulses
+from mpmcli.contact.contact_impulses import ContactImpulses, Ways, keeps_start_impulses
+from mpmcli.contact.fields_in_contact import NodeTable
+from mpmcli.contact.impulses import Place
 from mpmcli.contact.laws.impulse import slip_work
 from mpmcli.core.compiled.kernel import called_once
 from mpmcli.core.grid import Grid
@@ -14,28 +17,78 @@ from mpmcli.core.particles import Particles
 from mpmcli.core.state import CracksView
 from mpmcli.core.step import Step
 from mpmcli.core.variants import StrainUpdate
-from mpmcli.cracks.face_contacts import FaceContacts
+from mpmcli.cracks.face_contacts import FaceContacts, tables_in
 from mpmcli.cracks.face_geometry import Separations
 from mpmcli.cracks.sides import CrackSides
 
 Array = np.ndarray
 
+find_impulses, add_to_momenta, start_increments, find_slip = (
+    each.versions[False]
+    for each in (
+        impulses.find_impulses,
+        impulses.add_to_momenta,
+        impulses.start_increments,
+        impulses.find_slip,
+    )
+)
+EARLY, LATE, NEVER = 0, 1, 2
+"""When ``correct_at_once`` finds how fast faces slip: before the correction, after it, or not."""
+
 
 @called_once
-def tally(axes, count, fields, faces, geometry, rows, after, weight, springs, force):
-    """Sum up a step: adds the impulses on the matter above to ``force`` (cracks, 2), and returns the friction work.
+def correct_at_once(law, axes, count, blocks, first, dof, rigid, node_count, mp, f, dt, after_forces, slips):
+    """What ``ContactImpulses`` does at a place in the step, where all contacts have one law and a node has one of them.
 
-    ``after`` (k, 2) are the relative velocities that the impulses leave, ``weight`` (k,) shares of real particles,
-    ``springs`` (laws,) laws without friction.
+    One call for all of it: there are few contacts, and handing them over takes longer than the work. Where ``slips`` is
+    not ``NEVER``, momenta are those extrapolated first, whose impulses ``rows.start`` keeps.
     """
+    fields, _, geometry, rows = tables_in(blocks)
+    nodes = NodeTable(first, first, dof, blocks.numbers[0], rigid, node_count)
+    here = Place(0, after_forces, False, False, False, False, False, dt, dt if after_forces else 0.0)
+    if slips == EARLY:
+        find_slip(axes, count, fields, nodes, mp, f, False, rows.slip)
+    find_impulses(law, axes, 0, count, fields, nodes, geometry, rows, here, mp, f, f)
+    add_to_momenta(axes, count, fields, rows.dp, here, mp, f)
+    start_increments(axes, count, False, rows.dp0, rows.dp, rows.prior, rows.net)
+    if slips != NEVER:
+        for k in range(count):
+            for a in range(len(axes)):
+                rows.start[k, a] = rows.dp[k, a]
+    if slips == LATE:
+        find_slip(axes, count, fields, nodes, mp, f, False, rows.slip)
+
+
+@called_once
+def close_step(
+    axes, count, blocks, first, dof, rigid, node_count, mp, v, dt, keeps_start, weight, springs, force
+):
+    """Complete ``rows.net`` and sum up a step: writes the forces on the matter above into ``force`` (cracks, 2).
+
+    Returns the friction work. ``rows.prior`` receives the relative velocities that the impulses leave, ``weight`` (k,)
+    are shares of real particles, ``springs`` (laws,) laws without friction. ``rows.start`` is part of the impulses if
+    the step ``keeps_start``; see ``ContactImpulses``.
+    """
+    fields, faces, geometry, rows = tables_in(blocks)
+    nodes = NodeTable(first, first, dof, blocks.numbers[0], rigid, node_count)
     work = 0.0
+    for crack in range(force.shape[0]):
+        for a in range(len(axes)):
+            force[crack, a] = 0.0
+    find_slip(axes, count, fields, nodes, mp, v, True, rows.prior)
     for k in range(count):
+        if keeps_start:
+            for a in range(len(axes)):
+                rows.net[k, a] += rows.start[k, a]
         rows.friction[k] = 0.0
         if not springs[fields.law[k]]:
-            rows.friction[k] = slip_work(axes, geometry.normal[k], rows.net[k], rows.slip[k], after[k])
+            rows.friction[k] = slip_work(axes, geometry.normal[k], rows.net[k], rows.slip[k], rows.prior[k])
         work += weight[k] * rows.friction[k]
         for a in range(len(axes)):
             force[faces.crack[k], a] -= weight[k] * rows.net[k, a]
+    for crack in range(force.shape[0]):
+        for a in range(len(axes)):
+            force[crack, a] /= dt
     return work
 
 
@@ -69,6 +122,7 @@ class FaceContact(ContactImpulses):
         self._particles, self._mirror, self._work = particles, mirror, work
         self._view = view
         self._springs = np.array([model.is_interface for model in models])
+        self._alone = len(models) == 1 and not (models[0].is_interface or models[0].skipped)
         work.setdefault("contact_work", 0.0)
         if self._springs.any():
             from mpmcli.cracks.face_interfaces import FaceInterfaces
@@ -76,43 +130,62 @@ class FaceContact(ContactImpulses):
             self.interfaces = FaceInterfaces(models, self.contacts, grid, work, update, view)
 
     def find(self, step: Step) -> int:
-        """Find the pairs of sides in contact."""
+        """Return how many pairs of sides are in contact, which ``after_extrapolation`` has found."""
+        return self.contacts.count
+
+    def after_extrapolation(self, step: Step) -> None:
+        """Task 1.a: find the pairs of sides in contact, and let the extrapolated momenta satisfy them."""
         to_node = self.interfaces is not None and self.interfaces.act_at_node(step.plan)
         count = self.contacts.find(self._particles.F, to_node)
+        if count > 0 and self._acts_at_once:
+            self._correct_at_once(step.dt, False, EARLY if keeps_start_impulses(step.plan) else LATE)
+            return
         if self.interfaces is not None and count > 0:
             self.interfaces.find()
-        return count
+        super().after_extrapolation(step)
+
+    def after_update(self, step: Step) -> None:
+        """Task 3.a: let the updated momenta satisfy contact."""
+        if not self._acts_at_once:
+            super().after_update(step)
+        elif self.contacts.count > 0:
+            self._correct_at_once(step.dt, True, NEVER)
+            if step.plan.imposes_lumped:
+                self._conditions.impose_on_momenta(step)
+
+    @property
+    def _acts_at_once(self) -> bool:
+        return self._alone and not self.contacts.has_pairs
+
+    def _correct_at_once(self, dt: float, after_forces: bool, slips: int) -> None:
+        c, grid = self.contacts, self._grid
+        correct_at_once(
+            self._parameters[0], self._axes, c.count, c.blocks, c.first, c.dof, c.rigid, grid.node_count, grid.mp,
+            grid.f, dt, after_forces, slips,
+        )  # fmt: skip
 
     def rehearse(self) -> None:
-        """Call what acts only where cracks meet."""
+        """Call what acts only where cracks meet, or several bodies on one side."""
         c = self.contacts
-        if c.count > 0 and self._grid.sides > 2:
+        if c.count > 0 and (self._grid.sides > 2 or self._grid.fields > 1):
             c.has_pairs = True
             with np.errstate(all="ignore"):
                 self._correct_momenta(1.0, after_forces=False, advance=0.0)
+                self._start_increments()
+                self._find_slip(None, c.rows.slip)
 
     def account(self, step: Step, v: Array) -> None:
         """Sum up forces and friction work of the step."""
         c, view = self.contacts, self._view
-        view.force[:] = 0.0
-        view.interface_energy[:] = 0.0  # to which tractions on points add theirs
+        view.interface_energy.fill(0.0)  # to which tractions on points add theirs
         if c.count == 0:
+            view.force.fill(0.0)
             return
-        after = self._close_impulses(step, v)
-        alpha = c.fields.alpha[: c.count]
-        weight = np.ones(c.count) if self._mirror is None else self._mirror.share_of(alpha)
-        self._work["contact_work"] += tally(
-            self._axes,
-            c.count,
-            c.fields,
-            c.faces,
-            c.geometry,
-            c.rows,
-            after,
-            weight,
-            self._springs,
-            view.force,
-        )
+        mirror = self._mirror
+        weight = c.whole if mirror is None else mirror.share_of(c.fields.alpha[: c.count])
+        self._work["contact_work"] += close_step(
+            self._axes, c.count, c.blocks, c.first, c.dof, c.rigid, self._grid.node_count, self._grid.mp, v, step.dt,
+            keeps_start_impulses(step.plan), weight, self._springs, view.force,
+        )  # fmt: skip
         if self.interfaces is not None:
-            self.interfaces.close(after, weight, step.dt)
-        view.force /= step.dt
+            self.interfaces.close(c.rows.prior, weight[: c.count], step.dt)

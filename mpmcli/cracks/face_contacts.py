@@ -6,15 +6,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mpmcli.contact.fields_in_contact import NodeTable, allocate_fields, put_contact
-from mpmcli.contact.geometry import allocate_geometry
-from mpmcli.contact.impulses import allocate_rows
+from mpmcli.contact.fields_in_contact import FieldsInContact, NodeTable, put_contact
+from mpmcli.contact.geometry import Geometry
+from mpmcli.contact.impulses import ImpulseRows
 from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.kernel import called_once
 from mpmcli.core.dofs import dof_of, side_of
 from mpmcli.core.grid import Grid
 from mpmcli.core.particles import Particles, determinant_of_particle
-from mpmcli.cracks.crossing import BITS, is_left
+from mpmcli.cracks.crossing import ALONG, AT, BITS, FROM_X, FROM_Y, NORMAL, OF, TO_X, TO_Y, is_left
 from mpmcli.cracks.face_geometry import SUMS, Lattice, Matter, Separations, Springs, find_face_geometry
 from mpmcli.cracks.sides import CrackSides
 from mpmcli.cracks.sights import CROSSINGS, NODES, SIGHTS
@@ -49,7 +49,7 @@ class Faces(NamedTuple):
     crack : (k,) index of the crack
     jump : (k, 2) δ = u_β − u_α at the start of the step [length]
     aside, mass : (k, 2), (k,) as those of ``interfaces.jump.JumpRows``, where springs join the faces
-    at : (k, 2) places of α and of the partner, as in ``sights.Sights``
+    at : (2, k) places of α and of the partner, as in ``sights.Sights``
     """
 
     bit: Array
@@ -60,8 +60,40 @@ class Faces(NamedTuple):
     at: Array
 
 
+class Blocks(NamedTuple):
+    """The memory of all that is kept of ``room`` contacts: compiled code takes four arrays sooner than forty.
+
+    whole : (13, room) whole numbers
+    flags : (4, room) True or False
+    numbers : (9, room)
+    vectors : (12, room, 2)
+    """
+
+    whole: Array
+    flags: Array
+    numbers: Array
+    vectors: Array
+
+
+def allocate_blocks(room: int) -> Blocks:
+    """Make room for contacts."""
+    whole, flags = np.zeros((13, room), dtype=np.int64), np.zeros((4, room), dtype=np.bool_)
+    return Blocks(whole, flags, np.zeros((9, room)), np.zeros((12, room, 2)))
+
+
 @compiled_too
-def find_planes(counts, sights, width, crossings, nodes, segments, lattice, matter, planes):
+def tables_in(blocks: Blocks) -> tuple[FieldsInContact, Faces, Geometry, ImpulseRows]:
+    """The tables of contacts, whose columns are rows of ``blocks``."""
+    i, b, r, v = blocks.whole, blocks.flags, blocks.numbers, blocks.vectors
+    fields = FieldsInContact(i[0], i[1], i[2], i[3], i[4], i[5], i[6], b[0], b[1], b[2], b[3], r[0])
+    faces = Faces(i[7], i[8], v[0], v[1], r[1], i[10:12])
+    geometry = Geometry(v[2], r[2], v[3], r[3], r[4], i[9])
+    rows = ImpulseRows(v[4], v[5], v[6], v[7], v[8], v[9], v[10], v[11], r[5], r[6], r[7], r[8], i[12])
+    return fields, faces, geometry, rows
+
+
+@compiled_too
+def find_planes(counts, sights, weights, width, crossings, nodes, segments, lattice, matter, planes):
     """Normals and places of the cracks of every crack node, from the lines of sight that cross them (Nairn 2023)."""
     normal, distance, above = planes.normal, planes.distance, planes.above
     for slot in range(counts[NODES]):
@@ -73,19 +105,20 @@ def find_planes(counts, sights, width, crossings, nodes, segments, lattice, matt
         p, corner = sights.particle[row], np.int64(sights.corner[row])
         column, line = corner % lattice.shape[0] + j % width, corner // lattice.shape[0] + j // width
         slot = nodes.slot_of_node[line * lattice.shape[0] + column]
-        bit = 0 if segments.crack[s] == nodes.crack[slot, 0] else 1
-        w = sights.S[row, j] * determinant_of_particle(matter.F, p) * matter.vol0[p]
+        segment, place = segments.whole[s], segments.place[s]
+        bit = 0 if segment[OF] == nodes.crack[slot, 0] else 1
+        w = weights[row, j] * determinant_of_particle(matter.F, p) * matter.vol0[p]
         if lattice.ring:
             w /= matter.X[0, p]
-        a, b = segments.normal[s, 0], segments.normal[s, 1]
+        a, b = place[NORMAL], place[NORMAL + 1]
         left = is_left(
-            segments.ax[s], segments.ay[s], segments.bx[s], segments.by[s], column << BITS, line << BITS
+            segment[FROM_X], segment[FROM_Y], segment[TO_X], segment[TO_Y], column << BITS, line << BITS
         )
         normal[slot, bit, 0] += w * a
         normal[slot, bit, 1] += w * b
         x, y = lattice.origin[0] + column * lattice.cell[0], lattice.origin[1] + line * lattice.cell[1]
-        distance[slot, bit] += w * (a * (segments.at[s, 0] - x) + b * (segments.at[s, 1] - y))
-        above[slot, bit] += w if left == (segments.along[s] > 0) else -w
+        distance[slot, bit] += w * (a * (place[AT] - x) + b * (place[AT + 1] - y))
+        above[slot, bit] += w if left == (segment[ALONG] > 0) else -w
         planes.total[slot, bit] += w
     for slot in range(counts[NODES]):
         for bit in range(2):
@@ -169,8 +202,8 @@ def list_faces(
 
 @called_once
 def find_faces(
-    counts, nodes, sights, crossings, segments, lattice, matter, planes, laws, skipped, screened, separations, points,
-    springs, rigid, node_count, sides, width, mp, dof, first, m, faces, begin, sums, M, geometry,
+    counts, nodes, sights, weights, crossings, segments, lattice, matter, planes, laws, skipped, screened, separations,
+    points, springs, rigid, node_count, sides, width, mp, dof, first, begin, sums, M, blocks,
 ):  # fmt: skip
     """Find the pairs of sides in contact and their geometry; returns how many, and whether some are coupled.
 
@@ -178,7 +211,8 @@ def find_faces(
     least, SUMS) and ``M`` (4, 1) are scratch.
     """
     slots = counts[NODES]
-    find_planes(counts, sights, width, crossings, nodes, segments, lattice, matter, planes)
+    m, faces, geometry, _ = tables_in(blocks)
+    find_planes(counts, sights, weights, width, crossings, nodes, segments, lattice, matter, planes)
     found = list_faces(
         nodes, slots, planes, laws, skipped, screened, rigid, node_count, mp, dof, first, m, faces, begin
     )
@@ -211,13 +245,17 @@ class FaceContacts:
     Attributes
     ----------
     planes, faces : see ``Planes``, ``Faces``
+    rigid : as given
+    blocks : in which the tables of contacts lie
+    first, dof : as in ``table``, with room for more
+    whole : (at least, count) ones
     """
 
     def __init__(
         self, sides: CrackSides, laws: Array, models: list[Any], separations: Separations, rigid: Array, grid: Grid,
         particles: Particles, ring: bool,
     ):  # fmt: skip
-        self._sides, self._laws, self._rigid = sides, laws, rigid
+        self._sides, self._laws, self.rigid = sides, laws, rigid
         self._separations = separations
         self._grid, self._particles = grid, particles
         self._skipped = np.array([model.skipped for model in models])
@@ -232,29 +270,21 @@ class FaceContacts:
         self._make_room(0, 0)
 
     def _make_room(self, slots: int, room: int) -> None:
-        d, fields = 2, len(self._rigid)
+        d, fields = 2, len(self.rigid)
         if slots > self._slots:
             self._slots = slots = max(slots, self._slots + self._slots // 4)
             numbers = (np.zeros((slots, 2)) for _ in range(3))
             self.planes = Planes(np.zeros((slots, 2, d)), *numbers)
             self.begin = np.zeros(slots + 1, dtype=np.int64)
-            self._first = np.zeros(slots + 1, dtype=np.int64)
-            self._dof = np.zeros(slots * SIDES * fields, dtype=np.int64)
+            self.first = np.zeros(slots + 1, dtype=np.int64)
+            self.dof = np.zeros(slots * SIDES * fields, dtype=np.int64)
             self._sums = np.zeros((slots * self._grid.sides * fields, SUMS))
         if room <= self._room:
             return
         self._room = room = max(room, self._room + self._room // 4)
-        self.fields = allocate_fields(room)
-        self.faces = Faces(
-            bit=np.zeros(room, dtype=np.int64),
-            crack=np.zeros(room, dtype=np.int64),
-            jump=np.zeros((room, d)),
-            aside=np.zeros((room, d)),
-            mass=np.zeros(room),
-            at=np.zeros((room, 2), dtype=np.int64),
-        )
-        self.geometry = allocate_geometry(room, d)
-        self.rows = allocate_rows(room, d)
+        self.blocks = allocate_blocks(room)
+        self.fields, self.faces, self.geometry, self.rows = tables_in(self.blocks)
+        self.whole = np.ones(room)
 
     def find(self, F: Array, to_node: bool) -> int:
         """Find the pairs and their geometry; ``F`` (nF, N) are the particles' own. Returns how many.
@@ -262,19 +292,19 @@ class FaceContacts:
         ``to_node``: stiff springs act at the node (``Springs``).
         """
         sides, p, grid = self._sides, self._particles, self._grid
-        self.count, slots = 0, sides.count
+        slots = sides.count
+        self.count = 0
         if slots == 0:
             return 0
-        self._make_room(slots, slots * (1 if grid.sides == 2 else SIDES) * len(self._rigid) ** 2)
+        self._make_room(slots, slots * (1 if grid.sides == 2 else SIDES) * len(self.rigid) ** 2)
         self.count, self.has_pairs = find_faces(
-            sides.counts, sides.nodes, sides.sights, sides.crossings, sides.segments, self.lattice,
+            sides.counts, sides.nodes, sides.sights, sides.weights, sides.crossings, sides.segments, self.lattice,
             Matter(p.X, p.X0, F, p.vol0, p.mass, p.size), self.planes, self._laws, self._skipped, self._screened,
-            self._separations, sides.points.get(), Springs(self._springs, to_node), self._rigid, grid.node_count,
-            grid.sides, grid.width, grid.mp, self._dof, self._first, self.fields, self.faces, self.begin, self._sums,
-            self._M, self.geometry,
+            self._separations, sides.points.now, Springs(self._springs, to_node), self.rigid, grid.node_count,
+            grid.sides, grid.width, grid.mp, self.dof, self.first, self.begin, self._sums, self._M, self.blocks,
         )  # fmt: skip
-        first = self._first[: slots + 1]
+        first = self.first[: slots + 1]
         self.table = NodeTable(
-            sides.nodes.node[:slots], first, self._dof[: first[-1]], NOTHING, self._rigid, grid.node_count
+            sides.nodes.node[:slots], first, self.dof[: first[-1]], NOTHING, self.rigid, grid.node_count
         )
         return self.count

@@ -86,34 +86,37 @@ def sum_matter(rows, sights, width, lattice, matter, places, sums):
         xx, xy, yx, yy = F[0, p], F[1, p], F[2, p], F[3, p]
         inverse = 1.0 / (xx * yy - xy * yx)
         a, b, c, d = yy * inverse, -xy * inverse, -yx * inverse, xx * inverse
-        mass, volume, j = matter.mass[p], determinant_of_particle(F, p) * matter.vol0[p], 0
-        for _ in range(width):
-            x = left
-            for _ in range(width):
-                at, S = sights.at[row, j], sights.S[row, j]
-                if 0 <= at < places:
-                    out = sums[at]
-                    away = abs(out[ACROSS] * x + out[ACROSS + 1] * y + out[ACROSS + 2])
-                    share = S * max(1.0 - away, SMALLEST)
-                    w = share * mass
-                    out[MASS] += w
-                    out[WHOLE] += share * matter.vol0[p]
-                    out[VOLUME] += S * volume
-                    out[REFERENCE] += w * (moved_x - x + a * x + b * y)
-                    out[REFERENCE + 1] += w * (moved_y - y + c * x + d * y)
-                    out[INVERSE] += w * a
-                    out[INVERSE + 1] += w * b
-                    out[INVERSE + 2] += w * c
-                    out[INVERSE + 3] += w * d
-                    out[GRADIENT] += w * xx
-                    out[GRADIENT + 1] += w * xy
-                    out[GRADIENT + 2] += w * yx
-                    out[GRADIENT + 3] += w * yy
-                    out[MEAN] -= w * x
-                    out[MEAN + 1] -= w * y
-                x += lattice.cell[0]
+        mass, volume = matter.mass[p], determinant_of_particle(F, p) * matter.vol0[p]
+        x, j, end_of_line = left, 0, width
+        for e in range(sights.first[row], sights.first[row + 1]):
+            at, S = sights.at[e], sights.S[e]
+            if at >= places:
+                continue
+            while j < sights.column[e]:
                 j += 1
-            y += lattice.cell[1]
+                x += lattice.cell[0]
+                if j == end_of_line:
+                    x, end_of_line = left, end_of_line + width
+                    y += lattice.cell[1]
+            out = sums[at]
+            away = abs(out[ACROSS] * x + out[ACROSS + 1] * y + out[ACROSS + 2])
+            share = S * max(1.0 - away, SMALLEST)
+            w = share * mass
+            out[MASS] += w
+            out[WHOLE] += share * matter.vol0[p]
+            out[VOLUME] += S * volume
+            out[REFERENCE] += w * (moved_x - x + a * x + b * y)
+            out[REFERENCE + 1] += w * (moved_y - y + c * x + d * y)
+            out[INVERSE] += w * a
+            out[INVERSE + 1] += w * b
+            out[INVERSE + 2] += w * c
+            out[INVERSE + 3] += w * d
+            out[GRADIENT] += w * xx
+            out[GRADIENT + 1] += w * xy
+            out[GRADIENT + 2] += w * yx
+            out[GRADIENT + 3] += w * yy
+            out[MEAN] -= w * x
+            out[MEAN + 1] -= w * y
 
 
 @compiled_too
@@ -125,19 +128,19 @@ def find_edges(rows, sights, per, slots, matter, faces, begin, geometry, separat
     for row in range(rows):
         p = sights.particle[row]
         put_radius(AXES, matter.F, matter.size, p, 0, M, 0)
-        for j in range(sights.at.shape[1]):
-            at = sights.at[row, j]
-            if at < 0 or at >= slots * per:
+        for e in range(sights.first[row], sights.first[row + 1]):
+            at = sights.at[e]
+            if at >= slots * per:
                 continue
             for k in range(begin[at // per], begin[at // per + 1]):
                 if separations.way[faces.crack[k]] != REGRESSION or (
-                    at != faces.at[k, 0] and at != faces.at[k, 1]
+                    at != faces.at[0, k] and at != faces.at[1, k]
                 ):
                     continue
                 n, edges = geometry.normal[k], geometry.distances[k]
                 along = n[0] * matter.X[0, p] + n[1] * matter.X[1, p]
                 reach = radius_along(Ellipsoids(2), AXES, M, 0, n)
-                if at == faces.at[k, 0]:
+                if at == faces.at[0, k]:
                     edges[0] = max(edges[0], along + reach)
                 else:
                     edges[1] = min(edges[1], along - reach)
@@ -202,12 +205,12 @@ def find_face_geometry(
         for face in range(2):
             dof = fields.alpha[k] if face == 0 else fields.partner[k]
             side, field = side_of(dof, node_count, field_count), field_of(dof, node_count, field_count)
-            faces.at[k, face] = (slot * sides + side) * field_count + field
+            faces.at[face, k] = (slot * sides + side) * field_count + field
         normal[k, 0], normal[k, 1] = planes.normal[slot, bit, 0], planes.normal[slot, bit, 1]
         if springs.of_law[fields.law[k]]:
             h = perpendicular_size(AXES, lattice.cell, normal[k])
             for face in range(2):
-                across = sums[faces.at[k, face]]
+                across = sums[faces.at[face, k]]
                 across[ACROSS], across[ACROSS + 1] = normal[k, 0] / h, normal[k, 1] / h
                 across[ACROSS + 2] = planes.distance[slot, bit] / h
         distances[k, 0], distances[k, 1] = -FAR_AWAY, FAR_AWAY
@@ -217,7 +220,7 @@ def find_face_geometry(
         find_edges(rows, sights, per, slots, matter, faces, begin, geometry, separations, M)
     for k in range(count):
         slot, crack, n, here = fields.slot[k], faces.crack[k], normal[k], faces.jump[k]
-        a, b, away = sums[faces.at[k, 0]], sums[faces.at[k, 1]], planes.distance[slot, faces.bit[k]]
+        a, b, away = sums[faces.at[0, k]], sums[faces.at[1, k]], planes.distance[slot, faces.bit[k]]
         both = a[MASS] > 0.0 and b[MASS] > 0.0
         shift = (away * n[0], away * n[1])
         here[0] = here[1] = 0.0

@@ -48,23 +48,22 @@ def sum_motion(rows, sights, width, places, mass, X, L, dt, lattice, out):
         y = lattice.origin[1] + corner // lattice.shape[0] * lattice.cell[1] - was_y
         vx, vy = (X[0, p] - was_x) / dt, (X[1, p] - was_y) / dt
         xx, xy, yx, yy = L[0, p], L[1, p], L[2, p], L[3, p]
-        m, j = mass[p], 0
-        for _ in range(width):
-            x = left
-            for _ in range(width):
-                at = sights.at[row, j]
-                if at >= 0:
-                    w, total = sights.S[row, j] * m, out[at]
-                    total[WEIGHT] += w
-                    total[MOMENTUM] += w * (vx + xx * x + xy * y)
-                    total[MOMENTUM + 1] += w * (vy + yx * x + yy * y)
-                    total[RATE] += w * xx
-                    total[RATE + 1] += w * xy
-                    total[RATE + 2] += w * yx
-                    total[RATE + 3] += w * yy
-                x += lattice.cell[0]
+        m, x, j, end_of_line = mass[p], left, 0, width
+        for e in range(sights.first[row], sights.first[row + 1]):
+            while j < sights.column[e]:
                 j += 1
-            y += lattice.cell[1]
+                x += lattice.cell[0]
+                if j == end_of_line:
+                    x, end_of_line = left, end_of_line + width
+                    y += lattice.cell[1]
+            w, total = sights.S[e] * m, out[sights.at[e]]
+            total[WEIGHT] += w
+            total[MOMENTUM] += w * (vx + xx * x + xy * y)
+            total[MOMENTUM + 1] += w * (vy + yx * x + yy * y)
+            total[RATE] += w * xx
+            total[RATE + 1] += w * xy
+            total[RATE + 2] += w * yx
+            total[RATE + 3] += w * yy
 
 
 @compiled_too

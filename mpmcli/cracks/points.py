@@ -41,19 +41,20 @@ class AllPoints:
 
     Attributes
     ----------
+    now : the points, as ``get`` returned them last
     smooth : (cracks,) whether planes had no turn as sharp as ``FOLDED`` when they were gathered
     """
 
     def __init__(self, chains: list[Chain], cell: float):
         self._chains, self._visible = chains, VISIBLE * cell
         self.smooth = np.zeros(len(chains), dtype=bool)
-        self._now = self._gather()
+        self.now = self._gather()
 
     def get(self) -> Points:
         """Return the points; gathered anew if a chain has arrays of its own since it grew or was set back."""
-        if any(chain.X.base is not self._now.X for chain in self._chains):
-            self._now = self._gather()
-        return self._now
+        if any(chain.X.base is not self.now.X for chain in self._chains):
+            self.now = self._gather()
+        return self.now
 
     def _gather(self) -> Points:
         chains = self._chains

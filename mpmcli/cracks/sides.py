@@ -11,7 +11,7 @@ from mpmcli.core.grid import Grid
 from mpmcli.core.order import CellOrder, or_shifted
 from mpmcli.core.transfer.cut import Cut
 from mpmcli.cracks.chain import Chain
-from mpmcli.cracks.crack_nodes import find_sides
+from mpmcli.cracks.crack_nodes import ROUND_OFF, Reach, find_sides
 from mpmcli.cracks.crossing import (
     Hash,
     Segments,
@@ -45,8 +45,8 @@ DRIFT = 1
 """Cells that chains and particles may move between two sorts."""
 SLACK = 0.2
 """Cells that they may move before candidates are listed anew."""
-ROUND_OFF = 1e-6
-"""Cells by which distances may be wrong: positions are whole numbers of 2⁻²⁴ cells."""
+GRID_FUNCTIONS = {"linear": 1.0, "quadratic": 1.5}
+"""How far grid functions reach from their node [cells]."""
 
 
 class CrackSides:
@@ -57,7 +57,7 @@ class CrackSides:
     chains : of all cracks
     cuts : (cracks, bodies) whether a crack cuts a body
     order, grid : of the simulation
-    follows : particle domains follow the deformation, and reach farther than half the stencil
+    shape : ``ShapeEntry`` of the scene
 
     Attributes
     ----------
@@ -65,12 +65,13 @@ class CrackSides:
     candidates : particles near cracks
     nodes, sights, crossings : of the step
     segments, hash : of the chains in the step; where segments are near cells
+    reach : how far particles see, with stencils of the width that they have now
     drift : how far points have moved since the candidates were listed, at most [cells]
     """
 
-    def __init__(self, chains: list[Chain], cuts: Array, order: CellOrder, grid: Grid, follows: bool):
+    def __init__(self, chains: list[Chain], cuts: Array, order: CellOrder, grid: Grid, shape: Any):
         self.chains, self._cuts = chains, cuts
-        self._order, self._grid, self._follows = order, grid, follows
+        self._order, self._grid, self._shape = order, grid, shape
         self.points = AllPoints(chains, float(grid.cell.min()))
         self._origin = grid.lower - grid.pad * grid.cell
         self._counts = np.zeros(6, dtype=np.int64)
@@ -80,6 +81,7 @@ class CrackSides:
         self.segments: Segments
         self.hash: Hash
         self.candidates: Candidates
+        self.reach: Reach
         self.sights: Sights
         self.crossings: Crossings
         self._cut: CutRows
@@ -108,6 +110,11 @@ class CrackSides:
         return int(self._counts[THIRD])
 
     @property
+    def weights(self) -> Array:
+        """(at least, c, m) shape function values of cut particles, the first rows of ``sights``."""
+        return self._cut.S
+
+    @property
     def near(self) -> Array:
         """Room for the longest list of the hash, see ``crossing.list_near``."""
         return self._scratch.near
@@ -117,11 +124,11 @@ class CrackSides:
         """(6,) all counts of the step, as ``sights`` has them."""
         return self._counts
 
-    @property
-    def _reach(self) -> float:
-        """How far a particle sees along an axis [cells]."""
-        w = self._grid.width
-        return w - 1.0 if self._follows else 0.5 * w
+    def _find_reach(self) -> Reach:
+        w, shape = self._grid.width, self._shape
+        follows = shape.follows_deformation  # such domains reach farther than half the stencil
+        most = w - 1.0 if follows else 0.5 * w
+        return Reach(GRID_FUNCTIONS.get(shape.grid_functions, most), shape.domain != "point", follows, most)
 
     def sorted(self) -> Array:
         """Note that particles were sorted; returns the nodes (n,), sorted, that may have further sides from now on."""
@@ -161,7 +168,9 @@ class CrackSides:
         is_cut: Array = np.logical_or.reduce(self._cuts, axis=0)[self._order.particles.body]
         self.segments = allocate_segments(self.points.get())
         self._find_segments(self.points.get(), self.segments)
-        near, far = self._reach + 2 * SLACK, 2.0 * self._reach + 2 * SLACK
+        self.reach = self._find_reach()
+        reach = self.reach.most
+        near, far = reach + 2 * SLACK, 2.0 * reach + 2 * SLACK
         away = self._distances(X, self.segments, far)
         points = self.points.get()
         if (
@@ -173,7 +182,7 @@ class CrackSides:
                 away = np.minimum(away, self._distances(X, of_face, far))
         self.hash = hash_segments(self.segments, math.ceil(near))
         # faces move with what their crack may cut: not with a wedge between them
-        particle = np.flatnonzero((away <= far) & is_cut).astype(np.uint64)
+        particle = np.flatnonzero((away <= far) & is_cut).astype(np.uint32)
         # rounded down: what may be parted is never passed over
         self.candidates = Candidates(particle, (away[particle] - ROUND_OFF).astype(np.float32))
         c, m = len(particle), grid.width**grid.dimensions
@@ -211,11 +220,11 @@ class CrackSides:
         elif max(self.drift, order.drift - self._listed_at) > SLACK:
             self._list_candidates()
         p = transfer.particles
-        clear = self._reach + self.drift + (order.drift - self._listed_at) + ROUND_OFF
+        moved = self.drift + (order.drift - self._listed_at)
         find_sides(
             transfer.shape.parameters, transfer.geometry, transfer.across, p.X, F, p.size, transfer.stencil,
             order.bands.first, order.chunks, p.velocity_field, p.body, grid.fields, grid.sides, self._cuts,
-            self.candidates, self.points.get(), self._beyond, self._origin, grid.cell, self._reach, clear,
+            self.candidates, self.points.get(), self._beyond, self._origin, grid.cell, self.reach, moved,
             self.segments, self.hash, self._scratch, self.nodes, self.sights, self._cut, self.crossings, self._counts,
         )  # fmt: skip
         return cut_of(self.sights, self._cut, int(self._counts[CUT])) if self.count > 0 else None

@@ -27,13 +27,15 @@ class Candidates(NamedTuple):
 
 
 class Sights(NamedTuple):
-    """Particles that see listed nodes, first the cut ones, each by ascending place; m nodes per stencil.
+    """Particles that see listed nodes, first the cut ones, each by ascending place, and the sides that they feed.
 
     particle : (at least, r) places in memory, unsigned
     corner : (at least, r) first node of the stencil, unsigned
     place : (at least, r, 2) position at the start of the step [length]
-    S : (at least, r, m) shape function values
-    at : (at least, r, m) place of the side that the particle feeds, −1 for a node that it does not see or is not listed
+    first : (at least, r + 1) first entry of each row, and the end
+    column : (at least, entries) node of the stencil, ascending in each row
+    at : (at least, entries) place of the side that the particle feeds there, unsigned
+    S : (at least, entries) shape function value
 
     The place of a side is (slot · sides + side) · fields + field, with the place of the node in ``CrackNodes``.
     """
@@ -41,19 +43,23 @@ class Sights(NamedTuple):
     particle: Array
     corner: Array
     place: Array
-    S: Array
+    first: Array
+    column: Array
     at: Array
+    S: Array
 
 
 class CutRows(NamedTuple):
-    """What only cut particles have, beside their rows of ``Sights``: as in ``core.transfer.cut.Cut``.
+    """What only cut particles have, beside their rows of ``Sights``: as in ``core.transfer.cut.Cut``; m nodes each.
 
-    G : (at least, c, 2 m) gradients of their shape functions
+    S : (at least, c, m) values of their shape functions
+    G : (at least, c, 2 m) gradients
     dof : (at least, c, m) degrees of freedom, unsigned
     mask : (N,) 1 for those that are cut
     bands, chunks : first row of each band and of each chunk of particles, and the end, unsigned
     """
 
+    S: Array
     G: Array
     dof: Array
     mask: Array
@@ -116,19 +122,22 @@ def allocate_nodes(node_count: int, most: int) -> CrackNodes:
 def allocate_sights(most: int, m: int) -> Sights:
     """Make room for so many particles that see listed nodes; untouched room costs nothing."""
     return Sights(
-        particle=np.empty(most, dtype=np.uint64),
-        corner=np.empty(most, dtype=np.uint64),
+        particle=np.empty(most, dtype=np.uint32),
+        corner=np.empty(most, dtype=np.uint32),
         place=np.empty((most, 2)),
-        S=np.empty((most, m)),
-        at=np.empty((most, m), dtype=np.int32),
+        first=np.zeros(most + 1, dtype=np.int32),
+        column=np.empty(most * m, dtype=np.uint8),
+        at=np.empty(most * m, dtype=np.uint32),
+        S=np.empty(most * m),
     )
 
 
 def allocate_cut(most: int, m: int, particles: int, bands: int, chunks: int) -> CutRows:
     """Make room for so many cut particles."""
     return CutRows(
+        S=np.empty((most, m)),
         G=np.empty((most, 2 * m)),
-        dof=np.empty((most, m), dtype=np.uint64),
+        dof=np.empty((most, m), dtype=np.uint32),
         mask=np.zeros(particles, dtype=np.uint8),
         bands=np.zeros(bands, dtype=np.uint64),
         chunks=np.zeros(chunks, dtype=np.uint64),
@@ -147,6 +156,6 @@ def allocate_crossings(most: int) -> Crossings:
 def cut_of(sights: Sights, rows: CutRows, count: int) -> Cut:
     """The cut particles of a step, ``count`` of them, as transfers take them."""
     return Cut(
-        rows.mask, sights.particle[:count], rows.bands, rows.chunks, sights.corner[:count], sights.S[:count],
+        rows.mask, sights.particle[:count], rows.bands, rows.chunks, sights.corner[:count], rows.S[:count],
         rows.G[:count], rows.dof[:count],
     )  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from mpmcli.cracks.integrals.elastic import (
     rayleigh_speed,
 )
 from mpmcli.cracks.integrals.faces import NO_FACES, REACH, Faces, faces_near
-from mpmcli.cracks.integrals.modes import modes_by_interaction, modes_by_opening
+from mpmcli.cracks.integrals.modes import domain_and_modes, modes_by_interaction, modes_by_opening
 from mpmcli.cracks.integrals.seen import Crack, find_angles, see_crack
 
 Array = np.ndarray
@@ -66,6 +67,10 @@ class Tips:
             self._far = max(self.outer, (model.half + 0.5) * math.hypot(*grid.cell))
         self._reach = self._far + REACH * float(grid.cell.max())
         self.thickness, self._order, self._room = thickness, order, Room()
+        laws = [each.faces.law for each in models]
+        self._laws = [
+            (law.skipped, law.is_interface or law.kind == "perfect", grip_of(law)) for law in laws
+        ]  # whether faces pass each other, whether they hold, their friction
         self._found: dict[tuple[int, int], TipValues] = {}
         self._materials: dict[tuple[int, int], PlaneElasticity | None] = {}
         self._step = -1
@@ -96,10 +101,16 @@ class Tips:
         return self._materials.get((crack, end))
 
     def _elasticity_of(self, particle: int) -> PlaneElasticity | None:
-        model = self._state.material_models[self._state.particles.material[particle]]
-        if not has_plane_elasticity(model):
-            return None
-        return plane_elasticity(model, isinstance(self._state.analysis, PlaneStress))
+        return self._elasticities[self._state.particles.material[particle]]
+
+    @cached_property
+    def _elasticities(self) -> list[PlaneElasticity | None]:
+        """Constants of every material; None for those that are not isotropic and elastic."""
+        in_stress = isinstance(self._state.analysis, PlaneStress)
+        return [
+            plane_elasticity(model, in_stress) if has_plane_elasticity(model) else None
+            for model in self._state.material_models
+        ]
 
     def rayleigh_speed(self, crack: int, end: int) -> float | None:
         """Return the Rayleigh speed of the material nearest to a tip; None unless it is isotropic and elastic."""
@@ -145,16 +156,20 @@ class Tips:
         faces = NO_FACES
         if counted:
             faces = faces_near(counted, own, matter, self._far, self.cell, modulus)
-        J = self._energy_release_rate(frame, matter, cracks, faces)
-        if elasticity is None:
-            return TipValues(J, NAN, NAN)
-        if self.model.modes == "opening":
+        if elasticity is None or self.model.modes == "opening":
+            J = self._energy_release_rate(frame, matter, cracks, faces)
+            if elasticity is None:
+                return TipValues(J, NAN, NAN)
             return TipValues(J, *modes_by_opening(J, *opening_behind(chain, end), elasticity))
         angle = None
         if bends:
             angle = np.empty(matter.r.size)
             find_angles(own.plane, own.left, matter.x, angle)
-        return TipValues(J, *modes_by_interaction(matter, self.inner, self.outer, elasticity, angle, faces))
+        ring = matter, self.inner, self.outer, elasticity, angle, faces
+        if self.model.integral == "domain":
+            return TipValues(*domain_and_modes(*ring))
+        J = self._energy_release_rate(frame, matter, cracks, faces)
+        return TipValues(J, *modes_by_interaction(*ring))
 
     def _energy_release_rate(self, frame: Frame, matter: Matter, cracks: list[Crack], faces: Faces) -> float:
         if self.model.integral == "domain":
@@ -172,7 +187,8 @@ class Tips:
         faces, angle = faces_near([own], own, matter, self.outer, self.cell, None), np.empty(matter.r.size)
         self._energy_release_rate(frame, matter, [own], faces)
         find_angles(own.plane, own.left, matter.x, angle)
-        modes_by_interaction(matter, self.inner, self.outer, PlaneElasticity(1.0, 2.0), angle, faces)
+        by = domain_and_modes if self.model.integral == "domain" else modes_by_interaction
+        by(matter, self.inner, self.outer, PlaneElasticity(1.0, 2.0), angle, faces)
 
     def _matter(self, frame: Frame, radius: float) -> tuple[Matter, Array]:
         state, order = self._state, self._order
@@ -196,19 +212,18 @@ class Tips:
 
     def _seen(self, chain: Chain, frame: Frame, end: int | None) -> tuple[Crack, bool, bool]:
         """The part of a crack near a tip, in the frame of the tip; whether its faces may count; whether it bends."""
-        model = self._models[chain.index]
-        law, pressure = model.faces.law, None
+        model, pressure = self._models[chain.index], None
+        passes, holds, grip = self._laws[chain.index]
         laws = chain.numbers.get("law")
         carries = laws is not None and bool(
             laws.any()
         )  # tractions of the scene, and those that growth has left behind
-        holds = law.is_interface or law.kind == "perfect"
         always = end is None or holds or carries or model.pressure is not None
         plane, jump = np.empty((2, chain.count)), np.empty((2, chain.count))
         span = self._reach + 2.0 * float(chain.length0.max())
         first, n, asks, bends = see_crack(
             np.ascontiguousarray(chain.X), np.ascontiguousarray(chain.faces), *frame.point.tolist(),
-            *frame.ahead.tolist(), span, always, law.skipped, self._far, self.outer, self.cell, plane, jump,
+            *frame.ahead.tolist(), span, always, passes, self._far, self.outer, self.cell, plane, jump,
         )  # fmt: skip
         X = chain.X[:, first : first + n]
         if model.pressure is not None:
@@ -219,7 +234,7 @@ class Tips:
             at_points = (chain.numbers["traction"] * (laws > 0))[:, first : first + n]
             given = frame.turn(0.5 * (at_points[:, 1:] + at_points[:, :-1]))
         plane, jump = np.ascontiguousarray(plane[:, :n]), np.ascontiguousarray(jump[:, :n])
-        return Crack(plane, jump, holds, law.skipped, grip_of(law), pressure, given, end), asks, bends
+        return Crack(plane, jump, holds, passes, grip, pressure, given, end), asks, bends
 
     def _acceleration(self) -> Array | None:
         """Accelerations (2, N) in the last step; None where inertia does not count."""

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.suggest import listing
+from mpmcli.cracks.crossing import OF
 from mpmcli.scene.crack_checks import zones_of
 from mpmcli.shapes import SHAPES
 from mpmcli.solver.simulation import Simulation
@@ -93,11 +94,11 @@ def _cut_particles(scene: Any, simulation: Simulation) -> tuple[int, int, int]:
     node = first[:, :, None] + steps.T[:, None, :]
     reach = _reach(scene, simulation, particle)[:, :, None] - 1e-9
     sees: Array = np.logical_and.reduce(np.abs(node - x[:, :, None]) < reach, axis=0)
-    segments = sides.segments
-    ends = np.stack([segments.ax, segments.ay, segments.bx, segments.by], axis=1) * WHOLE
-    parted = np.zeros((int(segments.crack.max()) + 1, *sees.shape), dtype=bool)
+    segments = sides.segments.whole
+    ends, of = segments[:, :OF] * WHOLE, segments[:, OF]
+    parted = np.zeros((int(of.max()) + 1, *sees.shape), dtype=bool)
     tests = 0
-    for (ax, ay, bx, by), crack in zip(ends, segments.crack, strict=True):
+    for (ax, ay, bx, by), crack in zip(ends, of, strict=True):
         near = (x[0] > min(ax, bx) - w) & (x[0] < max(ax, bx) + w)
         near &= (x[1] > min(ay, by) - w) & (x[1] < max(ay, by) + w)
         rows = np.flatnonzero(near)

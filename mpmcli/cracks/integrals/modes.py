@@ -9,8 +9,9 @@ import numpy as np
 from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.kernel import called_once
 from mpmcli.cracks.integrals.base import Matter, weight_at
+from mpmcli.cracks.integrals.domain import sum_over_domain
 from mpmcli.cracks.integrals.elastic import PlaneElasticity, field_of_mode
-from mpmcli.cracks.integrals.faces import NO_FACES, Faces
+from mpmcli.cracks.integrals.faces import NO_FACES, NOTHING, Faces
 
 Array = np.ndarray
 
@@ -29,10 +30,32 @@ def modes_by_interaction(
     field of a tip with one of the factors 1 and the other 0 (Yau, Wang and Corten 1980).
     """
     found = np.zeros(2)
-    angles = np.zeros(0) if angle is None else angle
+    angles = NOTHING if angle is None else angle
     sum_modes(matter, inner, outer, elasticity.shear, elasticity.kappa, angles, faces, found)
     K_I, K_II = 0.5 * elasticity.modulus / matter.ring.tip * found
     return float(K_I), float(K_II)
+
+
+def domain_and_modes(
+    matter: Matter,
+    inner: float,
+    outer: float,
+    elasticity: PlaneElasticity,
+    angle: Array | None = None,
+    faces: Faces = NO_FACES,
+) -> tuple[float, float, float]:
+    """Return what ``energy_release_rate`` and ``modes_by_interaction`` do, by one call of compiled code."""
+    found, angles = np.zeros(2), NOTHING if angle is None else angle
+    J = sum_both(matter, inner, outer, elasticity.shear, elasticity.kappa, angles, faces, found)
+    K_I, K_II = 0.5 * elasticity.modulus / matter.ring.tip * found
+    return float(J / matter.ring.tip), float(K_I), float(K_II)
+
+
+@called_once
+def sum_both(m, inner, outer, shear, kappa, angles, faces, out):
+    """``sum_modes``; returns ``sum_over_domain``."""
+    sum_modes(m, inner, outer, shear, kappa, angles, faces, out)
+    return sum_over_domain(m, inner, outer, faces)
 
 
 @called_once

@@ -129,10 +129,12 @@ def side_at(plane: Any, x: Any, y: Any) -> Any:
         part = min(max(along, 0.0), 1.0)
         rx, ry = dx - part * wx, dy - part * wy
         away = rx * rx + ry * ry
-        across = (wx * dy - wy * dx) / math.sqrt(square)
         # of two segments that are as near, at a kink, the one whose line is farther tells the side
         tie = 1e-12 * (square + away)
-        if away < least - tie or (away <= least + tie and abs(across) > farthest):
+        if away > least + tie:
+            continue
+        across = (wx * dy - wy * dx) / math.sqrt(square)
+        if away < least - tie or abs(across) > farthest:
             farthest, side = abs(across), 1.0 if across >= 0.0 else -1.0
             beyond = (k == 0 and along < 0.0) or (k == last and along > 1.0)
         least = min(least, away)

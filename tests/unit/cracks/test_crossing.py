@@ -14,6 +14,7 @@ from mpmcli.cracks.chain import Chain, divide
 from mpmcli.cracks.crack_nodes import cross_nodes
 from mpmcli.cracks.crossing import (
     BITS,
+    OF,
     UNIT,
     allocate_segments,
     cell_of,
@@ -62,7 +63,7 @@ def count(found, P, Q, unit=UNIT):
     """Crossings of the line of sight from P to Q, as particles and faces count them."""
     px, py, x, y = (int(unit * v) for v in (*P, *Q))
     reach = max(abs(x - px), abs(y - py))
-    table, near = hash_segments(found, 1 + (reach >> BITS)), np.zeros((len(found.ax), 7), dtype=np.int64)
+    table, near = hash_segments(found, 1 + (reach >> BITS)), np.zeros((len(found.whole), 7), dtype=np.int64)
     cell = cell_of(table, px >> BITS, py >> BITS)
     n = list_near(found, table, cell, px, py, x - px, y - py, 0, np.zeros((1, 1), dtype=bool), -1, near)
     return sum(bool(crosses(near, k, x - px, y - py)) for k in range(n))
@@ -82,8 +83,7 @@ def test_the_direction_of_a_chain_does_not_matter(chain, P, Q):
     chain = np.array(chain) + 5
     one, other = segments_of(chain), segments_of(chain[::-1])
     assert count(one, np.array(P) + 7, np.array(Q) + 7) == count(other, np.array(P) + 7, np.array(Q) + 7)
-    for name in ("ax", "ay", "bx", "by"):
-        np.testing.assert_array_equal(getattr(one, name), getattr(other, name)[::-1])
+    np.testing.assert_array_equal(one.whole[:, :OF], other.whole[::-1, :OF])
 
 
 @given(
@@ -134,7 +134,7 @@ def test_lines_of_sight_to_all_nodes_of_a_stencil_are_those_to_each(chain, P, fi
     px, py = (int(UNIT * (5 + 0.25 * v)) for v in P)
     x0, y0 = ((5 + first[0]) << BITS) - px, ((5 + first[1]) << BITS) - py
     table, cuts = hash_segments(found, 20), np.zeros((1, 1), dtype=bool)
-    near, wide = np.zeros((2, len(found.ax), 7), dtype=np.int64)
+    near, wide = np.zeros((2, len(found.whole), 7), dtype=np.int64)
     cell = cell_of(table, px >> BITS, py >> BITS)
     n = list_near(found, table, cell, px, py, x0, y0, 2, cuts, -1, near)
     most = list_near(found, table, cell, px, py, -20 << BITS, -20 << BITS, 40, cuts, -1, wide)
@@ -155,7 +155,7 @@ def test_no_line_of_sight_slips_round_a_mouth():
     P, Q = (5.2, 6.5), (5.2, 7.5)  # before the start of the chain, at x = 3.2
     assert count(closed, P, Q) == 0
     assert count(open_, P, Q) == 1
-    assert len(open_.ax) == 2
+    assert len(open_.whole) == 2
     assert count(open_, (11.2, 6.5), (11.2, 7.5)) == 0
 
 
@@ -165,8 +165,7 @@ def test_shifts_by_whole_cells_change_nothing():
         on = grid(lower=np.array(shift) * 0.1, cell=(0.1, 0.1))
         found = segments_of(points * 0.1 + np.array(shift) * 0.1, on=on)
         base = segments_of(points * 0.1, on=grid(cell=(0.1, 0.1)))
-        for name in ("ax", "ay", "bx", "by"):
-            assert np.abs(getattr(found, name) - getattr(base, name)).max() <= 1
+        assert np.abs(found.whole[:, :OF] - base.whole[:, :OF]).max() <= 1
 
 
 @given(
@@ -177,9 +176,9 @@ def test_the_hash_lists_every_segment_near(points, reach):
     found = segments_of(points)
     table = hash_segments(found, reach)
     assert len(table.first) == 1 + np.count_nonzero(table.place >= 0)
-    for s in range(len(found.ax)):
-        low = np.array([min(found.ax[s], found.bx[s]), min(found.ay[s], found.by[s])]) >> BITS
-        high = np.array([max(found.ax[s], found.bx[s]), max(found.ay[s], found.by[s])]) >> BITS
+    for s in range(len(found.whole)):
+        ends = found.whole[s, :OF].reshape(2, 2)
+        low, high = ends.min(axis=0) >> BITS, ends.max(axis=0) >> BITS
         for x in range(low[0] - reach, high[0] + reach + 1):
             for y in range(low[1] - reach, high[1] + reach + 1):
                 cell = table.place[y - table.low[1], x - table.low[0]]

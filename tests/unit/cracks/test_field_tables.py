@@ -42,7 +42,7 @@ def faces_of(massive, above=(1.0, 1.0), cracks=(FIRST, SECOND), fields=1, skippe
         jump=np.zeros((room, 2)),
         aside=np.zeros((room, 2)),
         mass=np.zeros(room),
-        at=np.zeros((room, 2), dtype=np.int64),
+        at=np.zeros((2, room), dtype=np.int64),
     )
     passes = np.isin(np.arange(count), skipped)
     found = list_faces(
