@@ -52,9 +52,6 @@ class Mesh(Region):
     def _inside(self, points: Array) -> Array:
         return self.surface.contains(points)
 
-    def _bounds(self, d: int) -> tuple[Array, Array]:
-        return self.surface.corners.min(axis=0), self.surface.corners.max(axis=0)
-
     def _turned_bounds(self, turn: Array) -> tuple[Array, Array]:
         corners = self.surface.corners @ turn.T
         return corners.min(axis=0), corners.max(axis=0)
