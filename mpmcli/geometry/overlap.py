@@ -35,7 +35,7 @@ def settle_overlaps(
     for later, body in enumerate(bodies):
         room = reach[:later] + reach[later]
         boxes_meet = (lower[:later] <= upper[later] + room) & (lower[later] <= upper[:later] + room)
-        for earlier in np.flatnonzero(boxes_meet.all(axis=1)):
+        for earlier in np.flatnonzero(boxes_meet.all(axis=1)).tolist():
             other = bodies[earlier]
             mine = kept[later] & _claimed(filled[later], other, filled[earlier], kept[earlier])
             others = kept[earlier] & _claimed(filled[earlier], body, filled[later], kept[later])

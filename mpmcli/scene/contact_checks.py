@@ -202,8 +202,8 @@ def _check_motion(parts: Parts, fields: Fields, report: Report) -> None:
     """Only rigid bodies move as the scene says, and nothing else moves them."""
     kinds = {member.name: member.is_rigid for member in fields.members}
     moves: dict[str, tuple[str, tuple[Any, ...]]] = {}
-    for index, body in parts.bodies:
-        path = f"{report.label('bodies', index)}.velocity"
+    for place, body in parts.bodies:
+        path = f"{place}.velocity"
         if kinds.get(body.name, True):
             _check_shared_motion(body, fields, moves, path, report)
             continue
@@ -212,19 +212,18 @@ def _check_motion(parts: Parts, fields: Fields, report: Report) -> None:
                 words = f"the initial velocity of '{body.name}' must not depend on t"
                 words += "; only rigid bodies move as prescribed"
                 report(f"{path}.{axis}", words, "time")
-    for key in ("boundary", "loads"):
-        for index, model in getattr(parts, key):
-            for place, name in model.bodies() if model.acts_on == "velocity" else ():
-                path = f"{report.label(key, index)}.{place}"
-                if place == "on.covered_by" and not kinds.get(name, True):
-                    report(path, f"the body '{name}' is not rigid; only rigid bodies cover nodes", "rigid")
-                if place == "on.covered_by" or not kinds.get(name, False):
-                    continue
-                words = f"the body '{name}' is rigid, and its 'velocity' prescribes its motion"
-                if key == "loads":
-                    report.no_effect(path, words)
-                else:
-                    report(path, words, "rigid")
+    for label, model in parts.acting:
+        for place, name in model.bodies() if model.acts_on == "velocity" else ():
+            path = f"{label}.{place}"
+            if place == "on.covered_by" and not kinds.get(name, True):
+                report(path, f"the body '{name}' is not rigid; only rigid bodies cover nodes", "rigid")
+            if place == "on.covered_by" or not kinds.get(name, False):
+                continue
+            words = f"the body '{name}' is rigid, and its 'velocity' prescribes its motion"
+            if path.startswith("loads"):
+                report.no_effect(path, words)
+            else:
+                report(path, words, "rigid")
 
 
 def _check_shared_motion(

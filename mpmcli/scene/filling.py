@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -159,17 +158,14 @@ def check_filling(scene: Any) -> list[Problem]:
     overlaps another one, or a mass or velocity is out of range.
     """
     check_memory(scene)
-    grid: Any = SimpleNamespace(
-        **{key: np.array(getattr(scene.grid, key)) for key in ("lower", "upper", "cell")}
-    )
     analysis = ANALYSES[scene.analysis.kind]()
-    places = sum(places_to_test(body, grid, analysis) for body in scene.bodies)
+    places = sum(places_to_test(body, scene.grid, analysis) for body in scene.bodies)
     if places > MAX_PLACES:
         words = (
             f"the bodies have up to {places:.2g} particles, more than are checked here; the run checks them"
         )
         return [Problem("bodies", words, code="not_checked", severity="warning")]
-    filled = fill_bodies(scene.bodies, grid, analysis, covering(scene.boundary))
+    filled = fill_bodies(scene.bodies, scene.grid, analysis, covering(scene.boundary))
     find_masses(scene, filled)
     problems: list[Problem] = []
     for body, particles in zip(scene.bodies, filled, strict=True):

@@ -114,8 +114,8 @@ def gravity_at_start(loads: Iterable[Any], dimensions: int) -> Array:
     return total
 
 
-def has_upright_gravity(loads: Iterable[tuple[int, Any]], dimensions: int) -> bool:
-    """Return whether the loads of kind ``gravity``, with their indices, act along one axis of the grid."""
+def has_upright_gravity(loads: Iterable[tuple[str, Any]], dimensions: int) -> bool:
+    """Return whether the loads of kind ``gravity``, with their paths, act along one axis of the grid."""
     vectors = [load.acceleration for _, load in loads if load.kind == "gravity"]
     used = {a for v in vectors for a, g in enumerate(v) if not g.is_constant or g() != 0.0}
     return len(used) == 1 and max(used) < dimensions

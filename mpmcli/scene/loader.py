@@ -186,15 +186,14 @@ def _read(root: Node, base: Path, allow_outside_files: bool) -> tuple[Scene | No
     plain = {key: value for key, value in root.plain().items() if value is not None} | {
         "constants": constants
     }
-    scene = None
+    scene, report = None, Report(root)
     problems: list[Problem] = []
     try:
         scene = Scene.model_validate(plain, context=context)
-        parts = Parts.of(scene)
+        parts = Parts.of(scene, report.label)
     except ValidationError as error:
         problems += translate(error, root, Scene)
-        parts = Parts.salvage(plain, context)
-    report = Report(root)
+        parts = Parts.salvage(plain, context, report.label)
     for find in (check, check_contact, _check_cracks, check_heat):
         find(parts, report)
     problems += report.problems

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -24,13 +25,11 @@ def check_times(parts: Parts, report: Report) -> None:
     end = parts.time.end
     if parts.time.step is not None and parts.time.step > end:
         report("time.step", f"is longer than the run, which ends at {end:g}", "interval", "warning")
-    for key in ("boundary", "loads"):
-        for index, model in getattr(parts, key):
-            if is_reached(model.begin, end):
-                words = f"the run ends at {end:g}, before it acts"
-                report(f"{report.label(key, index)}.from", words, "interval", "warning")
+    for path, model in parts.acting:
+        if is_reached(model.begin, end):
+            report(f"{path}.from", f"the run ends at {end:g}, before it acts", "interval", "warning")
     _check_steps(parts, report)
-    for path, every in _intervals(parts, report):
+    for path, every in _intervals(parts):
         if every > end:
             words = f"{every:g} is longer than the run, which ends at {end:g}"
             report(path, words, "interval", "warning")
@@ -39,17 +38,14 @@ def check_times(parts: Parts, report: Report) -> None:
             report(path, words, "interval")
 
 
-def _intervals(parts: Parts, report: Report) -> list[tuple[str, float]]:
+def _intervals(parts: Parts) -> Iterator[tuple[str, float]]:
     """Path and value of every time between outputs that the scene gives."""
-    found = []
-    for name in ("particles", "globals", "grid", "checkpoint"):
-        asked = getattr(parts.archive, name, None)
+    names = ("particles", "globals", "grid", "checkpoint")
+    for path, asked in [
+        (f"archive.{name}", getattr(parts.archive, name, None)) for name in names
+    ] + parts.probes:
         if asked is not None and asked.every is not None:
-            found.append((f"archive.{name}.every", asked.every))
-    for index, probe in parts.probes:
-        if probe.every is not None:
-            found.append((f"{report.label('probes', index)}.every", probe.every))
-    return found
+            yield f"{path}.every", asked.every
 
 
 def _check_steps(parts: Parts, report: Report) -> None:
