@@ -14,7 +14,7 @@ import numpy as np
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.compiled.runtime import available_memory
 from mpmcli.core.errors import Problem, SceneError
-from mpmcli.geometry.bodies import BodyParticles
+from mpmcli.geometry.bodies import BodyParticles, Domains
 from mpmcli.geometry.faces import surface_faces
 from mpmcli.geometry.fill import fill_bodies, places_to_test
 from mpmcli.scene.axes import start_axes
@@ -85,14 +85,10 @@ def find_masses(scene: Any, filled: Sequence[BodyParticles]) -> tuple[Array, Arr
 
     Raises SceneError if a particle would have a mass that no computer number can hold.
     """
-    numbers = {body.name: number for number, body in enumerate(scene.bodies)}
-    index = np.concatenate([np.full(b.count, numbers[b.name]) for b in filled])
-    density = np.array([scene.materials[body.material].density for body in scene.bodies])[index]
-    if any(b.density is not None for b in filled):
-        ends = np.cumsum([0, *(b.count for b in filled)])
-        for b, start, end in zip(filled, ends, ends[1:], strict=False):
-            if b.density is not None:
-                density[start:end] = b.density
+    index = np.repeat(np.arange(len(filled)), [b.count for b in filled])
+    usual = [scene.materials[body.material].density for body in scene.bodies]
+    own = [rho if b.density is None else b.density for rho, b in zip(usual, filled, strict=True)]
+    density = np.concatenate([np.broadcast_to(rho, b.count) for rho, b in zip(own, filled, strict=True)])
     vol0 = np.concatenate([b.volume for b in filled]) * section_of(scene)
     if scene.analysis.kind == "axisymmetric":
         vol0 = vol0 * np.concatenate([b.X[0] for b in filled])
@@ -225,8 +221,8 @@ def idle_nodal_forces(scene: Any, filled: Sequence[BodyParticles]) -> Iterator[P
     shape, grid = SHAPES[scene.method.shape], scene.grid
     lower, upper, cell = (np.array(x)[:, None] for x in (grid.lower, grid.upper, grid.cell))
     is_periodic = np.isin(list("xyz")[: grid.dimensions], grid.periodic or ())[:, None]
-    X, size = (np.concatenate([getattr(body, key) for body in filled], axis=1) for key in ("X", "size"))
-    reach = (1.0 if shape.grid_functions == "linear" else 1.5) * cell + (shape.domain != "point") * 0.5 * size
+    X, half, *_ = Domains.of(filled)
+    reach = (1.0 if shape.grid_functions == "linear" else 1.5) * cell + (shape.domain != "point") * half
     for load in loads[: MAX_DISTANCES // X.shape[1]]:
         at = np.array(load.nodal_force_at(0.0)[0])[:, None]
         place = (at - lower) / cell

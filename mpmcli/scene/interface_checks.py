@@ -12,7 +12,7 @@ import numpy as np
 
 from mpmcli.boundary.velocity import check_variables
 from mpmcli.core.errors import Problem, SceneError
-from mpmcli.geometry.bodies import BodyParticles
+from mpmcli.geometry.bodies import BodyParticles, Domains
 from mpmcli.scene.fields import chosen_pairs, law_table, owners_of_fields, velocity_fields
 from mpmcli.scene.parts import Parts
 from mpmcli.scene.problems import Report
@@ -257,9 +257,8 @@ def starts_of_joints(scene: Any, filled: Sequence[BodyParticles]) -> list[Start]
         for body, f in zip(scene.bodies, field_of_body, strict=True)
         if scene.materials[body.material].kind == "rigid"
     }
-    X = np.concatenate([body.X for body in filled], axis=1)
-    half = np.concatenate([np.broadcast_to(body.reach, body.X.shape) for body in filled], axis=1)
-    field = np.repeat(field_of_body, [body.count for body in filled])
+    X, half, _, body_of = Domains.of(filled)
+    field = np.array(field_of_body)[body_of]
     cell, lower = np.asarray(scene.grid.cell), np.asarray(scene.grid.lower)
     shape = tuple(count + 1 for count in scene.grid.cells)
     initial_gap = scene.contact.interface.initial_gap
