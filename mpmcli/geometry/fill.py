@@ -149,9 +149,10 @@ def _fill(body: BodyRequest, grid: GridBox, analysis: Analysis) -> BodyParticles
     positions, keys, outside, example, count = [], [], 0, None, 0
     memory = available_memory()
     stride = np.concatenate([[1], np.cumprod(total[:-1])])
+    lower, upper = np.array(grid.lower)[:, None], np.array(grid.upper)[:, None]
     for index in _chunks(first, last):
         X, inside = lattice.centres_inside(index)
-        beyond = ((np.c_[grid.lower] > X) | (np.c_[grid.upper] < X)).any(axis=0)
+        beyond = ((lower > X) | (upper < X)).any(axis=0)
         if beyond.any():
             outside += int(beyond.sum())
             example = X[:, beyond][:, 0] if example is None else example
