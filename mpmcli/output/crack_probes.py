@@ -12,8 +12,7 @@ from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.cracks.chain import segment_lengths
 from mpmcli.output.columns import unknown_name
 from mpmcli.output.crack_quantities import AtTips, why_missing
-from mpmcli.output.probes import Probe
-from mpmcli.output.quantities import QUANTITIES, Context, Quantity, columns_of
+from mpmcli.output.quantities import QUANTITIES, Context, Probe, Quantity, columns_of
 from mpmcli.output.snapshot import Snapshot
 
 SHORT = {"position": "tip", "length": "crack_length", "speed": "tip_speed"}

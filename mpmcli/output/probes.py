@@ -14,24 +14,8 @@ from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.state import GridView, State
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.columns import chosen_names, resolve_fields
-from mpmcli.output.quantities import AXES, QUANTITIES, Context, Quantity, columns_of
+from mpmcli.output.quantities import AXES, QUANTITIES, Context, Probe, Quantity, columns_of
 from mpmcli.output.snapshot import Snapshot
-
-
-class Probe:
-    """What the recorder asks of a probe; kinds give ``look``, or ``rows`` where there are several at a time."""
-
-    name: str
-    columns: list[str]
-    dimensions: list[str]
-
-    def look(self, snapshot: Snapshot) -> list[float]:
-        """Return the numbers of its columns."""
-        return self.rows(snapshot)[0]
-
-    def rows(self, snapshot: Snapshot) -> list[list[float]]:
-        """Return what it adds to its table."""
-        return [self.look(snapshot)]
 
 
 class ParticleProbe(Probe):

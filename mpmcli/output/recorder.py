@@ -17,7 +17,8 @@ from mpmcli.output.files import CRACK_EVENTS, FAILED, FAILED_CRACKS, GLOBALS, ma
 from mpmcli.output.global_quantities import EnergyBalance
 from mpmcli.output.manifest import Manifest
 from mpmcli.output.of_scene import context_of
-from mpmcli.output.probes import GRID_FIELDS, Probe, make_probe, resolve_grid_fields
+from mpmcli.output.probes import GRID_FIELDS, make_probe, resolve_grid_fields
+from mpmcli.output.quantities import Probe
 from mpmcli.output.schedule import Schedule
 from mpmcli.output.snapshot import Snapshot
 from mpmcli.output.tables import Table

@@ -7,6 +7,7 @@ from pathlib import Path
 from mpmcli.core.suggest import few_suggestions
 from mpmcli.output.of_scene import check_output
 from mpmcli.scene.loader import LoadedScene, load_scene
+from mpmcli.stability.heat import check_steps
 
 
 def load(
@@ -16,7 +17,7 @@ def load(
     defines: tuple[str, ...] | list[str] = (),
     allow_outside_files: bool = False,
 ) -> LoadedScene:
-    """Read and check a scene, with the names of its columns and fields.
+    """Read and check a scene, with the names of its columns and fields, and the number of its steps.
 
     Parameters
     ----------
@@ -38,4 +39,5 @@ def load(
         loaded = load_scene(source, sets=sets, defines=defines, allow_outside_files=allow_outside_files)
         with loaded.located():
             check_output(loaded.scene)
+            check_steps(loaded.scene)
     return loaded

@@ -12,7 +12,7 @@ from typing import Any
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.scene.checks import NAME, NAME_WORDS
 from mpmcli.scene.contact_combinations import check_combinations
-from mpmcli.scene.fields import chosen_pairs, covering
+from mpmcli.scene.fields import chosen_pairs, covering, places_of_laws
 from mpmcli.scene.interface_checks import check_interfaces
 from mpmcli.scene.models import MAX_NODES
 from mpmcli.scene.normal_checks import check_specified_normal
@@ -377,7 +377,7 @@ def _laws_in_use(contact: Any, fields: Fields) -> list[Any]:
     """Laws of a contact that some pair of fields has; all of them if the fields are not known."""
     own = chosen_pairs(contact, fields.owners)
     if not fields.complete or len(own) < len(contact.pairs):
-        return [contact.law, *(pair.law for pair in contact.pairs)]
+        return [law for _, law in places_of_laws(contact)]
     names, rigid = fields.names, {name for name in fields.names if fields.is_rigid(name)}
     pairs = [frozenset(pair) for pair in itertools.combinations(names, 2) if not rigid.issuperset(pair)]
     found = [own.get(pair, ("", contact))[1].law for pair in pairs]

@@ -66,6 +66,11 @@ def chosen_pairs(contact: Any, owners: dict[str, str]) -> dict[frozenset[str], t
     }
 
 
+def places_of_laws(contact: Any) -> list[tuple[str, Any]]:
+    """Return the laws of a contact, each with its key below ``contact``."""
+    return [("law", contact.law), *((f"pairs.{i}.law", pair.law) for i, pair in enumerate(contact.pairs))]
+
+
 def conductance_table(scene: Scene, fields: list[str]) -> np.ndarray:
     """Return the conductance (fields, fields) between velocity fields in contact; 0: insulated, infinite: perfect.
 

@@ -21,6 +21,7 @@ from mpmcli.scene.axes import start_axes
 from mpmcli.scene.fields import covering, velocity_fields
 from mpmcli.scene.initial_stress import check_stress
 from mpmcli.scene.interface_checks import check_touch
+from mpmcli.scene.values import not_finite
 from mpmcli.shapes import SHAPES
 
 Array = np.ndarray
@@ -115,15 +116,10 @@ def find_masses(scene: Any, filled: Sequence[BodyParticles]) -> tuple[Array, Arr
 def start_velocity(body: Any, X: Array) -> tuple[list[Any], list[Problem]]:
     """Return the components of a body's velocity at points X (d, n) at the start, and what is wrong with them."""
     values = [component(**dict(zip("xyz", X, strict=False))) for component in body.velocity]
-    problems = [
-        Problem(
-            f"bodies.{body.name}.velocity.{axis}",
-            f"the velocity '{component.source}' is not finite at some particles",
-            code="not_finite",
-        )
-        for axis, (component, value) in enumerate(zip(body.velocity, values, strict=True))
-        if not np.all(np.isfinite(value))
-    ]
+    problems = []
+    for axis, (component, value) in enumerate(zip(body.velocity, values, strict=True)):
+        words = f"the velocity '{component.source}' is not finite at some particles"
+        problems += not_finite(value, f"bodies.{body.name}.velocity.{axis}", words)
     return values, problems
 
 
@@ -134,9 +130,8 @@ def start_temperature(body: Any, X: Array, is_absolute: bool) -> tuple[Array, li
     """
     values = np.broadcast_to(body.temperature(**dict(zip("xyz", X, strict=False))), X.shape[1:])
     path, source = f"bodies.{body.name}.temperature", body.temperature.source
-    if not np.all(np.isfinite(values)):
-        words = f"the temperature '{source}' is not finite at some particles"
-        return values, [Problem(path, words, code="not_finite")]
+    if found := not_finite(values, path, f"the temperature '{source}' is not finite at some particles"):
+        return values, found
     if is_absolute and not np.all((values > 0.0) & (values < 1e30)):
         worst, bound = values.min(), "temperatures are absolute, above 0 K"
         if worst > 0.0:

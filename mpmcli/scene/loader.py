@@ -30,7 +30,7 @@ from mpmcli.scene.plugins import check_plugins, plugins_of
 from mpmcli.scene.problems import Report
 from mpmcli.scene.report import as_text, locate, ordered, translate
 from mpmcli.scene.tree import Mark, Node, compose
-from mpmcli.scene.units import BASE, Units, check_base_unit
+from mpmcli.scene.units import BASE, Units, base_unit_size
 
 MAX_BYTES = 10 * 1024**2
 STANDARD_INPUT = "-"
@@ -232,7 +232,7 @@ def _read_units(root: Node) -> tuple[Units, list[Problem]]:
         return Units(), [replace(p, path=f"units.{p.path}".rstrip(".")) for p in found]
     for base in BASE:
         try:
-            check_base_unit(getattr(names, base), base)
+            base_unit_size(getattr(names, base), base)
         except ValueError as error:
             problems.append(locate(root, f"units.{base}", str(error), "unit"))
     return (Units() if problems else Units(**names.model_dump())), problems
