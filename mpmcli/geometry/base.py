@@ -22,17 +22,17 @@ KINDS = {
     "bitmap": "bitmap",
     "box": "box",
     "cylinder": "cylinder",
-    "difference": "difference",
+    "difference": "combinations",
     "disk": "sphere",
     "ellipse": "ellipse",
     "ellipsoid": "ellipse",
     "half_space": "half_space",
-    "intersection": "intersection",
+    "intersection": "combinations",
     "mesh": "mesh",
     "points": "points",
     "polygon": "polygon",
     "sphere": "sphere",
-    "union": "union",
+    "union": "combinations",
 }
 """The module in this package of each kind."""
 

@@ -6,13 +6,12 @@ import re
 import warnings
 from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
-from functools import lru_cache
 from io import StringIO
 from pathlib import Path
 
 import numpy as np
 
-from mpmcli.geometry.files import read_file, stamp_of
+from mpmcli.geometry.files import read_file, read_once
 from mpmcli.geometry.surface import Surface
 from mpmcli.geometry.vtk_files import Unreadable, quiet_vtk, read_xml
 
@@ -33,6 +32,7 @@ _FACES = {
 }
 
 
+@read_once
 def read_surface(path: Path) -> Surface:
     """The surface that a file holds, corners that coincide made one.
 
@@ -41,11 +41,6 @@ def read_surface(path: Path) -> Surface:
     ValueError
         The ending is not known, or the file is damaged or holds no surface.
     """
-    return _read_version(path, stamp_of(path))
-
-
-@lru_cache(maxsize=4)
-def _read_version(path: Path, stamp: tuple[int, int]) -> Surface:
     ending = path.suffix.lower()
     if ending not in _READERS:
         endings = ", ".join(_READERS)

@@ -6,7 +6,6 @@ import csv
 import io
 import re
 from collections.abc import Iterable
-from functools import lru_cache
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.suggest import listing
-from mpmcli.geometry.files import read_file, stamp_of
+from mpmcli.geometry.files import read_file, read_once
 from mpmcli.geometry.vtk_files import VtkMissing, read_xml
 
 Array = np.ndarray
@@ -53,6 +52,7 @@ class Columns(dict[str, Array]):
         return self is other
 
 
+@read_once
 def read_columns(path: Path, noun: str = "particle", ending: str = ".vtu", most: int = MAX_ROWS) -> Columns:
     """Columns (n,) of a file by name, read once; ValueError with words.
 
@@ -67,11 +67,6 @@ def read_columns(path: Path, noun: str = "particle", ending: str = ".vtu", most:
     most
         Most rows.
     """
-    return _read_version(path, stamp_of(path), noun, ending, most)
-
-
-@lru_cache(maxsize=4)
-def _read_version(path: Path, stamp: tuple[int, int], noun: str, ending: str, most: int) -> Columns:
     found = path.suffix.lower()
     if found not in (".csv", ending):
         raise ValueError(f"'{path.name}' has an unknown ending (allowed: .csv, {ending})")
