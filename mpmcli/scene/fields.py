@@ -22,14 +22,9 @@ def velocity_fields(scene: Scene) -> tuple[list[str], list[int]]:
     names : names of the fields, in the order of the first body in each; a single one without contact
     field_of_body : index of the field of each body
     """
-    names: list[str] = []
-    indices = []
-    for body in scene.bodies:
-        name = field_name(scene, body)
-        if name not in names:
-            names.append(name)
-        indices.append(names.index(name))
-    return names, indices
+    of_bodies = [field_name(scene, body) for body in scene.bodies]
+    names = list(dict.fromkeys(of_bodies))
+    return names, [names.index(name) for name in of_bodies]
 
 
 def field_name(scene: Scene, body: Any) -> str:
