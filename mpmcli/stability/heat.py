@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.errors import Problem, SceneError
-from mpmcli.stability.bodies import bounds_in_grid, deformable, largest_speed, largest_wave_speed
+from mpmcli.core.errors import Problem
+from mpmcli.stability.bodies import bounds_in_grid, deformable, largest_speed
 from mpmcli.stability.conduction import CELLS, LARGEST, Conduction, finest_wave, fourier_limit
 from mpmcli.stability.lattice import particle_of
-from mpmcli.stability.scene_limit import SAFETY, courant_of_step, first_step, step_of_courant
+from mpmcli.stability.scene_limit import SAFETY, courant_of_step, first_step
 
 SHORTEST_REACH = 0.3
 """Conduction that reaches fewer cells in a run has no effect on its grid."""
@@ -27,8 +27,6 @@ MOST_STEPS = 100
 """Largest interval between heat steps that ``auto`` selects."""
 MOST_CELLS = 0.5
 """No particle moves by more than so many cells between two heat steps that ``auto`` selects."""
-MAX_STEPS = 10_000_000_000
-"""Most time steps of a run: the smallest scene takes a week for them."""
 ROUNDING = 1e-9
 """Relative slack of comparisons of times."""
 
@@ -139,31 +137,6 @@ def chosen_fourier(scene: Any) -> float:
     if is_default or scene.time.courant == "auto" or scene.heat.interval == "auto":
         return min(asked, SAFETY * stable_fourier(scene)[0])
     return asked
-
-
-@np.errstate(all="ignore")
-def check_steps(scene: Any) -> None:
-    """Refuse a run of more steps than can be taken, by its fixed step or by the first one of its Courant number.
-
-    Raises SceneError.
-    """
-    span, cell = scene.time, np.float64(min(scene.grid.cell))
-    path, step, because = ("time.end", math.inf, "") if span.step is None else ("time.step", span.step, "")
-    if span.step is None and span.courant != "auto":
-        step = step_of_courant(span.courant, cell, largest_wave_speed(scene), 0.0)
-    largest = np.float64(max(diffusivities(scene).values(), default=0.0) if scene.heat is not None else 0.0)
-    if span.step is None and largest > 0.0:
-        interval = 1 if scene.heat.interval == "auto" else scene.heat.interval
-        conducting = scene.heat.fourier * cell / largest * cell / interval
-        step, because = (conducting, " (by heat.fourier)") if conducting < step else (step, because)
-    count = min(span.end / max(step, span.end * 1e-300), span.max_steps or math.inf)
-    if count > MAX_STEPS:
-        words = (
-            f"the run needs {count:.2g} steps of {step:.2g}{because}, but at most {MAX_STEPS:.0e} are allowed"
-        )
-        raise SceneError(
-            [Problem(path, f"{words}; time.max_steps can end it earlier", code="too_many_steps")]
-        )
 
 
 def largest_interval(dt: float, longest: float, speed: float, smallest_cell: float) -> int:
