@@ -60,7 +60,8 @@ def read_once(read: Callable[Concatenate[Path, P], T]) -> Callable[Concatenate[P
     @wraps(read)
     def reader(path: Path, *others: P.args, **more: P.kwargs) -> T:
         status = path.stat()
-        return read_version(path, (status.st_mtime_ns, status.st_size), *others, **more)
+        stamp = status.st_mtime_ns, status.st_size
+        return read_version(path, stamp, *others, **more)  # type: ignore[arg-type]
 
     return reader
 

@@ -30,7 +30,7 @@ class Mesh(Region):
     scale: Factor = 1.0
     """Factor from the file's lengths to the scene's."""
     file: ReadableFile
-    """Mesh file (stl, obj, ply, vtp, vtu, msh), beside the scene; vtp and vtu need the extra `mesh` (vtk)."""
+    """Mesh file (stl, obj, ply, vtp, vtu, msh), beside the scene."""
 
     @field_validator("file")
     @classmethod

@@ -43,7 +43,7 @@ class Points(Region):
 
     kind: Literal["points"]
     file: ReadableFile
-    """Table (csv) with a line of column names, or VTU file, beside the scene; vtu needs the extra `mesh` (vtk)."""
+    """Table (csv) with a line of column names, or VTU file, beside the scene."""
     volume: str = "volume"
     """Name of the column with each particle's volume (in 2D its area, in 1D its length)."""
     size: Annotated[tuple[PositiveLength, ...], Count(1, 3)] | None = None
@@ -68,10 +68,10 @@ class Points(Region):
                 "set 'volume' to the column of volumes, or give 'size'"
             )
         for noun, column, values in (("volume", self.volume, volume), ("density", DENSITY, self.density)):
-            wrong = () if values is None else np.flatnonzero(~(np.isfinite(values) & (values > 0)))
-            for row in wrong[:1]:
+            if values is not None and not (np.isfinite(values) & (values > 0)).all():
+                row = int(np.flatnonzero(~(np.isfinite(values) & (values > 0)))[0])
                 words = f"the {noun} {values[row]:.6g} is not a positive number"
-                raise ValueError(f"'{self.file}', {self._columns.place(int(row), column)}: {words}")
+                raise ValueError(f"'{self.file}', {self._columns.place(row, column)}: {words}")
         return self
 
     @cached_property
