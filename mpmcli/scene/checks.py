@@ -30,6 +30,8 @@ from mpmcli.shapes import SHAPES
 NO_AXIS_Z = re.compile(r"there is no axis z\b|'z' does not exist in this analysis")
 AXIS_OF_RINGS = "; in axisymmetric analyses x is the radius and y the axis of symmetry"
 NAME = re.compile(r"\w[\w +-]*\Z")
+LONG = 100
+"""Lists of so many members have no expressions, and no numbers of materials."""
 NAME_WORDS = "use letters, digits, spaces, _, + and -"
 
 
@@ -117,19 +119,25 @@ def _check_materials(parts: Parts, report: Report) -> None:
             report(f"materials.{name}", "these numbers are too large or too small to calculate with", "range")
 
 
-def _beyond_range(value: Any, path: str) -> Iterator[tuple[str, float]]:
+def _beyond_range(model: Any, path: str) -> Iterator[tuple[str, float]]:
     """Paths and values of given numbers of a material whose squares and products leave the range of floating point."""
-    if isinstance(value, float) and math.isfinite(value):
-        if value and not MATERIAL_RANGE[0] <= abs(value) <= MATERIAL_RANGE[1]:
-            yield path, value
-    elif isinstance(value, BaseModel):
-        for name in value.model_fields_set:
-            yield from _beyond_range(
-                getattr(value, name), f"{path}.{type(value).model_fields[name].alias or name}"
-            )
-    elif isinstance(value, tuple | list) and len(value) < 100:
-        for index, member in enumerate(value):
-            yield from _beyond_range(member, f"{path}.{index}")
+    least, most = MATERIAL_RANGE
+    for where, value in _values_in(model, path, only_given=True):
+        if isinstance(value, float) and math.isfinite(value) and value and not least <= abs(value) <= most:
+            yield where, value
+
+
+def _values_in(value: Any, path: str, only_given: bool = False) -> Iterator[tuple[str, Any]]:
+    """Every value in a model, or of those that the scene gives, with its path; long lists are left out."""
+    if isinstance(value, BaseModel):
+        for name, field in type(value).model_fields.items():
+            if not only_given or name in value.model_fields_set:
+                yield from _values_in(getattr(value, name), f"{path}.{field.alias or name}", only_given)
+    elif isinstance(value, tuple | list):
+        for index, member in enumerate(value if len(value) < LONG else ()):
+            yield from _values_in(member, f"{path}.{index}", only_given)
+    else:
+        yield path, value
 
 
 def _check_count(report: Report, path: str, vector: Any, dimensions: int) -> bool:
@@ -309,7 +317,9 @@ def _check_start(parts: Parts, report: Report) -> None:
     for key in LISTS:
         for label, model in getattr(parts, key):
             others = model.values_at_start() if key == "cracks" else {}
-            for path, expression in expressions_in(model, label):
+            for path, expression in _values_in(model, label):
+                if not isinstance(expression, Expression) or expression.is_constant:
+                    continue
                 begin = getattr(model, "begin", 0.0)
                 values = expression(x, y, z, begin, **others)
                 if not np.isfinite(values).any():
@@ -328,19 +338,6 @@ def _sample(grid: Any) -> tuple[np.ndarray, ...]:
     for a, (low, high) in enumerate(zip(grid.lower, grid.upper, strict=True)):
         points[a] = low + share[a] * (high - low)
     return tuple(points)
-
-
-def expressions_in(value: Any, path: str) -> Iterator[tuple[str, Expression]]:
-    """Every expression in a model that is no constant, with its path."""
-    if isinstance(value, Expression):
-        if not value.is_constant:
-            yield path, value
-    elif isinstance(value, BaseModel):
-        for name in type(value).model_fields:
-            yield from expressions_in(getattr(value, name), f"{path}.{name}")
-    elif isinstance(value, tuple | list) and len(value) < 10:
-        for index, member in enumerate(value):
-            yield from expressions_in(member, f"{path}.{index}")
 
 
 def _check_faces(parts: Parts, report: Report) -> None:
