@@ -355,7 +355,7 @@ def grid_fields() -> str:
     lines = ["| name | rank | dimension | meaning |", "| --- | --- | --- | --- |"]
     for name, field in GRID_FIELDS.items():
         rank = "vector" if field.is_vector else "scalar"
-        where = " (scenes with contact)" if field.of_contact else ""
+        where = " (scenes with contact)" if name.startswith("contact_") else ""
         lines.append(f"| `{name}` | {rank} | {field.dimension} | {sentence(field.description)}{where} |")
     return "\n".join(lines) + "\n"
 

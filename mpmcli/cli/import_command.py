@@ -32,6 +32,7 @@ def command(program: str, file: Path, output: Path | None, partial: bool, overwr
     Every command of FILE is translated, ignored with a reason, or an error with its line. The exit code is 3 if FILE
     is not valid or has commands that are not supported. Without -o, the scene is printed.
     """
+    from mpmcli.cli.files import write_scene
     from mpmcli.core.errors import ArchiveError, SceneError
     from mpmcli.importers.base import importer
     from mpmcli.importers.scene_text import write
@@ -50,7 +51,7 @@ def command(program: str, file: Path, output: Path | None, partial: bool, overwr
         for name in translation.files:
             click.echo(f"this scene needs {name}; use -o SCENE to write both files", err=True)
     else:
-        _write(text, translation, output, overwrite)
+        write_scene(output, text, translation.files, overwrite)
     _report(translation, found, output)
     wrong = any(problem.severity == "error" for problem in found)
     return SceneError.exit_code if wrong and not partial else 0
@@ -58,34 +59,20 @@ def command(program: str, file: Path, output: Path | None, partial: bool, overwr
 
 def _validated(text: str, translation: Translation, output: Path | None) -> list[Problem]:
     """What ``mpmcli validate`` says of the scene."""
+    from mpmcli.cli.files import write_file
     from mpmcli.cli.options import SceneChanges, all_problems
     from mpmcli.core.errors import SceneError
 
     nothing = SceneChanges(sets=(), defines=(), allow_outside_files=False)
     with tempfile.TemporaryDirectory() as folder:
         scene = Path(folder) / (output.name if output else "scene.yaml")
-        scene.write_text(text, encoding="utf-8")
-        for name, contents in translation.files.items():
-            _save(scene.with_name(name), contents)
+        for name, contents in ({scene.name: text} | translation.files).items():
+            write_file(scene.with_name(name), contents, overwrite=True)
         try:
             found = all_problems(str(scene), nothing)
         except SceneError as error:
             found = error.problems
         return [replace(problem, file=str(output or "scene")) for problem in found]
-
-
-def _write(text: str, translation: Translation, output: Path, overwrite: bool) -> None:
-    from mpmcli.cli.files import write_or_print, write_schema_beside
-    from mpmcli.core.errors import ArchiveError
-
-    beside = {output.with_name(name): contents for name, contents in translation.files.items()}
-    for path, contents in beside.items():
-        if path.exists() and not overwrite and path.read_bytes() != _bytes(contents):
-            raise ArchiveError(f"{path} already exists; use another folder, or --overwrite")
-    write_or_print(text, output, overwrite)
-    for path, contents in beside.items():
-        _save(path, contents)
-    write_schema_beside(output)
 
 
 def _report(translation: Translation, found: list[Problem], output: Path | None) -> None:
@@ -100,16 +87,3 @@ def _report(translation: Translation, found: list[Problem], output: Path | None)
         wrong = any(problem.severity == "error" for problem in found)
         following = "correct the scene, then" if wrong else "next:"
         click.echo(f"wrote {output}{names}; {following} mpmcli run {output}")
-
-
-def _bytes(contents: str | bytes) -> bytes:
-    return contents.encode("utf-8") if isinstance(contents, str) else contents
-
-
-def _save(path: Path, contents: str | bytes) -> None:
-    from mpmcli.core.errors import ArchiveError
-
-    try:
-        path.write_bytes(_bytes(contents))
-    except OSError as error:
-        raise ArchiveError(f"{path} cannot be written: {error.strerror}") from None

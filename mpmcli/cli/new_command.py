@@ -55,21 +55,14 @@ def listed() -> str:
 
 def write(name: str, output: Path) -> None:
     """Write a scene, the files that it reads, and its JSON Schema."""
-    from mpmcli.cli.files import write_or_print, write_schema_beside
-    from mpmcli.core.errors import ArchiveError
+    from mpmcli.cli.files import write_scene
     from mpmcli.scene.shipped import SCHEMA, companions, scene_text
 
-    needed = {output.with_name(file.name): file.read_bytes() for file in companions(name)}
-    if output in needed or output.name == SCHEMA:
+    needed = {file.name: file.read_bytes() for file in companions(name)}
+    if output.name in (*needed, SCHEMA):
         raise click.BadParameter(
             f"{output} is the name of a file that the scene needs; use another name", param_hint="-o"
         )
-    for path, contents in needed.items():
-        if path.exists() and path.read_bytes() != contents:
-            raise ArchiveError(f"{path} already exists; use another name")
-    write_or_print(scene_text(name), output, overwrite=False)
-    for path, contents in needed.items():
-        path.write_bytes(contents)
-    write_schema_beside(output)
-    beside = ", ".join((*(path.name for path in needed), SCHEMA))
+    write_scene(output, scene_text(name), needed, overwrite=False)
+    beside = ", ".join((*needed, SCHEMA))
     click.echo(f"wrote {output} (and {beside} beside it); next: mpmcli run {output}")

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from mpmcli.core.errors import Problem
     from mpmcli.run.outcome import Outcome
     from mpmcli.scene.loader import LoadedScene
+    from mpmcli.scene.units import Units
 
 Command = Callable[..., Any]
 
@@ -150,17 +151,25 @@ def show_warnings(loaded: LoadedScene) -> None:
         click.echo(str(warning), err=True)
 
 
-def until_in_scene_units(text: str | None, loaded: LoadedScene) -> float | None:
-    """The end of a run from the command line: a number, text with a unit, or an expression of constants."""
-    if text is None:
-        return None
+def in_scene_units(
+    text: str, dimension: str, option: str, units: Units, constants: dict[str, float]
+) -> float:
+    """A number of the command line: a number, text with a unit, or an expression of the scene's constants."""
     from mpmcli.scene.context import Context
 
     try:
-        until = Context(loaded.units, loaded.constants).number(text, "time")
+        number = Context(units, constants).number(text, dimension)
     except ValueError as error:
-        raise click.BadParameter(str(error), param_hint="--until") from None
-    if not (math.isfinite(until) and until > 0):
+        raise click.BadParameter(str(error), param_hint=option) from None
+    if not math.isfinite(number):
+        raise click.BadParameter(f"the {dimension} must be a finite number", param_hint=option)
+    return number
+
+
+def until_in_scene_units(text: str | None, loaded: LoadedScene) -> float | None:
+    """The end of a run from the command line."""
+    until = None if text is None else in_scene_units(text, "time", "--until", loaded.units, loaded.constants)
+    if until is not None and until <= 0.0:
         raise click.BadParameter("the time must be above 0", param_hint="--until")
     return until
 

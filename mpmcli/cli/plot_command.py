@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,7 @@ import click
 
 from mpmcli.cli.completion import columns as columns_of_tables
 from mpmcli.cli.completion import offering, quantities
-from mpmcli.cli.options import together
+from mpmcli.cli.options import in_scene_units, together
 
 WHAT = (
     "energies", "stresses", "strains", "reactions", "momentum", "contact", "interfaces", "cracks", "motion", "steps",
@@ -25,20 +24,13 @@ def _words(texts: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(word.strip() for text in texts for word in text.split(",") if word.strip())
 
 
-def in_scene_units(text: str, dimension: str, option: str, manifest: dict[str, Any]) -> float:
-    """A number of the command line: a number, text with a unit, or an expression of the scene's constants."""
-    from mpmcli.scene.context import Context
+def _number(text: str, dimension: str, option: str, manifest: dict[str, Any]) -> float:
+    """A number of the command line in the units of a scene that was run."""
     from mpmcli.scene.units import Units
 
     scene = manifest.get("scene") or {}
-    units, constants = scene.get("units") or {}, scene.get("constants") or {}
-    try:
-        number = Context(Units(**units), constants).number(text, dimension)
-    except ValueError as error:
-        raise click.BadParameter(str(error), param_hint=option) from None
-    if not math.isfinite(number):
-        raise click.BadParameter(f"the {dimension} must be a finite number", param_hint=option)
-    return number
+    units, constants = Units(**(scene.get("units") or {})), scene.get("constants") or {}
+    return in_scene_units(text, dimension, option, units, constants)
 
 
 def section_of(text: str, manifest: dict[str, Any]) -> tuple[int, float | None]:
@@ -49,7 +41,7 @@ def section_of(text: str, manifest: dict[str, Any]) -> tuple[int, float | None]:
             f"'{text}' is not a plane; give an axis (x, y or z), or an axis and a position, such as 'z=5'",
             param_hint="--slice",
         )
-    return AXES.index(axis), in_scene_units(place, "length", "--slice", manifest) if place else None
+    return AXES.index(axis), _number(place, "length", "--slice", manifest) if place else None
 
 
 OPTIONS = together(
@@ -106,7 +98,7 @@ def command(
     request = Request(
         what=_words(what),
         columns=_words(columns),
-        time=None if time is None else in_scene_units(time, "time", "--time", manifest),
+        time=None if time is None else _number(time, "time", "--time", manifest),
         section=None if section is None else section_of(section, manifest),
         progress=progress,
         **others,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -88,10 +89,10 @@ def study_options(command: str, picture: str) -> Callable[[Command], Command]:
             end = until_in_scene_units(until, loaded)
             if not quiet:
                 show_warnings(loaded)
-            from mpmcli.study.plotting import can_plot
             from mpmcli.study.stability import Source
 
-            if plot and not can_plot():
+            can_plot = find_spec("matplotlib") is not None
+            if plot and not can_plot:
                 raise click.UsageError("--plot needs matplotlib; install it with pip install 'mpmcli[plot]'")
             study = Study(
                 Source(scene, **changes),
@@ -100,7 +101,7 @@ def study_options(command: str, picture: str) -> Callable[[Command], Command]:
                 end,
                 output if output is not None else Path("results") / f"{Path(scene).stem}_{command}",
                 timeout,
-                can_plot() if plot is None else plot,
+                can_plot if plot is None else plot,
                 quiet,
             )
             return int(function(study, **own))

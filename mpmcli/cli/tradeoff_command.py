@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import closing, nullcontext
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -68,7 +69,7 @@ def command(
     from mpmcli.study.journal import Journal, study_folder
     from mpmcli.study.processes import Processes
 
-    if scheduler is not None and not cluster.can_connect():
+    if scheduler is not None and find_spec("distributed") is None:
         raise click.UsageError("--scheduler needs Dask; install it with pip install distributed")
     measures = _measures(errors, against, study.constants)
     columns = [m.column for m in measures]

@@ -21,7 +21,7 @@ class FilePath(Path):
 
     kind: Literal["file"]
     file: ReadableFile
-    """Table (csv) with a line of column names, or VTP file, beside the scene; vtp needs the extra `mesh` (vtk)."""
+    """Table (csv) with a line of column names, or VTP file, beside the scene."""
     scale: Factor = 1.0
     """Factor from the file's lengths to the scene's."""
 

@@ -1,9 +1,8 @@
 """What a region is: a set of points that a scene describes, turned and moved as it says.
 
-A new region is one new file here, with a row in ``KINDS``: a model registered in ``REGIONS`` that says
-which points it holds
-(``_inside``) and where it ends (``_bounds``); size (``_measure``) and centre (``_centroid``) where a closed
-form is known. Own coordinates are those before ``rotate`` and ``translate``; the public methods speak of the
+A new region is one new file here, with a row in ``KINDS``: a model registered in ``REGIONS`` that says which points it
+holds (``_inside``) and where it ends (``_bounds``); size (``_measure``) and centre (``_centroid``) where a closed form
+is known. Own coordinates are those before ``rotate`` and ``translate``; the public methods speak of the
 region as it stands.
 """
 
@@ -23,17 +22,17 @@ KINDS = {
     "bitmap": "bitmap",
     "box": "box",
     "cylinder": "cylinder",
-    "difference": "difference",
+    "difference": "combinations",
     "disk": "sphere",
     "ellipse": "ellipse",
     "ellipsoid": "ellipse",
     "half_space": "half_space",
-    "intersection": "intersection",
+    "intersection": "combinations",
     "mesh": "mesh",
     "points": "points",
     "polygon": "polygon",
     "sphere": "sphere",
-    "union": "union",
+    "union": "combinations",
 }
 """The module in this package of each kind."""
 
@@ -67,8 +66,13 @@ class Region(Model):
         raise TypeError(f"{type(self).__name__} does not say which points it holds")
 
     def _bounds(self, d: int) -> tuple[Array, Array]:
-        """Lower and upper corner of the smallest box around it, (d,) each; infinite where it has no end."""
-        raise TypeError(f"{type(self).__name__} does not say where it ends")
+        """Lower and upper corner of the smallest box around it, (d,) each; infinite where it has no end.
+
+        A kind gives these, or ``_turned_bounds``.
+        """
+        if type(self)._turned_bounds is Region._turned_bounds:
+            raise TypeError(f"{type(self).__name__} does not say where it ends")
+        return self._turned_bounds(np.eye(d))
 
     def _measure(self, d: int) -> float | None:
         """Length, area or volume in closed form, or None."""

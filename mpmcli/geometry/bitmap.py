@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import warnings
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -14,7 +14,7 @@ from pydantic import field_validator, model_validator
 
 from mpmcli.core.model import Number, PositiveLength
 from mpmcli.geometry.base import REGIONS, Array, Region
-from mpmcli.geometry.files import ReadableFile, path_of, read_file, stamp_of
+from mpmcli.geometry.files import ReadableFile, path_of, read_file, read_once
 from mpmcli.geometry.vectors import ColourPart, Count, NonNegative, Point2
 
 MAX_PIXELS = 16 * 1024**2
@@ -150,13 +150,9 @@ class Bitmap(Region):
         return [self.file]
 
 
+@read_once
 def _read(path: Path) -> Array:
     """The picture's levels (rows, columns) or colours (rows, columns, 3), the first row at the top."""
-    return _read_version(path, stamp_of(path))
-
-
-@lru_cache(maxsize=4)
-def _read_version(path: Path, stamp: tuple[int, int]) -> Array:
     from PIL import Image, UnidentifiedImageError
 
     name = path.name

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -68,4 +68,39 @@ class BodyParticles:
             volume=self.volume[kept],
             key=key,
             density=None if self.density is None else self.density[kept],
+        )
+
+
+class Domains(NamedTuple):
+    """Domains of the particles of some bodies, as boxes along the grid's axes.
+
+    Attributes
+    ----------
+    X, half : (d, n) centres and half sizes [length]
+    names, body : names of the bodies, and which of them (n,) each is of
+    """
+
+    X: Array
+    half: Array
+    names: list[str]
+    body: Array
+
+    @classmethod
+    def of(cls, filled: Sequence[BodyParticles]) -> Domains:
+        """Return those of these bodies."""
+        return cls(
+            np.concatenate([body.X for body in filled], axis=1),
+            np.concatenate([np.broadcast_to(body.reach, body.X.shape) for body in filled], axis=1),
+            [body.name for body in filled],
+            np.repeat(np.arange(len(filled)), [body.count for body in filled]),
+        )
+
+    def where(self, chosen: Array) -> Domains:
+        """Return those that a mask or indices name."""
+        return Domains(self.X[:, chosen], self.half[:, chosen], self.names, self.body[chosen])
+
+    def distances(self, point: Array) -> Array:
+        """Return the distances (n,) from a point (d,) to them, 0 inside."""
+        return np.asarray(
+            np.linalg.norm(np.maximum(np.abs(self.X - point[:, None]) - self.half, 0.0), axis=0)
         )

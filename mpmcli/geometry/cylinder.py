@@ -54,9 +54,6 @@ class Cylinder(Region):
             inside &= squared >= (self.inner_radius * (1 - TOLERANCE)) ** 2
         return inside & (along >= -TOLERANCE * length) & (along <= (1 + TOLERANCE) * length)
 
-    def _bounds(self, d: int) -> tuple[Array, Array]:
-        return self._turned_bounds(np.eye(3))
-
     def _turned_bounds(self, turn: Array) -> tuple[Array, Array]:
         ends = np.array([self.start, self.end]) @ turn.T
         half = self.radius * np.sqrt(np.maximum(1 - (turn @ self._axis()[1]) ** 2, 0))

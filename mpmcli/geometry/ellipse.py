@@ -34,10 +34,6 @@ class Ellipse(Region):
             squared += ((x - c) / a) ** 2
         return squared <= (1 + TOLERANCE) ** 2
 
-    def _bounds(self, d: int) -> tuple[Array, Array]:
-        center, half = np.array(self.center), np.array(self.semi_axes)
-        return center - half, center + half
-
     def _turned_bounds(self, turn: Array) -> tuple[Array, Array]:
         center = turn @ np.array(self.center)
         half = np.sqrt(((turn * np.array(self.semi_axes)) ** 2).sum(axis=1))

@@ -38,32 +38,6 @@ def surface_faces(X: Array, size: Array, axis: int, side: str, members: Array | 
     if len(members) == 0:
         return members
     X, size = X[:, members], size[:, members]
-    lattice = _lattice(X, size)
-    direction = 1 if side == "upper" else -1
-    if lattice is None:
-        beside = X.copy()
-        beside[axis] += direction * 1.5 * size[axis]
-        alone = ~in_a_domain(beside, X, size)
-    else:
-        key, strides = lattice
-        order = np.sort(key)
-        wanted = key + direction * strides[axis]
-        at = np.minimum(np.searchsorted(order, wanted), len(order) - 1)
-        alone = order[at] != wanted
-    return np.sort(members[alone])
-
-
-def _lattice(X: Array, size: Array) -> tuple[Array, Array] | None:
-    """Key of each particle's place and the keys' distance per axis, if all lie on one lattice."""
-    width = 2 * size[:, 0]
-    if (np.abs(2 * size - width[:, None]) > 1e-6 * width[:, None]).any():
-        return None
-    place = (X - X.min(axis=1, keepdims=True)) / width[:, None]
-    index = np.rint(place)
-    if (np.abs(place - index) > 1e-3).any():
-        return None
-    count = index.max(axis=1) + 3
-    if np.prod(count) > 2**62:
-        return None
-    strides = np.concatenate([[1], np.cumprod(count[:-1])]).astype(np.int64)
-    return strides @ (index.astype(np.int64) + 1), strides
+    beside = X.copy()
+    beside[axis] += (1.5 if side == "upper" else -1.5) * size[axis]
+    return np.sort(members[~in_a_domain(beside, X, size)])

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import lru_cache, wraps
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Concatenate, ParamSpec, TypeVar
 
 from pydantic import AfterValidator, Field, ValidationInfo
 
 from mpmcli.core.files import NoPlainFile, TooLarge, read_plain
 from mpmcli.core.suggest import did_you_mean
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 MAX_BYTES = 512 * 1024**2
 """Largest file that a region may name."""
@@ -45,10 +50,20 @@ def read_file(path: Path) -> bytes:
         raise ValueError(f"'{path.name}' cannot be read: {error.strerror}") from None
 
 
-def stamp_of(path: Path) -> tuple[int, int]:
-    """What changes when a file does: time of its last change and its size."""
-    status = path.stat()
-    return status.st_mtime_ns, status.st_size
+def read_once(read: Callable[Concatenate[Path, P], T]) -> Callable[Concatenate[Path, P], T]:
+    """Let a function that reads a file read each version of it once; what it returns is shared."""
+
+    @lru_cache(maxsize=8)
+    def read_version(path: Path, _stamp: tuple[int, int], *others: P.args, **more: P.kwargs) -> T:
+        return read(path, *others, **more)
+
+    @wraps(read)
+    def reader(path: Path, *others: P.args, **more: P.kwargs) -> T:
+        status = path.stat()
+        stamp = status.st_mtime_ns, status.st_size
+        return read_version(path, stamp, *others, **more)  # type: ignore[arg-type]
+
+    return reader
 
 
 def _find(name: str, info: ValidationInfo) -> SceneFile:

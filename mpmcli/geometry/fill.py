@@ -80,15 +80,6 @@ def _problem(body: BodyRequest, words: str, *place: str | int) -> Problem:
     return Problem(path=path, message=words, code="geometry")
 
 
-def parts_per_axis(particles_per_axis: int | Sequence[int], d: int) -> tuple[int, ...]:
-    """Sub-cells per cell along each of d axes."""
-    if isinstance(particles_per_axis, int | np.integer):
-        return (int(particles_per_axis),) * d
-    if len(particles_per_axis) != d:
-        raise ValueError(f"particles_per_axis needs {d} numbers, not {len(particles_per_axis)}")
-    return tuple(int(k) for k in particles_per_axis)
-
-
 def _given(body: BodyRequest, grid: GridBox) -> BodyParticles:
     """The particles that a region of given particles lists."""
     X, size, volume = body.region.particles(len(grid.lower))  # type: ignore[attr-defined]
@@ -101,7 +92,7 @@ def _given(body: BodyRequest, grid: GridBox) -> BodyParticles:
 
 def _lattice_of(body: BodyRequest, grid: GridBox, analysis: Analysis) -> GridLattice | OwnLattice:
     """The lattice of sub-cells that a body is filled along."""
-    parts = parts_per_axis(body.particles_per_axis, analysis.dimensions)
+    parts = tuple(np.broadcast_to(body.particles_per_axis, analysis.dimensions).tolist())
     if body.particles_along == "region":
         return OwnLattice(body.region, grid, parts)
     return GridLattice(body.region, grid, parts, isinstance(analysis, Axisymmetric))
@@ -138,9 +129,7 @@ def scale_hint(region: Region, grid: GridBox) -> str:
 
 def _fill(body: BodyRequest, grid: GridBox, analysis: Analysis) -> BodyParticles:
     """Test the sub-cells within the bounds of a body's region."""
-    d = analysis.dimensions
-    parts = parts_per_axis(body.particles_per_axis, d)
-    ring = isinstance(analysis, Axisymmetric)
+    d, ring = analysis.dimensions, isinstance(analysis, Axisymmetric)
     lattice = _lattice_of(body, grid, analysis)
     first, last, total = lattice.first, lattice.last, lattice.total
     if lattice.misses_the_grid:
@@ -149,9 +138,10 @@ def _fill(body: BodyRequest, grid: GridBox, analysis: Analysis) -> BodyParticles
     positions, keys, outside, example, count = [], [], 0, None, 0
     memory = available_memory()
     stride = np.concatenate([[1], np.cumprod(total[:-1])])
+    lower, upper = np.array(grid.lower)[:, None], np.array(grid.upper)[:, None]
     for index in _chunks(first, last):
         X, inside = lattice.centres_inside(index)
-        beyond = ((np.c_[grid.lower] > X) | (np.c_[grid.upper] < X)).any(axis=0)
+        beyond = ((lower > X) | (upper < X)).any(axis=0)
         if beyond.any():
             outside += int(beyond.sum())
             example = X[:, beyond][:, 0] if example is None else example
@@ -170,11 +160,9 @@ def _fill(body: BodyRequest, grid: GridBox, analysis: Analysis) -> BodyParticles
     if n == 0:
         raise ValueError(_nothing_words(body, grid))
     volume = np.broadcast_to(np.prod(lattice.step), (n,))
-    if isinstance(lattice, GridLattice):
-        size = np.broadcast_to(0.5 * lattice.step[:, None], (d, n))
-        return BodyParticles(body.name, X, size, volume, np.concatenate(keys), parts)
     size = np.broadcast_to(lattice.size[:, None], (d, n))
-    filled = BodyParticles(body.name, X, size, volume, turn=lattice.turn)
+    key = None if lattice.parts is None else np.concatenate(keys)
+    filled = BodyParticles(body.name, X, size, volume, key, lattice.parts, lattice.turn)
     if ring and (X[0] - filled.reach[0]).min() < -1e-9 * lattice.step.max():
         raise ValueError(_across_words(body))
     return filled

@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
 from mpmcli.core.expression_functions import Table, first_not_increasing
-from mpmcli.geometry.files import stamp_of
+from mpmcli.geometry.files import read_once
 from mpmcli.geometry.point_files import MAX_ROWS, columns_of_csv
 
 
+@read_once
 def read_function(path: Path) -> Table:
     """Return the points (2, n) of a function, read once; ValueError with words.
 
     The first line names the two columns; lines that begin with # are left out.
     """
-    return _read_version(path, stamp_of(path))
-
-
-@lru_cache(maxsize=16)
-def _read_version(path: Path, stamp: tuple[int, int]) -> Table:
     columns = columns_of_csv(path, "point", MAX_ROWS)
     if len(columns) != 2:
         raise ValueError(

@@ -35,9 +35,6 @@ class HalfSpace(Region):
             rounding += np.abs(n * x)
         return height <= 1e-3 * TOLERANCE * rounding
 
-    def _bounds(self, d: int) -> tuple[Array, Array]:
-        return self._turned_bounds(np.eye(d))
-
     def _turned_bounds(self, turn: Array) -> tuple[Array, Array]:
         normal, point = turn @ np.array(self.normal), turn @ np.array(self.point)
         lower, upper = np.full(len(turn), -np.inf), np.full(len(turn), np.inf)

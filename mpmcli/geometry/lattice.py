@@ -29,14 +29,17 @@ class GridLattice:
     step : (d,) edges of a sub-cell [length]
     first, last : (d,) first and one past the last sub-cell; beyond the grid if the region is
     total : (d,) sub-cells of the whole grid
-    turn : (d, d) from the lattice's axes to the grid's, or None
+    size : (d,) half edges of the particles' domains along their sides [length]
+    turn : (d, d) from the sides of the domains to the grid's axes, or None where they lie along these
+    parts : (d,) sub-cells per cell along each axis, or None of other lattices than the grid's
     """
 
     turn: Array | None = None
 
     def __init__(self, region: Region, grid: GridBox, parts: tuple[int, ...], mirrored: bool):
         self._region, self._origin = region, np.asarray(grid.lower)
-        self.step = step = np.asarray(grid.cell) / parts
+        self.step, self.parts = np.asarray(grid.cell) / parts, parts
+        step, self.size = self.step, 0.5 * self.step
         self.total = np.rint((np.asarray(grid.upper) - grid.lower) / step).astype(np.int64)
         lower, upper = region.bounds(len(step))
         lower = np.where(np.isfinite(lower), lower, grid.lower)
@@ -62,7 +65,7 @@ class GridLattice:
 
     def centres_inside(self, index: Array) -> tuple[Array, Array]:
         """Centres (d, n) of the sub-cells (d, m) that are inside the region, and which these are, (m,)."""
-        X = np.stack([low + (i + 0.5) * h for low, i, h in zip(self._origin, index, self.step, strict=True)])
+        X = _centres(self._origin, index, self.step)
         inside = self._region.contains(X)
         return np.ascontiguousarray(X[:, inside]), inside
 
@@ -79,7 +82,7 @@ class OwnLattice:
         If the region has no end.
     """
 
-    misses_the_grid = False
+    misses_the_grid, parts = False, None
 
     def __init__(self, region: Region, grid: GridBox, parts: tuple[int, ...]):
         self._region = region
@@ -105,11 +108,13 @@ class OwnLattice:
 
     def centres_inside(self, index: Array) -> tuple[Array, Array]:
         """Centres (d, n) of the sub-cells (d, m) that are inside the region, and which these are, (m,)."""
-        own = np.stack(
-            [low + (i + 0.5) * h for low, i, h in zip(self._origin, index, self.step, strict=True)]
-        )
+        own = _centres(self._origin, index, self.step)
         inside = self._region.holds(own)
         return np.ascontiguousarray(self._region.place(own[:, inside])), inside
+
+
+def _centres(origin: Array, index: Array, step: Array) -> Array:
+    return np.stack([low + (i + 0.5) * h for low, i, h in zip(origin, index, step, strict=True)])
 
 
 def is_by_right_angles(turn: Array) -> bool:

@@ -30,7 +30,7 @@ class Mesh(Region):
     scale: Factor = 1.0
     """Factor from the file's lengths to the scene's."""
     file: ReadableFile
-    """Mesh file (stl, obj, ply, vtp, vtu, msh), beside the scene; vtp and vtu need the extra `mesh` (vtk)."""
+    """Mesh file (stl, obj, ply, vtp, vtu, msh), beside the scene."""
 
     @field_validator("file")
     @classmethod
@@ -51,9 +51,6 @@ class Mesh(Region):
 
     def _inside(self, points: Array) -> Array:
         return self.surface.contains(points)
-
-    def _bounds(self, d: int) -> tuple[Array, Array]:
-        return self.surface.corners.min(axis=0), self.surface.corners.max(axis=0)
 
     def _turned_bounds(self, turn: Array) -> tuple[Array, Array]:
         corners = self.surface.corners @ turn.T

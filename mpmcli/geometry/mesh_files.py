@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import redirect_stderr, redirect_stdout
-from functools import lru_cache
 from io import StringIO
 from pathlib import Path
 
 import numpy as np
 
-from mpmcli.geometry.files import read_file, stamp_of
+from mpmcli.geometry.files import read_file, read_once
 from mpmcli.geometry.surface import Surface
-from mpmcli.geometry.vtk_files import Unreadable, quiet_vtk, read_xml
+from mpmcli.geometry.vtk_files import Unreadable, VtkFile
 
 Array = np.ndarray
 
@@ -32,7 +31,24 @@ _FACES = {
     "pyramid": ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)),
 }
 
+_FLAT = ("triangle", "quad", "polygon")
+_CELLS = {
+    5: ("triangle", 3),
+    7: ("polygon", 0),
+    8: ("pixel", 4),
+    9: ("quad", 4),
+    10: ("tetra", 4),
+    11: ("voxel", 8),
+    12: ("hexahedron", 8),
+    13: ("wedge", 6),
+    14: ("pyramid", 5),
+}
+"""Cells of VTK by its types: name, and number of corners (0: any)."""
+_REORDERED = {"pixel": ("quad", [0, 1, 3, 2]), "voxel": ("hexahedron", [0, 1, 3, 2, 4, 5, 7, 6])}
+_LINES, _STRIP = (1, 2, 3, 4), 6
 
+
+@read_once
 def read_surface(path: Path) -> Surface:
     """The surface that a file holds, corners that coincide made one.
 
@@ -41,11 +57,6 @@ def read_surface(path: Path) -> Surface:
     ValueError
         The ending is not known, or the file is damaged or holds no surface.
     """
-    return _read_version(path, stamp_of(path))
-
-
-@lru_cache(maxsize=4)
-def _read_version(path: Path, stamp: tuple[int, int]) -> Surface:
     ending = path.suffix.lower()
     if ending not in _READERS:
         endings = ", ".join(_READERS)
@@ -145,34 +156,24 @@ def _from_obj(path: Path) -> tuple[Array, Array]:
 
 
 def _from_vtk(path: Path) -> tuple[Array, Array]:
-    """Triangles of a VTP file, or of the outside of a VTU file's cells."""
-    mesh = read_xml(path)  # which says so where vtk is missing
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkFiltersCore import vtkTriangleFilter
-    from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
-
-    arrays = [mesh.GetCells()] if path.suffix.lower() == ".vtu" else [mesh.GetPolys(), mesh.GetStrips()]
-    for cells in arrays:
-        if cells.GetNumberOfCells():
-            corner = vtk_to_numpy(cells.GetConnectivityArray())
-            start = vtk_to_numpy(cells.GetOffsetsArray())
-            if (np.diff(start) < 0).any() or start[0] != 0 or start[-1] != len(corner):
+    """Triangles of a VTP or VTU file; where it has volume cells, those of their outside."""
+    file = VtkFile(read_file(path))
+    sizes, blocks = np.diff(file.starts), []
+    for kind, size in sorted(set(zip(file.types.tolist(), sizes.tolist(), strict=True))):
+        begin = file.starts[:-1][(file.types == kind) & (sizes == size)]
+        if kind == _STRIP:
+            blocks += [
+                ("triangle", file.corners[begin[:, None] + [k, k + 1, k + 2]]) for k in range(size - 2)
+            ]
+        elif kind in _CELLS:
+            name, needed = _CELLS[kind]
+            if size != (needed or size):
                 raise Unreadable("cells of impossible size")
-            if len(corner) and not (corner.min() >= 0 and corner.max() < mesh.GetNumberOfPoints()):
-                raise Unreadable("cells with corners that do not exist")
-    with quiet_vtk():
-        outside, cut = vtkGeometryFilter(), vtkTriangleFilter()
-        outside.SetInputData(mesh)
-        cut.SetInputConnection(outside.GetOutputPort())
-        cut.PassLinesOff()
-        cut.PassVertsOff()
-        cut.Update()
-        mesh = cut.GetOutput()
-    if mesh.GetNumberOfPoints() == 0 or mesh.GetNumberOfPolys() == 0:
-        return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
-    corners = vtk_to_numpy(mesh.GetPoints().GetData()).astype(np.float64)
-    triangles = vtk_to_numpy(mesh.GetPolys().GetConnectivityArray()).astype(np.int64).reshape(-1, 3)
-    return corners, triangles
+            name, order = _REORDERED.get(name, (name, list(range(size))))
+            blocks.append((name, file.corners[begin[:, None] + order]))
+        elif kind not in _LINES:
+            raise Unreadable(f"cells of type {kind}; only linear cells can be read")
+    return file.points, _triangles(blocks)
 
 
 def _from_meshio(path: Path) -> tuple[Array, Array]:
@@ -185,21 +186,19 @@ def _from_meshio(path: Path) -> tuple[Array, Array]:
         mesh = meshio.read(path)
     corners = np.zeros((len(mesh.points), 3))
     corners[:, : mesh.points.shape[1]] = mesh.points
-    flat: list[Array] = []
-    faces: list[Array] = []
     for block in mesh.cells:
-        if block.type == "triangle":
-            flat.append(block.data)
-        elif block.type == "quad":
-            flat += [block.data[:, [0, 1, 2]], block.data[:, [0, 2, 3]]]
-        elif block.type in _FACES:
-            faces += [block.data[:, list(face)] for face in _FACES[block.type]]
-        elif block.dim > 1:
+        if block.dim > 1 and block.type not in (*_FLAT, *_FACES):
             raise Unreadable(f"cells of type {block.type}; only linear cells can be read")
-    pieces = _outer_faces(faces) if faces else flat
-    if not pieces:
-        return corners, np.zeros((0, 3), dtype=np.int64)
-    return corners, np.concatenate(pieces).astype(np.int64)
+    return corners, _triangles([(block.type, block.data) for block in mesh.cells if block.dim > 1])
+
+
+def _triangles(blocks: Sequence[tuple[str, Array]]) -> Array:
+    """Triangles (n, 3) of blocks of flat cells, or of the outside of volume cells where there are some."""
+    faces = [data[:, list(face)] for name, data in blocks for face in _FACES.get(name, ())]
+    flat = [
+        data[:, [0, k, k + 1]] for name, data in blocks if name in _FLAT for k in range(1, data.shape[1] - 1)
+    ]
+    return np.concatenate([np.zeros((0, 3), dtype=np.int64), *(_outer_faces(faces) if faces else flat)])
 
 
 def _check_counts(path: Path) -> None:

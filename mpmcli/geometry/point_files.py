@@ -6,16 +6,14 @@ import csv
 import io
 import re
 from collections.abc import Iterable
-from functools import lru_cache
 from itertools import islice
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from mpmcli.core.suggest import listing
-from mpmcli.geometry.files import read_file, stamp_of
-from mpmcli.geometry.vtk_files import VtkMissing, read_xml
+from mpmcli.geometry.files import read_file, read_once
+from mpmcli.geometry.vtk_files import Unreadable, VtkFile
 
 Array = np.ndarray
 
@@ -53,13 +51,14 @@ class Columns(dict[str, Array]):
         return self is other
 
 
+@read_once
 def read_columns(path: Path, noun: str = "particle", ending: str = ".vtu", most: int = MAX_ROWS) -> Columns:
     """Columns (n,) of a file by name, read once; ValueError with words.
 
     Parameters
     ----------
     path
-        A CSV file, or one that vtk reads.
+        A CSV file, or one of VTK.
     noun
         What a row is called.
     ending
@@ -67,11 +66,6 @@ def read_columns(path: Path, noun: str = "particle", ending: str = ".vtu", most:
     most
         Most rows.
     """
-    return _read_version(path, stamp_of(path), noun, ending, most)
-
-
-@lru_cache(maxsize=4)
-def _read_version(path: Path, stamp: tuple[int, int], noun: str, ending: str, most: int) -> Columns:
     found = path.suffix.lower()
     if found not in (".csv", ending):
         raise ValueError(f"'{path.name}' has an unknown ending (allowed: .csv, {ending})")
@@ -137,45 +131,24 @@ def _from_vtk(path: Path) -> dict[str, Array]:
     """Coordinates and scalar arrays of the points; those of a polyline in its order."""
     kind = path.suffix[1:].upper()
     try:
-        grid = read_xml(path)
-    except VtkMissing as error:
-        raise ValueError(f"'{path.name}' cannot be read: {error}") from None
-    except ValueError:
+        file = VtkFile(read_file(path))
+    except Unreadable:
         raise ValueError(f"'{path.name}' is damaged or not a {kind} file") from None
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-
-    if grid.GetNumberOfPoints() == 0:
-        return {axis: np.zeros(0) for axis in _AXES}
-    position = vtk_to_numpy(grid.GetPoints().GetData()).astype(np.float64)
-    columns = {axis: np.ascontiguousarray(position[:, k]) for k, axis in enumerate(_AXES)}
-    arrays = grid.GetPointData()
-    for k in range(arrays.GetNumberOfArrays()):
-        values = arrays.GetArray(k)
-        if values is not None and values.GetNumberOfComponents() == 1:
-            columns[values.GetName()] = vtk_to_numpy(values).astype(np.float64)
-    if kind == "VTP":
-        order = _along(grid, path)
-        columns = {name: column[order] for name, column in columns.items()}
-    return columns
+    columns = dict(zip(_AXES, file.points.T, strict=True))
+    columns |= {name: values.astype(float) for name, values in file.arrays.items() if values.ndim == 1}
+    order = _along(file, path) if kind == "VTP" else slice(None)
+    return {name: np.ascontiguousarray(column[order]) for name, column in columns.items()}
 
 
-def _along(lines: Any, path: Path) -> list[int]:
-    """Points of the one polyline of a data set in their order; its pieces may be several cells that follow in turn."""
-    pieces = [
-        [lines.GetCell(k).GetPointId(place) for place in range(lines.GetCell(k).GetNumberOfPoints())]
-        for k in range(lines.GetNumberOfCells())
-    ]
-    count = lines.GetNumberOfPoints()
-    if not all(0 <= point < count for piece in pieces for point in piece):
-        raise ValueError(f"'{path.name}' is damaged or not a VTP file")
-    if lines.GetNumberOfLines() != len(pieces) or not pieces or not all(pieces):
+def _along(file: VtkFile, path: Path) -> Array:
+    """Points of the one polyline of a file in their order; its pieces may be several cells that follow in turn."""
+    sizes = np.diff(file.starts)
+    if not len(sizes) or not (sizes > 0).all() or not np.isin(file.types, (3, 4)).all():
         raise ValueError(f"'{path.name}' must hold a polyline and nothing else")
-    order = pieces[0]
-    for number, piece in enumerate(pieces[1:], 2):
-        if piece[0] != order[-1]:
-            raise ValueError(
-                f"'{path.name}' must hold a single polyline, but its line {number} does not start where line "
-                f"{number - 1} ends"
-            )
-        order += piece[1:]
-    return order
+    begin, end = file.corners[file.starts[1:-1]], file.corners[file.starts[1:-1] - 1]
+    for number in np.flatnonzero(begin != end)[:1].tolist():
+        raise ValueError(
+            f"'{path.name}' must hold a single polyline, but its line {number + 2} does not start where line "
+            f"{number + 1} ends"
+        )
+    return np.delete(file.corners, file.starts[1:-1])

@@ -43,7 +43,7 @@ class Points(Region):
 
     kind: Literal["points"]
     file: ReadableFile
-    """Table (csv) with a line of column names, or VTU file, beside the scene; vtu needs the extra `mesh` (vtk)."""
+    """Table (csv) with a line of column names, or VTU file, beside the scene."""
     volume: str = "volume"
     """Name of the column with each particle's volume (in 2D its area, in 1D its length)."""
     size: Annotated[tuple[PositiveLength, ...], Count(1, 3)] | None = None
@@ -61,22 +61,17 @@ class Points(Region):
     @model_validator(mode="after")
     def _has_volumes(self) -> Points:
         volume = self._columns.get(self.volume)
-        if volume is None:
-            if self.size is None or "volume" in self.model_fields_set:
-                names = listing(name for name in self._columns if name not in _AXES)
-                raise ValueError(
-                    f"'{self.file}' has no column '{self.volume}' ({names or 'only coordinates'}); "
-                    "set 'volume' to the column of volumes, or give 'size'"
-                )
-        elif not (np.isfinite(volume) & (volume > 0)).all():
-            row = int(np.flatnonzero(~(np.isfinite(volume) & (volume > 0)))[0])
-            words = f"the volume {volume[row]:.6g} is not a positive number"
-            raise ValueError(f"'{self.file}', {self._columns.place(row, self.volume)}: {words}")
-        density = self.density
-        if density is not None and not (np.isfinite(density) & (density > 0)).all():
-            row = int(np.flatnonzero(~(np.isfinite(density) & (density > 0)))[0])
-            words = f"the density {density[row]:.6g} is not a positive number"
-            raise ValueError(f"'{self.file}', {self._columns.place(row, DENSITY)}: {words}")
+        if volume is None and (self.size is None or "volume" in self.model_fields_set):
+            names = listing(name for name in self._columns if name not in _AXES)
+            raise ValueError(
+                f"'{self.file}' has no column '{self.volume}' ({names or 'only coordinates'}); "
+                "set 'volume' to the column of volumes, or give 'size'"
+            )
+        for noun, column, values in (("volume", self.volume, volume), ("density", DENSITY, self.density)):
+            if values is not None and not (np.isfinite(values) & (values > 0)).all():
+                row = int(np.flatnonzero(~(np.isfinite(values) & (values > 0)))[0])
+                words = f"the {noun} {values[row]:.6g} is not a positive number"
+                raise ValueError(f"'{self.file}', {self._columns.place(row, column)}: {words}")
         return self
 
     @cached_property

@@ -67,9 +67,6 @@ class Polygon(Region):
         inside[order] = odd | near
         return inside
 
-    def _bounds(self, d: int) -> tuple[Array, Array]:
-        return self.corners.min(axis=0), self.corners.max(axis=0)
-
     def _turned_bounds(self, turn: Array) -> tuple[Array, Array]:
         corners = self.corners @ turn.T
         return corners.min(axis=0), corners.max(axis=0)

@@ -51,10 +51,6 @@ class Sphere(Region):
             inside &= squared >= (self.inner_radius * (1 - TOLERANCE)) ** 2
         return inside
 
-    def _bounds(self, d: int) -> tuple[Array, Array]:
-        center = np.array(self.center)
-        return center - self.radius, center + self.radius
-
     def _turned_bounds(self, turn: Array) -> tuple[Array, Array]:
         center = turn @ np.array(self.center)
         return center - self.radius, center + self.radius

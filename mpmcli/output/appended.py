@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcli.geometry.vtk_files import COMPRESSORS
 from mpmcli.output.files import write_pieces
 
 Array = np.ndarray
 
-COMPRESSORS = {"none": "", "lz4": "vtkLZ4DataCompressor", "zlib": "vtkZLibDataCompressor"}
 BLOCK = 2**16
 """Bytes of a block before compression."""
 ZLIB_LEVEL = 5
@@ -31,15 +31,6 @@ TYPES = {
     "bool": "UInt8",
 }
 """VTK's names of types by numpy's."""
-NUMPY_TYPES = {
-    **{f"Float{bits}": f"<f{bits // 8}" for bits in (32, 64)},
-    **{f"Int{bits}": f"<i{bits // 8}" for bits in (8, 16, 32, 64)},
-    **{f"UInt{bits}": f"<u{bits // 8}" for bits in (8, 16, 32, 64)},
-}
-
-
-class Damaged(ValueError):
-    """A file is not what it should be, and the message says why."""
 
 
 def packed(values: Array, compression: str) -> list[Any]:
@@ -64,68 +55,6 @@ def _compress(block: memoryview, compression: str) -> bytes:
     import lz4.block
 
     return lz4.block.compress(block, store_size=False)
-
-
-def unpacked(data: memoryview, offset: int, word: str, compressor: str, size: int) -> bytes | memoryview:
-    """The bytes of one array.
-
-    Parameters
-    ----------
-    data : all appended data
-    offset : where the array begins
-    word : numpy's type of the sizes
-    compressor : VTK's name, or nothing
-    size : bytes that the array is to have
-    """
-    at = np.dtype(word).itemsize
-
-    def words(first: int, count: int) -> list[int]:
-        piece = data[offset + first * at : offset + (first + count) * at]
-        if offset < 0 or len(piece) < count * at:
-            raise Damaged("an array is incomplete")
-        return np.frombuffer(piece, dtype=word).tolist()
-
-    if not compressor:
-        (found,) = words(0, 1)
-        values = data[offset + at : offset + at + size]
-        if found != size or len(values) < size:
-            raise Damaged("the size of an array is wrong")
-        return values
-    (count,) = words(0, 1)
-    if count == 0 and size == 0:
-        return b""
-    _, block, last = words(0, 3)
-    if not 1 <= count <= len(data) or (count - 1) * block + (last or block) != size:
-        raise Damaged("the size of an array is wrong")
-    sizes, lengths = words(3, count), [block] * (count - 1) + [last or block]
-    made, start = [], offset + (3 + count) * at
-    for packed_size, length in zip(sizes, lengths, strict=True):
-        made.append(_expand(data[start : start + packed_size], compressor, length))
-        start += packed_size
-    return b"".join(made)
-
-
-def _expand(block: memoryview, compressor: str, length: int) -> bytes:
-    """At most ``length`` bytes are made, whatever the block says."""
-    if compressor == COMPRESSORS["zlib"]:
-        try:
-            made = zlib.decompressobj().decompress(block, max(length, 1))
-        except zlib.error:
-            raise Damaged("a block is damaged") from None
-    elif compressor == COMPRESSORS["lz4"]:
-        import lz4.block
-
-        if length > 255 * len(block) + 64:  # more than lz4 can make of it: do not ask for the memory
-            raise Damaged("a block is damaged")
-        try:
-            made = lz4.block.decompress(block, uncompressed_size=length)
-        except lz4.block.LZ4BlockError:
-            raise Damaged("a block is damaged") from None
-    else:
-        raise Damaged(f"it is compressed by {compressor}")
-    if len(made) != length:
-        raise Damaged("a block is damaged")
-    return made
 
 
 class Body:

@@ -101,16 +101,17 @@ def _columns_of(quantity: Quantity, context: Context) -> list[Column]:
 
 
 EXTRA = {
-    "boundary_friction_work": "energy taken out by friction on planes and walls; part of boundary_work, where it is "
-    "negative",
-    "deleted_particles": "number of particles that have left the grid (domain.on_exit: delete)",
-    "deleted_mass": "their mass",
-    "deleted_heat": "the heat_inflow that they took with them",
-    "feedback_rate": "rate of feedback damping (method.damping.feedback)",
-    "mean_order": "mean over all steps of the order that the transfer reached, 1 in steps of FLIP (transfers with "
-    "dynamic, every_courant or every_steps)",
-}
-"""Columns that the solver names, in scenes that have them, and what they mean."""
+    "boundary_friction_work": (
+        "energy", "energy taken out by friction on planes and walls; part of boundary_work, where it is negative"),
+    "deleted_particles": ("1", "number of particles that have left the grid (domain.on_exit: delete)"),
+    "deleted_mass": ("mass", "their mass"),
+    "deleted_heat": ("energy", "the heat_inflow that they took with them"),
+    "feedback_rate": ("rate", "rate of feedback damping (method.damping.feedback)"),
+    "mean_order": (
+        "1", "mean over all steps of the order that the transfer reached, 1 in steps of FLIP (transfers with dynamic, "
+        "every_courant or every_steps)"),
+}  # fmt: skip
+"""Columns that the solver names, in scenes that have them: their dimensions, and what they mean."""
 
 
 def extra_quantities() -> list[Quantity]:
@@ -119,10 +120,7 @@ def extra_quantities() -> list[Quantity]:
 
 
 def _extra(name: str) -> Quantity:
-    dimension = next((d for d in ("mass", "energy", "rate", "time") if name.endswith(d)), "1")
-    if name.endswith(("heat", "work")):
-        dimension = "energy"
-    text = EXTRA.get(name, "as named by the solver")
+    dimension, text = EXTRA.get(name, ("1", "as named by the solver"))
     return Quantity(name, name, dimension, "scalar", "global", lambda s: s.state.extra.get(name, 0.0), text)
 
 

@@ -12,14 +12,14 @@ from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.cracks.chain import segment_lengths
 from mpmcli.output.columns import unknown_name
 from mpmcli.output.crack_quantities import AtTips, why_missing
-from mpmcli.output.quantities import QUANTITIES, Context, Quantity, columns_of
+from mpmcli.output.quantities import QUANTITIES, Context, Probe, Quantity, columns_of
 from mpmcli.output.snapshot import Snapshot
 
 SHORT = {"position": "tip", "length": "crack_length", "speed": "tip_speed"}
 """Words of a probe for quantities that have longer names in tables of many cracks."""
 
 
-class CrackTipProbe:
+class CrackTipProbe(Probe):
     """Follows the tip of a crack.
 
     Parameters
@@ -38,7 +38,6 @@ class CrackTipProbe:
             self.dimensions += dimensions
 
     def look(self, snapshot: Snapshot) -> list[float]:
-        """The numbers of its columns."""
         row: list[float] = []
         for quantity in self.quantities.values():
             values = quantity.compute(snapshot)
@@ -47,7 +46,7 @@ class CrackTipProbe:
         return row
 
 
-class CrackOpeningProbe:
+class CrackOpeningProbe(Probe):
     """Reads the opening of the faces at all points of a crack."""
 
     def __init__(self, name: str, crack: str):
@@ -83,7 +82,7 @@ def _quantities(names: Iterable[str], tip: str, context: Context, path: str) -> 
     return found
 
 
-def make_crack_probe(model: Any, context: Context, path: str) -> CrackTipProbe | CrackOpeningProbe:
+def make_crack_probe(model: Any, context: Context, path: str) -> Probe:
     """A probe of a crack from its words in the scene.
 
     Raises SceneError if there is no such crack or tip, or a column is unknown.

@@ -13,9 +13,9 @@ from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.expressions import CONSTANTS, FUNCTIONS, Expression
 from mpmcli.core.state import State
 from mpmcli.core.suggest import did_you_mean, listing
-from mpmcli.output.columns import Column, all_columns, evaluate, resolve_fields, unknown_column
-from mpmcli.output.probes import PairProbe, PointProbe, make_probe
-from mpmcli.output.quantities import Context, columns_of
+from mpmcli.output.columns import Column, all_columns, evaluate, unknown_column
+from mpmcli.output.probes import make_probe
+from mpmcli.output.quantities import Context
 from mpmcli.output.snapshot import Snapshot
 
 CLOCK: dict[str, Callable[[State], float]] = {
@@ -143,10 +143,6 @@ def probes_of(scene: Any, state: State, context: Context) -> dict[str, Any]:
 def _columns_of_probe(model: Any, context: Context) -> Sequence[str]:
     """Names of the columns of a probe; none if they are wrong, which is reported elsewhere."""
     try:
-        if model.kind == "particle":
-            return columns_of(resolve_fields(model.columns, context), context)[0]
-        probe = make_probe(model, None, context, "")
+        return make_probe(model, None, context, "").columns
     except SceneError:
         return ()
-    assert isinstance(probe, PointProbe | PairProbe)
-    return probe.columns

@@ -30,7 +30,7 @@ from mpmcli.core.errors import ArchiveError
 from mpmcli.core.version import VERSION
 from mpmcli.output.files import MANIFEST, write_text
 
-LIBRARIES = ("numpy", "numba", "llvmlite", "vtk", "pydantic", "pyyaml", "pint", "meshio", "tbb")
+LIBRARIES = ("numpy", "numba", "llvmlite", "pydantic", "pyyaml", "pint", "meshio", "tbb")
 
 
 class Manifest:

@@ -142,9 +142,6 @@ def check_output(scene: Any) -> None:
     if archive.grid is not None:
         collect(resolve_grid_fields, archive.grid.fields, context)
     for index, probe in enumerate(scene.probes):
-        if probe.kind == "particle":  # which needs particles to be made
-            collect(resolve_fields, probe.columns, context, f"probes.{index}.columns")
-        else:
-            collect(make_probe, probe, None, context, f"probes.{index}")
+        collect(make_probe, probe, None, context, f"probes.{index}")
     if problems:
         raise SceneError(problems)

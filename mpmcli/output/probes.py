@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from operator import attrgetter
+from typing import Any
 
 import numpy as np
 
@@ -13,42 +14,16 @@ from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.state import GridView, State
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.columns import chosen_names, resolve_fields
-from mpmcli.output.quantities import AXES, QUANTITIES, Context, Quantity, columns_of
+from mpmcli.output.quantities import AXES, QUANTITIES, Context, Probe, Quantity, columns_of
 from mpmcli.output.snapshot import Snapshot
 
 
-class Probe(Protocol):
-    """What the recorder asks of a probe."""
-
-    name: str
-    columns: list[str]
-    dimensions: list[str]
-
-    def look(self, snapshot: Snapshot) -> list[float]:
-        """The numbers of its columns."""
-
-
-class Profile(Protocol):
-    """A probe with several rows at a time."""
-
-    name: str
-    columns: list[str]
-    dimensions: list[str]
-
-    def rows(self, snapshot: Snapshot) -> list[list[float]]:
-        """The numbers of its columns, row by row."""
-
-
-def rows_of(probe: Probe | Profile, snapshot: Snapshot) -> list[list[float]]:
-    """What a probe adds to its table."""
-    return probe.rows(snapshot) if hasattr(probe, "rows") else [probe.look(snapshot)]
-
-
-class ParticleProbe:
+class ParticleProbe(Probe):
     """Follows the particle of a body that was nearest to a point at the start.
 
     Parameters
     ----------
+    state : that of the start; without it, only columns are known
     near : the point, shape (d,) [length]
     quantities : what is written of it; NaN once the particle has been deleted
     """
@@ -56,7 +31,7 @@ class ParticleProbe:
     def __init__(
         self,
         name: str,
-        state: State,
+        state: State | None,
         body: str | None,
         near: Sequence[float],
         quantities: Sequence[Quantity],
@@ -64,11 +39,10 @@ class ParticleProbe:
     ):
         self.name = name
         self.quantities = list(quantities)
-        self.id = nearest_particle(state, body, near)
+        self.id = -1 if state is None else nearest_particle(state, body, near)
         self.columns, self.dimensions = columns_of(self.quantities, context)
 
     def look(self, snapshot: Snapshot) -> list[float]:
-        """The numbers of its columns."""
         found = np.flatnonzero(snapshot.particles.id == self.id)
         if not len(found):
             return [float("nan")] * len(self.columns)
@@ -76,7 +50,7 @@ class ParticleProbe:
         return [number.item() for number in itertools.chain.from_iterable(values)]
 
 
-class PointProbe:
+class PointProbe(Probe):
     """Stands at a fixed point and reads nodal fields through linear functions.
 
     Only nodes with mass take part in a velocity, only those with contact in its normal, separation and traction
@@ -95,7 +69,6 @@ class PointProbe:
             self.dimensions += [GRID_FIELDS[field].dimension] * max(len(axes), 1)
 
     def look(self, snapshot: Snapshot) -> list[float]:
-        """The numbers of its columns."""
         grid = snapshot.state.grid
         if grid is None or not snapshot.has_grid:
             return [float("nan")] * len(self.columns)
@@ -115,7 +88,7 @@ class PointProbe:
         return numbers
 
 
-class PairProbe:
+class PairProbe(Probe):
     """Reads what two velocity fields do to each other.
 
     Parameters
@@ -131,7 +104,6 @@ class PairProbe:
         self.columns, self.dimensions = columns_of(self.quantities, context)
 
     def look(self, snapshot: Snapshot) -> list[float]:
-        """The numbers of its columns."""
         numbers: list[float] = []
         for quantity in self.quantities:
             values = np.atleast_1d(quantity.compute(snapshot)[self.pair])
@@ -150,34 +122,33 @@ class GridField:
     is_vector : one number per axis
     description : one line for the documentation
     among : another field, which is zero where this one has no value; empty for sums, which are of the full ring
-    of_contact : exists only in scenes where contact knows normals
-    of_interface : exists only in scenes with an interface law
-    of_heat : exists only in scenes that conduct heat
-    sides : exists only where nodes may have so many sides
+    exists : function of a ``Context``: whether the scene has it
     """
 
     dimension: str
     is_vector: bool
     description: str
     among: str = ""
-    of_contact: bool = False
-    of_interface: bool = False
-    of_heat: bool = False
-    sides: int = 1
+    exists: Callable[[Context], Any] = lambda context: True
 
 
 def _of_side(side: int) -> dict[str, GridField]:
     words = f"on side {side} of the node, {WHERE[side]}"
-    sides, mass = 4 if side > 1 else 2, f"mass_side_{side}"
+    mass, needed = f"mass_side_{side}", 4 if side > 1 else 2
+
+    def exists(context: Context) -> bool:
+        return context.sides >= needed
+
     return {
-        mass: GridField("mass", False, f"mass {words}", sides=sides),
-        f"velocity_side_{side}": GridField("velocity", True, f"velocity {words}", among=mass, sides=sides),
+        mass: GridField("mass", False, f"mass {words}", exists=exists),
+        f"velocity_side_{side}": GridField("velocity", True, f"velocity {words}", among=mass, exists=exists),
     }
 
 
 WHERE = ("its own", "beyond its first crack", "beyond its second crack", "beyond both of its cracks")
-_CONTACT: dict[str, Any] = {"among": "contact_normal", "of_contact": True}
-_INTERFACE: dict[str, Any] = {"among": "interface_is_there", "of_interface": True}
+_CONTACT: dict[str, Any] = {"among": "contact_normal", "exists": attrgetter("has_normals")}
+_INTERFACE: dict[str, Any] = {"among": "interface_is_there", "exists": attrgetter("interfaces")}
+_WITH_HEAT = attrgetter("has_heat")
 GRID_FIELDS = {
     "mass": GridField("mass", False, "mass"),
     "momentum": GridField("momentum", True, "momentum"),
@@ -200,10 +171,10 @@ GRID_FIELDS = {
         "1", False, "share of its stiffness that the interface has lost; 1: broken, 0 without an interface",
         **_INTERFACE),
     "heat_capacity": GridField(
-        "energy/temperature", False, "heat capacity in the last step that conducted", of_heat=True),
+        "energy/temperature", False, "heat capacity in the last step that conducted", exists=_WITH_HEAT),
     "temperature": GridField(
         "temperature", False, "temperature after the last step that conducted, mean by capacity of all velocity fields",
-        among="heat_capacity", of_heat=True),
+        among="heat_capacity", exists=_WITH_HEAT),
     **{name: entry for side in range(4) for name, entry in _of_side(side).items()},
 }  # fmt: skip
 """Nodal fields by name; rigid bodies are in none of them but those of contact."""
@@ -211,14 +182,7 @@ GRID_FIELDS = {
 
 def grid_fields(context: Context) -> dict[str, GridField]:
     """The nodal fields that a scene has."""
-    return {
-        name: entry
-        for name, entry in GRID_FIELDS.items()
-        if (context.has_normals or not entry.of_contact)
-        and (context.interfaces or not entry.of_interface)
-        and (context.has_heat or not entry.of_heat)
-        and context.sides >= entry.sides
-    }
+    return {name: entry for name, entry in GRID_FIELDS.items() if entry.exists(context)}
 
 
 def resolve_grid_fields(
@@ -310,15 +274,14 @@ def resolve_pair(
     return pair, ways[pair], [there[name] for name in chosen]
 
 
-def make_probe(model: Any, state: State | None, context: Context, path: str) -> Probe | Profile:
-    """A probe from its words in the scene; ``state`` is that of the start, which only those of particles need.
+def make_probe(model: Any, state: State | None, context: Context, path: str) -> Probe:
+    """A probe from its words in the scene; ``state`` is that of the start, without which it only knows its columns.
 
     Raises SceneError if a column is unknown.
     """
     if model.name in (".", "..") or any(mark in model.name for mark in "/\\\0"):
         raise SceneError([Problem(f"{path}.name", f"'{model.name}' is not a valid file name")])
     if model.kind == "particle":
-        assert state is not None
         quantities = resolve_fields(model.columns, context, f"{path}.columns")
         return ParticleProbe(model.name, state, model.body, model.near, quantities, context)
     if model.kind == "pair":

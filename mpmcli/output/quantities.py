@@ -162,6 +162,22 @@ def columns_of(quantities: Iterable[Quantity], context: Context) -> tuple[list[s
     return columns, dimensions
 
 
+class Probe:
+    """What the recorder asks of a probe; kinds give ``look``, or ``rows`` where there are several at a time."""
+
+    name: str
+    columns: list[str]
+    dimensions: list[str]
+
+    def look(self, snapshot: Snapshot) -> list[float]:
+        """Return the numbers of its columns."""
+        return self.rows(snapshot)[0]
+
+    def rows(self, snapshot: Snapshot) -> list[list[float]]:
+        """Return what it adds to its table."""
+        return [self.look(snapshot)]
+
+
 class Quantities:
     """The registry: entries are told apart by where they live and by name."""
 

@@ -17,7 +17,8 @@ from mpmcli.output.files import CRACK_EVENTS, FAILED, FAILED_CRACKS, GLOBALS, ma
 from mpmcli.output.global_quantities import EnergyBalance
 from mpmcli.output.manifest import Manifest
 from mpmcli.output.of_scene import context_of
-from mpmcli.output.probes import GRID_FIELDS, Probe, Profile, make_probe, resolve_grid_fields, rows_of
+from mpmcli.output.probes import GRID_FIELDS, make_probe, resolve_grid_fields
+from mpmcli.output.quantities import Probe
 from mpmcli.output.schedule import Schedule
 from mpmcli.output.snapshot import Snapshot
 from mpmcli.output.tables import Table
@@ -129,7 +130,7 @@ class Recorder:
 
         self._parts.append(_TablePart("globals", Schedule(asked.every), record, table))
 
-    def _add_probes(self, scene: Any, probes: list[Probe | Profile]) -> None:
+    def _add_probes(self, scene: Any, probes: list[Probe]) -> None:
         asked = scene.archive.globals
         for model, probe in zip(scene.probes, probes, strict=True):
             make_folder(self.directory / "probes")
@@ -138,8 +139,8 @@ class Recorder:
             table = self._table(part, f"probes/{probe.name}.csv", dimensions)
             every = model.every or (asked.every if asked else scene.time.end)
 
-            def record(snapshot: Snapshot, table: Table = table, probe: Probe | Profile = probe) -> None:
-                for numbers in rows_of(probe, snapshot):
+            def record(snapshot: Snapshot, table: Table = table, probe: Probe = probe) -> None:
+                for numbers in probe.rows(snapshot):
                     table.write([snapshot.state.step, snapshot.state.time, *numbers])
 
             self._parts.append(_TablePart(part, Schedule(every), record, table))

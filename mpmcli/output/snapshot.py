@@ -14,8 +14,6 @@ from mpmcli.core.state import CracksView, State
 Array = np.ndarray
 
 EIGEN_CHUNK = 65536
-TOGETHER = 8192
-"""Particles at a time, at least, so that intermediate arrays stay in the processor's cache."""
 
 
 class Snapshot:
@@ -164,17 +162,10 @@ class Snapshot:
 
     @cached_property
     def total_kinetic_energy(self) -> float:
-        """½ Σ M V² [energy]; some chunks at a time, for the watchdog asks often and memory is slow."""
-        V, chunks = self.particles.V, self.chunks
+        """½ Σ M V² [energy]."""
+        V = self.particles.V
         mass, rings = (self.mass, 1.0) if self.state.rigid else (self.particles.mass, self.full_ring)
-        sums, first = [], 0
-        for last in range(1, len(chunks)):
-            if chunks[last] - chunks[first] >= TOGETHER or last == len(chunks) - 1:
-                part = slice(chunks[first], chunks[last])
-                energies = mass[part] * (V[:, part] * V[:, part]).sum(axis=0)
-                sums.append(sums_of_chunks(energies, chunks[first : last + 1] - chunks[first]))
-                first = last
-        return 0.5 * rings * float(np.concatenate(sums).sum())
+        return 0.5 * rings * float(sums_of_chunks(mass * (V * V).sum(axis=0), self.chunks).sum())
 
     @property
     def components(self) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ file.
 from __future__ import annotations
 
 import csv
+import io
 import math
 import os
 import zlib
@@ -20,13 +21,8 @@ from mpmcli.output.files import writing
 
 
 def format_cell(value: float | int | str) -> str:
-    """Return an integer as it is, NaN as an empty field, other numbers with 17 digits, which keep all bits.
-
-    Text is quoted where it needs to be.
-    """
-    if isinstance(value, str):
-        return _quoted(value)
-    if isinstance(value, int):
+    """Return text and integers as they are, NaN as nothing, other numbers with 17 digits, which keep all bits."""
+    if isinstance(value, int | str):
         return str(value)
     return "" if math.isnan(value) else f"{value:.17g}"
 
@@ -61,7 +57,7 @@ class Table:
             if position is not None:
                 self._compare(position)
         if position is None:
-            self._write(_quoted(name) for name in self.columns)
+            self._write(self.columns)
 
     def _compare(self, position: tuple[int, int]) -> None:
         size, checksum = position
@@ -89,7 +85,9 @@ class Table:
         self._write(format_cell(cell) for cell in cells)
 
     def _write(self, cells: Iterable[str]) -> None:
-        line = (",".join(cells) + "\n").encode()
+        row = io.StringIO()
+        csv.writer(row, lineterminator="\n").writerow(cells)
+        line = row.getvalue().encode()
         with writing(self.path):
             self._stream.write(line)
             self._stream.flush()
@@ -105,12 +103,6 @@ class Table:
         """Close the file; it may be closed twice."""
         with writing(self.path):
             self._stream.close()
-
-
-def _quoted(name: str) -> str:
-    if any(mark in name for mark in ',"\n\r'):
-        return '"' + name.replace('"', '""') + '"'
-    return name
 
 
 def read_table(path: Path) -> tuple[list[str], list[list[str]]]:

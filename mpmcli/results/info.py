@@ -14,7 +14,7 @@ from mpmcli.output.manifest import read_manifest
 from mpmcli.output.tables import read_table
 from mpmcli.results.read_vtu import read_head, read_series
 
-ENERGIES = ("interface_work", "interface_energy", "kinetic_energy", "stress_work")
+ENERGIES = ("kinetic_energy", "stress_work", "interface_work", "interface_energy")
 """Columns that have the unit of energy."""
 
 
@@ -86,16 +86,14 @@ def _of_manifest(contents: dict[str, Any]) -> Iterator[str]:
     if run.get("peak_memory_bytes"):
         words.append(f"{size_in_words(run['peak_memory_bytes'])} of memory")
     yield ", ".join(words)
+    units = contents.get("units", {})
+    columns = units.get(GLOBALS, {})
+    energy = next((columns[name] for name in ENERGIES if name in columns), "")
     if "interfaces" in run:
-        columns = contents.get("units", {}).get(GLOBALS, {})
-        yield interfaces_in_words(
-            run["interfaces"], next((columns[name] for name in ENERGIES if name in columns), "")
-        )
+        yield interfaces_in_words(run["interfaces"], energy)
         if run["interfaces"]["lost"]:
             yield f"warning: {lost_in_words(run['interfaces']['lost'])}"
-    columns = contents.get("units", {})
-    length = columns.get("cracks", {}).get("Points", columns.get("particles", {}).get("Points", ""))
-    energy = columns.get(GLOBALS, {}).get("kinetic_energy", "")
+    length = next((units[name].get("Points", "") for name in ("cracks", "particles") if name in units), "")
     yield from (crack_in_words(crack, length, energy) for crack in run.get("cracks", []))
     if run.get("third_cracks"):
         yield f"warning: {third_in_words(run['third_cracks'])}"

@@ -14,6 +14,7 @@ from mpmcli.core.errors import Problem
 from mpmcli.core.expressions import Expression
 from mpmcli.core.model import Model, Varying
 from mpmcli.geometry.rotation import Direction3
+from mpmcli.scene.values import not_finite
 
 Array = np.ndarray
 MOST_TURNS = 6
@@ -100,8 +101,7 @@ def start_axes(body: Any, X: Array) -> tuple[Array, list[Problem]]:
     problems = []
     for index, turn in enumerate(body.axes):
         degrees = np.broadcast_to(turn.angle(**dict(zip("xyz", X, strict=False))), X.shape[1:])
-        if not np.isfinite(degrees).all():
-            words = f"the angle '{turn.angle.source}' is not finite at some particles"
-            problems.append(Problem(f"bodies.{body.name}.axes.{index}.angle", words, code="not_finite"))
+        words = f"the angle '{turn.angle.source}' is not finite at some particles"
+        problems += not_finite(degrees, f"bodies.{body.name}.axes.{index}.angle", words)
         q = multiply_quaternions(quaternion_of(np.array(turn.axis), degrees), q)
     return q, problems

@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Iterator
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -31,6 +30,8 @@ from mpmcli.shapes import SHAPES
 NO_AXIS_Z = re.compile(r"there is no axis z\b|'z' does not exist in this analysis")
 AXIS_OF_RINGS = "; in axisymmetric analyses x is the radius and y the axis of symmetry"
 NAME = re.compile(r"\w[\w +-]*\Z")
+LONG = 100
+"""Lists of so many members have no expressions, and no numbers of materials."""
 NAME_WORDS = "use letters, digits, spaces, _, + and -"
 
 
@@ -43,17 +44,16 @@ def check(parts: Parts, report: Report) -> None:
         _check_grid(parts, dimensions, report)
         _check_bodies(parts, dimensions, report)
         check_lattices(parts, dimensions, report)
-        for key in ("boundary", "loads"):
-            _check_conditions(getattr(parts, key), key, parts, dimensions, report)
+        _check_conditions(parts, dimensions, report)
         _check_probes(parts, dimensions, report)
         if parts.grid is not None and parts.grid.periodic and parts.grid.dimensions == dimensions:
             from mpmcli.scene.periodic_checks import check_periodic
 
             check_periodic(parts, dimensions, report)
-        for index, load in parts.loads:
+        for path, load in parts.loads:
             if "water_at" in load.effects() and not has_upright_gravity(parts.loads, dimensions):
                 words = "needs gravity along one axis of the grid, by loads of kind gravity"
-                report(f"{report.label('loads', index)}.kind", words, "gravity")
+                report(f"{path}.kind", words, "gravity")
     check_events(parts, report)
     _check_start(parts, report)
     check_times(parts, report)
@@ -119,19 +119,25 @@ def _check_materials(parts: Parts, report: Report) -> None:
             report(f"materials.{name}", "these numbers are too large or too small to calculate with", "range")
 
 
-def _beyond_range(value: Any, path: str) -> Iterator[tuple[str, float]]:
+def _beyond_range(model: Any, path: str) -> Iterator[tuple[str, float]]:
     """Paths and values of given numbers of a material whose squares and products leave the range of floating point."""
-    if isinstance(value, float) and math.isfinite(value):
-        if value and not MATERIAL_RANGE[0] <= abs(value) <= MATERIAL_RANGE[1]:
-            yield path, value
-    elif isinstance(value, BaseModel):
-        for name in value.model_fields_set:
-            yield from _beyond_range(
-                getattr(value, name), f"{path}.{type(value).model_fields[name].alias or name}"
-            )
-    elif isinstance(value, tuple | list) and len(value) < 100:
-        for index, member in enumerate(value):
-            yield from _beyond_range(member, f"{path}.{index}")
+    least, most = MATERIAL_RANGE
+    for where, value in _values_in(model, path, only_given=True):
+        if isinstance(value, float) and math.isfinite(value) and value and not least <= abs(value) <= most:
+            yield where, value
+
+
+def _values_in(value: Any, path: str, only_given: bool = False) -> Iterator[tuple[str, Any]]:
+    """Every value in a model, or of those that the scene gives, with its path; long lists are left out."""
+    if isinstance(value, BaseModel):
+        for name, field in type(value).model_fields.items():
+            if not only_given or name in value.model_fields_set:
+                yield from _values_in(getattr(value, name), f"{path}.{field.alias or name}", only_given)
+    elif isinstance(value, tuple | list):
+        for index, member in enumerate(value if len(value) < LONG else ()):
+            yield from _values_in(member, f"{path}.{index}", only_given)
+    else:
+        yield path, value
 
 
 def _check_count(report: Report, path: str, vector: Any, dimensions: int) -> bool:
@@ -151,8 +157,7 @@ def _check_grid(parts: Parts, dimensions: int, report: Report) -> None:
 
 
 def _check_bodies(parts: Parts, dimensions: int, report: Report) -> None:
-    for index, body in parts.bodies:
-        path = report.label("bodies", index)
+    for path, body in parts.bodies:
         counts = body.particles_per_axis
         fits = not isinstance(counts, tuple) or _check_count(
             report, f"{path}.particles_per_axis", counts, dimensions
@@ -184,7 +189,7 @@ def _check_bounds(body: Any, path: str, parts: Parts, report: Report) -> None:
     grid = parts.grid
     lower, upper = (np.asarray(corner) for corner in body.region.bounds(grid.dimensions))
     low, high, cell = np.array(grid.lower), np.array(grid.upper), np.array(grid.cell)
-    hint = scale_hint(body.region, SimpleNamespace(lower=low, upper=high, cell=cell))
+    hint = scale_hint(body.region, grid)
     if body.region.gives_particles:
         misfit = body.region.misfit_of_grid(low, high, cell)
         if misfit is not None:
@@ -209,12 +214,9 @@ def _check_bounds(body: Any, path: str, parts: Parts, report: Report) -> None:
         report(path, f"{words} {in_words(low)} to {in_words(high)}{hint}", "outside", severity)
 
 
-def _check_conditions(
-    members: list[tuple[int, Any]], key: str, parts: Parts, dimensions: int, report: Report
-) -> None:
+def _check_conditions(parts: Parts, dimensions: int, report: Report) -> None:
     bodies = report.names_of("bodies")
-    for index, model in members:
-        path = report.label(key, index)
+    for path, model in parts.acting:
         found = list(model.problems(dimensions))
         for place, words in found:
             report(f"{path}.{place}" if place else path, words, "axes")
@@ -222,7 +224,7 @@ def _check_conditions(
             report.check_reference(f"{path}.{place}", name, bodies, "body")
         if parts.grid is not None and parts.grid.dimensions == dimensions and not found:
             _check_plane(model, path, parts.grid, report)
-            if key == "loads":
+            if "nodal_force_at" in getattr(model, "effects", frozenset)():
                 _check_loaded_point(model, path, parts.grid, report)
 
 
@@ -241,7 +243,7 @@ def _check_plane(model: Any, path: str, grid: Any, report: Report) -> None:
         report(f"{path}.{place}.at", f"{words}, which spans {low:g} to {high:g}", "outside")
         return
     try:
-        plane.side_on(SimpleNamespace(lower=grid.lower, upper=grid.upper, cell=grid.cell))
+        plane.side_on(grid)
     except ValueError as error:
         report(f"{path}.{place}", str(error), "side")
     line = (plane.at - low) / cell
@@ -257,7 +259,7 @@ def _check_plane(model: Any, path: str, grid: Any, report: Report) -> None:
 def _check_friction_of_planes(parts: Parts, report: Report) -> None:
     """Friction on a symmetry plane has no effect; with FMPM on every step it is too weak where a material flows."""
     mirrors = [model for _, model in parts.boundary if model.kind == "symmetry"]
-    for index, model in parts.boundary:
+    for path, model in parts.boundary:
         plane = getattr(getattr(model, "on", None), "plane", None)
         if plane is None or not getattr(model, "rubs", False):
             continue
@@ -266,25 +268,23 @@ def _check_friction_of_planes(parts: Parts, report: Report) -> None:
                 words = (
                     f"has no effect, because the symmetry plane '{mirror.name}' holds these nodes; remove it"
                 )
-                report(f"{report.label('boundary', index)}.friction", words, "no_effect", "warning")
+                report(f"{path}.friction", words, "no_effect", "warning")
     transfer = parts.method.transfer
     if transfer.kind != "fmpm" or transfer.order == 1 or transfer.every_courant or transfer.every_steps:
         return
     used = {body.material for _, body in parts.bodies}
     flowing = [name for name in used if "plastic_work" in getattr(parts.materials.get(name), "history", ())]
-    for index, model in parts.boundary:
+    for path, model in parts.boundary:
         if flowing and getattr(model, "rubs", False):
             words = (
                 f"friction on planes and walls is too weak, up to three times, with FMPM({transfer.order}) where "
                 f"material '{min(flowing)}' flows at them; use the transfer flip or xpic, or a rigid body in contact"
             )
-            report(f"{report.label('boundary', index)}.friction", words, "friction", "warning")
+            report(f"{path}.friction", words, "friction", "warning")
 
 
 def _check_loaded_point(load: Any, path: str, grid: Any, report: Report) -> None:
     """The nodes around a point that is loaded must exist."""
-    if "nodal_force_at" not in load.effects():
-        return
     at, low, high = (np.array(x) for x in (load.nodal_force_at(0.0)[0], grid.lower, grid.upper))
     if not np.all(np.abs(2.0 * at - low - high) <= high - low + 2e-6 * np.array(grid.cell)):
         words = (
@@ -295,8 +295,7 @@ def _check_loaded_point(load: Any, path: str, grid: Any, report: Report) -> None
 
 def _check_probes(parts: Parts, dimensions: int, report: Report) -> None:
     bodies = report.names_of("bodies")
-    for index, probe in parts.probes:
-        path = report.label("probes", index)
+    for path, probe in parts.probes:
         if probe.kind == "particle":
             report.check_reference(f"{path}.body", probe.body, bodies, "body")
             _check_count(report, f"{path}.near", probe.near, dimensions)
@@ -316,9 +315,11 @@ def _check_start(parts: Parts, report: Report) -> None:
         return
     x, y, z = _sample(parts.grid)
     for key in LISTS:
-        for index, model in getattr(parts, key):
+        for label, model in getattr(parts, key):
             others = model.values_at_start() if key == "cracks" else {}
-            for path, expression in expressions_in(model, report.label(key, index)):
+            for path, expression in _values_in(model, label):
+                if not isinstance(expression, Expression) or expression.is_constant:
+                    continue
                 begin = getattr(model, "begin", 0.0)
                 values = expression(x, y, z, begin, **others)
                 if not np.isfinite(values).any():
@@ -339,30 +340,17 @@ def _sample(grid: Any) -> tuple[np.ndarray, ...]:
     return tuple(points)
 
 
-def expressions_in(value: Any, path: str) -> Iterator[tuple[str, Expression]]:
-    """Every expression in a model that is no constant, with its path."""
-    if isinstance(value, Expression):
-        if not value.is_constant:
-            yield path, value
-    elif isinstance(value, BaseModel):
-        for name in type(value).model_fields:
-            yield from expressions_in(getattr(value, name), f"{path}.{name}")
-    elif isinstance(value, tuple | list) and len(value) < 10:
-        for index, member in enumerate(value):
-            yield from expressions_in(member, f"{path}.{index}")
-
-
 def _check_faces(parts: Parts, report: Report) -> None:
     """Faces give force and heat to the nodes as the grid functions ask, which must be known."""
     if parts.method is None or SHAPES[parts.method.shape].grid_functions != "other":
         return
     words = f"need linear or quadratic grid functions; '{parts.method.shape}' has others"
-    for index, model in parts.loads:
+    for path, model in parts.loads:
         if model.loaded_face() is not None:
-            report(f"{report.label('loads', index)}.kind", f"loads on faces {words}", "shape")
-    for index, model in parts.boundary:
+            report(f"{path}.kind", f"loads on faces {words}", "shape")
+    for path, model in parts.boundary:
         if model.held_face() is not None:
-            report(f"{report.label('boundary', index)}.on", f"temperatures of faces {words}", "shape")
+            report(f"{path}.on", f"temperatures of faces {words}", "shape")
 
 
 def _check_effects(parts: Parts, report: Report) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import math
 import re
+from graphlib import CycleError, TopologicalSorter
 
 from mpmcli.core.errors import Problem
 from mpmcli.core.expressions import RESERVED, number_in
@@ -12,7 +13,6 @@ from mpmcli.core.model import has_unit
 from mpmcli.scene.tree import Node
 from mpmcli.scene.units import Units
 
-MAX_CHAIN = 100
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
 
 
@@ -28,10 +28,20 @@ def read_constants(node: Node | None, units: Units) -> tuple[dict[str, float], l
         return {}, []
     if not node.is_mapping:
         return {}, [node.mark.problem("constants", "a mapping of names to values is needed", "type")]
-    reader = _Reader(node.value, units)
+    members: dict[str, Node] = node.value
+    needed = {name: _names(member.value) & members.keys() for name, member in members.items()}
+    order, circles = _in_order(needed)
+    values: dict[str, float] = {}
     problems = []
-    circular: set[str] = set()
-    for name, member in node.value.items():
+    for circle in circles:
+        first = next(name for name in members if name in circle)
+        place = circle.index(first)
+        chain = " → ".join([*circle[place:], *circle[:place], first])
+        words = f"the constants have a circular definition: {chain}"
+        problems.append(members[first].mark.problem(f"constants.{first}", words, "circular"))
+    circular = {name for circle in circles for name in circle}
+    known = dict.fromkeys(members, 0.0)
+    for name in order:
         path = f"constants.{name}"
         if not _NAME.match(name) or name in RESERVED:
             why = (
@@ -40,78 +50,48 @@ def read_constants(node: Node | None, units: Units) -> tuple[dict[str, float], l
                 else "is not a valid name; use letters, digits and _"
             )
             problems.append(node.keys[name].problem(path, f"'{name}' {why}", "constant_name"))
-            continue
+        elif name not in circular:
+            try:
+                values[name] = known[name] = _read(
+                    members[name].value, needed[name] - values.keys(), known, units
+                )
+            except ValueError as error:
+                problems.append(members[name].mark.problem(path, str(error), "constant"))
+    return {name: values[name] for name in members if name in values}, problems
+
+
+def _in_order(needed: dict[str, set[str]]) -> tuple[list[str], list[list[str]]]:
+    """Names, each after those that it needs; and the circles that this passes over, in which each needs the next."""
+    circles: list[list[str]] = []
+    graph = dict(needed)
+    while True:
         try:
-            reader.value(name, ())
-        except _Circle as circle:
-            circular |= circle.members
-            problems.append(member.mark.problem(path, str(circle), "circular"))
-        except ValueError as error:
-            if name not in circular:
-                problems.append(member.mark.problem(path, str(error), "constant"))
-    order = [name for name in node.value if name in reader.values]
-    return {name: reader.values[name] for name in order}, problems
+            return list(TopologicalSorter(graph).static_order()), circles
+        except CycleError as error:
+            circles.append(error.args[1][:0:-1])
+            graph |= {name: set() for name in circles[-1]}
 
 
-class _Circle(ValueError):
-    """Constants that need each other."""
-
-    def __init__(self, chain: list[str]):
-        super().__init__(f"the constants have a circular definition: {' → '.join(chain)}")
-        self.members = frozenset(chain)
-
-
-class _TooLong(ValueError):
-    """Constants that need each other over too many steps."""
-
-
-class _Reader:
-    def __init__(self, members: dict[str, Node], units: Units):
-        self.members = members
-        self.units = units
-        self.values: dict[str, float] = {}
-        self.failed: set[str] = set()
-        self.known = dict.fromkeys(members, 0.0)
-
-    def value(self, name: str, waiting: tuple[str, ...]) -> float:
-        """The value of a constant; ``waiting`` are those that need it."""
-        if name in waiting:
-            raise _Circle([*waiting[waiting.index(name) :], name])
-        if len(waiting) > MAX_CHAIN:
-            raise _TooLong(f"the constants depend on each other through more than {MAX_CHAIN} steps")
-        if name not in self.values:
-            try:
-                self.values[name] = self.known[name] = self._read(self.members[name].value, (*waiting, name))
-            except ValueError:
-                self.failed.add(name)
-                raise
-        return self.values[name]
-
-    def _read(self, value: object, waiting: tuple[str, ...]) -> float:
-        if isinstance(value, bool) or not isinstance(value, int | float | str):
-            raise ValueError("a number, text with a unit, or an expression of other constants is needed")
-        if not isinstance(value, str):
-            if not math.isfinite(value):
-                raise ValueError("must be finite")
-            return float(value)
-        if has_unit(value):
-            return self.units.any_number(value)
-        for word in sorted(_names(value) & self.members.keys()):
-            try:
-                if word in self.failed and word not in waiting:
-                    raise ValueError
-                self.value(word, waiting)
-            except (_Circle, _TooLong):
-                raise
-            except ValueError:
-                raise ValueError(f"needs the constant '{word}', which has no value") from None
-        return number_in(value, self.known)
+def _read(value: object, missing: set[str], known: dict[str, float], units: Units) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ValueError("a number, text with a unit, or an expression of other constants is needed")
+    if not isinstance(value, str):
+        if not math.isfinite(value):
+            raise ValueError("must be finite")
+        return float(value)
+    if has_unit(value):
+        return units.any_number(value)
+    if missing:
+        raise ValueError(f"needs the constant '{min(missing)}', which has no value")
+    return number_in(value, known)
 
 
-def _names(text: str) -> set[str]:
+def _names(value: object) -> set[str]:
     """Names that occur in an expression; none if it cannot be read."""
+    if not isinstance(value, str) or has_unit(value):
+        return set()
     try:
-        tree = ast.parse(text.strip(), mode="eval")
+        tree = ast.parse(value.strip(), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return set()
     return {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}

@@ -12,7 +12,7 @@ from typing import Any
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.scene.checks import NAME, NAME_WORDS
 from mpmcli.scene.contact_combinations import check_combinations
-from mpmcli.scene.fields import chosen_pairs, covering
+from mpmcli.scene.fields import chosen_pairs, covering, places_of_laws
 from mpmcli.scene.interface_checks import check_interfaces
 from mpmcli.scene.models import MAX_NODES
 from mpmcli.scene.normal_checks import check_specified_normal
@@ -202,8 +202,8 @@ def _check_motion(parts: Parts, fields: Fields, report: Report) -> None:
     """Only rigid bodies move as the scene says, and nothing else moves them."""
     kinds = {member.name: member.is_rigid for member in fields.members}
     moves: dict[str, tuple[str, tuple[Any, ...]]] = {}
-    for index, body in parts.bodies:
-        path = f"{report.label('bodies', index)}.velocity"
+    for place, body in parts.bodies:
+        path = f"{place}.velocity"
         if kinds.get(body.name, True):
             _check_shared_motion(body, fields, moves, path, report)
             continue
@@ -212,19 +212,18 @@ def _check_motion(parts: Parts, fields: Fields, report: Report) -> None:
                 words = f"the initial velocity of '{body.name}' must not depend on t"
                 words += "; only rigid bodies move as prescribed"
                 report(f"{path}.{axis}", words, "time")
-    for key in ("boundary", "loads"):
-        for index, model in getattr(parts, key):
-            for place, name in model.bodies() if model.acts_on == "velocity" else ():
-                path = f"{report.label(key, index)}.{place}"
-                if place == "on.covered_by" and not kinds.get(name, True):
-                    report(path, f"the body '{name}' is not rigid; only rigid bodies cover nodes", "rigid")
-                if place == "on.covered_by" or not kinds.get(name, False):
-                    continue
-                words = f"the body '{name}' is rigid, and its 'velocity' prescribes its motion"
-                if key == "loads":
-                    report.no_effect(path, words)
-                else:
-                    report(path, words, "rigid")
+    for label, model in parts.acting:
+        for place, name in model.bodies() if model.acts_on == "velocity" else ():
+            path = f"{label}.{place}"
+            if place == "on.covered_by" and not kinds.get(name, True):
+                report(path, f"the body '{name}' is not rigid; only rigid bodies cover nodes", "rigid")
+            if place == "on.covered_by" or not kinds.get(name, False):
+                continue
+            words = f"the body '{name}' is rigid, and its 'velocity' prescribes its motion"
+            if path.startswith("loads"):
+                report.no_effect(path, words)
+            else:
+                report(path, words, "rigid")
 
 
 def _check_shared_motion(
@@ -378,7 +377,7 @@ def _laws_in_use(contact: Any, fields: Fields) -> list[Any]:
     """Laws of a contact that some pair of fields has; all of them if the fields are not known."""
     own = chosen_pairs(contact, fields.owners)
     if not fields.complete or len(own) < len(contact.pairs):
-        return [contact.law, *(pair.law for pair in contact.pairs)]
+        return [law for _, law in places_of_laws(contact)]
     names, rigid = fields.names, {name for name in fields.names if fields.is_rigid(name)}
     pairs = [frozenset(pair) for pair in itertools.combinations(names, 2) if not rigid.issuperset(pair)]
     found = [own.get(pair, ("", contact))[1].law for pair in pairs]

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.scene.fields import places_of_laws
 from mpmcli.scene.parts import Parts
 from mpmcli.scene.problems import Report
 
@@ -13,7 +14,7 @@ from mpmcli.scene.problems import Report
 def check_combinations(parts: Parts, report: Report) -> None:
     """Choices of a valid contact that do not go together, or not all the way."""
     contact = parts.contact
-    laws = [("law", contact.law), *((f"pairs.{i}.law", pair.law) for i, pair in enumerate(contact.pairs))]
+    laws = places_of_laws(contact)
     if contact.separation.kind == "none" and any(law.needs_normal for _, law in laws):
         _check_need_of_separation(contact, laws, report)
     _check_calibration(parts, report)

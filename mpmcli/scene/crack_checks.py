@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -51,8 +50,7 @@ def check_cracks(parts: Parts, report: Report) -> None:
     _check_analysis(parts, report)
     _check_bodies(node, report)
     is_plane = parts.analysis is None or ANALYSES[parts.analysis.kind]().dimensions == 2
-    for index, crack in parts.cracks:
-        path = report.label("cracks", index)
+    for path, crack in parts.cracks:
         _check_law(crack, path, report)
         _check_growth(crack, path, report)
         if is_plane and parts.grid is not None and parts.grid.dimensions == 2:
@@ -208,17 +206,17 @@ def _check_path(crack: Any, path: str, parts: Parts, report: Report) -> None:
         words = f"the chain would have {count:.2g} points, at most {MAX_POINTS:,} are allowed; use a larger spacing"
         report(f"{path}.spacing", words, "range")
         return
-    for index, condition in parts.boundary:
+    for _, condition in parts.boundary:
         if condition.kind == "symmetry" and not list(condition.problems(2)):
-            _check_symmetry(crack, corners, path, place, condition.plane, parts.grid, index, report)
+            _check_symmetry(crack, corners, path, place, condition.plane, parts.grid, report)
 
 
 def _check_symmetry(
-    crack: Any, corners: Array, path: str, place: Any, plane: Any, grid: Any, index: int, report: Report
+    crack: Any, corners: Array, path: str, place: Any, plane: Any, grid: Any, report: Report
 ) -> None:
     """A crack may meet a symmetry plane at a right angle, with a mouth."""
     try:
-        plane.side_on(SimpleNamespace(lower=grid.lower, upper=grid.upper, cell=grid.cell))
+        plane.side_on(grid)
     except ValueError:
         return  # reported already
     a = plane.index
@@ -257,8 +255,8 @@ def _check_tips(parts: Parts, report: Report) -> None:
     """Two tips may not be nearer to each other than the segments are long."""
     cell = min(parts.grid.cell)
     tips = [
-        (report.label("cracks", index), key, corner, crack.spacing * cell, crack.name)
-        for index, crack in parts.cracks
+        (path, key, corner, crack.spacing * cell, crack.name)
+        for path, crack in parts.cracks
         for key, corner in tips_of(crack)
     ]
     for (_, _, first, length, name), (path, key, second, other, _) in itertools.combinations(tips, 2):

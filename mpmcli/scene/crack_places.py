@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Container, Sequence
+from typing import Any
 
 import numpy as np
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.suggest import listing
-from mpmcli.geometry.bodies import BodyParticles
+from mpmcli.geometry.bodies import BodyParticles, Domains
 from mpmcli.geometry.vectors import in_words
 from mpmcli.scene.crack_checks import ENDS
 
@@ -20,15 +20,6 @@ ROUND_OFF = 1e-6
 """Distances below so many cells are none."""
 DEEPEST = 0.5
 """How deep in a body a mouth may lie, in cells: surfaces are as rough as particles are large."""
-
-
-class Matter(NamedTuple):
-    """Particles of the bodies that a crack cuts: positions and half sizes (2, n) [length], names and bodies (n,)."""
-
-    X: Array
-    half: Array
-    names: list[str]
-    body: Array
 
 
 def check_places(scene: Any, filled: Sequence[BodyParticles]) -> None:
@@ -41,22 +32,14 @@ def check_places(scene: Any, filled: Sequence[BodyParticles]) -> None:
         raise SceneError(errors)
 
 
-def matter_of(crack: Any, scene: Any, filled: Sequence[BodyParticles]) -> Matter:
-    """Return the particles that a crack may part."""
+def matter_of(scene: Any, filled: Sequence[BodyParticles], cuts: Container[str] | None = None) -> Domains:
+    """Return the domains of the particles of deformable bodies, of those with these names or of all."""
     rigid = {body.name for body in scene.bodies if scene.materials[body.material].kind == "rigid"}
-    cut = [
-        body for body in filled if body.name not in rigid and (crack.cuts is None or body.name in crack.cuts)
-    ]
-    return Matter(
-        np.concatenate([body.X for body in cut], axis=1),
-        np.concatenate([np.broadcast_to(body.reach, body.X.shape) for body in cut], axis=1),
-        [body.name for body in cut],
-        np.repeat(np.arange(len(cut)), [body.count for body in cut]),
-    )
+    return Domains.of([b for b in filled if b.name not in rigid and (cuts is None or b.name in cuts)])
 
 
 def _faults_of(crack: Any, scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
-    matter, cell = matter_of(crack, scene, filled), min(scene.grid.cell)
+    matter, cell = matter_of(scene, filled, crack.cuts), min(scene.grid.cell)
     corners = crack.path.corners()
     bodies = f"'{matter.names[0]}'" if len(matter.names) == 1 else listing(matter.names, 4)
     if not is_cut(matter, corners, cell):
@@ -70,7 +53,8 @@ def _faults_of(crack: Any, scene: Any, filled: Sequence[BodyParticles]) -> list[
     for key, point, inner in zip(ENDS, (corners[0], corners[-1]), (corners[1], corners[-2]), strict=True):
         path = f"cracks.{crack.name}.ends.{key}"
         if getattr(crack.ends, key) == "tip":
-            distance, name = distance_to(matter, point)
+            distances = matter.distances(point)
+            distance, name = distances.min(), matter.names[matter.body[distances.argmin()]]
             if distance > ROUND_OFF * cell:
                 words = (
                     f"the tip at {in_words(point)} lies outside every body that the crack cuts, {distance:.3g} "
@@ -88,15 +72,7 @@ def _faults_of(crack: Any, scene: Any, filled: Sequence[BodyParticles]) -> list[
     return found
 
 
-def distance_to(matter: Matter, point: Array) -> tuple[float, str]:
-    """Return the distance from a point (2,) to the nearest domain of a particle, and the name of its body."""
-    gap = np.maximum(np.abs(matter.X - point[:, None]) - matter.half, 0.0)
-    distance = np.hypot(gap[0], gap[1])
-    nearest = int(distance.argmin())
-    return float(distance[nearest]), matter.names[matter.body[nearest]]
-
-
-def depth_along(matter: Matter, point: Array, way: Array, margin: float) -> tuple[float, str]:
+def depth_along(matter: Domains, point: Array, way: Array, margin: float) -> tuple[float, str]:
     """Return how far a ray from ``point`` (2,) along ``way`` stays in matter, and the body that it leaves there."""
     way = way / np.hypot(*way)
     first, last = _through(matter, point, way, margin)
@@ -111,15 +87,14 @@ def depth_along(matter: Matter, point: Array, way: Array, margin: float) -> tupl
     return depth, name
 
 
-def is_cut(matter: Matter, corners: Array, cell: float) -> bool:
+def is_cut(matter: Domains, corners: Array, cell: float) -> bool:
     """Whether a polyline (n, 2) runs through the domain of a particle, or has particles on both sides."""
     order = np.argsort(matter.X[0], kind="stable")
     sorted_x, widest = matter.X[0, order], float(matter.half[0].max())
     sides = set()
     for a, b in itertools.pairwise(corners):
         window = np.searchsorted(sorted_x, [min(a[0], b[0]) - 1.01 * widest, max(a[0], b[0]) + 1.01 * widest])
-        near = order[slice(*window)]
-        here = Matter(matter.X[:, near], matter.half[:, near], matter.names, matter.body[near])
+        here = matter.where(order[slice(*window)])
         length = float(np.hypot(*(b - a)))
         way = (b - a) / length
         first, last = _through(here, a, way, -ROUND_OFF * cell)
@@ -132,7 +107,7 @@ def is_cut(matter: Matter, corners: Array, cell: float) -> bool:
     return {-1.0, 1.0} <= sides
 
 
-def _through(matter: Matter, point: Array, way: Array, margin: float) -> tuple[Array, Array]:
+def _through(matter: Domains, point: Array, way: Array, margin: float) -> tuple[Array, Array]:
     """Where a line from ``point`` along the unit vector ``way`` enters and leaves domains wider by ``margin``.
 
     Distances (n,) from the point; it misses the domains that it leaves before it enters.

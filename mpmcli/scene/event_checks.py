@@ -11,9 +11,8 @@ from mpmcli.scene.problems import Report
 def check_events(parts: Parts, report: Report) -> None:
     """Refuse events of unknown names, and of what has no clock."""
     known = [name for name, _ in clocked(parts.boundary, parts.loads, parts.bodies, parts.materials)]
-    others = {model.name for key in ("boundary", "loads", "bodies") for _, model in getattr(parts, key)}
-    for index, event in parts.events:
-        label = report.label("events", index)
+    others = {model.name for _, model in parts.acting + parts.bodies}
+    for label, event in parts.events:
         for place, name in enumerate(event.to or ()):
             if name in others and name not in known:
                 words = f"'{name}' has no clock; events act on velocity conditions, loads and rigid bodies"

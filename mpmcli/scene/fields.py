@@ -22,14 +22,9 @@ def velocity_fields(scene: Scene) -> tuple[list[str], list[int]]:
     names : names of the fields, in the order of the first body in each; a single one without contact
     field_of_body : index of the field of each body
     """
-    names: list[str] = []
-    indices = []
-    for body in scene.bodies:
-        name = field_name(scene, body)
-        if name not in names:
-            names.append(name)
-        indices.append(names.index(name))
-    return names, indices
+    of_bodies = [field_name(scene, body) for body in scene.bodies]
+    names = list(dict.fromkeys(of_bodies))
+    return names, [names.index(name) for name in of_bodies]
 
 
 def field_name(scene: Scene, body: Any) -> str:
@@ -64,6 +59,11 @@ def chosen_pairs(contact: Any, owners: dict[str, str]) -> dict[frozenset[str], t
         for index, pair in enumerate(contact.pairs)
         if owners.keys() >= set(pair.between)
     }
+
+
+def places_of_laws(contact: Any) -> list[tuple[str, Any]]:
+    """Return the laws of a contact, each with its key below ``contact``."""
+    return [("law", contact.law), *((f"pairs.{i}.law", pair.law) for i, pair in enumerate(contact.pairs))]
 
 
 def conductance_table(scene: Scene, fields: list[str]) -> np.ndarray:

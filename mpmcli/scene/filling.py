@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,13 +14,14 @@ import numpy as np
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.compiled.runtime import available_memory
 from mpmcli.core.errors import Problem, SceneError
-from mpmcli.geometry.bodies import BodyParticles
+from mpmcli.geometry.bodies import BodyParticles, Domains
 from mpmcli.geometry.faces import surface_faces
 from mpmcli.geometry.fill import fill_bodies, places_to_test
 from mpmcli.scene.axes import start_axes
 from mpmcli.scene.fields import covering, velocity_fields
 from mpmcli.scene.initial_stress import check_stress
 from mpmcli.scene.interface_checks import check_touch
+from mpmcli.scene.values import not_finite
 from mpmcli.shapes import SHAPES
 
 Array = np.ndarray
@@ -86,14 +86,10 @@ def find_masses(scene: Any, filled: Sequence[BodyParticles]) -> tuple[Array, Arr
 
     Raises SceneError if a particle would have a mass that no computer number can hold.
     """
-    numbers = {body.name: number for number, body in enumerate(scene.bodies)}
-    index = np.concatenate([np.full(b.count, numbers[b.name]) for b in filled])
-    density = np.array([scene.materials[body.material].density for body in scene.bodies])[index]
-    if any(b.density is not None for b in filled):
-        ends = np.cumsum([0, *(b.count for b in filled)])
-        for b, start, end in zip(filled, ends, ends[1:], strict=False):
-            if b.density is not None:
-                density[start:end] = b.density
+    index = np.repeat(np.arange(len(filled)), [b.count for b in filled])
+    usual = [scene.materials[body.material].density for body in scene.bodies]
+    own = [rho if b.density is None else b.density for rho, b in zip(usual, filled, strict=True)]
+    density = np.concatenate([np.broadcast_to(rho, b.count) for rho, b in zip(own, filled, strict=True)])
     vol0 = np.concatenate([b.volume for b in filled]) * section_of(scene)
     if scene.analysis.kind == "axisymmetric":
         vol0 = vol0 * np.concatenate([b.X[0] for b in filled])
@@ -120,15 +116,10 @@ def find_masses(scene: Any, filled: Sequence[BodyParticles]) -> tuple[Array, Arr
 def start_velocity(body: Any, X: Array) -> tuple[list[Any], list[Problem]]:
     """Return the components of a body's velocity at points X (d, n) at the start, and what is wrong with them."""
     values = [component(**dict(zip("xyz", X, strict=False))) for component in body.velocity]
-    problems = [
-        Problem(
-            f"bodies.{body.name}.velocity.{axis}",
-            f"the velocity '{component.source}' is not finite at some particles",
-            code="not_finite",
-        )
-        for axis, (component, value) in enumerate(zip(body.velocity, values, strict=True))
-        if not np.all(np.isfinite(value))
-    ]
+    problems = []
+    for axis, (component, value) in enumerate(zip(body.velocity, values, strict=True)):
+        words = f"the velocity '{component.source}' is not finite at some particles"
+        problems += not_finite(value, f"bodies.{body.name}.velocity.{axis}", words)
     return values, problems
 
 
@@ -139,9 +130,8 @@ def start_temperature(body: Any, X: Array, is_absolute: bool) -> tuple[Array, li
     """
     values = np.broadcast_to(body.temperature(**dict(zip("xyz", X, strict=False))), X.shape[1:])
     path, source = f"bodies.{body.name}.temperature", body.temperature.source
-    if not np.all(np.isfinite(values)):
-        words = f"the temperature '{source}' is not finite at some particles"
-        return values, [Problem(path, words, code="not_finite")]
+    if found := not_finite(values, path, f"the temperature '{source}' is not finite at some particles"):
+        return values, found
     if is_absolute and not np.all((values > 0.0) & (values < 1e30)):
         worst, bound = values.min(), "temperatures are absolute, above 0 K"
         if worst > 0.0:
@@ -159,17 +149,14 @@ def check_filling(scene: Any) -> list[Problem]:
     overlaps another one, or a mass or velocity is out of range.
     """
     check_memory(scene)
-    grid: Any = SimpleNamespace(
-        **{key: np.array(getattr(scene.grid, key)) for key in ("lower", "upper", "cell")}
-    )
     analysis = ANALYSES[scene.analysis.kind]()
-    places = sum(places_to_test(body, grid, analysis) for body in scene.bodies)
+    places = sum(places_to_test(body, scene.grid, analysis) for body in scene.bodies)
     if places > MAX_PLACES:
         words = (
             f"the bodies have up to {places:.2g} particles, more than are checked here; the run checks them"
         )
         return [Problem("bodies", words, code="not_checked", severity="warning")]
-    filled = fill_bodies(scene.bodies, grid, analysis, covering(scene.boundary))
+    filled = fill_bodies(scene.bodies, scene.grid, analysis, covering(scene.boundary))
     find_masses(scene, filled)
     problems: list[Problem] = []
     for body, particles in zip(scene.bodies, filled, strict=True):
@@ -229,8 +216,8 @@ def idle_nodal_forces(scene: Any, filled: Sequence[BodyParticles]) -> Iterator[P
     shape, grid = SHAPES[scene.method.shape], scene.grid
     lower, upper, cell = (np.array(x)[:, None] for x in (grid.lower, grid.upper, grid.cell))
     is_periodic = np.isin(list("xyz")[: grid.dimensions], grid.periodic or ())[:, None]
-    X, size = (np.concatenate([getattr(body, key) for body in filled], axis=1) for key in ("X", "size"))
-    reach = (1.0 if shape.grid_functions == "linear" else 1.5) * cell + (shape.domain != "point") * 0.5 * size
+    X, half, *_ = Domains.of(filled)
+    reach = (1.0 if shape.grid_functions == "linear" else 1.5) * cell + (shape.domain != "point") * half
     for load in loads[: MAX_DISTANCES // X.shape[1]]:
         at = np.array(load.nodal_force_at(0.0)[0])[:, None]
         place = (at - lower) / cell

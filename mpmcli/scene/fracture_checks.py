@@ -11,11 +11,11 @@ import numpy as np
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.cracks.integrals.elastic import has_plane_elasticity
-from mpmcli.geometry.bodies import BodyParticles
+from mpmcli.geometry.bodies import BodyParticles, Domains
 from mpmcli.geometry.domains import in_a_domain
 from mpmcli.geometry.vectors import in_words
 from mpmcli.scene.crack_checks import tips_of
-from mpmcli.scene.crack_places import ROUND_OFF
+from mpmcli.scene.crack_places import ROUND_OFF, matter_of
 
 Array = np.ndarray
 
@@ -31,14 +31,6 @@ class Tip(NamedTuple):
     def name(self) -> str:
         """``main:end``."""
         return f"{self.crack.name}:{self.key}"
-
-
-class Near(NamedTuple):
-    """Particles around a tip: positions and half sizes (2, n) [length], indices of materials (n,)."""
-
-    X: Array
-    half: Array
-    material: Array
 
 
 def check_tips(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
@@ -59,27 +51,24 @@ def check_tips(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
     return warnings
 
 
-def _near(place: Array, scene: Any, filled: Sequence[BodyParticles]) -> Near:
+def _near(place: Array, scene: Any, filled: Sequence[BodyParticles]) -> Domains:
     """Return the particles of deformable bodies in the domain of a tip, and a little beyond."""
-    names = list(scene.materials)
-    reach = (_domain(scene.fracture)[0] + 2.0) * min(scene.grid.cell)
-    parts = []
-    for body, particles in zip(scene.bodies, filled, strict=True):
-        if scene.materials[body.material].kind == "rigid":
-            continue
-        near = (np.abs(particles.X - place[:, None]) <= reach).all(axis=0)
-        half = np.broadcast_to(particles.reach, particles.X.shape)[:, near]
-        parts.append((particles.X[:, near], half, np.full(near.sum(), names.index(body.material))))
-    X, half, material = zip(*parts, strict=True)
-    return Near(np.concatenate(X, axis=1), np.concatenate(half, axis=1), np.concatenate(material))
+    matter, reach = matter_of(scene, filled), (_domain(scene.fracture)[0] + 2.0) * min(scene.grid.cell)
+    return matter.where((np.abs(matter.X - place[:, None]) <= reach).all(axis=0))
 
 
-def _without_modes(tip: Tip, near: Near, scene: Any) -> Iterator[Problem]:
+def _materials(near: Domains, scene: Any) -> Array:
+    """Return the names (n,) of the materials of particles."""
+    names = {body.name: body.material for body in scene.bodies}
+    return np.array([names[name] for name in near.names])[near.body]
+
+
+def _without_modes(tip: Tip, near: Domains, scene: Any) -> Iterator[Problem]:
     """Growth by stress intensity factors needs a material that has them."""
     growth = None if tip.crack.growth is None else getattr(tip.crack.growth, tip.key)
-    if growth is None or not near.material.size:
+    if growth is None or not near.body.size:
         return
-    name = list(scene.materials)[near.material[_distance(near, tip.place).argmin()]]
+    name = _materials(near, scene)[near.distances(tip.place).argmin()]
     model = scene.materials[name]
     if has_plane_elasticity(model):
         return
@@ -94,7 +83,7 @@ def _without_modes(tip: Tip, near: Near, scene: Any) -> Iterator[Problem]:
             return
 
 
-def _first_reached(tip: Tip, near: Near, tips: Sequence[Tip], scene: Any) -> Problem | None:
+def _first_reached(tip: Tip, near: Domains, tips: Sequence[Tip], scene: Any) -> Problem | None:
     """Warn if the domain of a tip reaches the surface of the bodies, another material or another tip."""
     cell = min(scene.grid.cell)
     size, key = _domain(scene.fracture)
@@ -105,9 +94,9 @@ def _first_reached(tip: Tip, near: Near, tips: Sequence[Tip], scene: Any) -> Pro
         if other is not tip
     ]
     distances.append((_to_surface(near, tip.place, cell), "the border of the matter"))
-    of_particle = _distance(near, tip.place)
+    of_particle, material = near.distances(tip.place), _materials(near, scene)
     if of_particle.size:
-        others = of_particle[near.material != near.material[of_particle.argmin()]]
+        others = of_particle[material != material[of_particle.argmin()]]
         distances.append((float(others.min(initial=np.inf)), "another material"))
     distance, what = min(distances)
     if distance >= outer * (1.0 - ROUND_OFF):
@@ -133,13 +122,7 @@ def _domain(fracture: Any) -> tuple[float, str]:
     return (size, "size") if size > fracture.outer else (fracture.outer, "outer")
 
 
-def _distance(near: Near, place: Array) -> Array:
-    """Distances (n,) from a place to the domains of particles."""
-    gap = np.maximum(np.abs(near.X - place[:, None]) - near.half, 0.0)
-    return np.asarray(np.hypot(gap[0], gap[1]))
-
-
-def _to_surface(near: Near, place: Array, cell: float) -> float:
+def _to_surface(near: Domains, place: Array, cell: float) -> float:
     """Return the distance from a place to the nearest side of a particle without matter beyond it."""
     if not near.X.size:
         return 0.0

@@ -111,10 +111,10 @@ def _check_heating(scene: HeatOfScene, report: Report) -> None:
 
 
 def _check_body_temperatures(scene: HeatOfScene, report: Report) -> None:
-    for index, body in scene.parts.bodies:
+    for place, body in scene.parts.bodies:
         if body.temperature is None or body.material not in scene.parts.materials:
             continue
-        path = f"{report.label('bodies', index)}.temperature"
+        path = f"{place}.temperature"
         material = scene.parts.materials[body.material]
         if material.kind == "rigid":
             if not _exchanges(scene):

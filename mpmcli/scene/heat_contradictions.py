@@ -64,10 +64,10 @@ class _Side:
 
 def _sides(scene: HeatOfScene) -> Iterator[_Side]:
     grid, bodies = scene.parts.grid, {body.name: body for _, body in scene.parts.bodies}
-    for index, model in scene.parts.boundary:
+    for path, model in scene.parts.boundary:
         if model.acts_on != "temperature":
             continue
-        path, place = scene.report.label("boundary", index), model.held_face()
+        place = model.held_face()
         plane = getattr(getattr(model, "on", None), "plane", None)
         if place is not None:
             name, face = place

@@ -17,7 +17,7 @@ class HeatOfScene:
     """The parts of a scene, and what follows from them for temperatures."""
 
     def __init__(self, parts: Parts, report: Report, fields: Fields):
-        self.parts, self.report, self.fields = parts, report, fields
+        self.parts, self.fields = parts, fields
         self.has_heat = report.section("heat") is not None
         heating = None if parts.method is None else parts.method.heating
         self.is_adiabatic = heating != "isothermal" if self.has_heat else heating == "adiabatic"
@@ -57,7 +57,4 @@ class HeatOfScene:
 
     def acting(self) -> Iterator[tuple[str, Any]]:
         """Path and model of each condition and load that acts on temperatures."""
-        for key in ("boundary", "loads"):
-            for index, model in getattr(self.parts, key):
-                if model.acts_on == "temperature":
-                    yield self.report.label(key, index), model
+        return ((path, model) for path, model in self.parts.acting if model.acts_on == "temperature")

@@ -17,6 +17,7 @@ from mpmcli.materials.base import history_at_start, keeps_strain
 from mpmcli.materials.own_numbers import OwnMaterial
 from mpmcli.scene.axes import turn_history
 from mpmcli.scene.own_numbers import own_keys, set_own_numbers
+from mpmcli.scene.values import not_finite
 
 Array = np.ndarray
 
@@ -114,8 +115,8 @@ def gravity_at_start(loads: Iterable[Any], dimensions: int) -> Array:
     return total
 
 
-def has_upright_gravity(loads: Iterable[tuple[int, Any]], dimensions: int) -> bool:
-    """Return whether the loads of kind ``gravity``, with their indices, act along one axis of the grid."""
+def has_upright_gravity(loads: Iterable[tuple[str, Any]], dimensions: int) -> bool:
+    """Return whether the loads of kind ``gravity``, with their paths, act along one axis of the grid."""
     vectors = [load.acceleration for _, load in loads if load.kind == "gravity"]
     used = {a for v in vectors for a, g in enumerate(v) if not g.is_constant or g() != 0.0}
     return len(used) == 1 and max(used) < dimensions
@@ -191,7 +192,8 @@ def _absent(given: Iterable[str], analysis: str) -> Iterator[tuple[str, str]]:
 
 def start_stress(scene: Any, body: Any, X: Array) -> tuple[Array, list[Problem]]:
     """Return the Cauchy stress (6, n) of a body at points X (d, n) at the start, or its strain, and what is wrong."""
-    asked, found = body.stress, []
+    asked, path = body.stress, f"bodies.{body.name}.stress"
+    found: list[Problem] = []
     stress = np.zeros((6, X.shape[1]))
     place = dict(zip("xyz", X, strict=False))
     if isinstance(asked, Geostatic):
@@ -206,25 +208,18 @@ def start_stress(scene: Any, body: Any, X: Array) -> tuple[Array, list[Problem]]
         for k in range(3):
             if COMPONENTS[k] not in free:
                 stress[k] = vertical if k == axis else asked.K0 * vertical
-        if not np.all(np.isfinite(stress)):
-            found.append(Problem(f"bodies.{body.name}.stress.surface", "it is not finite", code="not_finite"))
-        return stress, found
+        return stress, not_finite(stress, f"{path}.surface", "it is not finite")
     if isinstance(asked, StressOfPoints):
         columns = body.region.columns_at([f"stress_{name}" for name in COMPONENTS], X)
         for name, column in columns.items():
             stress[COMPONENTS.index(name.removeprefix("stress_"))] = column
-        if not np.all(np.isfinite(stress)):
-            words = f"the stresses of '{body.region.file}' are not all finite"
-            found.append(Problem(f"bodies.{body.name}.stress", words, code="not_finite"))
-        return stress, found
+        return stress, not_finite(stress, path, f"the stresses of '{body.region.file}' are not all finite")
     for k, name in enumerate(COMPONENTS):
         value = getattr(asked, name)
         if value is None:
             continue
         stress[k] = value(**place)
-        if not np.all(np.isfinite(stress[k])):
-            words = f"'{value.source}' is not finite at some particles"
-            found.append(Problem(f"bodies.{body.name}.stress.{name}", words, code="not_finite"))
+        found += not_finite(stress[k], f"{path}.{name}", f"'{value.source}' is not finite at some particles")
     if isinstance(asked, StressOfStrain) and not found:
         found += _too_large(body, stress)
     return stress, found

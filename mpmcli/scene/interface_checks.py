@@ -12,8 +12,8 @@ import numpy as np
 
 from mpmcli.boundary.velocity import check_variables
 from mpmcli.core.errors import Problem, SceneError
-from mpmcli.geometry.bodies import BodyParticles
-from mpmcli.scene.fields import chosen_pairs, law_table, owners_of_fields, velocity_fields
+from mpmcli.geometry.bodies import BodyParticles, Domains
+from mpmcli.scene.fields import chosen_pairs, law_table, owners_of_fields, places_of_laws, velocity_fields
 from mpmcli.scene.parts import Parts
 from mpmcli.scene.problems import Report
 
@@ -36,6 +36,11 @@ class Joint:
     path: str
     is_named: bool
 
+    @property
+    def place(self) -> str:
+        """Where the scene says that these two have it."""
+        return f"{self.path}.between" if self.is_named else f"{self.path}.law"
+
 
 def joints_of(contact: Any, fields: Sequence[str], owners: dict[str, str]) -> list[Joint]:
     """Return the pairs of fields that have an interface law; ``owners`` says which field a name stands for."""
@@ -54,8 +59,8 @@ def check_interfaces(parts: Parts, fields: Any, report: Report) -> None:
     ``fields`` are the velocity fields as ``contact_checks.read_fields`` lists them.
     """
     contact = parts.contact
-    laws = [contact.law, *(pair.law for pair in contact.pairs)]
-    for path, law in _places_of_laws(contact):
+    laws = [law for _, law in places_of_laws(contact)]
+    for path, law in places_of_laws(contact):
         if law.is_interface and law.bonded is not None and parts.grid is not None:
             for place, words in check_variables(f"{path}.bonded", law.bonded, parts.grid.dimensions):
                 report(f"contact.{place}", words, "axes")
@@ -106,19 +111,13 @@ def _check_combinations(contact: Any, laws: Sequence[Any], report: Report) -> No
                 "interface.jump",
                 "'edges' needs a separation; use separation 'regression', or jump 'gradient'",
             )
-        for path, each in _places_of_laws(contact):
+        for path, each in places_of_laws(contact):
             closed = getattr(each, "closed", None) if each.is_interface else None
             if getattr(closed, "stiffness", None) is not None:
                 refuse(
                     f"{path}.closed.stiffness",
                     "needs a separation; with separation 'none' the overlap is unknown",
                 )
-
-
-def _places_of_laws(contact: Any) -> Iterator[tuple[str, Any]]:
-    yield "law", contact.law
-    for index, pair in enumerate(contact.pairs):
-        yield f"pairs.{index}.law", pair.law
 
 
 # ---------------------------------------------------------------------- resolution
@@ -257,9 +256,8 @@ def starts_of_joints(scene: Any, filled: Sequence[BodyParticles]) -> list[Start]
         for body, f in zip(scene.bodies, field_of_body, strict=True)
         if scene.materials[body.material].kind == "rigid"
     }
-    X = np.concatenate([body.X for body in filled], axis=1)
-    half = np.concatenate([np.broadcast_to(body.reach, body.X.shape) for body in filled], axis=1)
-    field = np.repeat(field_of_body, [body.count for body in filled])
+    X, half, _, body_of = Domains.of(filled)
+    field = np.array(field_of_body)[body_of]
     cell, lower = np.asarray(scene.grid.cell), np.asarray(scene.grid.lower)
     shape = tuple(count + 1 for count in scene.grid.cells)
     initial_gap = scene.contact.interface.initial_gap
@@ -302,7 +300,6 @@ def check_touch(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
 
 def _untouched(start: Start, scene: Any) -> Problem:
     joint, cell = start.joint, min(scene.grid.cell)
-    path = f"{joint.path}.between" if joint.is_named else f"{joint.path}.law"
     gap = f"{start.gap:.3g} ({start.gap / cell:.2g} cells)"
     if not math.isfinite(start.gap):
         gap = f"above {LARGEST_GAP:g} cells"
@@ -314,22 +311,21 @@ def _untouched(start: Start, scene: Any) -> Problem:
             f"'{joint.first}' and '{joint.second}' are too far apart: no node has mass of both bodies at the start, "
             f"where the gap is {gap}, and the interface '{joint.law.kind}' would have no effect"
         )
-        return Problem(path, words, code="untouched")
+        return Problem(joint.place, words, code="untouched")
     words = (
         f"'{joint.first}' and '{joint.second}' do not touch at the start: the gap is {gap}, and the interface "
         f"'{joint.law.kind}' bridges at most {scene.contact.interface.initial_gap:g} cells (contact.interface."
         "initial_gap)"
     )
-    return Problem(path, words, code="untouched")
+    return Problem(joint.place, words, code="untouched")
 
 
 def _partly(start: Start, scene: Any) -> Problem:
     joint = start.joint
-    path = f"{joint.path}.between" if joint.is_named else f"{joint.path}.law"
     share = 100.0 * start.bonded / start.nodes
     words = (
         f"'{joint.first}' and '{joint.second}' touch only in part: at {start.nodes - start.bonded} of {start.nodes} "
         f"nodes with mass of both bodies the gap is above {scene.contact.interface.initial_gap:g} cells, and there is "
         f"no interface there (bonded: {share:.0f} %)"
     )
-    return Problem(path, words, code="untouched", severity="warning")
+    return Problem(joint.place, words, code="untouched", severity="warning")

@@ -15,10 +15,9 @@ from mpmcli.shapes import SHAPES
 def check_lattices(parts: Parts, dimensions: int, report: Report) -> None:
     """Report bodies that have no sides of their own, and what needs sides along the grid."""
     turned = set()
-    for index, body in parts.bodies:
+    for path, body in parts.bodies:
         if body.particles_along != "region" or list(body.region.misfits(dimensions)):
             continue
-        path = report.label("bodies", index)
         if body.region.gives_particles:
             words = (
                 f"not allowed for a region of kind '{body.region.kind}', which is itself a list of particles"
@@ -35,10 +34,10 @@ def check_lattices(parts: Parts, dimensions: int, report: Report) -> None:
             if shape is not None and shape.domain == "box":
                 words = f"the particle domains of '{shape.name}' stay parallel to the grid and leave gaps"
                 report(f"{path}.particles_along", f"{words}; use a CPDI shape function", "lattice", "warning")
-    for key in ("boundary", "loads"):
-        for index, model in getattr(parts, key):
-            on: Any = getattr(model, "on", None)
-            if getattr(on, "face", None) is not None and on.body in turned:
-                words = f"the particles of body '{on.body}' are rotated, so none of their faces is normal to an axis"
-                path = f"{report.label(key, index)}.on.face"
-                report(path, f"{words}; use 'particles_along: grid', or hold a region", "lattice")
+    for path, model in parts.acting:
+        on: Any = getattr(model, "on", None)
+        if getattr(on, "face", None) is not None and on.body in turned:
+            words = (
+                f"the particles of body '{on.body}' are rotated, so none of their faces is normal to an axis"
+            )
+            report(f"{path}.on.face", f"{words}; use 'particles_along: grid', or hold a region", "lattice")

@@ -30,7 +30,7 @@ from mpmcli.scene.plugins import check_plugins, plugins_of
 from mpmcli.scene.problems import Report
 from mpmcli.scene.report import as_text, locate, ordered, translate
 from mpmcli.scene.tree import Mark, Node, compose
-from mpmcli.scene.units import BASE, Units, check_base_unit
+from mpmcli.scene.units import BASE, Units, base_unit_size
 
 MAX_BYTES = 10 * 1024**2
 STANDARD_INPUT = "-"
@@ -150,13 +150,7 @@ def _load(
     text, file = (str(source), "scene") if is_text else (read_text(Path(source)), str(source))
     root = compose(text, file)
     if not root.is_mapping:
-        raise SceneError(
-            [
-                root.mark.problem(
-                    "", "a scene must be a mapping, such as version: 1, title: …, grid: …", "type"
-                )
-            ]
-        )
+        raise root.mark.error("", "a scene must be a mapping, such as version: 1, title: …, grid: …", "type")
     root = apply_sets(apply_defines(root, defines), sets)
     base = path.resolve().parent if path is not None else Path.cwd()
     scene, context, problems = _read(root, base, allow_outside_files)
@@ -186,15 +180,14 @@ def _read(root: Node, base: Path, allow_outside_files: bool) -> tuple[Scene | No
     plain = {key: value for key, value in root.plain().items() if value is not None} | {
         "constants": constants
     }
-    scene = None
+    scene, report = None, Report(root)
     problems: list[Problem] = []
     try:
         scene = Scene.model_validate(plain, context=context)
-        parts = Parts.of(scene)
+        parts = Parts.of(scene, report.label)
     except ValidationError as error:
         problems += translate(error, root, Scene)
-        parts = Parts.salvage(plain, context)
-    report = Report(root)
+        parts = Parts.salvage(plain, context, report.label)
     for find in (check, check_contact, _check_cracks, check_heat):
         find(parts, report)
     problems += report.problems
@@ -233,7 +226,7 @@ def _read_units(root: Node) -> tuple[Units, list[Problem]]:
         return Units(), [replace(p, path=f"units.{p.path}".rstrip(".")) for p in found]
     for base in BASE:
         try:
-            check_base_unit(getattr(names, base), base)
+            base_unit_size(getattr(names, base), base)
         except ValueError as error:
             problems.append(locate(root, f"units.{base}", str(error), "unit"))
     return (Units() if problems else Units(**names.model_dump())), problems
@@ -241,32 +234,31 @@ def _read_units(root: Node) -> tuple[Units, list[Problem]]:
 
 def read_text(path: Path) -> str:
     """The text of a scene file, or of standard input (``-``); SceneError with words if it cannot be read."""
-    place = Mark(str(path))
+    place, words = Mark(str(path)), ""
     try:
         if str(path) == STANDARD_INPUT:
             if sys.stdin is None:
                 raise OSError("standard input is closed")
             contents = read_at_most(sys.stdin.buffer, MAX_BYTES)
         elif path.is_dir():
-            raise SceneError([place.problem("", "is a folder, not a scene file", "file")])
+            words = "is a folder, not a scene file"
         else:
             contents = read_plain(path, MAX_BYTES)
     except FileNotFoundError:
-        raise SceneError([place.problem("", "the file does not exist", "file")]) from None
+        words = "the file does not exist"
     except TooLarge as error:
         size = "" if error.size is None else f"{error.size / 1024**2:.0f} MiB, "
         words = f"is too large for a scene ({size}at most {MAX_BYTES // 1024**2} MiB)"
-        raise SceneError([place.problem("", words, "file")]) from None
     except NoPlainFile:
         words = f"is not a regular file; use '{STANDARD_INPUT}' to read a scene from standard input"
-        raise SceneError([place.problem("", words, "file")]) from None
     except (OSError, ValueError) as error:
-        words = getattr(error, "strerror", None) or str(error)
-        raise SceneError([place.problem("", f"cannot be read: {words}", "file")]) from None
+        words = f"cannot be read: {getattr(error, 'strerror', None) or error}"
+    if words:
+        raise place.error("", words, "file")
     try:
         return contents.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = contents.count(b"\n", 0, error.start) + 1
         column = error.start - contents.rfind(b"\n", 0, error.start)
         words = f"the file is not UTF-8 text (byte 0x{contents[error.start]:02x})"
-        raise SceneError([Mark(str(path), line, column).problem("", words, "encoding")]) from None
+        raise place._replace(line=line, column=column).error("", words, "encoding") from None

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from mpmcli.core.errors import SceneError
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.scene.tree import Mark, Node, compose_value
 
@@ -37,22 +36,18 @@ def _put(node: Node, keys: list[str], before: tuple[str, ...], value: Node, opti
     mark = Mark(option)
     path = ".".join([*before, key])
     if not key:
-        raise SceneError(
-            [mark.problem(path, "a dotted key is needed, as in method.transfer.order=4", "option")]
-        )
+        raise mark.error(path, "a dotted key is needed, as in method.transfer.order=4", "option")
     if node.is_sequence:
         member = node.member(key)
         if member is None:
             names = [n.value["name"].value for n in node.value if n.is_mapping and "name" in n.value]
             choice = f" ({listing(names)})" if names else f" (it has {len(node.value)} entries)"
             message = f"'{key}' is not a member of the list{did_you_mean(key, map(str, names))}{choice}"
-            raise SceneError([mark.problem(path, message, "option")])
+            raise mark.error(path, message, "option")
         new = _put(member, rest, (*before, key), value, option)
         return replace(node, value=[new if other is member else other for other in node.value])
     if node.value is not None and not node.is_mapping:
-        raise SceneError(
-            [mark.problem(path, f"'{'.'.join(before)}' is a single value and has no keys", "option")]
-        )
+        raise mark.error(path, f"'{'.'.join(before)}' is a single value and has no keys", "option")
     members = node.value or {}
     member = members.get(key) or Node(None, mark)
     new = _put(member, rest, (*before, key), value, option)
@@ -67,4 +62,4 @@ def _check_use(root: Node, name: str, option: str) -> None:
     if name in declared or any(word.search(text) for text in root.texts()):
         return
     message = f"the scene has no constant '{name}'{did_you_mean(name, declared)}"
-    raise SceneError([Mark(option).problem(f"constants.{name}", message, "option")])
+    raise Mark(option).error(f"constants.{name}", message, "option")

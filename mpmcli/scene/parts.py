@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
@@ -12,6 +13,8 @@ from mpmcli.scene.context import Context
 from mpmcli.scene.models import Scene
 
 SINGLE = ("analysis", "grid", "method", "time", "archive", "contact", "heat", "fracture")
+Label = Callable[[str, int], str]
+"""Path of a member of a list of the scene, by the key of the list and its index."""
 LISTS = ("bodies", "cracks", "boundary", "loads", "events", "probes")
 
 
@@ -19,7 +22,7 @@ LISTS = ("bodies", "cracks", "boundary", "loads", "events", "probes")
 class Parts:
     """Valid models of a scene; what is not valid is None or left out.
 
-    The lists hold pairs of index in the scene and model; ``materials`` maps names to models.
+    The lists hold pairs of path in the scene and model; ``materials`` maps names to models.
     """
 
     analysis: Any = None
@@ -31,12 +34,12 @@ class Parts:
     heat: Any = None
     fracture: Any = None
     materials: dict[str, Any] = field(default_factory=dict)
-    bodies: list[tuple[int, Any]] = field(default_factory=list)
-    cracks: list[tuple[int, Any]] = field(default_factory=list)
-    boundary: list[tuple[int, Any]] = field(default_factory=list)
-    loads: list[tuple[int, Any]] = field(default_factory=list)
-    events: list[tuple[int, Any]] = field(default_factory=list)
-    probes: list[tuple[int, Any]] = field(default_factory=list)
+    bodies: list[tuple[str, Any]] = field(default_factory=list)
+    cracks: list[tuple[str, Any]] = field(default_factory=list)
+    boundary: list[tuple[str, Any]] = field(default_factory=list)
+    loads: list[tuple[str, Any]] = field(default_factory=list)
+    events: list[tuple[str, Any]] = field(default_factory=list)
+    probes: list[tuple[str, Any]] = field(default_factory=list)
 
     @property
     def has_jumps(self) -> bool:
@@ -44,15 +47,23 @@ class Parts:
         laws = [] if self.contact is None else [self.contact.law, *(pair.law for pair in self.contact.pairs)]
         return bool(self.cracks) or any(law.is_interface for law in laws)
 
+    @property
+    def acting(self) -> list[tuple[str, Any]]:
+        """Conditions and loads."""
+        return self.boundary + self.loads
+
     @classmethod
-    def of(cls, scene: Scene) -> Parts:
+    def of(cls, scene: Scene, label: Label) -> Parts:
         """All parts of a valid scene."""
         single = {key: getattr(scene, key) for key in SINGLE}
-        lists = {key: list(enumerate(getattr(scene, key) or ())) for key in LISTS}
+        lists = {
+            key: [(label(key, i), model) for i, model in enumerate(getattr(scene, key) or ())]
+            for key in LISTS
+        }
         return cls(**single, materials=dict(scene.materials), **lists)
 
     @classmethod
-    def salvage(cls, plain: dict[str, Any], context: Context) -> Parts:
+    def salvage(cls, plain: dict[str, Any], context: Context, label: Label) -> Parts:
         """The parts of an invalid scene that are valid by themselves."""
         parts = cls()
         for key in SINGLE:
@@ -68,8 +79,8 @@ class Parts:
         for key in LISTS:
             if isinstance(plain.get(key), list):
                 adapter = _adapter(Scene.model_fields[key])
-                tried = [(i, _try(adapter, [value], context)) for i, value in enumerate(plain[key])]
-                setattr(parts, key, [(i, made[0]) for i, made in tried if made is not None])
+                tried = [(label(key, i), _try(adapter, [each], context)) for i, each in enumerate(plain[key])]
+                setattr(parts, key, [(path, made[0]) for path, made in tried if made is not None])
         return parts
 
 

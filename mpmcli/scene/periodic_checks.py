@@ -17,12 +17,11 @@ def check_periodic(parts: Parts, dimensions: int, report: Report) -> None:
     axes = parts.grid.periodic
     for path, words in _of_methods(parts, axes):
         report(path, words, "periodic")
-    for key, find in (("boundary", _of_condition), ("loads", _of_load)):
-        for index, model in getattr(parts, key):
-            if list(model.problems(dimensions)):
-                continue
-            for place, words in find(model, axes, dimensions):
-                report(f"{report.label(key, index)}.{place}", words, "periodic")
+    for members, find in ((parts.boundary, _of_condition), (parts.loads, _of_load)):
+        for path, model in members:
+            if not list(model.problems(dimensions)):
+                for place, words in find(model, axes, dimensions):
+                    report(f"{path}.{place}", words, "periodic")
 
 
 def _of_methods(parts: Parts, axes: tuple[str, ...]) -> Found:

@@ -55,6 +55,10 @@ class Mark(NamedTuple):
         """A problem at this place."""
         return Problem(path, message, self.file, self.line, self.column, severity, code)
 
+    def error(self, path: str, message: str, code: str) -> SceneError:
+        """The error that there is a problem at this place."""
+        return SceneError([self.problem(path, message, code)])
+
 
 @dataclass
 class Node:
@@ -196,7 +200,7 @@ class _Composer:
                     )
                 root = self._node(next(self.events), 0)
         if root is None or root.value is None:
-            raise SceneError([Mark(self.file, 1, 1).problem("", "the scene is empty", "empty")])
+            raise Mark(self.file, 1, 1).error("", "the scene is empty", "empty")
         return root
 
     def _node(self, event: Any, depth: int) -> Node:
@@ -296,9 +300,7 @@ class _Composer:
     def _merge(self, value: Node, mark: Mark) -> list[Node]:
         sources = value.value if value.is_sequence else [value]
         if not all(source.is_mapping for source in sources):
-            raise SceneError(
-                [mark.problem("<<", "'<<' needs a mapping, or a list of mappings, to merge", "merge")]
-            )
+            raise mark.error("<<", "'<<' needs a mapping, or a list of mappings, to merge", "merge")
         return sources
 
     def _mark(self, event: Any) -> Mark:

@@ -144,8 +144,6 @@ class Units:
         name = self.names[base]
         if name is None:
             raise ValueError("the scene declares no units")
-        if name in KNOWN[base]:
-            return KNOWN[base][name]
         return base_unit_size(name, base)
 
     def number(self, text: str, dimension: str) -> float:
@@ -236,20 +234,15 @@ def raised(size: Fraction, exponent: Fraction) -> Fraction:
     return size**exponent.numerator if exponent.denominator == 1 else Fraction(float(size) ** float(exponent))
 
 
-def check_base_unit(name: str, base: str) -> None:
-    """Refuse a unit that cannot be a base of the set; ValueError with words for the user."""
+@cache
+def base_unit_size(name: str, base: str) -> Fraction:
+    """Size of a base unit in m, kg, s or K; ValueError with words for the user where it cannot be one."""
     if name in KNOWN[base]:
-        return
+        return KNOWN[base][name]
     if base == "temperature" and name.lower().strip("°") in {"c", "degc", "celsius", "f", "degf"}:
         raise ValueError(
             f"'{name}' does not start at absolute zero; use K (values such as '20 degC' are converted)"
         )
-    base_unit_size(name, base)
-
-
-@cache
-def base_unit_size(name: str, base: str) -> Fraction:
-    """Size of a unit that is not in the table in m, kg, s or K, by pint."""
     if len(name) > MAX_UNIT:
         raise ValueError(f"'{_shown(name)}' is not a unit of {base}")
     others = [

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
+from mpmcli.core.errors import Problem
 from mpmcli.core.expressions import Expression, number_in
 from mpmcli.core.model import Length, PositiveLength, Varying
 
@@ -68,3 +70,8 @@ CellSize = Annotated[
     ),
 ]
 """One length per axis; in a scene one number may stand for all axes."""
+
+
+def not_finite(values: Any, path: str, words: str) -> list[Problem]:
+    """Return the problem that values at particles are not all finite, if so."""
+    return [] if np.all(np.isfinite(values)) else [Problem(path, words, code="not_finite")]

@@ -9,15 +9,6 @@ from mpmcli.core.errors import ArchiveError
 from mpmcli.study.processes import CRASHED, Stopped, run_job
 
 
-def can_connect() -> bool:
-    """Whether Dask's distributed scheduler is installed."""
-    try:
-        import distributed  # type: ignore[import-not-found,unused-ignore]  # noqa: F401
-    except ImportError:
-        return False
-    return True
-
-
 class Cluster:
     """Runs jobs on a Dask cluster; its machines need mpmcli and the scene at the same path.
 
@@ -30,7 +21,7 @@ class Cluster:
     """
 
     def __init__(self, address: str, timeout: float | None = None):
-        from distributed import Client
+        from distributed import Client  # type: ignore[import-not-found,unused-ignore]
 
         self.timeout = timeout
         self._address = address

@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from mpmcli.core.version import VERSION
-from mpmcli.results.pictures.drawing import write_title
-from mpmcli.study.plotting import finish, new_figure
-from mpmcli.study.report import as_text, write_csv, write_json
+from mpmcli.results.pictures.drawing import new_figure, write_title
+from mpmcli.study.report import as_text, save_picture, write_csv, write_json
 from mpmcli.study.stability import Case, Settings
 
 NAME = "limits"
@@ -82,7 +81,8 @@ def plot_limits(path: Path, title: str, cases: Sequence[Case], settings: Setting
 
     Colours tell shape functions, or transfers where there is one shape function only.
     """
-    figure, axes = new_figure()
+    figure = new_figure(6.4, 4.4)
+    axes = figure.add_subplot()
     shapes = list(dict.fromkeys(case.shape for case in cases))
     families = list(dict.fromkeys((case.shape, _family(case.transfer)[0]) for case in cases))
     markers = "osD^vP*X"
@@ -119,7 +119,7 @@ def plot_limits(path: Path, title: str, cases: Sequence[Case], settings: Setting
     axes.set_xlabel("order k of the transfer")
     axes.set_ylabel(f"largest Courant number that is stable ({settings.criterion})")
     write_title(figure, title, TITLE_SIZE)
-    finish(figure, axes, path)
+    save_picture(figure, axes, path)
 
 
 def _family(transfer: str) -> tuple[str, int]:

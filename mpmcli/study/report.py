@@ -1,4 +1,4 @@
-"""Tables of studies: rows of cells by column name, as text, CSV and JSON."""
+"""Tables of studies: rows of cells by column name, as text, CSV and JSON; and their pictures."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from mpmcli.output.files import write_text
+from mpmcli.results.pictures.drawing import save
 
 Row = Mapping[str, Any]
 
@@ -69,3 +70,11 @@ def _shown(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return f"{value:.4g}" if isinstance(value, float) else str(value).replace("\n", " ")
+
+
+def save_picture(figure: Any, axes: Any, path: Path) -> None:
+    """Draw a grid, and a legend where there is something to tell and none yet, and write the picture."""
+    axes.grid(True, alpha=0.3)
+    if axes.get_legend() is None and axes.get_legend_handles_labels()[0]:
+        axes.legend(fontsize="small")
+    save(figure, path)

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from mpmcli.core.version import VERSION
-from mpmcli.results.pictures.drawing import write_title
-from mpmcli.study.plotting import finish, new_figure
-from mpmcli.study.report import as_text, write_csv, write_json
+from mpmcli.results.pictures.drawing import new_figure, write_title
+from mpmcli.study.report import as_text, save_picture, write_csv, write_json
 from mpmcli.study.tradeoff import Case, Cost, find_cheapest, short_key
 
 NAME = "tradeoff"
@@ -106,7 +105,8 @@ def plot_tradeoff(
     path: Path, title: str, cases: Sequence[Case], cost: Cost, within: float, against: str
 ) -> None:
     """Draw error against cost, both on logarithmic axes: colours tell the first key, markers the others."""
-    figure, axes = new_figure(8.4, 4.8)
+    figure = new_figure(8.4, 4.8)
+    axes = figure.add_subplot()
     shown = [case for case in cases if case.error is not None and not case.is_reference]
     shown = [case for case in shown if case.median(cost) is not None]
     keys = [key for key in (cases[0].values if cases else {}) if len({c.values[key] for c in cases}) > 1]
@@ -150,7 +150,7 @@ def plot_tradeoff(
             loc="upper left",
             bbox_to_anchor=(1.0, 1.0),
         )
-    finish(figure, axes, path)
+    save_picture(figure, axes, path)
 
 
 def _logarithmic(axes: Any) -> None:

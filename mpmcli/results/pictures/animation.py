@@ -12,8 +12,7 @@ import numpy as np
 
 from mpmcli.core.errors import ArchiveError
 from mpmcli.output.files import cannot_write, make_folder
-from mpmcli.results.pictures.drawing import write_bytes
-from mpmcli.results.pictures.errors import PictureError
+from mpmcli.results.pictures.drawing import PictureError, write_bytes
 
 KINDS = ("gif", "mp4")
 MOST_FRAMES = 300

@@ -8,8 +8,7 @@ import numpy as np
 
 from mpmcli.output.files import CRACK_EVENTS
 from mpmcli.results.crack_results import CrackFiles, crack_files, growth_of_tips
-from mpmcli.results.pictures.drawing import new_figure, shorten, space_ticks, write_title
-from mpmcli.results.pictures.errors import PictureError
+from mpmcli.results.pictures.drawing import PictureError, new_figure, shorten, space_ticks, write_title
 from mpmcli.results.reading import Results, Table, unit_in_brackets, with_unit
 
 MOST_TIMES = 6

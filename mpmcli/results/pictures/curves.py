@@ -14,8 +14,7 @@ from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.columns import QUANTITIES
 from mpmcli.output.files import GLOBALS
 from mpmcli.results.pictures.cracks import is_profile
-from mpmcli.results.pictures.drawing import new_figure, shorten, space_ticks, write_title
-from mpmcli.results.pictures.errors import PictureError
+from mpmcli.results.pictures.drawing import PictureError, new_figure, shorten, space_ticks, write_title
 from mpmcli.results.reading import Results, Table, unit_in_brackets
 
 ENERGIES = "energies"

@@ -12,14 +12,27 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.core.errors import RequestError
 from mpmcli.output.files import make_folder, write_pieces
-from mpmcli.results.pictures.errors import PictureError, matplotlib
 
 FORMATS = (".png", ".svg", ".pdf", ".jpg", ".jpeg")
 """Endings of still pictures."""
 DPI = 120
 SMALLEST_LETTERS = 7.0
 """Size of letters below which a title is cut [points]."""
+
+
+class PictureError(RequestError):
+    """A picture that was asked for cannot be made: wrong words, or a library that is not installed."""
+
+
+def matplotlib() -> Any:
+    """The package matplotlib; PictureError with the command that installs it, if it is missing."""
+    try:
+        import matplotlib
+    except ImportError:
+        raise PictureError("pictures need matplotlib; install it with pip install 'mpmcli[plot]'") from None
+    return matplotlib
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from mpmcli.results.pictures.cracks import CrackLayer
 from mpmcli.results.pictures.drawing import new_figure, shorten, space_ticks, write_title
 from mpmcli.results.pictures.extent import Extent, color_range, is_rigid
-from mpmcli.results.pictures.quantities import GROUPS, Coloring, domains_of, find_coloring, unit_of
+from mpmcli.results.pictures.quantities import GROUPS, Coloring, domains_of, unit_of
 from mpmcli.results.reading import Frame, Results, unit_in_brackets, with_unit
 
 Array = np.ndarray
@@ -168,8 +169,7 @@ class LinePicture(ParticlePicture):
             self.axes.set_ylim(*widened(low, high))
             space_ticks(self.axes.yaxis, 3.0)
         self._dots = self.axes.scatter([], [], s=16, linewidths=0)
-        bodies = find_coloring("body", _empty())
-        self._bodies = Palette(results, bodies, extent)
+        self._bodies = Palette(results, Coloring("body", "body", itemgetter("body")), extent)
         if len(self._bodies.names) > 1 and not palette.coloring.is_group:
             self._bodies.explain(self.figure, self.axes, is_wide=True)
 
@@ -261,7 +261,3 @@ def widened(low: float, high: float) -> tuple[float, float]:
     if not margin > 0.0:
         margin = 0.05 * abs(high) or 0.5
     return float(low - margin), float(high + margin)
-
-
-def _empty() -> Frame:
-    return Frame(0.0, np.zeros((0, 3)), {"body": np.zeros(0, dtype=int)}, {})

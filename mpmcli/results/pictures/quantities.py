@@ -14,7 +14,7 @@ from pydantic import ValidationError
 
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.geometry.rotation import Rotation
-from mpmcli.results.pictures.errors import PictureError
+from mpmcli.results.pictures.drawing import PictureError
 from mpmcli.results.reading import Frame, Results
 
 Array = np.ndarray

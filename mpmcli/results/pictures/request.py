@@ -25,8 +25,15 @@ from mpmcli.results.pictures.curves import (
     probe_panels,
     subject_panels,
 )
-from mpmcli.results.pictures.drawing import FORMATS, drawing, pixels, save, write_bytes
-from mpmcli.results.pictures.errors import PictureError, matplotlib
+from mpmcli.results.pictures.drawing import (
+    FORMATS,
+    PictureError,
+    drawing,
+    matplotlib,
+    pixels,
+    save,
+    write_bytes,
+)
 from mpmcli.results.pictures.extent import Extent
 from mpmcli.results.pictures.paraview import default_path, paraview_script
 from mpmcli.results.pictures.particles import LinePicture, Palette, ParticlePicture, PlanePicture

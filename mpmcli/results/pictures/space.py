@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.results.pictures.errors import PictureError
+from mpmcli.results.pictures.drawing import PictureError
 from mpmcli.results.pictures.extent import Extent
 from mpmcli.results.pictures.particles import (
     Palette,

@@ -13,7 +13,7 @@ from mpmcli.output.columns import all_columns, default_columns, evaluate, resolv
 from mpmcli.output.crack_files import DIMENSIONS, write_cracks
 from mpmcli.output.end_report import crack_facts, crack_in_words, third_in_words
 from mpmcli.output.of_scene import check_output, context_of
-from mpmcli.output.probes import make_probe, rows_of
+from mpmcli.output.probes import make_probe
 from mpmcli.output.quantities import Context
 from mpmcli.output.recorder import Recorder
 from mpmcli.output.snapshot import Snapshot
@@ -183,15 +183,15 @@ def test_probe_of_a_tip(make_cracked):
         "crack_force_y",
     ]
     assert probe.dimensions[:3] == ["length", "length", "energy/area"]
-    assert rows_of(probe, Snapshot(state)) == [[3.0, 2.0, 1.0, 9.0, 4.0, 1.0, 2.0]]
+    assert probe.rows(Snapshot(state)) == [[3.0, 2.0, 1.0, 9.0, 4.0, 1.0, 2.0]]
     probe = probe_of("{name: p, kind: crack_tip, crack: side, end: start}", state, context_for())
-    assert rows_of(probe, Snapshot(state)) == [[0.0, 2.0, 0.5]]
+    assert probe.rows(Snapshot(state)) == [[0.0, 2.0, 0.5]]
 
 
 def test_probe_of_the_opening(make_cracked):
     state = make_cracked()
     probe = probe_of("{name: p, kind: crack_opening, crack: main}", state, context_for())
-    rows = np.array(rows_of(probe, Snapshot(state)))
+    rows = np.array(probe.rows(Snapshot(state)))
     assert rows[:, 0].tolist() == [1, 2, 3, 4, 5]
     assert rows[:, 1].tolist() == [0, 1, 2, 3, 4]
     assert rows[:, 2:4].T.tolist() == state.cracks.chains[0].X.tolist()

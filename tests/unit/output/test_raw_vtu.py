@@ -13,9 +13,8 @@ from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkUnstructuredGrid
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader, vtkXMLUnstructuredGridWriter
 
-from mpmcli.output.appended import Damaged
+from mpmcli.geometry.vtk_files import Unreadable, VtkFile
 from mpmcli.output.vtu import NINE, SYMMETRIC, VtuWriter
-from mpmcli.results.read_vtu import Vtu
 from mpmcli.scene.shipped import scene_text
 
 COUNT = 7_000
@@ -78,7 +77,7 @@ def test_vtk_and_we_read_the_bytes_that_were_written(tmp_path, precision, compre
     points, arrays = arrays_of(count)
     path = tmp_path / "a.vtu"
     VtuWriter(precision, compression).write(path, 0.25, points, arrays)
-    grid, ours = read_by_vtk(path), Vtu(path)
+    grid, ours = read_by_vtk(path), VtkFile(path.read_bytes())
     assert grid.GetNumberOfPoints() == grid.GetNumberOfCells() == len(ours.points) == count
     assert ours.time == vtk_to_numpy(grid.GetFieldData().GetArray("TimeValue"))[0] == 0.25
     assert np.array_equal(ours.points, points.astype(precision).astype(float))
@@ -102,7 +101,7 @@ def test_files_that_vtk_wrote_are_read_as_vtk_reads_them(tmp_path, compression):
     points, arrays = arrays_of(COUNT)
     arrays = [(name.replace("<", "of"), *rest) for name, *rest in arrays]  # vtk does not write < as XML asks
     write_by_vtk(tmp_path / "a.vtu", compression, points, arrays)
-    ours = Vtu(tmp_path / "a.vtu")
+    ours = VtkFile((tmp_path / "a.vtu").read_bytes())
     assert ours.time == 0.25
     assert np.array_equal(ours.points, points)
     assert set(ours.arrays) == {name for name, _, _ in arrays}
@@ -140,8 +139,8 @@ def test_a_damaged_file_is_refused_in_words_or_read(tmp_path, compression):
             content[at : at + 8] = b"\xff" * 8
         (tmp_path / "b.vtu").write_bytes(content)
         try:
-            Vtu(tmp_path / "b.vtu")
-        except Damaged:
+            VtkFile((tmp_path / "b.vtu").read_bytes())
+        except Unreadable:
             refused += 1
     assert refused > 200
 
@@ -179,29 +178,10 @@ def test_scenes_run_and_results_are_read_where_vtk_and_matplotlib_are_missing(tm
     )
     code, words = told(tmp_path, "run", "bar.yaml", "--until", "2", "-o", "out", *grid)
     assert code == 0, words
-    assert Vtu(tmp_path / "out" / "particles" / "particles_000000.vtu").arrays["velocity"].any()
-    assert Vtu(tmp_path / "out" / "grid" / "grid_000001.vtu").arrays["velocity"].any()
+    for name in ("particles/particles_000000.vtu", "grid/grid_000001.vtu"):
+        assert VtkFile((tmp_path / "out" / name).read_bytes()).arrays["velocity"].any()
     code, words = told(tmp_path, "info", "out")
     assert code == 0, words
     code, words = told(tmp_path, "plot", "out")
     assert code == 2, words
     assert "pip install 'mpmcli[plot]'" in words
-
-
-def test_files_that_need_vtk_say_so_where_it_is_missing(tmp_path):
-    (tmp_path / "ball.vtp").write_text("<VTKFile/>")
-    (tmp_path / "dust.vtu").write_text("<VTKFile/>")
-    bodies = [
-        f"{{name: {kind}, material: m, region: {{kind: {kind}, file: {file}}}}}"
-        for file, kind in (("ball.vtp", "mesh"), ("dust.vtu", "points"))
-    ]
-    (tmp_path / "solid.yaml").write_text(
-        "version: 1\nanalysis: {kind: 3d}\ngrid: {lower: [0, 0, 0], upper: [4, 4, 4], cell: 1}\n"
-        "materials: {m: {kind: linear_elastic, density: 1, E: 1, nu: 0}}\n"
-        f"bodies: [{', '.join(bodies)}]\ntime: {{end: 1, courant: 0.2}}\n"
-    )
-    code, words = told(tmp_path, "validate", "solid.yaml")
-    assert code == 3, words
-    for file, kind in (("ball.vtp", "VTP"), ("dust.vtu", "VTU")):
-        need = f"{kind} files need vtk; install it with pip install 'mpmcli[mesh]'"
-        assert f"'{file}' cannot be read: {need}" in words

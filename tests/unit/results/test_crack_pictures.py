@@ -15,8 +15,7 @@ from mpmcli.output.tables import Table as TableFile
 from mpmcli.output.vtu import Series
 from mpmcli.results.crack_results import crack_files, growth_of_tips
 from mpmcli.results.pictures.cracks import CrackLayer, draw_growth, draw_opening, is_profile
-from mpmcli.results.pictures.drawing import new_figure
-from mpmcli.results.pictures.errors import PictureError
+from mpmcli.results.pictures.drawing import PictureError, new_figure
 from mpmcli.results.pictures.request import Request, plot
 from mpmcli.results.reading import Results
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from mpmcli.results.pictures import Request, plot
-from mpmcli.results.pictures.errors import PictureError
+from mpmcli.results.pictures.drawing import PictureError
 from mpmcli.results.pictures.extent import Extent, color_range
 from mpmcli.results.pictures.quantities import colorings, find_coloring
 from mpmcli.results.reading import Results

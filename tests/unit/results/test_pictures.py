@@ -16,8 +16,7 @@ from mpmcli.output.files import PICTURE, PLOTS, drawn_files, remove_results
 from mpmcli.results.info import describe
 from mpmcli.results.pictures import Request, animation, plot
 from mpmcli.results.pictures.curves import SUBJECTS, abscissa, draw_panels, parts_of, subject_panels
-from mpmcli.results.pictures.drawing import drawing, pixels
-from mpmcli.results.pictures.errors import PictureError
+from mpmcli.results.pictures.drawing import PictureError, drawing, pixels
 from mpmcli.results.pictures.extent import Extent, color_range
 from mpmcli.results.pictures.particles import GREY, LinePicture, Palette, PlanePicture
 from mpmcli.results.pictures.quantities import colorings, domains_of, find_coloring

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from mpmcli.results.pictures import Request, plot
-from mpmcli.results.pictures.errors import PictureError
+from mpmcli.results.pictures.drawing import PictureError
 from mpmcli.results.pictures.space import directions, faces_towards, hidden, sections
 
 CUBE = np.tile(0.5 * np.eye(3), (1, 1, 1))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mpmcli.scene.units import Dimension, Units, check_base_unit, split_unit
+from mpmcli.scene.units import Dimension, Units, base_unit_size, split_unit
 
 SI = Units("m", "kg", "s")
 MM = Units("mm", "g", "ms")
@@ -123,7 +123,7 @@ def test_base_units() -> None:
         ("K", "temperature"),
         ("slug", "mass"),
     ]:
-        check_base_unit(name, base)
+        base_unit_size(name, base)
     assert Units("parsec", "slug", "s").number("1 parsec", "length") == pytest.approx(1.0)
 
 
@@ -139,7 +139,7 @@ def test_base_units() -> None:
 )
 def test_bad_base_unit(name: str, base: str, words: str) -> None:
     with pytest.raises(ValueError, match=words):
-        check_base_unit(name, base)
+        base_unit_size(name, base)
 
 
 def test_dimension_words() -> None:

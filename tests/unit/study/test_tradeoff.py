@@ -382,7 +382,7 @@ def test_a_cluster_runs_the_cases(tmp_path, capsys, monkeypatch):
         def close(self):
             asked.append("closed")
 
-    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=Client))
+    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=Client, __spec__="pretended"))
     arguments = [
         "tradeoff",
         str(BAR),
