@@ -279,7 +279,9 @@ def test_materials_become_valid_ones(kind, tmp_path):
 
 def test_faults_of_the_scene_stand_at_lines_of_the_source(tmp_path):
     given = uniaxial_traction()
-    given.main["materials"] = [{"id": 0, "type": "Newtonian2D", "density": 1.0, "bulk_modulus": 1e300, "dynamic_viscosity": 0}]
+    given.main["materials"] = [
+        {"id": 0, "type": "Newtonian2D", "density": 1.0, "bulk_modulus": 1e300, "dynamic_viscosity": 0}
+    ]
     source = given.write(tmp_path)
     lines = source.read_text().splitlines()
     line = next(number for number, text in enumerate(lines, 1) if '"type": "Newtonian2D"' in text) - 2
