@@ -117,6 +117,7 @@ class Loads:
         self._place: Array | None = None
         self._version: Any = None
         self._work = np.zeros(CHUNKS)
+        self._least_mass = particles.negligible_mass()
 
     def collect(self, step: Step) -> None:
         """Task 1: find the forces of all loads at the start of the step."""
@@ -155,6 +156,6 @@ class Loads:
         """
         grid = self._grid
         nodes.external_power[self._parallel](
-            grid.active, grid.active_chunks, self.force, grid.mp, grid.f, v, dt, self._work
+            grid.active, grid.active_chunks, self.force, grid.mp, grid.f, v, dt, self._least_mass, self._work
         )
         return float(self._work.sum()) * dt

@@ -58,7 +58,7 @@ def command(program: str, file: Path, output: Path | None, partial: bool, overwr
 
 
 def _validated(text: str, translation: Translation, output: Path | None) -> list[Problem]:
-    """What ``mpmcli validate`` says of the scene."""
+    """What ``mpmcli validate`` says of the scene, at the lines of the source."""
     from mpmcli.cli.files import write_file
     from mpmcli.cli.options import SceneChanges, all_problems
     from mpmcli.core.errors import SceneError
@@ -72,7 +72,18 @@ def _validated(text: str, translation: Translation, output: Path | None) -> list
             found = all_problems(str(scene), nothing)
         except SceneError as error:
             found = error.problems
-        return [replace(problem, file=str(output or "scene")) for problem in found]
+        return [_placed(problem, translation, output) for problem in found]
+
+
+def _placed(problem: Problem, translation: Translation, output: Path | None) -> Problem:
+    """The problem at its line of the source, if that is known, else at that of the scene."""
+    line = translation.line_of(problem.path)
+    if line is None:
+        return replace(problem, file=str(output or "scene"))
+    words = problem.message
+    if problem.line is not None and output is not None:
+        words += f" ({output}, line {problem.line})"
+    return replace(problem, message=words, file=str(translation.source), line=line, column=None)
 
 
 def _report(translation: Translation, found: list[Problem], output: Path | None) -> None:

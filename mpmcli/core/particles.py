@@ -166,6 +166,10 @@ class Particles:
         is_finite = all(np.isfinite(array).all() for array in (self.X, self.V, self.F, self.tau))
         return is_finite and bool((self.determinant() > 0.0).all())
 
+    def negligible_mass(self) -> float:
+        """Mass of a node [mass] up to which its forces are round-off: 1e-20 of that of the lightest particle."""
+        return 1e-20 * float(self.mass.min()) if self.count else 0.0
+
     def determinant(self) -> Array:
         """J = det F per particle, shape (N,)."""
         return determinant_of_particle(self.F, slice(None))

@@ -56,7 +56,8 @@ class Note:
 class Translation:
     """The scene in the order of writing, with comments, notes, the files that it needs beside it, and errors.
 
-    ``files`` maps names, without folders, to contents. ``errors`` are faults of the source; with an error there is no
+    ``files`` maps names, without folders, to contents. ``lines`` are those of the source in which values of the scene
+    stand, by their keys. ``errors`` are faults of the source; with an error there is no
     scene.
     """
 
@@ -66,6 +67,7 @@ class Translation:
     notes: list[Note] = field(default_factory=list)
     comments: dict[KeyPath, str] = field(default_factory=dict)
     files: dict[str, str | bytes] = field(default_factory=dict)
+    lines: dict[KeyPath, int] = field(default_factory=dict)
     errors: list[Problem] = field(default_factory=list)
 
     def comment(self, path: Sequence[str | int], words: str) -> None:
@@ -96,6 +98,17 @@ class Translation:
         if problem not in self.errors:
             self.errors.append(problem)
 
+    def line_of(self, key: str) -> int | None:
+        """The line of the source for a dotted key of the scene: that of its first part, or of its nearest parent."""
+        named = {_dotted(self.scene, path): line for path, line in self.lines.items()}
+        parts = key.split(".")
+        for count in range(len(parts), min(2, len(parts)) - 1, -1):
+            near = ".".join(parts[:count])
+            lines = [line for path, line in named.items() if f"{path}.".startswith(f"{near}.")]
+            if lines:
+                return min(lines)
+        return None
+
     def problems(self, partial: bool) -> list[Problem]:
         """Faults of the source and, unless the scene may be partial, what is not supported, by file and line."""
         lacking = [] if partial else self.of_kind("not_supported")
@@ -110,6 +123,16 @@ class Translation:
             for note in lacking
         ]
         return sorted([*self.errors, *found], key=lambda problem: (problem.file or "", problem.line or 0))
+
+
+def _dotted(scene: Any, path: KeyPath) -> str:
+    """A key in words: members of lists by their names, where they have some."""
+    words = []
+    for part in path:
+        scene = scene[part]
+        named = isinstance(part, int) and isinstance(scene, dict) and "name" in scene
+        words.append(str(scene["name"] if named else part))
+    return ".".join(words)
 
 
 class Importer(Protocol):

@@ -54,7 +54,7 @@ class Damping:
         if model.local is not None:
             from mpmcli.solver.local_damping import LocalDamping
 
-            self._local = LocalDamping()
+            self._local = LocalDamping(state.particles.negligible_mass())
         self.of_forces: Array | None = None if self._local is None else self._local.taken
         self._model, self._state, self._images = model, state, images
         self._varies = not (model.grid.is_constant and model.particle.is_constant)

@@ -18,12 +18,18 @@ class LocalDamping:
 
     Reactions balance the forces along held directions, which have no part in it.
 
+    Parameters
+    ----------
+    least_mass
+        Nodes of a mass up to this one are left out.
+
     Attributes
     ----------
     taken : (chunks,) energy taken in the step
     """
 
-    def __init__(self) -> None:
+    def __init__(self, least_mass: float) -> None:
+        self._least = least_mass
         self.taken = np.zeros(CHUNKS)
         self._factor = np.zeros(1)
 
@@ -34,11 +40,13 @@ class LocalDamping:
         """Add the forces; ``factor`` is the share, ``rate`` that of grid damping, which acts afterwards."""
         mp, f = grid.mp, grid.f
         nodes, share, free_mp, free_f = _special_nodes(mp, f, conditions, rigid)
-        _, all_taken = drag_at_nodes(mp[nodes], f[nodes], factor, rate, dt)
-        drag, taken = drag_at_nodes(free_mp, free_f, factor, rate, dt)
+        _, all_taken = drag_at_nodes(mp[nodes], f[nodes], factor, rate, dt, self._least)
+        drag, taken = drag_at_nodes(free_mp, free_f, factor, rate, dt, self._least)
         new = f[nodes] - drag
         self._factor[0] = factor
-        damp_locally[parallel](grid.active, grid.active_chunks, mp, f, self._factor, rate, dt, self.taken)
+        damp_locally[parallel](
+            grid.active, grid.active_chunks, mp, f, self._factor, rate, dt, self._least, self.taken
+        )
         f[nodes] = new
         self.taken[0] += float((share * taken - all_taken).sum())
 

@@ -11,12 +11,12 @@ Array = np.ndarray
 
 
 @kernel
-def damp_locally(active, chunks, mp, f, factor, rate, dt, work):
+def damp_locally(active, chunks, mp, f, factor, rate, dt, least, work):
     """f −= λ |f| p/|p| at active nodes with momentum p, before they are updated.
 
     ``factor`` (1,) is λ and ``rate`` that of grid damping [1/time], which acts afterwards and has a part in the mean
     velocity of the step. ``work`` (CHUNKS,) receives the energy taken, of each of the ``chunks`` (CHUNKS + 1,) of the
-    active nodes.
+    active nodes. Nodes of a mass up to ``least`` are left out: their forces are round-off.
     """
     d = f.shape[1]
     for n in prange(chunks.shape[0] - 1):
@@ -28,7 +28,7 @@ def damp_locally(active, chunks, mp, f, factor, rate, dt, work):
             for a in range(d):
                 force += f[i, a] * f[i, a]
                 momentum += mp[i, 1 + a] * mp[i, 1 + a]
-            if mp[i, 0] > 0.0 and momentum > 0.0:
+            if mp[i, 0] > least and momentum > 0.0:
                 scale = factor[0] * np.sqrt(force / momentum)
                 for a in range(d):
                     p = mp[i, 1 + a]
@@ -37,11 +37,13 @@ def damp_locally(active, chunks, mp, f, factor, rate, dt, work):
         work[c] = taken
 
 
-def drag_at_nodes(mp: Array, f: Array, factor: float, rate: float, dt: float) -> tuple[Array, Array]:
+def drag_at_nodes(
+    mp: Array, f: Array, factor: float, rate: float, dt: float, least: float
+) -> tuple[Array, Array]:
     """Return drag (n, d) and energy taken (n,) by ``damp_locally`` at nodes with ``mp`` (n, 1 + d), ``f`` (n, d)."""
     m, p = mp[:, 0], mp[:, 1:]
     momentum = np.square(p).sum(axis=1)
-    moves = (m > 0.0) & (momentum > 0.0)
+    moves = (m > least) & (momentum > 0.0)
     scale = np.zeros_like(m)
     scale[moves] = factor * np.sqrt(np.square(f[moves]).sum(axis=1) / momentum[moves])
     drag = scale[:, None] * p

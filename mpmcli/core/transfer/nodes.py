@@ -167,10 +167,11 @@ def add_projected(active, dt, u, v, w, start):
 
 
 @kernel
-def external_power(active, chunks, f_external, mp, f, v, dt, work):
+def external_power(active, chunks, f_external, mp, f, v, dt, least, work):
     """Power of external forces with the mean velocity of the step: Σ f·(v⁺ − ½ a Δt), a two-stage sum in ``work``.
 
-    ``f`` (n, d) are all forces, which give the acceleration a = f/m.
+    ``f`` (n, d) are all forces, which give the acceleration a = f/m. Nodes of a mass up to ``least`` are left out:
+    their forces are round-off, and their velocities without bound.
     """
     d = f_external.shape[1]
     for n in prange(chunks.shape[0] - 1):
@@ -179,7 +180,7 @@ def external_power(active, chunks, f_external, mp, f, v, dt, work):
         for j in range(chunks[c], chunks[c + np.uint64(1)]):
             i = np.uint64(active[j])
             m = mp[i, 0]
-            if m > 0.0:
+            if m > least:
                 for a in range(d):
                     total += f_external[i, a] * (v[i, a] - 0.5 * dt * f[i, a] / m)
         work[c] = total

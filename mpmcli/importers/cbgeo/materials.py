@@ -53,6 +53,7 @@ def add_materials(work: Work) -> dict[int, str]:
         if translated is not None:
             names[material.id] = free_name(NAMES.get(family(material.type), "elastic"), made, " ")
             made[names[material.id]] = translated
+            work.place(("materials", names[material.id]), keys)
     for number in sorted(used - seen):
         index = work.cloud.generator[(work.cloud.material == number).argmax()]
         at = ("particles", int(index), "generator", "material_id")

@@ -84,6 +84,8 @@ def add_time(work: Work) -> None:
     work.constant("dt", given.dt)
     work.constant("steps", given.nsteps)
     work.scene["time"] = {"end": Expression("steps*dt"), "step": Expression("dt")}
+    work.place(("time", "end"), ("analysis", "nsteps"))
+    work.place(("time", "step"), ("analysis", "dt"))
     if not given.locate_particles:
         work.scene["domain"] = {"on_exit": "delete"}
 

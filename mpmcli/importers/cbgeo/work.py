@@ -48,6 +48,12 @@ class Work:
         """Add a fault of the source."""
         self.made.error(self.given.line(*keys), dotted(keys), words)
 
+    def place(self, path: Keys, keys: Keys) -> None:
+        """Remember that a key of the scene comes from a key of the source."""
+        line = self.given.line(*keys)
+        if line is not None:
+            self.made.lines[path] = line
+
     def refuse(self, error: SceneError) -> None:
         """Keep the problems of an error with the others."""
         add_problems(self.made, error)

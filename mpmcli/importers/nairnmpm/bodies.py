@@ -14,6 +14,8 @@ from mpmcli.importers.nairnmpm.job import Job, Material
 from mpmcli.importers.nairnmpm.shapes import NAMES, Box, limits, region
 from mpmcli.importers.nairnmpm.values import Value
 
+LAWS = {12, 13, 14, 20, 23, 26, 33, 34, *range(60, 66)}
+"""Types of materials that are laws of contact or traction."""
 MAX_PICTURE = 50_000_000
 
 
@@ -42,9 +44,27 @@ class Bodies:
                 self._points(command)
         self._name()
 
+    def _material(self, command: Command) -> Material | None:
+        """The material of a body; None after an error."""
+        material = self.job.material(command)
+        if material is not None and material.kind in LAWS:
+            words = f"'{material.title}' is a law of contact or traction; a body needs a material"
+            self.job.error(command, words)
+            material.command.skip()
+            return None
+        return material
+
+    def leave_out_idle(self) -> None:
+        """Remove bodies without effect."""
+        kept = [index for index, material in enumerate(self.materials) if not material.idle]
+        for material in self.materials:
+            material.used = not material.idle
+        for name in ("made", "materials", "boxes"):
+            setattr(self, name, [getattr(self, name)[index] for index in kept])
+
     def _body(self, command: Command) -> None:
         job = self.job
-        material = job.material(command)
+        material = self._material(command)
         regions = []
         late = False
         last = max((i for i, inside in enumerate(command.children) if inside.name in NAMES), default=0)
@@ -200,7 +220,7 @@ class Bodies:
             if level.attributes.get("mat", "").strip() == "0" and "matname" not in level.attributes:
                 level.skip()
                 continue
-            material = job.material(level)
+            material = self._material(level)
             values = [job.number(level, limit) for limit in ("imin", "imax")]
             body: dict[str, Any] = {"region": {**base, "levels": values}}
             self._level(level, body)
@@ -264,7 +284,7 @@ class Bodies:
         job = self.job
         groups: dict[tuple[int, tuple[float, ...], float], list[list[float]]] = {}
         for point in command.all("mp"):
-            material = job.material(point)
+            material = self._material(point)
             at, velocity = point.last("pt"), point.last("vel")
             angle = job.plain(point, "angle")
             for name in ("conc", "wtconc", "temp"):

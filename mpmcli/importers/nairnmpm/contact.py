@@ -200,6 +200,9 @@ def rigid(job: Job, bodies: Bodies) -> list[dict[str, Any]]:
             if functions:  # those without a function are then free in NairnMPM
                 held = held[: len(functions)] if 0 in functions else []
             moved = held
+            if not held:
+                material.idle = True
+                continue
         for axis, function in zip(moved, functions.values(), strict=False):
             if axis < len(job.axes) and function is not None:
                 velocity[axis] = function
@@ -209,4 +212,5 @@ def rigid(job: Job, bodies: Bodies) -> list[dict[str, Any]]:
             on, along = {"covered_by": body["name"]}, job.axes[axis]
             made = {"kind": "velocity", "on": on, "direction": along, "value": velocity[axis]}
             conditions.append({"name": f"{body['name']}_{along}", **made})
+    bodies.leave_out_idle()
     return conditions

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from mpmcli.importers.base import NoteKind, Translation, free_name
@@ -46,6 +46,8 @@ class Material:
     command: Command
     title: str
     used: bool = False
+    idle: bool = False
+    """Whether its bodies are rigid and without effect."""
     speed: float = 0.0
     """Wave speed in the scene's units, 0 if it is not known."""
     direction: int = 0
@@ -113,7 +115,7 @@ class Job:
         plain = self.source.plain(text).strip()
         if plain and not re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", plain):
             self.note("changed", command, f"'{plain[:40]}' is read as {value.number:g}, as NairnMPM does")
-        return value
+        return replace(value, line=command.line)
 
     def plain(self, command: Command, attribute: str | None, default: float = 0.0) -> float:
         """An attribute of a command, or its text, as a number without a unit."""
@@ -159,7 +161,7 @@ class Job:
             else:
                 self.error(command, words)
             return None
-        return Formula(made, self.unit(quantity).factor)
+        return Formula(made, self.unit(quantity).factor, command.line)
 
     def check_style(self, command: Command) -> tuple[int, Value | None, str | None]:
         """Style of a condition, its time argument, and its function."""

@@ -65,7 +65,8 @@ def materials(job: Job) -> Made:
         if material.kind in CONTACT_LAWS:
             continue
         if not material.used:
-            job.ignored(material.command, "no body has this material")
+            idle = "rigid bodies that hold no direction have no effect"
+            job.ignored(material.command, idle if material.idle else "no body has this material")
             continue
         entry = _one(job, material)
         if entry is not None:

@@ -6,11 +6,11 @@ A number that the source names by an entity becomes a constant of the scene if a
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from mpmcli.core.expressions import RESERVED
-from mpmcli.importers.base import Expression, Translation
+from mpmcli.importers.base import Expression, KeyPath, Translation
 from mpmcli.importers.nairnmpm.commands import MARK, NUMBER, CommandFile
 from mpmcli.importers.scene_text import number
 
@@ -35,6 +35,7 @@ class Value:
     name: str | None = None
     sign: int = 1
     shown: bool = False
+    line: int | None = field(default=None, compare=False)
 
     @property
     def scaled(self) -> float:
@@ -44,7 +45,7 @@ class Value:
     @property
     def negative(self) -> Value:
         """Minus this number."""
-        return Value(-self.number, self.unit, self.name, -self.sign, self.shown)
+        return replace(self, number=-self.number, sign=-self.sign)
 
 
 @dataclass(frozen=True)
@@ -53,11 +54,12 @@ class Formula:
 
     text: str
     factor: float = 1.0
+    line: int | None = field(default=None, compare=False)
 
     @property
     def negative(self) -> Formula:
         """Minus this expression."""
-        return Formula(f"-({self.text})", self.factor)
+        return replace(self, text=f"-({self.text})")
 
 
 def read(text: str, unit: Unit = PLAIN, shown: bool = False, source: CommandFile | None = None) -> Value:
@@ -109,7 +111,7 @@ class _Settler:
         for key, member in scene.items():
             if key == "analysis" and constants:
                 settled["constants"] = constants
-            settled[key] = self._final(member)
+            settled[key] = self._final(member, (key,))
         return settled
 
     def _count(self, member: Any) -> None:
@@ -125,11 +127,13 @@ class _Settler:
             for name in MARK.findall(member.text):
                 self.units.setdefault(name, set()).add(PLAIN)
 
-    def _final(self, member: Any) -> Any:
+    def _final(self, member: Any, path: KeyPath) -> Any:
         if isinstance(member, dict):
-            return {key: self._final(value) for key, value in member.items()}
+            return {key: self._final(value, (*path, key)) for key, value in member.items()}
         if isinstance(member, list | tuple):
-            return [self._final(value) for value in member]
+            return [self._final(value, (*path, index)) for index, value in enumerate(member)]
+        if isinstance(member, Value | Formula) and member.line is not None:
+            self.made.lines[path] = member.line
         if isinstance(member, Value):
             if member.name in self.names:
                 return Expression(("-" if member.sign < 0 else "") + self.names[member.name])

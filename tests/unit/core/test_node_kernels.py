@@ -89,10 +89,20 @@ def test_gravity_and_loads_add_to_forces(values):
     untouched(f, before)
 
 
+def test_nodes_of_negligible_mass_have_no_power(values):
+    mp, f, v = values
+    mp[ACTIVE[3], 0], v[ACTIVE[3]] = 1e-46, 1e26
+    work, without = np.zeros(CHUNKS), np.zeros(CHUNKS)
+    nodes.external_power[False](ACTIVE, IN_CHUNKS, f, mp, f, v, 0.25, 1e-26, work)
+    mp[ACTIVE[3], 0] = 0.0
+    nodes.external_power[False](ACTIVE, IN_CHUNKS, f, mp, f, v, 0.25, 0.0, without)
+    assert work.sum() == without.sum() != 0
+
+
 def test_power_of_external_forces_takes_the_mean_velocity(values):
     mp, f, v = values
     loads, work, dt = 0.3 * f + 1.0, np.zeros(CHUNKS), 0.25
-    nodes.external_power[False](ACTIVE, IN_CHUNKS, loads, mp, f, v, dt, work)
+    nodes.external_power[False](ACTIVE, IN_CHUNKS, loads, mp, f, v, dt, 0.0, work)
     rows = ACTIVE[mp[ACTIVE, 0] > 0]
     expected = (loads[rows] * (v[rows] - 0.5 * dt * f[rows] / mp[rows, :1])).sum()
     assert work.sum() == pytest.approx(expected, rel=1e-13)

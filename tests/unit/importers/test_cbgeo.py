@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from pathlib import Path
 
 import numpy as np
@@ -274,6 +275,19 @@ def test_materials_become_valid_ones(kind, tmp_path):
     code, written, _ = spoken(["import", "cbgeo", str(given.write(tmp_path))])
     assert code == 0, written
     assert "error" not in written
+
+
+def test_faults_of_the_scene_stand_at_lines_of_the_source(tmp_path):
+    given = uniaxial_traction()
+    given.main["materials"] = [
+        {"id": 0, "type": "Newtonian2D", "density": 1.0, "bulk_modulus": 1e300, "dynamic_viscosity": 0}
+    ]
+    source = given.write(tmp_path)
+    lines = source.read_text().splitlines()
+    line = next(number for number, text in enumerate(lines, 1) if '"type": "Newtonian2D"' in text) - 2
+    code, written, _ = spoken(["import", "cbgeo", str(source), "-o", str(tmp_path / "x.yaml")])
+    assert code == 3, written
+    assert re.search(rf"mpm\.json:{line} +materials\.fluid.*\(.*x\.yaml, line \d+\)", written), written
 
 
 def test_softening_soil(tmp_path):

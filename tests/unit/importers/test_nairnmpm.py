@@ -395,6 +395,40 @@ def test_rigid_materials_that_prescribe_velocities(tmp_path, words, held, veloci
     assert "temperature" not in scene["bodies"][1]
 
 
+@pytest.mark.parametrize("words", ["<SetDirection>0</SetDirection>", "<SetDirection>4</SetDirection>", ""])
+@pytest.mark.parametrize("setup", ["", "<MultiMaterialMode/>"])
+def test_rigid_materials_that_hold_nothing(tmp_path, words, setup):
+    """Such bodies have no effect, neither by conditions nor by contact."""
+    tool = f'\n<Material Type="11" Name="Tool"><rho>1</rho>{words}</Material>'
+    made = translated(tmp_path, source(setup=setup, points=TOOL, material=MATERIAL + tool))
+    assert made.problems(partial=False) == []
+    load(write(made))
+    assert list(made.scene["materials"]) == ["stuff"]
+    assert [body["name"] for body in made.scene["bodies"]] == ["stuff"]
+    assert {"contact", "boundary"}.isdisjoint(made.scene)
+    words = "line 9: <Material>: rigid bodies that hold no direction have no effect"
+    assert words in [str(note) for note in made.of_kind("ignored")]
+
+
+@pytest.mark.parametrize(
+    ("parts", "words"),
+    [
+        ({"points": BODY.replace('xmax="4"', 'xmax="9"')}, r":7 +bodies\.stuff\.region +the region spans"),
+        ({"material": MATERIAL.replace("0.3", "0.7")}, r":8 +materials\.stuff\.nu +0\.7 is out of range"),
+        ({"material": MATERIAL.replace("<rho>1<", "<rho>&heavy;<"), "entities": '<!ENTITY heavy "-2">'},
+         r":8 +materials\.stuff\.density +-0\.002 is out of range"),
+        ({"material": MATERIAL.replace('1" ', '24" ').replace("<E>", "<yield>-1</yield><E>")},
+         r":8 +materials\.stuff\.hardening\.yield_stress"),
+    ],
+)  # fmt: skip
+def test_faults_of_the_scene_stand_at_lines_of_the_source(parts, words, tmp_path):
+    path, scene = tmp_path / "x.fmcmd", tmp_path / "x.yaml"
+    path.write_text(source(**parts))
+    code, written, _ = spoken(["import", "nairnmpm", str(path), "-o", str(scene)])
+    assert code == 3
+    assert re.search(rf"x\.fmcmd{words}.*\({re.escape(str(scene))}, line \d+\)", written), written
+
+
 def test_conditions_by_style(tmp_path):
     conditions = """<GridBCs>
       <BCLine x1="0" x2="0" y1="min-" y2="max+" tolerance=".1">
@@ -1087,6 +1121,14 @@ BROKEN = {
     "rigid_without_mode": (
         source(material=MATERIAL.replace('Type="1"', 'Type="35"')),
         "needs the command <MultiMaterialMode>",
+    ),
+    "contact_law_as_material": (
+        source(points=BODY, material='<Material Type="61" Name="Rub"><coeff>0.3</coeff></Material>'),
+        r":7 +<Body> +'Rub' is a law of contact or traction",
+    ),
+    "traction_law_as_material": (
+        source(material='<Material Type="12" Name="Glue"><sigmaI>3</sigmaI></Material>'),
+        r":7 +<Body> +'Glue' is a law of contact or traction",
     ),
     "bomb": (source(entities=BOMB), "characters when it is expanded"),
     "external": (source(entities='<!ENTITY e SYSTEM "file:///etc/passwd">'), "another file"),

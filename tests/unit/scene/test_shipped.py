@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import zipfile
@@ -22,7 +23,9 @@ TEMPLATES = [name for name in NAMES if scenes.is_start(name)]
 
 
 def files_of(node: object) -> list[str]:
-    """The values of all keys ``file``."""
+    """The values of all keys ``file``, and the tables of expressions."""
+    if isinstance(node, str):
+        return re.findall(r'interpolate\(\w+, "(.*?)"\)', node)
     if isinstance(node, dict):
         own = [node["file"]] if isinstance(node.get("file"), str) else []
         return own + [name for value in node.values() for name in files_of(value)]

@@ -129,11 +129,11 @@ def test_energy_of_local_damping_node_by_node():
     mp, f = rng.normal(size=(40, 3)), rng.normal(size=(40, 2))
     mp[:, 0] = np.abs(mp[:, 0])
     mp[:4] = 0.0
-    drag, lost = drag_at_nodes(mp, f, 0.3, 0.7, 0.1)
+    drag, lost = drag_at_nodes(mp, f, 0.3, 0.7, 0.1, 0.0)
     p, m, before = mp[:, 1:].copy(), mp[:, 0], f.copy()
     chunks = np.linspace(0, 40, CHUNKS + 1).astype(np.int64)
     work = np.zeros(CHUNKS)
-    damp_locally.versions[False].py_func(np.arange(40), chunks, mp, f, np.array([0.3]), 0.7, 0.1, work)
+    damp_locally.versions[False].py_func(np.arange(40), chunks, mp, f, np.array([0.3]), 0.7, 0.1, 0.0, work)
     assert work.sum() == pytest.approx(lost.sum(), rel=1e-12)
     np.testing.assert_allclose(before - f, drag, atol=1e-13)
     assert np.hypot(*drag[4:].T) == pytest.approx(0.3 * np.hypot(*before[4:].T))
