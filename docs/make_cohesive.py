@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from mpmcli.core.state import ContactView, InterfaceView
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
-from mpmcli.study.plotting import tidy
+from mpmcli.study.report import tidy
 
 DOCS = Path(__file__).parent
 INPUTS, IMAGES = DOCS.parent / "inputs", DOCS / "images"

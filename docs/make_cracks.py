@@ -19,7 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.study.plotting import finish, new_figure
+from mpmcli.results.pictures.drawing import new_figure
+from mpmcli.study.report import save_picture
 
 HERE = Path(__file__).parent
 TESTS = HERE.parent / "tests"
@@ -47,14 +48,15 @@ def shrink(path: Path) -> None:
 
 def write(figure: Any, axes: Any, name: str) -> None:
     """Write a picture to ``docs/images``."""
-    finish(figure, axes, IMAGES / f"{name}.png")
+    save_picture(figure, axes, IMAGES / f"{name}.png")
     shrink(IMAGES / f"{name}.png")
 
 
 def draw_path() -> None:
     """Draw the crack after seven steps of growth, and print directions and K_II/K_I."""
     run = start("inclined_crack.yaml", "constants.growth=1", "time.end=1")
-    figure, axes = new_figure(6.0, 3.6)
+    figure = new_figure(6.0, 3.6)
+    axes = figure.add_subplot()
     run.to(0.34)
     axes.plot(*run.simulation.cracks.chains[0].X, "k-", lw=2, label="at the start")
     run.to(0.56)
@@ -73,7 +75,8 @@ def draw_path() -> None:
 
 def draw_cantilever() -> None:
     """Draw load against opening, of sharp and of cohesive crack, with the curve of constant energy release rate."""
-    figure, axes = new_figure(6.0, 3.6)
+    figure = new_figure(6.0, 3.6)
+    axes = figure.add_subplot()
     for number, (scene, words) in enumerate((("double", "sharp crack"), ("cohesive", "cohesive crack"))):
         run = start(f"{scene}_cantilever.yaml")
         seen: list[tuple[float, float, float]] = []
@@ -102,7 +105,8 @@ def draw_cantilever() -> None:
 
 def draw_strip() -> None:
     """Draw static and dynamic J over the energy of the strip, at two speeds."""
-    figure, axes = new_figure(6.0, 3.6)
+    figure = new_figure(6.0, 3.6)
+    axes = figure.add_subplot()
     for number, speed in enumerate((114, 228)):
         run = start("strip_running_crack.yaml", f"constants.speed={speed}")
         run.to(0.22)
@@ -127,7 +131,8 @@ def draw_strip() -> None:
 
 def draw_bending() -> None:
     """Draw the crack of an eccentrically notched beam, with cells of 2, 1 and 0.5 mm."""
-    figure, axes = new_figure(6.0, 3.6)
+    figure = new_figure(6.0, 3.6)
+    axes = figure.add_subplot()
     for number, cell in enumerate((2, 1, 0.5)):
         run = start("three_point_bending_growth.yaml", f"constants.cell={cell}")
         run.to(0.8)
@@ -143,7 +148,8 @@ def draw_bending() -> None:
 
 def draw_wedge() -> None:
     """Draw where the work of the wedge goes while it splits a block."""
-    figure, axes = new_figure(6.0, 3.6)
+    figure = new_figure(6.0, 3.6)
+    axes = figure.add_subplot()
     run = start("wedge_splitting.yaml")
     u, a, force, work, *parts = np.array(run.to(2.0, wedge_run)).T
     names = ("stored", "kinetic", "friction", "damping", "released by growth")

@@ -13,9 +13,10 @@ import runpy
 from pathlib import Path
 
 from mpmcli.core.errors import SimulationError
+from mpmcli.results.pictures.drawing import new_figure
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
-from mpmcli.study.plotting import finish, new_figure
+from mpmcli.study.report import save_picture
 
 HERE = Path(__file__).parent
 SCENE = HERE.parent / "inputs" / "drawn_bar.yaml"
@@ -69,7 +70,8 @@ def stress_ratio(simulation: Simulation) -> tuple[float, float]:
 
 def draw(path: Path) -> None:
     """Draw the mean stress over the closed form against the stretch, with lcpdi and FMPM(4)."""
-    figure, axes = new_figure(7.0, 3.4)
+    figure = new_figure(7.0, 3.4)
+    axes = figure.add_subplot()
     for update, style in zip(UPDATES, ("-", "--", "-", "--", ":"), strict=True):
         simulation = Simulation(load_scene(SCENE, sets=[f"method.update={update}"]), 1)
         found = []
@@ -79,7 +81,7 @@ def draw(path: Path) -> None:
                 found.append(stress_ratio(simulation))
         axes.plot(*zip(*found, strict=True), style, label=update)
     axes.set(xlabel="stretch", ylabel="mean stress over the closed form")
-    finish(figure, axes, path)
+    save_picture(figure, axes, path)
     runpy.run_path(str(HERE / "make_gallery.py"))["shrink"](path)
 
 

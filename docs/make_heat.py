@@ -18,9 +18,10 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.results.pictures.drawing import new_figure
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
-from mpmcli.study.plotting import finish, new_figure
+from mpmcli.study.report import save_picture
 
 HERE = Path(__file__).parent
 INPUTS = HERE.parent / "inputs"
@@ -72,7 +73,8 @@ def amplitude(*sets: str) -> float:
 
 def draw_bar(path: Path) -> None:
     """Draw the amplitude of the translating bar, with the formula, against the number of steps."""
-    figure, axes = new_figure(7.0, 3.8)
+    figure = new_figure(7.0, 3.8)
+    axes = figure.add_subplot()
     N = np.geomspace(STEPS[0], STEPS[-1], 200)
     axes.axhline(EXACT_BAR, color="0.6", lw=1, label="exact")
     axes.plot(
@@ -93,7 +95,7 @@ def draw_bar(path: Path) -> None:
             axes.plot(STEPS[2:], seldom, "s", color=f"C{number}", ms=5, label="FMPM(2), interval 10")
             print("FMPM(2), interval 10", *(f"{value:.4f}" for value in seldom), flush=True)
     axes.set(xscale="log", xlabel="time steps N", ylabel="amplitude at the end", ylim=(-0.02, 0.42))
-    finish(figure, axes, path)
+    save_picture(figure, axes, path)
     runpy.run_path(str(HERE / "make_gallery.py"))["shrink"](path)
 
 
@@ -109,7 +111,8 @@ def disk_error(simulation: Simulation, X: np.ndarray) -> float:
 
 def draw_cost(path: Path) -> None:
     """Draw error against processor time of the translating disk, and print the numbers."""
-    figure, axes = new_figure(7.0, 3.8)
+    figure = new_figure(7.0, 3.8)
+    axes = figure.add_subplot()
     for number, (name, transfer) in enumerate(TRANSFERS.items()):
         for interval, style in ((1, "o-"), ("auto", "s--")):
             found: list[Any] = []
@@ -123,7 +126,7 @@ def draw_cost(path: Path) -> None:
     axes.set(xscale="log", yscale="log", xlabel="processor time [s]", ylabel="error of the temperature [%]")
     axes.minorticks_off()
     axes.set_xticks(TICKS, [f"{t:g}" for t in TICKS])
-    finish(figure, axes, path)
+    save_picture(figure, axes, path)
     runpy.run_path(str(HERE / "make_gallery.py"))["shrink"](path)
 
 

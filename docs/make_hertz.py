@@ -15,9 +15,10 @@ import numpy as np
 
 from mpmcli.output.probes import nodal_values
 from mpmcli.output.snapshot import Snapshot
+from mpmcli.results.pictures.drawing import new_figure
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
-from mpmcli.study.plotting import finish, new_figure
+from mpmcli.study.report import save_picture
 
 DOCS = Path(__file__).parent
 SCENE = DOCS.parent / "inputs" / "hertz_contact.yaml"
@@ -92,7 +93,8 @@ def errors(x: Array, force: Array, cells: int) -> tuple[float, float]:
 
 def draw(profiles: dict[int, tuple[Array, Array]], path: Path) -> None:
     """Pressures at nodes and over bins of three cells, for each number of particles per axis."""
-    figure, axes = new_figure(7.2, 4.2)
+    figure = new_figure(7.2, 4.2)
+    axes = figure.add_subplot()
     fine = np.linspace(0.0, 1.0, 400)
     axes.plot(fine, np.sqrt(1.0 - fine**2), "k-", lw=1.2, label="Hertz")
     for colour, (per_axis, (x, force)) in zip(("C0", "C3"), profiles.items(), strict=True):
@@ -120,7 +122,7 @@ def draw(profiles: dict[int, tuple[Array, Array]], path: Path) -> None:
         xlim=(0, 1.4),
         ylim=(0, 1.5),
     )
-    finish(figure, axes, path)
+    save_picture(figure, axes, path)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.study.plotting import finish, new_figure
+from mpmcli.results.pictures.drawing import new_figure
+from mpmcli.study.report import save_picture
 
 HERE = Path(__file__).parent
 TESTS = HERE.parent / "tests"
@@ -89,7 +90,8 @@ def make_impact() -> None:
 def make_waves() -> None:
     """Draw |T| and |R| against frequency."""
     begin, stiffnesses = start(), (0.1, 0.3, 1.0)
-    figure, axes = new_figure(7.0, 4.2)
+    figure = new_figure(7.0, 4.2)
+    axes = figure.add_subplot()
     omega, fine = np.linspace(0.04, 0.6, 15), np.linspace(0.0, 0.6, 200)
     found = responses(begin, "FMPM(4)", stiffnesses, 0.37, omega)
     poor = responses(begin, "FMPM(4)", stiffnesses, 0.37, omega, "contact.interface={jump: extrapolated}")
@@ -106,7 +108,7 @@ def make_waves() -> None:
         print(k, np.round(found[k], 4).tolist(), np.round(poor[k], 4).tolist(), flush=True)
     axes.set(xlabel="ω Δx/c", ylabel="|T|, |R|", ylim=(0.0, 1.05))
     axes.legend(fontsize="x-small", ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
-    finish(figure, axes, IMAGES / "interfaces_waves.png")
+    save_picture(figure, axes, IMAGES / "interfaces_waves.png")
     shrink(IMAGES / "interfaces_waves.png")
 
 

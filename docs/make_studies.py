@@ -22,8 +22,9 @@ import numpy as np
 import yaml
 
 from mpmcli.cli.main import call
+from mpmcli.results.pictures.drawing import new_figure
 from mpmcli.scene.method import Dynamic
-from mpmcli.study.plotting import finish, new_figure
+from mpmcli.study.report import save_picture
 from mpmcli.study.tradeoff import read_columns
 
 HERE = Path(__file__).parent
@@ -116,7 +117,8 @@ def draw_impact(folder: Path) -> str:
     """Energy lost and time relative to FLIP against the tolerance (Fig. 13B)."""
     rows = rows_of(folder)
     flip = find_row(rows, "flip")
-    figure, axes = new_figure(6.4, 4.2)
+    figure = new_figure(6.4, 4.2)
+    axes = figure.add_subplot()
     times = axes.twinx()
     for metric, line in METRICS.items():
         found = dynamic_rows(rows, metric)
@@ -146,7 +148,7 @@ def draw_impact(folder: Path) -> str:
     )
     axes.title.set_fontsize("medium")
     times.set_ylabel("time over that of FLIP (blue, square)", color="C0")
-    finish(figure, axes, IMAGES / "dynamic_impact.png")
+    save_picture(figure, axes, IMAGES / "dynamic_impact.png")
     for row in rows:
         print(_kind(row), row.loss, row.order, (row.seconds or 0) / (flip.seconds or 1))
     return "dynamic_impact"
@@ -154,7 +156,8 @@ def draw_impact(folder: Path) -> str:
 
 def draw_orders(folder: Path) -> str:
     """Mean order against the tolerance, block impact and shock (Fig. 14)."""
-    figure, axes = new_figure(6.4, 4.0)
+    figure = new_figure(6.4, 4.0)
+    axes = figure.add_subplot()
     for name, title, colour in (("impact", "block impact", "C0"), ("shock", "shock", "C3")):
         rows = rows_of(folder.parent / name)
         for metric, line in METRICS.items():
@@ -173,13 +176,14 @@ def draw_orders(folder: Path) -> str:
     axes.set(
         xscale="log", xlabel="tolerance", ylabel=f"mean order (at most {MOST})", yticks=range(0, MOST + 1, 2)
     )
-    finish(figure, axes, IMAGES / "dynamic_orders.png")
+    save_picture(figure, axes, IMAGES / "dynamic_orders.png")
     return "dynamic_orders"
 
 
 def draw_metrics(_: Path) -> str:
     """Both metrics against the order within one step, block impact and shock (Fig. 13A)."""
-    figure, axes = new_figure(6.4, 4.0)
+    figure = new_figure(6.4, 4.0)
+    axes = figure.add_subplot()
     for name, time, colour in (("block_impact", 0.08, "C0"), ("shock_nickel", 1.74e-3, "C3")):
         for metric, line in METRICS.items():
             values = metrics_of_step(INPUTS / f"{name}.yaml", metric, time)
@@ -188,7 +192,7 @@ def draw_metrics(_: Path) -> str:
             axes.plot(orders, values, line, color=colour, marker="o", ms=4, label=f"{title}, {metric}")
             print(name, metric, values)
     axes.set(yscale="log", xlabel="order ℓ", ylabel="metric", xticks=range(2, MOST + 1, 2))
-    finish(figure, axes, IMAGES / "dynamic_metrics.png")
+    save_picture(figure, axes, IMAGES / "dynamic_metrics.png")
     return "dynamic_metrics"
 
 
@@ -257,7 +261,8 @@ def draw_disks_cells(folder: Path) -> str:
 def draw_periodic(folder: Path) -> str:
     """Energy lost by a free disk against the Courant number, with a law fitted to those of periodic FMPM."""
     rows = rows_of(folder)
-    figure, axes = new_figure(6.4, 4.0)
+    figure = new_figure(6.4, 4.0)
+    axes = figure.add_subplot()
     for number, kind in enumerate(dict.fromkeys(map(_kind, rows))):
         found = sorted((float(row.values["time.courant"]), row) for row in rows if _kind(row) == kind)
         C = np.array([courant for courant, row in found if row.loss is not None])
@@ -275,7 +280,7 @@ def draw_periodic(folder: Path) -> str:
             print(f"  {limit:.4g} + {slope:.4g} (1 - C/C_X)^2, {limit + slope:.4g} with steps without end")
     axes.plot([], [], "--", color="0.4", lw=1, label="law fitted to them")
     axes.set(xlabel="Courant number C", ylabel="energy lost, %", ylim=(0.0, 30.0), xlim=(0.0, 0.42))
-    finish(figure, axes, IMAGES / "periodic_courant.png")
+    save_picture(figure, axes, IMAGES / "periodic_courant.png")
     return "periodic_courant"
 
 
@@ -287,7 +292,8 @@ def _draw_disks(
     name: str,
     limits: tuple[float, float],
 ) -> None:
-    figure, axes = new_figure(6.4, 4.0)
+    figure = new_figure(6.4, 4.0)
+    axes = figure.add_subplot()
     for number, title in enumerate(dict.fromkeys(series(row) for row in rows)):
         found = sorted(
             ((float(row.values[key]), row) for row in rows if series(row) == title), key=lambda pair: pair[0]
@@ -298,7 +304,7 @@ def _draw_disks(
         print(title, *(f"{v:g}: {row.loss if row.loss is None else 100 * row.loss}" for v, row in found))
     axes.axhline(0.0, color="0.4", lw=1)
     axes.set(xlabel=label, ylabel="energy lost, % (below 0: gained)", ylim=limits)
-    finish(figure, axes, IMAGES / f"{name}.png")
+    save_picture(figure, axes, IMAGES / f"{name}.png")
 
 
 # ---------------------------------------------------------------------- the studies

@@ -16,9 +16,10 @@ from make_studies import STUDIES, run_study
 from mpmcli import Results, load, run
 from mpmcli.cli.main import call
 from mpmcli.core.errors import ArchiveError
+from mpmcli.results.pictures.drawing import new_figure
 from mpmcli.run.resume import differences
 from mpmcli.scene.loader import LoadedScene
-from mpmcli.study.plotting import finish, new_figure, tidy
+from mpmcli.study.report import save_picture, tidy
 
 DOCS = Path(__file__).parents[1]
 INPUTS = DOCS.parent / "inputs"
@@ -241,7 +242,8 @@ def panels(
     count: int = 1, width: float = 8.0, height: float = 3.6, ratios: Sequence[float] | None = None
 ) -> tuple[Any, list[Any]]:
     """A figure with panels side by side, marked A, B and so on if there are several."""
-    figure, first = new_figure(width, height)
+    figure = new_figure(width, height)
+    first = figure.add_subplot()
     if count == 1:
         return figure, [first]
     first.remove()
@@ -256,7 +258,7 @@ def save(figure: Any, axes: Sequence[Any], path: Path) -> None:
     for panel in axes[:-1]:
         tidy(panel)
     path.parent.mkdir(parents=True, exist_ok=True)
-    finish(figure, axes[-1], path)
+    save_picture(figure, axes[-1], path)
     shrink(path)
 
 

@@ -72,9 +72,14 @@ def _shown(value: Any) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value).replace("\n", " ")
 
 
-def save_picture(figure: Any, axes: Any, path: Path) -> None:
-    """Draw a grid, and a legend where there is something to tell and none yet, and write the picture."""
+def tidy(axes: Any) -> None:
+    """Draw a grid, and a legend where there is something to tell and none yet."""
     axes.grid(True, alpha=0.3)
     if axes.get_legend() is None and axes.get_legend_handles_labels()[0]:
         axes.legend(fontsize="small")
+
+
+def save_picture(figure: Any, axes: Any, path: Path) -> None:
+    """Draw grid and legend, and write the picture."""
+    tidy(axes)
     save(figure, path)

@@ -373,7 +373,7 @@ def test_free_growth_changes_no_stress_and_dissipates_nothing(words, analysis):
     assert np.abs(run.stress - start).max() < 1e-14
     for name in ("plastic_work", "heat_energy", "dissipated_energy"):
         if name in run.model.history:
-            assert abs(run.history(name)) < 1e-15
+            assert abs(run.history(name)) < 1e-13  # of the search for the width
 
 
 def test_isothermal_plastic_flow_gives_its_heat_to_a_bath():

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from mpmcli.core.analysis import ANALYSES, F_COMPONENTS, STRESS_COMPONENTS
-from mpmcli.output import snapshot
 from mpmcli.output.columns import PLACES, all_columns, evaluate, fields_of
 from mpmcli.output.global_quantities import EnergyBalance
 from mpmcli.output.quantities import QUANTITIES, Context, Quantity
@@ -76,7 +75,7 @@ def test_history_energies_belong_to_the_materials_that_have_them(make_state):
     assert np.array_equal(temperature, np.where(steel, state.particles.H[1], 0.0))
 
 
-def test_kinetic_energy_summed_in_chunks_is_that_of_all_particles(make_state, monkeypatch):
+def test_kinetic_energy_summed_in_chunks_is_that_of_all_particles(make_state):
     state = make_state("3d")
     count = state.particles.count
     assert count > 5
@@ -84,9 +83,7 @@ def test_kinetic_energy_summed_in_chunks_is_that_of_all_particles(make_state, mo
     expected = sum(
         Snapshot(state).kinetic_energy[part].sum() for part in (slice(2), slice(2, 3), slice(3, None))
     )
-    for together in (1, 3, 8192):
-        monkeypatch.setattr(snapshot, "TOGETHER", together)
-        assert Snapshot(state).total_kinetic_energy == pytest.approx(expected, rel=1e-15)
+    assert Snapshot(state).total_kinetic_energy == pytest.approx(expected, rel=1e-15)
 
 
 def test_totals_are_sums_of_the_sums_of_chunks(make_state):
