@@ -159,9 +159,9 @@ class FaceContact(ContactImpulses):
 
     def _correct_at_once(self, dt: float, after_forces: bool, slips: int) -> None:
         c, grid = self.contacts, self._grid
-        correct_at_once(
-            self._parameters[0], self._axes, c.count, c.blocks, c.first, c.dof, c.rigid, grid.node_count, grid.mp,
-            grid.f, dt, after_forces, slips,
+        self._call(
+            correct_at_once, self._parameters[0], self._axes, c.count, c.blocks, c.first, c.dof, c.rigid,
+            grid.node_count, grid.mp, grid.f, dt, after_forces, slips,
         )  # fmt: skip
 
     def rehearse(self) -> None:
@@ -183,9 +183,9 @@ class FaceContact(ContactImpulses):
             return
         mirror = self._mirror
         weight = c.whole if mirror is None else mirror.share_of(c.fields.alpha[: c.count])
-        self._work["contact_work"] += close_step(
-            self._axes, c.count, c.blocks, c.first, c.dof, c.rigid, self._grid.node_count, self._grid.mp, v, step.dt,
-            keeps_start_impulses(step.plan), weight, self._springs, view.force,
+        self._work["contact_work"] += self._call(
+            close_step, self._axes, c.count, c.blocks, c.first, c.dof, c.rigid, self._grid.node_count, self._grid.mp,
+            v, step.dt, keeps_start_impulses(step.plan), weight, self._springs, view.force,
         )  # fmt: skip
         if self.interfaces is not None:
             self.interfaces.close(c.rows.prior, weight[: c.count], step.dt)

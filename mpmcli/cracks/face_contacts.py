@@ -9,6 +9,7 @@ import numpy as np
 from mpmcli.contact.fields_in_contact import FieldsInContact, NodeTable, put_contact
 from mpmcli.contact.geometry import Geometry
 from mpmcli.contact.impulses import ImpulseRows
+from mpmcli.core.compiled.bound import TypedCalls
 from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.kernel import called_once
 from mpmcli.core.dofs import dof_of, side_of
@@ -266,6 +267,7 @@ class FaceContacts:
         self._M = np.zeros((4, 1))
         self.count, self.stages = 0, 1
         self.has_pairs = False
+        self._call = TypedCalls()
         self._slots, self._room = -1, -1
         self._make_room(0, 0)
 
@@ -297,11 +299,12 @@ class FaceContacts:
         if slots == 0:
             return 0
         self._make_room(slots, slots * (1 if grid.sides == 2 else SIDES) * len(self.rigid) ** 2)
-        self.count, self.has_pairs = find_faces(
-            sides.counts, sides.nodes, sides.sights, sides.weights, sides.crossings, sides.segments, self.lattice,
-            Matter(p.X, p.X0, F, p.vol0, p.mass, p.size), self.planes, self._laws, self._skipped, self._screened,
-            self._separations, sides.points.now, Springs(self._springs, to_node), self.rigid, grid.node_count,
-            grid.sides, grid.width, grid.mp, self.dof, self.first, self.begin, self._sums, self._M, self.blocks,
+        self.count, self.has_pairs = self._call(
+            find_faces, sides.counts, sides.nodes, sides.sights, sides.weights, sides.crossings, sides.segments,
+            self.lattice, Matter(p.X, p.X0, F, p.vol0, p.mass, p.size), self.planes, self._laws, self._skipped,
+            self._screened, self._separations, sides.points.now, Springs(self._springs, to_node), self.rigid,
+            grid.node_count, grid.sides, grid.width, grid.mp, self.dof, self.first, self.begin, self._sums, self._M,
+            self.blocks,
         )  # fmt: skip
         first = self.first[: slots + 1]
         self.table = NodeTable(

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.contact.laws.impulse import TINIEST
+from mpmcli.core.compiled.bound import TypedCalls
 from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.kernel import called_once
 from mpmcli.core.grid import Grid
@@ -359,6 +360,7 @@ class FaceMotion:
         self.acts = False
         self._sums = np.zeros((0, SUMS))
         self._new = np.zeros((2, 3))
+        self._call = TypedCalls()
         self._matter, self._spin = np.zeros(0, dtype=np.bool_), np.zeros((2, 0))
         self._worst = np.zeros(2, dtype=np.int64)
         self.found = np.zeros((len(moves), 4))
@@ -374,10 +376,10 @@ class FaceMotion:
             self._sums = np.zeros((places + places // 4, SUMS))
         if len(self._matter) != points.X.shape[1]:
             self._matter, self._spin = np.zeros(points.X.shape[1], dtype=np.bool_), np.zeros_like(points.X)
-        farthest, self.acts = move_points(
-            sides.counts, sides.sights, grid.width, grid.sides, p.mass, X, p.L, sides.nodes, sides.segments, sides.hash,
-            sides.near, self._lattice, self._fields, self._ways, self._apart, self.bounds, dt, points,
-            sides.points.smooth, self._respaces, self._stretch, self._sums, self._new, self._matter, self._spin,
-            self.found, self._worst,
+        farthest, self.acts = self._call(
+            move_points, sides.counts, sides.sights, grid.width, grid.sides, p.mass, X, p.L, sides.nodes,
+            sides.segments, sides.hash, sides.near, self._lattice, self._fields, self._ways, self._apart, self.bounds,
+            dt, points, sides.points.smooth, self._respaces, self._stretch, self._sums, self._new, self._matter,
+            self._spin, self.found, self._worst,
         )  # fmt: skip
         return float(farthest), int(self._worst[0]), int(self._worst[1])

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.core.compiled.bound import TypedCalls
 from mpmcli.core.grid import Grid
 from mpmcli.core.order import CellOrder, or_shifted
 from mpmcli.core.transfer.cut import Cut
@@ -78,6 +79,7 @@ class CrackSides:
         self.drift = 0.0
         self._version, self._listed_at = -1, 0.0
         self._beyond = (grid.width + 2) * float(grid.cell.max())
+        self._call = TypedCalls()
         self.segments: Segments
         self.hash: Hash
         self.candidates: Candidates
@@ -221,10 +223,11 @@ class CrackSides:
             self._list_candidates()
         p = transfer.particles
         moved = self.drift + (order.drift - self._listed_at)
-        find_sides(
-            transfer.shape.parameters, transfer.geometry, transfer.across, p.X, F, p.size, transfer.stencil,
-            order.bands.first, order.chunks, p.velocity_field, p.body, grid.fields, grid.sides, self._cuts,
-            self.candidates, self.points.get(), self._beyond, self._origin, grid.cell, self.reach, moved,
+        self._call(
+            find_sides, transfer.shape.parameters, transfer.geometry, transfer.across, p.X, F, p.size,
+            transfer.stencil, order.bands.first, order.chunks, p.velocity_field, p.body, grid.fields, grid.sides,
+            self._cuts, self.candidates, self.points.get(), self._beyond, self._origin, grid.cell, self.reach, moved,
             self.segments, self.hash, self._scratch, self.nodes, self.sights, self._cut, self.crossings, self._counts,
+            key=len(transfer.across),
         )  # fmt: skip
         return cut_of(self.sights, self._cut, int(self._counts[CUT])) if self.count > 0 else None
