@@ -166,3 +166,29 @@ def test_ground_with_a_water_table_stays_at_rest(finished):
     np.testing.assert_allclose(stress, exact, rtol=1e-10)
     speed = np.sqrt(2 * results["kinetic_energy"].max() / (2000 * 8))
     assert speed < 0.005
+
+
+def test_a_disk_between_point_forces(finished):
+    """Hertz: at the centre 2F/πDt across and −6F/πDt along the line of the forces."""
+    results = finished("disk_between_points")
+    middle = np.hypot(*results.particles().X[:, :2].T) < 1.0
+    unit = 0.01 / (math.pi * 20)
+    assert of(results, "stress", "XX")[middle].mean() == pytest.approx(2 * unit, rel=0.02)
+    assert of(results, "stress", "YY")[middle].mean() == pytest.approx(-6 * unit, rel=0.02)
+    assert results["kinetic_energy"][-1] < 1e-9 * results["strain_energy"][-1]
+
+
+def test_a_column_of_particles_with_numbers_of_their_own(finished):
+    """Stress and displacement of a column whose density and modulus grow with depth; feedback has brought it to rest."""
+    results = finished("graded_column")
+    x = np.sort(0.125 + 0.25 * np.arange(40))
+    order = np.argsort(results.particles().X[:, 0])
+    density, E = 1800 + 40 * (10 - x), 2e7 + 4e6 * (10 - x)
+    weight = 9.81 * density * 0.25
+    stress = -(np.cumsum(weight[::-1])[::-1] - weight / 2)
+    assert np.abs(of(results, "stress", "XX")[order] - stress).max() < 0.015 * -stress[0]
+    strain = stress / (E * 0.75 / (1.25 * 0.5)) * 0.25
+    moved = np.cumsum(strain) - strain / 2
+    assert np.abs(of(results, "displacement", "X")[order] - moved).max() < 0.005 * -moved[-1]
+    assert 0 < results["feedback_rate"].max() <= 30
+    assert results["kinetic_energy"][-1] < 1e-5 * results["strain_energy"][-1]
