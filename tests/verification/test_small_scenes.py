@@ -192,3 +192,14 @@ def test_a_column_of_particles_with_numbers_of_their_own(finished):
     assert np.abs(of(results, "displacement", "X")[order] - moved).max() < 0.005 * -moved[-1]
     assert 0 < results["feedback_rate"].max() <= 30
     assert results["kinetic_energy"][-1] < 1e-5 * results["strain_energy"][-1]
+
+
+@pytest.mark.parametrize("T", [305, 300])
+def test_a_bar_of_polymer_relaxes_faster_where_it_is_warm(finished, T):
+    """Stress of a strain that grows evenly and then stays, with the time constant shifted by Williams, Landel and Ferry."""
+    results = finished("warm_polymer", "-D", f"T={T}")
+    t, end, rate = results["time"], 0.05, 0.001 / 0.05
+    tau = 10 ** (-17.44 * (T - 300) / (51.6 + T - 300))
+    relaxed = np.exp(-np.maximum(t - end, 0) / tau) - np.exp(-t / tau)
+    exact = -(1000 + 40 / 3) * rate * np.minimum(t, end) - 800 * rate * tau * relaxed
+    assert np.abs(results["stress_xx[bar]"] - exact).max() < 0.001 * np.abs(exact).max()
