@@ -179,7 +179,7 @@ def test_a_disk_between_point_forces(finished):
 
 
 def test_a_column_of_particles_with_numbers_of_their_own(finished):
-    """Stress and displacement of a column whose density and modulus grow with depth; feedback has brought it to rest."""
+    """Stress and displacement of a column whose density and modulus grow with depth, once feedback made it rest."""
     results = finished("graded_column")
     x = np.sort(0.125 + 0.25 * np.arange(40))
     order = np.argsort(results.particles().X[:, 0])
@@ -196,7 +196,7 @@ def test_a_column_of_particles_with_numbers_of_their_own(finished):
 
 @pytest.mark.parametrize("T", [305, 300])
 def test_a_bar_of_polymer_relaxes_faster_where_it_is_warm(finished, T):
-    """Stress of a strain that grows evenly and then stays, with the time constant shifted by Williams, Landel and Ferry."""
+    """Stress of a strain that grows evenly and then stays, with a time constant that temperature shifts."""
     results = finished("warm_polymer", "-D", f"T={T}")
     t, end, rate = results["time"], 0.05, 0.001 / 0.05
     tau = 10 ** (-17.44 * (T - 300) / (51.6 + T - 300))
