@@ -48,7 +48,7 @@ class Particles:
     interface : (3 m, N) or None; history of the interfaces that a particle may belong to, three rows each: largest
         opening so far along the normal and along the surface, −1 before any interface reached it, and 1 where it is
         broken, else 0 [length], [length], [-]
-    version : changes whenever an array is replaced by another one
+    version : changes whenever an array is replaced by another one, but for ``exchange_positions``
     """
 
     X: Array
@@ -83,6 +83,11 @@ class Particles:
     def __setattr__(self, name: str, value: Any) -> None:
         self.__dict__["version"] = self.version + 1
         self.__dict__[name] = value
+
+    def exchange_positions(self, X: Array) -> Array:
+        """Take on the positions ``X`` (d, N) [length]; returns the array of those before. ``version`` stays."""
+        before, self.__dict__["X"] = self.X, X
+        return before
 
     @property
     def count(self) -> int:

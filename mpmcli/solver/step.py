@@ -266,7 +266,7 @@ class _Tasks:
         """Task 6: new positions, what damping took, reactions, particles that left the domain, the time."""
         s, state = self._s, self._s.state
         if step.plan.keeps_positions:
-            s.particles.X, s.arrays.X_new = s.arrays.X_new, s.particles.X
+            s.arrays.X_new = s.particles.exchange_positions(s.arrays.X_new)
         s.damping.account()
         s.failures.refuse_speed(s.transfer.largest_speed)
         if s.conditions is not None:

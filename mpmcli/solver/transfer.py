@@ -208,7 +208,7 @@ class Transfer:
     ) -> None:  # fmt: skip
         """Run a kernel; ``is_bound``: its arguments are the same arrays until particles are sorted or removed."""
         if is_bound and self.sights is None:
-            self._bound.run(kernel, key, arguments, *numbers)
+            self._bound.run(kernel, (key, id(self.particles.X)), arguments, *numbers)
         else:
             types = key, len(self.across), self.cut is None
             self._call(kernel, *arguments(), *numbers, parallel=self.parallel, key=types)

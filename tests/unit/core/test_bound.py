@@ -1,9 +1,12 @@
 import numpy as np
 import pytest
 
-from mpmcli.core.compiled.bound import BoundKernels
+from mpmcli.core.compiled import bound
+from mpmcli.core.compiled.bound import BoundKernels, TypedCalls
 from mpmcli.core.compiled.kernel import Kernel, kernel, prange, recording
 from mpmcli.core.transfer.nodes import clear_nodes
+from mpmcli.scene.loader import load_scene
+from mpmcli.solver.simulation import Simulation
 
 
 @kernel
@@ -72,3 +75,39 @@ def test_what_only_lists_kernels_or_runs_them_as_python_binds_nothing(plain_pyth
     assert arrays.asked == 2
     assert arrays.array.sum() == 2
     assert isinstance(clear_nodes, Kernel)
+
+
+STEADY = """
+version: 1
+analysis: {kind: uniaxial_strain}
+grid: {lower: [0], upper: [8], cell: 1}
+method: {shape: ugimp, update: UPDATE, transfer: {kind: fmpm, order: 2}}
+materials: {rubber: {kind: neo_hookean, density: 1, E: 1, nu: 0.3}}
+bodies: [{name: bar, material: rubber, region: {kind: box, lower: [3], upper: [5]}, velocity: ["0.01*x"]}]
+time: {end: 10, courant: 0.2}
+"""
+
+
+@pytest.mark.parametrize("update", ["usl", "usl+", "usavg"])
+def test_steps_between_sorts_look_at_no_type(update, monkeypatch):
+    """Also where positions of the start and the end of a step are exchanged."""
+    s = Simulation(load_scene(STEADY.replace("UPDATE", update)))
+    for _ in range(3):
+        s.step()
+    sorts, asked = s.order.version, []
+    monkeypatch.setattr(bound, "_code_for", lambda *arguments: asked.append(arguments))
+    for _ in range(4):
+        s.step()
+    assert s.order.version == sorts
+    assert asked == []
+
+
+def test_calls_of_other_types_than_before_are_refused_in_tests():
+    call, values = TypedCalls(), np.zeros(2)
+    call(add, values, 1.0)
+    call(add, np.zeros(5), np.float64(2.0))
+    with pytest.raises(TypeError, match="other types than before"):
+        call(add, np.zeros(2, dtype=np.float32), 1.0)
+    call(add, np.zeros(2, dtype=np.float32), 1.0, key="single precision")
+    call(add, values, 2.0)
+    assert values.tolist() == [3, 3]
