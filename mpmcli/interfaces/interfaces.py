@@ -176,8 +176,8 @@ class Interfaces:
             memory = Memory(keeps, self._sides.row, c.nodes.near, p.velocity_field, p.interface)
             self._call(
                 impulses.close_step, law, self._axes, which, c.count, c.fields, c.table, normal, area, before, net,
-                self.jumps, self.ends, memory, after, shares, self.ends.pair, dt, self._late, LOST * cell, SLIPPED *
-                cell, self._grid.mp, sums, key=which,
+                self.jumps, self.ends, memory, after, shares, self.ends.pair, dt, self._late, LOST * cell,
+                SLIPPED * cell, self._grid.mp, sums, key=which,
             )  # fmt: skip
         self._shares, self._means = shares, None
         work, _, _, _, lost = sums.sum(axis=1).tolist()
