@@ -26,7 +26,8 @@ from mpmcli.core.compiled.bound import TypedCalls
 from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.core.dofs import node_of
 from mpmcli.core.grid import Grid, unfold
-from mpmcli.core.order import CellOrder, locate_cells, or_shifted
+from mpmcli.core.marks import spread
+from mpmcli.core.order import CellOrder, locate_cells
 from mpmcli.core.transfer.stencil import SEEN, fill, is_seen
 
 Array = np.ndarray
@@ -134,11 +135,7 @@ def _near(nodes: Array, order: CellOrder, grid: Grid) -> Array:
     extent = index.max(axis=1) - grid.pad + grid.width - 1 - low + 1
     mark = np.zeros(tuple(extent[::-1]), dtype=bool)
     mark[tuple((index[a] - grid.pad - low[a]) for a in range(len(extent)))[::-1]] = True
-    for axis in range(mark.ndim):
-        spread = mark.copy()
-        for shift in range(-grid.width, grid.width):
-            or_shifted(spread, mark, axis, shift)
-        mark = spread
+    mark = spread(mark, grid.width, grid.width - 1)
     inside = np.all((cell >= low[:, None]) & (cell < (low + extent)[:, None]), axis=0)
     near = np.flatnonzero(inside)
     at = tuple((cell[a, near] - low[a]) for a in range(len(extent)))[::-1]

@@ -22,12 +22,15 @@ def chunks_of_lines(begins: Array, end: int) -> Array:
     ``begins`` (lines,) are the first members of the lines in use; ``end`` is the number of all members.
     """
     edges = np.arange(CHUNKS + 1) * len(begins) // CHUNKS
-    return np.append(begins, end)[edges].astype(np.uint64)
+    return np.concatenate((begins, (end,)))[edges].astype(np.uint64)
 
 
 def chunks_of_nodes(active: Array, length: int) -> Array:
     """Chunks of the sorted indices ``active`` (n,) of nodes that stand in lines of ``length``."""
-    return chunks_of_lines(np.flatnonzero(np.diff(active // length, prepend=-1)), len(active))
+    line = active // length
+    is_first = np.ones(len(line), dtype=bool)
+    np.not_equal(line[1:], line[:-1], out=is_first[1:])
+    return chunks_of_lines(np.flatnonzero(is_first), len(active))
 
 
 @inline

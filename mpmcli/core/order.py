@@ -10,6 +10,7 @@ H ≥ 2w − 1.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ import numpy as np
 from mpmcli.core.chunks import CHUNKS, chunks_of_lines
 from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.core.grid import Grid
+from mpmcli.core.marks import spread
 from mpmcli.core.particles import Particles
 
 MAX_DRIFT = 1.0 - 1e-6
@@ -58,7 +60,6 @@ class CellOrder:
         self.version = 0
         self.drift = 0.0
         self.parallel = False
-        self._mark = np.zeros(grid.node_count, dtype=np.uint8)
         none = np.zeros(0, dtype=np.uint64)
         self.cut = np.zeros(0, dtype=np.int64)
         self.bands = Bands(np.zeros(1, dtype=np.uint64), none, np.zeros(1, dtype=np.int64))
@@ -87,20 +88,20 @@ class CellOrder:
         d, count = particles.X.shape
         cell = np.empty((d, count), dtype=np.int64)
         locate_cells[parallel](particles.X, grid.lower, 1.0 / grid.cell, grid.cells, cell)
-        low, high = cell.min(axis=1), cell.max(axis=1)
-        extent = high - low + 1
-        tiling = Tiling(extent, 2 * grid.width - 1)
+        low, high = cell.min(axis=1).tolist(), cell.max(axis=1).tolist()
+        extent = [h - i + 1 for i, h in zip(low, high, strict=True)]
+        tiling = tiling_of(tuple(extent), 2 * grid.width - 1)
         key = sum(places[cell[a] - low[a]] for a, places in enumerate(tiling.places))
         starts, order = sort_by_key(key, tiling.keys, parallel)
         field = particles.velocity_field
         if not np.array_equal(order, np.arange(count)):
             for name, array in particles.arrays().items():
                 if array.size:
-                    setattr(particles, name, np.ascontiguousarray(np.take(array, order, axis=-1)))
+                    setattr(particles, name, array.take(order, axis=-1))
         self.bands, self.cut = tiling.bands(starts), tiling.cut
         self.chunks = tiling.chunks(starts)
         if grid.fields == 1:
-            grid.active = self._reach(tiling.by_cell(np.diff(starts) > 0), low, extent)
+            grid.active = self._reach(tiling.by_cell(starts[1:] > starts[:-1]), low, extent)
         else:
             grid.active = self._reach_of_fields(cell, field)
         if grid.periodic:
@@ -145,39 +146,32 @@ class CellOrder:
         _mark_cells(cell, field, low, extent, begin, occupied)
         return np.concatenate(
             [
-                self._reach(occupied[begin[f] : begin[f + 1]], low[f], extent[f]) + f * self.grid.node_count
+                self._reach(occupied[begin[f] : begin[f + 1]], low[f].tolist(), extent[f].tolist())
+                + f * self.grid.node_count
                 for f in range(n)
                 if begin[f] < begin[f + 1]
             ]
         )
 
-    def _reach(self, occupied: Array, low: Array, extent: Array) -> Array:
+    def _reach(self, occupied: Array, low: list[int], extent: list[int]) -> Array:
         """Every node that particles in the occupied cells of a box may touch before the next sort."""
-        grid, w = self.grid, self.grid.width
-        below, above = w - 1, w
-        shape = grid.shape[::-1]
-        box_low = np.maximum(low + grid.pad - below, 0)
-        box_high = np.minimum(low + extent + grid.pad + above, np.asarray(grid.shape))
-        box = tuple(slice(int(a), int(b)) for a, b in zip(box_low, box_high, strict=True))[::-1]
-        mark = self._mark.reshape(shape)[box]
-        mark[...] = 0
-        at = tuple(
-            slice(int(l + grid.pad - b), int(l + grid.pad - b + e))
-            for l, b, e in zip(low, box_low, extent, strict=True)
-        )[::-1]
-        mark[at] = occupied.reshape(extent[::-1])
-        for axis in range(mark.ndim):
-            spread = mark.copy()
-            for shift in range(1, above + 1):
-                or_shifted(spread, mark, axis, shift)
-            for shift in range(1, below + 1):
-                or_shifted(spread, mark, axis, -shift)
-            mark[...] = spread
-        inside = np.nonzero(mark)
-        index = np.zeros(len(inside[0]), dtype=np.int64)
-        for axis, (where, start) in enumerate(zip(inside, box, strict=True)):
-            index += (where + start.start) * grid.stride[grid.dimensions - 1 - axis]
-        return index
+        grid = self.grid
+        below, above = grid.width - 1, grid.width
+        first = [max(i + grid.pad - below, 0) for i in low]
+        ends = (i + n + grid.pad + above for i, n in zip(low, extent, strict=True))
+        box = [min(end, count) - i for i, end, count in zip(first, ends, grid.shape, strict=True)]
+        mark = np.zeros(box[::-1], dtype=bool)
+        at = [
+            slice(i + grid.pad - f, i + grid.pad - f + n) for i, f, n in zip(low, first, extent, strict=True)
+        ]
+        mark[tuple(at[::-1])] = occupied.reshape(extent[::-1])
+        place = np.flatnonzero(spread(mark, below, above))
+        nodes = place + sum(i * stride for i, stride in zip(first, grid.stride, strict=True))
+        inner = 1
+        for a in range(1, grid.dimensions):
+            inner *= box[a - 1]
+            nodes += place // inner * (grid.stride[a] - box[a - 1] * grid.stride[a - 1])
+        return nodes
 
 
 class Tiling:
@@ -185,7 +179,7 @@ class Tiling:
 
     Parameters
     ----------
-    extent : (d,) cells of the box along each axis
+    extent : cells of the box along each axis
     least : smallest height of bands whose neighbours but one touch no common node [cells]
 
     Attributes
@@ -195,12 +189,12 @@ class Tiling:
     keys : number of places; some are empty, since all bands have the same height
     """
 
-    def __init__(self, extent: Array, least: int):
+    def __init__(self, extent: tuple[int, ...], least: int):
         d = len(extent)
         self.cut = np.sort(np.argsort(extent, kind="stable")[-2:]) if d == 3 else np.array([d - 1])
         high = tile_height if d == 3 else band_height
-        height = [high(int(n), least) if a in self.cut else int(n) for a, n in enumerate(extent)]
-        self._counts = [-(-int(n) // h) for n, h in zip(extent, height, strict=True)]
+        height = [high(n, least) if a in self.cut else n for a, n in enumerate(extent)]
+        self._counts = [-(-n // h) for n, h in zip(extent, height, strict=True)]
         self._length = height[0] if d > 1 else 1
         self._band = int(np.prod(height))
         self.keys = self._band * int(np.prod(self._counts))
@@ -210,19 +204,22 @@ class Tiling:
             index = np.arange(n)
             self.places.append(index % h * inner + index // h * outer)
             inner, outer = inner * h, outer * count
+        self._turn, self._colours = self._take_turns()
 
-    def bands(self, starts: Array) -> Bands:
-        """Return the bands of particles whose places in the order begin at ``starts`` (keys + 1,)."""
+    def _take_turns(self) -> tuple[Array, Array]:
         index = np.indices([self._counts[a] for a in self.cut[::-1]])
         colour = sum(index[i].ravel() % 2 << i for i in range(len(index)))
         turn = np.argsort(colour, kind="stable")
-        colours = np.searchsorted(colour[turn], np.arange(2 ** len(index) + 1))
-        return Bands(starts[:: self._band].astype(np.uint64), turn.astype(np.uint64), colours)
+        return turn.astype(np.uint64), np.searchsorted(colour[turn], np.arange(2 ** len(index) + 1))
+
+    def bands(self, starts: Array) -> Bands:
+        """Return the bands of particles whose places in the order begin at ``starts`` (keys + 1,)."""
+        return Bands(starts[:: self._band].astype(np.uint64), self._turn, self._colours)
 
     def chunks(self, starts: Array) -> Array:
         """Return the chunks of lines of cells of the same particles, as ``chunks_of_lines`` does."""
         lines = starts[:: self._length]
-        return chunks_of_lines(lines[:-1][np.diff(lines) > 0], int(starts[-1]))
+        return chunks_of_lines(lines[:-1][lines[1:] > lines[:-1]], int(starts[-1]))
 
     def by_cell(self, values: Array) -> Array:
         """Return of ``values`` (keys,) those of the cells of the box, x fastest."""
@@ -230,6 +227,10 @@ class Tiling:
         for of_axis in self.places[1:]:
             place = of_axis[(...,) + (None,) * place.ndim] + place
         return values[place]
+
+
+tiling_of = lru_cache(maxsize=8)(Tiling)
+"""A moving body occupies boxes of few different extents."""
 
 
 def band_height(rows: int, least: int) -> int:
@@ -246,14 +247,6 @@ def band_height(rows: int, least: int) -> int:
 def tile_height(rows: int, least: int) -> int:
     """Height of tiles: at least ``least`` rows where there are two or more, of which as many as possible are made."""
     return -(-rows // max(1, rows // least))
-
-
-def or_shifted(target: Array, source: Array, axis: int, shift: int) -> None:
-    """Mark in ``target`` what ``source`` marks, moved by ``shift`` along an axis; both are arrays of booleans."""
-    into, out_of = [slice(None)] * target.ndim, [slice(None)] * target.ndim
-    into[axis] = slice(shift, None) if shift > 0 else slice(None, shift or None)
-    out_of[axis] = slice(None, -shift) if shift > 0 else slice(-shift, None)
-    target[tuple(into)] |= source[tuple(out_of)]
 
 
 @kernel

@@ -9,7 +9,8 @@ import numpy as np
 
 from mpmcli.core.compiled.bound import TypedCalls
 from mpmcli.core.grid import Grid
-from mpmcli.core.order import CellOrder, or_shifted
+from mpmcli.core.marks import spread
+from mpmcli.core.order import CellOrder
 from mpmcli.core.transfer.cut import Cut
 from mpmcli.cracks.chain import Chain
 from mpmcli.cracks.crack_nodes import ROUND_OFF, Reach, find_sides
@@ -147,12 +148,7 @@ class CrackSides:
         """Mark the cells around the segments, so many below and above; returns the first cell of the box of marks."""
         cells = hash_segments(self.segments, 0)
         mark = np.pad(cells.place >= 0, ((below, above), (below, above)))
-        for axis in range(2):
-            spread = mark.copy()
-            for shift in range(-below, above + 1):
-                or_shifted(spread, mark, axis, shift)
-            mark = spread
-        return cells.low - below, mark
+        return cells.low - below, spread(mark, below, above)
 
     def _find_segments(self, points: Points, segments: Segments) -> None:
         find_segments(points, self._beyond, self._origin, self._grid.cell, segments)
