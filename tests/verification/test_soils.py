@@ -35,3 +35,14 @@ def test_a_column_collapses_as_in_the_laboratory(law, run_out, height):
     assert found["height"] == pytest.approx(height, rel=0.02)
     assert found["accounted"] == pytest.approx(1, abs=1e-3)
     assert abs(found["energy_error"]) < 0.1
+
+
+@pytest.mark.slow
+def test_a_round_column_collapses_as_in_the_laboratory():
+    """Run-out within 15 % of 1.6 √a (Lube et al. 2004), and a height that is theirs or that of Lajeunesse et al."""
+    ring = {"analysis: {kind: plane_strain}": "analysis: {kind: axisymmetric}"}
+    found = soil_runs.collapse("granular", 2.0, **ring)
+    assert found["run_out"] == pytest.approx(1.6 * 2**0.5, rel=0.15)
+    assert 0.74 < found["height"] < 0.88 * 2 ** (1 / 6)
+    assert found["run_out"] == pytest.approx(1.98, rel=0.02)
+    assert found["accounted"] == pytest.approx(1, abs=1e-3)
