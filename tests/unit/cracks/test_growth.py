@@ -10,7 +10,7 @@ from mpmcli.core.analysis import PlaneStrain
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.particles import Particles
 from mpmcli.core.state import CracksView, State, TipValues
-from mpmcli.cracks.chain import END, START, Chain
+from mpmcli.cracks.chain import END, START, Chain, divide
 from mpmcli.cracks.fracture import Fracture
 from mpmcli.cracks.growth import CrackGrowth
 from mpmcli.cracks.meeting import first_meeting
@@ -219,6 +219,24 @@ def test_a_tip_joins_another_crack():
     again = Chain("main", 0, np.array([[0.5, 2.0], [1.0, 1.0]]), (True, True))
     again.recall(memory)
     assert (again.tips, again.joined) == (chain.tips, chain.joined)
+
+
+def test_arrays_of_points_keep_their_layout():
+    """Compiled code is found once for types of arrays, of which the layout is a part."""
+    chain = Chain("main", 0, divide(np.array([[0.0, 0.0], [1.0, 0.0]]), 0.3), (True, True))
+    points = AllPoints([chain], 1.0)
+    kept = {name: value.copy() for name, value in chain.memory().items()}
+    beyond = np.array([[1.1], [0.1]])
+    changes = (
+        lambda: chain.extend(START, beyond),
+        lambda: chain.extend(END, beyond),
+        lambda: chain.put_points(np.array([0.0, 1.0, 1.5, 2.0])),
+        lambda: chain.close_tip(END, joined=True),
+        lambda: chain.recall(kept),
+    )
+    for change in (lambda: None, *changes):
+        change()
+        assert all(array.flags.c_contiguous for array in points.get())
 
 
 @pytest.mark.parametrize("end", ["start", "end"])
