@@ -219,7 +219,7 @@ def free_strain(m: Any, e: Any, both: Any, alpha: float, T: float, dt: float) ->
     begin = flow(m, alpha, 0.0, T, dt)
     start, step, strain, change = begin, 0.0, 0.5 * e[2], 1e-6
     ratio, shift, K = 1.0, 0.0, 3.0 * m.bulk
-    for _ in range(20):
+    for turn in range(20):
         if changes_stiffness(m):
             ratio, slope = stiffness_ratio(m, m.bulk, trace + free * strain, T)
         G, s = ratio * m.shear, trace + (3.0 - free) / 3.0 * shift
@@ -236,7 +236,7 @@ def free_strain(m: Any, e: Any, both: Any, alpha: float, T: float, dt: float) ->
             return found, step, True
         found -= shift / 3.0
         last, change, strain = change, abs(found - strain), found
-        if change * change <= 1e-14 * last:
+        if turn > 0 and change * change <= 1e-14 * last:  # the first one knows no shift
             return found, step, True
         # the mean stress that follows from the change of G, as a strain of volume
         shift = 0.5 * slope * stress * stress / (max(ratio * ratio, 1e-300) * m.shear * K)

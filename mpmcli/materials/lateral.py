@@ -110,7 +110,9 @@ def search_strain(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any,
             step = 0.1 if f < 0.0 else -0.1
         x0, f0 = x, f
         x += min(0.5, max(-0.5, step))
-        if x < low - 1e-12 or x > high + 1e-12:
+        # Newton's method may go to and fro between two plateaus, of which no end is the answer
+        margin = 1e-12 if slope > 0.0 and abs(step) > 1e-9 else -1e-12
+        if not low + margin < x < high - margin:
             x = 0.5 * (low + high)
         last, change = change, abs(x - x0)
         if change < 1e-9:

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from material_point import MaterialPoint
 from scipy.linalg import expm
 from scipy.optimize import nnls
 
@@ -260,3 +261,16 @@ def test_trials_of_the_thickness_have_the_stress_of_the_law(plain_python, kind, 
             found, _ = lateral_stress(m, shared, dF, dF, H, 0, 0.1, z, both)
             wanted, _ = stress_of_law(m, None, dF, dF, H, 0, 0.1, z, both)
         assert found == pytest.approx(wanted, rel=1e-10, abs=1e-13)
+
+
+@pytest.mark.parametrize("match", ["outer", "inner", "plane_strain"])
+def test_the_width_of_a_bar_is_found_between_two_plateaus(plain_python, match):
+    """Where cone and cut-off meet, the lateral stress does not depend on the width, on either side of the answer."""
+    words = make(
+        "drucker_prager", match=match, cohesion=0.03, friction=25.0, dilation=0.0, tension=0.01
+    ).model_dump()
+    for strain in np.linspace(0.01, 0.3, 30):
+        with plain_python():
+            tau = MaterialPoint("uniaxial_stress", words).step(1.0, strain)
+        assert tau[0] == pytest.approx(0.03, rel=1e-9)  # three times the cut-off
+        assert np.abs(tau[1:]).max() < 1e-10

@@ -103,6 +103,17 @@ def test_no_stress_across_the_plane_or_the_bar(plain_python, kind, rate, analysi
     assert point.history("equivalent_plastic_strain") > 0.02
 
 
+def test_no_stress_across_a_sheet_that_keeps_its_thickness(plain_python):
+    """Pure shear, at first elastic: only moduli that depend on the volume make a mean stress of it."""
+    words = make("steinberg_cochran_guinan").model_dump()
+    words["hardening"] |= {"A": 1e-2}
+    point = MaterialPoint("plane_stress", words)
+    for rate in (1e-3, 1e-2, 1e-2, -3e-3):
+        with plain_python():
+            tau = point.step(1.0, 0.0, rate, rate, 0.0)
+        assert abs(tau[2]) <= 2e-7 * abs(tau[3])
+
+
 @every
 def test_simple_shear_meets_the_flow_stress_and_accounts_for_the_work(kind):
     model = make(kind)

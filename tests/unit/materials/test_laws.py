@@ -9,6 +9,7 @@ from mpmcli.core.tensors import IDENTITY
 from mpmcli.materials import MATERIALS
 from mpmcli.materials.base import absorb_work, kirchhoff_stress, wave_speed_squared
 from mpmcli.materials.hardening import JohnsonCook, flow, flow_stress
+from mpmcli.materials.lateral import free_stress
 
 SHEAR = (1.0, 0.5, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 NONE = np.zeros((1, 1))
@@ -58,6 +59,31 @@ def test_wave_speeds_of_the_analyses(kind):
         math.sqrt(E / rho / (1 - nu**2)), rel=1e-14
     )
     assert model.initial_wave_speed("uniaxial_stress") == pytest.approx(math.sqrt(E / rho), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        {"kind": "neo_hookean", "E": 3, "nu": 0.3, "volumetric": "log"},
+        {"kind": "neo_hookean", "E": 3, "nu": 0.3, "split": "isochoric"},
+        {"kind": "mohr_coulomb", "E": 3, "nu": 0.3, "cohesion": 0.02, "friction": 30, "dilation": 10},
+        {"kind": "drucker_prager", "E": 3, "nu": 0.3, "cohesion": 0.02, "friction": 30, "match": "outer"},
+    ],
+)
+@pytest.mark.parametrize("both", [False, True])
+def test_a_width_that_hardly_changes_is_found_to_many_digits(plain_python, law, both):
+    """Also where the answer is next to the first trial."""
+    model = MATERIALS[law["kind"]].model_validate({"density": 2.0} | law)
+    analysis = "uniaxial_stress" if both else "plane_stress"
+    m = model.parameters(analysis, False)
+    for strain in (1e-4, 1e-6, -1e-6, 1e-8, 1e-10):
+        H = np.zeros((max(1, len(model.history)), 1))
+        F = (1.0 + strain, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+        with plain_python():
+            F1, _, first = free_stress(m, F, F, H, 0, 1.0, both)
+            _, _, again = free_stress(m, F1, IDENTITY, H, 0, 1.0, both)
+        for T in (first, again):
+            assert abs(T[2]) <= 1e-6 * abs(T[0]) + 1e-15
 
 
 def test_neo_hookean_default_is_equation_14():
