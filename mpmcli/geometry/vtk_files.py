@@ -82,6 +82,7 @@ class VtkFile:
             cells.append(self._cells(piece, count, first))
             first += count
         self.points = np.concatenate(points)
+        arrays = [each for each, X in zip(arrays, points, strict=True) if len(X)] or arrays[:1]
         shared = [name for name in arrays[0] if all(name in each for each in arrays)]
         self.arrays = {name: np.concatenate([each[name] for each in arrays]) for name in shared}
         self.corners, sizes, self.types = (np.concatenate(each) for each in zip(*cells, strict=True))
@@ -180,11 +181,11 @@ class VtkFile:
         if not 1 <= count <= len(source):
             raise Unreadable(_TOO_MUCH)
         _, block, last, *packed = self._words(source, is_text, 3 + count)
-        if last > block or (count + 1) * block > 1100 * len(source) + 2**20 or sum(packed) > len(source):
+        if last > block or size > 1100 * len(source) + 2**20 or sum(packed) > len(source):
             raise Unreadable(_TOO_MUCH)
-        lengths = [block] * (count - 1) + [last or block]
-        if sum(lengths) != size:
+        if (count - 1) * block + (last or block) != size:
             raise Unreadable(_CUT_SHORT)
+        lengths = [block] * (count - 1) + [last or block]
         header = (3 + count) * self._word.itemsize
         body = _taken(source[_characters(header) if is_text else header :], is_text, sum(packed))
         ends = np.cumsum([0, *packed]).tolist()

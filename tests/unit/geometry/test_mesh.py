@@ -236,6 +236,7 @@ def test_every_way_to_write_vtp(folder, mode, compressor, wide):
     getattr(output, f"SetDataModeTo{mode}")()
     getattr(output, f"SetCompressorTypeTo{compressor}")()
     if wide:
+        output.SetBlockSize(2**24)  # far more than any of its arrays
         output.SetHeaderTypeToUInt64()
         output.EncodeAppendedDataOff()
         output.SetByteOrderToBigEndian()
@@ -257,8 +258,8 @@ def test_wrong_sizes_of_compressed_blocks_are_errors(folder, capfd):
     start = content.index(b"_", content.index(b"<AppendedData")) + 1
     for word in range(4):
         for wrong in (b"\0\0\0\0", b"\xff\xff\xff\xff"):
-            if word == 2 and wrong[0] == 0:
-                continue  # the last block may be whole
+            if (word, wrong[0]) in ((1, 255), (2, 0)):
+                continue  # one block may be a part of any size, and the last one may be whole
             place = start + 4 * word
             (folder / f"cut{word}.vtp").write_bytes(content[:place] + wrong + content[place + 4 :])
             with pytest.raises(ValueError, match=f"cut{word}"):

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 from mpmcli.core.analysis import PlaneStrain, UniaxialStrain
 from mpmcli.core.errors import SceneError
 from mpmcli.geometry import fill_bodies
+from mpmcli.geometry.point_files import read_columns
 
 TABLE = "x, y, volume, note\n# made by hand\n0.5,0.5,0.04,1\n\n0.75,0.5,0.01,2\n"
 
@@ -137,3 +138,22 @@ def test_other_files(region, folder):
     assert "(allowed: .csv, .vtu)" in refused(region, file="bad.txt")
     (folder / "bad.vtu").write_text("1 2 3")
     assert "damaged or not a VTU file" in refused(region, file="bad.vtu")
+
+
+def test_pieces_without_points_take_no_array_from_the_others(folder):
+    cells = "".join(
+        f'<DataArray type="Int64" Name="{name}" format="ascii"/>'
+        for name in ("connectivity", "offsets", "types")
+    )
+    piece = (
+        '<Piece NumberOfPoints="{0}" NumberOfCells="0"><PointData>{2}</PointData><Points>'
+        '<DataArray type="Float64" NumberOfComponents="3" format="ascii">{1}</DataArray></Points>'
+        f"<Cells>{cells}</Cells></Piece>"
+    )
+    volume = '<DataArray type="Float64" Name="volume" format="ascii">2</DataArray>'
+    (folder / "parts.vtu").write_text(
+        '<VTKFile type="UnstructuredGrid"><UnstructuredGrid>'
+        + piece.format(0, "", "") + piece.format(1, "1 2 3", volume)
+        + "</UnstructuredGrid></VTKFile>"
+    )  # fmt: skip
+    assert read_columns(folder / "parts.vtu")["volume"].tolist() == [2.0]
