@@ -24,6 +24,7 @@ class NodalAreas:
     def __init__(self, transfer: Transfer, particles: Particles, grid: Grid, images: Images | None):
         self._transfer, self._particles, self._images = transfer, particles, images
         self._areas = np.zeros(grid.f.shape)
+        self._unit = np.zeros((len(particles.tau), 0))
 
     def __call__(self, weights: Array | None = None) -> Array:
         """Return them at the positions of the start of the step (dofs, d) [area]; overwritten by the next call.
@@ -31,9 +32,10 @@ class NodalAreas:
         ``weights`` (N,) by identity multiply the volumes of particles.
         """
         p = self._particles
-        unit = np.zeros(p.tau.shape)
-        unit[:3] = p.determinant() if weights is None else p.determinant() * weights[p.id]
-        self._transfer.internal_forces(unit, self._areas)
+        if self._unit.shape != p.tau.shape:  # kept: kernels stay bound to every array that they were given
+            self._unit = np.zeros(p.tau.shape)
+        self._unit[:3] = p.determinant() if weights is None else p.determinant() * weights[p.id]
+        self._transfer.internal_forces(self._unit, self._areas)
         if self._images is not None:
             self._images.complete(self._areas, 0.0)
         return self._areas
