@@ -73,8 +73,10 @@ class Translation:
     def comment(self, path: Sequence[str | int], words: str) -> None:
         """Attach a comment to a key of the scene: names of keys and indices of list members.
 
-        A second comment at the same place is added to the first.
+        A second comment at the same place is added to the first; one without words is none.
         """
+        if not words.strip():
+            return
         key = tuple(path)
         before = self.comments.get(key)
         self.comments[key] = f"{before}; {words}" if before else words

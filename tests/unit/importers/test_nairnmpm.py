@@ -410,6 +410,11 @@ def test_rigid_materials_that_hold_nothing(tmp_path, words, setup):
     assert words in [str(note) for note in made.of_kind("ignored")]
 
 
+def test_names_without_letters(tmp_path):
+    scene = scene_of(tmp_path, material=MATERIAL.replace("Stuff", ""))
+    assert [body["material"] for body in scene["bodies"]] == list(scene["materials"])
+
+
 @pytest.mark.parametrize(
     ("parts", "words"),
     [
