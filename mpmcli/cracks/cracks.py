@@ -284,7 +284,8 @@ class Cracks:
         for name in ACCOUNTS:
             getattr(self.view, name)[:] = memory[name]
         self.view.stretch[:] = memory["stretch"]
-        self.view.all_third, self._drift = int(memory["all_third"]), float(memory["drift"])
+        self.view.all_third = int(memory["all_third"])
+        self._version, self._drift = self._order.version, float(memory["drift"])  # the order has been set back
         if self.growth is not None:
             self.growth.recall(memory)
 

@@ -1,0 +1,38 @@
+"""A run with cracks that goes on from a checkpoint sorts its particles when the run itself would."""
+
+import numpy as np
+
+from mpmcli.scene.loader import load_scene
+from mpmcli.solver.simulation import Simulation
+
+MOVING = """
+version: 1
+analysis: {kind: plane_strain}
+grid: {lower: [0, 0], upper: [14, 6], cell: 1}
+method: {shape: linear}
+materials: {rubber: {kind: neo_hookean, density: 1, E: 3, nu: 0.3}}
+bodies: [{name: block, material: rubber, region: {kind: box, lower: [2, 2], upper: [5, 4]}, velocity: [0.8, 0]}]
+cracks: [{name: main, path: {kind: points, points: [[2.6, 3.1], [4.2, 3.2]]}}]
+time: {end: 100, courant: 0.3}
+"""
+
+
+def advanced(simulation, steps):
+    for _ in range(steps):
+        simulation.step()
+    return simulation
+
+
+def test_the_way_of_a_chain_since_the_last_sort_is_remembered(plain_python):
+    """Chains ask for a sort before particles do."""
+    with plain_python():
+        straight = advanced(Simulation(load_scene(MOVING)), 11)
+        arrays = {name: np.copy(value) for name, value in straight.state_arrays().items()}
+        again = Simulation(load_scene(MOVING))
+        assert straight.order.version > again.order.version
+        again.restore(arrays)
+        advanced(straight, 6)
+        advanced(again, 6)
+    assert int(arrays["order.version"]) < straight.order.version == again.order.version
+    assert straight.order.drift == again.order.drift
+    assert np.array_equal(straight.particles.X, again.particles.X)
