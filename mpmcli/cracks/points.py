@@ -59,11 +59,8 @@ class AllPoints:
     def _gather(self) -> Points:
         chains = self._chains
         first = np.cumsum([0, *(chain.count for chain in chains)])
-        (
-            X,
-            faces,
-            velocity,
-        ) = (  # in one layout, whatever those of the chains: compiled code takes no other one
+        # in one layout, whatever those of the chains: compiled code takes no other one
+        X, faces, velocity = (
             np.ascontiguousarray(np.concatenate([getattr(chain, name) for chain in chains], axis=-1))
             for name in ("X", "faces", "velocity")
         )
