@@ -285,10 +285,8 @@ class Cracks:
             getattr(self.view, name)[:] = memory[name]
         self.view.stretch[:] = memory["stretch"]
         self.view.all_third = int(memory["all_third"])
-        self._version, self._drift = (
-            self._order.version,
-            float(memory["drift"]),
-        )  # the order has been set back
+        # the order has been set back
+        self._version, self._drift = self._order.version, float(memory["drift"])
         if self.growth is not None:
             self.growth.recall(memory)
 
