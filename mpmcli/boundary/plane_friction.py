@@ -86,6 +86,11 @@ class PlaneFriction:
             self._later += mp[self._node, :1] * change
 
     @property
+    def nodes(self) -> Array:
+        """Return the held nodes (n,) of this step."""
+        return self._node
+
+    @property
     def impulse(self) -> Array:
         """Return the momentum (n, d) that friction gave to the held nodes in this step [momentum]."""
         return self._lumped + self._later

@@ -7,7 +7,9 @@ import pytest
 
 from mpmcli.core.chunks import CHUNKS
 from mpmcli.core.errors import SimulationError
+from mpmcli.core.grid import Grid
 from mpmcli.core.transfer.local_damping import damp_locally, drag_at_nodes
+from mpmcli.solver.local_damping import LocalDamping
 
 FLIGHT = {"bodies__0__velocity": ["1.5", "-1"], "time__courant": None, "time__step": 0.01}
 
@@ -71,6 +73,62 @@ def test_local_damping_of_a_fall(speed, factor, block):
     np.testing.assert_allclose(run.particles.V[1], float(speed) - 2.0 * factor * 0.2, rtol=1e-9)
     assert run.simulation.state.work["damping_work"] > 0.0
     assert run.error < 1e-12
+
+
+def test_local_damping_of_fields_at_one_node():
+    """Two fields press each other while both move along: contact forces cancel, and 0.2 of the rest is drag."""
+    grid = Grid([0, 0], [2, 2], [1, 1], pad=1, width=3, fields=2)
+    both = np.array([12, 12 + grid.node_count])
+    grid.active = np.sort(np.append(both, 13))
+    grid.mp[both] = [[2.0, 3.0, 0.0], [6.0, 9.0, 0.0]]
+    grid.f[both] = [[1.0, -50.0], [-3.0, 50.0]]
+    damping = LocalDamping(0.0)
+    damping.add(0.2, 0.0, 0.01, grid, None, None, False)
+    np.testing.assert_allclose(grid.f[both], [[0.9, -50.0], [-3.3, 50.0]], rtol=1e-12)
+    np.testing.assert_allclose(damping.taken.sum(), 0.4 * (12.0 - 0.5 * 2.4 * 0.01) / 8.0 * 0.01, rtol=1e-12)
+
+
+def pressed(velocity):
+    """A body of the scene: a soft block under its weight, at rest on y = 0 or sliding along it."""
+    return {
+        "name": "block", "material": "soft", "velocity": [velocity, 0],
+        "region": {"kind": "box", "lower": [-2, 0], "upper": [2, 4]},
+        "stress": {"kind": "geostatic", "K0": 0.0, "surface": 4},
+    }  # fmt: skip
+
+
+WEIGHT = {"name": "weight", "kind": "gravity", "acceleration": [0, -1]}
+
+
+@pytest.mark.slow
+def test_local_damping_is_no_friction_of_smooth_ground(block):
+    """A block that slides on smooth rigid ground is not slowed down by the force that presses it there."""
+    ground = {
+        "name": "ground", "material": "tool", "region": {"kind": "box", "lower": [-6, -2], "upper": [6, 0]},
+    }  # fmt: skip
+    run = block(
+        method__damping={"local": 0.3},
+        materials__tool={"kind": "rigid"},
+        bodies=[pressed(0.5), ground],
+        contact={"law": {"kind": "frictionless"}},
+        loads=[WEIGHT],
+    ).until(1.0)
+    assert run.momentum[0] == pytest.approx(1.5 * 16 * 0.5, rel=0.04)
+    assert run.error < 0.02
+
+
+def test_local_damping_takes_no_energy_where_friction_holds(block):
+    """A block that sticks on a plane is pushed: the friction that balances the push is no unbalanced force."""
+    plane = {
+        "name": "ground", "kind": "velocity", "on": {"plane": {"axis": "y", "at": 0, "side": "lower"}},
+        "direction": "y", "value": 0, "friction": 0.9,
+    }  # fmt: skip
+    push = {"name": "push", "kind": "body_force", "acceleration": [0.3, 0]}
+    run = block(
+        method__damping={"local": 0.5}, bodies=[pressed(0)], boundary=[plane], loads=[WEIGHT, push]
+    ).until(6.0)
+    assert abs(run.momentum[0]) < 1e-3 * 0.3 * 6.0 * 1.5 * 16
+    assert run.error < 0.1
 
 
 @pytest.mark.slow
