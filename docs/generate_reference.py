@@ -73,6 +73,8 @@ def introduction() -> str:
         '(`"1 GPa"`; the scene must declare its `units`) or an expression of the `constants` (`2*R`). Values that',
         "may vary are expressions of `x`, `y`, `z` or `t`, as stated in their meaning. Expressions may contain",
         f"`+ - * / **`, comparisons (1 if true, 0 if false), `pi` and `{' '.join(FUNCTIONS)}`.",
+        "`ramp(t, t0, t1)` is 0 before t0, 1 after t1 and linear between, `box(t, t0, t1)` is 1 where t0 ≤ t < t1 and",
+        "else 0, `where(condition, a, b)` is a where the condition is true and else b.",
         "`interpolate(t, t0, v0, t1, v1)` is linear between points and constant beyond them. In values that may vary,",
         '`interpolate(t, "file.csv")` reads the points from a file beside the scene: two columns under a line with',
         "their names, increasing arguments, plain numbers in the units of the scene.",

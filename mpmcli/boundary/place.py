@@ -252,6 +252,8 @@ def _read_direction(value: Any, info: ValidationInfo) -> Any:
         return value
     if not isinstance(value, list | tuple) or not 1 <= len(value) <= 3:
         raise ValueError("give x, y, z or a vector with one component per axis")
+    if any(v in AXES for v in value):
+        raise ValueError("a direction is one axis or a vector of numbers; several axes need a condition each")
     components = [read(_number, v, info) for v in value]
     size = math.hypot(*components)
     if not (math.isfinite(size) and size > 0):

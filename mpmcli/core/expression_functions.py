@@ -86,4 +86,10 @@ FUNCTIONS: dict[str, tuple[Callable[..., Any], int, int]] = {
     "interpolate": (interpolate, 2, 1 + 2 * MAX_POINTS),
     "where": (lambda condition, a, b: np.where(np.not_equal(condition, 0), a, b), 3, 3),
 }
+USES = {
+    "ramp": "ramp(t, t0, t1) is 0 before t0, 1 after t1 and linear between",
+    "box": "box(t, t0, t1) is 1 where t0 ≤ t < t1, else 0",
+    "where": "where(condition, a, b) is a where the condition is true, else b",
+    "atan2": "atan2(y, x)",
+}
 CONSTANTS = {"pi": math.pi}

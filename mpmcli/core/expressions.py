@@ -32,7 +32,15 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.expression_functions import CONSTANTS, FUNCTIONS, ReadTable, Table, interpolate, make_table
+from mpmcli.core.expression_functions import (
+    CONSTANTS,
+    FUNCTIONS,
+    USES,
+    ReadTable,
+    Table,
+    interpolate,
+    make_table,
+)
 from mpmcli.core.suggest import did_you_mean
 
 VARIABLES = ("x", "y", "z", "t")
@@ -218,6 +226,8 @@ def _syntax(text: str) -> ast.expr:
         if "too many nested" in str(error):
             raise ValueError("the expression is nested too deeply") from None
         hint = f": {error.msg}" if error.msg and error.msg != "invalid syntax" else ""
+        if hint.endswith("was never closed"):
+            hint += "; put text with a comma in quotes"
         raise ValueError(f"'{text}' is neither a number nor an expression{hint}") from None
     except (RecursionError, MemoryError):
         raise ValueError("the expression is nested too deeply") from None
@@ -303,7 +313,10 @@ class _Builder:
         _, least, most = FUNCTIONS[name]
         if not least <= len(node.args) <= most:
             needed = str(least) if least == most else f"{least} or more"
-            raise ValueError(f"'{name}' needs {needed} argument{'s' * (needed != '1')}, not {len(node.args)}")
+            use = f": {USES[name]}" if name in USES else ""
+            raise ValueError(
+                f"'{name}' needs {needed} argument{'s' * (needed != '1')}, not {len(node.args)}{use}"
+            )
         if name == "interpolate":
             return self._interpolate(node.args, depth)
         return _call(f"_{name}", [self.build(argument, depth + 1) for argument in node.args])

@@ -9,7 +9,7 @@ region as it stands.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import ClassVar
+from typing import ClassVar, get_args
 
 import numpy as np
 
@@ -176,7 +176,13 @@ class Region(Model):
         kind = self.kind  # type: ignore[attr-defined]
         if d not in self.own_dimensions():
             fitting = " or ".join(f"{k}D" for k in sorted(self.own_dimensions()))
-            yield ("kind",), f"a region of kind '{kind}' needs a {fitting} analysis, and this one is {d}D"
+            kinds = get_args(type(self).model_fields["kind"].annotation)
+            fits = [k for k in kinds if d in self.model_copy(update={"kind": k}).own_dimensions()]
+            hint = f"; use kind '{fits[0]}'" if fits else ""
+            yield (
+                ("kind",),
+                f"a region of kind '{kind}' needs a {fitting} analysis, and this one is {d}D{hint}",
+            )
             return
         for name in (*self.per_axis, "translate"):
             value = getattr(self, name)

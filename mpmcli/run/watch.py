@@ -153,4 +153,9 @@ def remedy(scene: Any) -> str:
         return "method.shape: lcpdi"
     if method.transfer.kind == "flip":
         return "method.transfer: {kind: fmpm, order: 4}"
-    return "half of grid.cell, or half of time.courant (or time.step)"
+    if scene.heat is not None and scene.heat.interval != 1:
+        return "heat.interval: 1, because fast changes of temperature in few heat steps excite waves"
+    tried = "half of grid.cell, or half of time.courant (or time.step)"
+    if method.transfer.kind == "fmpm" and not method.transfer.velocity_gradient:
+        tried += "; bodies that turn need method.transfer.velocity_gradient: true"
+    return tried

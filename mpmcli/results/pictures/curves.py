@@ -105,7 +105,10 @@ def subject_panels(results: Results, subject: str) -> list[Panel]:
     wanted = SUBJECTS[subject]
     columns = [name for name in table.columns if parts_of(name)[0] in wanted]
     if not columns:
-        raise PictureError(f"{results.directory / GLOBALS} has no columns of {subject} ({listing(wanted)})")
+        raise PictureError(
+            f"{results.directory / GLOBALS} has no columns of {subject} ({listing(wanted)}); "
+            "name them in archive.globals.columns, beside 'default'"
+        )
     if subject == ENERGIES:
         return _energy_panels(table, columns)
     return _by_quantity([(table, name) for name in columns])

@@ -75,6 +75,8 @@ def test_all_functions_of_the_reference_exist() -> None:
         ("sinn(1)", "did you mean 'sin'?"),
         ("sin(1, 2)", "needs 1 argument, not 2"),
         ("min(1)", "needs 2 or more arguments, not 1"),
+        ("ramp(x)", "needs 3 arguments, not 1: ramp(t, t0, t1) is 0 before t0"),
+        ("min(x", "'(' was never closed; put text with a comma in quotes"),
         ("log(1, base=2)", "plain arguments"),
         ("min(*x)", "plain arguments"),
         ("interpolate(t, 0)", "pairs of numbers"),

@@ -217,7 +217,9 @@ def test_misfits_have_places_and_words(region):
     box = {"kind": "box", "lower": [0, 0], "upper": [1, 1], "rotate": {"angle": 10}, "translate": [1]}
     both = region("union", regions=[disk, box])
     found = dict(both.misfits(3))
-    assert found[("regions", 0, "kind")] == "a region of kind 'disk' needs a 2D analysis, and this one is 3D"
+    assert found[("regions", 0, "kind")] == (
+        "a region of kind 'disk' needs a 2D analysis, and this one is 3D; use kind 'sphere'"
+    )
     assert "a 3D analysis needs one number per axis, not 2" in found[("regions", 1, "lower")]
     assert found[("regions", 1, "rotate")] == "a rotation in 3D needs an axis"
     assert list(dict(both.misfits(2))) == [("regions", 1, "translate")]

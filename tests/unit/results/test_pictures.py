@@ -491,7 +491,7 @@ def test_mp4_by_ffmpeg(make_results, monkeypatch, tmp_path, fails):
         (Request(over="time"), "needs columns"),
         (Request(over="time", what=("particles",)), "needs columns"),
         (Request(what=("energie",)), "there is no picture 'energie'; did you mean 'energies'?"),
-        (Request(what=("strains",)), "has no columns of strains"),
+        (Request(what=("strains",)), "no columns of strains (strain); name them in archive.globals.columns"),
         (Request(output=Path("x.png")), "is one file, but 2 pictures are requested"),
         (Request(what=("particles",), output=Path("x.gif")), "must end with .png or"),
         (Request(animate="gif", output=Path("x.png")), "must end with .gif"),

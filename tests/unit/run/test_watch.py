@@ -77,7 +77,7 @@ def method_of(**keys):
 
 def scene_of(material="neo_hookean", **keys):
     """What the watchdog reads of a scene."""
-    return SimpleNamespace(method=method_of(**keys), materials={"matter": MATERIALS[material]})
+    return SimpleNamespace(method=method_of(**keys), materials={"matter": MATERIALS[material]}, heat=None)
 
 
 LOSS = "more energy is lost than friction, damping, viscosity and plastic flow dissipate"
@@ -194,6 +194,9 @@ REMEDIES = [
 def test_the_remedy_is_not_what_the_scene_does_already(keys, advice):
     scene = scene_of(**keys)
     assert remedy(scene).startswith(advice)
+    assert ("velocity_gradient" in remedy(scene)) == (advice == "half of grid.cell")
+    scene.heat = SimpleNamespace(interval="auto")
+    assert ("heat.interval: 1" in remedy(scene)) == (advice == "half of grid.cell")
     if advice.startswith(("method.update", "method.shape", "method.volumetric")):
         key, value = advice.removeprefix("method.").split(": ")
         assert getattr(scene.method, key) != value

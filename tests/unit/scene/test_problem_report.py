@@ -95,3 +95,23 @@ def test_a_hint_names_no_key_of_another_section_to_members(sets: list[str], hint
         load_scene(ROOT / "inputs" / "two_disks.yaml", sets=sets)
     (problem,) = caught.value.problems
     assert hint in problem.message
+
+
+def test_sides_and_directions_in_words_that_do_not_exist() -> None:
+    """A face by its name, and two directions in one condition: the message shows what to write."""
+    text = """
+version: 1
+analysis: {kind: plane_strain}
+grid: {lower: [0, 0], upper: [8, 8], cell: 1}
+materials: {soft: {kind: neo_hookean, density: 1, E: 1, nu: 0.3}}
+bodies: [{name: block, material: soft, region: {kind: sphere, center: [4, 4], radius: 2}}]
+boundary:
+  - {name: a, kind: velocity, on: {body: block, face: left}, direction: x, value: 0}
+  - {name: b, kind: velocity, on: {plane: {axis: x, at: 0}}, direction: [x, y], value: 0}
+time: {end: 1}
+"""
+    with pytest.raises(SceneError) as error:
+        load_scene(text)
+    found = {problem.path: problem.message for problem in error.value.problems}
+    assert "write {axis: x, side: lower}" in found["boundary.a.on.face"]
+    assert "several axes need a condition each" in found["boundary.b.direction"]
