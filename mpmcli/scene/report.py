@@ -208,7 +208,7 @@ def words_of(kind: str, context: dict[str, Any], details: dict[str, Any]) -> str
         hint = "; put it in quotes" if kind == "string_type" and isinstance(value, int | float) else ""
         if kind == "model_attributes_type" and isinstance(value, str) and details["loc"][-1] in _NOUNS:
             hint = f"; write {{kind: {value}}}" if value.isidentifier() else ""
-        if details["loc"][-1] == "face":
+        if details["loc"][-1:] == ("face",):
             hint = "; write {axis: x, side: lower}, with the axis and side of the face"
         return f"{_NEEDED[kind]} is needed, not {describe(value)}{hint}"
     if kind in {"too_short", "too_long"}:
