@@ -287,6 +287,7 @@ class Cracks:
         self.view.all_third = int(memory["all_third"])
         # the order has been set back
         self._version, self._drift = self._order.version, float(memory["drift"])
+        self.sides.forget()
         if self.growth is not None:
             self.growth.recall(memory)
 

@@ -133,6 +133,10 @@ class CrackSides:
         most = w - 1.0 if follows else 0.5 * w
         return Reach(GRID_FUNCTIONS.get(shape.grid_functions, most), shape.domain != "point", follows, most)
 
+    def forget(self) -> None:
+        """Let the next step list candidates anew: chains and particles have been set back."""
+        self._version = -1
+
     def sorted(self) -> Array:
         """Note that particles were sorted; returns the nodes (n,), sorted, that may have further sides from now on."""
         grid, w = self._grid, self._grid.width
@@ -213,7 +217,7 @@ class CrackSides:
     def find_cut(self, transfer: Any, F: Array) -> Cut | None:
         """Find the sides of this step; ``F`` (nF, N) are the deformation gradients that its stencils are built from."""
         order, grid = self._order, self._grid
-        if self._version != order.version:  # a run that goes on from a checkpoint
+        if self._version != order.version:
             self.sorted()
         elif max(self.drift, order.drift - self._listed_at) > SLACK:
             self._list_candidates()
