@@ -12,6 +12,7 @@ from mpmcli.contact import coupled_pairs, impulses
 from mpmcli.contact.fields_in_contact import FieldsInContact, NodeTable
 from mpmcli.contact.geometry import Geometry
 from mpmcli.contact.impulses import ImpulseRows, Place
+from mpmcli.contact.laws.impulse import APART, STICKING
 from mpmcli.core.compiled.bound import TypedCalls
 from mpmcli.core.grid import Grid
 from mpmcli.core.step import Step
@@ -72,7 +73,7 @@ class ContactImpulses(Correction, ABC):
         self._incremental = ways.increments in ("net", "evolving")
         self._evolving = ways.increments == "evolving"
         self._later = ways.increments in ("after", "combined")
-        self._removes_overlap = False
+        self._removes_overlap = self._forces_known = False
         self._call = TypedCalls()
         self.interfaces: Any = None
 
@@ -89,6 +90,7 @@ class ContactImpulses(Correction, ABC):
 
     def after_extrapolation(self, step: Step) -> None:
         """Task 1.a: find the contacts, and let the extrapolated momenta satisfy them: p += Δp⁽¹⁾."""
+        self._forces_known = False
         if self.find(step) == 0:
             return
         c, rows = self._found, self._found.rows
@@ -96,7 +98,11 @@ class ContactImpulses(Correction, ABC):
         keeps_start = keeps_start_impulses(step.plan)
         if keeps_start:
             self._find_slip(None, rows.slip)
-        if not self._ways.once and not self._waits():
+        if (
+            self._ways.once or self._waits()
+        ):  # rows are those of the step before: who waits holds, others are not known
+            rows.state[: c.count] = STICKING if self._waits() else APART
+        else:
             self._correct_momenta(step.dt, after_forces=False, advance=0.0)
             rows.start[: c.count] = rows.dp[: c.count]
             self._start_increments()
@@ -105,7 +111,7 @@ class ContactImpulses(Correction, ABC):
 
     def after_update(self, step: Step) -> None:
         """Task 3.a: p⁺ += Δp⁽²⁾, which is also a force."""
-        c = self._found
+        self._forces_known, c = True, self._found
         if c.count == 0:
             return
         c.rows.net[: c.count] = 0.0
@@ -136,7 +142,7 @@ class ContactImpulses(Correction, ABC):
         """Part (2) of an FMPM increment: contact on Δv(ℓ); conditions, whose impulses may count, have the last word."""
         if self._found.count == 0 or not self._incremental:
             return
-        if not self._waits():
+        if not self._waits() and (self._forces_known or not self._ways.once):
             self._correct_velocities(step.dt, dv, is_increment=True)
         if step.plan.zeroes_increments:
             self._conditions.zero_increment(dv, counts_reactions)
@@ -224,6 +230,7 @@ class ContactImpulses(Correction, ABC):
             evolving=self._evolving,
             displacement_only=self._ways.displacement_only,
             drives=False,
+            forces_known=self._forces_known,
             dt=dt,
             advance=advance,
         )

@@ -62,6 +62,7 @@ class Place(NamedTuple):
     evolving : as the "Evolving" method does, else by "Net" (``increments``)
     displacement_only : contact wherever the separation is negative
     drives : the impulses ``ImpulseRows.drive`` are to be left between the sides (``overlap``)
+    forces_known : the forces of the step are known, so that laws with finite stiffness press on increments
     dt : time step [time]
     advance : time over which the separation still closes (Nairn 2023, Eq. 3.56) [time]
     """
@@ -73,6 +74,7 @@ class Place(NamedTuple):
     evolving: bool
     displacement_only: bool
     drives: bool
+    forces_known: bool
     dt: float
     advance: float
 
@@ -191,7 +193,7 @@ def find_impulses(law, axes, which, count, fields, nodes, geometry, rows, here, 
                 bond,
                 given,
             )
-        elif here.after_forces or here.of_increment:
+        elif here.after_forces or (here.of_increment and here.forces_known):
             state[k] = law_impulse_at_end(
                 law, axes, wanted, normal, geometry.separation[k], push[k], area, reduced, dt, displacement_only,
                 bond, given,

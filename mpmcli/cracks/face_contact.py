@@ -45,7 +45,8 @@ def correct_at_once(law, axes, count, blocks, first, dof, rigid, node_count, mp,
     """
     fields, _, geometry, rows = tables_in(blocks)
     nodes = NodeTable(first, first, dof, blocks.numbers[0], rigid, node_count)
-    here = Place(0, after_forces, False, False, False, False, False, dt, dt if after_forces else 0.0)
+    advance = dt if after_forces else 0.0
+    here = Place(0, after_forces, False, False, False, False, False, after_forces, dt, advance)
     if slips == EARLY:
         find_slip(axes, count, fields, nodes, mp, f, False, rows.slip)
     find_impulses(law, axes, 0, count, fields, nodes, geometry, rows, here, mp, f, f)
@@ -135,6 +136,7 @@ class FaceContact(ContactImpulses):
 
     def after_extrapolation(self, step: Step) -> None:
         """Task 1.a: find the pairs of sides in contact, and let the extrapolated momenta satisfy them."""
+        self._forces_known = False
         to_node = self.interfaces is not None and self.interfaces.act_at_node(step.plan)
         count = self.contacts.find(self._particles.F, to_node)
         if count > 0 and self._acts_at_once:
@@ -146,6 +148,7 @@ class FaceContact(ContactImpulses):
 
     def after_update(self, step: Step) -> None:
         """Task 3.a: let the updated momenta satisfy contact."""
+        self._forces_known = True
         if not self._acts_at_once:
             super().after_update(step)
         elif self.contacts.count > 0:
