@@ -98,9 +98,8 @@ class ContactImpulses(Correction, ABC):
         keeps_start = keeps_start_impulses(step.plan)
         if keeps_start:
             self._find_slip(None, rows.slip)
-        if (
-            self._ways.once or self._waits()
-        ):  # rows are those of the step before: who waits holds, others are not known
+        if self._ways.once or self._waits():
+            # rows hold the step before: sides that wait hold together, of others nothing is known
             rows.state[: c.count] = STICKING if self._waits() else APART
         else:
             self._correct_momenta(step.dt, after_forces=False, advance=0.0)
