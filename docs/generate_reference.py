@@ -66,15 +66,14 @@ def reference() -> str:
 
 def introduction() -> str:
     """What holds for every value of a scene."""
-    from mpmcli.core.expressions import FUNCTIONS
+    from mpmcli.core.expression_functions import FUNCTIONS, USES
 
     lines = [
         "The program generates this page from the models that read a scene. A number may be text with a unit",
         '(`"1 GPa"`; the scene must declare its `units`) or an expression of the `constants` (`2*R`). Values that',
         "may vary are expressions of `x`, `y`, `z` or `t`, as stated in their meaning. Expressions may contain",
         f"`+ - * / **`, comparisons (1 if true, 0 if false), `pi` and `{' '.join(FUNCTIONS)}`.",
-        "`ramp(t, t0, t1)` is 0 before t0, 1 after t1 and linear between, `box(t, t0, t1)` is 1 where t0 ≤ t < t1 and",
-        "else 0, `where(condition, a, b)` is a where the condition is true and else b.",
+        *("`{}` is {}.".format(*use.split(" is ", 1)) for use in USES.values()),
         "`interpolate(t, t0, v0, t1, v1)` is linear between points and constant beyond them. In values that may vary,",
         '`interpolate(t, "file.csv")` reads the points from a file beside the scene: two columns under a line with',
         "their names, increasing arguments, plain numbers in the units of the scene.",

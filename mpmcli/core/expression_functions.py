@@ -90,6 +90,16 @@ USES = {
     "ramp": "ramp(t, t0, t1) is 0 before t0, 1 after t1 and linear between",
     "box": "box(t, t0, t1) is 1 where t0 ≤ t < t1, else 0",
     "where": "where(condition, a, b) is a where the condition is true, else b",
-    "atan2": "atan2(y, x)",
+    "atan2": "atan2(y, x) is the angle of the direction (x, y)",
 }
+"""What functions are whose arguments cannot be guessed."""
 CONSTANTS = {"pi": math.pi}
+
+
+def check_count(name: str, count: int) -> None:
+    """Raise ValueError if a function does not take so many arguments."""
+    _, least, most = FUNCTIONS[name]
+    if not least <= count <= most:
+        needed = str(least) if least == most else f"{least} or more"
+        use = f": {USES[name]}" if name in USES else ""
+        raise ValueError(f"'{name}' needs {needed} argument{'s' * (needed != '1')}, not {count}{use}")

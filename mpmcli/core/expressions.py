@@ -32,22 +32,13 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.expression_functions import (
-    CONSTANTS,
-    FUNCTIONS,
-    USES,
-    ReadTable,
-    Table,
-    interpolate,
-    make_table,
-)
+from mpmcli.core.expression_functions import CONSTANTS, FUNCTIONS, ReadTable, Table, check_count, make_table
 from mpmcli.core.suggest import did_you_mean
 
 VARIABLES = ("x", "y", "z", "t")
 MAX_LENGTH = 2000
 MAX_DEPTH = 60
 MAX_EXPONENT = 1000.0
-
 
 RESERVED = frozenset(FUNCTIONS) | frozenset(CONSTANTS) | frozenset(VARIABLES)
 
@@ -62,7 +53,6 @@ _COMPARE: dict[type[ast.cmpop], str] = {
 _SCOPE: dict[str, Any] = {"__builtins__": {}, "_float": np.float64}
 _SCOPE |= {f"_{name}": entry[0] for name, entry in FUNCTIONS.items()}
 _SCOPE |= {f"_{name}": getattr(np, name) for name in _COMPARE.values()}
-_SCOPE["_interpolate"] = interpolate
 _OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
 
 
@@ -310,13 +300,7 @@ class _Builder:
             )
         if node.keywords or any(isinstance(argument, ast.Starred) for argument in node.args):
             raise ValueError(f"'{name}' takes plain arguments only")
-        _, least, most = FUNCTIONS[name]
-        if not least <= len(node.args) <= most:
-            needed = str(least) if least == most else f"{least} or more"
-            use = f": {USES[name]}" if name in USES else ""
-            raise ValueError(
-                f"'{name}' needs {needed} argument{'s' * (needed != '1')}, not {len(node.args)}{use}"
-            )
+        check_count(name, len(node.args))
         if name == "interpolate":
             return self._interpolate(node.args, depth)
         return _call(f"_{name}", [self.build(argument, depth + 1) for argument in node.args])

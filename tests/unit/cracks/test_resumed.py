@@ -23,17 +23,20 @@ def advanced(simulation, steps):
     return simulation
 
 
+def straight_and_resumed(text, before, after):
+    """Two simulations after all steps, of which one goes on from the other's state of the first of them."""
+    straight, again = advanced(Simulation(load_scene(text)), before), Simulation(load_scene(text))
+    arrays = {name: np.copy(value) for name, value in straight.state_arrays().items()}
+    versions = int(again.order.version), int(arrays["order.version"])
+    again.restore(arrays)
+    return advanced(straight, after), advanced(again, after), versions
+
+
 def test_the_way_of_a_chain_since_the_last_sort_is_remembered(plain_python):
     """Chains ask for a sort before particles do."""
     with plain_python():
-        straight = advanced(Simulation(load_scene(MOVING)), 11)
-        arrays = {name: np.copy(value) for name, value in straight.state_arrays().items()}
-        again = Simulation(load_scene(MOVING))
-        assert straight.order.version > again.order.version
-        again.restore(arrays)
-        advanced(straight, 6)
-        advanced(again, 6)
-    assert int(arrays["order.version"]) < straight.order.version == again.order.version
+        straight, again, (at_start, at_checkpoint) = straight_and_resumed(MOVING, 11, 6)
+    assert at_start < at_checkpoint < straight.order.version == again.order.version
     assert straight.order.drift == again.order.drift
     assert np.array_equal(straight.particles.X, again.particles.X)
 
@@ -63,13 +66,8 @@ time: {end: 100, step: 0.03}
 def test_the_way_of_a_chain_before_the_first_sort_counts(plain_python):
     """A particle comes into sight of a node beyond a crack: both have come nearer since particles were sorted."""
     with plain_python():
-        straight = advanced(Simulation(load_scene(MEETING)), 5)
-        arrays = {name: np.copy(value) for name, value in straight.state_arrays().items()}
-        again = Simulation(load_scene(MEETING))
-        assert straight.order.version == again.order.version
-        again.restore(arrays)
-        advanced(straight, 3)
-        advanced(again, 3)
+        straight, again, (at_start, at_checkpoint) = straight_and_resumed(MEETING, 5, 3)
+    assert at_start == at_checkpoint
     assert straight.order.version == again.order.version
     assert straight.cracks.sides.count == again.cracks.sides.count > 0
     assert np.array_equal(straight.particles.X, again.particles.X)
