@@ -7,6 +7,7 @@ that registry.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable, Sequence
 from typing import Any, ClassVar, Protocol
 
@@ -71,7 +72,12 @@ Values = Sequence[Any]
 """One number or array (n,) per axis."""
 
 SurfaceNodes = Callable[[str, Any], Array]
-"""Gives the nodes that a body's surface particles see now: (body name, ``place.Face``) -> node indices."""
+"""Gives the nodes that a body's surface particles see now: (body name, ``place.Face``) -> sorted node indices."""
+
+
+def is_finite(values: Any) -> bool:
+    """Whether a number, or each of an array, is finite."""
+    return math.isfinite(values) if isinstance(values, float) else bool(np.isfinite(values).all())
 
 
 class Nodes(Protocol):

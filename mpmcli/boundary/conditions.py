@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.boundary import impose
-from mpmcli.boundary.base import Array, ConditionModel, Holder, Nodes, SurfaceNodes
+from mpmcli.boundary.base import Array, ConditionModel, Holder, Nodes, SurfaceNodes, is_finite
 from mpmcli.boundary.clocks import Clock, ClockedHolder
 from mpmcli.boundary.impose import Entries
 from mpmcli.boundary.mirror import Mirror
@@ -140,7 +140,8 @@ class VelocityConditions:
         forces = np.zeros((len(self._holders), self._dimensions))
         impose.sum_reactions(self.entries, self._real_impulse(), dt, forces)
         if self.mirror is not None:
-            forces[self.mirror.owner, self.mirror.pairs.axis] += self.mirror.impulse / dt
+            for plane, owner in enumerate(self.mirror.owner):
+                forces[owner, self.mirror.pairs.axis[plane]] += self.mirror.impulse[plane] / dt
         return forces[: len(self.names)]
 
     def empty_conditions(self, mp: Array) -> list[str]:
@@ -229,7 +230,7 @@ class VelocityConditions:
         for c in conditions:
             if self._points[c].shape[1] > 0:
                 values = self._holders[c].values(time, self._points[c])
-                if not np.all(np.isfinite(values)):
+                if not is_finite(values):
                     raise SimulationError(f"{self._called(c)}: its velocity is not finite at time {time:g}")
                 wanted[self._slots[c]] = values
         if self._twins.shape[0]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.boundary.base import Array, LoadModel
+from mpmcli.boundary.base import Array, LoadModel, is_finite
 from mpmcli.core.analysis import Analysis, full_ring
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.identity import by_identity
@@ -52,7 +52,7 @@ class ParticleLoads:
         """By the load's id: (N,) bool by identity, whether it acts on a particle; loads on all are left out."""
         for load in on_particles:
             mask = load.chosen(particles.X, is_of)
-            if mask is not None:
+            if mask is not None and not mask.all():
                 chosen = np.zeros(int(particles.id.max(initial=-1)) + 1, dtype=bool)
                 chosen[particles.id] = mask
                 self._chosen[id(load)] = chosen
@@ -60,17 +60,18 @@ class ParticleLoads:
         if any(load.uses_initial_positions for load in on_particles):
             self.initial_positions = by_identity(particles.id, particles.X)
         self._is_steady = not any(load.changes for load in (*self._uniform, *on_particles))
+        self._gravity: Array | None = None
+        self._gravity_changes = any(load.changes for load in self._uniform)
         self._B: Array | None = None
         self._version: Any = None
 
     def gravity(self, time: float) -> Array | None:
         """Return the acceleration (d,) of all particles alike at ``time``, or None without any."""
-        if not self._uniform:
-            return None
-        total = np.zeros(self._dimensions)
-        for load in acting(self._uniform, time):
-            total += finite(load.uniform_acceleration(time), load, time)
-        return total
+        if self._gravity is None or self._gravity_changes:
+            self._gravity = np.zeros(self._dimensions)
+            for load in acting(self._uniform, time):
+                self._gravity += finite(load.uniform_acceleration(time), load, time)
+        return self._gravity if self._uniform else None
 
     def accelerations(
         self, time: float, particles: Particles, version: Any = None, with_gravity: bool = False
@@ -152,7 +153,6 @@ def acting(loads: Sequence[LoadModel], time: float) -> list[LoadModel]:
 
 def finite(values: Any, load: LoadModel, time: float) -> Any:
     """Return the values of a load; raises SimulationError where they are not finite."""
-    values = np.asarray(values, dtype=np.float64)
-    if not np.all(np.isfinite(values)):
+    if not is_finite(values):
         raise SimulationError(f"load '{load.name}': its value is not finite at time {time:g}")
     return values

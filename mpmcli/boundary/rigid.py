@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.order import CellOrder
 from mpmcli.core.step import Step
@@ -104,10 +105,21 @@ class RigidBodies:
 
     def move(self, X: Array) -> None:
         """Put positions ``X`` (d, N) and velocities of rigid particles to the end of the step."""
-        moved = X[:, self._still]
-        X[:, self._still] = self._X
-        self._particles.V[:, self._still] = self._V
-        self._order.drift += float((np.abs(self._X - moved).max(axis=1, initial=0.0) / self._grid.cell).max())
+        V = self._particles.V
+        self._order.drift += put_back(self._still, self._X, self._V, X, V, 1.0 / self._grid.cell)
+
+
+@inline
+def put_back(still, X_still, V_still, X, V, inverse_cell):
+    """Give particles ``still`` (n,) their positions and velocities (d, n); how far the farthest is moved [cells]."""
+    farthest = 0.0
+    for k in range(still.shape[0]):
+        p = np.uint64(still[k])
+        for a in range(X.shape[0]):
+            farthest = max(farthest, abs(X_still[a, k] - X[a, p]) * inverse_cell[a])
+            X[a, p] = X_still[a, k]
+            V[a, p] = V_still[a, k]
+    return farthest
 
 
 def velocity_at(velocity: Any, X: Array, time: float, name: str) -> Array:

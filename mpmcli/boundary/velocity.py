@@ -98,7 +98,7 @@ class PlaceHolder:
         if body is not None:
             if self._surface_nodes is None:
                 raise ValueError("bodies need to know the nodes that particles see")
-            seen = np.unique(self._surface_nodes(body, self._place.face))
+            seen = self._surface_nodes(body, self._place.face)
             if not np.array_equal(seen, self._seen):
                 self._seen = seen
                 self._changes += 1

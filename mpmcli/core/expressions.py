@@ -140,11 +140,14 @@ class Expression:
         Numbers give a float; with arrays among the arguments the result is a new float64 array of their
         common (broadcast) shape. Where the expression is not defined the value is not finite.
         """
-        shape = np.broadcast_shapes(np.shape(x), np.shape(y), np.shape(z), np.shape(t))
+        shapes = {np.shape(v) for v in (x, y, z, t) if not isinstance(v, float)} - {()}
+        if not shapes:
+            return float(self._evaluate(x, y, z, t, **others)) if self._value is None else self._value
+        shape = np.broadcast_shapes(*shapes)
         if self._value is not None:
-            return np.full(shape, self._value) if shape else self._value
-        value = self._evaluate(*(v if shape else np.float64(v) for v in (x, y, z, t)), **others)
-        return np.array(np.broadcast_to(value, shape), dtype=np.float64) if shape else float(value)
+            return np.full(shape, self._value)
+        value = self._evaluate(x, y, z, t, **others)
+        return np.array(np.broadcast_to(value, shape), dtype=np.float64)
 
     def _evaluate(self, x: Any, y: Any, z: Any, t: Any, **others: float) -> Any:
         arguments = {"x": x, "y": y, "z": z, "t": t} | others

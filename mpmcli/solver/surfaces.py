@@ -29,6 +29,7 @@ class Surfaces:
     def __init__(self, particles: Particles, bodies: Sequence[str], transfer: Transfer):
         self._particles, self._bodies, self._transfer = particles, bodies, transfer
         self._at_start: dict[Any, Array] = {}
+        self._places: dict[Any, tuple[Array, int]] = {}
 
     def shown(self, body: str, face: Any) -> Array:
         """Return the identities of the particles that show a face of a body now."""
@@ -45,9 +46,11 @@ class Surfaces:
         key = (body, face.index, face.side)
         if key not in self._at_start:
             self._at_start[key] = self.shown(body, face)
-        asked = self._at_start[key]
-        place = place_of_identity(self._particles.id, asked)[asked]
-        return self._transfer.seen_nodes(place[place >= 0])
+        if self._places.get(key, (0, -1))[1] != self._particles.version:
+            asked = self._at_start[key]
+            place = place_of_identity(self._particles.id, asked)[asked]
+            self._places[key] = place[place >= 0], self._particles.version
+        return self._transfer.seen_nodes(self._places[key][0])
 
     def memory(self) -> dict[str, Array]:
         """Return the identities of the particles on faces, by the name of the face."""
@@ -56,6 +59,7 @@ class Surfaces:
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Take them back."""
         self._at_start.clear()
+        self._places.clear()
         for name, identities in memory.items():
             body, axis, side = name.rsplit(BETWEEN, 2)
             self._at_start[body, int(axis), side] = identities

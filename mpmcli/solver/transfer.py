@@ -26,11 +26,10 @@ from mpmcli.core.transfer.nodes import clear_nodes
 from mpmcli.core.transfer.stencil import (
     DOMAIN_TOO_WIDE,
     OUTSIDE_GRID,
-    SEEN,
     across_of,
     allocate_stencil,
     fill_stencils,
-    is_seen,
+    find_seen,
     kept_as,
 )
 from mpmcli.shapes import ShapeEntry
@@ -385,9 +384,8 @@ class Transfer:
         """Degrees of freedom (sorted, unique) that particles at these places in memory see."""
         nodes, S = self.weights_of(particles)
         nodes += self.particles.velocity_field[particles, None].astype(np.int64) * self.grid.node_count
-        seen = S > SEEN
-        for row, node in np.argwhere((S > 0.0) & ~seen):
-            seen[row, node] = is_seen.py_func(S[row], node, len(self.across), self.grid.dimensions)
+        seen = np.zeros(S.shape, dtype=bool)
+        find_seen[False](S, len(self.across), self.grid.dimensions, seen)
         return np.unique(nodes[seen])
 
     def particle_outside(self) -> int:

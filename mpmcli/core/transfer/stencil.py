@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmcli.core.compiled.dispatch import generic
-from mpmcli.core.compiled.kernel import inline, kernel
+from mpmcli.core.compiled.kernel import inline, kernel, prange
 from mpmcli.core.grid import unfold
 
 Array = np.ndarray
@@ -197,6 +197,15 @@ def is_seen(S, a, width, dimensions):
             return False
         stride *= width
     return True
+
+
+@kernel
+def find_seen(S, width, dimensions, seen):
+    """Which nodes of their stencils particles see, into ``seen`` (n, m) bool; ``S`` (n, m) are the values there."""
+    for row in prange(S.shape[0]):
+        for a in range(S.shape[1]):
+            value = S[row, a]
+            seen[row, a] = value > SEEN or (value > 0.0 and is_seen(S[row], a, width, dimensions))
 
 
 @kernel
