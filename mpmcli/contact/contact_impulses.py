@@ -86,6 +86,11 @@ class ContactImpulses(Correction, ABC):
         """Whether there are so many contacts that parallel kernels pay."""
         return False
 
+    @property
+    def _adds_parallel(self) -> bool:
+        """Whether threads may add impulses to nodes: pairs that share a field would race, or add in another order."""
+        return self._parallel and not self._found.has_pairs
+
     # ------------------------------------------------------------------ the places in the step
 
     def after_extrapolation(self, step: Step) -> None:
@@ -201,7 +206,7 @@ class ContactImpulses(Correction, ABC):
             self._find_impulses(here, grid.f, self._used)
             self._call(
                 impulses.add_to_momenta, self._axes, c.count, c.fields, c.rows.dp, here, grid.mp, grid.f,
-                parallel=self._parallel,
+                parallel=self._adds_parallel,
             )  # fmt: skip
 
     def _correct_velocities(
@@ -219,7 +224,7 @@ class ContactImpulses(Correction, ABC):
             self._find_impulses(here, v, self._used if laws is None else laws)
             self._call(
                 impulses.add_to_velocities, self._axes, c.count, c.fields, c.rows.dp, here, self._grid.mp, v,
-                parallel=self._parallel,
+                parallel=self._adds_parallel,
             )  # fmt: skip
 
     def _place(self, dt: float, advance: float) -> Place:
