@@ -64,7 +64,10 @@ class GridConditions(Correction):
 
     def impose_again(self, step: Step) -> None:
         """Task 4.b: the same on momenta that were extrapolated again, which is no reaction."""
+        impulse = self.conditions.impulse
+        before = impulse.copy()
         self.conditions.impose_on_momentum(self._grid.mp, None, step.dt)
+        impulse[:] = before
 
     def correct(self, step: Step, dv: Array, counts_reactions: bool) -> None:
         """Part (1) of an FMPM increment."""

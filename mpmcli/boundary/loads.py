@@ -61,8 +61,9 @@ class Loads:
         Gives the identities (n,) of the particles that show a face of a body now.
     rigid_dofs
         Gives the active degrees of freedom of rigid bodies; None without any.
-    completes_mass
-        Whether symmetry planes or periodic sides complete the nodal masses: then gravity comes from the particles.
+    complete
+        Completes nodal sums (n, 1) beside symmetry planes or periodic sides, as it does masses: then gravity comes from
+        the particles. None without any.
     parallel
         Whether parallel kernels are used.
     impedance
@@ -89,13 +90,13 @@ class Loads:
         bodies: Sequence[str],
         shown: Callable[[str, Face], Array],
         rigid_dofs: Callable[[], Array] | None,
-        completes_mass: bool,
+        complete: Callable[[Array], None] | None,
         parallel: bool,
         impedance: Callable[[LoadModel], Array],
         areas: Callable[[Array], Array],
     ):
         self._particles, self._grid, self._order, self._transfer = particles, grid, order, transfer
-        self._rigid_dofs, self._completes_mass, self._parallel = rigid_dofs, completes_mass, parallel
+        self._rigid_dofs, self._completes_mass, self._parallel = rigid_dofs, complete is not None, parallel
         self.on_particles = ParticleLoads(models, analysis, bodies, particles)
         on_faces = [(load, face) for load in models if (face := load.loaded_face()) is not None]
         self.faces = TractionFaces(
@@ -112,7 +113,9 @@ class Loads:
         if on_planes := [load for load in models if load.loaded_plane() is not None]:
             from mpmcli.boundary.plane_dashpots import PlaneDashpots
 
-            self._on_planes = PlaneDashpots([(load, impedance(load)) for load in on_planes], grid, areas)
+            self._on_planes = PlaneDashpots(
+                [(load, impedance(load)) for load in on_planes], grid, areas, complete
+            )
         self.force = np.zeros((grid.dof_count, grid.dimensions))
         self._place: Array | None = None
         self._version: Any = None

@@ -15,17 +15,22 @@ from mpmcli.core.grid import Grid
 class PlaneDashpots:
     """Forces −Z A v of the nodes on planes, with the area A that matter ends on and its impedance Z.
 
-    A force takes at most all momentum along its axis: nodes that see little matter would be unstable.
+    Forces take at most all momentum along their axis, those of images included: nodes that see little matter would be
+    unstable.
 
     Parameters
     ----------
     loads : pairs of a load on a plane, and its impedance (N, d) along each axis, by identity [pressure/velocity]
     grid : the grid
     areas : gives −Σ_p w_p V_p ∇S_pi (dofs, d) for numbers w by identity (N,); overwritten by the next call
+    complete : completes sums (dofs, 1) beside symmetry planes and periodic sides; None without any
     """
 
-    def __init__(self, loads: Sequence[tuple[LoadModel, Array]], grid: Grid, areas: Callable[[Array], Array]):
-        self._grid, self._areas = grid, areas
+    def __init__(
+        self, loads: Sequence[tuple[LoadModel, Array]], grid: Grid, areas: Callable[[Array], Array],
+        complete: Callable[[Array], None] | None = None,
+    ):  # fmt: skip
+        self._grid, self._areas, self._complete = grid, areas, complete
         self._planes = [(load, load.loaded_plane(), _different(Z)) for load, Z in loads]
         self._dofs: list[Array] = []
         self._version = -1
@@ -46,9 +51,19 @@ class PlaneDashpots:
             for axes, of_particles in Z:
                 drag = np.maximum(inward * self._areas(of_particles)[dofs, plane.index], 0.0)
                 drag *= load.acts_at(time)  # its kernels always run
-                rate = np.divide(drag, mass, out=np.zeros_like(mass), where=mass > 0.0)
+                most = np.maximum(mass, self._whole(drag, dofs) * dt)
+                rate = np.divide(drag, most, out=np.zeros_like(mass), where=mass > 0.0)
                 for axis in axes:
-                    f[dofs, axis] -= np.minimum(rate, 1.0 / dt) * mp[dofs, 1 + axis]
+                    f[dofs, axis] -= rate * mp[dofs, 1 + axis]
+
+    def _whole(self, drag: Array, dofs: Array) -> Array:
+        """Return what nodes (n,) of real particles have, with that of those that they are one with or mirror."""
+        if self._complete is None:
+            return drag
+        sums = np.zeros((self._grid.dof_count, 1))
+        sums[dofs, 0] = drag
+        self._complete(sums)
+        return sums[dofs, 0]
 
 
 def _different(Z: Array) -> list[tuple[list[int], Array]]:

@@ -73,7 +73,7 @@ class ContactImpulses(Correction, ABC):
         self._incremental = ways.increments in ("net", "evolving")
         self._evolving = ways.increments == "evolving"
         self._later = ways.increments in ("after", "combined")
-        self._removes_overlap = self._forces_known = False
+        self._removes_overlap = self._forces_known = self._springs_act = False
         self._call = TypedCalls()
         self.interfaces: Any = None
 
@@ -86,11 +86,16 @@ class ContactImpulses(Correction, ABC):
         """Whether there are so many contacts that parallel kernels pay."""
         return False
 
+    @property
+    def _adds_parallel(self) -> bool:
+        """Whether threads may add impulses to nodes: pairs that share a field would race, or add in another order."""
+        return self._parallel and not self._found.has_pairs
+
     # ------------------------------------------------------------------ the places in the step
 
     def after_extrapolation(self, step: Step) -> None:
         """Task 1.a: find the contacts, and let the extrapolated momenta satisfy them: p += Δp⁽¹⁾."""
-        self._forces_known = False
+        self._forces_known = self._springs_act = False
         if self.find(step) == 0:
             return
         c, rows = self._found, self._found.rows
@@ -110,7 +115,8 @@ class ContactImpulses(Correction, ABC):
 
     def after_update(self, step: Step) -> None:
         """Task 3.a: p⁺ += Δp⁽²⁾, which is also a force."""
-        self._forces_known, c = True, self._found
+        c = self._found
+        self._forces_known = self._springs_act = True
         if c.count == 0:
             return
         c.rows.net[: c.count] = 0.0
@@ -156,6 +162,7 @@ class ContactImpulses(Correction, ABC):
 
     def after_new_extrapolation(self, step: Step) -> None:
         """Task 4.b: momenta extrapolated again satisfy contact; no force, no work."""
+        self._springs_act = False  # what they did is in these momenta
         if self._found.count == 0:
             return
         if self.interfaces is not None:
@@ -199,7 +206,7 @@ class ContactImpulses(Correction, ABC):
             self._find_impulses(here, grid.f, self._used)
             self._call(
                 impulses.add_to_momenta, self._axes, c.count, c.fields, c.rows.dp, here, grid.mp, grid.f,
-                parallel=self._parallel,
+                parallel=self._adds_parallel,
             )  # fmt: skip
 
     def _correct_velocities(
@@ -217,7 +224,7 @@ class ContactImpulses(Correction, ABC):
             self._find_impulses(here, v, self._used if laws is None else laws)
             self._call(
                 impulses.add_to_velocities, self._axes, c.count, c.fields, c.rows.dp, here, self._grid.mp, v,
-                parallel=self._parallel,
+                parallel=self._adds_parallel,
             )  # fmt: skip
 
     def _place(self, dt: float, advance: float) -> Place:
@@ -229,7 +236,7 @@ class ContactImpulses(Correction, ABC):
             evolving=self._evolving,
             displacement_only=self._ways.displacement_only,
             drives=False,
-            forces_known=self._forces_known,
+            springs_act=self._springs_act,
             dt=dt,
             advance=advance,
         )
@@ -264,7 +271,7 @@ class ContactImpulses(Correction, ABC):
                 else:
                     moved, whole = coupled_pairs.find_pair_impulses(
                         self._parameters[which], self._axes, which, c.fields, c.begin, changed, turn,
-                        rounds if turn > 0 else 1, c.geometry, c.rows, here, mp,
+                        rounds if turn > 0 else 1, c.table, c.geometry, c.rows, here, mp, self._grid.f,
                     )  # fmt: skip
                 change, size = change + moved, size + whole
             if turn == 0:

@@ -113,6 +113,6 @@ class Contacts:
                 WORKERS, self._dimensions, max(most, 2 * kept, 32), matter.X0 is not None, needs_radius
             )
         self._call(
-            find_geometry, normal, separation, (0.0,) * self._dimensions, self.count, self.fields, self.table, around,
+            find_geometry, normal, separation, (0.0,) * self._dimensions, self.begin, self.fields, self.table, around,
             near, matter, guesses, self._buffers, self.geometry, parallel=parallel,
         )  # fmt: skip

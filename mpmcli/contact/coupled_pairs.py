@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmcli.contact.impulses import relative_momentum
-from mpmcli.contact.laws.impulse import law_impulse
+from mpmcli.contact.impulses import impulse_of, normal_force, relative_momentum
+from mpmcli.contact.laws.impulse import is_soft
 from mpmcli.core.compiled.kernel import called_once, inline
 
 Array = np.ndarray
@@ -53,7 +53,9 @@ def start_pairs(axes, count, fields, nodes, geometry, rows, here, mp, v):
 
 
 @called_once
-def find_pair_impulses(law, axes, which, fields, begin, changed, first, rounds, geometry, rows, here, mp):
+def find_pair_impulses(
+    law, axes, which, fields, begin, changed, first, rounds, nodes, geometry, rows, here, mp, f
+):  # fmt: skip
     """Find the impulses ``rows.total`` of all pairs that law ``which`` governs; ``dp`` and ``found`` are scratch.
 
     Round 0 takes each pair by itself. Later ones take those of the nodes that ``choose_pairs`` has chosen, each on what
@@ -75,9 +77,14 @@ def find_pair_impulses(law, axes, which, fields, begin, changed, first, rounds, 
                 if not settled:
                     wanted = rows.dp[k]
                     reduced = wanted_by_pair(axes, k, fields, begin, turn > 0, rows, mp, wanted)
-                    rows.state[k] = law_impulse(
-                        law, axes, wanted, geometry.normal[k], rows.separation_now[k], geometry.area[k], reduced,
-                        here.dt, here.displacement_only, geometry.bond[k], rows.found[k],
+                    if here.after_forces and is_soft(law):
+                        rows.push[k] = normal_force(
+                            axes, fields.alpha[k], fields.first[k], fields.last[k], False, nodes, mp, f,
+                            geometry.normal[k],
+                        )  # fmt: skip
+                    rows.state[k] = impulse_of(
+                        law, axes, wanted, geometry.normal[k], geometry.separation[k], rows.separation_now[k],
+                        rows.push[k], geometry.area[k], reduced, here, geometry.bond[k], rows.found[k],
                     )  # fmt: skip
                     change += take_total(axes, k, slot, changed, turn, rows)
                 size += magnitude(axes, rows.total[k])

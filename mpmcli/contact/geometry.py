@@ -258,7 +258,7 @@ def find_geometry(
     normal_method,
     separation_method,
     axes,
-    count,
+    begin,
     fields,
     nodes,
     around,
@@ -270,17 +270,19 @@ def find_geometry(
 ):
     """Normal, separation and area of every contact, from the particles that its node sees.
 
-    ``guesses`` (dofs, d) may be None. ``buffers`` has ``Neighbours`` in each row, for a chunk of contacts.
+    ``begin`` (slots + 1,) is where the contacts of each node begin. ``guesses`` (dofs, d) may be None; contacts of one
+    node read what those before them found, so that chunks are of nodes. ``buffers`` has ``Neighbours`` in each row, for
+    a chunk.
     """
     # unfolded: numba drops what a parallel loop writes through a tuple
     normal, separation, distances, area, intact, status = geometry
-    workers = buffers.side.shape[0]
+    workers, slots = buffers.side.shape[0], nodes.node.shape[0]
     for c in prange(workers):
         neighbours = Neighbours(
             buffers.x[c], buffers.side[c], buffers.S[c], buffers.G[c], buffers.volume[c], buffers.mass[c],
             row_of(buffers.displacement, c), row_of(buffers.radius_inverse, c), buffers.work[c],
         )  # fmt: skip
-        for k in range(count * c // workers, count * (c + 1) // workers):
+        for k in range(begin[slots * c // workers], begin[slots * (c + 1) // workers]):
             slot = fields.slot[k]
             alpha, beta = (
                 field_at(nodes, fields.alpha[k]),

@@ -62,7 +62,7 @@ class Place(NamedTuple):
     evolving : as the "Evolving" method does, else by "Net" (``increments``)
     displacement_only : contact wherever the separation is negative
     drives : the impulses ``ImpulseRows.drive`` are to be left between the sides (``overlap``)
-    forces_known : the forces of the step are known, so that laws with finite stiffness press on increments
+    springs_act : the forces of the step are known and act, so that laws with finite stiffness press on increments
     dt : time step [time]
     advance : time over which the separation still closes (Nairn 2023, Eq. 3.56) [time]
     """
@@ -74,7 +74,7 @@ class Place(NamedTuple):
     evolving: bool
     displacement_only: bool
     drives: bool
-    forces_known: bool
+    springs_act: bool
     dt: float
     advance: float
 
@@ -144,6 +144,25 @@ def normal_force(axes, alpha, first, last, rigid, nodes, mp, f, n):
     return (m_alpha * theirs - m_beta * mine) / (m_alpha + m_beta)
 
 
+@inline
+def impulse_of(law, axes, wanted, normal, gap, gap_now, push, area, reduced, here, bond, out):
+    """Impulse of a contact by its law into ``out`` (d,).
+
+    ``gap`` is the separation at the start of the step, ``gap_now`` that which decides on contact of hard sides.
+    """
+    if not is_soft(law):
+        return law_impulse(
+            law, axes, wanted, normal, gap_now, area, reduced, here.dt, here.displacement_only, bond, out
+        )
+    if here.after_forces or (here.of_increment and here.springs_act):
+        return law_impulse_at_end(
+            law, axes, wanted, normal, gap, push, area, reduced, here.dt, here.displacement_only, bond, out
+        )
+    return leave(
+        axes, out
+    )  # a spring acts once in a step: as a hard contact elsewhere, it would never be pressed
+
+
 @kernel
 def find_impulses(law, axes, which, count, fields, nodes, geometry, rows, here, mp, f, v):
     """Find the momentum change Δp of α at every contact of one stage that law ``which`` governs, into ``rows.dp``.
@@ -156,7 +175,6 @@ def find_impulses(law, axes, which, count, fields, nodes, geometry, rows, here, 
     """
     # unfolded: numba drops what a parallel loop writes through a tuple
     separation_now, push, state = rows.separation_now, rows.push, rows.state
-    dt, displacement_only = here.dt, here.displacement_only
     for k in prange(count):
         if fields.law[k] != which or fields.stage[k] != here.stage or fields.pair[k]:
             continue
@@ -179,27 +197,10 @@ def find_impulses(law, axes, which, count, fields, nodes, geometry, rows, here, 
                     dp0[a] -= rows.drive[k] * normal[a]
         if here.after_forces and is_soft(law):
             push[k] = normal_force(axes, alpha, first, last, rigid, nodes, mp, f, normal)
-        if not is_soft(law):
-            state[k] = law_impulse(
-                law,
-                axes,
-                wanted,
-                normal,
-                separation_now[k],
-                area,
-                reduced,
-                dt,
-                displacement_only,
-                bond,
-                given,
-            )
-        elif here.after_forces or (here.of_increment and here.forces_known):
-            state[k] = law_impulse_at_end(
-                law, axes, wanted, normal, geometry.separation[k], push[k], area, reduced, dt, displacement_only,
-                bond, given,
-            )  # fmt: skip
-        else:  # a spring acts once in a step: as a hard contact elsewhere, the sides would never press on it
-            state[k] = leave(axes, given)
+        state[k] = impulse_of(
+            law, axes, wanted, normal, geometry.separation[k], separation_now[k], push[k], area, reduced, here, bond,
+            given,
+        )  # fmt: skip
         if here.of_increment:
             increments.finish_increment(
                 axes, here.evolving, dp0, wanted, given, rows.prior[k], rows.net[k], rows.dp[k]

@@ -136,7 +136,7 @@ class FaceContact(ContactImpulses):
 
     def after_extrapolation(self, step: Step) -> None:
         """Task 1.a: find the pairs of sides in contact, and let the extrapolated momenta satisfy them."""
-        self._forces_known = False
+        self._forces_known = self._springs_act = False
         to_node = self.interfaces is not None and self.interfaces.act_at_node(step.plan)
         count = self.contacts.find(self._particles.F, to_node)
         if count > 0 and self._acts_at_once:
@@ -148,7 +148,7 @@ class FaceContact(ContactImpulses):
 
     def after_update(self, step: Step) -> None:
         """Task 3.a: let the updated momenta satisfy contact."""
-        self._forces_known = True
+        self._forces_known = self._springs_act = True
         if not self._acts_at_once:
             super().after_update(step)
         elif self.contacts.count > 0:

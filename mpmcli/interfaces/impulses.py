@@ -8,7 +8,7 @@ from mpmcli.contact import increments
 from mpmcli.contact.coupled_pairs import is_left_out, is_settled, magnitude, take_total, wanted_by_pair
 from mpmcli.contact.fields_in_contact import is_rigid
 from mpmcli.contact.impulses import relative_momentum, share_of_work
-from mpmcli.contact.laws.impulse import TINIEST, dot, law_impulse, law_impulse_at_end
+from mpmcli.contact.laws.impulse import TINIEST, dot, is_soft, law_impulse, law_impulse_at_end, leave
 from mpmcli.core.compiled.kernel import called_once, inline, kernel, prange
 from mpmcli.interfaces.base import (
     BREAKS,
@@ -89,6 +89,8 @@ def impulse_of(
                 0.0,
                 out,
             )
+        if is_soft(closed):  # a spring acts once in a step (``contact.impulses.find_impulses``)
+            return leave(axes, out)
         return law_impulse(
             closed, axes, wanted, normal, gap_now, area, reduced, here.dt, here.displacement_only, 0.0, out
         )

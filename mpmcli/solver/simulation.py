@@ -157,7 +157,7 @@ class Simulation(Parts):
             )
             self.damping.rigid = self.rigid
         if plan.has_loads:
-            self.loads = self._make_loads(scene, completes_mass=others is not None)
+            self.loads = self._make_loads(scene, None if others is None else others.complete_scalars)
         if plan.has_contact:
             self.contact = NodalContact(
                 setup.choose_contact(scene, plan), self.order, self.transfer, self.conditions, mirror, self.rigid,
@@ -365,7 +365,7 @@ class Simulation(Parts):
         setup.add_friction(found, models, self.grid, self.state, self.transfer)
         return found
 
-    def _make_loads(self, scene: Any, completes_mass: bool) -> Loads:
+    def _make_loads(self, scene: Any, complete: Any) -> Loads:
         rigid = self.rigid
         return Loads(
             setup.loads_by_clocks(scene, self.clocks),
@@ -379,7 +379,7 @@ class Simulation(Parts):
             bodies=self.state.bodies,
             shown=self.surfaces.shown,
             rigid_dofs=None if rigid is None else lambda: rigid.dofs,
-            completes_mass=completes_mass,
+            complete=complete,
             parallel=self.parallel,
             impedance=lambda load: setup.impedance_of(scene, load, self.particles),
             areas=lambda weights: self._nodal_areas(weights),

@@ -85,23 +85,59 @@ def test_particles_have_the_impedance_of_their_own_numbers(plain_python, tmp_pat
     assert one.time_step.courant == several.time_step.courant
 
 
-def test_a_force_takes_no_more_than_the_momentum():
+def double(sums):
+    sums *= 2.0
+
+
+@pytest.mark.parametrize(("complete", "of_image"), [(None, 0.0), (double, 0.5)])
+def test_a_force_takes_no_more_than_the_momentum(complete, of_image):
+    """An image that gives as much takes its half of it."""
     grid = Grid(np.zeros(1), np.full(1, 4.0), np.ones(1), 0, 2)
     grid.active, grid.active_version = np.arange(5), 1
     load = Absorbing(name="a", on={"plane": {"axis": "x", "at": 4.0}})
     areas = np.array([[1.0], [0.5], [0.0], [-0.5], [-1.0]])
-    dashpots = PlaneDashpots([(load, np.full((1, 1), 3.0))], grid, lambda Z: Z[0] * areas)
+    dashpots = PlaneDashpots([(load, np.full((1, 1), 3.0))], grid, lambda Z: Z[0] * areas, complete)
     mp = np.array([[1.0, 2.0]] * 4 + [[0.5, 2.0]])
     f = np.zeros((5, 1))
     dashpots.add(0.0, mp, f, 0.01)
     assert f.T.tolist() == [[0.0, 0.0, 0.0, 0.0, pytest.approx(-3.0 * 2.0 / 0.5)]]
     f[:] = 0.0
     dashpots.add(0.0, mp, f, 1.0)
-    assert f[4, 0] == -2.0
+    assert f[4, 0] == -2.0 * (1.0 - of_image)
     mp[4, 0] = 0.0
     f[:] = 0.0
     dashpots.add(0.0, mp, f, 1.0)
     assert f[4, 0] == 0.0
+
+
+HALF = """
+version: 1
+analysis: {kind: plane_strain}
+grid: {lower: [0, 0], upper: [4, 4], cell: 1}
+method: {shape: b2gimp, transfer: {kind: flip}}
+materials: {m: {kind: linear_elastic, E: 1, nu: 0, density: 1}}
+bodies:
+  - {name: b, material: m, region: {kind: box, lower: [LEFT, 1], upper: [3, 2]}, velocity: [0, -0.01]}
+boundary: SYMMETRY
+loads:
+  - {name: base, kind: absorbing, on: {plane: {axis: y, at: 1}}}
+time: {end: 1, step: 0.5}
+"""
+
+
+def test_forces_on_light_nodes_beside_a_symmetry_plane_are_those_of_the_whole(plain_python):
+    motions = []
+    for left, symmetry in (
+        ("1", "[]"),
+        ("2", "[{name: s, kind: symmetry, plane: {axis: x, at: 2, side: lower}}]"),
+    ):
+        with plain_python():
+            s = Simulation(load_scene(HALF.replace("LEFT", left).replace("SYMMETRY", symmetry)))
+            right = s.particles.X[0] > 2.0
+            s.step()
+        motions.append(s.particles.V[:, right])
+    assert (motions[0][1] > -0.009).any()
+    assert motions[1] == pytest.approx(motions[0], abs=1e-15)
 
 
 @pytest.mark.parametrize(

@@ -4,10 +4,13 @@ import math
 
 import numpy as np
 import pytest
+import yaml
 from pydantic import ValidationError
 
 from mpmcli.contact.laws import LAWS
 from mpmcli.interfaces.base import BREAKS, HISTORY, damage, jump_impulse, remember
+from mpmcli.scene.loader import load_scene
+from mpmcli.solver.simulation import Simulation
 
 NORMAL = {"shape": "triangular", "strength": 5, "toughness": 0.5}
 SHEAR = {"shape": "triangular", "strength": 8, "toughness": 1.0}
@@ -135,3 +138,39 @@ def test_words_about_it():
     assert law.closed_law.kind == "frictionless"
     assert law.normal.resistance == pytest.approx((5, 0.5, 0.2))
     assert law_of(tangential={"shape": "linear", "stiffness": 3}).last_opening == math.inf
+
+
+@pytest.mark.parametrize("update", ["usl", "usavg+"])
+@pytest.mark.parametrize("transfer", [{"kind": "flip"}, {"kind": "fmpm", "order": 3}])
+def test_broken_faces_are_in_contact_by_the_closed_law(update, transfer):
+    """Of a contact with a stiffness, too: sides that were never bonded press on each other as the same contact does."""
+    spring = {"kind": "frictionless", "stiffness": 20}
+    joint = {"kind": "cohesive", "normal": NORMAL, "tangential": SHEAR, "closed": spring, "bonded": "x - 6"}
+    places = {"a": [0, 2], "b": [2, 4], "c": [7, 9], "d": [9, 11]}
+    motions = []
+    for pairs in ([], [{"between": ["a", "b"], "law": spring}]):
+        scene = {
+            "version": 1,
+            "analysis": {"kind": "uniaxial_strain"},
+            "grid": {"lower": [-2], "upper": [13], "cell": 1},
+            "method": {"shape": "linear", "update": update, "transfer": transfer},
+            "materials": {"soft": {"kind": "linear_elastic", "E": 100, "nu": 0, "density": 1}},
+            "bodies": [
+                {
+                    "name": name,
+                    "material": "soft",
+                    "region": {"kind": "box", "lower": ends[:1], "upper": ends[1:]},
+                    "velocity": [-float(name in "bd")],
+                }
+                for name, ends in places.items()
+            ],
+            "contact": {"law": joint, "pairs": pairs, "interface": {"area": "volumes"}},
+            "time": {"end": 1, "courant": 0.2},
+        }
+        simulation = Simulation(load_scene(yaml.safe_dump(scene)))
+        for _ in range(10):
+            simulation.step()
+        p = simulation.particles
+        motions.append(p.V[0, p.body < 2])
+    assert np.abs(motions[0][:4]).max() > 0.01
+    assert (motions[0] == motions[1]).all()

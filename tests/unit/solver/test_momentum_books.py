@@ -1,0 +1,40 @@
+"""The momentum balance: m V changes by the reactions times Δt."""
+
+import numpy as np
+import pytest
+
+from mpmcli.scene.loader import load_scene
+from mpmcli.solver.simulation import Simulation
+
+SCENE = """
+version: 1
+analysis: {{kind: plane_strain}}
+grid: {{lower: [0, 0], upper: [6, 8], cell: 1}}
+method: {{shape: ugimp, update: {update}, transfer: {{kind: {transfer}}}}}
+materials: {{soft: {{kind: neo_hookean, density: 1, E: 10, nu: 0.3}}}}
+bodies:
+  - {{name: low, material: soft, region: {{kind: box, lower: [2, 1], upper: [4, 4]}}, velocity: [0.2, -1]}}
+  - {{name: high, material: soft, region: {{kind: box, lower: [2, 4], upper: [4, 6]}}, velocity: [0, -2]}}
+contact: {{law: {{kind: coulomb, friction: 0.3}}}}
+boundary:
+  - {{name: floor, kind: symmetry, plane: {{axis: y, at: 1}}}}
+  - {{name: piston, kind: velocity, on: {{plane: {{axis: y, at: 6}}}}, direction: y, value: -1}}
+time: {{end: 10, courant: 0.3}}
+"""
+
+
+@pytest.mark.parametrize("transfer", ["flip", "fmpm, order: 2"])
+@pytest.mark.parametrize("update", ["usl+", "usavg+"])
+def test_momenta_extrapolated_again_are_no_reactions(update, transfer, plain_python):
+    """Contact lets conditions hold momenta that are extrapolated again, for strains alone."""
+    with plain_python():
+        simulation = Simulation(load_scene(SCENE.format(update=update, transfer=transfer)))
+        p, state = simulation.particles, simulation.state
+        for _ in range(3):
+            before = (p.mass * p.V).sum(axis=1)
+            simulation.step()
+            given = sum(state.reactions.values()) * state.dt
+            assert abs(given[1]) > 0.1
+            assert (p.mass * p.V).sum(axis=1) - before == pytest.approx(
+                given, abs=1e-12 * np.abs(before).max()
+            )
