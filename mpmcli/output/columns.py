@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -158,11 +158,17 @@ def resolve_columns(
     return list(chosen.values())
 
 
-def chosen_names(names: Iterable[str], noun: str, known: Iterable[str], path: str, code: str) -> list[str]:
-    """The names, each once; SceneError lists all that are not known, with the nearest one."""
+def chosen_names(
+    names: Iterable[str], noun: str | Callable[[str], str], known: Iterable[str], path: str, code: str
+) -> list[str]:
+    """The names, each once; SceneError lists all that are not known, with the nearest one or the words for it."""
     names, known = list(names), list(known)
     problems = [
-        Problem(f"{path}.{index}", unknown_name(name, noun, known), code=code)
+        Problem(
+            f"{path}.{index}",
+            unknown_name(name, noun, known) if isinstance(noun, str) else noun(name),
+            code=code,
+        )
         for index, name in enumerate(names)
         if name not in known
     ]
@@ -187,7 +193,16 @@ def unknown_column(name: str, names: Iterable[str], context: Context) -> str:
             words = crack_quantities.why_missing(quantity, owner, context)
             if words:
                 return f"'{name}' {words}"
-    return unknown_name(name, "column of this scene", names)
+    return _absent(name, PLACES, context) or unknown_name(name, "column of this scene", names)
+
+
+def _absent(name: str, places: Iterable[str], context: Context) -> str:
+    """Return what is said of a name that other scenes have; empty where there is none."""
+    base = name.partition("[")[0]
+    named = [q for q in QUANTITIES.at(*places) if q.name in (base, base.rpartition("_")[0])]
+    if not named or any(quantity.exists(context) for quantity in named):
+        return ""
+    return f"'{name}' does not exist in this scene ({named[0].description.partition(';')[0]})"
 
 
 def fields_of(context: Context) -> dict[str, Quantity]:
@@ -228,4 +243,8 @@ def resolve_fields(
 ) -> list[Quantity]:
     """The quantities of particles with these names, each once; SceneError names all that are unknown."""
     known = fields_of(context)
-    return [known[name] for name in chosen_names(names, "field of particles", known, path, "unknown_field")]
+
+    def words(name: str) -> str:
+        return _absent(name, ("particle",), context) or unknown_name(name, "field of particles", known)
+
+    return [known[name] for name in chosen_names(names, words, known, path, "unknown_field")]

@@ -52,8 +52,8 @@ class Table:
         self.path, self.columns = path, list(columns)
         self.position = (0, 0)
         with writing(path):
-            # the buffer is flushed with each row: what was written survives a crash of the program
-            self._stream = open(path, "wb" if position is None else "r+b")  # noqa: SIM115
+            # no buffer: what was written survives a crash of the program
+            self._stream = open(path, "wb" if position is None else "r+b", buffering=0)  # noqa: SIM115
             if position is not None:
                 self._compare(position)
         if position is None:
@@ -88,10 +88,15 @@ class Table:
         row = io.StringIO()
         csv.writer(row, lineterminator="\n").writerow(cells)
         line = row.getvalue().encode()
-        with writing(self.path):
-            self._stream.write(line)
-            self._stream.flush()
         size, checksum = self.position
+        with writing(self.path):
+            try:
+                left = memoryview(line)
+                while left:
+                    left = left[self._stream.write(left) :]
+            except OSError:  # as on a full disk: no part of a row stays
+                self._stream.truncate(self._stream.seek(size))
+                raise
         self.position = (size + len(line), zlib.crc32(line, checksum))
 
     def sync(self) -> None:

@@ -46,7 +46,12 @@ class Frame:
     components: dict[str, tuple[str, ...]]
 
     def __getitem__(self, name: str) -> Array:
+        if name not in self:
+            raise RequestError(f"the archive has no array '{name}'{_hint(name, list(self.arrays))}")
         return self.arrays[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.arrays
 
     @property
     def count(self) -> int:
@@ -95,7 +100,12 @@ class Table:
     units: dict[str, str] = field(default_factory=dict)
 
     def __getitem__(self, column: str) -> Array:
+        if column not in self:
+            raise RequestError(f"{self.name} has no column '{column}'{_hint(column, self.columns)}")
         return self.numbers[:, self.columns.index(column)]
+
+    def __contains__(self, column: object) -> bool:
+        return column in self.columns
 
     def _repr_html_(self) -> str:
         return html_of_table(self.name, self.columns, self.numbers, self.units)
@@ -189,8 +199,7 @@ class Results:
         probes = {Path(file).stem: file for file in self.table_names() if file != GLOBALS}
         known = [*self.table_names(), *probes]
         if name not in known:
-            hint = did_you_mean(name, known) or f" ({listing(known, 40)})"
-            raise RequestError(f"{self.directory} has no table '{name}'{hint}")
+            raise RequestError(f"{self.directory} has no table '{name}'{_hint(name, known)}")
         return self.table(probes.get(name, name)).to_pandas()
 
     def to_pyvista(self, time: float | None = None) -> Any:
@@ -205,11 +214,10 @@ class Results:
 
     def __getitem__(self, column: str) -> Array:
         """A column of ``globals.csv`` over time."""
-        columns = self.globals.columns
-        if column not in columns:
-            hint = did_you_mean(column, columns) or f" ({listing(columns, 40)})"
-            raise RequestError(f"{self.directory / GLOBALS} has no column '{column}'{hint}")
         return self.globals[column]
+
+    def __contains__(self, column: object) -> bool:
+        return column in self.globals
 
     @cached_property
     def globals(self) -> Table:
@@ -362,6 +370,10 @@ class Results:
 
         held = read_file(path)
         return Frame(held.time, held.points, held.arrays, held.components)
+
+
+def _hint(name: str, known: list[str]) -> str:
+    return did_you_mean(name, known) or f" ({listing(known, 40)})"
 
 
 def optional(library: str) -> Any:

@@ -39,6 +39,9 @@ class EnergyWatch:
     def __init__(self, simulation: Any, scene: Any = None):
         self._simulation = simulation
         self._scene = None if scene is None or dissipates(scene.method.transfer) else scene
+        self._stretches = (
+            scene is not None and _is_fluid(scene) and SHAPES[scene.method.shape].domain == "corners"
+        )
         self._balance = EnergyBalance()
         self._strikes = 0
         self._before = EARLY
@@ -104,6 +107,8 @@ class EnergyWatch:
     def _advice(self) -> str:
         describe = getattr(self._simulation, "describe_extreme", None)
         fastest = f"; {describe('fastest')}" if describe else ""
+        if self._stretches:
+            return f"{fastest}. CPDI domains stretch without limit in a fluid; try method.shape: b2gimp"
         return (
             f"{fastest}. The time step is probably too long; try half of time.courant (or time.step), "
             "a lower order of the transfer, or method.update: usl"
@@ -139,12 +144,16 @@ def dissipates(transfer: Any) -> bool:
     return bool(transfer.order <= 2 or (blend is not None and blend.order == 1 and blend.fraction < 1.0))
 
 
+def _is_fluid(scene: Any) -> bool:
+    return any("fluid" in material.properties for material in scene.materials.values())
+
+
 def remedy(scene: Any) -> str:
     """What to try against a loss of energy: the first advice that the scene does not follow yet."""
     method = scene.method
     if method.update not in ("usl", "usavg"):
         return "method.update: usl"
-    if any("fluid" in material.properties for material in scene.materials.values()):
+    if _is_fluid(scene):
         if method.shape != "b2gimp":
             return "method.shape: b2gimp"
         if method.volumetric == "local":

@@ -46,6 +46,7 @@ def check_tips(scene: Any, filled: Sequence[BodyParticles]) -> list[Problem]:
         reached = _first_reached(tip, near, tips, scene)
         if reached is not None:
             warnings.append(reached)
+        warnings += _warm(tip, near, scene)
     if errors:
         raise SceneError(errors)
     return warnings
@@ -111,6 +112,37 @@ def _first_reached(tip: Tip, near: Domains, tips: Sequence[Tip], scene: Any) -> 
         f"away, and its energy release rate is less accurate; {advice}"
     )
     return Problem(f"fracture.{key}", words, code="domain", severity="warning")
+
+
+def _warm(tip: Tip, near: Domains, scene: Any) -> Iterator[Problem]:
+    """Warn of thermal strain that the integrals leave out."""
+    strain, within = _thermal_strain(near, scene), _domain(scene.fracture)[0] * min(scene.grid.cell)
+    strain = strain[near.distances(tip.place) < within]
+    if not strain.any():
+        return
+    if scene.fracture.energies == "elastic":
+        words = (
+            f"the energy ½σ:ε contains the thermal strain, {strain[np.abs(strain).argmax()]:.2g}; use 'work'"
+        )
+        yield Problem("fracture.energies", words, code="thermal", severity="warning")
+    if np.ptp(strain) > ROUND_OFF * np.abs(strain).max():
+        words = (
+            f"the thermal strain varies by {np.ptp(strain):.2g} within the domain of the tip '{tip.name}'; J, K_I and "
+            "K_II leave out its gradient and may be off by tens of percent, less with a smaller domain"
+        )
+        yield Problem("fracture.outer", words, code="thermal", severity="warning")
+
+
+def _thermal_strain(near: Domains, scene: Any) -> Array:
+    """Return the thermal strains (n,) of particles at the start."""
+    strain = np.zeros(near.body.size)
+    for i, name in enumerate(near.names):
+        body = next(b for b in scene.bodies if b.name == name)
+        material, mine = scene.materials[body.material], near.body == i
+        if body.temperature is not None and getattr(material, "expansion", 0.0) > 0.0:
+            T = body.temperature(**dict(zip("xy", near.X[:, mine], strict=True)))
+            strain[mine] = material.expansion * (T - material.T0)
+    return strain
 
 
 def _domain(fracture: Any) -> tuple[float, str]:

@@ -80,8 +80,16 @@ def test_a_name_may_stand_for_components_and_owners():
 
 def test_asked_columns_that_the_scene_does_not_use_exist_but_contact_does_not():
     assert names(resolve_columns(["plastic_work", "damping_work"], PLAIN)) == ["plastic_work", "damping_work"]
-    with pytest.raises(SceneError, match="'contact_work' is not a column"):
+    with pytest.raises(SceneError, match="'contact_work' does not exist in this scene \\(energy"):
         resolve_columns(["contact_work"], PLAIN)
+
+
+def test_fields_that_only_other_scenes_have_are_no_misspellings():
+    with pytest.raises(SceneError) as caught:
+        resolve_fields(["axis_1", "strss"], PLAIN)
+    absent, misspelt = (problem.message for problem in caught.value.problems)
+    assert absent.startswith("'axis_1' does not exist in this scene (unit vector")
+    assert "did you mean 'stress'?" in misspelt
 
 
 def test_unknown_columns_are_all_reported_with_the_nearest_name():

@@ -204,7 +204,7 @@ CONTACT_COLUMNS = [
 @pytest.mark.parametrize("name", CONTACT_COLUMNS)
 def test_scenes_without_contact_have_none_of_it(name):
     resolve_columns([name], context_for())
-    with pytest.raises(SceneError, match="is not a column of this scene"):
+    with pytest.raises(SceneError, match="does not exist in this scene"):
         resolve_columns([name], PLAIN)
 
 

@@ -120,7 +120,7 @@ def test_scenes_without_an_interface_law_have_none_of_it():
     plain = context_for(interfaces=(), cohesive=())
     assert len(interface_columns()) > 10
     for column in interface_columns():
-        with pytest.raises(SceneError, match="is not a column of this scene"):
+        with pytest.raises(SceneError, match="does not exist in this scene"):
             resolve_columns([column.name], plain)
     assert "damage_of_bond" not in fields_of(plain)
     assert "damage_of_bond" not in fields_of(context_for(cohesive=()))

@@ -73,6 +73,21 @@ def test_a_table_that_cannot_be_written_is_an_archive_error(tmp_path):
         Table(tmp_path / "none" / "a.csv", ["step"])
 
 
+def test_no_part_of_a_row_stays_where_the_disk_is_full(tmp_path):
+    resource = pytest.importorskip("resource")
+    table = Table(tmp_path / "a.csv", ["step", "time"])
+    table.write([0, 0.5])
+    usual = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (18, usual[1]))
+    try:
+        with pytest.raises(ArchiveError, match=r"cannot write .*a\.csv"):
+            table.write([1, 0.5])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, usual)
+    table.close()
+    assert (tmp_path / "a.csv").read_text() == "step,time\n0,0.5\n"
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [

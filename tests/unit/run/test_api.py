@@ -85,6 +85,10 @@ def test_results_are_arrays(loaded, simulation, tmp_path):
     assert results.particles(0.4)["velocity"].shape == (2, 3)
     with pytest.raises(RequestError, match="has no column 'kinetic_energi'; did you mean 'kinetic_energy'"):
         results["kinetic_energi"]
+    with pytest.raises(RequestError, match="no array 'stress_xx'; did you mean 'stress'"):
+        last["stress_xx"]
+    assert ("mass" in results, "mass" in results.globals, "velocity" in last) == (True, True, True)
+    assert ("masss" in results, "masss" in results.globals, "masss" in last) == (False, False, False)
     with pytest.raises(RequestError, match="time 3 is outside"):
         results.particles(3.0)
 

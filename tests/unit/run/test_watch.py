@@ -236,6 +236,21 @@ def test_it_goes_on_from_what_it_remembers(loaded, simulation):
         other.look()
 
 
+@pytest.mark.parametrize(
+    ("shape", "advice"), [("lcpdi", "method.shape: b2gimp"), ("ugimp", "half of time.courant")]
+)
+def test_spurious_energy_of_fluids_is_due_to_domains_that_stretch(loaded, simulation, shape, advice):
+    made = simulation(loaded)
+    watch, state = EnergyWatch(made, scene_of(material="tait_fluid", shape=shape)), made.state
+    for look in (0, 1):
+        state.step = look * EVERY
+        watch.look()
+        state.particles.V *= 10.0
+    state.step = 2 * EVERY
+    with pytest.raises(SimulationError, match=advice):
+        watch.look()
+
+
 def test_it_looks_at_some_steps_only(loaded, simulation):
     made = simulation(loaded)
     watch = EnergyWatch(made)
