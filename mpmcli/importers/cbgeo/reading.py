@@ -130,10 +130,7 @@ def _unknown(model: Any, at: Keys, given: Input) -> Iterator[tuple[int | None, s
 def read_input(path: Path) -> Input:
     """Read and check the main file.
 
-    Raises
-    ------
-    SceneError
-        With every fault and its line.
+    Raises SceneError with every fault and its line.
     """
     text = _text(path, path.name)
     if len(text) > MAX_INPUT:

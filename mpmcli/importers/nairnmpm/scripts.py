@@ -15,10 +15,7 @@ from mpmcli.importers.nairnmpm.script_values import Scalar, ScriptError, text_of
 def read(text: str, path: Path) -> CommandFile:
     """The commands that a script makes.
 
-    Raises
-    ------
-    SceneError
-        With the line of the first command that cannot be run or is not known.
+    Raises SceneError with the line of the first command that cannot be run or is not known.
     """
     maker = _Maker(path)
     try:

@@ -1,7 +1,5 @@
 """NairnMPM's commands one by one, broken sources, and mutated ones."""
 
-from __future__ import annotations
-
 import math
 import random
 import re
