@@ -112,15 +112,7 @@ class Table:
 
 
 class Results:
-    """The files of one run.
-
-    Raises ArchiveError if there is nothing in it that mpmcli wrote.
-
-    Parameters
-    ----------
-    directory
-        Folder of the results.
-    """
+    """The files of one run in its folder; raises ArchiveError if there is nothing in it that mpmcli wrote."""
 
     def __init__(self, directory: Path | str):
         self.directory = Path(directory)
