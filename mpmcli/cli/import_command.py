@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -34,12 +35,11 @@ def command(program: str, file: Path, output: Path | None, partial: bool, overwr
     """
     from mpmcli.cli.files import write_scene
     from mpmcli.core.errors import ArchiveError, SceneError
-    from mpmcli.importers.base import importer
     from mpmcli.importers.scene_text import write
 
     if output is not None and output.exists() and not overwrite:
         raise ArchiveError(f"{output} already exists; use another name, or --overwrite")
-    translation = importer(program).translate(file, partial)
+    translation: Translation = importlib.import_module(f"mpmcli.importers.{program}").translate(file, partial)
     if problems := translation.problems(partial):
         if not translation.errors:
             click.echo("use --partial to write the scene without these commands", err=True)
@@ -90,7 +90,7 @@ def _report(translation: Translation, found: list[Problem], output: Path | None)
     """Say on stderr what became of commands, and what is wrong with the scene."""
     for kind in ("changed", "ignored", "not_supported"):
         for note in translation.of_kind(kind):  # type: ignore[arg-type]
-            click.echo(f"{note.file or translation.source}  {kind.replace('_', ' ')}: {note}", err=True)
+            click.echo(f"{translation.source}  {kind.replace('_', ' ')}: {note}", err=True)
     for problem in found:
         click.echo(str(problem), err=True)
     if output is not None:

@@ -39,6 +39,9 @@ def fill_bodies(
 ) -> list[BodyParticles]:
     """Make the particles of all bodies, in the order of the scene.
 
+    Raises SceneError for all bodies at once that do not fit the analysis, reach out of the grid, hold no particle, or
+    claim places that an earlier body holds (unless their ``overlap`` is ``replace`` or ``keep``).
+
     Parameters
     ----------
     bodies : objects with ``name``, ``region``, ``particles_per_axis`` (one, or one per axis), ``particles_along``
@@ -46,12 +49,6 @@ def fill_bodies(
     grid : object with ``lower``, ``upper``, ``cell`` (d,) [length]
     analysis : tuple of ``core.analysis``; in axisymmetric ones the mirror image at r < 0 is left out
     apart : names of bodies that may lie where others are
-
-    Raises
-    ------
-    SceneError
-        All bodies at once that do not fit the analysis, reach out of the grid, hold no particle, or claim
-        places that an earlier body holds (unless their ``overlap`` is ``replace`` or ``keep``).
     """
     problems: list[Problem] = []
     filled: list[BodyParticles] = []

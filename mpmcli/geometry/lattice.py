@@ -76,10 +76,7 @@ class OwnLattice:
     Their edges are as near to ``cell/parts`` as whole numbers of them allow; so they fill a box exactly wherever it
     stands. Attributes as those of ``GridLattice``.
 
-    Raises
-    ------
-    ValueError
-        If the region has no end.
+    Raises ValueError if the region has no end.
     """
 
     misses_the_grid, parts = False, None

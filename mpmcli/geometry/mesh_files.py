@@ -52,10 +52,7 @@ _LINES, _STRIP = (1, 2, 3, 4), 6
 def read_surface(path: Path) -> Surface:
     """The surface that a file holds, corners that coincide made one.
 
-    Raises
-    ------
-    ValueError
-        The ending is not known, or the file is damaged or holds no surface.
+    Raises ValueError if the ending is not known, or the file is damaged or holds no surface.
     """
     ending = path.suffix.lower()
     if ending not in _READERS:

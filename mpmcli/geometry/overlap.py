@@ -23,9 +23,7 @@ def settle_overlaps(
 ) -> tuple[list[BodyParticles], list[Found]]:
     """Remove particles as the bodies' ``overlap`` says, and list the overlaps that it does not allow.
 
-    Returns
-    -------
-    list of the particles that stay, per body; list of (body, words, place in the body) for what is wrong
+    Returns the particles that stay, per body, and (body, words, place in the body) of what is wrong.
     """
     kept = [np.ones(particles.count, dtype=bool) for particles in filled]
     found: list[Found] = []

@@ -156,12 +156,7 @@ def sampled_measure(
 
 
 def report_table(reports: Sequence[BodyReport], units: dict[str, str] | None = None) -> str:
-    """The reports as a text table.
-
-    Parameters
-    ----------
-    units : labels of ``length`` and ``mass`` for the headings
-    """
+    """The reports as a text table; ``units`` are the labels of ``length`` and ``mass`` for the headings."""
     length = (units or {}).get("length", "")
     mass = (units or {}).get("mass", "")
     heads = [

@@ -1,24 +1,18 @@
-"""A translation: the scene as data, what is noted about the source, and the table of importers.
+"""A translation: the scene as data, and what is noted about the source.
 
-Each importer is a package with a function ``translate(path, partial) -> Translation``.
+Each importer is a package with a function ``translate(path, partial) -> Translation``. Faults and commands that are not
+supported are kept in the translation; with ``partial``, such commands may leave gaps in the scene.
 """
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.files import NoPlainFile, TooLarge, read_plain
-
-IMPORTERS = {
-    "cbgeo": "mpmcli.importers.cbgeo",
-    "nairnmpm": "mpmcli.importers.nairnmpm",
-}
-"""Module of each importer, by the name of its program on the command line."""
 
 MAX_SOURCE = 50_000_000
 """Bytes of one source file."""
@@ -45,7 +39,6 @@ class Note:
     line: int | None
     command: str
     words: str
-    file: str | None = None
 
     def __str__(self) -> str:
         place = f"line {self.line}: " if self.line is not None else ""
@@ -81,24 +74,23 @@ class Translation:
         before = self.comments.get(key)
         self.comments[key] = f"{before}; {words}" if before else words
 
-    def note(
-        self, kind: NoteKind, line: int | None, command: str, words: str, file: str | None = None
-    ) -> None:
+    def note(self, kind: NoteKind, line: int | None, command: str, words: str) -> None:
         """Add a note, once."""
-        note = Note(kind, line, command, words, file)
+        note = Note(kind, line, command, words)
         if note not in self.notes:
             self.notes.append(note)
 
     def of_kind(self, kind: NoteKind) -> list[Note]:
-        """The notes of one kind, by file and line."""
-        found = [note for note in self.notes if note.kind == kind]
-        return sorted(found, key=lambda note: (note.file or "", note.line or 0))
+        """The notes of one kind, by line."""
+        return sorted((note for note in self.notes if note.kind == kind), key=lambda note: note.line or 0)
 
-    def error(self, line: int | None, command: str, words: str, file: str | None = None) -> None:
+    def error(self, line: int | None, command: str, words: str) -> None:
         """Add a fault of the source, once."""
-        problem = Problem(command, words, file or str(self.source), line, code="source")
-        if problem not in self.errors:
-            self.errors.append(problem)
+        self.refuse(SceneError([Problem(command, words, str(self.source), line, code="source")]))
+
+    def refuse(self, error: SceneError) -> None:
+        """Keep the problems of an error with the others."""
+        self.errors += [problem for problem in error.problems if problem not in self.errors]
 
     def line_of(self, key: str) -> int | None:
         """The line of the source for a dotted key of the scene: that of its first part, or of its nearest parent."""
@@ -115,13 +107,7 @@ class Translation:
         """Faults of the source and, unless the scene may be partial, what is not supported, by file and line."""
         lacking = [] if partial else self.of_kind("not_supported")
         found = [
-            Problem(
-                note.command,
-                f"not supported: {note.words}",
-                note.file or str(self.source),
-                note.line,
-                code="not_supported",
-            )
+            Problem(note.command, f"not supported: {note.words}", str(self.source), note.line, code=note.kind)
             for note in lacking
         ]
         return sorted([*self.errors, *found], key=lambda problem: (problem.file or "", problem.line or 0))
@@ -135,23 +121,6 @@ def _dotted(scene: Any, path: KeyPath) -> str:
         named = isinstance(part, int) and isinstance(scene, dict) and "name" in scene
         words.append(str(scene["name"] if named else part))
     return ".".join(words)
-
-
-class Importer(Protocol):
-    """What the package of an importer offers."""
-
-    def translate(self, path: Path, partial: bool) -> Translation:
-        """Translate a source; faults and commands that are not supported are kept in the translation.
-
-        With ``partial``, unsupported commands may leave gaps in the scene.
-        """
-        ...
-
-
-def importer(program: str) -> Importer:
-    """The importer of a program, imported now."""
-    module: Importer = importlib.import_module(IMPORTERS[program])  # type: ignore[assignment]
-    return module
 
 
 def free_name(name: str, taken: Collection[str], gap: str = "_") -> str:

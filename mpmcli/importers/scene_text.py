@@ -70,9 +70,7 @@ def number_text(value: float) -> str:
 
 
 def _note_lines(note: Note) -> list[str]:
-    where = f"{note.file}, " if note.file else ""
-    text = _one_line(f"{where}{note}")
-    return textwrap.wrap(text, WIDTH, initial_indent="#   ", subsequent_indent="#     ")
+    return textwrap.wrap(_one_line(str(note)), WIDTH, initial_indent="#   ", subsequent_indent="#     ")
 
 
 def _one_line(text: str) -> str:

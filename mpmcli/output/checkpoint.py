@@ -189,12 +189,8 @@ def set_damaged_aside(directory: Path) -> Path:
 def read_checkpoint(path: Path, header_only: bool = False) -> Checkpoint:
     """Read and verify a checkpoint.
 
-    Raises
-    ------
-    DamagedCheckpoint
-        If any byte is not as it was written, or the file is cut off.
-    ArchiveError
-        If there is none, it is not a checkpoint of mpmcli, or one of a later format.
+    Raises DamagedCheckpoint if any byte is not as it was written, or the file is cut off, and ArchiveError if there is
+    none, it is not a checkpoint of mpmcli, or one of a later format.
     """
     try:
         with open(path, "rb") as stream:

@@ -34,12 +34,7 @@ _OWNED = re.compile(r"([A-Za-z_]\w*)\[([^\[\]]*)\]")
 
 
 class Criteria:
-    """Reads conditions of a scene.
-
-    Parameters
-    ----------
-    scene, context : the scene, and what it has
-    """
+    """Reads conditions of a scene, given what it has."""
 
     def __init__(self, scene: Any, context: Context):
         self._constants = dict(scene.constants)

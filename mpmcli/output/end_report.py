@@ -10,16 +10,10 @@ from mpmcli.core.state import State
 def interface_facts(state: State, largest: float) -> dict[str, Any]:
     """Return what the manifest keeps of interfaces, ``{}`` without them; energies are those of the full ring.
 
-    Parameters
-    ----------
-    largest : largest kinetic_energy + |stress_work| so far, 0 where it is not known [energy]
-
-    Returns
-    -------
-    dict
-        ``interfaces``: ``work`` that they took out of the bodies, ``energy`` stored in them, ``cohesive_work``,
-        ``loss`` that is none of both, ``relative_loss`` over ``largest`` or None, and ``lost``, the contacts of all
-        steps that opened by more than a cell, or broke because they slipped by more than half a cell.
+    ``interfaces``: ``work`` that they took out of the bodies, ``energy`` stored in them, ``cohesive_work``,
+    ``loss`` that is none of both, ``relative_loss`` over ``largest`` or None, and ``lost``, the contacts of all
+    steps that opened by more than a cell, or broke because they slipped by more than half a cell. ``largest`` is
+    the largest kinetic_energy + |stress_work| so far, 0 where it is not known [energy].
     """
     view = None if state.contact is None else state.contact.interfaces
     if view is None:
@@ -60,12 +54,9 @@ def lost_in_words(lost: int) -> str:
 def crack_facts(state: State) -> dict[str, Any]:
     """Return what the manifest keeps of cracks, ``{}`` without them; energies are those of the full ring.
 
-    Returns
-    -------
-    dict
-        ``cracks``: ``name``, ``length``, ``points``, ``tips`` (number of ends that are tips) and ``released_energy`` of
-        each, and ``stretch``: largest and smallest length of its segments over their first one, where points stay;
-        ``third_cracks``: nodes of all steps at which a third crack was left out.
+    ``cracks``: ``name``, ``length``, ``points``, ``tips`` (number of ends that are tips) and ``released_energy`` of
+    each, and ``stretch``: largest and smallest length of its segments over their first one, where points stay;
+    ``third_cracks``: nodes of all steps at which a third crack was left out.
     """
     view = state.cracks
     if view is None:

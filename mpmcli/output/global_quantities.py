@@ -30,9 +30,9 @@ class EnergyBalance:
     def update(self, snapshot: Snapshot) -> float:
         """Take one state into account and return its energy error [-]."""
         kinetic, work = snapshot.total_kinetic_energy, _stress_work(snapshot)
-        total = kinetic + work + _work(snapshot, "contact_work") + _work(snapshot, "damping_work")
-        total += _work(snapshot, "interface_work")
-        total -= _work(snapshot, "boundary_work") + _work(snapshot, "external_work")
+        total = kinetic + work + work_of(snapshot, "contact_work") + work_of(snapshot, "damping_work")
+        total += work_of(snapshot, "interface_work")
+        total -= work_of(snapshot, "boundary_work") + work_of(snapshot, "external_work")
         if self.initial is None:
             self.initial = total
             if snapshot.particles.tau.any():
@@ -42,7 +42,8 @@ class EnergyBalance:
         return snapshot.energy_error
 
 
-def _work(snapshot: Snapshot, name: str) -> float:
+def work_of(snapshot: Snapshot, name: str) -> float:
+    """Return an energy that the solver accumulates, of the full ring, 0 if it does not [energy]."""
     return snapshot.state.work.get(name, 0.0) * snapshot.full_ring
 
 
@@ -127,7 +128,7 @@ def _history_energy(name: str, symbol: str, text: str) -> Quantity:
 
 def _accumulated_energy(name: str, symbol: str, text: str, **when: Any) -> Quantity:
     is_used = {"is_default": lambda context: name in context.work}
-    return _energy(name, symbol, lambda s: _work(s, name), text, **is_used, **when)
+    return _energy(name, symbol, lambda s: work_of(s, name), text, **is_used, **when)
 
 
 QUANTITIES.add(

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.output.contact_quantities import MOST_PAIRS
-from mpmcli.output.global_quantities import deformable_bodies, deformable_materials
+from mpmcli.output.global_quantities import deformable_bodies, deformable_materials, work_of
 from mpmcli.output.quantities import QUANTITIES, Quantity
 from mpmcli.output.snapshot import Snapshot
 
@@ -25,11 +25,11 @@ def _inflow(s: Snapshot) -> float:
 
 
 def _part(name: str) -> Callable[[Snapshot], float]:
-    return lambda s: s.state.work.get(name, 0.0) * s.full_ring
+    return lambda s: work_of(s, name)
 
 
 def _heat_error(s: Snapshot) -> float:
-    parts = [_part(name)(s) for name in ("boundary_heat", "friction_heat", "source_heat")]
+    parts = [work_of(s, name) for name in ("boundary_heat", "friction_heat", "source_heat")]
     left = s.state.extra.get("deleted_heat", 0.0)
     content = s.total(s.heat_capacity * s.temperature)
     moved = s.total(np.abs(s.heat_inflow))

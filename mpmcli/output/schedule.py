@@ -8,12 +8,7 @@ from mpmcli.core.times import is_reached
 
 
 class Schedule:
-    """Due times 0, every, 2 every, …
-
-    Parameters
-    ----------
-    every : time between outputs [time]; infinite if there is to be none after time 0
-    """
+    """Due times 0, every, 2 every, … [time]; ``every`` is infinite if there is to be no output after time 0."""
 
     def __init__(self, every: float):
         if not every > 0.0:

@@ -51,6 +51,8 @@ def compare(
 ) -> list[Difference]:
     """Differences between two CSV tables, or all tables of two results folders.
 
+    Raises ArchiveError if a file cannot be read, or a file is compared with a folder.
+
     Parameters
     ----------
     a, b
@@ -67,11 +69,6 @@ def compare(
     -------
     list of Difference
         At most one per column, at the row where the difference is largest; empty if the tables agree.
-
-    Raises
-    ------
-    ArchiveError
-        If a file cannot be read, or a file is compared with a folder.
     """
     first, second = Path(a), Path(b)
     for path in (first, second):
@@ -107,7 +104,8 @@ def _tables_of(directory: Path) -> set[str]:
     return names
 
 
-def _matches(name: str, pattern: str) -> bool:
+def matches(name: str, pattern: str) -> bool:
+    """Whether the name of a column is this pattern, in which only ``*`` stands for any text."""
     return name == pattern or fnmatchcase(name, pattern.replace("[", "[[]").replace("?", "[?]"))
 
 
@@ -115,7 +113,7 @@ def _never_found(table: str, columns: Sequence[str], names: set[str]) -> list[Di
     return [
         Difference(table, f"'{pattern}' is in neither table{did_you_mean(pattern, names)}", column=pattern)
         for pattern in columns
-        if not any(_matches(name, pattern) for name in names)
+        if not any(matches(name, pattern) for name in names)
     ]
 
 
@@ -135,7 +133,7 @@ def _compare_tables(
     if columns is not None:
         if not is_part:
             found += _never_found(table, columns, set(names))
-        names = [name for name in names if any(_matches(name, pattern) for pattern in columns)]
+        names = [name for name in names if any(matches(name, pattern) for pattern in columns)]
         if not names:
             return found
     if len(rows_a) != len(rows_b):
@@ -146,7 +144,7 @@ def _compare_tables(
             found.append(Difference(table, f"only in {b if name not in header_a else a}", column=name))
             continue
         i, j = header_a.index(name), header_b.index(name)
-        fitting = next((own[key] for key in own if _matches(name, key)), tolerance)
+        fitting = next((own[key] for key in own if matches(name, key)), tolerance)
         texts = ([row[i] for row in rows_a[:count]], [row[j] for row in rows_b[:count]])
         found += _compare_columns(table, name, *texts, fitting)
     return found

@@ -21,10 +21,7 @@ ENERGIES = ("kinetic_energy", "stress_work", "interface_work", "interface_energy
 def describe(path: Path | str) -> str:
     """Text about a results folder, a table or a VTU file.
 
-    Raises
-    ------
-    ArchiveError
-        If there is nothing that mpmcli wrote.
+    Raises ArchiveError if there is nothing that mpmcli wrote.
     """
     path = Path(path)
     if path.is_dir():

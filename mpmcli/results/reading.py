@@ -61,10 +61,7 @@ class Frame:
     def to_pandas(self) -> Any:
         """A DataFrame with a row per particle: positions, then a column per component (``stress_xy``).
 
-        Raises
-        ------
-        RequestError
-            If pandas is not installed.
+        Raises RequestError if pandas is not installed.
         """
         columns = {f"position_{letter}": self.X[:, axis] for axis, letter in enumerate("xyz")}
         for name, values in self.arrays.items():
@@ -78,10 +75,7 @@ class Frame:
     def to_pyvista(self) -> Any:
         """A ``pyvista.PolyData`` of the particles as points, with the arrays, and the time as ``TimeValue``.
 
-        Raises
-        ------
-        RequestError
-            If pyvista is not installed.
+        Raises RequestError if pyvista is not installed.
         """
         points = optional("pyvista").PolyData(self.X)
         for name, values in self.arrays.items():
@@ -113,10 +107,7 @@ class Table:
     def to_pandas(self) -> Any:
         """A DataFrame with the columns of the file; ``attrs["units"]`` has the unit of each.
 
-        Raises
-        ------
-        RequestError
-            If pandas is not installed.
+        Raises RequestError if pandas is not installed.
         """
         frame = optional("pandas").DataFrame(self.numbers, columns=self.columns)
         if "step" in self.columns:
@@ -131,18 +122,7 @@ class Table:
 
 
 class Results:
-    """The files of one run.
-
-    Parameters
-    ----------
-    directory
-        Folder of the results.
-
-    Raises
-    ------
-    ArchiveError
-        If there is nothing in it that mpmcli wrote.
-    """
+    """The files of one run in its folder; raises ArchiveError if there is nothing in it that mpmcli wrote."""
 
     def __init__(self, directory: Path | str):
         self.directory = Path(directory)
@@ -191,10 +171,7 @@ class Results:
     def to_pandas(self, name: str = GLOBALS) -> Any:
         """A table over time as a DataFrame: ``globals.csv``, or that of a probe by its name or file.
 
-        Raises
-        ------
-        RequestError
-            If there is no such table, or pandas is not installed.
+        Raises RequestError if there is no such table, or pandas is not installed.
         """
         probes = {Path(file).stem: file for file in self.table_names() if file != GLOBALS}
         known = [*self.table_names(), *probes]
@@ -205,10 +182,7 @@ class Results:
     def to_pyvista(self, time: float | None = None) -> Any:
         """The particles at the archive nearest to a time, or at the last one, as a ``pyvista.PolyData``.
 
-        Raises
-        ------
-        RequestError
-            If the time is outside all archives, or pyvista is not installed.
+        Raises RequestError if the time is outside all archives, or pyvista is not installed.
         """
         return self.particles(time).to_pyvista()
 
@@ -232,22 +206,15 @@ class Results:
     def particles(self, time: float | None = None) -> Frame:
         """All particles at the archive nearest to a time, or at the last one.
 
-        Raises
-        ------
-        RequestError
-            If the time is outside all archives.
-        ArchiveError
-            If there are no archives, or one cannot be read.
+        Raises RequestError if the time is outside all archives, and ArchiveError if there are no archives, or one
+        cannot be read.
         """
         return self.frame(self.path_of(-1) if time is None else self.path_at(time))
 
     def cracks(self, time: float | None = None) -> list[CrackLines]:
         """Planes and faces of all cracks at the time nearest to ``time`` that has files of them, or at the last one.
 
-        Raises
-        ------
-        ArchiveError
-            If there are no files of cracks, or one cannot be read.
+        Raises ArchiveError if there are no files of cracks, or one cannot be read.
         """
         from mpmcli.results.crack_results import crack_files
 

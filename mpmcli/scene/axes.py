@@ -54,10 +54,7 @@ class _AngleOrTurns:
 
 
 Axes = Annotated[
-    tuple[Turn, ...],
-    BeforeValidator(_as_turns),
-    Field(min_length=1, max_length=MOST_TURNS),
-    _AngleOrTurns(),
+    tuple[Turn, ...], BeforeValidator(_as_turns), Field(min_length=1, max_length=MOST_TURNS), _AngleOrTurns()
 ]
 """Turns, one after the other."""
 

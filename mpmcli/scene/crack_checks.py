@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.analysis import ANALYSES
-from mpmcli.core.suggest import did_you_mean, listing
+from mpmcli.core.suggest import listing
 from mpmcli.geometry.vectors import in_words
 from mpmcli.scene.contact_checks import read_fields
 from mpmcli.scene.interface_checks import FEWEST_CELLS, process_zone, resistances, softest_modulus
@@ -101,8 +101,7 @@ def _check_bodies(cracks: Node, report: Report) -> None:
                 words = f"the body '{name}' is rigid, and a crack cuts deformable bodies only"
                 report(f"{path}.{place}", f"{words} ({listing(soft)})" if soft else words, "rigid")
             elif name not in bodies:
-                hint = did_you_mean(name, soft) or (f" ({listing(soft)})" if soft else "")
-                report(f"{path}.{place}", f"there is no body '{name}'{hint}", "unknown_reference")
+                report.check_reference(f"{path}.{place}", name, soft, "body")
             elif name in names[:place]:
                 report(f"{path}.{place}", f"the body '{name}' is named twice", "duplicate_name")
 

@@ -131,12 +131,8 @@ def load_scene(
 ) -> LoadedScene:
     """Read and check a scene as ``run.load`` does, apart from the names of its columns and fields.
 
-    Raises
-    ------
-    SceneError
-        With every problem, ordered by line.
-    PluginError
-        If an installed plugin that the scene uses is not complete.
+    Raises SceneError with every problem, ordered by line, and PluginError if an installed plugin that the scene uses
+    is not complete.
     """
     with few_suggestions():
         return _load(source, tuple(sets), tuple(defines), allow_outside_files)

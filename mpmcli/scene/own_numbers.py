@@ -117,12 +117,8 @@ def numbers_of_columns(material: Any, columns: Mapping[str, Array], kind: str) -
     The model is made for the rows with the extremes of a column, whose ranges then hold for all rows; its checks of
     several numbers, and what it makes of them, are evaluated for all rows at once.
 
-    Raises
-    ------
-    ColumnError
-        If a row makes no material.
-    RowError
-        If numbers are too large or too small to calculate with.
+    Raises ColumnError if a row makes no material, and RowError if numbers are too large or too small to calculate
+    with.
     """
     extremes = {int(find(column)): None for column in columns.values() for find in (np.argmin, np.argmax)}
     for row in extremes:

@@ -118,12 +118,7 @@ def split_unit(text: str) -> tuple[str, str] | None:
 
 
 class Units:
-    """A consistent set of units.
-
-    Parameters
-    ----------
-    length, mass, time, temperature : names of the base units, or None where the scene declares none
-    """
+    """A consistent set of units, by the names of its base units, None where the scene declares none."""
 
     def __init__(
         self,

@@ -62,12 +62,7 @@ _ENTRY = re.compile(r"^@\w+\{([^,\s]+),.*?^\}", re.DOTALL | re.MULTILINE)
 
 
 def bibtex(scene: Any) -> str:
-    """Entries of everything that a scene uses, the program first, each with comments that say why.
-
-    Parameters
-    ----------
-    scene : the models of a checked scene
-    """
+    """Entries of everything that a checked scene uses, the program first, each with comments that say why."""
     entries = bibliography()
     reasons: dict[str, list[str]] = {}
     without: list[str] = []

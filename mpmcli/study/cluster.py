@@ -36,12 +36,7 @@ class Cluster:
     def run(self, job: dict[str, Any]) -> dict[str, Any]:
         """Run one job and wait for it; where a machine of the cluster is lost, it is a result that says so.
 
-        Raises
-        ------
-        Stopped
-            If ``stop`` was called before it ended.
-        ArchiveError
-            If the scheduler is gone.
+        Raises Stopped if ``stop`` was called before it ended, and ArchiveError if the scheduler is gone.
         """
         with self._lock:
             if self.is_stopped:

@@ -26,9 +26,7 @@ FIRST = 20
 class DisturbedTwin:
     """The same scene with randomly perturbed initial velocities, run with the time steps of the first run.
 
-    Attributes
-    ----------
-    growth : largest difference of velocities between both runs over that at the start, root mean square over the mass
+    ``growth``: largest difference of velocities between both runs over that at the start, root mean square over mass.
     """
 
     def __init__(self, loaded: LoadedScene, first: Simulation, threads: int | None):

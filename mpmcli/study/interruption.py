@@ -13,13 +13,7 @@ SECONDS_BETWEEN_LOOKS = 0.2
 
 
 def run_until_interrupted(study: Callable[[], None], stop: Callable[[], None]) -> int:
-    """Run a study; SIGINT or SIGTERM stops it at once.
-
-    Returns
-    -------
-    int
-        0, or the exit code of a program that the signal ended.
-    """
+    """Run a study; SIGINT or SIGTERM stops it at once. Return 0, or the exit code of a program that they ended."""
     with Interrupts() as interrupts:
         try:
             study()

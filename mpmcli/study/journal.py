@@ -18,12 +18,8 @@ from mpmcli.run.folder import hold
 class Journal:
     """Results by key, kept in a file that only grows; threads may share it.
 
-    Raises ArchiveError if the file cannot be read, or holds something else.
-
-    Parameters
-    ----------
-    path
-        The file. What it holds already counts as finished; lines that a crash cut short are left out.
+    What the file holds already counts as finished; lines that a crash cut short are left out. Raises ArchiveError if
+    it cannot be read, or holds something else.
     """
 
     def __init__(self, path: Path):

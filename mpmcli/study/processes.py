@@ -66,13 +66,10 @@ class Processes:
 
 
 def run_job(job: dict[str, Any], timeout: float | None = None, module: str = WORKER) -> dict[str, Any]:
-    """Run one job in a new process.
+    """Run one job in a new process and return what the worker made of it.
 
-    Returns
-    -------
-    dict
-        What the worker made of the job; or with ``ended`` ``"crashed"`` or ``"timed out"`` and a ``message``, if it
-        ended without a result: by a signal, an exit code, or because it took longer than ``timeout`` seconds.
+    With ``ended`` ``"crashed"`` or ``"timed out"`` and a ``message``, if it ended without a result: by a signal, an
+    exit code, or because it took longer than ``timeout`` seconds.
     """
     with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as messages:
         return _wait(start_worker(module, messages), job, timeout, messages)

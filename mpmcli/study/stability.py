@@ -139,12 +139,7 @@ def make_cases(
 ) -> list[Case]:
     """All transfers with all shape functions; the scene's own where none are named.
 
-    Raises
-    ------
-    ValueError
-        If a transfer is none.
-    SceneError
-        If the scene is not valid with one of them.
+    Raises ValueError if a transfer is none, and SceneError if the scene is not valid with one of them.
     """
     values = [f"method.transfer={transfer_value(text)}" for text in transfers] or [""]
     functions = [f"method.shape={name}" for name in shapes] or [""]
@@ -183,12 +178,7 @@ class _Search:
     _predicting = threading.Lock()
 
     def __init__(
-        self,
-        case: Case,
-        settings: Settings,
-        runner: Runner,
-        journal: Journal,
-        tell: Callable[[str], None],
+        self, case: Case, settings: Settings, runner: Runner, journal: Journal, tell: Callable[[str], None]
     ):
         self.case, self.settings = case, settings
         self.runner, self.journal, self.tell = runner, journal, tell

@@ -115,10 +115,7 @@ def short_key(key: str) -> str:
 
 
 def make_cases(
-    source: Source,
-    variations: Sequence[Variation],
-    until: float | None = None,
-    columns: Sequence[str] = (),
+    source: Source, variations: Sequence[Variation], until: float | None = None, columns: Sequence[str] = ()
 ) -> list[Case]:
     """All combinations; one that makes no valid scene is a case that says so.
 

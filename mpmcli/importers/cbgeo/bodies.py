@@ -12,7 +12,8 @@ from mpmcli.importers.cbgeo.mesh import AXES, rounded
 from mpmcli.importers.cbgeo.particles import Filled, as_table, filled
 from mpmcli.importers.cbgeo.reading import Array
 from mpmcli.importers.cbgeo.source import OtherGenerator
-from mpmcli.importers.cbgeo.work import Work, plain
+from mpmcli.importers.cbgeo.work import Work
+from mpmcli.importers.scene_text import number_text
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 """Components of stress in the order of the source."""
@@ -99,9 +100,9 @@ def _linear(x: Array, values: Array, tolerance: float) -> float | Expression | N
         slope if abs(slope) * np.ptp(x[:, k]) > tolerance else 0.0 for k, slope in enumerate(numbers[1:])
     ]
     start = float(rounded(numbers[0] - np.dot(slopes, x.mean(axis=0))))
-    text = plain(start) if abs(start) > tolerance else ""
+    text = number_text(start) if abs(start) > tolerance else ""
     for axis, slope in zip(AXES, slopes, strict=False):
         if slope:
-            factor = plain(float(rounded(np.array(abs(slope)))))
+            factor = number_text(float(rounded(np.array(abs(slope)))))
             text += f"{' - ' if slope < 0 else ' + '}{factor}*{axis}"
     return Expression(text.removeprefix(" + ").replace(" - ", "-", 1) if text.startswith(" ") else text)

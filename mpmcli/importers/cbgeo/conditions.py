@@ -10,8 +10,8 @@ import numpy as np
 from mpmcli.importers.base import Expression, free_name
 from mpmcli.importers.cbgeo.constraints import Held, directions, first_holds, frictions, velocities
 from mpmcli.importers.cbgeo.mesh import AXES, RegularGrid, cover
-from mpmcli.importers.cbgeo.reading import Array
-from mpmcli.importers.cbgeo.work import Keys, Work
+from mpmcli.importers.cbgeo.reading import Array, Keys
+from mpmcli.importers.cbgeo.work import Work
 
 SIDES = {
     2: {(0, 0): "left", (0, 1): "right", (1, 0): "bottom", (1, 1): "top"},

@@ -11,9 +11,8 @@ import numpy as np
 from mpmcli.core.errors import SceneError
 from mpmcli.importers.base import Expression
 from mpmcli.importers.cbgeo.mesh import rounded
-from mpmcli.importers.cbgeo.reading import Array, Table
-from mpmcli.importers.cbgeo.source import FrictionConstraint, VelocityConstraint
-from mpmcli.importers.cbgeo.work import Keys, Work
+from mpmcli.importers.cbgeo.reading import Array, Keys, Table
+from mpmcli.importers.cbgeo.work import Work
 
 
 @dataclass(frozen=True)
@@ -47,7 +46,7 @@ def euler_turns(work: Work) -> dict[int, Array]:
         return {}
     d = work.grid.d
     keys = ("mesh", "boundary_conditions", "nodal_euler_angles")
-    table = work.folder.table(name, (1 + d,), *keys)
+    table = work.given.table(name, (1 + d,), *keys)
     turns = {}
     for row, (node, angles) in enumerate(zip(table.whole(0), table.array(slice(1, 1 + d)), strict=True)):
         if node >= len(work.grid.nodes):
@@ -71,9 +70,8 @@ def _about_z_x_z(alpha: float, beta: float, gamma: float) -> Array:
 
 def members(given: Any, keys: Keys) -> list[tuple[Keys, Any]]:
     """The constraints of a list, of one mapping, or of a file's name, with their keys."""
-    if isinstance(given, tuple):
-        return [((*keys, index), member) for index, member in enumerate(given)]
-    return [(keys, given)]
+    listed = isinstance(given, tuple)
+    return [((*keys, index), member) for index, member in enumerate(given)] if listed else [(keys, given)]
 
 
 def with_tables(work: Work, given: Any, keys: Keys, columns: int) -> Iterator[tuple[Keys, Any, Table | None]]:
@@ -82,7 +80,7 @@ def with_tables(work: Work, given: Any, keys: Keys, columns: int) -> Iterator[tu
         try:
             table = _table(work, member, at, columns)
         except SceneError as error:
-            work.refuse(error)
+            work.made.refuse(error)
         else:
             yield at, member, table
 
@@ -93,7 +91,7 @@ def _table(work: Work, given: Any, keys: Keys, columns: int) -> Table | None:
     if name is None:
         return None
     at = keys if isinstance(given, str) else (*keys, "file")
-    table = work.folder.table(name, (columns,), *at)
+    table = work.given.table(name, (columns,), *at)
     nodes = table.whole(0)
     high = next((i for i, node in enumerate(nodes) if node >= len(work.grid.nodes)), None)
     if high is not None:
@@ -113,8 +111,9 @@ def velocities(work: Work) -> list[Held]:
     for at, given, table in with_tables(work, constraints, keys, 3):
         if table is not None:
             found += _grouped(table, at)
-        elif isinstance(given, VelocityConstraint):
-            found += _velocity(work, given, at)
+        elif place := work.nodes_and_axis(given, at, "velocity"):
+            value = work.times(given.velocity, given.math_function_id, at)
+            found += [] if value is None else [Held(at, *place, value)]
     return found
 
 
@@ -122,16 +121,6 @@ def _grouped(table: Table, keys: Keys) -> list[Held]:
     nodes, axes, values = np.array(table.whole(0)), np.array(table.whole(1)), table.array(slice(2, 3))[:, 0]
     pairs = dict.fromkeys(zip(axes.tolist(), values.tolist(), strict=True))
     return [Held(keys, np.unique(nodes[(axes == a) & (values == v)]), a, v) for a, v in pairs]
-
-
-def _velocity(work: Work, given: VelocityConstraint, keys: Keys) -> list[Held]:
-    nodes, axis = work.nodes_of(given.nset_id, keys), work.axis(given.dir, keys)
-    if given.velocity is None:
-        work.fault(keys, "'velocity' is missing")
-    if nodes is None or axis is None or given.velocity is None:
-        return []
-    value = work.times(given.velocity, given.math_function_id, keys)
-    return [] if value is None else [Held(keys, nodes, axis, value)]
 
 
 def first_holds(work: Work, all_held: Sequence[Held]) -> list[Held]:
@@ -170,20 +159,11 @@ def frictions(work: Work) -> dict[int, Rough]:
             for row, (node, numbers) in enumerate(zip(table.whole(0), table.rows, strict=True)):
                 sign, friction = numbers[2:]
                 if friction < 0:
-                    work.refuse(table.fault(row, f"the friction coefficient {friction:g} is below 0"))
+                    work.made.refuse(table.fault(row, f"the friction coefficient {friction:g} is below 0"))
                     return {}
                 found[node] = Rough(at, axes[row], 1 if sign > 0 else -1, friction)
-        elif isinstance(given, FrictionConstraint):
-            found |= _friction(work, given, at)
+        elif place := work.nodes_and_axis(given, at, "sign_n", "friction"):
+            nodes, axis = place
+            rough = Rough(at, axis, 1 if given.sign_n > 0 else -1, given.friction)
+            found |= dict.fromkeys(nodes.tolist(), rough)
     return {node: rough for node, rough in found.items() if rough.friction > 0.0}
-
-
-def _friction(work: Work, given: FrictionConstraint, keys: Keys) -> dict[int, Rough]:
-    nodes, axis = work.nodes_of(given.nset_id, keys), work.axis(given.dir, keys)
-    for name in ("sign_n", "friction"):
-        if getattr(given, name) is None:
-            work.fault(keys, f"'{name}' is missing")
-    if nodes is None or axis is None or given.sign_n is None or given.friction is None:
-        return {}
-    rough = Rough(keys, axis, 1 if given.sign_n > 0 else -1, given.friction)
-    return dict.fromkeys(nodes.tolist(), rough)

@@ -11,9 +11,10 @@ from mpmcli.importers.cbgeo.bodies import Made
 from mpmcli.importers.cbgeo.mesh import AXES, rounded
 from mpmcli.importers.cbgeo.nodal_loads import add_absorbing, add_nodal_forces
 from mpmcli.importers.cbgeo.particles import as_table
-from mpmcli.importers.cbgeo.reading import Array
+from mpmcli.importers.cbgeo.reading import Array, Keys
 from mpmcli.importers.cbgeo.source import SurfaceTraction
-from mpmcli.importers.cbgeo.work import Keys, Work, plain
+from mpmcli.importers.cbgeo.work import Work
+from mpmcli.importers.scene_text import number_text
 
 LOADING = "external_loading_conditions"
 
@@ -119,7 +120,7 @@ def _add_forces(work: Work, members: Array, given: SurfaceTraction, direction: A
         name = work.load("traction", "particle_force")
         load = work.scene["loads"][-1]
         load |= {"on": _target(work, chosen, name), "force": _along(direction, value), "per": "particle"}
-        words = f"{plain(given.traction)} times the edge of each particle, as in CB-Geo"
+        words = f"{number_text(given.traction)} times the edge of each particle, as in CB-Geo"
         work.made.comment(("loads", len(work.scene["loads"]) - 1), words)
 
 
@@ -144,5 +145,5 @@ def _along(direction: Array, value: Any) -> list[Any]:
 
 def _scaled(value: Any, factor: float) -> Any:
     if isinstance(value, Expression):
-        return Expression(f"{plain(factor)}*({value})")
+        return Expression(f"{number_text(factor)}*({value})")
     return value * factor

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from mpmcli.importers.base import free_name
+from mpmcli.importers.cbgeo.reading import Keys
 from mpmcli.importers.cbgeo.source import (
     Bingham,
     LinearElastic,
@@ -17,7 +18,7 @@ from mpmcli.importers.cbgeo.source import (
     OtherMaterial,
     family,
 )
-from mpmcli.importers.cbgeo.work import Keys, Work
+from mpmcli.importers.cbgeo.work import Work
 
 NAMES = {
     "LinearElastic": "elastic",

@@ -99,10 +99,7 @@ def read_grid(table: Table, d: int, shape: str = "linear") -> RegularGrid:
 
     Cells of GIMP (``ugimp``) list their corners and then the nodes around them; those at the border are left out.
 
-    Raises
-    ------
-    SceneError
-        With the line where the mesh is no regular grid, and why.
+    Raises SceneError with the line where the mesh is no regular grid, and why.
     """
     if len(table.rows[0]) != 2:
         raise table.fault(0, "the first row must give the numbers of nodes and of cells")

@@ -13,9 +13,9 @@ from mpmcli.importers.cbgeo.bodies import Made
 from mpmcli.importers.cbgeo.conditions import SIDES, spots
 from mpmcli.importers.cbgeo.constraints import members, with_tables
 from mpmcli.importers.cbgeo.mesh import AXES
-from mpmcli.importers.cbgeo.reading import Array
-from mpmcli.importers.cbgeo.source import AbsorbingConstraint, NodalForce
-from mpmcli.importers.cbgeo.work import Keys, Work, plain
+from mpmcli.importers.cbgeo.reading import Array, Keys
+from mpmcli.importers.cbgeo.work import Work
+from mpmcli.importers.scene_text import number_text
 
 MAX_FORCES = 200
 """Nodes with a force of their own."""
@@ -42,20 +42,12 @@ def add_nodal_forces(work: Work) -> None:
                 forces[node, axis] += numbers[2]
             loaded = np.flatnonzero(forces.any(axis=1))
             _add(work, at, [(node, work.grid.inside(forces[node]).tolist()) for node in loaded.tolist()])
-        else:
-            _of_set(work, given, at)
-
-
-def _of_set(work: Work, given: NodalForce, keys: Keys) -> None:
-    nodes, axis = work.nodes_of(given.nset_id, keys), work.axis(given.dir, keys)
-    if given.force is None:
-        work.fault(keys, "'force' is missing")
-    if nodes is None or axis is None or given.force is None or given.force == 0.0:
-        return
-    along = work.grid.inside(np.eye(work.grid.d)[axis])
-    force = [work.times(given.force * part, given.math_function_id, keys) for part in along.tolist()]
-    if None not in force:
-        _add(work, keys, [(node, force) for node in nodes.tolist()])
+        elif (place := work.nodes_and_axis(given, at, "force")) and given.force != 0.0:
+            nodes, axis = place
+            along = work.grid.inside(np.eye(work.grid.d)[axis])
+            force = [work.times(given.force * part, given.math_function_id, at) for part in along.tolist()]
+            if None not in force:
+                _add(work, at, [(node, force) for node in nodes.tolist()])
 
 
 def _add(work: Work, keys: Keys, forces: list[tuple[int, list[Any]]]) -> None:
@@ -72,15 +64,13 @@ def add_absorbing(work: Work, bodies: list[Made]) -> None:
     keys: Keys = ("mesh", "boundary_conditions", "absorbing_constraints")
     groups: dict[tuple[int, Layer], tuple[Keys, list[int]]] = {}
     for at, given in members(work.given.source.mesh.boundary_conditions.absorbing_constraints, keys):
-        if not isinstance(given, AbsorbingConstraint) or given.file is not None:
+        if isinstance(given, str) or given.file is not None:
             work.lacks(at, "absorbing constraints in files")
             continue
-        nodes, axis = work.nodes_of(given.nset_id, at), work.axis(given.dir, at)
-        for name in ("delta", "a", "b"):
-            if getattr(given, name) is None:
-                work.fault(at, f"'{name}' is missing")
-        if nodes is None or axis is None or given.delta is None or given.a is None or given.b is None:
+        place = work.nodes_and_axis(given, at, "delta", "a", "b")
+        if place is None:
             continue
+        nodes, axis = place
         for name in ("h_min", "position"):
             if getattr(given, name) is not None:
                 work.note("ignored", (*at, name), "areas are those of the face of the body")
@@ -120,10 +110,10 @@ def _add_layer(work: Work, body: Made, keys: Keys, side: tuple[int, int], at: fl
         waves["shear_wave"] = layer.b * math.sqrt(E / (2 * (1 + nu) * density))
     dashpots = work.load(f"absorbing {SIDES[work.grid.d][side]}", "absorbing", on=face, **waves)
     axis = AXES[side[0]]
-    way = axis if at == 0 else f"({axis} - {plain(at)})" if at > 0 else f"({axis} + {plain(-at)})"
+    way = axis if at == 0 else f"({axis} - {number_text(at)})" if at > 0 else f"({axis} + {number_text(-at)})"
     traction: list[Any] = [0] * work.grid.d
-    traction[side[0]] = Expression(f"-{plain(stiffness / layer.delta)}*{way}")
-    words = f"stiffness {plain(stiffness)} over a layer of {plain(layer.delta)}"
+    traction[side[0]] = Expression(f"-{number_text(stiffness / layer.delta)}*{way}")
+    words = f"stiffness {number_text(stiffness)} over a layer of {number_text(layer.delta)}"
     work.made.comment(("loads", len(work.scene["loads"])), words)
     work.load(f"{dashpots} springs", "traction", on=dict(face), traction=traction, coordinates="current")
     work.note("changed", keys, SPRINGS)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmcli.importers.cbgeo.mesh import RegularGrid, cover, rounded
-from mpmcli.importers.cbgeo.reading import MAX_ROWS, Array, Folder, Input
+from mpmcli.importers.cbgeo.reading import MAX_ROWS, Array, Input
 from mpmcli.importers.cbgeo.source import EntitySets, FileGenerator, GaussGenerator
 
 MAX_BOXES = 6
@@ -47,9 +47,8 @@ class Cloud:
         return np.arange(len(self.x)) if number == -1 else self.sets.get(number)
 
 
-def read_cloud(folder: Folder, grid: RegularGrid, sets: EntitySets) -> Cloud:
+def read_cloud(given: Input, grid: RegularGrid, sets: EntitySets) -> Cloud:
     """Make or read the particles of all generators that can be translated."""
-    given = folder.given
     places: list[Array] = []
     materials: list[int] = []
     own_sets: dict[int, list[int]] = {}
@@ -59,7 +58,7 @@ def read_cloud(folder: Folder, grid: RegularGrid, sets: EntitySets) -> Cloud:
         made = entry.generator
         at = ("particles", index, "generator")
         if isinstance(made, FileGenerator):
-            x = _from_file(folder, grid, made, index)
+            x = _from_file(given, grid, made, index)
         elif isinstance(made, GaussGenerator):
             x = _gauss(given, grid, sets, made, index)
         else:
@@ -80,14 +79,14 @@ def read_cloud(folder: Folder, grid: RegularGrid, sets: EntitySets) -> Cloud:
     )  # fmt: skip
     _add_sets(given, cloud, sets)
     _set_materials(given, cloud)
-    _read_volumes(folder, cloud)
-    _read_stresses(folder, cloud, grid)
+    _read_volumes(given, cloud)
+    _read_stresses(given, cloud, grid)
     return cloud
 
 
-def _from_file(folder: Folder, grid: RegularGrid, made: FileGenerator, index: int) -> Array:
+def _from_file(given: Input, grid: RegularGrid, made: FileGenerator, index: int) -> Array:
     at = ("particles", index, "generator", "location")
-    table = folder.table(made.location, (1, grid.d, 3), *at)
+    table = given.table(made.location, (1, grid.d, 3), *at)
     count = table.rows[0][0]
     if len(table.rows[0]) != 1:
         raise table.fault(0, "the first row must give the number of particles")
@@ -175,11 +174,11 @@ def _set_materials(given: Input, cloud: Cloud) -> None:
         cloud.material[members] = chosen.material_id
 
 
-def _read_volumes(folder: Folder, cloud: Cloud) -> None:
-    name = folder.given.source.mesh.particles_volumes
+def _read_volumes(given: Input, cloud: Cloud) -> None:
+    name = given.source.mesh.particles_volumes
     if name is None:
         return
-    table = folder.table(name, (2,), "mesh", "particles_volumes")
+    table = given.table(name, (2,), "mesh", "particles_volumes")
     for row, (number, volume) in enumerate(zip(table.whole(0), table.array(slice(1, 2))[:, 0], strict=True)):
         if number >= len(cloud.x):
             raise table.fault(row, f"there is no particle {number} ({len(cloud.x)} particles)")
@@ -188,12 +187,12 @@ def _read_volumes(folder: Folder, cloud: Cloud) -> None:
         cloud.volume[number] = volume
 
 
-def _read_stresses(folder: Folder, cloud: Cloud, grid: RegularGrid) -> None:
+def _read_stresses(given: Input, cloud: Cloud, grid: RegularGrid) -> None:
     """Initial stresses (n, 6), xx yy zz xy yz xz in the grid's axes."""
-    name = folder.given.source.mesh.particles_stresses
+    name = given.source.mesh.particles_stresses
     if name is None:
         return
-    table = folder.table(name, (1, 6), "mesh", "particles_stresses")
+    table = given.table(name, (1, 6), "mesh", "particles_stresses")
     if len(table.rows[0]) != 1 or len(table.rows) - 1 != len(cloud.x):
         words = f"a first row with the number of particles and {len(cloud.x)} rows of stresses are needed"
         raise table.fault(0, words)

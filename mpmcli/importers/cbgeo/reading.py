@@ -13,21 +13,27 @@ from pydantic import BaseModel, ValidationError
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.core.suggest import did_you_mean, few_suggestions
-from mpmcli.importers.base import MAX_SOURCE, read_source
+from mpmcli.importers.base import read_source
 from mpmcli.importers.cbgeo.source import EntitySets, Source
 from mpmcli.scene.report import translate as in_words
 from mpmcli.scene.tree import Node, compose
 
 Array = np.ndarray
+Keys = tuple[str | int, ...]
 MAX_INPUT = 2_000_000
 """Characters of the main file."""
 MAX_ROWS = 2_000_000
 """Rows of a table."""
 
 
+def dotted(keys: Keys) -> str:
+    """A path of keys in words."""
+    return ".".join(map(str, keys))
+
+
 @dataclass(frozen=True)
 class Input:
-    """The checked source, with the tree of its places."""
+    """The checked source, with the tree of its places; files outside its folder are not read."""
 
     path: Path
     source: Source
@@ -39,13 +45,13 @@ class Input:
 
     def fault(self, words: str, *keys: str | int) -> SceneError:
         """A fault at a key."""
-        return _refused(self.path, words, self.line(*keys), ".".join(map(str, keys)))
+        return _refused(self.path, words, self.line(*keys), dotted(keys))
 
     def has(self, *keys: str | int) -> bool:
         """Whether the source gives a key."""
         return self._found(keys)[0] == len(keys)
 
-    def _found(self, keys: tuple[str | int, ...]) -> tuple[int, int | None]:
+    def _found(self, keys: Keys) -> tuple[int, int | None]:
         """How many of the keys exist, one inside the other, and the line of the last of them."""
         node, line = self.tree, self.tree.mark.line
         for count, key in enumerate(keys):
@@ -63,8 +69,50 @@ class Input:
         with few_suggestions():
             yield from _unknown(self.source, (), self)
 
+    def file(self, name: str, *keys: str | int) -> Path:
+        """The path of a file that a key of the source names."""
+        root = self.path.resolve().parent
+        try:
+            found = (root / name).resolve()
+            inside = found.is_relative_to(root)
+        except (OSError, ValueError, RuntimeError):
+            inside = False
+        if not inside:
+            raise self.fault(f"'{name}' is outside the folder of the source, which is not read", *keys)
+        if not found.is_file():
+            here = sorted(child.name for child in root.iterdir() if child.suffix in (".txt", ".json", ".dat"))
+            raise self.fault(
+                f"there is no file '{name}' beside the source{did_you_mean(name, here[:500])}", *keys
+            )
+        return found
 
-def _unknown(model: Any, at: tuple[str | int, ...], given: Input) -> Iterator[tuple[int | None, str, str]]:
+    def table(self, name: str, columns: tuple[int, ...], *keys: str | int) -> Table:
+        """The rows of numbers of a file; ``columns`` are the counts of numbers that a row may have."""
+        return read_table(self.file(name, *keys), name, columns)
+
+    def sets(self) -> EntitySets:
+        """The sets of nodes, cells and particles."""
+        name = self.source.mesh.entity_sets
+        if name is None:
+            return EntitySets()
+        path = self.file(name, "mesh", "entity_sets")
+        text = _text(path, name)
+        _json(text, path)
+        try:
+            sets = EntitySets.model_validate_json(text)
+        except ValidationError as error:
+            details = error.errors(include_url=False)[0]
+            words = str(details["msg"]).replace("Input should be", "must be")
+            raise _refused(path, words, None, dotted(details["loc"])) from None
+        for group in ("node_sets", "cell_sets", "particle_sets"):
+            numbers = [member.id for member in getattr(sets, group)]
+            double = next((n for i, n in enumerate(numbers) if n in numbers[:i]), None)
+            if double is not None:
+                raise _refused(path, f"the set {double} is there twice", None, group)
+        return sets
+
+
+def _unknown(model: Any, at: Keys, given: Input) -> Iterator[tuple[int | None, str, str]]:
     if isinstance(model, tuple):
         for index, member in enumerate(model):
             yield from _unknown(member, (*at, index), given)
@@ -74,7 +122,7 @@ def _unknown(model: Any, at: tuple[str | int, ...], given: Input) -> Iterator[tu
     names = [str(field.alias or name) for name, field in type(model).model_fields.items()]
     for key in model.model_extra or ():
         path = (*at, key)
-        yield given.line(*path), ".".join(map(str, path)), did_you_mean(str(key), names)
+        yield given.line(*path), dotted(path), did_you_mean(str(key), names)
     for name in type(model).model_fields:
         yield from _unknown(getattr(model, name), (*at, name), given)
 
@@ -82,10 +130,7 @@ def _unknown(model: Any, at: tuple[str | int, ...], given: Input) -> Iterator[tu
 def read_input(path: Path) -> Input:
     """Read and check the main file.
 
-    Raises
-    ------
-    SceneError
-        With every fault and its line.
+    Raises SceneError with every fault and its line.
     """
     text = _text(path, path.name)
     if len(text) > MAX_INPUT:
@@ -137,54 +182,6 @@ def _refused(path: Path | str, words: str, line: int | None = None, key: str = "
 
 
 @dataclass(frozen=True)
-class Folder:
-    """The folder of the source; files outside it are not read."""
-
-    given: Input
-
-    def path(self, name: str, *keys: str | int) -> Path:
-        """The path of a file that a key of the source names."""
-        root = self.given.path.resolve().parent
-        try:
-            found = (root / name).resolve()
-            inside = found.is_relative_to(root)
-        except (OSError, ValueError, RuntimeError):
-            inside = False
-        if not inside:
-            raise self.given.fault(f"'{name}' is outside the folder of the source, which is not read", *keys)
-        if not found.is_file():
-            here = sorted(child.name for child in root.iterdir() if child.suffix in (".txt", ".json", ".dat"))
-            hint = did_you_mean(name, here[:500])
-            raise self.given.fault(f"there is no file '{name}' beside the source{hint}", *keys)
-        return found
-
-    def table(self, name: str, columns: tuple[int, ...], *keys: str | int) -> Table:
-        """The rows of numbers of a file; ``columns`` are the counts of numbers that a row may have."""
-        return read_table(self.path(name, *keys), name, columns)
-
-    def sets(self) -> EntitySets:
-        """The sets of nodes, cells and particles."""
-        name = self.given.source.mesh.entity_sets
-        if name is None:
-            return EntitySets()
-        path = self.path(name, "mesh", "entity_sets")
-        text = _text(path, name)
-        _json(text, path)
-        try:
-            sets = EntitySets.model_validate_json(text)
-        except ValidationError as error:
-            details = error.errors(include_url=False)[0]
-            words = str(details["msg"]).replace("Input should be", "must be")
-            raise _refused(path, words, None, ".".join(map(str, details["loc"]))) from None
-        for group in ("node_sets", "cell_sets", "particle_sets"):
-            numbers = [member.id for member in getattr(sets, group)]
-            double = next((n for i, n in enumerate(numbers) if n in numbers[:i]), None)
-            if double is not None:
-                raise _refused(path, f"the set {double} is there twice", None, group)
-        return sets
-
-
-@dataclass(frozen=True)
 class Table:
     """Rows of numbers of a text file: ``rows`` (lists of floats) and the line of each."""
 
@@ -210,8 +207,6 @@ class Table:
 
 def read_table(path: Path, name: str, columns: tuple[int, ...]) -> Table:
     """Read rows of numbers; lines that are empty or have # or ! are comments, as for the source's reader."""
-    if path.stat().st_size > MAX_SOURCE:
-        raise _refused(path, f"the file is larger than {MAX_SOURCE // 1_000_000} MB")
     rows: list[list[float]] = []
     lines: list[int] = []
     for number, line in enumerate(_text(path, name).splitlines(), 1):

@@ -204,8 +204,7 @@ class MohrCoulomb(LinearElastic):
         default=None, validation_alias=AliasChoices("peak_pdstrain", "peak_epds")
     )
     residual_pdstrain: NotNegative | None = Field(
-        default=None,
-        validation_alias=AliasChoices("residual_pdstrain", "critical_pdstrain", "critical_epds"),
+        default=None, validation_alias=AliasChoices("residual_pdstrain", "critical_pdstrain", "critical_epds")
     )
 
 

@@ -14,8 +14,8 @@ from mpmcli.importers.cbgeo.materials import add_materials
 from mpmcli.importers.cbgeo.mesh import CELL_TYPES, OTHER_CELLS, read_grid
 from mpmcli.importers.cbgeo.method import add_archive, add_method, add_time
 from mpmcli.importers.cbgeo.particles import read_cloud
-from mpmcli.importers.cbgeo.reading import Folder, Input, read_input
-from mpmcli.importers.cbgeo.work import Work, add_problems
+from mpmcli.importers.cbgeo.reading import Input, read_input
+from mpmcli.importers.cbgeo.work import Work
 
 PHASES = re.compile(r"\dP(HASE)?\Z")
 """The end of the names of types for several phases."""
@@ -56,7 +56,7 @@ def translate(path: Path, partial: bool) -> Translation:
     try:
         _run(_begun(given, made))
     except SceneError as error:
-        add_problems(made, error)
+        made.refuse(error)
     made.scene = {key: made.scene[key] for key in ORDER if made.scene.get(key)}
     return made
 
@@ -74,10 +74,9 @@ def _begun(given: Input, made: Translation) -> Work:
     if mesh.io_type != f"Ascii{d}D":
         words = f"'{mesh.io_type}' does not fit the {d}D cells '{mesh.cell_type}'"
         raise given.fault(words, "mesh", "io_type")
-    folder = Folder(given)
-    grid = read_grid(folder.table(mesh.mesh, (2, d, 3, 2**d, 4**d), "mesh", "mesh"), d, shape)
-    sets = folder.sets()
-    return Work(given, folder, made, grid, sets, read_cloud(folder, grid, sets))
+    grid = read_grid(given.table(mesh.mesh, (2, d, 3, 2**d, 4**d), "mesh", "mesh"), d, shape)
+    sets = given.sets()
+    return Work(given, made, grid, sets, read_cloud(given, grid, sets))
 
 
 def _run(work: Work) -> None:

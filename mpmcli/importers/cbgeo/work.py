@@ -7,15 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.errors import SceneError
 from mpmcli.importers.base import Expression, NoteKind, Translation, free_name
 from mpmcli.importers.cbgeo.mesh import RegularGrid
 from mpmcli.importers.cbgeo.particles import Cloud
-from mpmcli.importers.cbgeo.reading import Array, Folder, Input
-from mpmcli.importers.cbgeo.source import EntitySets, LinearFunction, SinFunction
+from mpmcli.importers.cbgeo.reading import Array, Input, Keys, dotted
+from mpmcli.importers.cbgeo.source import EntitySets, LinearFunction, NodeConstraint, SinFunction
 from mpmcli.importers.scene_text import number_text
 
-Keys = tuple[str | int, ...]
 MAX_INLINE = 8
 """Points of a function that are written into an expression; more of them go to a file."""
 
@@ -25,7 +23,6 @@ class Work:
     """A translation under way."""
 
     given: Input
-    folder: Folder
     made: Translation
     grid: RegularGrid
     sets: EntitySets
@@ -54,10 +51,6 @@ class Work:
         if line is not None:
             self.made.lines[path] = line
 
-    def refuse(self, error: SceneError) -> None:
-        """Keep the problems of an error with the others."""
-        add_problems(self.made, error)
-
     def load(self, name: str, kind: str, **rest: Any) -> str:
         """Add a load; the name that it has in the end."""
         loads = self.scene.setdefault("loads", [])
@@ -69,22 +62,29 @@ class Work:
         """Name a number."""
         self.scene.setdefault("constants", {})[name] = value
 
-    def nodes_of(self, set_id: int | None, keys: Keys) -> Array | None:
-        """Numbers of the nodes of a set; −1 is all of them. A fault if there is no such set."""
-        if set_id is None:
-            self.fault(keys, "'nset_id' is missing")
-            return None
+    def nodes_and_axis(self, given: NodeConstraint, keys: Keys, *needed: str) -> tuple[Array, int] | None:
+        """Numbers of nodes and the axis of a constraint; faults, and None, if they or ``needed`` are missing."""
+        nodes, axis = self._nodes(given.nset_id, keys), self.axis(given.dir, keys)
+        missing = [name for name in needed if getattr(given, name) is None]
+        for name in missing:
+            self.fault(keys, f"'{name}' is missing")
+        return None if nodes is None or axis is None or missing else (nodes, axis)
+
+    def _nodes(self, set_id: int | None, keys: Keys) -> Array | None:
+        """Numbers of the nodes of a set; −1 is all of them."""
         if set_id == -1:
             return np.arange(len(self.grid.nodes))
-        chosen = next((group for group in self.sets.node_sets if group.id == set_id), None)
-        if chosen is None or not chosen.set:
+        chosen = next((group.set for group in self.sets.node_sets if group.id == set_id), ())
+        if set_id is None:
+            self.fault(keys, "'nset_id' is missing")
+        elif not chosen:
             self.fault((*keys, "nset_id"), f"there is no node set {set_id}, or it is empty")
-            return None
-        if max(chosen.set) >= len(self.grid.nodes):
+        elif max(chosen) >= len(self.grid.nodes):
             words = f"of the set {set_id} does not exist ({len(self.grid.nodes)} nodes)"
-            self.fault((*keys, "nset_id"), f"node {max(chosen.set)} {words}")
-            return None
-        return np.unique(np.array(chosen.set))
+            self.fault((*keys, "nset_id"), f"node {max(chosen)} {words}")
+        else:
+            return np.unique(np.array(chosen))
+        return None
 
     def axis(self, direction: int | None, keys: Keys) -> int | None:
         """The axis of a constraint or load; a fault if it is missing or does not exist."""
@@ -115,10 +115,10 @@ class Work:
         return None
 
     def _sine(self, value: float, function: SinFunction) -> Expression:
-        shifted = "t" if function.x0 == 0 else f"(t - {plain(function.x0)})"
-        wave = f"{times_text(value)}sin({plain(function.a)}*{shifted})"
+        shifted = "t" if function.x0 == 0 else f"(t - {number_text(function.x0)})"
+        wave = f"{times_text(value)}sin({number_text(function.a)}*{shifted})"
         if function.xrange is not None:
-            wave += f"*(t >= {plain(function.xrange[0])})*(t <= {plain(function.xrange[1])})"
+            wave += f"*(t >= {number_text(function.xrange[0])})*(t <= {number_text(function.xrange[1])})"
         return Expression(wave)
 
     def _linear(self, value: float, function: LinearFunction, keys: Keys) -> float | Expression | None:
@@ -135,31 +135,16 @@ class Work:
             return value * f[0]
         if len(x) > MAX_INLINE:
             name = f"function_{function.id}.csv"
-            rows = [f"{plain(a)},{plain(b)}" for a, b in zip(x, f, strict=True)]
+            rows = [f"{number_text(a)},{number_text(b)}" for a, b in zip(x, f, strict=True)]
             self.made.files[name] = "\n".join(["t,value", *rows]) + "\n"
             return Expression(f'{times_text(value)}interpolate(t, "{name}")')
         last = max(i for i in range(1, len(x)) if f[i] != f[i - 1])  # constant from there on
         if last == 1 and f[0] == 0.0:
-            return Expression(f"{times_text(value * f[1])}ramp(t, {plain(x[0])}, {plain(x[1])})")
-        pairs = ", ".join(f"{plain(x[i])}, {plain(f[i])}" for i in range(last + 1))
+            return Expression(f"{times_text(value * f[1])}ramp(t, {number_text(x[0])}, {number_text(x[1])})")
+        pairs = ", ".join(f"{number_text(x[i])}, {number_text(f[i])}" for i in range(last + 1))
         return Expression(f"{times_text(value)}interpolate(t, {pairs})")
-
-
-def add_problems(made: Translation, error: SceneError) -> None:
-    """Keep the problems of an error with those of the translation."""
-    made.errors += [problem for problem in error.problems if problem not in made.errors]
-
-
-def dotted(keys: Keys) -> str:
-    """A path of keys in words."""
-    return ".".join(map(str, keys))
-
-
-def plain(value: float) -> str:
-    """A number in an expression."""
-    return number_text(value)
 
 
 def times_text(value: float) -> str:
     """A factor in front of a function."""
-    return {1.0: "", -1.0: "-"}.get(value, f"{plain(value)}*")
+    return {1.0: "", -1.0: "-"}.get(value, f"{number_text(value)}*")

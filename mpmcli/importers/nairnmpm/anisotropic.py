@@ -30,9 +30,8 @@ def with_axes(kind: str, names: dict[str, str], axis: str = "") -> Callable[[Job
     def make(job: Job, material: Material) -> Made | None:
         made: Made = {"kind": kind} | ({"axis": axis} if axis else {})
         for theirs, ours in names.items():
-            value = job.property(material.command, theirs)
+            value = job.needed(material.command, theirs)
             if value is None:
-                job.error(material.command, f"the command <{theirs}> is missing")
                 return None
             made[ours] = value
         return made

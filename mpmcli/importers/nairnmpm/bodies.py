@@ -180,9 +180,10 @@ class Bodies:
         per_axis = self.job.scene.get("_particles_per_axis")
         if per_axis not in {None, 2}:
             body["particles_per_axis"] = per_axis
-        box = limits(body["region"])
+        d = len(self.job.axes)
+        box = limits(body["region"], d)
         if self.holes:
-            subtract = [hole for hole in self.holes if _meet(box, limits(hole))]
+            subtract = [hole for hole in self.holes if _meet(box, limits(hole, d))]
             if subtract:
                 body["region"] = {"kind": "difference", "region": body["region"], "subtract": subtract}
         if any(_meet(box, other) for other in self.boxes):

@@ -63,11 +63,9 @@ class _Checker:
                 command.children.remove(child)
 
     def _rules(self, command: Command, parent: str) -> Known | None:
-        if parent in {"Material", "Periodic"}:
-            if parent == "Periodic":
-                return None
-            if command.name in {"Friction", "PDamping", "Propagate", "AltPropagate"}:
-                return COMMANDS[command.name]
+        if parent == "Periodic":
+            return None
+        if parent == "Material" and command.name not in {"Friction", "PDamping", "Propagate", "AltPropagate"}:
             attributes = "red:n green:n blue:n alpha:n" if command.name == "color" else ""
             return known(PROPERTIES.get(command.name, "n"), attributes)
         return COMMANDS.get(command.name)

@@ -108,10 +108,7 @@ class CommandFile:
 def parse(source: bytes, path: Path) -> CommandFile:
     """Read XML.
 
-    Raises
-    ------
-    SceneError
-        With the line, if it is not XML or not of moderate size.
+    Raises SceneError with the line, if it is not XML or not of moderate size.
     """
     first = _Reader(path)
     root = first.read(source)

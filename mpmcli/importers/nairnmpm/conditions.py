@@ -282,12 +282,11 @@ def _whole_faces(job: Job, place: Where, bodies: Bodies, side: tuple[str, str]) 
 
 def _is_box_at(region: Made, axis: int, edge: float, reach: float) -> bool:
     """Whether a region is a box with no hole as near as ``reach`` to the plane at ``edge`` across an axis."""
-    if region["kind"] != "difference":
-        return bool(region["kind"] == "box")
-    ends = [limits(hole) for hole in region["subtract"]]
-    return bool(region["region"]["kind"] == "box") and all(
-        end is not None and not end[0][axis] - reach <= edge <= end[1][axis] + reach for end in ends
-    )
+    box = region["region"] if region["kind"] == "difference" else region
+    if box["kind"] != "box":
+        return False
+    ends = [limits(hole, len(box["lower"])) for hole in region.get("subtract", ())]
+    return all(end is not None and not end[0][axis] - reach <= edge <= end[1][axis] + reach for end in ends)
 
 
 def gravity(job: Job, block: Command) -> list[Made]:

@@ -21,22 +21,24 @@ def elastic_constants(job: Job, material: Material, bulk: str = "K", shear: str 
     if E is not None and nu is not None:
         made = {"E": E, "nu": nu}
         k = E.scaled / (3 * max(1e-12, 1 - 2 * nu.scaled))
-        g = E.scaled / (2 * (1 + nu.scaled))
+        g = quotient(E.scaled, 2 * (1 + nu.scaled))
     elif K is not None and G is not None:
         made, k, g = {"K": K, "G": G}, K.scaled, G.scaled
     elif G is not None and (E is not None or nu is not None):
-        other = E.scaled / (2 * G.scaled) - 1 if E is not None else nu.scaled  # type: ignore[union-attr]
+        other = quotient(E.scaled, 2 * G.scaled) - 1 if E is not None else nu.scaled  # type: ignore[union-attr]
         modulus = E if E is not None else Value(2 * G.scaled * (1 + other))
         made = {"E": modulus, "nu": nu if nu is not None else other}
         k, g = modulus.scaled / (3 * max(1e-12, 1 - 2 * other)), G.scaled
     else:
-        job.error(
-            command,
-            f"elastic constants are missing: two of E, nu, {shear}, or {bulk} and {shear}",
-        )
+        job.error(command, f"elastic constants are missing: two of E, nu, {shear}, or {bulk} and {shear}")
         return None
     set_speed(job, material, k + 4 * g / 3)
     return made
+
+
+def quotient(a: float, b: float) -> float:
+    """The quotient of two numbers, infinite where the second is 0: the scene's own check refuses that."""
+    return a / b if b else math.inf
 
 
 def set_speed(job: Job, material: Material, modulus: float) -> None:

@@ -16,6 +16,7 @@ Made = dict[str, Any]
 _OWN = ("friction", "Dn", "Dnt", "Dnc", "Dt", "law", "lawname")
 """Attributes of a crack that give a law of its own."""
 _MOVES = {"cm": "mass", "avg": "average"}
+_WHY = ", which the growth of cracks needs"
 
 
 def cracks(job: Job, root: Command, header: Command, bodies: Bodies) -> None:
@@ -121,26 +122,20 @@ def _criterion(job: Job, command: Command, material: Material) -> Made | None:
     code = round(job.plain(command, "criterion"))
     properties = material.command
     if code in {1, 4}:
-        K = job.property(properties, "KIc", "stress_intensity")
+        K = job.needed(properties, "KIc", "stress_intensity", why=_WHY)
         kind = "maximum_hoop_stress" if code == 1 else "strain_energy_density"
-        return {"kind": kind, "K_Ic": K} if K is not None else _missing(job, properties, "KIc")
+        return None if K is None else {"kind": kind, "K_Ic": K}
     if code == 7:
-        J = job.property(properties, "JIc", "energy_rate", shown=True)
-        kind = "energy_release_rate"
-        return {"kind": kind, "J_c": J} if J is not None else _missing(job, properties, "JIc")
+        J = job.needed(properties, "JIc", "energy_rate", shown=True, why=_WHY)
+        return None if J is None else {"kind": "energy_release_rate", "J_c": J}
     if code == 6:
-        made: Made = {"kind": "opening"}
-        for theirs, ours in (("delIc", "normal"), ("delIIc", "tangential")):
-            value = job.property(properties, theirs)
-            if value is not None and value.number > 0:
-                made[ours] = value
-        return made if len(made) > 1 else _missing(job, properties, "delIc")
+        found = job.properties(properties, {"delIc": "normal", "delIIc": "tangential"})
+        found = {name: value for name, value in found.items() if value.number > 0}
+        if found:
+            return {"kind": "opening", **found}
+        job.error(properties, f"the command <delIc> is missing{_WHY}")
+        return None
     job.note("not_supported", command, f"criterion {code} of growth")
-    return None
-
-
-def _missing(job: Job, command: Command, name: str) -> Made | None:
-    job.error(command, f"the command <{name}> is missing, which the growth of cracks needs")
     return None
 
 

@@ -58,11 +58,8 @@ def snow(job: Job, material: Material) -> Made | None:
         job.unsupported(command, "material type 29 of the branch Fagan (dislocations)")
         return None
     found = elastic_constants(job, material)
-    made: Made = {"kind": "clamped_neo_hookean", **(found or {})}
-    for theirs, ours in (("CritComp", "compression"), ("CritTens", "extension"), ("xihard", "hardening")):
-        value = job.property(command, theirs)
-        if value is not None:
-            made[ours] = value
+    names = {"CritComp": "compression", "CritTens": "extension", "xihard": "hardening"}
+    made: Made = {"kind": "clamped_neo_hookean", **(found or {}), **job.properties(command, names)}
     if job.code(command, "Elastic", 0) == 0:
         job.changed(command, "the elastic law is neo-Hookean here, corotated in NairnMPM (Elastic 0)")
     job.ignored(command, "the volumetric energy is (λ/2)(½(J² − 1) − ln J)", "UJOption")

@@ -36,9 +36,8 @@ def mie_gruneisen(job: Job, material: Material) -> Made | None:
 def tait_fluid(job: Job, material: Material) -> Made | None:
     """Tait liquid."""
     command = material.command
-    K = job.property(command, "K")
+    K = job.needed(command, "K")
     if K is None:
-        job.error(command, "the command <K> is missing")
         return None
     job.changed(
         command, "p = (K/n)(J^(−n) − 1) with n = 10.19 has NairnMPM's pressure to second order in J − 1"
@@ -56,11 +55,7 @@ def tait_fluid(job: Job, material: Material) -> Made | None:
 def ideal_gas(job: Job, material: Material) -> Made | None:
     """Ideal gas."""
     command = material.command
-    pressure, T0 = job.property(command, "P0"), job.property(command, "T0")
+    pressure, rest = job.needed(command, "P0"), job.properties(command, {"T0": "T0"})
     if pressure is None:
-        job.error(command, "the command <P0> is missing")
         return None
-    made: Made = {"kind": "ideal_gas", "pressure": pressure, "gamma": Value(5 / 3)}
-    if T0 is not None:
-        made["T0"] = T0
-    return made
+    return {"kind": "ideal_gas", "pressure": pressure, "gamma": Value(5 / 3), **rest}

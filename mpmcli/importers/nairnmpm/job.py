@@ -127,6 +127,20 @@ class Job:
         inside = command.last(name)
         return None if inside is None else self.number(inside, None, quantity, shown)
 
+    def needed(
+        self, command: Command, name: str, quantity: str = "", shown: bool = False, why: str = ""
+    ) -> Value | None:
+        """The number in a command inside this one; an error without it."""
+        value = self.property(command, name, quantity, shown)
+        if value is None:
+            self.error(command, f"the command <{name}> is missing{why}")
+        return value
+
+    def properties(self, command: Command, names: dict[str, str]) -> dict[str, Any]:
+        """Those numbers in commands inside this one that are there, by their names in the scene."""
+        found = {ours: self.property(command, theirs) for theirs, ours in names.items()}
+        return {ours: value for ours, value in found.items() if value is not None}
+
     def code(self, command: Command, name: str, default: int) -> int:
         """The number in a command inside this one, rounded; the default without it."""
         inside = command.last(name)
@@ -185,20 +199,20 @@ class Job:
 
     def unsupported(self, command: Command, words: str, inside: str = "") -> None:
         """The scene lacks this command, or those inside it of these names; what is in them needs no words."""
-        for lacking in command.all(*inside.split()) if inside else (command,):
-            lacking.skip()
-            self.note("not_supported", lacking, words)
+        self._skipped("not_supported", command, words, inside)
 
     def ignored(self, command: Command, words: str, inside: str = "") -> None:
         """This command, or those inside it of these names, have no effect on the motion."""
-        for idle in command.all(*inside.split()) if inside else (command,):
-            idle.skip()
-            self.note("ignored", idle, words)
+        self._skipped("ignored", command, words, inside)
 
-    def changed(self, command: Command, words: str, inside: str = "") -> None:
-        """This command, or those inside it of these names, have another meaning or default here."""
-        for other in command.all(*inside.split()) if inside else (command,):
-            self.note("changed", other, words)
+    def _skipped(self, kind: NoteKind, command: Command, words: str, inside: str) -> None:
+        for skipped in command.all(*inside.split()) if inside else (command,):
+            skipped.skip()
+            self.note(kind, skipped, words)
+
+    def changed(self, command: Command, words: str) -> None:
+        """This command has another meaning or default here."""
+        self.note("changed", command, words)
 
     # -------------------------------------------------------------- materials
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from mpmcli.importers.nairnmpm.anisotropic import AXIAL, ORTHOTROPIC, hill, with_axes
 from mpmcli.importers.nairnmpm.commands import Command
-from mpmcli.importers.nairnmpm.constants import elastic_constants, hardening_law
+from mpmcli.importers.nairnmpm.constants import elastic_constants, hardening_law, quotient
 from mpmcli.importers.nairnmpm.damage import snow, softening
 from mpmcli.importers.nairnmpm.fluids import ideal_gas, mie_gruneisen, tait_fluid
 from mpmcli.importers.nairnmpm.grammar import FRACTURE, TRANSPORT
@@ -211,8 +211,8 @@ def _mooney(job: Job, material: Material) -> Made | None:
         made = {"kind": "mooney_rivlin", "K": found["K"], "G1": found["G"], "G2": second}
         return made | ({"volumetric": volumetric} if volumetric != "j_minus_inverse" else {})
     E, nu = found["E"].scaled, found["nu"].scaled
-    first = Value(E / (2 * (1 + nu)) - second.scaled)
-    return {"kind": "mooney_rivlin", "K": Value(E / (3 * (1 - 2 * nu))), "G1": first, "G2": second}
+    first = Value(quotient(E, 2 * (1 + nu)) - second.scaled)
+    return {"kind": "mooney_rivlin", "K": Value(quotient(E, 3 * (1 - 2 * nu))), "G1": first, "G2": second}
 
 
 def _viscoelastic(job: Job, material: Material) -> Made | None:
@@ -240,10 +240,9 @@ def _viscoelastic(job: Job, material: Material) -> Made | None:
 def _shift(job: Job, command: Command, made: Made) -> None:
     """Williams, Landel and Ferry's shift of relaxation times, which Tref switches on, and mref that by moisture."""
     reference = job.property(command, "Tref")
-    constants = {name: job.property(command, name) for name in ("C1", "C2")}
+    constants = job.properties(command, {"C1": "C1", "C2": "C2"})
     if reference is not None and reference.scaled >= 0:
-        given = {name: value for name, value in constants.items() if value is not None}
-        made["wlf"] = given | {"T_ref": reference}
+        made["wlf"] = constants | {"T_ref": reference}
         at_rest = job.scene.get("_at_rest")
         if not job.heats and at_rest is not None and at_rest.scaled > 0:
             made["T0"] = at_rest  # the temperature throughout

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
 from mpmcli.importers.nairnmpm.commands import Command
@@ -15,14 +16,14 @@ SIDES = {(0, False): "left", (0, True): "right", (1, False): "bottom", (1, True)
 SIDES[2, True] = "front"
 
 
+@dataclass
 class Where:
     """A place: its box or region, and a plane for whole sides of the grid."""
 
-    def __init__(self, name: str, lower: list[float], upper: list[float], made: dict[str, Any] | None = None):
-        self.name = name
-        self.lower = lower
-        self.upper = upper
-        self.region = made
+    name: str
+    lower: list[float]
+    upper: list[float]
+    region: dict[str, Any] | None = None
 
     def particles(self) -> dict[str, Any]:
         """The place for particles."""
@@ -34,13 +35,13 @@ class Where:
         """The place for nodes of the grid: a plane where they are a whole side, else a box; None if it has no nodes."""
         if self.region is not None:
             return {"region": self.region}
-        tolerance = job.tolerance
-        for axis in range(len(job.axes)):
-            others = [a for a in range(len(job.axes)) if a != axis]
-            if any(
-                self.lower[a] > job.lower[a] + tolerance or self.upper[a] < job.upper[a] - tolerance
-                for a in others
-            ):
+        tolerance, axes = job.tolerance, range(len(job.axes))
+        spans = [
+            self.lower[a] <= job.lower[a] + tolerance and self.upper[a] >= job.upper[a] - tolerance
+            for a in axes
+        ]
+        for axis in axes:
+            if not all(spans[a] for a in axes if a != axis):
                 continue
             first, last = self._lines(job, axis)
             count = round((job.upper[axis] - job.lower[axis]) / job.cell[axis])
@@ -54,13 +55,10 @@ class Where:
                 if line != (count if upper else 0):
                     at = Value(job.lower[axis] + line * job.cell[axis])
                 return {"plane": {"axis": job.axes[axis], "at": at} | _side(line, count, upper)}
-        for a in range(len(job.axes)):
+        for a in axes:
             first, last = self._lines(job, a)
-            if (
-                last < first
-                or self.lower[a] > job.upper[a] + tolerance
-                or self.upper[a] < job.lower[a] - tolerance
-            ):
+            outside = self.lower[a] > job.upper[a] + tolerance or self.upper[a] < job.lower[a] - tolerance
+            if last < first or outside:
                 return None
             if first == last:  # one line of nodes: its own coordinate instead of a tolerance around it
                 self.lower[a] = self.upper[a] = job.lower[a] + first * job.cell[a]

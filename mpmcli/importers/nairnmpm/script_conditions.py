@@ -84,14 +84,6 @@ class Conditions(Base):
             raise ScriptError(f"not supported: the friction '{number[:40]}'")
         return number
 
-    def _do_friction(self, line: Line) -> None:
-        value = self._need(line, 1)[0]
-        self._add(self._cracks(), "Friction", self._choice_of_friction(value))
-
-    def _do_contactcracks(self, line: Line) -> None:
-        law = text_of(self._need(line, 1)[0])
-        self._add(self._cracks(), "Friction", lawname=self.ids.get(law, law))
-
     def _do_moveplane(self, line: Line) -> None:
         self._add(self._cracks(), "MovePlane", type=self._need(line, 1)[0])
 

@@ -15,10 +15,7 @@ from mpmcli.importers.nairnmpm.script_values import Scalar, ScriptError, text_of
 def read(text: str, path: Path) -> CommandFile:
     """The commands that a script makes.
 
-    Raises
-    ------
-    SceneError
-        With the line of the first command that cannot be run or is not known.
+    Raises SceneError with the line of the first command that cannot be run or is not known.
     """
     maker = _Maker(path)
     try:
@@ -157,13 +154,18 @@ class _Maker(Conditions):
     def _do_contactposition(self, line: Line) -> None:
         self._add(self._mode(), "ContactPosition", self._need(line, 1)[0])
 
-    def _do_frictionmm(self, line: Line) -> None:
-        value = self._need(line, 1)[0]
-        self._add(self._mode(), "Friction", self._choice_of_friction(value))
+    def _do_friction(self, line: Line) -> None:
+        friction = self._choice_of_friction(self._need(line, 1)[0])
+        self._add(self._cracks() if line.name == "friction" else self._mode(), "Friction", friction)
 
-    def _do_contactmm(self, line: Line) -> None:
-        name = text_of(self._need(line, 1)[0])
-        self._add(self._mode(), "Friction", lawname=self.ids.get(name, name))
+    _do_frictionmm = _do_friction
+
+    def _do_contactcracks(self, line: Line) -> None:
+        law = text_of(self._need(line, 1)[0])
+        parent = self._cracks() if line.name == "contactcracks" else self._mode()
+        self._add(parent, "Friction", lawname=self.ids.get(law, law))
+
+    _do_contactmm = _do_contactcracks
 
     # --------------------------------------------------------------- materials
 

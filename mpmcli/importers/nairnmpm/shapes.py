@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
-import math
-from collections.abc import Iterable, Sequence
 from typing import Any
 
 from mpmcli.importers.nairnmpm.commands import Command
 from mpmcli.importers.nairnmpm.grammar import SHAPES
 from mpmcli.importers.nairnmpm.job import Job
 from mpmcli.importers.nairnmpm.values import Value
+from mpmcli.scene.context import Context
+from mpmcli.scene.units import Units
 
 NAMES = tuple(SHAPES.split())
 _AXES = {"x": 0, "X": 0, "1": 0, "y": 1, "Y": 1, "2": 1, "z": 2, "Z": 2, "3": 2}
@@ -27,57 +26,24 @@ def region(job: Job, shape: Command) -> dict[str, Any] | None:
     return {"kind": "difference", "region": made, "subtract": holes}
 
 
-def limits(made: dict[str, Any]) -> Box | None:
-    """The box around a region, or None if it is not known."""
-    box = _untransformed(made)
-    if box is None or not {"rotate", "translate"} & set(made):
-        return box
-    corners = list(itertools.product(*zip(*box, strict=True)))
-    if turn := made.get("rotate"):
-        c, s = math.cos(math.radians(turn["angle"])), math.sin(math.radians(turn["angle"]))
-        x0, y0 = (_plain(v) for v in turn["about"])
-        corners = [(x0 + c * (x - x0) - s * (y - y0), y0 + s * (x - x0) + c * (y - y0)) for x, y in corners]
-    way = [_plain(v) for v in made.get("translate", [0] * len(box[0]))]
-    return _around([[x + step for x, step in zip(corner, way, strict=True)] for corner in corners])
-
-
-def _untransformed(made: dict[str, Any]) -> Box | None:
-    kind = made["kind"]
-    if kind == "box":
-        return [_plain(v) for v in made["lower"]], [_plain(v) for v in made["upper"]]
-    if kind in {"disk", "sphere"}:
-        half = [_plain(made["radius"])] * len(made["center"])
-    elif kind in {"ellipse", "ellipsoid"}:
-        half = [_plain(v) for v in made["semi_axes"]]
-    elif kind == "polygon":
-        return _around([[_plain(v) for v in point] for point in made["points"]])
-    elif kind == "difference":
-        return limits(made["region"])
-    elif kind == "union":
-        boxes = [limits(part) for part in made["regions"]]
-        known = [box for box in boxes if box is not None]
-        return _around([end for box in known for end in box]) if len(known) == len(boxes) else None
-    elif kind == "cylinder":
-        radius = _plain(made["radius"])
-        ends = [[_plain(v) for v in made[end]] for end in ("from", "to")]
-        along = [abs(a - b) > 0 for a, b in zip(*ends, strict=True)]
-        low = [min(a, b) - (0 if on else radius) for a, b, on in zip(*ends, along, strict=True)]
-        high = [max(a, b) + (0 if on else radius) for a, b, on in zip(*ends, along, strict=True)]
-        return low, high
-    else:
+def limits(made: dict[str, Any], d: int) -> Box | None:
+    """The box around a region, or None if it is not known: of files, and of what is no valid region."""
+    if made["kind"] in {"bitmap", "points"}:
         return None
-    pairs = list(zip([_plain(v) for v in made["center"]], half, strict=True))
-    return [c - h for c, h in pairs], [c + h for c, h in pairs]
+    try:
+        lower, upper = Context(Units(), {}).region(_plain(made)).bounds(d)
+    except ValueError:
+        return None
+    return lower.tolist(), upper.tolist()
 
 
-def _around(points: Iterable[Sequence[float]]) -> Box:
-    """The box around points."""
-    columns = list(zip(*points, strict=True))
-    return [min(column) for column in columns], [max(column) for column in columns]
-
-
-def _plain(value: Any) -> float:
-    return value.scaled if isinstance(value, Value) else float(value)
+def _plain(member: Any) -> Any:
+    """A part of a region with numbers in place of values."""
+    if isinstance(member, dict):
+        return {key: _plain(value) for key, value in member.items()}
+    if isinstance(member, list):
+        return [_plain(value) for value in member]
+    return member.scaled if isinstance(member, Value) else member
 
 
 def corners(job: Job, shape: Command) -> tuple[list[Value], list[Value]] | None:

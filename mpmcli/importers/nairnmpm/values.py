@@ -65,10 +65,7 @@ class Formula:
 def read(text: str, unit: Unit = PLAIN, shown: bool = False, source: CommandFile | None = None) -> Value:
     """The number at the start of a text, as C's ``sscanf`` reads it.
 
-    Raises
-    ------
-    ValueError
-        If there is none.
+    Raises ValueError if there is none.
     """
     found = MARK.fullmatch(text.strip().lstrip("+-"))
     if found and source is not None and len(text.strip()) - len(found[0]) <= 1:

@@ -20,9 +20,7 @@ PROFILE = ("distance", "opening_normal", "opening_tangential")
 class CrackLayer:
     """The faces and tips of all cracks in axes, brought to another time with the particles.
 
-    Attributes
-    ----------
-    note : what the person should know about them, or nothing
+    ``note`` is what the person should know about them, or nothing.
     """
 
     def __init__(self, results: Results, axes: Any):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ import numpy as np
 from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.output.columns import QUANTITIES
 from mpmcli.output.files import GLOBALS
+from mpmcli.results.compare import matches
 from mpmcli.results.pictures.cracks import is_profile
 from mpmcli.results.pictures.drawing import PictureError, new_figure, shorten, space_ticks, write_title
 from mpmcli.results.reading import Results, Table, unit_in_brackets
@@ -179,9 +179,7 @@ def _no_column(name: str, tables: Sequence[Table]) -> PictureError:
 
 
 def _fits(pattern: str, table: Table, column: str) -> bool:
-    names = [column, f"{_probe_of(table)}:{column}"]
-    escaped = pattern.replace("[", "[[]").replace("?", "[?]")
-    return any(name == pattern or fnmatchcase(name, escaped) for name in names)
+    return any(matches(name, pattern) for name in (column, f"{_probe_of(table)}:{column}"))
 
 
 def _probe_of(table: Table) -> str:

@@ -76,13 +76,10 @@ def is_rigid(results: Results, frame: Frame) -> Array:
 
 
 def color_range(extent: Extent, limits: tuple[float, float] | None = None) -> tuple[float, float]:
-    """The numbers of the first and the last colour.
+    """The numbers of the first and the last colour: ``limits`` if they were asked for.
 
-    Parameters
-    ----------
-    limits
-        What was asked for. Else the percentiles of the extent, or all its numbers where the percentiles are one;
-        centred on zero where both signs occur, and never a single number.
+    Else the percentiles of the extent, or all its numbers where the percentiles are one; centred on zero where both
+    signs occur, and never a single number.
     """
     if limits is not None:
         return limits

@@ -25,12 +25,7 @@ LARGEST, SMALLEST = 7.5, 1.6
 
 
 class Palette:
-    """Colours of particles by a quantity, the same in all frames.
-
-    Parameters
-    ----------
-    limits : numbers of the first and last colour; ``color_range`` of the extent if absent
-    """
+    """Colours of particles by a quantity, the same in all frames; ``limits`` as ``color_range`` takes them."""
 
     def __init__(
         self, results: Results, coloring: Coloring, extent: Extent, limits: tuple[float, float] | None = None

@@ -95,17 +95,13 @@ class Request:
 def plot(directory: Path | str, request: Request | None = None) -> tuple[list[Path], list[str]]:
     """Draw the pictures of a results folder.
 
+    Raises PictureError if what is asked for is not there, or a library is missing, and ArchiveError if files cannot be
+    read or written.
+
     Returns
     -------
     paths : the files written
     notes : what the person should know about them
-
-    Raises
-    ------
-    PictureError
-        If what is asked for is not there, or a library is missing.
-    ArchiveError
-        If files cannot be read or written.
     """
     request = request or Request()
     _check(request)

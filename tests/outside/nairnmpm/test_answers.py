@@ -4,8 +4,6 @@ The answers are facts of the files TwoDisks.txt, TwoDisksMM.txt, MPMDCB.txt and 
 test suite, here in mm, g and ms.
 """
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Sources of NairnMPM become valid scenes; the scenes say what the sources say."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -70,10 +70,7 @@ FILES: dict[str, tuple[Callable[[], str], str]] = {
         lambda: scene() + "".join(f"key{i}: 1\n" for i in range(50000)),
         "mapping exceeds the limit",
     ),
-    "unknown_keys_below_the_limit": (
-        lambda: scene() + "".join(f"key{i}: 1\n" for i in range(900)),
-        "more\n",
-    ),
+    "unknown_keys_below_the_limit": (lambda: scene() + "".join(f"key{i}: 1\n" for i in range(900)), "more\n"),
     "repeated_keys": (lambda: scene() + "title: x\n" * 900000, "duplicate key"),
     "misspelt_constants": (lambda: scene(constants('"2*cc{i}x"', 900)), "more\n"),
     "many_constants": (lambda: scene(constants('"2*cc{i}x"', 50000)), "mapping exceeds the limit"),

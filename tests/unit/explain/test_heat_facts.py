@@ -1,7 +1,5 @@
 """What ``explain`` says about heat conduction."""
 
-from __future__ import annotations
-
 import json
 from copy import deepcopy
 

@@ -101,10 +101,7 @@ def test_jumps_that_contain_more_strain_than_the_spring_has_are_warned_of():
     law = LINEAR | {"normal": 134.0, "tangential": 68.0}
     assert warnings_of_interfaces(loaded_with(law).scene) == []
     normal, tangential = warnings_of_interfaces(loaded_with(law, **extrapolated).scene)
-    assert (normal.path, tangential.path) == (
-        "contact.pairs.0.law.normal",
-        "contact.pairs.0.law.tangential",
-    )
+    assert (normal.path, tangential.path) == ("contact.pairs.0.law.normal", "contact.pairs.0.law.tangential")
     assert normal.message == (
         "is too stiff along the normal for jump 'extrapolated', which contains the strain of 0.375 cells of each side: "
         "runs may be unstable at any time step. Use jump 'gradient' (the default), or at most 133 of stiffness"

@@ -1,7 +1,5 @@
 """What the tests of regions and filling share."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Annotated, Any
 

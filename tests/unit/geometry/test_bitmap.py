@@ -1,7 +1,5 @@
 """Bitmaps: which way up, which pixels, and pictures that cannot be used."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PIL import Image

@@ -1,7 +1,5 @@
 """Faces of bodies, and finding the particle around a point."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

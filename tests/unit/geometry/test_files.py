@@ -1,7 +1,5 @@
 """Files that a scene names: where they are looked for, and what is refused."""
 
-from __future__ import annotations
-
 import os
 import pickle
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """Filling: counts, positions, order, limits of the grid, overlaps."""
 
-from __future__ import annotations
-
 import time
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Meshes: inside, closed, every format, and files that cannot be used."""
 
-from __future__ import annotations
-
 import math
 import time
 

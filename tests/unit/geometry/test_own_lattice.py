@@ -1,7 +1,5 @@
 """Bodies whose particles lie along their region's own sides instead of the grid."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

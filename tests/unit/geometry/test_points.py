@@ -1,7 +1,5 @@
 """Particles from files."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from pydantic import ValidationError

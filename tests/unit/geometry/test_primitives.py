@@ -1,7 +1,5 @@
 """Regions with closed forms: borders, sizes, turning, words for what is wrong."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 from typing import Annotated, Any

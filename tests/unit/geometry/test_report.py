@@ -1,7 +1,5 @@
 """The set-up report."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The room as a whole: what importing it costs, and the scale of its files."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -109,11 +109,7 @@ def make_loaded(tmp_path):
             has_temperature=False,
             conditions_on=lambda quantity: [SimpleNamespace(name="base")] * (quantity == "velocity"),
             loads_on=lambda quantity: [],
-            method=SimpleNamespace(
-                damping=Damping(),
-                artificial_viscosity=None,
-                transfer=SimpleNamespace(),
-            ),
+            method=SimpleNamespace(damping=Damping(), artificial_viscosity=None, transfer=SimpleNamespace()),
             time=SimpleNamespace(end=1.0, max_steps=None, stop_when=None),
             events=None,
             domain=SimpleNamespace(on_exit="error"),

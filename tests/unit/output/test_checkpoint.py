@@ -1,7 +1,5 @@
 """Checkpoint files: whole or refused, two of them at every moment."""
 
-from __future__ import annotations
-
 import errno
 import os
 import random

@@ -1,7 +1,5 @@
 """Probes follow their particle through re-sorting and deletion, and read linear fields exactly."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

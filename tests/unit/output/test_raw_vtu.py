@@ -1,7 +1,5 @@
 """The writer and the reader of raw appended VTU files against vtk's own, and a run where vtk is not installed."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """The recorder's folder: what is in it, when it is written, and that it is the same twice."""
 
-from __future__ import annotations
-
 import json
 from types import SimpleNamespace
 

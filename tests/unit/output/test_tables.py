@@ -1,7 +1,5 @@
 """Tables keep every bit of a number, are on disk at once, and say what is wrong with themselves."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Archives as other programs read them: vtk, meshio; stable names, types and bytes."""
 
-from __future__ import annotations
-
 import contextlib
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Words and numbers of pictures: ticks do not collide, titles are one line within the picture."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 

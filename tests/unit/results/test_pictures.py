@@ -1,7 +1,5 @@
 """Pictures of results: they exist, have the right size, show what they should, and say what is missing."""
 
-from __future__ import annotations
-
 import json
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Pictures of particles in three dimensions: faces, what hides what, sections."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PIL import Image

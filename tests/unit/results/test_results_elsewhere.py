@@ -1,7 +1,5 @@
 """Results in pandas, in pyvista, and in a notebook."""
 
-from __future__ import annotations
-
 import sys
 import xml.etree.ElementTree as ElementTree
 

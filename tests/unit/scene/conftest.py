@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from scene_problems import changed, problems_of
 
-from mpmcli.core.errors import Problem, SceneError
+from mpmcli.core.errors import Problem
 from mpmcli.scene.loader import LoadedScene, load_scene
 
 SCENE = """\
@@ -50,15 +51,4 @@ def loaded(scene: str) -> LoadedScene:
 @pytest.fixture
 def problems_with(scene: str) -> Callable[..., list[Problem]]:
     """Problems (warnings too) of the scene after replacing pieces of its text."""
-
-    def find(*changes: tuple[str, str], add: str = "") -> list[Problem]:
-        text = scene
-        for old, new in changes:
-            assert text.count(old) == 1, old
-            text = text.replace(old, new)
-        try:
-            return load_scene(text + add).warnings
-        except SceneError as error:
-            return error.problems
-
-    return find
+    return lambda *changes, add="": problems_of(changed(scene, *changes) + add)

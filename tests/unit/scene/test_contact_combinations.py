@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
+import scene_problems
 
-from mpmcli.core.errors import Problem, SceneError
-from mpmcli.scene.loader import load_scene
+from mpmcli.core.errors import Problem
 
 SCENE = """\
 version: 1
@@ -30,10 +30,7 @@ def problems_of(*sets: str, soft: int = 3) -> list[Problem]:
     text = SCENE.replace("MATERIAL", "soft" if soft > 1 else "steel")
     if soft < 3:
         text = "".join(line for line in text.splitlines(keepends=True) if "name: c," not in line)
-    try:
-        return load_scene(text, sets=sets).warnings
-    except SceneError as error:
-        return error.problems
+    return scene_problems.problems_of(text, sets)
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scene_problems
+from scene_problems import changed
 
-from mpmcli.core.errors import Problem, SceneError
+from mpmcli.core.errors import Problem
 from mpmcli.materials import MATERIALS
 from mpmcli.scene.fields import ONE_FIELD, law_table, velocity_fields
 from mpmcli.scene.loader import LoadedScene, load_scene
@@ -39,19 +41,12 @@ LAW = "law: {kind: coulomb, friction: 0.3}"
 
 def read(*changes: tuple[str, str], sets: tuple[str, ...] = ()) -> LoadedScene:
     """The scene after replacing pieces of its text."""
-    text = SCENE
-    for old, new in changes:
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    return load_scene(text, sets=sets)
+    return load_scene(changed(SCENE, *changes), sets=sets)
 
 
 def problems_of(*changes: tuple[str, str], sets: tuple[str, ...] = ()) -> list[Problem]:
     """Errors and warnings of the changed scene."""
-    try:
-        return read(*changes, sets=sets).warnings
-    except SceneError as error:
-        return error.problems
+    return scene_problems.problems_of(changed(SCENE, *changes), sets)
 
 
 def test_defaults() -> None:

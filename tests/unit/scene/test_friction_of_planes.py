@@ -1,7 +1,5 @@
 """Friction on planes and walls: where it has no effect, and where it is too weak."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpmcli.scene.loader import load_scene

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pytest
+import scene_problems
+from scene_problems import changed
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.run.load import load
@@ -42,14 +44,7 @@ HOT = "value: 280}\n"
 
 def problems_of(*changes: tuple[str, str], sets: tuple[str, ...] = ()) -> list[Problem]:
     """Errors and warnings of the scene after replacing pieces of its text."""
-    text = SCENE
-    for old, new in changes:
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    try:
-        return load_scene(text, sets=sets).warnings
-    except SceneError as error:
-        return error.problems
+    return scene_problems.problems_of(changed(SCENE, *changes), sets)
 
 
 def only(problems: list[Problem], path: str, words: str, severity: str = "error") -> Problem:
@@ -72,9 +67,8 @@ def test_the_scene_is_valid() -> None:
     [(", heat_capacity: 460 J/(kg K)", "heat_capacity"), (", conductivity: 45 W/(m K)", "conductivity")],
 )
 def test_conduction_needs_capacity_and_conductivity(text: str, key: str) -> None:
-    found = only(
-        problems_of((text, "")), f"materials.steel.{key}", "is missing; conduction of heat ('heat') in 'left'"
-    )
+    words = "is missing; conduction of heat ('heat') in 'left'"
+    found = only(problems_of((text, "")), f"materials.steel.{key}", words)
     assert found.line == 8
     assert ("0 for an insulator" in found.message) == (key == "conductivity")
 
@@ -85,11 +79,8 @@ def test_both_may_be_missing_at_once() -> None:
 
 
 def test_a_misspelt_key_names_the_nearest() -> None:
-    only(
-        problems_of(("heat_capacity: 460", "heat_capcity: 460")),
-        "materials.steel.heat_capcity",
-        "did you mean 'heat_capacity'?",
-    )
+    found = problems_of(("heat_capacity: 460", "heat_capcity: 460"))
+    only(found, "materials.steel.heat_capcity", "did you mean 'heat_capacity'?")
 
 
 def test_an_equation_of_state_is_stable_at_constant_temperature() -> None:
@@ -141,10 +132,7 @@ time: {end: 0.1}
 
 def bare(*sets: str) -> list[Problem]:
     """Errors and warnings of a scene without heat."""
-    try:
-        return load_scene(BARE, sets=list(sets)).warnings
-    except SceneError as error:
-        return error.problems
+    return scene_problems.problems_of(BARE, sets)
 
 
 CAPACITY, ADIABATIC = "materials.steel.heat_capacity=1", "method.heating=adiabatic"
@@ -163,16 +151,14 @@ def test_a_capacity_has_an_effect_with_adiabatic_heating() -> None:
 
 
 def test_adiabatic_heating_needs_a_capacity() -> None:
-    only(
-        bare(ADIABATIC), "method.heating", "has no effect, because no material has a heat_capacity", "warning"
-    )
+    words = "has no effect, because no material has a heat_capacity"
+    only(bare(ADIABATIC), "method.heating", words, "warning")
 
 
 def test_temperatures_have_an_effect_where_something_depends_on_them() -> None:
     T0, body = "materials.steel.T0=200", "bodies.left.temperature=400"
-    only(
-        bare(T0), "materials.steel.T0", "has no effect because nothing depends on the temperature", "warning"
-    )
+    words = "has no effect because nothing depends on the temperature"
+    only(bare(T0), "materials.steel.T0", words, "warning")
     only(bare(body), "bodies.left.temperature", "material 'steel' has no temperature", "warning")
     assert bare(T0, body, "materials.steel.expansion=1e-5") == []
     assert bare(T0, body, CAPACITY, ADIABATIC) == []
@@ -216,12 +202,8 @@ def test_conditions_and_loads_of_heat_need_conduction(key: str) -> None:
 
 
 def test_an_empty_section_is_as_good_as_none() -> None:
-    only(
-        bare("heat=null", "materials.steel.conductivity=1"),
-        "materials.steel.conductivity",
-        "no effect",
-        "warning",
-    )
+    found = bare("heat=null", "materials.steel.conductivity=1")
+    only(found, "materials.steel.conductivity", "no effect", "warning")
 
 
 def test_a_broken_section_of_heat_is_not_taken_for_none() -> None:
@@ -331,22 +313,15 @@ def test_a_conductance_for_all_pairs_passes_over_rigid_bodies_without_temperatur
 @pytest.mark.parametrize(
     ("path", "value", "words"),
     [
-        (
-            "heat.contact",
-            "perfect",
-            "write {conductance: perfect} (allowed: shared, insulated, {conductance: ...})",
-        ),
+        ("heat.contact", "perfect",
+         "write {conductance: perfect} (allowed: shared, insulated, {conductance: ...})"),
         ("heat.contact", "insulted", "did you mean 'insulated'?"),
         ("heat.contact.conductance", "-1", "-1 is out of range: must be above 0"),
         ("heat.contact.conductance", "perfct", "did you mean 'perfect'?"),
         ("heat.interval", "aut", "a whole number or 'auto' is needed, not 'aut'; did you mean 'auto'?"),
-        (
-            "materials.cork.conductivity",
-            "[1, 2]",
-            "give one number, or three for the axes of the grid, not 2",
-        ),
+        ("materials.cork.conductivity", "[1, 2]", "give one number, or three for the axes of the grid, not 2"),
     ],
-)
+)  # fmt: skip
 def test_messages_name_what_is_allowed(path: str, value: str, words: str) -> None:
     only(problems_of(sets=(f"{path}={value}",)), path, words)
 
@@ -390,15 +365,10 @@ def test_two_temperatures_at_a_face_contradict_each_other() -> None:
 
 
 def test_loads_on_a_held_face_have_no_effect() -> None:
-    found = problems_of(
-        ("{body: right, face: {axis: x, side: upper}}", "{body: left, face: {axis: x, side: lower}}")
-    )
-    only(
-        found,
-        "loads.torch.on",
-        "has no effect on the body, because 'cold' holds the temperature of this face",
-        "warning",
-    )
+    held = "{body: left, face: {axis: x, side: lower}}"
+    words = "has no effect on the body, because 'cold' holds the temperature of this face"
+    found = problems_of(("{body: right, face: {axis: x, side: upper}}", held))
+    only(found, "loads.torch.on", words, "warning")
 
 
 # ---------------------------------------------------------------- contact
@@ -408,15 +378,10 @@ def test_choices_between_fields_need_fields() -> None:
     heat = ("heat: {}", "heat: {contact: insulated, friction: true}")
     assert problems_of(heat) == []
     alone = ("contact:\n  law: {kind: coulomb, friction: 0.3}\n", "")
-    plate = (
-        "  - {name: plate, material: tool, region: {kind: box, lower: [-12, -7], upper: [12, -5]}}\n",
-        "",
-    )
-    found = problems_of(heat, alone, plate, ("  tool: {kind: rigid}\n", ""))
-    assert [(p.path, p.severity) for p in found] == [
-        ("heat.contact", "warning"),
-        ("heat.friction", "warning"),
-    ]
+    plate = "  - {name: plate, material: tool, region: {kind: box, lower: [-12, -7], upper: [12, -5]}}\n"
+    found = problems_of(heat, alone, (plate, ""), ("  tool: {kind: rigid}\n", ""))
+    assert [p.path for p in found] == ["heat.contact", "heat.friction"]
+    assert {p.severity for p in found} == {"warning"}
     assert "the scene has a single velocity field" in found[0].message
 
 
@@ -465,13 +430,9 @@ def test_pairs_need_temperatures_of_their_own() -> None:
 
 
 def test_pairs_have_no_heat_without_conduction() -> None:
-    text = (
-        BARE
-        + "contact: {law: {kind: stick}, pairs: [{between: [left, b], law: {kind: stick}, heat: insulated}]}\n"
-    )
-    text = text.replace(
-        "time:", "  - {name: b, material: steel, region: {kind: box, lower: [0, -5], upper: [9, 5]}}\ntime:"
-    )
+    pairs = "[{between: [left, b], law: {kind: stick}, heat: insulated}]"
+    body = "  - {name: b, material: steel, region: {kind: box, lower: [0, -5], upper: [9, 5]}}\n"
+    text = BARE.replace("time:", f"{body}time:") + f"contact: {{law: {{kind: stick}}, pairs: {pairs}}}\n"
     only(load_scene(text).warnings, "contact.pairs.0.heat", "has no effect without 'heat'", "warning")
 
 
@@ -484,12 +445,8 @@ def test_a_rigid_body_is_a_bath_by_a_conductance() -> None:
     assert problems_of(("heat: {}", "heat: {contact: {conductance: 10}}"), sets=(BATH,)) == []
     words = "a rigid body exchanges heat only by"
     only(problems_of(sets=(BATH,)), "bodies.plate.temperature", words, "warning")
-    found = problems_of(
-        (LAW, LAW + PAIRS.format("left, plate", "{conductance: 10}")),
-        ("heat: {}", "heat: {contact: insulated}"),
-        sets=(BATH,),
-    )
-    assert found == []
+    own = (LAW, LAW + PAIRS.format("left, plate", "{conductance: 10}"))
+    assert problems_of(own, ("heat: {}", "heat: {contact: insulated}"), sets=(BATH,)) == []
 
 
 # ---------------------------------------------------------------- the rest of the section
@@ -504,11 +461,8 @@ def test_a_fourier_number_has_no_effect_with_given_steps() -> None:
 
 
 def test_a_scene_of_rigid_bodies_says_only_that() -> None:
-    only(
-        bare("materials={steel: {kind: rigid}}", "heat={}", f"loads={LOADS['loads']}"),
-        "bodies",
-        "every body is rigid; at least one body must be deformable",
-    )
+    found = bare("materials={steel: {kind: rigid}}", "heat={}", f"loads={LOADS['loads']}")
+    only(found, "bodies", "every body is rigid; at least one body must be deformable")
 
 
 def test_everything_at_once() -> None:
@@ -519,14 +473,8 @@ def test_everything_at_once() -> None:
         ("value: 280", "value: -1"),
         ("on: {body: left}", "on: {body: lift}"),
     )
-    paths = [
-        "heat.fourier",
-        "materials.steel.heat_capacity",
-        "boundary.cold.value",
-        "loads.air.around",
-        "loads.current.on.body",
-    ]
-    assert [p.path for p in found] == paths
+    paths = ["heat.fourier", "materials.steel.heat_capacity", "boundary.cold.value", "loads.air.around"]
+    assert [p.path for p in found] == [*paths, "loads.current.on.body"]
     assert "did you mean 'left'?" in found[-1].message
 
 
@@ -555,9 +503,8 @@ def test_arrays_of_heat_count_as_memory(monkeypatch: pytest.MonkeyPatch) -> None
     limit(mechanics + 3)
     with pytest.raises(SceneError, match="of memory"):
         check_memory(scene)
-    own = load_scene(
-        SCENE.replace("heat: {}", "heat: {contact: insulated, transfer: {kind: fmpm, order: 2}}")
-    ).scene
+    heat = "heat: {contact: insulated, transfer: {kind: fmpm, order: 2}}"
+    own = load_scene(SCENE.replace("heat: {}", heat)).scene
     limit(mechanics + 3 * 5)
     check_memory(own)
     limit(mechanics + 3 * 5 - 1)
@@ -573,8 +520,5 @@ def test_bodies_that_do_not_fit_the_axes_are_told_and_nothing_else_fails() -> No
     body = ("lower: [-9, -5], upper: [0, 5]}}", "lower: [-9, -5, 0], upper: [0, 5, 1]}, temperature: 400}")
     paths = {p.path for p in problems_of(hot, body, (HOT, HOT + second))}
     assert paths == {"bodies.left.region.lower", "bodies.left.region.upper"}
-    paths = {
-        p.path
-        for p in problems_of(hot, (HOT, HOT + second), sets=("grid={lower: [0], upper: [9], cell: 1}",))
-    }
-    assert "grid.lower" in paths
+    found = problems_of(hot, (HOT, HOT + second), sets=("grid={lower: [0], upper: [9], cell: 1}",))
+    assert "grid.lower" in {p.path for p in found}

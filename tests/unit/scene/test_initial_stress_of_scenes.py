@@ -1,7 +1,5 @@
 """What scenes say about stress at the start."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Numbers of materials that particles have from columns of their file of points."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

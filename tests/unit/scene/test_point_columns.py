@@ -1,7 +1,5 @@
 """Columns of files of points: densities of particles, and columns that nothing reads."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A specified normal that points the wrong way round lets bodies pass through each other: scenes and runs say so."""
 
-from __future__ import annotations
-
 import logging
 
 import pytest

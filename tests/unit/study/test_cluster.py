@@ -1,7 +1,5 @@
 """``mpmcli tradeoff --scheduler`` on a Dask cluster of this machine."""
 
-from __future__ import annotations
-
 import csv
 import os
 import sys

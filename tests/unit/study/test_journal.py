@@ -1,7 +1,5 @@
 """What a study keeps of finished runs, and what it makes of a file that a crash cut short."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """The search of stability limits, with a runner that only pretends to run."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math
@@ -409,10 +407,7 @@ def test_tables_and_picture(tmp_path):
     limits_report.write_limits(tmp_path, "bar", cases, settings)
     with (tmp_path / "limits.csv").open() as stream:
         rows = list(csv.DictReader(stream))
-    assert [(row["transfer"], row["limit"]) for row in rows[:2]] == [
-        ("flip", "0.85"),
-        ("fmpm:2", "0.685"),
-    ]
+    assert [(row["transfer"], row["limit"]) for row in rows[:2]] == [("flip", "0.85"), ("fmpm:2", "0.685")]
     assert rows[3]["limit"] == rows[3]["below"] == ""
     assert float(rows[1]["below"]) == pytest.approx(1.0 - 0.48 / 0.685)
     contents = json.loads((tmp_path / "limits.json").read_text())
@@ -439,14 +434,7 @@ def pretend(monkeypatch):
 
 
 def test_the_command(pretend, tmp_path, capsys):
-    arguments = [
-        "stability",
-        str(BAR),
-        "--transfer",
-        "flip,fmpm:4",
-        "-o",
-        str(tmp_path / "s"),
-    ]
+    arguments = ["stability", str(BAR), "--transfer", "flip,fmpm:4", "-o", str(tmp_path / "s")]
     assert call(arguments) == 0
     captured = capsys.readouterr()
     assert "0.54" in captured.out

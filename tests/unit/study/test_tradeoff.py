@@ -1,7 +1,5 @@
 """Accuracy against cost, with a runner that only pretends to run."""
 
-from __future__ import annotations
-
 import csv
 import json
 import sys
