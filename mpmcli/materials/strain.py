@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mpmcli.core.compiled.compiler import compiled_too
 from mpmcli.core.compiled.kernel import Compiled, inline, kernel, prange
 from mpmcli.core.exponentials import SMALL_INCREMENT, exponential_1d
 from mpmcli.core.particles import determinant_of_particle
@@ -67,6 +68,12 @@ class ArtificialViscosity(NamedTuple):
     cell: float
     pressure: Any
     work: Any
+
+
+@inline
+def bits_of(x: float) -> Any:
+    """Bits of a number, less than 0 where it is; those of numbers from 0 on are ordered as these, NaN last."""
+    return np.float64(x).view(np.int64)
 
 
 def block_count(particles: int) -> int:
@@ -132,7 +139,7 @@ def deform(analysis: Any, F: Any, L: Any, start: Any, end: Any, dt: Any) -> None
         )
 
 
-@Compiled  # by itself, which lets the compiler vectorise it
+@compiled_too  # into the loop over blocks, whose arrays the compiler knows to be different ones
 def stress_particles(
     analysis: Any,
     m: Any,
@@ -150,10 +157,11 @@ def stress_particles(
     end: Any,
     lane: Any,
 ) -> Any:
-    """Stress, history and work of particles ``start`` to ``end``; returns the largest c², smallest J and largest J."""
-    fastest = 0.0
-    smallest_J = 1.0
-    largest_J = 1.0
+    """Stress, history and work of particles ``start`` to ``end``; returns bits of the largest c², least and largest J.
+
+    Extremes are those of bits, since the compiler vectorises no loop that finds one of floats.
+    """
+    fastest, smallest_J, largest_J = bits_of(0.0), bits_of(1.0), bits_of(1.0)
     for p in range(start, end):
         dF = load_increment(analysis, L, p, dt) if needs_increment(m) else IDENTITY
         whole = dF
@@ -170,8 +178,8 @@ def stress_particles(
             )
         store_lateral(analysis, F, p, F1)
         J = determinant(F1)
-        smallest_J = min(smallest_J, J)
-        largest_J = max(largest_J, J)
+        smallest_J = min(smallest_J, bits_of(J))
+        largest_J = max(largest_J, bits_of(J))
         T0 = load_stress(analysis, tau, p)
         if thermal is not None:
             T = scale_symmetric(kirchhoff_stress(m, Fe, dF, H, p, dt, True), cube)
@@ -212,8 +220,14 @@ def stress_particles(
                 thermal.capacity, thermal.bath, thermal, m, Fe, dF, H, p, dt, vol0[p], cube, growth, viscous_work
             )  # fmt: skip
             speed2 = cube * speed2 + stiffer
-        fastest = max(fastest, speed2)
+        fastest = max(fastest, bits_of(speed2))
     return fastest, smallest_J, largest_J
+
+
+@Compiled
+def stress_apart(*arguments: Any) -> Any:
+    """``stress_particles`` by itself: what keeps the tensors of warm particles scalar does so to the whole function."""
+    return stress_particles(*arguments)
 
 
 @kernel
@@ -272,9 +286,7 @@ def update_strain_and_stress(
         for block in range(np.int64(lane), blocks, lanes):
             first = np.uint64(np.int64(block) * BLOCK)
             last = np.uint64(min(n, np.int64(first) + BLOCK))
-            fastest = 0.0
-            smallest_J = 1.0
-            largest_J = 1.0
+            fastest, smallest_J, largest_J = bits_of(0.0), bits_of(1.0), bits_of(1.0)
             largest_L = np.uint64(0)
             start = first
             while start < last:
@@ -288,18 +300,25 @@ def update_strain_and_stress(
                     deform(analysis, F, L, start, end, dt)
                 if thermal is not None:
                     prepare(thermal.expansion, thermal, analysis, m, F, L, H, dt, start, end, lane)
-                speed, low_J, high_J = stress_particles(
-                    analysis, m, F, L, tau, H, mass, vol0, stress_work, viscous, thermal, dt, start, end, lane
-                )
+                    speed, low_J, high_J = stress_apart(
+                        analysis, m, F, L, tau, H, mass, vol0, stress_work, viscous, thermal, dt, start, end, lane
+                    )  # fmt: skip
+                else:
+                    speed, low_J, high_J = stress_particles(
+                        analysis, m, F, L, tau, H, mass, vol0, stress_work, viscous, thermal, dt, start, end, lane
+                    )  # fmt: skip
                 fastest = max(fastest, speed)
                 smallest_J = min(smallest_J, low_J)
                 largest_J = max(largest_J, high_J)
                 start = end
-            speed2[block] = fastest
+            speed2[block] = np.int64(fastest).view(np.float64)
             bad[block] = -1
             # F itself needs no look: only L, and lateral stretches that the stress depends on, change it
             worst = max(largest_L, largest_magnitude(tau, first, last))
-            if worst >= NOT_FINITE or smallest_J <= 0.0 or smallest_J < limits[0] or largest_J > limits[1]:
+            is_possible = (
+                smallest_J > 0 and bits_of(limits[0]) <= smallest_J and largest_J <= bits_of(limits[1])
+            )
+            if worst >= NOT_FINITE or not is_possible:
                 bad[block] = first_bad_particle(F, L, tau, material, material_index, limits, first, last)
 
 
