@@ -139,10 +139,10 @@ _call = Compiled.__call__
 
 def dispatcher_of(function: Kernel | Compiled, parallel: bool) -> Any:
     """Numba's dispatcher of a function; None where functions are listed (``recording``), or run as Python."""
-    if isinstance(function, Kernel):
-        found = function[parallel]
-        return found if hasattr(found, "overloads") else None
-    return function.dispatcher if Compiled.__call__ is _call else None
+    if isinstance(function, Compiled) and Compiled.__call__ is not _call:
+        return None
+    found = function[parallel] if isinstance(function, Kernel) else function.dispatcher
+    return found if hasattr(found, "overloads") else None
 
 
 def find_compiled(module: str, name: str, version: bool | None) -> Compiled:
@@ -161,8 +161,9 @@ def recording() -> Iterator[dict[Call, None]]:
     calls: dict[Call, None] = {}
 
     def note(compiled: Compiled, arguments: tuple[Any, ...]) -> None:
-        typeof = compiled.dispatcher.typeof_pyval
-        calls[Call(compiled, tuple(typeof(argument) for argument in arguments))] = None
+        typeof = getattr(compiled.dispatcher, "typeof_pyval", None)
+        if typeof is not None:  # NUMBA_DISABLE_JIT=1 compiles nothing
+            calls[Call(compiled, tuple(typeof(argument) for argument in arguments))] = None
 
     def only_listed(kernel: Kernel, parallel: bool) -> Any:
         return lambda *arguments: note(kernel.versions[parallel], arguments)

@@ -272,3 +272,16 @@ def test_the_command_compiles_all_that_a_run_needs(tmp_path):
     assert mpmcli("compile", "blocks.yaml").stdout.startswith("0 functions compiled")
     run = mpmcli("run", "blocks.yaml", "-o", "results", "--set", "time.max_steps=3")
     assert "ompiling" not in run.stderr
+
+
+def test_a_run_with_numba_switched_off_compiles_nothing(tmp_path):
+    """As developers do to follow kernels in a debugger."""
+    (tmp_path / "blocks.yaml").write_text(yaml.safe_dump(two_blocks() | {"time": {"end": 1, "max_steps": 1}}))
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "MPMCLI_CACHE_DIR": str(tmp_path / "cache")}
+    command = [sys.executable, "-m", "mpmcli", "run", "blocks.yaml", "-o", "results"]
+    done = subprocess.run(
+        command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "finished: 1 step" in done.stdout + done.stderr
+    assert "compil" not in done.stdout + done.stderr
