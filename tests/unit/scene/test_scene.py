@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -289,17 +287,3 @@ def test_files_lie_beside_the_scene(tmp_path: Path, scene: str) -> None:
     with pytest.raises(SceneError, match="outside the folder of the scene"):
         load_scene(path)
     assert load_scene(path, allow_outside_files=True).scene.bodies[0].region.kind == "points"
-
-
-def test_imports_of_checking_a_scene(scene: str, tmp_path: Path) -> None:
-    path = tmp_path / "scene.yaml"
-    path.write_text(scene)
-    code = (
-        "import sys; from mpmcli.cli.main import call; assert call(['validate', sys.argv[1]]) == 0;"
-        "heavy = ('numba', 'vtk', 'vtkmodules', 'matplotlib', 'pint', 'meshio', 'scipy', 'mpmcli.solver');"
-        "print([m for m in heavy if m in sys.modules], file=sys.stderr)"
-    )
-    result = subprocess.run(
-        [sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=True
-    )
-    assert result.stderr.strip() == "[]"
