@@ -213,8 +213,8 @@ def test_validate_is_quick_and_light(tmp_path: Path) -> None:
     text = scene_text("vibrating_bar").replace("materials:\n", "materials:\n" + "".join(rows))
     path = tmp_path / "long.yaml"
     path.write_text(text)
-    heavy = "('numba', 'scipy', 'vtk', 'vtkmodules', 'matplotlib', 'pint', 'meshio', 'PIL', 'rich', "
-    heavy += "'mpmcli.solver', 'mpmcli.boundary.wall', 'mpmcli.contact.normals.plane', 'mpmcli.geometry.mesh')"
+    heavy = "('numba', 'scipy', 'vtk', 'vtkmodules', 'matplotlib', 'pint', 'meshio', 'PIL', "
+    heavy += "'rich', 'mpmcli.solver', 'mpmcli.boundary.wall', 'mpmcli.contact.normals.plane', 'mpmcli.geometry.mesh')"
     code = (
         "import sys, time; begin = time.perf_counter(); from mpmcli.cli.main import call;"
         "code = call(['validate', sys.argv[1]]); seconds = time.perf_counter() - begin;"
