@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import math
 import re
 import time
 
@@ -25,3 +26,12 @@ def unfit(code: int, written: str) -> str:
         return "no words"
     found = re.search(r"Traceback|Input should|validation error|Warning:", written)
     return f"says '{found[0]}'" if found else ""
+
+
+def answered(arguments: list[str], allowed: set[int], most: float = math.inf) -> tuple[int, str]:
+    """Exit code of a command, and what is wrong with its answer, or that it computed for too many seconds."""
+    code, written, seconds = spoken(arguments)
+    wrong = unfit(code, written)
+    if code not in allowed or seconds > most:
+        wrong = f"exit code {code} after {seconds:.3g} s {wrong}"
+    return code, f"{wrong}\n{written[-1500:]}" if wrong else ""

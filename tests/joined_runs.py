@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import yaml
+from scene_problems import with_keys
 
 from mpmcli.core.state import InterfaceMeans, InterfaceView
 from mpmcli.output.global_quantities import EnergyBalance
@@ -41,13 +42,8 @@ class JoinedRun:
             "contact": {"law": law or JOINT},
             "time": {"end": 1000.0, "courant": 0.2},
         }
-        for key, value in changes.items():
-            at = scene
-            *parents, last = key.split("__")
-            for parent in parents:
-                at = at.setdefault(parent, {})
-            at[last] = value
-        self.s = Simulation(load_scene(yaml.safe_dump(scene, sort_keys=False)), threads=1)
+        text = yaml.safe_dump(with_keys(scene, **changes), sort_keys=False)
+        self.s = Simulation(load_scene(text), threads=1)
         self.balance = EnergyBalance()
         self.balance.update(Snapshot(self.s.state))
         self.start = self.momentum

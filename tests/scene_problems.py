@@ -1,8 +1,10 @@
-"""What is wrong with a scene whose text is changed piece by piece."""
+"""Scenes that are changed piece by piece, and what is wrong with them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from copy import deepcopy
+from typing import Any
 
 from mpmcli.core.errors import Problem, SceneError
 from mpmcli.scene.loader import load_scene
@@ -14,6 +16,18 @@ def changed(text: str, *changes: tuple[str, str]) -> str:
         assert text.count(old) == 1, old
         text = text.replace(old, new)
     return text
+
+
+def with_keys(scene: dict[str, Any], **changes: Any) -> dict[str, Any]:
+    """A copy of a scene; keys with two underscores lead into it (``method__update="usf"``)."""
+    scene = deepcopy(scene)
+    for path, value in changes.items():
+        *parents, last = path.split("__")
+        at: Any = scene
+        for key in parents:
+            at = at[int(key)] if isinstance(at, list) else at.setdefault(key, {})
+        at[int(last) if isinstance(at, list) else last] = value
+    return scene
 
 
 def problems_of(text: str, sets: Iterable[str] = ()) -> list[Problem]:

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from mpmcli.core.errors import Problem, SceneError
-from mpmcli.core.suggest import did_you_mean, listing
 from mpmcli.cracks.chain import segment_lengths
 from mpmcli.output.columns import unknown_name
 from mpmcli.output.crack_quantities import AtTips, why_missing
@@ -83,15 +82,7 @@ def _quantities(names: Iterable[str], tip: str, context: Context, path: str) -> 
 
 
 def make_crack_probe(model: Any, context: Context, path: str) -> Probe:
-    """A probe of a crack from its words in the scene.
-
-    Raises SceneError if there is no such crack or tip, or a column is unknown.
-    """
-    if model.crack not in context.cracks:
-        hint = did_you_mean(model.crack, context.cracks)
-        hint = hint or (f" ({listing(context.cracks)})" if context.cracks else "")
-        words = f"there is no crack '{model.crack}'{hint}"
-        raise SceneError([Problem(f"{path}.crack", words, code="unknown_reference")])
+    """A probe of a crack of the scene; raises SceneError if it has no such tip, or a column is unknown."""
     if model.kind == "crack_opening":
         return CrackOpeningProbe(model.name, model.crack)
     tip = f"{model.crack}:{model.end}"

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import yaml
 from overlap import find_overlapping
+from scene_problems import with_keys
 
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
@@ -63,13 +64,8 @@ class Run:
             "contact": {"law": {"kind": "coulomb", "friction": friction}},
             "time": {"end": 1000.0, "courant": 0.2},
         }
-        for key, value in changes.items():
-            at = scene
-            *parents, last = key.split("__")
-            for parent in parents:
-                at = at[parent]
-            at[last] = value
-        self.s = Simulation(load_scene(yaml.safe_dump(scene, sort_keys=False)), threads=1)
+        text = yaml.safe_dump(with_keys(scene, **changes), sort_keys=False)
+        self.s = Simulation(load_scene(text), threads=1)
         self.start = self.energy
         self.highest = self.start
         self.momentum_start = self.momentum

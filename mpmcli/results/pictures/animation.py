@@ -53,7 +53,6 @@ def _write_gif(path: Path, pictures: Iterator[np.ndarray], rate: float) -> None:
 
 
 def _write_mp4(path: Path, pictures: Iterator[np.ndarray], rate: float) -> None:
-    check_writer("mp4")
     first = next(pictures)
     rows, columns, _ = first.shape
     make_folder(path.parent)

@@ -184,8 +184,6 @@ def hidden(X: Array, edges: Array, view: tuple[Array, Array, Array]) -> Array:
 
 def directions(view: str) -> tuple[Array, Array, Array]:
     """Unit vectors of a view: to the right, up, and towards the eye."""
-    if view not in VIEWS:
-        raise PictureError(f"there is no view '{view}' ({', '.join(VIEWS)})")
     turn, height = (math.radians(angle) for angle in VIEWS[view])
     if view == "iso":
         towards = np.array(

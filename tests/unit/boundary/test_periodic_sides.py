@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from scene_problems import with_keys
 
 from mpmcli.boundary.periodic import PeriodicSides, StartPositions, enter_again
 from mpmcli.core.errors import SceneError
@@ -93,13 +94,7 @@ def scene(**changes: Any) -> str:
         ],
         "time": {"end": 1},
     }
-    for key, value in changes.items():
-        at, *rest = key.split("__")
-        if rest:
-            words[at][rest[0]] = value
-        else:
-            words[at] = value
-    return yaml.safe_dump(words)
+    return yaml.safe_dump(with_keys(words, **changes))
 
 
 def held(on: dict[str, Any], value: Any = 0, **more: Any) -> list[dict[str, Any]]:

@@ -213,7 +213,7 @@ def test_validate_is_quick_and_light(tmp_path: Path) -> None:
     text = scene_text("vibrating_bar").replace("materials:\n", "materials:\n" + "".join(rows))
     path = tmp_path / "long.yaml"
     path.write_text(text)
-    heavy = "('vtk', 'vtkmodules', 'matplotlib', 'pint', 'meshio', 'PIL', "
+    heavy = "('numba', 'scipy', 'vtk', 'vtkmodules', 'matplotlib', 'pint', 'meshio', 'PIL', "
     heavy += "'rich', 'mpmcli.solver', 'mpmcli.boundary.wall', 'mpmcli.contact.normals.plane', 'mpmcli.geometry.mesh')"
     code = (
         "import sys, time; begin = time.perf_counter(); from mpmcli.cli.main import call;"

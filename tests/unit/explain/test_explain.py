@@ -7,6 +7,7 @@ from copy import deepcopy
 
 import pytest
 import yaml
+from scene_problems import with_keys
 
 from mpmcli.core.compiled.kernel import Kernel
 from mpmcli.explain.facts import explain
@@ -200,8 +201,5 @@ def test_kernels_are_those_that_run(name, kernels_that_run):
     for body, x in zip(scene["bodies"], (-10, 0), strict=True):
         body["region"] |= {"lower": [x, -1], "upper": [x + 10, 0]}
     scene["bodies"][0]["velocity"] = [0.1, 0]
-    for path, value in SCENES[name].items():
-        *parents, last = path.split("__")
-        (scene[parents[0]] if parents else scene)[last] = value
-    loaded = load_scene(yaml.safe_dump(scene))
+    loaded = load_scene(yaml.safe_dump(with_keys(scene, **SCENES[name])))
     assert kernels_that_run(loaded, 3) == set(explain(loaded)["kernels"])

@@ -1,10 +1,10 @@
 """What ``explain`` says about heat conduction."""
 
 import json
-from copy import deepcopy
 
 import pytest
 import yaml
+from scene_problems import with_keys
 
 from mpmcli.explain.facts import explain
 from mpmcli.scene.loader import load_scene
@@ -33,14 +33,7 @@ SCENE = {
 
 
 def loaded_with(**changes):
-    scene = deepcopy(SCENE)
-    for path, value in changes.items():
-        *parents, last = path.split("__")
-        at = scene
-        for key in parents:
-            at = at[key]
-        at[last] = value
-    return load_scene(yaml.safe_dump(scene))
+    return load_scene(yaml.safe_dump(with_keys(SCENE, **changes)))
 
 
 HEATS = {

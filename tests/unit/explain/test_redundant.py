@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from copy import deepcopy
 from typing import Any
 
 import numpy as np
 import pytest
 import yaml
+from scene_problems import with_keys
 
 from mpmcli.explain.facts import explain
 from mpmcli.explain.shares import measure
@@ -35,13 +35,7 @@ CLOSING = {"bodies.0.velocity": [1, 0], "bodies.1.velocity": [-1, 0]}
 
 def loaded(changes: dict[str, Any]):
     """The scene with keys replaced, or left out where the value is None."""
-    scene: Any = deepcopy(SCENE)
-    for key, value in changes.items():
-        *parents, last = key.split(".")
-        at = scene
-        for name in parents:
-            at = at[int(name)] if isinstance(at, list) else at.setdefault(name, {})
-        at[last] = value
+    scene = with_keys(SCENE, **{key.replace(".", "__"): value for key, value in changes.items()})
     return load_scene(yaml.safe_dump({key: value for key, value in scene.items() if value is not None}))
 
 

@@ -245,15 +245,20 @@ def test_every_way_to_write_vtp(folder, mode, compressor, wide):
     assert (len(surface.triangles), surface.open_edges) == (96, 0)
 
 
-def test_wrong_sizes_of_compressed_blocks_are_errors(folder, capfd):
+@pytest.fixture
+def raw(folder):
+    """A surface with raw appended data, and the place where the data begin."""
     output = vtkXMLPolyDataWriter()
-    output.SetDataModeToAppended()
     output.EncodeAppendedDataOff()
     output.SetFileName("ball.vtp")
     output.SetInputData(sphere(resolution=8))
     output.Write()
     content = (folder / "ball.vtp").read_bytes()
-    start = content.index(b"_", content.index(b"<AppendedData")) + 1
+    return content, content.index(b"_", content.index(b"<AppendedData")) + 1
+
+
+def test_wrong_sizes_of_compressed_blocks_are_errors(raw, folder, capfd):
+    content, start = raw
     for word in range(4):
         for wrong in (b"\0\0\0\0", b"\xff\xff\xff\xff"):
             if (word, wrong[0]) in ((1, 255), (2, 0)):
@@ -286,15 +291,10 @@ def test_an_array_outside_of_the_file_is_refused(region, folder, offset):
         region("mesh", file="far.vtp")
 
 
-def test_arrays_that_are_cut_short_are_refused(folder, capfd):
-    output = vtkXMLPolyDataWriter()
-    output.EncodeAppendedDataOff()
-    output.SetFileName("ball.vtp")
-    output.SetInputData(sphere(resolution=8))
-    output.Write()
-    content = (folder / "ball.vtp").read_bytes()
-    start, tail = content.index(b"_", content.index(b"<AppendedData")), content.rindex(b"\n  </AppendedData>")
-    for left in range(start + 1, tail, 29):
+def test_arrays_that_are_cut_short_are_refused(raw, folder, capfd):
+    content, start = raw
+    tail = content.rindex(b"\n  </AppendedData>")
+    for left in range(start, tail, 29):
         for end in (b"", content[tail:]):
             cut = folder / f"cut{left}{bool(end)}.vtp"
             cut.write_bytes(content[:left] + end)

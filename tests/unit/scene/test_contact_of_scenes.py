@@ -362,35 +362,6 @@ def test_velocity_of_rigid_bodies_follows_place_and_time() -> None:
     assert body.velocity[0](y=1.0, t=np.pi) == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize(
-    ("changes", "path", "words"),
-    [
-        (
-            [("upper: [0, 5]}", "upper: [0, 5]}, velocity: [0, t]")],
-            "bodies.left.velocity.1",
-            "'left' must not depend on t; only rigid bodies",
-        ),
-        ([(CONTACT, "")], "bodies.plate.material", "acts on other bodies by contact only"),
-        ([("material: steel,", "material: steel, field: top,")], "bodies.plate.field", "a deformable body (top)"),
-        (
-            [("contact:\n", "contact:\n  fields: material\n"), ("{kind: rigid}", "{kind: rigid, field: rubber}")],
-            "materials.steel.field",
-            "deformable bodies (left, right)",
-        ),
-        (
-            [("time: {end", "boundary:\n  - {name: hold, kind: velocity, "
-              "on: {body: plate, face: {axis: y, side: lower}}, direction: y, value: 0}\ntime: {end")],
-            "boundary.hold.on.body",
-            "prescribes its motion",
-        ),
-    ],
-)  # fmt: skip
-def test_what_rigid_bodies_cannot_do(changes: list[tuple[str, str]], path: str, words: str) -> None:
-    problems = [p for p in problems_of(*changes) if p.severity == "error"]
-    assert [p.path for p in problems] == [path]
-    assert words in problems[0].message
-
-
 def test_a_faulty_contact_does_not_hide_faulty_pairs() -> None:
     problems = problems_of(
         (LAW, "law: {kind: coulomb}\n  pairs: [{between: [left, rigth], law: {kind: stick}}]"),

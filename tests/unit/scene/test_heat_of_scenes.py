@@ -78,11 +78,6 @@ def test_both_may_be_missing_at_once() -> None:
     assert [p.path for p in found] == ["materials.steel.heat_capacity", "materials.steel.conductivity"]
 
 
-def test_a_misspelt_key_names_the_nearest() -> None:
-    found = problems_of(("heat_capacity: 460", "heat_capcity: 460"))
-    only(found, "materials.steel.heat_capcity", "did you mean 'heat_capacity'?")
-
-
 def test_an_equation_of_state_is_stable_at_constant_temperature() -> None:
     solid = "{kind: mie_gruneisen, density: 8e-3, K: 180e3, gamma0: 2, conductivity: 1, heat_capacity: %s}"
     assert problems_of(sets=(f"materials.steel={solid % '440'}",)) == []
@@ -187,51 +182,25 @@ def test_a_body_begins_near_its_temperature_without_stress(temperature: str, str
         only(found, "bodies.left.temperature", words, "warning")
 
 
-LOADS = {
-    "boundary": "[{name: a, kind: temperature, on: {plane: {axis: x, at: -9}}, value: 300}]",
-    "loads": "[{name: a, kind: heat_source, on: {body: left}, power: 5}]",
-}
-
-
-@pytest.mark.parametrize("key", LOADS)
-def test_conditions_and_loads_of_heat_need_conduction(key: str) -> None:
-    kind = "temperature" if key == "boundary" else "heat_source"
-    words = f"'{kind}' needs conduction of heat; add 'heat: {{}}' to the scene"
-    found = only(bare(f"{key}={LOADS[key]}"), f"{key}.a.kind", words)
-    assert found.code == "needs_heat"
-
-
 def test_an_empty_section_is_as_good_as_none() -> None:
     found = bare("heat=null", "materials.steel.conductivity=1")
     only(found, "materials.steel.conductivity", "no effect", "warning")
 
 
 def test_a_broken_section_of_heat_is_not_taken_for_none() -> None:
-    found = problems_of(("heat: {}", "heat: {interval: 0, transfer: {kind: xpic}}"))
-    assert [p.path for p in found] == ["heat.interval", "heat.transfer.kind"]
+    found = problems_of(("heat: {}", "heat: {interval: 0, fourier: 9, transfer: {kind: xpic}}"))
+    assert [p.path for p in found] == ["heat.interval", "heat.fourier", "heat.transfer.kind"]
     assert "0 is out of range: must be at least 1" in found[0].message
-    assert "'xpic' is not a known transfer (allowed: flip, fmpm)" in found[1].message
+    assert "'xpic' is not a known transfer (allowed: flip, fmpm)" in found[2].message
 
 
 # ---------------------------------------------------------------- conditions and loads
 
 
-@pytest.mark.parametrize(
-    ("old", "path"),
-    [
-        ("{body: left, face: {axis: x, side: lower}}", "boundary.cold.on.body"),
-        ("{body: right, face: {axis: x, side: upper}}", "loads.torch.on.body"),
-        ("on: {body: left}", "loads.current.on.body"),
-    ],
-)
-def test_heat_does_not_enter_rigid_bodies(old: str, path: str) -> None:
-    plate = old.replace("left", "plate").replace("right", "plate")
-    only(problems_of((old, plate)), path, "the body 'plate' is rigid, and heat does not enter it")
-
-
-def test_mechanical_conditions_on_rigid_bodies_are_refused_as_before() -> None:
-    push = "  - {name: push, kind: velocity, on: {body: plate, face: {axis: y, side: lower}}, direction: y, value: 1}\n"
-    only(problems_of((HOT, HOT + push)), "boundary.push.on.body", "its 'velocity' prescribes its motion")
+def test_heat_does_not_enter_rigid_bodies() -> None:
+    face = "{body: right, face: {axis: x, side: upper}}"
+    found = problems_of((face, face.replace("right", "plate")))
+    only(found, "loads.torch.on.body", "the body 'plate' is rigid, and heat does not enter it")
 
 
 PLANE = '{name: line, kind: temperature, on: {plane: {axis: x, at: 12}}, value: "300 + t"}'
@@ -313,34 +282,19 @@ def test_a_conductance_for_all_pairs_passes_over_rigid_bodies_without_temperatur
 @pytest.mark.parametrize(
     ("path", "value", "words"),
     [
-        ("heat.contact", "perfect",
-         "write {conductance: perfect} (allowed: shared, insulated, {conductance: ...})"),
         ("heat.contact", "insulted", "did you mean 'insulated'?"),
         ("heat.contact.conductance", "-1", "-1 is out of range: must be above 0"),
         ("heat.contact.conductance", "perfct", "did you mean 'perfect'?"),
-        ("heat.interval", "aut", "a whole number or 'auto' is needed, not 'aut'; did you mean 'auto'?"),
-        ("materials.cork.conductivity", "[1, 2]", "give one number, or three for the axes of the grid, not 2"),
     ],
-)  # fmt: skip
+)
 def test_messages_name_what_is_allowed(path: str, value: str, words: str) -> None:
     only(problems_of(sets=(f"{path}={value}",)), path, words)
-
-
-def test_loads_on_faces_know_no_planes() -> None:
-    found = problems_of(
-        ("{body: right, face: {axis: y, side: upper}}, coefficient", "{plane: {axis: y, at: 5}}, coefficient")
-    )
-    only(found, "loads.air.on", "needs a face of a body, not a plane: give body and face")
 
 
 @pytest.mark.parametrize("value", ["0", "-3", "'0*t'", "'-20 + t'"])
 def test_held_temperatures_are_absolute(value: str) -> None:
     found = problems_of(sets=(f"boundary.cold.value={value}",))
     only(found, "boundary.cold.value", "temperatures are absolute and must be above 0")
-
-
-def test_temperatures_around_are_absolute() -> None:
-    only(problems_of(("around: 293", "around: -10")), "loads.air.around", "temperatures are absolute")
 
 
 def test_two_temperatures_at_a_face_contradict_each_other() -> None:
@@ -396,9 +350,9 @@ LAW = "  law: {kind: coulomb, friction: 0.3}\n"
 PAIRS = "  pairs: [{{between: [{}], law: {{kind: stick}}, heat: {}}}]\n"
 
 
-def pair(heat: str, between: str = "left, right", section: str = "{contact: insulated}") -> list[Problem]:
+def pair(heat: str, between: str = "left, right") -> list[Problem]:
     """Problems of a pair with an exchange of heat of its own."""
-    return problems_of((LAW, LAW + PAIRS.format(between, heat)), ("heat: {}", f"heat: {section}"))
+    return problems_of((LAW, LAW + PAIRS.format(between, heat)), ("heat: {}", "heat: {contact: insulated}"))
 
 
 @pytest.mark.parametrize(
@@ -413,7 +367,6 @@ def test_pairs_exchange_heat_in_their_own_way(heat: str) -> None:
     [
         ("shared", "contact.pairs.0.heat", "'shared' is not allowed"),
         ("{conductance: 0}", "contact.pairs.0.heat.conductance", "must be above 0"),
-        ("{conductance: perfct}", "contact.pairs.0.heat.conductance", "perfct"),
         ("{conductivity: 1}", "contact.pairs.0.heat.conductivity", "did you mean 'conductance'?"),
     ],
 )
@@ -421,12 +374,6 @@ def test_other_words_for_pairs_are_refused(heat: str, path: str, words: str) -> 
     found = pair(heat)
     assert path in {p.path for p in found}
     assert any(words in p.message for p in found)
-
-
-def test_pairs_need_temperatures_of_their_own() -> None:
-    found = pair("insulated", section="{}")
-    words = "needs temperatures of its own for each side; set heat.contact to insulated or {conductance: ...}"
-    only(found, "contact.pairs.0.heat", words)
 
 
 def test_pairs_have_no_heat_without_conduction() -> None:
@@ -461,21 +408,9 @@ def test_a_fourier_number_has_no_effect_with_given_steps() -> None:
 
 
 def test_a_scene_of_rigid_bodies_says_only_that() -> None:
-    found = bare("materials={steel: {kind: rigid}}", "heat={}", f"loads={LOADS['loads']}")
+    source = "loads=[{name: a, kind: heat_source, on: {body: left}, power: 5}]"
+    found = bare("materials={steel: {kind: rigid}}", "heat={}", source)
     only(found, "bodies", "every body is rigid; at least one body must be deformable")
-
-
-def test_everything_at_once() -> None:
-    found = problems_of(
-        (", heat_capacity: 460 J/(kg K)", ""),
-        ("heat: {}", "heat: {interval: 3, fourier: 9}"),
-        ("around: 293", "around: 0"),
-        ("value: 280", "value: -1"),
-        ("on: {body: left}", "on: {body: lift}"),
-    )
-    paths = ["heat.fourier", "materials.steel.heat_capacity", "boundary.cold.value", "loads.air.around"]
-    assert [p.path for p in found] == [*paths, "loads.current.on.body"]
-    assert "did you mean 'left'?" in found[-1].message
 
 
 @pytest.mark.parametrize("interval", [1, 1000])

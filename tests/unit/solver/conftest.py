@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from copy import deepcopy
 from typing import Any
 
 import numpy as np
 import pytest
 import yaml
+from scene_problems import with_keys
 
 from mpmcli.output.global_quantities import EnergyBalance
 from mpmcli.output.snapshot import Snapshot
@@ -60,21 +60,6 @@ BAR: dict[str, Any] = {
     "time": {"end": 40.0, "courant": 0.2},
 }
 """A quarter period of a freely vibrating bar (Nairn 2026, section 3.3)."""
-
-
-def changed(scene: dict[str, Any], **changes: Any) -> dict[str, Any]:
-    """A copy of a scene; keys with two underscores lead into it (``method__update="usf"``)."""
-    scene = deepcopy(scene)
-    for path, value in changes.items():
-        *parents, last = path.split("__")
-        at = scene
-        for key in parents:
-            at = at[int(key)] if isinstance(at, list) else at.setdefault(key, {})
-        if isinstance(at, list):
-            at[int(last)] = value
-        else:
-            at[last] = value
-    return scene
 
 
 class Run:
@@ -139,10 +124,10 @@ class Run:
 @pytest.fixture(scope="session")
 def block():
     """Function: a run of the block with changes to its scene (``method__update="usf"``)."""
-    return lambda threads=None, **changes: Run(changed(BLOCK, **changes), threads)
+    return lambda threads=None, **changes: Run(with_keys(BLOCK, **changes), threads)
 
 
 @pytest.fixture(scope="session")
 def bar():
     """Function: a run of the vibrating bar with changes to its scene."""
-    return lambda threads=None, **changes: Run(changed(BAR, **changes), threads)
+    return lambda threads=None, **changes: Run(with_keys(BAR, **changes), threads)
