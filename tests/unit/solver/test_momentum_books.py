@@ -49,3 +49,31 @@ def test_symmetry_planes_react_to_contact_beside_them(shape, transfer, plain_pyt
     """Images have another share of the nodes of the near body than of those of the far one."""
     with plain_python():
         check(SCENE.format(update="usl", transfer=transfer, shape=shape, middle=2))
+
+
+TOOL = """
+version: 1
+analysis: {{kind: plane_strain}}
+grid: {{lower: [0, 0], upper: [6, 7], cell: 1}}
+method: {{shape: ugimp, transfer: {{kind: {transfer}}}}}
+materials: {{soft: {{kind: neo_hookean, density: 1, E: 10, nu: 0.3}}, tool: {{kind: rigid}}}}
+bodies:
+  - {{name: block, material: soft, region: {{kind: box, lower: [2, 1], upper: [4, 3]}}, velocity: [0.2, 0]}}
+  - {{name: tool, material: tool, region: {{kind: box, lower: [2, 3], upper: [4, 5]}}, velocity: [0, 1]}}
+contact: {{law: {{kind: perfect}}}}
+time: {{end: 10, courant: 0.3}}
+"""
+
+
+@pytest.mark.parametrize("transfer", ["xpic, order: 2", "xpic, order: 3", "fmpm, order: 2"])
+def test_the_force_of_a_bonded_tool_is_the_change_of_momentum(transfer, plain_python):
+    """Of what passes of XPIC give to sides that are bonded for good, too."""
+    with plain_python():
+        simulation = Simulation(load_scene(TOOL.format(transfer=transfer)))
+        p, state = simulation.particles, simulation.state
+        for _ in range(3):
+            before = (p.mass * p.V).sum(axis=1)
+            simulation.step()
+            given = state.contact.force[0] * state.dt
+            assert abs(given[1]) > 0.01
+            assert (p.mass * p.V).sum(axis=1) - before == pytest.approx(given, abs=1e-12)
