@@ -299,7 +299,7 @@ class ContactImpulses(Correction, ABC):
                     break
             elif change <= coupled_pairs.CONVERGED * size:
                 break
-        coupled_pairs.finish_pairs(self._axes, c.count, c.fields, changed, c.rows, here)
+        coupled_pairs.finish_pairs(self._axes, c.count, c.fields, c.begin, changed, c.rows, here, mp)
 
     def _start_increments(self) -> None:
         c, rows = self._found, self._found.rows
