@@ -107,6 +107,14 @@ class Mirror:
         place = np.minimum(np.searchsorted(found, nodes), len(found) - 1)
         return np.where(found[place] == nodes, share[place], 1.0)
 
+    def add_momentum(self, nodes: Array, momentum: Array) -> None:
+        """Let each plane give its component of what real particles at ``nodes`` (m,) received in excess, (m, d)."""
+        pairs = self.pairs
+        for j, axis in enumerate(pairs.axis):
+            ends = slice(pairs.start[j], pairs.start[j + 1])
+            mine = np.isin(nodes, pairs.ghost[ends]) | np.isin(nodes, pairs.image[ends])
+            self.impulse[j] += momentum[mine, axis].sum()
+
     def for_scalars(self) -> Mirror:
         """Return a mirror at the same planes, which keeps shares of its own."""
         return Mirror(self._planes, self._grid)

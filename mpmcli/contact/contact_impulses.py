@@ -100,9 +100,10 @@ class ContactImpulses(Correction, ABC):
             return
         c, rows = self._found, self._found.rows
         rows.start[: c.count] = 0.0
-        keeps_start = keeps_start_impulses(step.plan)
-        if keeps_start:
+        keeps = self._rows_that_keep(step.plan)
+        if len(keeps) > 0:
             self._find_slip(None, rows.slip)
+            before = rows.slip[keeps]
         if self._ways.once or self._waits():
             # rows hold the step before: sides that wait hold together, of others nothing is known
             rows.state[: c.count] = STICKING if self._waits() else APART
@@ -110,8 +111,10 @@ class ContactImpulses(Correction, ABC):
             self._correct_momenta(step.dt, after_forces=False, advance=0.0)
             rows.start[: c.count] = rows.dp[: c.count]
             self._start_increments()
-        if not keeps_start:
+        if len(keeps) < c.count:
             self._find_slip(None, rows.slip)
+            if len(keeps) > 0:
+                rows.slip[keeps] = before
 
     def after_update(self, step: Step) -> None:
         """Task 3.a: p⁺ += Δp⁽²⁾, which is also a force."""
@@ -134,14 +137,19 @@ class ContactImpulses(Correction, ABC):
         """Take Δp⁽¹⁾ out of momenta ``p`` (dofs, d) of the start of the step, where the filter is to know it."""
         c = self._found
         if step.plan.corrects_filter:
+            start = c.rows.start
             if self._bonded and step.plan.order > 1:
-                c.rows.start[: c.count][np.isin(c.fields.law[: c.count], self._bonded)] = 0.0
-            impulses.take_out(self._axes, c.count, c.fields, c.rows.start, p)
+                start = start.copy()
+                start[self._rows_that_keep(step.plan)] = 0.0
+            impulses.take_out(self._axes, c.count, c.fields, start, p)
 
-    def unite(self, step: Step, v: Array) -> None:
-        """Let velocities ``v`` (dofs, d) of sides that are bonded for good be one, after a pass of XPIC's filter."""
+    def unite(self, step: Step, v: Array, is_last: bool) -> None:
+        """Let velocities ``v`` (dofs, d) of sides that are bonded for good be one, after a pass of XPIC's filter.
+
+        Passes conserve momentum: of these impulses those of the last one reach the particles.
+        """
         if self._bonded and self._found.count > 0 and step.plan.corrects_filter:
-            self._correct_velocities(step.dt, v, is_increment=False, laws=self._bonded)
+            self._correct_velocities(step.dt, v, is_increment=False, laws=self._bonded, counts=is_last)
 
     def correct(self, step: Step, dv: Array, counts_reactions: bool) -> None:
         """Part (2) of an FMPM increment: contact on Δv(ℓ); conditions, whose impulses may count, have the last word."""
@@ -179,15 +187,24 @@ class ContactImpulses(Correction, ABC):
         """Let the rows' ``net`` be the impulses of the whole step; returns relative velocities (k, d) after them.
 
         Δp⁽¹⁾ is part of it where particles take on grid velocities, whose momentum it is part of; with FLIP it only
-        moves them, and XPIC(m > 1) filters it out again.
+        moves them, and XPIC(m > 1) filters it out again but at sides that are bonded for good.
         """
         c = self._found
         after = c.rows.prior  # its rows are free now
         if c.count > 0:
             self._find_slip(v, after)
-            if keeps_start_impulses(step.plan):
-                c.rows.net[: c.count] += c.rows.start[: c.count]
+            keeps = self._rows_that_keep(step.plan)
+            c.rows.net[keeps] += c.rows.start[keeps]
         return after
+
+    def _rows_that_keep(self, plan: Any) -> Array:
+        """Return the rows (n,) whose Δp⁽¹⁾ changes the particles' momentum in a step of this plan."""
+        law = self._found.fields.law[: self._found.count]
+        if keeps_start_impulses(plan):
+            return np.arange(len(law))
+        return (
+            np.flatnonzero(np.isin(law, self._bonded)) if filters_out(plan) else np.zeros(0, dtype=np.int64)
+        )
 
     def _waits(self) -> bool:
         """Whether all contacts are interfaces that do nothing before the forces of the step are known."""
@@ -210,9 +227,9 @@ class ContactImpulses(Correction, ABC):
             )  # fmt: skip
 
     def _correct_velocities(
-        self, dt: float, v: Array, is_increment: bool, laws: Sequence[int] | None = None
+        self, dt: float, v: Array, is_increment: bool, laws: Sequence[int] | None = None, counts: bool = False
     ) -> None:
-        """Let velocities satisfy contact, by all laws or by some."""
+        """Let velocities satisfy contact, by all laws or by some, whose impulses count in ``net`` if ``counts``."""
         c = self._found
         here = self._place(dt, 0.0 if is_increment else dt)._replace(
             of_velocity=True, of_increment=is_increment
@@ -226,6 +243,8 @@ class ContactImpulses(Correction, ABC):
                 impulses.add_to_velocities, self._axes, c.count, c.fields, c.rows.dp, here, self._grid.mp, v,
                 parallel=self._adds_parallel,
             )  # fmt: skip
+            if counts:
+                c.rows.net[: c.count] += c.rows.dp[: c.count]
 
     def _place(self, dt: float, advance: float) -> Place:
         return Place(
@@ -280,7 +299,7 @@ class ContactImpulses(Correction, ABC):
                     break
             elif change <= coupled_pairs.CONVERGED * size:
                 break
-        coupled_pairs.finish_pairs(self._axes, c.count, c.fields, changed, c.rows, here)
+        coupled_pairs.finish_pairs(self._axes, c.count, c.fields, c.begin, changed, c.rows, here, mp)
 
     def _start_increments(self) -> None:
         c, rows = self._found, self._found.rows
@@ -298,6 +317,10 @@ class ContactImpulses(Correction, ABC):
 
 
 def keeps_start_impulses(plan: Any) -> bool:
-    """Whether Δp⁽¹⁾ changes the particles' momentum in a step of this plan."""
-    filters_out = plan.method.projects and plan.corrects_filter and plan.order > 1
-    return not (plan.method.flip or filters_out)
+    """Whether Δp⁽¹⁾ changes the particles' momentum in a step of this plan, whatever the laws are."""
+    return not (plan.method.flip or filters_out(plan))
+
+
+def filters_out(plan: Any) -> bool:
+    """Whether XPIC filters Δp⁽¹⁾ out again, except at sides that are bonded for good."""
+    return bool(plan.method.projects and plan.corrects_filter and plan.order > 1)

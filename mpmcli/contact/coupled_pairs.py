@@ -164,14 +164,19 @@ def choose_pairs(fields, begin, most, state, changed):
 
 
 @called_once
-def finish_pairs(axes, count, fields, changed, rows, here):
+def finish_pairs(axes, count, fields, begin, changed, rows, here, mp):
     """Momentum changes of pairs from their totals; at each node either pairs or lumped contacts act.
 
-    Where pairs are not chosen their rows become zero; where they are, those of the lumped contacts.
+    Where pairs are not chosen their rows become zero; where they are, those of the lumped contacts. "Evolving"
+    follows what is left of Δp_α(0) after all pairs of a node.
     """
     prior, net, dp = rows.prior, rows.net, rows.dp
     for k in range(count):
         chosen = changed[fields.slot[k]] != LEFT_OUT
+        if fields.pair[k] and chosen and here.evolving:
+            wanted_by_pair(axes, k, fields, begin, True, rows, mp, rows.found[k])
+            for a in range(len(axes)):
+                rows.dp0[k, a] = rows.found[k, a]
         lumped = not fields.pair[k] and fields.stage[k] == 0 and not fields.alone[k]
         if fields.pair[k]:
             for a in range(len(axes)):

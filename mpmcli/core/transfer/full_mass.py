@@ -88,5 +88,5 @@ def add_filtered_values(
         transfer.project(field, u, out, weight, first=m == 2)
         nodes.next_projection[parallel](active, field.mp, p_start, out, u)
         for correction in field.corrections:
-            correction.unite(step, u)
+            correction.unite(step, u, m == order)
     nodes.add_projected[parallel](active, step.dt, u, field.v, w, start)

@@ -35,8 +35,11 @@ class Correction:
         ``counts_reactions``: impulses count as reactions.
         """
 
-    def unite(self, step: Step, v: Array) -> None:
-        """Let values ``v`` (dofs, c) that are bonded for good be one, after each pass of the filter of XPIC."""
+    def unite(self, step: Step, v: Array, is_last: bool) -> None:
+        """Let values ``v`` (dofs, c) that are bonded for good be one, after each pass of the filter of XPIC.
+
+        ``is_last``: it is the last one.
+        """
 
     def take_out_start(self, step: Step, p: Array) -> None:
         """Take what was added at the start of the step out of the extensive values ``p`` (dofs, c)."""
