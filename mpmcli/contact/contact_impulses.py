@@ -12,7 +12,7 @@ from mpmcli.contact import coupled_pairs, impulses
 from mpmcli.contact.fields_in_contact import FieldsInContact, NodeTable
 from mpmcli.contact.geometry import Geometry
 from mpmcli.contact.impulses import ImpulseRows, Place
-from mpmcli.contact.laws.impulse import APART, STICKING
+from mpmcli.contact.laws.impulse import APART, SLIDING, STICKING
 from mpmcli.core.compiled.bound import TypedCalls
 from mpmcli.core.grid import Grid
 from mpmcli.core.step import Step
@@ -187,14 +187,17 @@ class ContactImpulses(Correction, ABC):
         """Let the rows' ``net`` be the impulses of the whole step; returns relative velocities (k, d) after them.
 
         Δp⁽¹⁾ is part of it where particles take on grid velocities, whose momentum it is part of; with FLIP it only
-        moves them, and XPIC(m > 1) filters it out again but at sides that are bonded for good.
+        moves them, and XPIC(m > 1) filters it out again but at sides that are bonded for good. Sides that it keeps
+        apart alone touch, too.
         """
         c = self._found
         after = c.rows.prior  # its rows are free now
         if c.count > 0:
             self._find_slip(v, after)
-            keeps = self._rows_that_keep(step.plan)
-            c.rows.net[keeps] += c.rows.start[keeps]
+            keeps, state = self._rows_that_keep(step.plan), c.rows.state
+            start = c.rows.start[keeps]
+            c.rows.net[keeps] += start
+            state[keeps[(state[keeps] == APART) & start.any(axis=1)]] = SLIDING
         return after
 
     def _rows_that_keep(self, plan: Any) -> Array:

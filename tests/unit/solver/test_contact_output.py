@@ -61,6 +61,32 @@ def test_the_force_of_a_pair_is_what_changes_the_momentum_of_its_first(two):
     assert table["contact_momentum_error_x"] == 0.0
 
 
+def test_sides_that_push_touch(block):
+    """With FMPM, the correction of the extrapolated momenta alone may keep them apart."""
+    still, planes = {"velocity": [0.0, 0.0]}, (("hold", -3.0, 0.0), ("press", 3.0, -0.003))
+    run = block(
+        bodies=[LEFT | still, RIGHT | still],
+        contact={"law": {"kind": "frictionless"}},
+        method={"transfer": {"kind": "fmpm", "order": 4}, "damping": {"grid": 10.0}},
+        time={"end": 1e3, "courant": 0.02},
+        boundary=[
+            {
+                "name": name,
+                "kind": "velocity",
+                "on": {"plane": {"axis": "x", "at": at}},
+                "direction": "x",
+                "value": v,
+            }
+            for name, at, v in planes
+        ],
+    )
+    pushed = touched = 0
+    for _ in range(200):
+        view = run.steps(1).simulation.state.contact
+        pushed, touched = pushed + (view.force[0, 0] < 0.0), touched + (view.area[0] > 0.0)
+    assert touched == pushed > 100
+
+
 def test_columns_of_the_scene_are_those_of_the_simulation(two):
     run, _ = two
     context = context_of(run.loaded.scene)
