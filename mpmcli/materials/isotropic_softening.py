@@ -8,7 +8,13 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.exponentials import exponential_1d, exponential_symmetric, log_symmetric, logarithm
+from mpmcli.core.exponentials import (
+    exponential,
+    exponential_1d,
+    exponential_symmetric,
+    log_symmetric,
+    logarithm,
+)
 from mpmcli.core.model import PositivePressure, Quantity
 from mpmcli.core.tensors import (
     determinant,
@@ -134,7 +140,7 @@ class ExponentialSoftening(NamedTuple):
 
 @generic
 def largest_opening(m: Any, driver: Any, band: Any) -> Any:
-    """Cracking strain, and dissipated energy per volume [pressure].
+    """Cracking strain, its derivative by ``driver``, and dissipated energy per volume [pressure].
 
     ``driver`` is the largest stress of the undamaged material so far, stress + M times the cracking strain.
     """
@@ -147,27 +153,28 @@ def _(m: Any, driver: Any, band: Any) -> Any:
     opening = (driver - m.strength) / (M - slope)
     stress = m.strength - slope * opening
     if stress > 0.0:
-        return opening, 0.5 * m.strength * opening
-    return driver / M, m.toughness / band
+        return opening, 1.0 / (M - slope), 0.5 * m.strength * opening
+    return driver / M, 1.0 / M, m.toughness / band
 
 
 @largest_opening.register(ExponentialSoftening)
 def _(m: Any, driver: Any, band: Any) -> Any:
     M = m.lame + 2.0 * m.shear
     rate = m.strength * band / m.toughness
-    # σ exp(-rate x) + M x = driver: convex, so that Newton's method from the right never passes the root
-    opening = driver / M
+    # σ exp(-rate x) + M x = driver: convex, so that Newton's method from the right never passes the root, where the
+    # tangents at x = 0 and at infinity lead, too
+    opening = min(driver / M, (driver - m.strength) / (M - rate * m.strength))
     stress = m.strength * exponential_1d(-rate * opening)
     for _ in range(60):
         change = (stress + M * opening - driver) / (M - rate * stress)
         opening -= change
-        stress = m.strength * exponential_1d(-rate * opening)
+        stress *= exponential(rate * change)
         # the next change is of second order
         if rate * rate * stress * change * change <= 1e-15 * opening * (M - rate * stress):
             break
     x = rate * opening
     released = (m.strength - stress) / rate if x > 1e-6 else m.strength * opening * (1.0 - 0.5 * x)
-    return opening, released - 0.5 * stress * opening
+    return opening, 1.0 / (M - rate * stress), released - 0.5 * stress * opening
 
 
 @inline
@@ -245,15 +252,17 @@ def _across(R: Any, n: Any) -> Any:
 
 @inline
 def _damaged(m: Any, T: Any, n: Any, N: Any, driver: Any, H: Any, p: Any) -> Any:
-    """Normal and shear traction on a crack with normal ``n``, ``N`` in the undeformed material, its driver, damage and
-    dissipation."""
+    """Normal and shear traction on a crack with normal ``n``, ``N`` in the undeformed material, its driver, damage, the
+    derivative of damage by driver where this grows, and dissipation."""
     normal, s = _traction(T, n)
     M, opened = m.lame + 2.0 * m.shear, max(0.0, normal)
     shear2 = s[0] * s[0] + s[1] * s[1] + s[2] * s[2]
-    driver = max(driver, math.sqrt(opened * opened + M / m.shear * shear2))
+    last, driver = driver, max(driver, math.sqrt(opened * opened + M / m.shear * shear2))
     x, y, z = N[0] * H[BAND, p], N[1] * H[BAND + 1, p], N[2] * H[BAND + 2, p]
-    opening, dissipated = largest_opening(m, driver, math.sqrt(x * x + y * y + z * z))
-    return normal, s, driver, M * opening / driver, dissipated
+    opening, slope, dissipated = largest_opening(m, driver, math.sqrt(x * x + y * y + z * z))
+    damage = M * opening / driver
+    growth = (M * slope - damage) / driver if driver > last else 0.0
+    return normal, s, driver, damage, growth, dissipated
 
 
 for _Softening in (LinearSoftening, ExponentialSoftening):
@@ -275,7 +284,7 @@ for _Softening in (LinearSoftening, ExponentialSoftening):
         else:
             n = _normal_now(_rotation(F, e), H, p)
             N = (H[NORMAL, p], H[NORMAL + 1, p], H[NORMAL + 2, p])
-        normal, s, driver, damage, dissipated = _damaged(m, T, n, N, driver, H, p)
+        normal, s, driver, damage, _, dissipated = _damaged(m, T, n, N, driver, H, p)
         if commit:
             H[DRIVER, p] = driver
             H[DAMAGE, p] = damage
@@ -295,15 +304,26 @@ for _Softening in (LinearSoftening, ExponentialSoftening):
         T, R, n = shared
         a, b = (2.0 if both else 1.0) * m.lame * x, 2.0 * m.shear * x
         T = (T[0] + a, T[1] + (a + b if both else a), T[2] + a + b, T[3], T[4], T[5])
-        driver = H[DRIVER, p]
-        N = (H[NORMAL, p], H[NORMAL + 1, p], H[NORMAL + 2, p])
+        driver, N = H[DRIVER, p], (H[NORMAL, p], H[NORMAL + 1, p], H[NORMAL + 2, p])
+        dilated, G = (2.0 if both else 1.0) * m.lame, 2.0 * m.shear
         if driver == 0.0:
             largest, n = _largest_axis(T)
             if largest <= m.strength:
-                return T[2], (2.0 if both else 1.0) * m.lame + 2.0 * m.shear
+                return T[2], dilated + G
             N, driver = _across(R, n), m.strength
-        normal, s, _, damage, _ = _damaged(m, T, n, N, driver, H, p)
-        return _relieved(m, T, n, normal, s, damage)[2], 0.0
+        normal, s, driver, damage, growth, _ = _damaged(m, T, n, N, driver, H, p)
+        f = _relieved(m, T, n, normal, s, damage)[2]
+        if H[DRIVER, p] == 0.0:
+            return f, 0.0  # the axis turns as T changes
+        # derivatives by x of the tractions, which follow from those of T, of the driver and of the damage
+        change = (dilated, dilated + (G if both else 0.0), dilated + G, 0.0, 0.0, 0.0)
+        rise, ds = _traction(change, n)
+        opened, rise = max(0.0, normal), rise if normal > 0.0 else 0.0
+        M = m.lame + G
+        shear = s[0] * ds[0] + s[1] * ds[1] + s[2] * ds[2]
+        more = growth * (opened * rise + M / m.shear * shear) / driver
+        slope = (m.lame + G * n[2] * n[2]) / M * (damage * rise + more * opened)
+        return f, dilated + G - slope - 2.0 * n[2] * (damage * ds[2] + more * s[2])
 
     @strain_energy.register(_Softening)
     def _(m: Any, F: Any, H: Any, p: Any) -> Any:

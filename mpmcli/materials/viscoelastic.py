@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
 from mpmcli.core.analysis import ANALYSES
-from mpmcli.core.compiled.compiler import compiled_as
-from mpmcli.core.compiled.dispatch import generic
-from mpmcli.core.compiled.kernel import inline
+from mpmcli.core.compiled.compiler import compiled_too
+from mpmcli.core.compiled.registers import each, positive_part, total
 from mpmcli.core.exponentials import exponential, exponential_1d, logarithm, logarithm_1p
 from mpmcli.core.model import Model, Quantity
 from mpmcli.core.rows import sqrt
-from mpmcli.core.tensors import determinant, left_cauchy_green, push_forward, smallest_eigenvalue_bound
+from mpmcli.core.tensors import determinant, left_cauchy_green, push_forward
 from mpmcli.materials.base import (
     MATERIALS,
     MaterialModel,
@@ -31,21 +29,43 @@ from mpmcli.materials.isochoric import (
     isochoric_stiffness,
     isochoric_stress,
 )
-from mpmcli.materials.lateral import lateral_stress, shared_by_trials
-from mpmcli.materials.planar import in_space_and_plane, is_planar
+from mpmcli.materials.lateral import (
+    free_stress,
+    lateral_stress,
+    search_strain,
+    shared_by_trials,
+    stretch_tensor,
+    widened,
+)
+from mpmcli.materials.planar import is_planar
+from mpmcli.materials.prony import (
+    HEAT,
+    LARGE_EXCESS,
+    MAXWELL,
+    MOST_TERMS,
+    ROWS,
+    SHIFTED,
+    STORED,
+    TEMPERATURE,
+    Network,
+    excess,
+    haste,
+    keep,
+    logarithmic_excess,
+    numbers_of,
+    relaxations_of,
+    small_logarithmic_excess,
+    smaller,
+    stretched,
+    terms_of,
+    volumes,
+)
 from mpmcli.materials.volumetric import (
     FORMS,
     volumetric_energy,
     volumetric_stiffness,
     volumetric_stress,
 )
-
-MOST_TERMS = 8
-ROWS = ("xx", "yy", "zz", "xy", "yz", "xz", "volume")
-"""History of a Maxwell element: its tensor minus the identity, and the logarithm of its volume."""
-OF_TERM = len(ROWS)
-HEAT, STORED = 1, 2
-"""Rows after that of the temperature, which follows the terms."""
 
 
 class MaxwellTerm(Model):
@@ -80,11 +100,14 @@ class WilliamsLandelFerry(Model):
 
 
 class RowsOfTerms:
-    """Names of the history: rows of every term (of the class: of one), then temperature, heat and stored energy."""
+    """Names of the history: rows of all terms (of the class: of one), then temperature, heat and stored energy.
+
+    A component of all terms is in rows one after the other, so that they go into a register.
+    """
 
     def __get__(self, model: Any, kind: type | None = None) -> tuple[str, ...]:
         count = 1 if model is None else len(model.terms)
-        rows = (f"term_{k + 1}_{name}" for k in range(count) for name in ROWS)
+        rows = (f"term_{k + 1}_{name}" for name in ROWS for k in range(count))
         return (*rows, "temperature", "heat_energy", "stored_energy")
 
 
@@ -145,7 +168,7 @@ class Viscoelastic(MaterialModel):
             lateral_factor(self._lame, self.shear_modulus, analysis),
             heating,
         )
-        terms = (number for term in self.terms for number in (term.time, term.G, term.K))
+        terms = (getattr(term, word) for word in ("time", "G", "K") for term in self.terms)
         made = (MAXWELL if self.wlf is None else SHIFTED)[len(self.terms), analysis != "3d"]
         return made(*numbers, *terms, *shift)  # type: ignore[no-any-return]
 
@@ -162,190 +185,101 @@ class Viscoelastic(MaterialModel):
         return self.bulk_modulus - 2 * self.shear_modulus / 3
 
 
-class Network(NamedTuple):
-    """Numbers of a viscoelastic material but those of its terms; all are floats, so that an index may choose."""
+@compiled_too
+def pushed(m: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
+    """Relaxation in half a step, dF a dFᵀ and volume after it, and ln det dF.
 
-    form: float
-    """Volumetric form (``volumetric.FORMS``)."""
-    bulk: float
-    shear: float
-    density: float
-    rest2: float
-    """Square of the wave speed at rest [velocity²]."""
-    lateral: float
-    """Wave stiffness of the analysis over that of uniaxial strain."""
-    heating: float
-    """1/(ρ₀c_v), or 0 where the temperature is held [temperature/pressure]."""
+    Half of the relaxation comes before the deformation and half after it: of second order in the step.
+    """
+    r = relaxations_of(m, -0.5 * dt * haste(m, H[TEMPERATURE * terms_of(m), p]))
+    a = push_forward(dF, stretched(excess(m, H, p), r))
+    return r, a, r * volumes(m, H, p), logarithm_1p(determinant(dF) - 1.0)
 
 
-FIRST = len(Network._fields)
+@compiled_too
+def stored_by(m: Any, F: Any, B: Any, v: Any) -> Any:
+    """Energy per initial volume, with the tensors I + B of the Maxwell elements and their volumes [pressure]."""
+    J, G = determinant(F), numbers_of(m, 1)
+    energy = volumetric_energy(m.form, m.bulk, J) + isochoric_energy(m.shear, F, J)
+    xx, yy, zz, xy, yz, xz = B
+    # tr B - ln det(I + B) by the invariants of B
+    pairs = xx * yy + yy * zz + xx * zz - xy * xy - yz * yz - xz * xz
+    triple = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+    more = pairs + triple
+    y = xx + yy + zz + more
+    energy += 0.5 * total(numbers_of(m, 2) * v * v - G * more)
+    if total(y * y) <= LARGE_EXCESS * LARGE_EXCESS:
+        return energy + 0.5 * total(G * small_logarithmic_excess(y))
+    shear, changes = each(G), each(y)
+    for k in range(terms_of(m)):
+        energy += 0.5 * shear[k] * logarithmic_excess(changes[k])
+    return energy
 
 
-def _with_terms(name: str, count: int, more: tuple[str, ...] = ()) -> dict[bool, Any]:
-    """Tuple classes of the network's numbers, then (time, G, K) of each term, then others."""
-    terms = (f"{word}{k}" for k in range(count) for word in ("time", "G", "K"))
-    return in_space_and_plane(f"{name}{count}", (*Network._fields, *terms, *more), __name__)
+@compiled_too
+def stress_of_step(
+    m: Any, F: Any, a: Any, v: Any, rise: Any, r: Any, H: Any, p: Any, dt: Any, commit: Any
+) -> Any:
+    """Kirchhoff stress at the end of a step, from ``pushed``."""
+    J = determinant(F)
+    xx, yy, zz, xy, yz, xz = isochoric_stress(m.shear, F, J)
+    c = exponential(rise * (-2.0 / 3.0))
+    B = (
+        r * (c * a[0] - 1.0),
+        r * (c * a[1] - 1.0),
+        r * (c * a[2] - 1.0),
+        r * (c * a[3]),
+        r * (c * a[4]),
+        r * (c * a[5]),
+    )
+    v = r * (v + rise)
+    if commit:
+        keep(m, H, p, B, v)
+        # what is stored no longer is heat; the work follows (absorb_work)
+        end = TEMPERATURE * terms_of(m)
+        stored = stored_by(m, F, B, v)
+        released = 0.0 if dt == 0.0 else H[end + STORED, p] - stored
+        H[end, p] += m.heating * released
+        H[end + HEAT, p] += released
+        H[end + STORED, p] = stored
+    G, K = numbers_of(m, 1), numbers_of(m, 2)
+    x, y, z = total(G * B[0]), total(G * B[1]), total(G * B[2])
+    mean = volumetric_stress(m.form, m.bulk, J) + total(K * v) - (x + y + z) / 3.0
+    xy += total(G * B[3])
+    if not is_planar(m):
+        yz, xz = yz + total(G * B[4]), xz + total(G * B[5])
+    return mean + xx + x, mean + yy + y, mean + zz + z, xy, yz, xz
 
 
-COUNTS = range(1, MOST_TERMS + 1)
-MAXWELL = {
-    (count, planar): made for count in COUNTS for planar, made in _with_terms("Maxwell", count).items()
-}
-"""The parameter tuple for each number of terms, in space (False) and in the plane (True)."""
-SHIFTED = {
-    (count, planar): made
-    for count in COUNTS
-    for planar, made in _with_terms("ShiftedMaxwell", count, ("C1", "C2", "T_ref")).items()
-}
-"""The same for relaxation times that depend on temperature."""
+@compiled_too
+def shared_of(m: Any, F: Any, a: Any, v: Any, rise: Any, r: Any) -> Any:
+    """What ``lateral_stress`` needs: J, the diagonal of the shear part, mean stress and its slope; from ``pushed``."""
+    J, b = determinant(F), left_cauchy_green(F)
+    g = m.shear * exponential_1d(-2.0 / 3.0 * logarithm(J))
+    G, K = exponential(rise * (-2.0 / 3.0)) * r * numbers_of(m, 1), r * numbers_of(m, 2)
+    b = (g * b[0] + total(G * a[0]), g * b[1] + total(G * a[1]), g * b[2] + total(G * a[2]))
+    return J, b, total(K * (v + rise)), total(K)
 
 
-@generic
-def terms_of(m: Any) -> Any:
-    """Number of terms."""
-
-
-@generic
-def relaxations_of(m: Any, half: Any) -> Any:
-    """exp(half/t) of all terms."""
-
-
-@generic
-def haste(m: Any, T: Any) -> Any:
-    """1/a_T, by which relaxation is faster than at T_ref."""
-
-
-def relaxations(m: Any, half: Any, k: Any, count: Any) -> Any:
-    """exp(half/t) of ``count`` terms from term ``k`` on, as a tuple."""
-    return tuple(exponential_1d(half / m[FIRST + 3 * i]) for i in range(k, k + count))
-
-
-@compiled_as(relaxations)
-def _choose_relaxations(m: Any, half: Any, k: Any, count: Any) -> Any:
-    # written out term by term: what does not depend on the particle then leaves the loop over particles
-    first, length = getattr(k, "literal_value", 0), getattr(count, "literal_value", 0)
-    place, middle, part, rest = FIRST + 3 * first, first + length // 2, length // 2, length - length // 2
-
-    def one(m: Any, half: Any, k: Any, count: Any) -> Any:
-        return (exponential_1d(half / m[place]),)
-
-    def two_halves(m: Any, half: Any, k: Any, count: Any) -> Any:
-        return relaxations(m, half, first, part) + relaxations(m, half, middle, rest)
-
-    if length == 0:
-        return None  # the compiler asks again, with the number
-    return one if length == 1 else two_halves
-
-
-@inline
-def excess(m: Any, H: Any, row: Any, p: Any) -> Any:
-    """a − I of the Maxwell element whose history begins at ``row``."""
-    yz, xz = (0.0, 0.0) if is_planar(m) else (H[row + 4, p], H[row + 5, p])
-    return H[row, p], H[row + 1, p], H[row + 2, p], H[row + 3, p], yz, xz
-
-
-@inline
-def stretched(B: Any, s: Any) -> Any:
-    """I + sB."""
-    return 1.0 + s * B[0], 1.0 + s * B[1], 1.0 + s * B[2], s * B[3], s * B[4], s * B[5]
-
-
-@inline
-def logarithmic_excess(y: Any) -> Any:
-    """y − ln(1 + y), also where y is small."""
-    if abs(y) > 0.05:
-        return y - logarithm(1.0 + y)
-    z = y / (2.0 + y)
-    s = z * z
-    return y * z - 2.0 * z * s * (1.0 / 3.0 + s * (0.2 + s * (1.0 / 7.0 + s * (1.0 / 9.0 + s / 11.0))))
-
-
-for _Maxwell in MAXWELL.values():
-
-    @terms_of.register(_Maxwell)
-    def _(m: Any) -> Any:
-        return (len(m) - FIRST) // 3
-
-    @haste.register(_Maxwell)
-    def _(m: Any, T: Any) -> Any:
-        return 1.0
-
-
-for _Maxwell in SHIFTED.values():
-
-    @terms_of.register(_Maxwell)
-    def _(m: Any) -> Any:
-        return (len(m) - FIRST) // 3 - 1
-
-    @haste.register(_Maxwell)
-    def _(m: Any, T: Any) -> Any:
-        above = m.C2 + T - m.T_ref
-        if above <= 0.0:
-            return 0.0
-        return exponential_1d(math.log(10.0) * m.C1 * (T - m.T_ref) / above)
-
-
-for (_count, _), _Maxwell in (*MAXWELL.items(), *SHIFTED.items()):
-
-    @relaxations_of.register(_Maxwell)
-    def _(m: Any, half: Any, count: int = _count) -> Any:
-        return relaxations(m, half, 0, count)
+for _Maxwell in (*MAXWELL.values(), *SHIFTED.values()):
 
     @kirchhoff_stress.register(_Maxwell)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:
-        J = determinant(F)
-        xx, yy, zz, xy, yz, xz = isochoric_stress(m.shear, F, J)
-        mean = volumetric_stress(m.form, m.bulk, J)
-        rise = logarithm_1p(determinant(dF) - 1.0)
-        c = exponential(rise * (-1.0 / 3.0))
-        A = (
-            c * dF[0], c * dF[1], c * dF[2], c * dF[3], c * dF[4], c * dF[5], c * dF[6], c * dF[7], c * dF[8],
-        )  # fmt: skip
-        terms = terms_of(m)
-        end = OF_TERM * terms
-        relaxed = relaxations_of(m, -0.5 * dt * haste(m, H[end, p]))
-        for k in range(terms):
-            G, K = m[FIRST + 3 * k + 1], m[FIRST + 3 * k + 2]
-            row = OF_TERM * k
-            # half of the relaxation before the deformation and half after it: of second order in the step
-            r = relaxed[k]
-            a = push_forward(A, stretched(excess(m, H, row, p), r))
-            B = (a[0] - 1.0, a[1] - 1.0, a[2] - 1.0, a[3], a[4], a[5])
-            grown = r * H[row + 6, p] + rise
-            if commit:
-                H[row, p], H[row + 1, p], H[row + 2, p], H[row + 3, p] = (
-                    r * B[0],
-                    r * B[1],
-                    r * B[2],
-                    r * B[3],
-                )
-                if not is_planar(m):
-                    H[row + 4, p], H[row + 5, p] = r * B[4], r * B[5]
-                H[row + 6, p] = r * grown
-            g = G * r
-            mean += K * r * grown - g * (B[0] + B[1] + B[2]) / 3.0
-            xx, yy, zz = xx + g * B[0], yy + g * B[1], zz + g * B[2]
-            xy, yz, xz = xy + g * B[3], yz + g * B[4], xz + g * B[5]
-        if commit and dt == 0.0:
-            H[end + STORED, p] = strain_energy(m, F, H, p)
-        return mean + xx, mean + yy, mean + zz, xy, yz, xz
+        r, a, v, rise = pushed(m, dF, H, p, dt)
+        return stress_of_step(m, F, a, v, rise, r, H, p, dt, commit)
+
+    @free_stress.register(_Maxwell)
+    def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, both: Any) -> Any:
+        r, a, v, rise = pushed(m, dF, H, p, dt)
+        x = search_strain(m, shared_of(m, F, a, v, rise, r), F, dF, H, p, dt, both)
+        F1, dF1 = widened(F, dF, F[8] * exponential(x), both)
+        a, rise = stretch_tensor(a, x, both), rise + (2.0 * x if both else x)
+        return F1, dF1, stress_of_step(m, F1, a, v, rise, r, H, p, dt, True)
 
     @shared_by_trials.register(_Maxwell)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any) -> Any:
-        J, b = determinant(F), left_cauchy_green(F)
-        g = m.shear * exponential_1d(-2.0 / 3.0 * logarithm(J))
-        xx, yy, zz, mean, rate = g * b[0], g * b[1], g * b[2], 0.0, 0.0
-        rise = logarithm_1p(determinant(dF) - 1.0)
-        c = exponential(rise * (-2.0 / 3.0))
-        terms = terms_of(m)
-        relaxed = relaxations_of(m, -0.5 * dt * haste(m, H[OF_TERM * terms, p]))
-        for k in range(terms):
-            r, row = relaxed[k], OF_TERM * k
-            a = push_forward(dF, stretched(excess(m, H, row, p), r))
-            g, K = c * r * m[FIRST + 3 * k + 1], r * m[FIRST + 3 * k + 2]
-            xx, yy, zz = xx + g * a[0], yy + g * a[1], zz + g * a[2]
-            mean, rate = mean + K * (r * H[row + 6, p] + rise), rate + K
-        return J, (xx, yy, zz), mean, rate
+        r, a, v, rise = pushed(m, dF, H, p, dt)
+        return shared_of(m, F, a, v, rise, r)
 
     @lateral_stress.register(_Maxwell)
     def _(m: Any, shared: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, x: Any, both: Any) -> Any:
@@ -354,42 +288,28 @@ for (_count, _), _Maxwell in (*MAXWELL.items(), *SHIFTED.items()):
 
     @absorb_work.register(_Maxwell)
     def _(m: Any, F: Any, dF: Any, H: Any, p: Any, work: Any, viscous: Any) -> Any:
-        end = OF_TERM * terms_of(m)
-        stored = strain_energy(m, F, H, p)
-        heat = H[end + STORED, p] + work - stored
-        H[end, p] += m.heating * heat
-        H[end + HEAT, p] += heat
-        H[end + STORED, p] = stored
+        end = TEMPERATURE * terms_of(m)
+        H[end, p] += m.heating * work
+        H[end + HEAT, p] += work
 
     @strain_energy.register(_Maxwell)
     def _(m: Any, F: Any, H: Any, p: Any) -> Any:
-        J = determinant(F)
-        energy = volumetric_energy(m.form, m.bulk, J) + isochoric_energy(m.shear, F, J)
-        for k in range(terms_of(m)):
-            xx, yy, zz, xy, yz, xz = excess(m, H, OF_TERM * k, p)
-            v = H[OF_TERM * k + 6, p]
-            # tr B - ln det(I + B) by the invariants of B
-            pairs = xx * yy + yy * zz + xx * zz - xy * xy - yz * yz - xz * xz
-            triple = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
-            more = pairs + triple
-            shape = logarithmic_excess(xx + yy + zz + more) - more
-            energy += 0.5 * m[FIRST + 3 * k + 1] * shape + 0.5 * m[FIRST + 3 * k + 2] * v * v
-        return energy
+        return stored_by(m, F, excess(m, H, p), volumes(m, H, p))
 
     @bulk_speed_squared.register(_Maxwell)
     def _(m: Any, F: Any, H: Any, p: Any) -> Any:
         stiffness = volumetric_stiffness(m.form, m.bulk, determinant(F))
-        for k in range(terms_of(m)):
-            stiffness += m[FIRST + 3 * k + 2] * (1.0 - H[OF_TERM * k + 6, p])
+        stiffness += total(numbers_of(m, 2) * (1.0 - volumes(m, H, p)))
         return max(0.0, stiffness / m.density)
 
     @wave_speed_squared.register(_Maxwell)
     def _(m: Any, F: Any, H: Any, p: Any) -> Any:
         J = determinant(F)
         stiffness = volumetric_stiffness(m.form, m.bulk, J) + isochoric_stiffness(m.shear, F, J)
-        for k in range(terms_of(m)):
-            a = stretched(excess(m, H, OF_TERM * k, p), 1.0)
-            smallest = max(0.0, smallest_eigenvalue_bound(a))
-            stiffness += m[FIRST + 3 * k + 1] * (5.0 / 9.0 * (a[0] + a[1] + a[2]) - smallest / 3.0)
-            stiffness += m[FIRST + 3 * k + 2] * (1.0 - H[OF_TERM * k + 6, p])
+        a = stretched(excess(m, H, p), 1.0)
+        # the smallest eigenvalue is at least this (Gershgorin)
+        xy, yz, xz = abs(a[3]), abs(a[4]), abs(a[5])
+        smallest = positive_part(smaller(smaller(a[0] - xy - xz, a[1] - xy - yz), a[2] - xz - yz))
+        stiffness += total(numbers_of(m, 1) * (5.0 / 9.0 * (a[0] + a[1] + a[2]) - smallest / 3.0))
+        stiffness += total(numbers_of(m, 2) * (1.0 - volumes(m, H, p)))
         return max(m.rest2, m.lateral * stiffness / m.density)

@@ -9,7 +9,7 @@ from mpmcli.core.tensors import IDENTITY
 from mpmcli.materials import MATERIALS
 from mpmcli.materials.base import absorb_work, kirchhoff_stress, wave_speed_squared
 from mpmcli.materials.hardening import JohnsonCook, flow, flow_stress
-from mpmcli.materials.lateral import free_stress
+from mpmcli.materials.lateral import free_stress, lateral_stress, shared_by_trials
 
 SHEAR = (1.0, 0.5, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 NONE = np.zeros((1, 1))
@@ -224,3 +224,21 @@ def test_tait_pressure():
     model = make("tait_fluid", K=2200.0)
     F = (0.95, *IDENTITY[1:])
     assert -stress(model, F)[0] / 0.95 == pytest.approx(2200 / 7 * (0.95**-7 - 1), rel=1e-12)
+
+
+@pytest.mark.parametrize("both", [False, True])
+@pytest.mark.parametrize("softening", ["linear", "exponential"])
+@pytest.mark.parametrize("normal", [(1.0, 0.0, 0.0), (0.6, 0.0, 0.8)])
+@pytest.mark.parametrize("driver", [1.01, 3.0])
+def test_slope_of_the_lateral_stress_of_a_cracked_material(softening, normal, driver, both):
+    m = make("isotropic_softening", E=100.0, nu=0.3, strength=1.0, toughness=0.1, softening=softening)
+    parameters = m.parameters("plane_stress", False)
+    H = np.zeros((10, 1))
+    H[:3], H[3:6, 0], H[6] = 1.0, normal, driver
+    F = (1.02, 0.01, 0.0, 0.0, 0.99, 0.0, 0.0, 0.0, 0.995)
+    shared = shared_by_trials(parameters, F, F, H, 0, 0.1)
+
+    def at(x):
+        return lateral_stress(parameters, shared, F, F, H, 0, 0.1, x, both)
+
+    assert at(1e-3)[1] == pytest.approx((at(1e-3 + 1e-6)[0] - at(1e-3 - 1e-6)[0]) / 2e-6, rel=1e-7)
