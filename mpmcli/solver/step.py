@@ -147,13 +147,13 @@ class _Tasks:
         """Task 1, and task 2's internal forces if the stress is final already."""
         s, plan = self._s, step.plan
         s.transfer.begin_step()
-        if s.rigid is not None:
-            s.rigid.prepare(step)
         scalar = None if s.heat is None else s.heat.begin_step(step)
         s.transfer.extrapolate(
             s.velocity, replaces_values=not plan.method.flip, with_forces=self._finds_forces_early(plan),
             scalar=None if plan.update.first > 0.0 else scalar,
         )  # fmt: skip
+        if s.rigid is not None:  # after the last sort of the step
+            s.rigid.prepare(step)
 
     def _finds_forces_early(self, plan: Plan) -> bool:
         """Whether task 1 finds the forces too; conduction waits for nodal temperatures, and shares their pass."""

@@ -33,3 +33,26 @@ def test_domains_of_a_step_are_those_of_its_start(bar):
     assert s.grid.width > s.plan.shape.width
     assert not np.shares_memory(s.transfer._domain_F, run.particles.F)
     np.testing.assert_array_equal(s.transfer._domain_F, run.particles.F)
+
+
+def test_rigid_bodies_move_alone_where_stencils_widen(block):
+    """Wider stencils sort the particles again: positions of the rigid body go to its own particles, not to others."""
+    soft = {"kind": "neo_hookean", "density": 1.5, "E": 100.0, "nu": 0.3}
+    left = {"name": "left", "material": "soft", "region": {"kind": "box", "lower": [-3, -2], "upper": [0, 2]},
+            "velocity": [0, 1.5]}  # fmt: skip
+    wall = {"name": "wall", "material": "tool", "region": {"kind": "box", "lower": [0, -4], "upper": [2, 3]},
+            "velocity": [0.5, 0]}  # fmt: skip
+    law = {"kind": "frictionless"}
+    run = block(
+        materials={"soft": soft, "tool": {"kind": "rigid"}}, bodies=[left, wall], contact={"law": law},
+        method__shape="lcpdi",
+    )  # fmt: skip
+    s, p = run.simulation, run.particles
+    run.steps(20)
+    narrow = s.grid.width
+    p.F[0, p.body == 0] = 5.0
+    before = p.X[:, np.argsort(p.id)]
+    run.steps(1)
+    assert s.grid.width > narrow
+    moved = np.abs(p.X[:, np.argsort(p.id)] - before).max()
+    assert moved < 0.2
