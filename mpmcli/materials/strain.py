@@ -72,8 +72,14 @@ class ArtificialViscosity(NamedTuple):
 
 @inline
 def bits_of(x: float) -> Any:
-    """Bits of a number, less than 0 where it is; those of numbers from 0 on are ordered as these, NaN last."""
+    """Bits of a number, ordered as numbers of which none or one is negative; less than 0 if it is."""
     return np.float64(x).view(np.int64)
+
+
+@inline
+def number_of(bits: Any) -> Any:
+    """The number with these bits."""
+    return np.int64(bits).view(np.float64)
 
 
 def block_count(particles: int) -> int:
@@ -157,10 +163,8 @@ def stress_particles(
     end: Any,
     lane: Any,
 ) -> Any:
-    """Stress, history and work of particles ``start`` to ``end``; returns bits of the largest c², least and largest J.
-
-    Extremes are those of bits, since the compiler vectorises no loop that finds one of floats.
-    """
+    """Stress, history and work of particles ``start`` to ``end``; returns the largest c², smallest J and largest J."""
+    # compared as bits, since the compiler vectorises no loop that finds an extreme of floats
     fastest, smallest_J, largest_J = bits_of(0.0), bits_of(1.0), bits_of(1.0)
     for p in range(start, end):
         dF = load_increment(analysis, L, p, dt) if needs_increment(m) else IDENTITY
@@ -221,7 +225,7 @@ def stress_particles(
             )  # fmt: skip
             speed2 = cube * speed2 + stiffer
         fastest = max(fastest, bits_of(speed2))
-    return fastest, smallest_J, largest_J
+    return number_of(fastest), number_of(smallest_J), number_of(largest_J)
 
 
 @Compiled
@@ -286,7 +290,9 @@ def update_strain_and_stress(
         for block in range(np.int64(lane), blocks, lanes):
             first = np.uint64(np.int64(block) * BLOCK)
             last = np.uint64(min(n, np.int64(first) + BLOCK))
-            fastest, smallest_J, largest_J = bits_of(0.0), bits_of(1.0), bits_of(1.0)
+            fastest = 0.0
+            smallest_J = 1.0
+            largest_J = 1.0
             largest_L = np.uint64(0)
             start = first
             while start < last:
@@ -311,14 +317,11 @@ def update_strain_and_stress(
                 smallest_J = min(smallest_J, low_J)
                 largest_J = max(largest_J, high_J)
                 start = end
-            speed2[block] = np.int64(fastest).view(np.float64)
+            speed2[block] = fastest
             bad[block] = -1
             # F itself needs no look: only L, and lateral stretches that the stress depends on, change it
             worst = max(largest_L, largest_magnitude(tau, first, last))
-            is_possible = (
-                smallest_J > 0 and bits_of(limits[0]) <= smallest_J and largest_J <= bits_of(limits[1])
-            )
-            if worst >= NOT_FINITE or not is_possible:
+            if worst >= NOT_FINITE or smallest_J <= 0.0 or smallest_J < limits[0] or largest_J > limits[1]:
                 bad[block] = first_bad_particle(F, L, tau, material, material_index, limits, first, last)
 
 
