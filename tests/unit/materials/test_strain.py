@@ -1,6 +1,9 @@
 """The particle loop: increments, lateral conditions, energies, artificial viscosity, and what it reports."""
 
 import math
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -302,3 +305,44 @@ def test_a_step_of_no_time_sets_the_initial_stress():
     run.step(0.0, 0, 0, 0, 0)
     assert run.p.tau[:, 0] == pytest.approx([-3, -3, -3, 0])
     assert run.p.stress_work[0] == 0
+
+
+SCRIPT = """
+import re
+import yaml
+from mpmcli.materials.strain import update_strain_and_stress
+from mpmcli.scene.loader import load_scene
+from mpmcli.solver.simulation import Simulation
+
+scene = {
+    "version": 1,
+    "analysis": {"kind": "3d"},
+    "grid": {"lower": [0, 0, 0], "upper": [10, 10, 10], "cell": 1},
+    "method": {"shape": "ugimp", "transfer": {"kind": "flip"}},
+    "materials": {"rubber": {"kind": "neo_hookean", "density": 1, "E": 1000, "nu": 0.3}},
+    "bodies": [{"name": "block", "material": "rubber",
+                "region": {"kind": "box", "lower": [1, 1, 1], "upper": [9, 9, 9]}}],
+    "time": {"end": 1, "courant": 0.2},
+}
+Simulation(load_scene(yaml.safe_dump(scene)), threads=2).step()
+(code,) = update_strain_and_stress[True].inspect_llvm().values()
+print(len(re.findall(r"fdiv[^\\n]*<\\d+ x double>", code)))
+"""
+
+
+@pytest.mark.slow
+def test_stresses_of_several_particles_are_computed_at_once(tmp_path):
+    """The compiler divides numbers of several particles by J in one instruction; small changes of the loop undo it."""
+    environment = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"} | {
+        "MPMCLI_CACHE_DIR": str(tmp_path)
+    }
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) > 0
