@@ -64,10 +64,7 @@ class GridConditions(Correction):
 
     def impose_again(self, step: Step) -> None:
         """Task 4.b: the same on momenta that were extrapolated again, which is no reaction."""
-        impulse = self.conditions.impulse
-        before = impulse.copy()
-        self.conditions.impose_on_momentum(self._grid.mp, None, step.dt)
-        impulse[:] = before
+        self._keeping_impulse(False, self.conditions.impose_on_momentum, self._grid.mp, None, step.dt)
 
     def correct(self, step: Step, dv: Array, counts_reactions: bool) -> None:
         """Part (1) of an FMPM increment."""
@@ -76,18 +73,19 @@ class GridConditions(Correction):
 
     def zero_increment(self, dv: Array, counts_reactions: bool) -> None:
         """Task 3.b: take held components out of an FMPM increment."""
-        self._keeping_impulse(counts_reactions, self.conditions.zero_increment, dv)
+        self._keeping_impulse(counts_reactions, self.conditions.zero_increment, dv, self._grid.mp)
         for friction in self.friction.values():
             friction.on_increment(dv, self._grid.mp, counts_reactions)
 
     def impose_on_velocity(self, v: Array, counts_reactions: bool = True) -> None:
         """Task 3.b: set held components of a velocity."""
-        self._keeping_impulse(counts_reactions, self.conditions.impose_on_velocity, v)
+        self._keeping_impulse(counts_reactions, self.conditions.impose_on_velocity, v, self._grid.mp)
 
-    def _keeping_impulse(self, counts: bool, act: Any, v: Array) -> None:
+    def _keeping_impulse(self, counts: bool, act: Any, *arguments: Any) -> None:
+        """Act; unless it ``counts``, the impulses stay as they were."""
         impulse = self.conditions.impulse
         before = None if counts else impulse.copy()
-        act(v, self._grid.mp)
+        act(*arguments)
         if before is not None:
             impulse[:] = before
 

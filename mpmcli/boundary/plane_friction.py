@@ -89,11 +89,8 @@ class PlaneFriction:
         limit = self._mu * self._pressed * dt
         if self._areas is not None:
             inward = self._inward * self._contact.normal
-            limit += (
-                self._cohesion
-                * np.maximum((self._areas()[self._contact.node] * inward).sum(axis=1), 0.0)
-                * dt
-            )
+            area = np.maximum((self._areas()[self._contact.node] * inward).sum(axis=1), 0.0)
+            limit += self._cohesion * area * dt
         rub(self._contact, mp, f, dt, limit, self._lumped)
 
     def on_increment(self, dv: Array, mp: Array, counts: bool) -> None:

@@ -101,11 +101,10 @@ class ContactAccount:
         self._identity, self._dt = self._particles.id, dt
         self._impulse = c.rows.net[: c.count].copy()  # of the whole step, for those who look later
         rigid_work = self._rigid_work.sum() if view.rigid_work else 0.0
-        self.shares, of_partner = np.split(
-            self._shares(np.concatenate([alpha, c.fields.partner[: c.count]])), 2
-        )
+        self.shares = self._shares(alpha)
         if self._mirror is not None:
             # where images have other shares of one side than of the other, the planes give the rest of the impulse
+            of_partner = self._shares(c.fields.partner[: c.count])
             excess = np.where(c.fields.both[: c.count], self.shares - of_partner, 0.0)
             self._mirror.add_momentum(alpha, excess[:, None] * c.rows.net[: c.count])
         sums = impulses.Tallies(

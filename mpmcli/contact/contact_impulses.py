@@ -100,10 +100,10 @@ class ContactImpulses(Correction, ABC):
             return
         c, rows = self._found, self._found.rows
         rows.start[: c.count] = 0.0
-        keeps = self._rows_that_keep(step.plan)
-        if len(keeps) > 0:
+        keeps = self._keeps_start(step.plan)
+        if keeps.any():
             self._find_slip(None, rows.slip)
-            before = rows.slip[keeps]
+            before = rows.slip[: c.count][keeps]
         if self._ways.once or self._waits():
             # rows hold the step before: sides that wait hold together, of others nothing is known
             rows.state[: c.count] = STICKING if self._waits() else APART
@@ -111,10 +111,10 @@ class ContactImpulses(Correction, ABC):
             self._correct_momenta(step.dt, after_forces=False, advance=0.0)
             rows.start[: c.count] = rows.dp[: c.count]
             self._start_increments()
-        if len(keeps) < c.count:
+        if not keeps.all():
             self._find_slip(None, rows.slip)
-            if len(keeps) > 0:
-                rows.slip[keeps] = before
+            if keeps.any():
+                rows.slip[: c.count][keeps] = before
 
     def after_update(self, step: Step) -> None:
         """Task 3.a: p⁺ += Δp⁽²⁾, which is also a force."""
@@ -140,7 +140,7 @@ class ContactImpulses(Correction, ABC):
             start = c.rows.start
             if self._bonded and step.plan.order > 1:
                 start = start.copy()
-                start[self._rows_that_keep(step.plan)] = 0.0
+                start[: c.count][self._keeps_start(step.plan)] = 0.0
             impulses.take_out(self._axes, c.count, c.fields, start, p)
 
     def unite(self, step: Step, v: Array, is_last: bool) -> None:
@@ -194,20 +194,17 @@ class ContactImpulses(Correction, ABC):
         after = c.rows.prior  # its rows are free now
         if c.count > 0:
             self._find_slip(v, after)
-            keeps, state = self._rows_that_keep(step.plan), c.rows.state
-            start = c.rows.start[keeps]
-            c.rows.net[keeps] += start
-            state[keeps[(state[keeps] == APART) & start.any(axis=1)]] = SLIDING
+            keeps = self._keeps_start(step.plan)
+            if keeps.any():
+                start, state = c.rows.start[: c.count], c.rows.state[: c.count]
+                c.rows.net[: c.count][keeps] += start[keeps]
+                state[keeps & (state == APART) & start.any(axis=1)] = SLIDING
         return after
 
-    def _rows_that_keep(self, plan: Any) -> Array:
-        """Return the rows (n,) whose Δp⁽¹⁾ changes the particles' momentum in a step of this plan."""
+    def _keeps_start(self, plan: Any) -> Array:
+        """Return of which contacts (k,) Δp⁽¹⁾ changes the particles' momentum in a step of this plan."""
         law = self._found.fields.law[: self._found.count]
-        if keeps_start_impulses(plan):
-            return np.arange(len(law))
-        return (
-            np.flatnonzero(np.isin(law, self._bonded)) if filters_out(plan) else np.zeros(0, dtype=np.int64)
-        )
+        return np.isin(law, self._bonded) if filters_out(plan) else np.full(len(law), not plan.method.flip)
 
     def _waits(self) -> bool:
         """Whether all contacts are interfaces that do nothing before the forces of the step are known."""

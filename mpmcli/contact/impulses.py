@@ -146,9 +146,10 @@ def normal_force(axes, alpha, first, last, rigid, nodes, mp, f, n):
 
 @inline
 def impulse_of(law, axes, wanted, normal, gap, gap_now, push, area, reduced, here, bond, out):
-    """Impulse of a contact by its law into ``out`` (d,).
+    """Impulse of a contact by its law into ``out`` (d,) [momentum]; returns the state of the contact.
 
-    ``gap`` is the separation at the start of the step, ``gap_now`` that which decides on contact of hard sides.
+    ``gap`` is the separation at the start of the step, ``gap_now`` that which decides on contact of hard sides
+    [length]. A spring acts once in a step: as a hard contact elsewhere, it would never be pressed.
     """
     if not is_soft(law):
         return law_impulse(
@@ -158,9 +159,7 @@ def impulse_of(law, axes, wanted, normal, gap, gap_now, push, area, reduced, her
         return law_impulse_at_end(
             law, axes, wanted, normal, gap, push, area, reduced, here.dt, here.displacement_only, bond, out
         )
-    return leave(
-        axes, out
-    )  # a spring acts once in a step: as a hard contact elsewhere, it would never be pressed
+    return leave(axes, out)
 
 
 @kernel

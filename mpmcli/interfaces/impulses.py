@@ -89,7 +89,7 @@ def impulse_of(
                 0.0,
                 out,
             )
-        if is_soft(closed):  # a spring acts once in a step (``contact.impulses.find_impulses``)
+        if is_soft(closed):  # a spring acts once in a step (``contact.impulses.impulse_of``)
             return leave(axes, out)
         return law_impulse(
             closed, axes, wanted, normal, gap_now, area, reduced, here.dt, here.displacement_only, 0.0, out

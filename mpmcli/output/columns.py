@@ -159,16 +159,13 @@ def resolve_columns(
 
 
 def chosen_names(
-    names: Iterable[str], noun: str | Callable[[str], str], known: Iterable[str], path: str, code: str
-) -> list[str]:
-    """The names, each once; SceneError lists all that are not known, with the nearest one or the words for it."""
+    names: Iterable[str], noun: str, known: Iterable[str], path: str, code: str,
+    why_absent: Callable[[str], str] = lambda name: "",
+) -> list[str]:  # fmt: skip
+    """The names, each once; SceneError lists all that are not known, with why, or with the nearest one."""
     names, known = list(names), list(known)
     problems = [
-        Problem(
-            f"{path}.{index}",
-            unknown_name(name, noun, known) if isinstance(noun, str) else noun(name),
-            code=code,
-        )
+        Problem(f"{path}.{index}", why_absent(name) or unknown_name(name, noun, known), code=code)
         for index, name in enumerate(names)
         if name not in known
     ]
@@ -243,8 +240,7 @@ def resolve_fields(
 ) -> list[Quantity]:
     """The quantities of particles with these names, each once; SceneError names all that are unknown."""
     known = fields_of(context)
-
-    def words(name: str) -> str:
-        return _absent(name, ("particle",), context) or unknown_name(name, "field of particles", known)
-
-    return [known[name] for name in chosen_names(names, words, known, path, "unknown_field")]
+    chosen = chosen_names(
+        names, "field of particles", known, path, "unknown_field", lambda name: _absent(name, ("particle",), context)
+    )  # fmt: skip
+    return [known[name] for name in chosen]

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import yaml
+from contact_blocks import blocks_in_contact
 
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
@@ -15,29 +16,17 @@ def velocities(update, transfer, third, three_or_more="coupled", law=SPRING, ste
     """Velocities (d, N) of two blocks that collide, ``third`` body beside both or not."""
     places = {"low": ([2, 2], [4, 3]), "high": ([2, 3], [4, 4]), "beside": ([4, 2], [5, 4])}
     none = [{"between": [name, "beside"], "law": {"kind": "none"}} for name in ("low", "high")]
-    scene = {
-        "version": 1,
-        "analysis": {"kind": "plane_strain"},
-        "grid": {"lower": [0, 0], "upper": [7, 6], "cell": 1},
-        "method": {"shape": "linear", "update": update, "transfer": transfer},
-        "materials": {"soft": {"kind": "neo_hookean", "density": 1, "E": 100, "nu": 0.3}},
-        "bodies": [
-            {
-                "name": name,
-                "material": "soft",
-                "region": {"kind": "box", "lower": lower, "upper": upper},
-                "velocity": [0, -float(name == "high")],
-            }
-            for name, (lower, upper) in list(places.items())[: 2 + third]
-        ],
-        "contact": {
-            "law": law,
-            "normal": {"kind": "specified", "vector": [0, 1]},
-            "three_or_more": three_or_more,
-            "pairs": none * third,
-        },
-        "time": {"end": 10, "courant": 0.2},
+    contact = {
+        "law": law,
+        "normal": {"kind": "specified", "vector": [0, 1]},
+        "three_or_more": three_or_more,
+        "pairs": none * third,
     }
+    motions = {"low": [0, 0], "high": [0, -1], "beside": [0, 0]}
+    scene = blocks_in_contact(
+        dict(list(places.items())[: 2 + third]), motions, [7, 6], contact, time={"end": 10, "courant": 0.2},
+        method={"shape": "linear", "update": update, "transfer": transfer},
+    )  # fmt: skip
     simulation = Simulation(load_scene(yaml.safe_dump(scene)))
     for _ in range(steps):
         simulation.step()

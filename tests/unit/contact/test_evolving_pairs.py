@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import yaml
+from contact_blocks import blocks_in_contact
 
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
@@ -12,24 +13,11 @@ MOTIONS = {"a": [0.3, 0.5], "b": [-0.7, 0.1], "c": [0.1, -0.9]}
 
 
 def motion(increments):
-    scene = {
-        "version": 1,
-        "analysis": {"kind": "plane_strain"},
-        "grid": {"lower": [0, 0], "upper": [6, 6], "cell": 1},
-        "method": {"shape": "ugimp", "transfer": {"kind": "fmpm", "order": 3}},
-        "materials": {"soft": {"kind": "neo_hookean", "density": 1, "E": 100, "nu": 0.3}},
-        "bodies": [
-            {
-                "name": name,
-                "material": "soft",
-                "region": {"kind": "box", "lower": lower, "upper": upper},
-                "velocity": MOTIONS[name],
-            }
-            for name, (lower, upper) in PLACES.items()
-        ],
-        "contact": {"law": {"kind": "perfect"}, "three_or_more": "coupled", "increments": increments},
-        "time": {"end": 10, "courant": 0.1},
-    }
+    contact = {"law": {"kind": "perfect"}, "three_or_more": "coupled", "increments": increments}
+    scene = blocks_in_contact(
+        PLACES, MOTIONS, [6, 6], contact, time={"end": 10, "courant": 0.1},
+        method={"shape": "ugimp", "transfer": {"kind": "fmpm", "order": 3}},
+    )  # fmt: skip
     simulation = Simulation(load_scene(yaml.safe_dump(scene)))
     for _ in range(4):
         simulation.step()

@@ -5,6 +5,7 @@ import sys
 import numpy as np
 import pytest
 import yaml
+from contact_blocks import blocks_in_contact
 
 from mpmcli.core.compiled.kernel import Kernel
 from mpmcli.scene.loader import load_scene
@@ -15,28 +16,17 @@ def four_blocks(three_or_more, normal):
     """Blocks around a point, which differ so much that the order of sums matters."""
     places = {"a": ([1, 1], [2, 2]), "b": ([2, 1], [3, 2]), "c": ([1, 2], [2, 3]), "d": ([2, 2], [3, 3])}
     motions = {"a": [0.3, 0.2], "b": [-0.7, 0.1], "c": [0.45, -0.9], "d": [-0.2, -0.63]}
-    return {
-        "version": 1,
-        "analysis": {"kind": "plane_strain"},
-        "grid": {"lower": [0, 0], "upper": [4, 4], "cell": 0.5},
-        "method": {"shape": "linear", "transfer": {"kind": "fmpm", "order": 2}},
-        "materials": {"soft": {"kind": "neo_hookean", "density": 1, "E": 100, "nu": 0.3}},
-        "bodies": [
-            {
-                "name": name,
-                "material": "soft",
-                "region": {"kind": "box", "lower": lower, "upper": upper},
-                "velocity": motions[name],
-            }
-            for name, (lower, upper) in places.items()
-        ],
-        "contact": {
-            "law": {"kind": "coulomb", "friction": 0.3},
-            "normal": normal,
-            "three_or_more": three_or_more,
-        },
-        "time": {"end": 10, "courant": 0.2},
+    contact = {
+        "law": {"kind": "coulomb", "friction": 0.3},
+        "normal": normal,
+        "three_or_more": three_or_more,
     }
+    scene = blocks_in_contact(
+        places, motions, [4, 4], contact, time={"end": 10, "courant": 0.2},
+        method={"shape": "linear", "transfer": {"kind": "fmpm", "order": 2}},
+    )  # fmt: skip
+    scene["grid"]["cell"] = 0.5
+    return scene
 
 
 def motion(scene, monkeypatch, backwards):
