@@ -3,18 +3,26 @@
 Numba reads and writes its index of a function without a lock, so that of two processes that compile it for different
 types one may file its code under the types of the other. Here a function is compiled by one process at a time; others
 wait, and load what it made.
+
+Cached code of a function holds that of all that it calls, under names that numba makes unique by counting functions.
+Every process counts from 1: where code of two processes was linked, one of two functions of the same name and types
+could take the place of the other, in silence (numba issue 10486). Here the numbers are random ones.
 """
 
 from __future__ import annotations
 
+import secrets
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from numba.core.bytecode import FunctionIdentity
 from numba.core.caching import FunctionCache
 
 LONGEST_WAIT = 60.0
 """Seconds until a process that waits compiles by itself: the other one may have been stopped."""
+
+FunctionIdentity._unique_ids = iter(lambda: secrets.randbits(62), None)  # type: ignore[assignment]
 
 
 class SharedCache(FunctionCache):

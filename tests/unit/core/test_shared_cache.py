@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -75,3 +78,60 @@ def test_who_waits_too_long_compiles_by_himself(cache, tmp_path, monkeypatch):
         assert cache.load_overload("types", None) is None
         cache.save_overload("types", "code")
         assert not is_free(tmp_path)
+
+
+TWO_OF_ONE_NAME = """
+import sys
+from mpmcli.core.compiled.compiler import called_too
+from mpmcli.core.compiled.kernel import inline, called_once
+
+def adding(number):
+    @called_too
+    def _(x):
+        return x + number
+    return _
+
+one, ten = adding(1.0), adding(10.0)
+
+@inline
+def add_one(x):
+    return one(x)
+
+@inline
+def add_ten(x):
+    return ten(x)
+
+@called_once
+def once(x):
+    return add_one(x)
+
+@called_once
+def twice(x):
+    return add_ten(x)
+
+@called_once
+def both(x):
+    return add_one(x), add_ten(x)
+
+if __name__ == "__main__":
+    import sums
+    print(getattr(sums, sys.argv[1])(0.0))
+"""
+
+
+@pytest.mark.slow
+def test_functions_of_one_name_are_told_apart_that_different_processes_compiled(tmp_path):
+    """Numba tells them apart by a number, which starts from 1 in every process."""
+    (tmp_path / "sums.py").write_text(TWO_OF_ONE_NAME)
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONHASHSEED": "0"}
+
+    def result(name):
+        command = [sys.executable, "sums.py", name]
+        done = subprocess.run(
+            command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
+        )
+        return done.stdout.strip()
+
+    assert result("once") == "1.0"
+    assert result("twice") == "10.0"
+    assert result("both") == "(1.0, 10.0)"
