@@ -20,7 +20,7 @@ from mpmcli.core.transfer.stencil import across_of, allocate_stencil, fill_stenc
 from mpmcli.run import api
 from mpmcli.shapes import SHAPES
 
-# the first example of a property may compile kernels; the same examples every time
+# the first example of a property may compile kernels; examples change only with constants of modules that are loaded
 settings.register_profile(
     "mpmcli", deadline=None, derandomize=True, max_examples=30, suppress_health_check=[HealthCheck.too_slow]
 )
