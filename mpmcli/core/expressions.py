@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import ast
 import math
+import re
 import warnings
 from collections.abc import Mapping
 from functools import reduce
@@ -211,6 +212,8 @@ def _syntax(text: str) -> ast.expr:
         raise ValueError("an expression must not be empty")
     if len(text) > MAX_LENGTH:
         raise ValueError(f"the expression has {len(text)} characters; at most {MAX_LENGTH} are allowed")
+    if re.match(r"\s*[+-]?\d+,\d", text):
+        raise ValueError(f"'{text}' has a decimal comma; write a point")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

@@ -149,6 +149,8 @@ def _problems(details: dict[str, Any], root: Node, model: type[BaseModel]) -> li
         word = str(loc[-1])
         choice = f" (allowed: {listing(keys, 40)})" if keys else ""
         hint = _owners_of_key(word, keys, model, loc[:-1]) or _hint_of_key(word, keys, model, path)
+        if word.isdecimal():
+            hint = "; decimals have a point, not a comma"
         message = f"unknown key '{word}'{hint or choice}"
         return [place.key.problem(path, message, "unknown_key")]
     if kind in {"union_tag_invalid", "union_tag_not_found"}:
