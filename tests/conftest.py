@@ -1,7 +1,5 @@
 """What all tests share: the stencils of arbitrary particles as dense numbers, and small scenes by keyword."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """What tests and figures of interfaces share: transfers by name, and runs of two bars."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """One particle of a material under velocity gradients of our choice: the loop over particles, without a grid."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """One particle of any material at temperatures of our choice, and materials for it."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

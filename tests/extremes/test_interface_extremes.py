@@ -1,7 +1,5 @@
 """Interfaces at their limits: finite, momentum kept, no energy made, and what goes wrong is reported."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Many steps, many particles, and a ring that is a whole body in space."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

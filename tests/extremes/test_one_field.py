@@ -1,7 +1,5 @@
 """Bodies at their limits, without contact: tiny and huge ones, hardly compressible ones, J near its ends, odd cells."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Faces and grid planes that absorb waves at normal incidence: what is left of the energy of a pulse."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

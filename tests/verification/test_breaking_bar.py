@@ -1,7 +1,5 @@
 """A bar that softens and breaks at a weak place: what the crack dissipates does not depend on the cells."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

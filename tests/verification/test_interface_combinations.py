@@ -1,7 +1,5 @@
 """Linear interfaces with every update, transfer, shape function, analysis, wall and neighbour."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

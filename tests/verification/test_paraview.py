@@ -3,8 +3,6 @@
 ``MPMCLI_STORE_PICTURES=1`` stores them anew.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

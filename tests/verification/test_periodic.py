@@ -1,7 +1,5 @@
 """Periodic FMPM: with ever shorter steps its loss goes to a limit, where that of FMPM on every step goes on growing."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Periodic axes against exact solutions, and against the same scene one period further or in a larger grid."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Solids that damping brings to rest under loads: a cantilever, a column under its weight, a plate with a hole."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

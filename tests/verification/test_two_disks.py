@@ -1,7 +1,5 @@
 """Two disks meet off their centres (Nairn 2026, section 3.2.2), against NairnMPM with the same set-up."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

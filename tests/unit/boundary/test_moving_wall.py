@@ -1,7 +1,5 @@
 """Moving walls: which nodes they hold, and the velocities that they prescribe (Nairn 2026, section 3.1)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Several conditions at one node: Table 2 of Nairn (2026) and the Gram–Schmidt route."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings

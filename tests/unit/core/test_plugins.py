@@ -1,7 +1,5 @@
 """Plugins: found by their entry points, registered, refused in words, and known to the compile cache."""
 
-from __future__ import annotations
-
 import importlib
 import sys
 from typing import Literal

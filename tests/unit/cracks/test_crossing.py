@@ -1,7 +1,5 @@
 """Lines of sight cross chains or not: against exact fractions, with ties of every kind."""
 
-from __future__ import annotations
-
 import itertools
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """Thermal expansion of every law."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Heat that work makes in every law, and what of it is accounted for."""
 
-from __future__ import annotations
-
 import math
 from contextlib import nullcontext
 

@@ -1,7 +1,5 @@
 """A resumed run gives the same bytes as a straight one, whatever the scene uses and wherever it stopped."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Volume averaging: the step against matrices, the balance of energy, symmetry, and what it leaves alone."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

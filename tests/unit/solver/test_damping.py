@@ -1,7 +1,5 @@
 """Damping that varies with time, by a share of the force, and towards a kinetic energy: exact answers."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

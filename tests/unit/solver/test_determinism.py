@@ -1,7 +1,5 @@
 """Threads never change a digit, nor does the order in which particles come."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The displacement of a particle follows it through sorting and deletion, and costs nothing where nobody asks."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The energy balance: K + stress_work + damping_work − boundary_work − external_work stays what it was."""
 
-from __future__ import annotations
-
 import pytest
 
 

@@ -1,7 +1,5 @@
 """Runs that fail say what, when and where; particles that leave follow the scene's policy."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

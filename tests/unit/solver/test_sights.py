@@ -1,7 +1,5 @@
 """A straight line splits a block: particles see the nodes beyond it on a further side (``core.transfer.cut``)."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

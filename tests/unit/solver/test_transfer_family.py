@@ -1,7 +1,5 @@
 """Periodic, blended, dynamic and affine transfers (Nairn 2026, sections 3.3 and 3.4)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

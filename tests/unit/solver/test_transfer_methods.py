@@ -1,7 +1,5 @@
 """Every strain update with every transfer: momentum, free fall, flight, damping."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

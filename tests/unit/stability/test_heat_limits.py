@@ -1,7 +1,5 @@
 """What is foreseen of heat conduction: stable Fourier numbers, waves that FMPM removes, reach, and warnings."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

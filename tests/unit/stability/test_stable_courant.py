@@ -1,7 +1,5 @@
 """The stable Courant number of a scene, and the matrices that it comes from: those of the solver."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 from time import perf_counter

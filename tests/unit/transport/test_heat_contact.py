@@ -1,7 +1,5 @@
 """Heat between bodies that touch, and of friction."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
