@@ -1,7 +1,5 @@
 """A face or a grid plane that absorbs waves: dashpots with the impedance of the material."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from mpmcli.boundary.base import LOADS, LoadModel

@@ -5,8 +5,6 @@ A new condition or load is one new file here, registered in ``CONDITIONS`` or ``
 that registry.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Hashable, Sequence
 from typing import Any, ClassVar, Protocol

@@ -1,7 +1,5 @@
 """A force per mass that varies in space and time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Annotated, Literal
 

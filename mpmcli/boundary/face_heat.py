@@ -1,7 +1,5 @@
 """What loads that heat a face of a body have in common."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Kernels of loads on faces: the forces on all faces, and how these or powers get to the grid."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.boundary.base import Array

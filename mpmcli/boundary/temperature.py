@@ -1,7 +1,5 @@
 """Temperature given at nodes, or on a face of a body."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np

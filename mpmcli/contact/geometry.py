@@ -1,7 +1,5 @@
 """Where and how the two sides of a contact meet: normal, separation and area from the particles that its node sees."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Impulses of all contacts: the momentum changes that laws ask for, applied to momenta or to velocity increments."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

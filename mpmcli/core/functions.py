@@ -1,7 +1,5 @@
 """One-dimensional grid functions at a distance r (in cells) from their node: a number, a register, or an array."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.core.compiled.compiler import compiled_too

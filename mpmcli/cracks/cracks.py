@@ -1,7 +1,5 @@
 """The cracks of a running simulation."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

@@ -6,8 +6,6 @@ depend on the direction of the chain, and shifts by whole cells change nothing. 
 to the node; two points see the same side of a crack if it crosses the chain an even number of times (Nairn 2003).
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

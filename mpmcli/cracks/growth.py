@@ -1,7 +1,5 @@
 """Growth of cracks: tips that meet their criterion get new points (Nairn 2003, 6)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from typing import Any

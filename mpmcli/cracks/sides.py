@@ -1,7 +1,5 @@
 """Which particles cracks cut, and on which side of its cracks a particle sees a node: step by step."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

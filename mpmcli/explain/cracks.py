@@ -1,7 +1,5 @@
 """What cracks will do in a run: chains, nodes with several sides, cut particles, domains of tips, memory."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Impulses of all interfaces, applied as those of contacts are, and what becomes of their energy."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.contact import increments

@@ -1,7 +1,5 @@
 """The jump of displacement between the two sides of a contact."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

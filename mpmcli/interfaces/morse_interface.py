@@ -1,7 +1,5 @@
 """A bond that softens and comes back: the potential of Morse."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, Literal, NamedTuple
 

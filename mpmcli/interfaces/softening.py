@@ -1,7 +1,5 @@
 """The spring of a cohesive mode: it follows its shape, and unloads and reloads on a line through the origin."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

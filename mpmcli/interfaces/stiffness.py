@@ -1,7 +1,5 @@
 """Words for a stiffness that may be infinite."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any
 
 from pydantic import AllowInfNan, BeforeValidator, TypeAdapter, ValidationInfo, WithJsonSchema

@@ -10,8 +10,6 @@ The Green–Lagrange strain (St. Venant–Kirchhoff) agrees to first order only,
 (τ ∝ ¼ sinh(4 ln λ) in uniaxial strain: 7 % above Hencky's law at |ln λ| = 0.16, 20 % at 0.26).
 """
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from typing import Any, NamedTuple, TypeVar

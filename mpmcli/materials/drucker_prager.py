@@ -1,7 +1,5 @@
 """Drucker–Prager plasticity: the smooth cone that replaces the pyramid of Mohr and Coulomb."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, Literal, NamedTuple
 

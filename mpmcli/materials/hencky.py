@@ -4,8 +4,6 @@ The first rows hold bᵉ − I. A step takes bᵉ to dF bᵉ dFᵀ; a return map
 count plastic strain and work.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.core.compiled.kernel import inline

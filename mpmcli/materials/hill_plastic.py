@@ -1,7 +1,5 @@
 """Anisotropic plasticity of metals for large strain: Hill's yield function of 1948, elasticity with axes."""
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple

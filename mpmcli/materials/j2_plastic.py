@@ -1,7 +1,5 @@
 """Metal plasticity for large strain: von Mises yielding, isotropic hardening, Hencky elasticity."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 

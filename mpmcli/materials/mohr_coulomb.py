@@ -1,7 +1,5 @@
 """Mohr–Coulomb plasticity of soils and rock, with dilation, tension cut-off and softening."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, Literal, NamedTuple
 

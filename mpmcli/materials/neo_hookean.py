@@ -1,7 +1,5 @@
 """Neo-Hookean rubber: four energies, by the volumetric part and by how it is split from the shear part."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, ClassVar, Literal, NamedTuple
 

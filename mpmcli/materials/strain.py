@@ -4,8 +4,6 @@ The analysis decides which components a particle stores and how the thickness fo
 parameter tuple decides the material. Both are known when the loop is compiled.
 """
 
-from __future__ import annotations
-
 import math
 from functools import partial
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Viscoelasticity for large strain: an elastic network beside Maxwell elements in shear and bulk."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator

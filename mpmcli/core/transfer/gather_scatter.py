@@ -9,8 +9,6 @@ nodes; ``across`` has a member per node along an axis, so that m is known when c
 What belongs to one node is handled as one register (``registers``). All indices are unsigned.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

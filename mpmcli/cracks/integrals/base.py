@@ -1,7 +1,5 @@
 """Matter around a tip in the frame of the tip, and the weight of integrals over it (Nairn 2026, chapter 3)."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 
