@@ -36,12 +36,7 @@ def _lack_of_load(model: type[Any]) -> str:
 CONDITIONS = Registry(
     "boundary condition",
     "mpmcli.boundary",
-    {
-        "symmetry": "symmetry",
-        "temperature": "temperature",
-        "velocity": "velocity",
-        "wall": "wall",
-    },
+    {"symmetry": "symmetry", "temperature": "temperature", "velocity": "velocity", "wall": "wall"},
     _lack_of_condition,
 )
 LOADS = Registry(

@@ -58,7 +58,4 @@ class FaceHeat(LoadModel):
         return [("on.body", self.on.body)]
 
 
-_BOUNDS = {
-    "around": "temperatures are absolute and must be above 0",
-    "coefficient": "must be above 0",
-}
+_BOUNDS = {"around": "temperatures are absolute and must be above 0", "coefficient": "must be above 0"}

@@ -3,15 +3,7 @@
 import numpy as np
 
 from mpmcli.boundary.base import Array
-from mpmcli.boundary.corners import (
-    Cells,
-    Faces,
-    Matter,
-    face_force,
-    give_to_nodes,
-    new_spot,
-    radius_of_face,
-)
+from mpmcli.boundary.corners import Cells, Faces, Matter, face_force, give_to_nodes, new_spot, radius_of_face
 from mpmcli.core.compiled.kernel import inline
 
 

@@ -283,10 +283,7 @@ def tally(axes, count, fields, nodes, geometry, rows, after, mp, bonded, sums):
     """
     work = 0.0
     for k in range(count):
-        alpha, beta = (
-            field_at(nodes, fields.alpha[k]),
-            field_at(nodes, fields.partner[k]),
-        )
+        alpha, beta = field_at(nodes, fields.alpha[k]), field_at(nodes, fields.partner[k])
         net, weight = rows.net[k], sums.weight[k]
         pair = sums.pair[alpha, beta]
         part = weight if fields.both[k] or fields.rigid[k] else 0.5 * weight

@@ -35,8 +35,5 @@ def quadratic_spline_integral(r: Any) -> Any:
     return with_sign(0.5 - outer * outer * outer / 6.0 + 0.5 * inner * inner * inner, r)
 
 
-GRID_FUNCTIONS = {
-    "linear": (hat, hat_integral),
-    "quadratic": (quadratic_spline, quadratic_spline_integral),
-}
+GRID_FUNCTIONS = {"linear": (hat, hat_integral), "quadratic": (quadratic_spline, quadratic_spline_integral)}
 """Function and integral by the name that shape functions give their grid functions."""

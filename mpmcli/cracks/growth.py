@@ -270,16 +270,7 @@ class CrackGrowth:
     def _log(self, tip: GrowingTip, event: str, values: TipValues) -> None:
         x, y = tip.chain.X[:, tip.end]
         self._view.events.append(
-            (
-                self._state.time,
-                tip.chain.name,
-                tip.word,
-                event,
-                float(x),
-                float(y),
-                *values,
-                tip.chain.length,
-            )
+            (self._state.time, tip.chain.name, tip.word, event, float(x), float(y), *values, tip.chain.length)
         )
 
     # ------------------------------------------------------------------ from one step to the next

@@ -40,10 +40,7 @@ Tangential = Annotated[
     Any,
     BeforeValidator(read_tangential),
     WithJsonSchema(
-        {
-            "anyOf": [{"type": "number", "minimum": 0}, {"type": "string"}],
-            "x-dimension": "pressure/length",
-        }
+        {"anyOf": [{"type": "number", "minimum": 0}, {"type": "string"}], "x-dimension": "pressure/length"}
     ),
 ]
 

@@ -5,14 +5,7 @@ from typing import Any, NamedTuple
 
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.interfaces.shapes.base import (
-    elastic_end,
-    envelope,
-    envelope_slope,
-    failure,
-    secant,
-    spent,
-)
+from mpmcli.interfaces.shapes.base import elastic_end, envelope, envelope_slope, failure, secant, spent
 from mpmcli.interfaces.springs import (
     Elastic,
     is_linear,

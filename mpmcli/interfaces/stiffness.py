@@ -26,10 +26,7 @@ Stiffness = Annotated[
     Any,
     BeforeValidator(read_stiffness),
     WithJsonSchema(
-        {
-            "anyOf": [{"type": "number", "minimum": 0}, {"type": "string"}],
-            "x-dimension": "pressure/length",
-        }
+        {"anyOf": [{"type": "number", "minimum": 0}, {"type": "string"}], "x-dimension": "pressure/length"}
     ),
 ]
 

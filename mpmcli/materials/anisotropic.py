@@ -89,11 +89,7 @@ def _acoustic_eigenvalues(C: Stiffness, angles: np.ndarray) -> np.ndarray:
         n = np.stack([np.cos(angles[0]), np.sin(angles[0]), np.zeros(angles.shape[1])])
     else:
         n = np.stack(
-            [
-                np.cos(angles[0]) * np.cos(angles[1]),
-                np.sin(angles[0]) * np.cos(angles[1]),
-                np.sin(angles[1]),
-            ]
+            [np.cos(angles[0]) * np.cos(angles[1]), np.sin(angles[0]) * np.cos(angles[1]), np.sin(angles[1])]
         )
     x, y, z = n * n
     Q = np.empty((angles.shape[1], 3, 3))

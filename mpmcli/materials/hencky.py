@@ -9,12 +9,7 @@ from typing import Any
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import log_symmetric, logarithm_1p
 from mpmcli.core.tensors import push_forward
-from mpmcli.materials.base import (
-    bulk_speed_squared,
-    dissipated_heat,
-    strain_energy,
-    wave_speed_squared,
-)
+from mpmcli.materials.base import bulk_speed_squared, dissipated_heat, strain_energy, wave_speed_squared
 from mpmcli.materials.planar import in_space_and_plane, is_planar
 
 HISTORY = (

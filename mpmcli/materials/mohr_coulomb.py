@@ -6,18 +6,8 @@ from typing import Any, Literal, NamedTuple
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential, log_symmetric
 from mpmcli.materials.base import MATERIALS, kirchhoff_stress
-from mpmcli.materials.friction_angle import (
-    FrictionalModel,
-    FrictionalPart,
-    strength_at,
-)
-from mpmcli.materials.hencky import (
-    STRAIN,
-    hencky_plastic,
-    keep_plastic,
-    keep_tensor,
-    trial_tensor,
-)
+from mpmcli.materials.friction_angle import FrictionalModel, FrictionalPart, strength_at
+from mpmcli.materials.hencky import STRAIN, hencky_plastic, keep_plastic, keep_tensor, trial_tensor
 from mpmcli.materials.lateral import (
     add_laterally,
     free_stress,

@@ -30,12 +30,7 @@ from mpmcli.materials.lateral import (
     thickness_stretch,
 )
 from mpmcli.materials.own_numbers import with_own_numbers
-from mpmcli.materials.volumetric import (
-    FORMS,
-    volumetric_energy,
-    volumetric_stiffness,
-    volumetric_stress,
-)
+from mpmcli.materials.volumetric import FORMS, volumetric_energy, volumetric_stiffness, volumetric_stress
 
 J_MINUS_INVERSE = FORMS["j_minus_inverse"]
 

@@ -36,14 +36,7 @@ from mpmcli.materials.components import (
     store_stress,
     stress_power,
 )
-from mpmcli.materials.thermal import (
-    expand,
-    expand_work,
-    lanes_of,
-    settle,
-    stretch_at,
-    work_of_law,
-)
+from mpmcli.materials.thermal import expand, expand_work, lanes_of, settle, stretch_at, work_of_law
 from mpmcli.materials.warmth import BLOCK, prepare, scale, scale_symmetric, set_at, value_at
 
 NOT_FINITE = np.uint64(0x7FF0000000000000)

@@ -58,12 +58,7 @@ from mpmcli.materials.prony import (
     terms_of,
     volumes,
 )
-from mpmcli.materials.volumetric import (
-    FORMS,
-    volumetric_energy,
-    volumetric_stiffness,
-    volumetric_stress,
-)
+from mpmcli.materials.volumetric import FORMS, volumetric_energy, volumetric_stiffness, volumetric_stress
 
 
 class MaxwellTerm(Model):

@@ -7,11 +7,7 @@ import numpy as np
 import pytest
 
 SUMMARY = Path(__file__).parents[1] / "data" / "two_disks_nairnmpm.csv"
-METHODS = {
-    "FLIP": "{kind: flip}",
-    "FMPM(1)": "{kind: fmpm, order: 1}",
-    "FMPM(4)": "{kind: fmpm, order: 4}",
-}
+METHODS = {"FLIP": "{kind: flip}", "FMPM(1)": "{kind: fmpm, order: 1}", "FMPM(4)": "{kind: fmpm, order: 4}"}
 
 
 def reference(method: str, cell: float, friction: float) -> dict[str, float]:

@@ -13,14 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmcli.core.analysis import (
-    Axisymmetric,
-    PlaneStrain,
-    PlaneStress,
-    Solid,
-    UniaxialStrain,
-    UniaxialStress,
-)
+from mpmcli.core.analysis import Axisymmetric, PlaneStrain, PlaneStress, Solid, UniaxialStrain, UniaxialStress
 from mpmcli.core.compiled.compiler import compiled_as
 from mpmcli.core.compiled.dispatch import generic
 

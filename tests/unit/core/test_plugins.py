@@ -113,10 +113,7 @@ FAULTS = {
         entry("soft_matter", name="own"),
         "the material 'own' already belongs to mpmcli",
     ),
-    "registers an own name too": (
-        entry("twice"),
-        "ValueError: material 'own' is registered twice",
-    ),
+    "registers an own name too": (entry("twice"), "ValueError: material 'own' is registered twice"),
 }
 
 

@@ -190,9 +190,7 @@ def test_conducted_heat_softens_a_metal():
 
 
 @pytest.mark.parametrize(
-    ("material", "pressure"),
-    [(GAS, 3.0 * 400 / 300), (NICKEL, 2 * RHO * 0.01 * 100)],
-    ids=["gas", "nickel"],
+    ("material", "pressure"), [(GAS, 3.0 * 400 / 300), (NICKEL, 2 * RHO * 0.01 * 100)], ids=["gas", "nickel"]
 )
 @pytest.mark.parametrize("heating", ["adiabatic", "isothermal"])
 def test_conducted_heat_raises_the_pressure_of_equations_of_state(material, pressure, heating):
