@@ -55,7 +55,3 @@ class Absorbing(LoadModel):
         return check_axis("on.plane", self.on.plane, dimensions) + check_axis(
             "on.face", self.on.face, dimensions
         )
-
-    def bodies(self) -> list[tuple[str, str]]:
-        """The body that it is on."""
-        return [] if self.on.body is None else [("on.body", self.on.body)]

@@ -28,10 +28,6 @@ class LoadOnBodies(LoadModel):
         """Return which particles are of the body."""
         return None if self.on is None else is_of(self.on.body)
 
-    def bodies(self) -> list[tuple[str, str]]:
-        """The body that it acts on, if it is one."""
-        return [] if self.on is None else [("on.body", self.on.body)]
-
 
 @LOADS.register
 class BodyForce(LoadOnBodies):

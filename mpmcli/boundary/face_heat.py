@@ -53,9 +53,5 @@ class FaceHeat(LoadModel):
                     found.append((key, _BOUNDS[key]))
         return found
 
-    def bodies(self) -> list[tuple[str, str]]:
-        """The body whose face it is."""
-        return [("on.body", self.on.body)]
-
 
 _BOUNDS = {"around": "temperatures are absolute and must be above 0", "coefficient": "must be above 0"}

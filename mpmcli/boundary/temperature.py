@@ -31,10 +31,6 @@ class Temperature(ConditionModel):
             found.append(("on.covered_by", "a body that covers nodes prescribes velocities only"))
         return found
 
-    def bodies(self) -> list[tuple[str, str]]:
-        """The body whose face is held, if any."""
-        return [] if self.on.body is None else [("on.body", self.on.body)]
-
     def held_face(self) -> tuple[str, Face] | None:
         """The body and face, if it is one."""
         return None if self.on.body is None or self.on.face is None else (self.on.body, self.on.face)
