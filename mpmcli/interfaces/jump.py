@@ -178,10 +178,7 @@ def find_interfaces(
             area[k] = open_area(
                 axes, nodes.node[slot], around, area[k], geometry.distances[k], jump[k], normal, h
             )
-        if apart[k] or history[k, BREAKS] > 0.5:
-            history[k, BREAKS] = 1.0
-        else:
-            history[k, BREAKS] = 0.0
+        history[k, BREAKS] = 1.0 if apart[k] or history[k, BREAKS] > 0.5 else 0.0
 
 
 @inline
