@@ -25,7 +25,6 @@ from mpmcli.cracks.sights import (
     CUT,
     LISTED,
     NODES,
-    SIGHTS,
     THIRD,
     Candidates,
     Crossings,
@@ -99,11 +98,6 @@ class CrackSides:
     def listed(self) -> int:
         """Number of all nodes that ``nodes`` lists."""
         return int(self._counts[LISTED])
-
-    @property
-    def seen(self) -> int:
-        """Number of particles that see listed nodes: rows of ``sights``."""
-        return int(self._counts[SIGHTS])
 
     @property
     def third(self) -> int:
