@@ -122,6 +122,16 @@ def python_and_compiled(request):
         yield
 
 
+@pytest.fixture
+def python_unless_slow(request):
+    """All but slow tests run the kernels as Python."""
+    if request.node.get_closest_marker("slow"):
+        yield
+        return
+    with _plain_python():
+        yield
+
+
 @pytest.fixture(scope="session")
 def find_stencils():
     """Function (shape name, grid, X, size, F=None) → ``Stencils``, by the serial compiled kernel."""

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from particle_sums import energy
 
 from mpmcli.core.errors import SimulationError
 from mpmcli.scene.loader import load_scene
@@ -43,12 +44,6 @@ def start(
         "time": {"end": 1e6, "courant": 0.2},
     } | changes
     return Simulation(load_scene(yaml.safe_dump(scene, sort_keys=False)), threads=1)
-
-
-def energy(s: Simulation) -> float:
-    """Kinetic energy and stress work."""
-    p = s.particles
-    return float(0.5 * (p.mass * np.square(p.V).sum(axis=0)).sum() + p.stress_work.sum())
 
 
 def momentum(s: Simulation) -> np.ndarray:

@@ -16,16 +16,7 @@ from mpmcli.materials.base import bulk_slope, kirchhoff_stress
 from mpmcli.materials.thermal import thermal_of
 from mpmcli.materials.warmth import LARGEST_SMALL, exponential, magnitude
 
-
-@pytest.fixture(autouse=True)
-def in_python(request, plain_python):
-    """All but slow tests run the kernels as Python."""
-    if request.node.get_closest_marker("slow"):
-        yield
-        return
-    with plain_python():
-        yield
-
+pytestmark = pytest.mark.usefixtures("python_unless_slow")
 
 # ---------------------------------------------------------------------- heating
 
