@@ -41,10 +41,7 @@ def read_particles(vtu: Path, field: str) -> tuple[np.ndarray, np.ndarray]:
     reader.SetFileName(str(vtu))
     reader.Update()
     grid = reader.GetOutput()
-    return (
-        vtk_to_numpy(grid.GetPoints().GetData()),
-        vtk_to_numpy(grid.GetPointData().GetArray(field)),
-    )
+    return (vtk_to_numpy(grid.GetPoints().GetData()), vtk_to_numpy(grid.GetPointData().GetArray(field)))
 
 
 def draw_block_impact(folder: Path, picture: Path) -> None:

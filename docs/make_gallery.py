@@ -338,12 +338,7 @@ def page() -> str:
         for picture in shown.pictures:
             plot = ["mpmcli", "plot", f"results/{shown.scene}", *picture.options]
             lines += [picture.words, "", "```bash", shlex.join(plot), "```", ""]
-            lines += [
-                f"```{{image}} ../images/gallery/{picture.file}",
-                f":alt: {picture.words}",
-                "```",
-                "",
-            ]
+            lines += [f"```{{image}} ../images/gallery/{picture.file}", f":alt: {picture.words}", "```", ""]
     return "\n".join(lines).rstrip() + "\n"
 
 

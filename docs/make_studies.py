@@ -390,9 +390,7 @@ STUDIES = {
         repeats=3,
     ),
     "shock": Study(
-        "shock_nickel",
-        ("--vary", f"method.transfer=fmpm:4,{all_dynamic(SHOCK_TOLERANCES)}"),
-        draw_orders,
+        "shock_nickel", ("--vary", f"method.transfer=fmpm:4,{all_dynamic(SHOCK_TOLERANCES)}"), draw_orders
     ),
     "metrics": Study(None, (), draw_metrics),
     "disks-courant": Study(

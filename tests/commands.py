@@ -1,7 +1,5 @@
 """Commands called within the process of a test, and what is wrong with their words."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import math

@@ -1,7 +1,5 @@
 """What all tests share: the stencils of arbitrary particles as dense numbers, and small scenes by keyword."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Iterator
@@ -118,6 +116,16 @@ def plain_python():
 def python_and_compiled(request):
     """For tests of a few particles: quick ones compile nothing, slow ones call the kernels themselves."""
     if request.param == "compiled":
+        yield
+        return
+    with _plain_python():
+        yield
+
+
+@pytest.fixture
+def python_unless_slow(request):
+    """All but slow tests run the kernels as Python."""
+    if request.node.get_closest_marker("slow"):
         yield
         return
     with _plain_python():

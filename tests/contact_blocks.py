@@ -1,7 +1,5 @@
 """Scenes of soft blocks in contact, which tests move a few steps."""
 
-from __future__ import annotations
-
 from typing import Any
 
 

@@ -1,7 +1,5 @@
 """What tests and figures of cracks share: where matter is, and exact figures."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Envelopes of cohesive laws by formulas of their own, and paths of straight openings through two modes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -4,8 +4,6 @@ Fourier number Fo = D t/L² with the diffusivity D = κ/(ρ c_v); L is the lengt
 sphere. Series as in Carslaw and Jaeger, Conduction of Heat in Solids.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Closed forms of bodies that an interface joins, which the tests compare with."""
 
-from __future__ import annotations
-
 import numpy as np
 
 Array = np.ndarray

@@ -1,7 +1,5 @@
 """Keys with which every registered alternative can be tried: a new one is missed by the tests that ask for it here."""
 
-from __future__ import annotations
-
 from typing import Any
 
 LINEAR = {"kind": "linear", "yield_stress": 0.02, "modulus": 0.3}

@@ -1,7 +1,5 @@
 """What the tests of conduction share: transfers by name, reference tables, errors of a run."""
 
-from __future__ import annotations
-
 import csv
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Stability of two free bars with an interface or a crack between them, by runs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What tests and figures of interfaces share: transfers by name, and runs of two bars."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -11,10 +9,7 @@ import numpy as np
 Array = np.ndarray
 Start = Callable[..., Any]
 
-TRANSFERS = {
-    "FLIP": "{kind: flip}",
-    **{f"FMPM({k})": f"{{kind: fmpm, order: {k}}}" for k in (2, 4, 8)},
-}
+TRANSFERS = {"FLIP": "{kind: flip}", **{f"FMPM({k})": f"{{kind: fmpm, order: {k}}}" for k in (2, 4, 8)}}
 PASSAGE = 0.04
 """Time in which a wave goes along a bar of ``interface_impact.yaml`` and back [ms]."""
 CELL_TIME = 0.0005

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import yaml
+from particle_sums import ParticleSums
 from scene_problems import with_keys
 
 from mpmcli.core.state import InterfaceMeans, InterfaceView
@@ -28,7 +29,7 @@ def box(
     return body | ({"velocity": velocity} if velocity else {})
 
 
-class JoinedRun:
+class JoinedRun(ParticleSums):
     """A scene that runs; ``changes`` replace its words, ``a__b`` those of ``b`` in ``a``."""
 
     def __init__(self, bodies: list[dict[str, Any]], law: dict[str, Any] | None = None, **changes: Any):
@@ -43,11 +44,11 @@ class JoinedRun:
             "time": {"end": 1000.0, "courant": 0.2},
         }
         text = yaml.safe_dump(with_keys(scene, **changes), sort_keys=False)
-        self.s = Simulation(load_scene(text), threads=1)
+        self.simulation = Simulation(load_scene(text), threads=1)
         self.balance = EnergyBalance()
         self.balance.update(Snapshot(self.s.state))
         self.start = self.momentum
-        self.scale = float((self.s.particles.mass * np.abs(self.s.particles.V).max(axis=0)).sum())
+        self.scale = self.momentum_of_parts
         self.energy_error = self.last_error = 0.0
         self.stored = 0.0
         self.initial = self.highest = self.total
@@ -58,7 +59,7 @@ class JoinedRun:
             self.s.step()
             self.last_error = abs(self.balance.update(Snapshot(self.s.state)))
             self.energy_error = max(self.energy_error, self.last_error)
-            self.stored = max(self.stored, self.energy)
+            self.stored = max(self.stored, self.joint_energy)
             self.highest = max(self.highest, self.total)
         return self
 
@@ -75,11 +76,6 @@ class JoinedRun:
         return self.view.means()
 
     @property
-    def momentum(self) -> np.ndarray:
-        """Σ M V (d,)."""
-        return (self.s.particles.mass * self.s.particles.V).sum(axis=1)
-
-    @property
     def momentum_error(self) -> float:
         """Change of momentum over Σ M |V| at the start; along the axis only, if there is one."""
         change = np.abs(self.momentum - self.start)
@@ -88,35 +84,25 @@ class JoinedRun:
         return float(change.max()) / self.scale
 
     @property
-    def energy(self) -> float:
+    def joint_energy(self) -> float:
         """What all interfaces store."""
         return float(self.view.energy.sum())
 
     @property
     def total(self) -> float:
         """What bodies and interfaces have, and what damage has spent."""
-        p = self.s.particles
-        kinetic = 0.5 * float((p.mass * np.square(p.V).sum(axis=0)).sum())
-        strain = float(np.sum(p.vol0 * self.s.state.strain_energy_density()))
-        return kinetic + strain + self.energy + float(self.view.cohesive_work.sum())
+        bodies = self.kinetic_energy + self.strain_energy
+        return bodies + self.joint_energy + float(self.view.cohesive_work.sum())
 
     @property
     def loss(self) -> float:
         """Energy that interfaces took and neither store nor spent, over the largest that they stored."""
         work = self.s.state.work["interface_work"]
-        return (work - self.energy - float(self.view.cohesive_work.sum())) / self.stored
-
-    def ordered(self, name: str) -> np.ndarray:
-        """An array of the particles, ordered by identity."""
-        array = getattr(self.s.particles, name)
-        out = np.empty_like(array)
-        out[..., self.s.particles.id] = array
-        return out
+        return (work - self.joint_energy - float(self.view.cohesive_work.sum())) / self.stored
 
     def check(self, energy: float = 1e-3, momentum: float = 1e-11) -> None:
         """Finite, the interface has done something, energy and momentum balanced."""
-        for name in ("X", "V", "F", "tau"):
-            assert np.isfinite(getattr(self.s.particles, name)).all(), name
+        self.check_finite()
         assert self.stored > 0.0
         assert self.means.area.sum() > 0.0
         assert self.energy_error < energy

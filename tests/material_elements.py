@@ -1,7 +1,5 @@
 """One element of every law under uniaxial, shear and cyclic paths: computed and exact values, in plain Python."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Iterator
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """One particle of a material under velocity gradients of our choice: the loop over particles, without a grid."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -10,7 +8,29 @@ import numpy as np
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.particles import Particles
 from mpmcli.materials import MATERIALS
+from mpmcli.materials.base import history_at_start
 from mpmcli.materials.strain import block_count, stored_energy, update_strain_and_stress
+
+
+def particles_of(
+    model: Any, analysis: Any, count: int = 1, volume: float = 1.0, is_viscous: bool = False
+) -> Particles:
+    """Particles of a material as they are at the start."""
+    d = analysis.dimensions
+    particles = Particles.at_rest(
+        analysis,
+        np.zeros((d, count)),
+        np.ones((d, count)),
+        np.full(count, volume),
+        np.full(count, volume * model.density),
+        body=np.zeros(count),
+        material=np.zeros(count),
+        velocity_field=np.zeros(count),
+        history_rows=max(1, len(model.history)),
+        artificial_viscosity=is_viscous,
+    )
+    particles.H[:] = history_at_start(model, count)
+    return particles
 
 
 class MaterialPoint:
@@ -34,20 +54,7 @@ class MaterialPoint:
         self.model: Any = MATERIALS[words["kind"]].model_validate({"density": 1.0} | words)
         self.analysis = ANALYSES[analysis]()
         self.m = self.model.parameters(analysis, adiabatic)
-        d = self.analysis.dimensions
-        self.particles = p = Particles.at_rest(
-            self.analysis,
-            np.zeros((d, 1)),
-            np.ones((d, 1)),
-            np.ones(1),
-            np.full(1, self.model.density),
-            body=np.zeros(1),
-            material=np.zeros(1),
-            velocity_field=np.zeros(1),
-            history_rows=max(1, len(self.model.history)),
-        )
-        for row, name in enumerate(self.model.history):
-            p.H[row] = self.model.initial_history().get(name, 0.0)
+        self.particles = p = particles_of(self.model, self.analysis)
         for name, size in zip(self.model.bands, bands, strict=False):
             p.H[self.model.history.index(name)] = size
         self._speed2 = np.zeros(block_count(1))

@@ -1,7 +1,5 @@
 """Write the tables of docs/verification/materials.md: ``PYTHONPATH=tests python tests/material_tables.py``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import examples

@@ -1,7 +1,5 @@
 """The numbers of a scene, or of a part of one, as nested dictionaries and lists."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Iterator
 from typing import Any

@@ -1,7 +1,5 @@
 """How far bodies have gone into each other: particle centres that lie in the domains of other bodies' particles."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Scenes that are changed piece by piece, and what is wrong with them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from copy import deepcopy
 from typing import Any

@@ -1,7 +1,5 @@
 """Tests of soil elements, one for each closed form: computed and exact values, in plain Python."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Any, NamedTuple

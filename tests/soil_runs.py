@@ -1,7 +1,5 @@
 """Columns of grains that collapse on a rough floor: run-out and height of the deposit."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

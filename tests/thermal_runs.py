@@ -1,15 +1,13 @@
 """One particle of any material at temperatures of our choice, and materials for it."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from material_point import particles_of
 
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.exponentials import logarithm
-from mpmcli.core.particles import Particles
 from mpmcli.core.tensors import determinant
 from mpmcli.materials import MATERIALS
 from mpmcli.materials.base import (
@@ -96,21 +94,8 @@ class Run:
         else:
             self.model = MATERIALS[material["kind"]].model_validate(material)
         model, self.analysis = self.model, ANALYSES[analysis]()
-        d, adiabatic = self.analysis.dimensions, heating == "adiabatic"
-        self.p = p = Particles.at_rest(
-            self.analysis,
-            np.zeros((d, 1)),
-            np.ones((d, 1)),
-            np.full(1, volume),
-            np.full(1, volume * model.density),
-            body=np.zeros(1),
-            material=np.zeros(1),
-            velocity_field=np.zeros(1),
-            history_rows=max(1, len(model.history)),
-            artificial_viscosity=viscosity is not None,
-        )
-        for name, value in model.initial_history().items():
-            p.H[model.history.index(name)] = value
+        adiabatic = heating == "adiabatic"
+        self.p = p = particles_of(model, self.analysis, volume=volume, is_viscous=viscosity is not None)
         has_bath = conducts and not adiabatic
         own = "equation_of_state" in model.properties
         self.m = model.parameters(analysis, adiabatic or (has_bath and not own))

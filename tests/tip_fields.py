@@ -1,7 +1,5 @@
 """Exact fields of tips on particles."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

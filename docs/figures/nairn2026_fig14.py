@@ -32,7 +32,7 @@ FIGURE = Figure(
     verdict="as published",
     studies=("impact", "shock"),
     drawn={
-        "studies/dynamic_orders.png": "Mean order of dynamic FMPM(20) against its tolerance, in block impact and shock",
+        "studies/dynamic_orders.png": "Mean order of dynamic FMPM(20) against its tolerance, in block impact and shock"
     },
     measure=measure,
     words="""

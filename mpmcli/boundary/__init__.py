@@ -11,9 +11,4 @@ from mpmcli.core.plugins import load_plugins
 load_plugins("conditions", CONDITIONS, ConditionModel)
 load_plugins("loads", LOADS, LoadModel)
 
-__all__ = [
-    "CONDITIONS",
-    "LOADS",
-    "ConditionModel",
-    "LoadModel",
-]
+__all__ = ["CONDITIONS", "LOADS", "ConditionModel", "LoadModel"]

@@ -1,7 +1,5 @@
 """A face or a grid plane that absorbs waves: dashpots with the impedance of the material."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from mpmcli.boundary.base import LOADS, LoadModel
@@ -57,7 +55,3 @@ class Absorbing(LoadModel):
         return check_axis("on.plane", self.on.plane, dimensions) + check_axis(
             "on.face", self.on.face, dimensions
         )
-
-    def bodies(self) -> list[tuple[str, str]]:
-        """The body that it is on."""
-        return [] if self.on.body is None else [("on.body", self.on.body)]

@@ -5,8 +5,6 @@ A new condition or load is one new file here, registered in ``CONDITIONS`` or ``
 that registry.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Hashable, Sequence
 from typing import Any, ClassVar, Protocol
@@ -38,12 +36,7 @@ def _lack_of_load(model: type[Any]) -> str:
 CONDITIONS = Registry(
     "boundary condition",
     "mpmcli.boundary",
-    {
-        "symmetry": "symmetry",
-        "temperature": "temperature",
-        "velocity": "velocity",
-        "wall": "wall",
-    },
+    {"symmetry": "symmetry", "temperature": "temperature", "velocity": "velocity", "wall": "wall"},
     _lack_of_condition,
 )
 LOADS = Registry(
@@ -127,10 +120,6 @@ class ConditionModel(Windowed):
     acts_on: ClassVar[str] = "velocity"
     """The quantity that it holds: ``velocity`` or ``temperature``."""
 
-    def problems(self, dimensions: int) -> list[tuple[str, str]]:
-        """What is wrong in an analysis with so many axes: pairs of key (``direction``) and message."""
-        raise TypeError(f"{type(self).__name__} checks nothing")
-
     def held_side(self, grid: Nodes) -> tuple[int, int] | None:
         """The side of the grid (axis; 0 lower, 1 upper) beyond which it holds all velocities across, or None."""
         return None
@@ -138,10 +127,6 @@ class ConditionModel(Windowed):
     def may_wait(self, grid: Nodes) -> bool:
         """Whether it is plausible that no body is at it at the start."""
         return False
-
-    def bodies(self) -> list[tuple[str, str]]:
-        """Names of bodies that it refers to: pairs of key and name."""
-        return []
 
     def held_face(self) -> tuple[str, Any] | None:
         """The body and the face (``place.Face``) of it whose temperature it holds, or None: it holds nodes."""
@@ -289,14 +274,6 @@ class LoadModel(Windowed):
     def loaded_plane(self) -> Any:
         """Return the plane (``place.Plane``) that it acts on, or None."""
         return None
-
-    def problems(self, dimensions: int) -> list[tuple[str, str]]:
-        """What is wrong in an analysis with so many axes: pairs of key and message."""
-        raise TypeError(f"{type(self).__name__} checks nothing")
-
-    def bodies(self) -> list[tuple[str, str]]:
-        """Names of bodies that it refers to: pairs of key and name."""
-        return []
 
 
 def check_length(key: str, vector: Any, dimensions: int) -> list[tuple[str, str]]:

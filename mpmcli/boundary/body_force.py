@@ -1,7 +1,5 @@
 """A force per mass that varies in space and time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Annotated, Literal
 
@@ -29,10 +27,6 @@ class LoadOnBodies(LoadModel):
     def chosen(self, points: Array, is_of: Callable[[str], Array]) -> Array | None:
         """Return which particles are of the body."""
         return None if self.on is None else is_of(self.on.body)
-
-    def bodies(self) -> list[tuple[str, str]]:
-        """The body that it acts on, if it is one."""
-        return [] if self.on is None else [("on.body", self.on.body)]
 
 
 @LOADS.register

@@ -1,7 +1,5 @@
 """Uplift by water at rest in the pores of the ground."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 import numpy as np

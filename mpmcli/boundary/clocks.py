@@ -1,7 +1,5 @@
 """Clocks of conditions, loads and rigid bodies, which events stop and turn back."""
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """All grid velocity conditions of a scene: which nodes they hold in a step, and what forces that takes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -5,8 +5,6 @@ functions of particles at that side see free nodes in front of it, which may mov
 a cell.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What loads that heat a face of a body have in common."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 import numpy as np
@@ -55,12 +53,5 @@ class FaceHeat(LoadModel):
                     found.append((key, _BOUNDS[key]))
         return found
 
-    def bodies(self) -> list[tuple[str, str]]:
-        """The body whose face it is."""
-        return [("on.body", self.on.body)]
 
-
-_BOUNDS = {
-    "around": "temperatures are absolute and must be above 0",
-    "coefficient": "must be above 0",
-}
+_BOUNDS = {"around": "temperatures are absolute and must be above 0", "coefficient": "must be above 0"}

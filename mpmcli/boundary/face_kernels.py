@@ -1,19 +1,9 @@
 """Kernels of loads on faces: the forces on all faces, and how these or powers get to the grid."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.boundary.base import Array
-from mpmcli.boundary.corners import (
-    Cells,
-    Faces,
-    Matter,
-    face_force,
-    give_to_nodes,
-    new_spot,
-    radius_of_face,
-)
+from mpmcli.boundary.corners import Cells, Faces, Matter, face_force, give_to_nodes, new_spot, radius_of_face
 from mpmcli.core.compiled.kernel import inline
 
 

@@ -1,7 +1,5 @@
 """Tractions through the deformed faces of particles, put on the grid as the shape function sees it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

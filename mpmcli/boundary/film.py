@@ -1,7 +1,5 @@
 """Heat through a film between the surface of a body and what is around it (convection)."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, ClassVar, Literal
 
 from mpmcli.boundary.base import LOADS, Array

@@ -1,7 +1,5 @@
 """Gravity: the same acceleration everywhere."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from mpmcli.boundary.base import LOADS, LoadModel, Values, check_length

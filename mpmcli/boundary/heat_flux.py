@@ -1,7 +1,5 @@
 """Power per area into the surface of a body, through the faces of its particles."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from mpmcli.boundary.base import LOADS, Array

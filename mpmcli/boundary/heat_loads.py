@@ -1,7 +1,5 @@
 """Heat through faces of bodies, and from sources inside them, as power of nodes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 

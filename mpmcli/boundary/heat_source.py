@@ -1,7 +1,5 @@
 """Power inside a body, such as that of an electric current."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, TypeAdapter, ValidationInfo, WithJsonSchema

@@ -1,7 +1,5 @@
 """Temperatures held at grid nodes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

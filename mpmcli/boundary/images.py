@@ -1,7 +1,5 @@
 """Completion of nodal sums beside symmetry planes: what nodes beyond a plane receive belongs to their images too."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.boundary.mirror import Mirror

@@ -5,8 +5,6 @@ d columns. Nodes without mass are passed over. ``impulse`` (nb,) collects the mo
 along its direction.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

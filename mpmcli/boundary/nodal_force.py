@@ -1,7 +1,5 @@
 """A concentrated force at a point of the grid."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from mpmcli.boundary.base import LOADS, Array, LoadModel, Values, check_length

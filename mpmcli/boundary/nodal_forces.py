@@ -1,7 +1,5 @@
 """Concentrated forces on nodes."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence

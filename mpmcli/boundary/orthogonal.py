@@ -1,7 +1,5 @@
 """Several conditions at one node: parallel ones add up, others are made orthogonal by Gram–Schmidt."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.core.compiled.kernel import inline

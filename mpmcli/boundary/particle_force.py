@@ -85,7 +85,3 @@ class ParticleForce(LoadModel):
                 words = "a total cannot depend on the place; give 'per: particle'"
                 found.append((f"force.{a}", words))
         return found + check_space("on", self.on.box, self.on.region, dimensions)
-
-    def bodies(self) -> list[tuple[str, str]]:
-        """The body that it acts on, if it is one."""
-        return [] if self.on.body is None else [("on.body", self.on.body)]

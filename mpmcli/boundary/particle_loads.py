@@ -1,7 +1,5 @@
 """Loads on particles: gravity, and the force per mass of each particle."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Periodic axes: nodes one period apart are one node, and particles that pass a side enter at the other one."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Dashpots on grid planes: nodes on a plane and beyond it resist their velocity by the impedance of the matter."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Coulomb friction with cohesion at nodes that a plane or wall holds: tangential momentum, limited by the reaction."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Heat radiation between the surface of a body and what is around it."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, ClassVar, Literal, cast
 
 from pydantic import BeforeValidator, Field, ValidationInfo

@@ -1,7 +1,5 @@
 """Rigid bodies: their particles move as the scene says, whatever the grid does."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Words for friction on planes and walls that hold nodes."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import numpy as np

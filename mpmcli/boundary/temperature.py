@@ -1,7 +1,5 @@
 """Temperature given at nodes, or on a face of a body."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -32,10 +30,6 @@ class Temperature(ConditionModel):
         if self.on.covered_by is not None:
             found.append(("on.covered_by", "a body that covers nodes prescribes velocities only"))
         return found
-
-    def bodies(self) -> list[tuple[str, str]]:
-        """The body whose face is held, if any."""
-        return [] if self.on.body is None else [("on.body", self.on.body)]
 
     def held_face(self) -> tuple[str, Face] | None:
         """The body and face, if it is one."""

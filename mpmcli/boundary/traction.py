@@ -79,7 +79,3 @@ class Traction(LoadModel):
         for a, component in enumerate(self.traction or ()):
             found += check_variables(f"traction.{a}", component, dimensions)
         return found
-
-    def bodies(self) -> list[tuple[str, str]]:
-        """The loaded body."""
-        return [("on.body", self.on.body)]

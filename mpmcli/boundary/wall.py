@@ -9,14 +9,7 @@ from typing import Annotated, Any, Literal, cast
 import numpy as np
 from pydantic import BeforeValidator, TypeAdapter, ValidationInfo, WithJsonSchema
 
-from mpmcli.boundary.base import (
-    CONDITIONS,
-    TOLERANCE,
-    Array,
-    Nodes,
-    SurfaceNodes,
-    check_length,
-)
+from mpmcli.boundary.base import CONDITIONS, TOLERANCE, Array, Nodes, SurfaceNodes, check_length
 from mpmcli.boundary.place import (
     Direction,
     along_axis,

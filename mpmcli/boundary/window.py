@@ -29,6 +29,15 @@ class Windowed(Model):
             raise ValueError(f"must be later than 'from', which is {begin:g}")
         return until
 
+    def problems(self, dimensions: int) -> list[tuple[str, str]]:
+        """What is wrong in an analysis with so many axes: pairs of key (``direction``) and message."""
+        raise TypeError(f"{type(self).__name__} checks nothing")
+
+    def bodies(self) -> list[tuple[str, str]]:
+        """Names of bodies that it refers to: pairs of key and name."""
+        body = getattr(getattr(self, "on", None), "body", None)
+        return [] if body is None else [("on.body", body)]
+
     @property
     def acts_always(self) -> bool:
         """Whether it acts in every step."""

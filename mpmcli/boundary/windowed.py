@@ -1,7 +1,5 @@
 """Conditions that act within a window of time, on a grid."""
 
-from __future__ import annotations
-
 from collections.abc import Hashable
 
 import numpy as np

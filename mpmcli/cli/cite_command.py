@@ -1,7 +1,5 @@
 """``mpmcli cite SCENE``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Unpack
 

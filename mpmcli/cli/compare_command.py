@@ -1,7 +1,5 @@
 """``mpmcli compare A B``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """``mpmcli compile [SCENE…]``."""
 
-from __future__ import annotations
-
 from typing import Unpack
 
 import click

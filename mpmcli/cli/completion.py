@@ -4,8 +4,6 @@ Shells ask ``mpmcli`` itself (``eval "$(_MPMCLI_COMPLETE=bash_source mpmcli)"``)
 ``shell_complete``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """``mpmcli explain SCENE``."""
 
-from __future__ import annotations
-
 import json
 from typing import Unpack
 

@@ -1,7 +1,5 @@
 """Writing the files that a command makes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """``mpmcli info DIR``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """The command ``mpmcli``: finds the command asked for, and ends with the exit code that fits."""
 
-from __future__ import annotations
-
 import importlib
 import os
 import sys

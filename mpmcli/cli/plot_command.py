@@ -1,7 +1,5 @@
 """``mpmcli plot DIR``."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """``mpmcli stability SCENE``."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import click

@@ -1,7 +1,5 @@
 """What contact did in a step: forces, areas and work for tables, normals and tractions for archives."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

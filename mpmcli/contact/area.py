@@ -1,7 +1,5 @@
 """The contact area of a node, from the nodal volumes of its two sides."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What a scene chooses about contact, and what follows from it: arrays, kernels, facts for people."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Where in the step contacts correct momenta, whatever found them (Nairn 2026, section 3.2)."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol

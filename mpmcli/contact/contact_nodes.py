@@ -5,8 +5,6 @@ else happens at those alone. The particles near a node, those at which its shape
 in a list, in an order that does not depend on the number of threads.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

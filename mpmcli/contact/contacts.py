@@ -1,7 +1,5 @@
 """The contacts of a step: their rows, and the scratch space to find them and their impulses."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -6,8 +6,6 @@ blocked Gauss-Seidel iterations for many bodies in contact do (Jourdan, Alart an
 Such nodes are few: these loops are serial.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.contact.impulses import impulse_of, normal_force, relative_momentum

@@ -1,7 +1,5 @@
 """Whether a specified normal points from one side to the other, checked when two fields first meet."""
 
-from __future__ import annotations
-
 import logging
 from typing import Any
 

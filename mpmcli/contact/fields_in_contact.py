@@ -5,8 +5,6 @@ more (Nairn et al. 2020, Eq. 50), or one rigid field. At a node with two fields 
 both sides; otherwise each field has a contact of its own.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Where and how the two sides of a contact meet: normal, separation and area from the particles that its node sees."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -284,10 +282,7 @@ def find_geometry(
         )  # fmt: skip
         for k in range(begin[slots * c // workers], begin[slots * (c + 1) // workers]):
             slot = fields.slot[k]
-            alpha, beta = (
-                field_at(nodes, fields.alpha[k]),
-                field_at(nodes, fields.partner[k]),
-            )
+            alpha, beta = field_at(nodes, fields.alpha[k]), field_at(nodes, fields.partner[k])
             n, volume_alpha, volume_beta, intact[k] = gather(
                 axes, slot, alpha, beta, fields.alone[k], neighbours, nodes, around, near, matter
             )

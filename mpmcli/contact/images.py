@@ -1,7 +1,5 @@
 """Images of particles near contact nodes: across symmetry planes, and whole periods of the grid away."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

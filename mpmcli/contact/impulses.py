@@ -1,7 +1,5 @@
 """Impulses of all contacts: the momentum changes that laws ask for, applied to momenta or to velocity increments."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -285,10 +283,7 @@ def tally(axes, count, fields, nodes, geometry, rows, after, mp, bonded, sums):
     """
     work = 0.0
     for k in range(count):
-        alpha, beta = (
-            field_at(nodes, fields.alpha[k]),
-            field_at(nodes, fields.partner[k]),
-        )
+        alpha, beta = field_at(nodes, fields.alpha[k]), field_at(nodes, fields.partner[k])
         net, weight = rows.net[k], sums.weight[k]
         pair = sums.pair[alpha, beta]
         part = weight if fields.both[k] or fields.rigid[k] else 0.5 * weight

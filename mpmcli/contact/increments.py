@@ -6,8 +6,6 @@ contact ever acted on it, "Evolving" at the one that contact has corrected. The 
 and "combined", correct whole velocities and need nothing of this.
 """
 
-from __future__ import annotations
-
 from mpmcli.core.compiled.kernel import inline
 
 

@@ -1,7 +1,5 @@
 """Particles near contact nodes, linked by node, and what cracks make of it."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

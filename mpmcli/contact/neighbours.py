@@ -1,7 +1,5 @@
 """The particles around one contact node, gathered side by side for the methods that read them."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

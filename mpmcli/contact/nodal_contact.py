@@ -1,7 +1,5 @@
 """Contact between velocity fields: where in the step it corrects momenta (Nairn 2026, section 3.2)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from typing import Any

@@ -9,8 +9,6 @@ The measure of overlap is volume: shape functions sum to one, so bodies that fil
 volume of a cell there, whatever their particles look like at the edge. More than that can only be overlap.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.contact.area import perpendicular_size

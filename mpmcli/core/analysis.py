@@ -13,8 +13,6 @@ axes   deformation gradient ``F``                   stress ``tau``              
 In axisymmetric analyses x is r, y is z and zz is the hoop direction.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

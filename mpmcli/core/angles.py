@@ -1,7 +1,5 @@
 """Angles of scenes: numbers in degrees, or text with a unit."""
 
-from __future__ import annotations
-
 import math
 import re
 from typing import Annotated, Any

@@ -1,7 +1,5 @@
 """A limit between numbers that hold and numbers that do not, found by bisection."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 

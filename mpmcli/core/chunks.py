@@ -4,8 +4,6 @@ A chunk is a run of lines in use: of cells along x with particles, or of nodes a
 in use, not on the number of particles, of threads or of processes; so do the digits of all sums.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.core.compiled.kernel import inline

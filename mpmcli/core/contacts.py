@@ -1,7 +1,5 @@
 """What contact tells others of the pairs of fields that meet at nodes."""
 
-from __future__ import annotations
-
 from typing import NamedTuple, Protocol
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the docstrings below the fields of a model say: read from its source only when asked for."""
 
-from __future__ import annotations
-
 import ast
 import inspect
 import textwrap

@@ -4,8 +4,6 @@ dof = (side · fields + field) · node_count + node. Side 0 is the ordinary one.
 they take numbers or arrays, and compiled code calls them, too.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.core.compiled.compiler import compiled_too

@@ -1,7 +1,5 @@
 """Particle domains whose sides do not lie along the grid's axes at the start."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.core.compiled.kernel import kernel, prange

@@ -8,8 +8,6 @@ MpmcliError            70  our bug, unless a subclass says otherwise
   ArchiveError          5  output files cannot be read or written
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Exponentials and logarithms of numbers and of 3 x 3 tensors (``core.tensors``), for use inside kernels."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Functions and constants of expressions, and functions given by points."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from functools import reduce

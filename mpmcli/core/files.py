@@ -1,7 +1,5 @@
 """Reading files that somebody else wrote: plain files only, never more than a given size."""
 
-from __future__ import annotations
-
 import os
 import stat
 from pathlib import Path

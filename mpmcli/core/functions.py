@@ -1,7 +1,5 @@
 """One-dimensional grid functions at a distance r (in cells) from their node: a number, a register, or an array."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.core.compiled.compiler import compiled_too
@@ -37,8 +35,5 @@ def quadratic_spline_integral(r: Any) -> Any:
     return with_sign(0.5 - outer * outer * outer / 6.0 + 0.5 * inner * inner * inner, r)
 
 
-GRID_FUNCTIONS = {
-    "linear": (hat, hat_integral),
-    "quadratic": (quadratic_spline, quadratic_spline_integral),
-}
+GRID_FUNCTIONS = {"linear": (hat, hat_integral), "quadratic": (quadratic_spline, quadratic_spline_integral)}
 """Function and integral by the name that shape functions give their grid functions."""

@@ -4,8 +4,6 @@ Node ``(ix, iy, iz)`` has the flat index ``ix + Nx·(iy + Ny·iz)`` (x fastest) 
 Arrays are dense but untouched pages cost nothing: only nodes in ``active`` are ever visited.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Particles by identity: sorting moves them in memory, their identities stay."""
 
-from __future__ import annotations
-
 import numpy as np
 
 Array = np.ndarray

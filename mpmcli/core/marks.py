@@ -1,7 +1,5 @@
 """Marks on a box of cells or nodes, and what lies near them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.core.compiled.kernel import called_once

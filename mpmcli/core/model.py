@@ -5,8 +5,6 @@ expression of the scene's constants. The loader hands what knows units and const
 context (a ``Resolver``); without a context (Python use) only numbers and plain arithmetic are understood.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

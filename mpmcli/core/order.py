@@ -7,8 +7,6 @@ above it (w: stencil width), and bands of one colour (every second one along eac
 H ≥ 2w − 1.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any, NamedTuple

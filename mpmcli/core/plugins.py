@@ -9,8 +9,6 @@ use, the value the module that registers it as mpmcli's own files do::
 Nothing of a package is imported before the room that the entry belongs to.
 """
 
-from __future__ import annotations
-
 import hashlib
 import importlib.metadata
 import importlib.util

@@ -3,8 +3,6 @@
 A registry has a table of its kinds and the module of each, so that a module is imported when a scene names its kind.
 """
 
-from __future__ import annotations
-
 import importlib
 import pkgutil
 from collections.abc import Callable, Iterator, Mapping

@@ -1,7 +1,5 @@
 """What one time step is: its size, when it begins, and the choices of the scene that are in force in it."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 

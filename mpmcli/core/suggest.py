@@ -1,7 +1,5 @@
 """The nearest name, for messages such as "did you mean 'friction'?"."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager

@@ -5,8 +5,6 @@ A general tensor is the 9-tuple of its rows (xx, xy, xz, yx, yy, yz, zx, zy, zz)
 cost nothing: the compiler removes them.
 """
 
-from __future__ import annotations
-
 import math
 from typing import TypeAlias
 

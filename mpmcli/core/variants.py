@@ -1,7 +1,5 @@
 """Strain-update schemes and transfer methods as rows of data (Nairn 2026, Fig. 1 and Eqs. 7–9)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

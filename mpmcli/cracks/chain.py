@@ -1,7 +1,5 @@
 """A crack as a chain of points: the plane between its faces, and the faces."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping

@@ -4,8 +4,6 @@ Of the cracks between a node and any particle that sees it the two of lowest ind
 side 1·(c₁ lies between them) + 2·(c₂ lies between them) of the node (Nairn 2023, chapter 1).
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """The cracks of a running simulation."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -13,14 +11,7 @@ from mpmcli.core.grid import Grid
 from mpmcli.core.order import CellOrder
 from mpmcli.core.state import CracksView, State
 from mpmcli.core.step import Step
-from mpmcli.cracks.chain import (
-    FOLDED,
-    VISIBLE,
-    Chain,
-    make_chain,
-    respaced,
-    turns,
-)
+from mpmcli.cracks.chain import FOLDED, VISIBLE, Chain, make_chain, respaced, turns
 from mpmcli.cracks.face_contact import FaceContact
 from mpmcli.cracks.face_geometry import SEPARATIONS, Separations
 from mpmcli.cracks.motion import LONGEST, OUTSIDE, SHARPEST, SHORTEST, FaceMotion

@@ -6,8 +6,6 @@ depend on the direction of the chain, and shifts by whole cells change nothing. 
 to the node; two points see the same side of a crack if it crosses the chain an even number of times (Nairn 2003).
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 
@@ -212,10 +210,7 @@ def find_distances(X, origin, inverse_cell, segments, table, away):
     for p in range(X.shape[1]):
         away[p] = np.inf
         x, y = whole(X[0, p], origin[0], inverse_cell[0]), whole(X[1, p], origin[1], inverse_cell[1])
-        row, column = (y >> BITS) - table.low[1], (x >> BITS) - table.low[0]
-        if row < 0 or column < 0 or row >= table.place.shape[0] or column >= table.place.shape[1]:
-            continue
-        cell = table.place[row, column]
+        cell = cell_of(table, x >> BITS, y >> BITS)
         if cell < 0:
             continue
         nearest = np.int64(1) << 62

@@ -1,7 +1,5 @@
 """Contact of the faces of cracks: where in the step it acts, and its account."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

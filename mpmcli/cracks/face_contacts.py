@@ -1,7 +1,5 @@
 """Where the faces of cracks meet: the pairs of sides at crack nodes, and the geometry between them."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Distances and areas of the faces of cracks at a node, from the particles that it sees."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Imperfect interfaces between the faces of cracks: springs across the jump of displacement."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a scene says of fracture quantities: how J, K_I and K_II of tips are found."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import Field, ValidationInfo, field_validator

@@ -1,7 +1,5 @@
 """Growth of cracks: tips that meet their criterion get new points (Nairn 2003, 6)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -272,16 +270,7 @@ class CrackGrowth:
     def _log(self, tip: GrowingTip, event: str, values: TipValues) -> None:
         x, y = tip.chain.X[:, tip.end]
         self._view.events.append(
-            (
-                self._state.time,
-                tip.chain.name,
-                tip.word,
-                event,
-                float(x),
-                float(y),
-                *values,
-                tip.chain.length,
-            )
+            (self._state.time, tip.chain.name, tip.word, event, float(x), float(y), *values, tip.chain.length)
         )
 
     # ------------------------------------------------------------------ from one step to the next

@@ -1,7 +1,5 @@
 """What a scene says of the growth of a crack."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, model_validator

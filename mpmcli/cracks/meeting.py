@@ -1,7 +1,5 @@
 """Where a growing tip meets another crack, or its own."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a scene says of a crack."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 

@@ -1,7 +1,5 @@
 """Faces of cracks move with the matter of their side."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Paths of cracks from files."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Forces on the points of chains, as forces on the matter of either side."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

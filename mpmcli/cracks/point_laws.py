@@ -1,7 +1,5 @@
 """Laws that the points of a crack may have."""
 
-from __future__ import annotations
-
 from typing import Any
 
 

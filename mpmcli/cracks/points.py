@@ -1,7 +1,5 @@
 """The points of all cracks side by side, as compiled code takes them."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

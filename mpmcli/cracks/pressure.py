@@ -1,7 +1,5 @@
 """Pressure in cracks: it presses both faces apart."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Which particles cracks cut, and on which side of its cracks a particle sees a node: step by step."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -27,7 +25,6 @@ from mpmcli.cracks.sights import (
     CUT,
     LISTED,
     NODES,
-    SIGHTS,
     THIRD,
     Candidates,
     Crossings,
@@ -101,11 +98,6 @@ class CrackSides:
     def listed(self) -> int:
         """Number of all nodes that ``nodes`` lists."""
         return int(self._counts[LISTED])
-
-    @property
-    def seen(self) -> int:
-        """Number of particles that see listed nodes: rows of ``sights``."""
-        return int(self._counts[SIGHTS])
 
     @property
     def third(self) -> int:

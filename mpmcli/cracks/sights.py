@@ -1,7 +1,5 @@
 """What a step knows of particles near cracks and of the nodes that they see, as compiled code takes it."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Fracture quantities of the tips of a running simulation, found when something asks."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import cached_property

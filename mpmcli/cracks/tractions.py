@@ -4,8 +4,6 @@ The opening of a point is that of its faces, and its history is its own. Tractio
 their time step is limited (``stability.springs``). Closed faces are left to contact.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import Any

@@ -1,14 +1,12 @@
 """What cracks will do in a run: chains, nodes with several sides, cut particles, domains of tips, memory."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
 import numpy as np
 
 from mpmcli.core.suggest import listing
-from mpmcli.cracks.crossing import OF
+from mpmcli.cracks.crossing import OF, is_left
 from mpmcli.scene.crack_checks import zones_of
 from mpmcli.shapes import SHAPES
 from mpmcli.solver.simulation import Simulation
@@ -105,8 +103,8 @@ def _cut_particles(scene: Any, simulation: Simulation) -> tuple[int, int, int]:
         tests += int(sees[rows].sum())
         px, py = x[0, rows, None], x[1, rows, None]
         nx, ny = node[0, rows], node[1, rows]
-        apart = _left(ax, ay, bx, by, px, py) != _left(ax, ay, bx, by, nx, ny)
-        apart &= _left(px, py, nx, ny, ax, ay) != _left(px, py, nx, ny, bx, by)
+        apart = is_left(ax, ay, bx, by, px, py) != is_left(ax, ay, bx, by, nx, ny)
+        apart &= is_left(px, py, nx, ny, ax, ay) != is_left(px, py, nx, ny, bx, by)
         parted[crack, rows] ^= apart
     beyond: Array = np.logical_or.reduce(parted, axis=0) & sees
     index = node[1] * grid.shape[0] + node[0]
@@ -119,11 +117,6 @@ def _reach(scene: Any, simulation: Simulation, particle: Array) -> Array:
     nodes = 1.5 if shape.grid_functions == "quadratic" else 1.0
     half = simulation.transfer.reach[:, particle] / simulation.grid.cell[:, None]
     return np.asarray(nodes + (half if shape.domain != "point" else 0.0 * half))
-
-
-def _left(ax: Any, ay: Any, bx: Any, by: Any, x: Any, y: Any) -> Any:
-    """Whether points lie to the left of the way from A to B, or on it."""
-    return (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0.0
 
 
 def _domains(scene: Any, simulation: Simulation) -> list[dict[str, Any]]:

@@ -1,7 +1,5 @@
 """What a scene switches on and what it leaves out: particles, arrays, kernels, memory, time step."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What heat conduction will do in a run: limit, interval, reach, filtered waves, memory."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 from typing import Any
 

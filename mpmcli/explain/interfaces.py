@@ -1,7 +1,5 @@
 """What interface laws will do in a run: springs against the time step, process zones, gaps at the start, memory."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

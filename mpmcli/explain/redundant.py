@@ -1,7 +1,5 @@
 """Settings of a scene that have no effect, and questions that only runs can answer."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 

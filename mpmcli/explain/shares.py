@@ -1,7 +1,5 @@
 """What the parts of a scene's steps cost, measured on some steps that leave nothing behind."""
 
-from __future__ import annotations
-
 import statistics
 import time as timer
 from collections.abc import Callable

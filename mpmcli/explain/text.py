@@ -1,7 +1,5 @@
 """What ``explain`` found, in words for people."""
 
-from __future__ import annotations
-
 import textwrap
 from typing import Any
 

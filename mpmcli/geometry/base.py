@@ -6,8 +6,6 @@ is known. Own coordinates are those before ``rotate`` and ``translate``; the pub
 region as it stands.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import ClassVar, get_args
 

@@ -1,7 +1,5 @@
 """Boxes: an interval in 1D, a rectangle in 2D, a block in 3D."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np

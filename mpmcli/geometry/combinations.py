@@ -1,7 +1,5 @@
 """Regions made of regions: unions, intersections and differences."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Annotated, ClassVar, Literal
 

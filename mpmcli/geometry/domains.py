@@ -1,7 +1,5 @@
 """Finding the particle in whose domain (a box around it) a point lies."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Ellipses and ellipsoids."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Literal
 

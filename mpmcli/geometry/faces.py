@@ -1,7 +1,5 @@
 """The faces of a body: particles that have no neighbour of the same body on one side."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.geometry.domains import in_a_domain

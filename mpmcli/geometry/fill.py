@@ -5,8 +5,6 @@ axis, and sub-cell s of an axis has its centre at ``lower + (s + ½) cell/k``. P
 may instead be filled along its region's own sides, on a lattice that is turned and moved with them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Container, Iterator, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Functions of one variable as CSV files of two columns: arguments that increase, and values."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Half spaces: everything on one side of a plane."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np

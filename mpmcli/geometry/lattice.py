@@ -1,7 +1,5 @@
 """Lattices of sub-cells that bodies are filled along: the grid's, or one along a region's own sides."""
 
-from __future__ import annotations
-
 from typing import Protocol
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Regions enclosed by a triangulated surface from a file."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Reading triangulated surfaces from mesh files; volume meshes give their outer surface."""
 
-from __future__ import annotations
-
 import re
 import warnings
 from collections.abc import Callable, Sequence

@@ -5,8 +5,6 @@ overwrite earlier ones unless their ``overlap`` says so: ``replace`` removes the
 ``keep`` the later one's.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Tables of points: CSV files with a line of column names, points of VTU files, polylines of VTP files."""
 
-from __future__ import annotations
-
 import csv
 import io
 import re

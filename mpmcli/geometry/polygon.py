@@ -1,7 +1,5 @@
 """Polygons in the plane."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 import numpy as np

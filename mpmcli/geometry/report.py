@@ -1,7 +1,5 @@
 """The set-up report: what became of every body."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Turning a region: an angle, an axis in 3D, and the point that stays where it is."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Annotated, Any

@@ -1,7 +1,5 @@
 """Disks and spheres, hollow ones too."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

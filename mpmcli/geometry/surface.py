@@ -5,8 +5,6 @@ at in the yz plane with the half-open rule of polygons, computed from every edge
 that a ray through an edge or a corner of a closed surface is counted once and no point leaks.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

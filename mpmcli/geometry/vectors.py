@@ -1,7 +1,5 @@
 """Lists of a given length in a scene: positions, directions, corners."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, Any
 

@@ -3,8 +3,6 @@
 No array is made before its size is known to fit the file: a damaged file asks for no more memory than a whole one.
 """
 
-from __future__ import annotations
-
 import base64
 import itertools
 import lzma

@@ -4,8 +4,6 @@ Each importer is a package with a function ``translate(path, partial) -> Transla
 supported are kept in the translation; with ``partial``, such commands may leave gaps in the scene.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

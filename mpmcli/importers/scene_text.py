@@ -1,7 +1,5 @@
 """The text of a translated scene: YAML as a person writes it, with comments and the notes about the source."""
 
-from __future__ import annotations
-
 import io
 import math
 import re

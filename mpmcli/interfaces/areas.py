@@ -1,7 +1,5 @@
 """The area over which an interface transmits tractions at a node."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.contact.area import SMALLEST, perpendicular_size

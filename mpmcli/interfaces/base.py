@@ -6,8 +6,6 @@ parameter tuple with implementations of the generic functions below. Laws whose 
 other take ``independent.Independent`` and give a spring per direction.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 from mpmcli.contact.laws.base import LawModel

@@ -1,7 +1,5 @@
 """Springs that are another in compression than in tension."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal, NamedTuple
 
 from mpmcli.contact.laws.base import LAWS

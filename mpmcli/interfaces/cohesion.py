@@ -1,7 +1,5 @@
 """The functions of cohesive laws whose modes pull independently of each other."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from mpmcli.contact.laws.impulse import STICKING, TINIEST, dot, law_impulse_at_end, leave

@@ -1,7 +1,5 @@
 """Cohesive joints: tractions that rise, soften and fail, and contact thereafter."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import AfterValidator, Field, model_validator

@@ -4,8 +4,6 @@ With the relative openings x_n = δ_n/δ_nc and x_t = δ_t/δ_tc and λ² = x_n�
 T_t = σ_t H x_t, where H = S̄(λ_m)/λ_m is the secant of the shape of unit strength and opening at the largest λ so far.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

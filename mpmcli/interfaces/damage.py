@@ -1,7 +1,5 @@
 """Damage of the interfaces that particles remember, so that what broke stays visible after nodes lose sight of it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Where particles remember the interfaces that they belong to, and which were bonded at the start."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

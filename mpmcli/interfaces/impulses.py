@@ -1,7 +1,5 @@
 """Impulses of all interfaces, applied as those of contacts are, and what becomes of their energy."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.contact import increments
@@ -47,26 +45,10 @@ def relative_force(axes, alpha, first, last, rigid, nodes, mp, f, out):
 
 
 @inline
-def impulse_of(
-    law,
-    closed,
-    axes,
-    wanted,
-    normal,
-    area,
-    gap,
-    gap_now,
-    jump,
-    aside,
-    mass,
-    force,
-    history,
-    reduced,
-    here,
-    acts,
-    oscillates,
-    out,
-):
+def joint_impulse(
+    law, closed, axes, wanted, normal, area, gap, gap_now, jump, aside, mass, force, history, reduced, here, acts,
+    oscillates, out,
+):  # fmt: skip
     """Impulse of a contact into ``out`` (d,): of the law while it holds, of the contact law ``closed`` after.
 
     ``acts``: the forces of the step are known; before that only perfect directions do anything. ``gap`` is the
@@ -155,7 +137,7 @@ def find_jump_impulses(
         else:
             wanted, given = dp0, rows.dp[k]
             separation_now[k] = geometry.separation[k]
-        state[k] = impulse_of(
+        state[k] = joint_impulse(
             law, closed, axes, wanted, geometry.normal[k], geometry.area[k], geometry.separation[k],
             separation_now[k], jumps.jump[k], jumps.aside[k], jumps.mass[k], jumps.force[k], jumps.history[k],
             reduced, here, acts, oscillates, given,
@@ -183,7 +165,7 @@ def find_pair_impulses(
             if here.after_forces:
                 alpha, first, last = fields.alpha[k], fields.first[k], fields.last[k]
                 relative_force(axes, alpha, first, last, False, nodes, mp, f, jumps.force[k])
-            rows.state[k] = impulse_of(
+            rows.state[k] = joint_impulse(
                 law, closed, axes, wanted, geometry.normal[k], geometry.area[k], geometry.separation[k],
                 rows.separation_now[k], jumps.jump[k], jumps.aside[k], jumps.mass[k], jumps.force[k],
                 jumps.history[k], reduced, here, acts, oscillates, found,

@@ -1,7 +1,5 @@
 """Laws whose normal and tangential directions do not know of each other: a spring for each."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

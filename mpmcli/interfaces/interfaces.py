@@ -1,7 +1,5 @@
 """The interfaces of a scene: what contact asks them for in a step, and what they remember."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The jump of displacement between the two sides of a contact."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 
@@ -180,10 +178,7 @@ def find_interfaces(
             area[k] = open_area(
                 axes, nodes.node[slot], around, area[k], geometry.distances[k], jump[k], normal, h
             )
-        if apart[k] or history[k, BREAKS] > 0.5:
-            history[k, BREAKS] = 1.0
-        else:
-            history[k, BREAKS] = 0.0
+        history[k, BREAKS] = 1.0 if apart[k] or history[k, BREAKS] > 0.5 else 0.0
 
 
 @inline

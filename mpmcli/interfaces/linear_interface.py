@@ -1,7 +1,5 @@
 """A spring in each direction, or none at all."""
 
-from __future__ import annotations
-
 from typing import Literal, Self
 
 from pydantic import model_validator

@@ -1,7 +1,5 @@
 """What particles remember of the interfaces near them, from one step to the next."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

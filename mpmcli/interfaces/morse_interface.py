@@ -1,7 +1,5 @@
 """A bond that softens and comes back: the potential of Morse."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -42,10 +40,7 @@ Tangential = Annotated[
     Any,
     BeforeValidator(read_tangential),
     WithJsonSchema(
-        {
-            "anyOf": [{"type": "number", "minimum": 0}, {"type": "string"}],
-            "x-dimension": "pressure/length",
-        }
+        {"anyOf": [{"type": "number", "minimum": 0}, {"type": "string"}], "x-dimension": "pressure/length"}
     ),
 ]
 

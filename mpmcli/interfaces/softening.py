@@ -1,20 +1,11 @@
 """The spring of a cohesive mode: it follows its shape, and unloads and reloads on a line through the origin."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.interfaces.shapes.base import (
-    elastic_end,
-    envelope,
-    envelope_slope,
-    failure,
-    secant,
-    spent,
-)
+from mpmcli.interfaces.shapes.base import elastic_end, envelope, envelope_slope, failure, secant, spent
 from mpmcli.interfaces.springs import (
     Elastic,
     is_linear,

@@ -5,8 +5,6 @@ A spring is a named tuple of numbers with the generic functions below. ``opening
 traction T held during a step takes c T from the opening at its end.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from mpmcli.contact.laws.impulse import HARD

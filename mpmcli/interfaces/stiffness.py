@@ -1,7 +1,5 @@
 """Words for a stiffness that may be infinite."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any
 
 from pydantic import AllowInfNan, BeforeValidator, TypeAdapter, ValidationInfo, WithJsonSchema
@@ -28,10 +26,7 @@ Stiffness = Annotated[
     Any,
     BeforeValidator(read_stiffness),
     WithJsonSchema(
-        {
-            "anyOf": [{"type": "number", "minimum": 0}, {"type": "string"}],
-            "x-dimension": "pressure/length",
-        }
+        {"anyOf": [{"type": "number", "minimum": 0}, {"type": "string"}], "x-dimension": "pressure/length"}
     ),
 ]
 

@@ -4,8 +4,6 @@ Gaps are those between the boxes of particles. A node that sees both fields has 
 0 where two of them touch.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
 

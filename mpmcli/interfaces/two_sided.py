@@ -1,7 +1,5 @@
 """Springs that differ in tension and compression."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

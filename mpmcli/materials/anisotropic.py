@@ -10,8 +10,6 @@ The Green–Lagrange strain (St. Venant–Kirchhoff) agrees to first order only,
 (τ ∝ ¼ sinh(4 ln λ) in uniaxial strain: 7 % above Hencky's law at |ln λ| = 0.16, 20 % at 0.26).
 """
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from typing import Any, NamedTuple, TypeVar
@@ -91,11 +89,7 @@ def _acoustic_eigenvalues(C: Stiffness, angles: np.ndarray) -> np.ndarray:
         n = np.stack([np.cos(angles[0]), np.sin(angles[0]), np.zeros(angles.shape[1])])
     else:
         n = np.stack(
-            [
-                np.cos(angles[0]) * np.cos(angles[1]),
-                np.sin(angles[0]) * np.cos(angles[1]),
-                np.sin(angles[1]),
-            ]
+            [np.cos(angles[0]) * np.cos(angles[1]), np.sin(angles[0]) * np.cos(angles[1]), np.sin(angles[1])]
         )
     x, y, z = n * n
     Q = np.empty((angles.shape[1], 3, 3))

@@ -3,8 +3,6 @@
 Column i of R is material axis i. Elastic materials keep R as a unit quaternion.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -8,8 +8,6 @@ implementations of ``kirchhoff_stress``, ``strain_energy``, ``wave_speed_squared
 No material knows thermal expansion or heating by compression: ``materials.thermal`` adds both to any law.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np

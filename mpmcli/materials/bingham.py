@@ -1,7 +1,5 @@
 """Bingham fluid: a nearly incompressible liquid that flows only above a yield stress."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 

@@ -1,7 +1,5 @@
 """Snow: neo-Hookean elasticity whose principal stretches are clamped, and which compaction hardens."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 

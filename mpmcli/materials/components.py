@@ -4,8 +4,6 @@ Generic over the analysis, so that the particle loop in ``strain.py`` is written
 complete (9 or 6 components); the zeros of 1D and 2D analyses are known to the compiler.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

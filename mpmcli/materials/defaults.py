@@ -1,7 +1,5 @@
 """What a material need not write itself."""
 
-from __future__ import annotations
-
 from typing import Any, TypeVar
 
 from mpmcli.materials.base import (

@@ -1,18 +1,12 @@
 """Drucker–Prager plasticity: the smooth cone that replaces the pyramid of Mohr and Coulomb."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, Literal, NamedTuple
 
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential, exponential_symmetric, log_symmetric
 from mpmcli.materials.base import MATERIALS, kirchhoff_stress
-from mpmcli.materials.friction_angle import (
-    FrictionalModel,
-    FrictionalPart,
-    strength_at,
-)
+from mpmcli.materials.friction_angle import FrictionalModel, FrictionalPart, strength_at
 from mpmcli.materials.hencky import (
     STRAIN,
     double_contraction,

@@ -1,7 +1,5 @@
 """Isotropic elastic constants, given as one pair, and the wave speeds that follow from them."""
 
-from __future__ import annotations
-
 from typing import Annotated, ClassVar, Self
 
 from pydantic import model_validator

@@ -1,7 +1,5 @@
 """Dry granular flow by the μ(I) rheology, which separates freely."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 

@@ -4,19 +4,12 @@ The first rows hold bᵉ − I. A step takes bᵉ to dF bᵉ dFᵀ; a return map
 count plastic strain and work.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import log_symmetric, logarithm_1p
 from mpmcli.core.tensors import push_forward
-from mpmcli.materials.base import (
-    bulk_speed_squared,
-    dissipated_heat,
-    strain_energy,
-    wave_speed_squared,
-)
+from mpmcli.materials.base import bulk_speed_squared, dissipated_heat, strain_energy, wave_speed_squared
 from mpmcli.materials.planar import in_space_and_plane, is_planar
 
 HISTORY = (

@@ -1,7 +1,5 @@
 """Anisotropy of Hill's yield function (1948), by its coefficients, by ratios of yield stresses, or by R-values."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Literal, NamedTuple, Self
 

@@ -1,7 +1,5 @@
 """Anisotropic plasticity of metals for large strain: Hill's yield function of 1948, elasticity with axes."""
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
@@ -144,12 +142,7 @@ class Others(NamedTuple):
 
 
 # flat tuples, because numba's parallel loops take no tuple within a tuple
-_FIELDS = (
-    *Stiffness._fields,
-    *(f"hill_{name}" for name in Hill._fields),
-    *Modes._fields,
-    *Others._fields,
-)
+_FIELDS = (*Stiffness._fields, *(f"hill_{name}" for name in Hill._fields), *Modes._fields, *Others._fields)
 HILL_WITH: dict[tuple[type, bool], Any] = {
     (law, planar): namedtuple(  # type: ignore[misc]
         f"Hill{'Planar' if planar else ''}{law.__name__}", (*_FIELDS, *law._fields), module=__name__

@@ -1,7 +1,5 @@
 """The elastic strain under which a material has a given stress: the state of bodies that are stressed at the start."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

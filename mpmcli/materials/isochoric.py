@@ -4,8 +4,6 @@ W = ½G(I₁ J^(-2/3) − 3), τ = G J^(-2/3) dev(F Fᵀ): the first term of Eq.
 (2020).
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.core.compiled.kernel import inline

@@ -1,7 +1,5 @@
 """Brittle elasticity: a smeared crack with a fixed normal, whose fracture energy does not depend on the cell size."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 

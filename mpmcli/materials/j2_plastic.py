@@ -1,7 +1,5 @@
 """Metal plasticity for large strain: von Mises yielding, isotropic hardening, Hencky elasticity."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
@@ -20,14 +18,7 @@ from mpmcli.materials.base import (
     wave_speed_squared,
 )
 from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
-from mpmcli.materials.hardening import (
-    LAWS,
-    Hardening,
-    changes_stiffness,
-    flow,
-    flow_stress,
-    stiffness_ratio,
-)
+from mpmcli.materials.hardening import LAWS, Hardening, changes_stiffness, flow, flow_stress, stiffness_ratio
 from mpmcli.materials.hencky import double_contraction, elastic_tensor, keep_tensor, trial_tensor
 from mpmcli.materials.lateral import (
     add_laterally,

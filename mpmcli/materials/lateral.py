@@ -4,8 +4,6 @@ A material with a closed form registers it; ``search_thickness`` and ``search_la
 by trials of its stress that leave its history as it was.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.core.compiled.compiler import called_too, compiled_too

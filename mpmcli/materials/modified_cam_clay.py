@@ -1,7 +1,5 @@
 """Modified Cam clay: soils whose strength and stiffness follow the pressure and its history."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 

@@ -1,25 +1,13 @@
 """Mohr–Coulomb plasticity of soils and rock, with dilation, tension cut-off and softening."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, Literal, NamedTuple
 
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import exponential, log_symmetric
 from mpmcli.materials.base import MATERIALS, kirchhoff_stress
-from mpmcli.materials.friction_angle import (
-    FrictionalModel,
-    FrictionalPart,
-    strength_at,
-)
-from mpmcli.materials.hencky import (
-    STRAIN,
-    hencky_plastic,
-    keep_plastic,
-    keep_tensor,
-    trial_tensor,
-)
+from mpmcli.materials.friction_angle import FrictionalModel, FrictionalPart, strength_at
+from mpmcli.materials.hencky import STRAIN, hencky_plastic, keep_plastic, keep_tensor, trial_tensor
 from mpmcli.materials.lateral import (
     add_laterally,
     free_stress,

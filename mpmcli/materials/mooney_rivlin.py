@@ -29,12 +29,7 @@ from mpmcli.materials.elastic_constants import lateral_factor, wave_modulus
 from mpmcli.materials.isochoric import isochoric_lateral_stress
 from mpmcli.materials.lateral import lateral_stress, shared_by_trials
 from mpmcli.materials.own_numbers import with_own_numbers
-from mpmcli.materials.volumetric import (
-    FORMS,
-    volumetric_energy,
-    volumetric_stiffness,
-    volumetric_stress,
-)
+from mpmcli.materials.volumetric import FORMS, volumetric_energy, volumetric_stiffness, volumetric_stress
 
 
 @MATERIALS.register

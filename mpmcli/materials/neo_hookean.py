@@ -1,7 +1,5 @@
 """Neo-Hookean rubber: four energies, by the volumetric part and by how it is split from the shear part."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, ClassVar, Literal, NamedTuple
 
@@ -32,12 +30,7 @@ from mpmcli.materials.lateral import (
     thickness_stretch,
 )
 from mpmcli.materials.own_numbers import with_own_numbers
-from mpmcli.materials.volumetric import (
-    FORMS,
-    volumetric_energy,
-    volumetric_stiffness,
-    volumetric_stress,
-)
+from mpmcli.materials.volumetric import FORMS, volumetric_energy, volumetric_stiffness, volumetric_stress
 
 J_MINUS_INVERSE = FORMS["j_minus_inverse"]
 

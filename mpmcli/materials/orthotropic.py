@@ -1,7 +1,5 @@
 """Orthotropic elasticity for large rotation, and what all elastic materials with axes share."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 

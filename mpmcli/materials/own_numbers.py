@@ -5,8 +5,6 @@ its law. The tuple's twin, made by ``with_own_numbers``, says where these rows s
 of a particle and call those of the law. Scenes without such materials never come here.
 """
 
-from __future__ import annotations
-
 import functools
 import sys
 from collections import namedtuple

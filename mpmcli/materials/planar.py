@@ -1,7 +1,5 @@
 """Parameter tuples for particles that deform in space, and for those in the plane, whose code is shorter."""
 
-from __future__ import annotations
-
 import sys
 from collections import namedtuple
 from typing import Any

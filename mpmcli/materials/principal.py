@@ -1,7 +1,5 @@
 """Principal logarithmic strains in descending order, and tensors from principal values."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Maxwell elements of a Prony series: their numbers and history, a component of all elements in one register."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

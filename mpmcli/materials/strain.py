@@ -4,8 +4,6 @@ The analysis decides which components a particle stores and how the thickness fo
 parameter tuple decides the material. Both are known when the loop is compiled.
 """
 
-from __future__ import annotations
-
 import math
 from functools import partial
 from typing import Any, NamedTuple
@@ -38,14 +36,7 @@ from mpmcli.materials.components import (
     store_stress,
     stress_power,
 )
-from mpmcli.materials.thermal import (
-    expand,
-    expand_work,
-    lanes_of,
-    settle,
-    stretch_at,
-    work_of_law,
-)
+from mpmcli.materials.thermal import expand, expand_work, lanes_of, settle, stretch_at, work_of_law
 from mpmcli.materials.warmth import BLOCK, prepare, scale, scale_symmetric, set_at, value_at
 
 NOT_FINITE = np.uint64(0x7FF0000000000000)

@@ -6,8 +6,6 @@ c_v at constant F, a change of volume at constant entropy then heats by dT/T = �
 current bulk slope k = J²∂²/∂J² of the stored energy. Equations of state do both by their own law.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Transversely isotropic elasticity for large rotation: fibres, wood, layers."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Literal, Self
 

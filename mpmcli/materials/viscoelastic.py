@@ -1,7 +1,5 @@
 """Viscoelasticity for large strain: an elastic network beside Maxwell elements in shear and bulk."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
@@ -60,12 +58,7 @@ from mpmcli.materials.prony import (
     terms_of,
     volumes,
 )
-from mpmcli.materials.volumetric import (
-    FORMS,
-    volumetric_energy,
-    volumetric_stiffness,
-    volumetric_stress,
-)
+from mpmcli.materials.volumetric import FORMS, volumetric_energy, volumetric_stiffness, volumetric_stress
 
 
 class MaxwellTerm(Model):

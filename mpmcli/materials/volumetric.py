@@ -4,8 +4,6 @@
 Smith (2020). ``log``: U = ½M ln²J, with Kirchhoff pressure −M ln J.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.core.compiled.kernel import inline

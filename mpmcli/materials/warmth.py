@@ -3,8 +3,6 @@
 Loops of their own, which the compiler vectorises; ``materials.thermal`` has the formulas.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -3,8 +3,6 @@
 The format is that of the VTK file formats (version 1.0, sizes in UInt64), which ParaView, vtk and meshio read.
 """
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Iterable, Sequence
 from html import escape  # that of xml.sax imports the web

@@ -6,8 +6,6 @@ beside the old one, which becomes ``checkpoint_prev.npz`` by a hard link before 
 files exist at every moment.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

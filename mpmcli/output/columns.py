@@ -1,7 +1,5 @@
 """Names in a scene become columns of tables and fields of archives, or errors in words."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any

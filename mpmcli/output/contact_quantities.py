@@ -1,7 +1,5 @@
 """Quantities of contact, in scenes with several velocity fields; of the full ring where axisymmetric."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from operator import attrgetter
 

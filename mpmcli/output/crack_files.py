@@ -1,7 +1,5 @@
 """VTP files of cracks: the plane of a crack and its two faces as polylines, with what is known at their points."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Probes of cracks: a table of a tip, and one of the opening along a crack."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

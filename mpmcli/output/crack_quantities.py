@@ -1,7 +1,5 @@
 """Quantities of cracks and of their tips, in scenes with cracks; energies and forces of the full ring."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from operator import attrgetter
 from typing import Any

@@ -1,7 +1,5 @@
 """What a run has to say of its interfaces and cracks at its end: where energy went, and what went beyond the grid."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.core.state import State

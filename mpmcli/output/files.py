@@ -1,7 +1,5 @@
 """Where the files of a run lie, and writing them so that a reader never meets half a file."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterable, Iterator

@@ -4,8 +4,6 @@ Masses, energies, forces and momenta of axisymmetric analyses are those of the f
 sum or average over matter.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Quantities of heat, in scenes that conduct it; of the full ring where axisymmetric."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from operator import attrgetter
 from typing import Any

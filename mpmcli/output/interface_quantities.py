@@ -1,7 +1,5 @@
 """Quantities of interfaces: energies, areas, mean jumps and tractions of pairs; of the full ring where axisymmetric."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from operator import attrgetter
 from typing import Any

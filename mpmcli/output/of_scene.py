@@ -1,7 +1,5 @@
 """What a scene has to show, and whether what it asks for is among it."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable
 from typing import Any

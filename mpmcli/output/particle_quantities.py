@@ -1,7 +1,5 @@
 """Quantities of particles, written to archives and probes; of the full ring where axisymmetric."""
 
-from __future__ import annotations
-
 from operator import attrgetter
 
 import numpy as np

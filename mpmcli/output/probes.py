@@ -1,7 +1,5 @@
 """Probes: one table each, of a particle, of a point of the grid, of two velocity fields, or of a crack."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass

@@ -7,8 +7,6 @@ pair (``contact_force_x[left|right]``). Materials come first: where a
 body has the name of a material and a quantity lives on both, the column in brackets is the material's.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any

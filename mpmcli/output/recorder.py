@@ -1,7 +1,5 @@
 """The recorder: opens all files of a run, writes what is due, closes them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path

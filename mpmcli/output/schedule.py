@@ -1,7 +1,5 @@
 """When output is due: at the first step at or past a due time, which never changes the time step."""
 
-from __future__ import annotations
-
 import math
 
 from mpmcli.core.times import is_reached

@@ -1,7 +1,5 @@
 """One state as quantities read it: what several of them need is computed once, when it is first asked for."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Any
 

@@ -4,8 +4,6 @@ A number that is not defined, such as the mean over a body without particles, is
 file.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import math

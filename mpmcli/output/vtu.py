@@ -4,8 +4,6 @@ Raw appended data; every file holds its time as field data ``TimeValue``. Names,
 the arrays never change within a series. Particles are ordered by ``id``, one vertex cell each.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path

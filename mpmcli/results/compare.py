@@ -1,7 +1,5 @@
 """Comparison of tables and results folders as numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase

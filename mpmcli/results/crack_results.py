@@ -1,7 +1,5 @@
 """Cracks of a results folder: their lines at a time, and what happened to them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Results as notebooks show them: facts of the run, and each table with the range of its columns."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any

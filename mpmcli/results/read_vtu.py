@@ -1,7 +1,5 @@
 """Reading archives: VTU, VTP and PVD files."""
 
-from __future__ import annotations
-
 import re
 import xml.etree.ElementTree as xml
 from pathlib import Path

@@ -1,7 +1,5 @@
 """mpmcli from Python: read a scene, run it, go on with a run. The command line calls these."""
 
-from __future__ import annotations
-
 import logging
 import sys
 import time

@@ -4,8 +4,6 @@ Reads pickled addresses of functions and types of arguments from stdin, and prin
 the cache. It ends when its stdin is closed: then whoever asked is gone.
 """
 
-from __future__ import annotations
-
 import gc
 import importlib
 import os

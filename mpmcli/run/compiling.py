@@ -4,8 +4,6 @@ Each process takes the next function that nobody has begun; what it compiled the
 (``core.compiled.cache``).
 """
 
-from __future__ import annotations
-
 import gc
 import logging
 import pickle

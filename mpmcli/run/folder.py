@@ -1,7 +1,5 @@
 """The results folder of a run: nobody else writes to it, and nothing in it is lost by accident."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path

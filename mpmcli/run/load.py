@@ -1,7 +1,5 @@
 """Reading a scene for a run."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Messages of a run: to the user as they come, and all of them to ``run.log``."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress

@@ -1,7 +1,5 @@
 """Progress and messages on stderr: a bar on a terminal, one line in a notebook, else a line every 10 % or 60 s."""
 
-from __future__ import annotations
-
 import logging
 import os
 import sys

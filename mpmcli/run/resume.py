@@ -1,7 +1,5 @@
 """Where a run goes on: its last checkpoint, if it is whole and of the same scene."""
 
-from __future__ import annotations
-
 import logging
 import re
 from collections.abc import Iterator

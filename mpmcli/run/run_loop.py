@@ -1,7 +1,5 @@
 """The loop of a run: the simulation steps, the recorder writes, and every end is an orderly one."""
 
-from __future__ import annotations
-
 import logging
 import math
 import shlex

@@ -1,7 +1,5 @@
 """The energy watchdog: warns of spurious energy and of energy lost, and stops a run where most energy is spurious."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Mapping
 from typing import Any

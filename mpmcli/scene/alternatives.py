@@ -1,7 +1,5 @@
 """Everything that a scene chooses by ``kind`` from a registry."""
 
-from __future__ import annotations
-
 from mpmcli.boundary import CONDITIONS, LOADS
 from mpmcli.contact.laws import LAWS
 from mpmcli.contact.normals import NORMALS

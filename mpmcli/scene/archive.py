@@ -1,7 +1,5 @@
 """What is written of a run, and when."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """Material axes of bodies: how a scene turns them, and what they are at the particles."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Annotated, Any
 

@@ -4,8 +4,6 @@ All particles of a cell have nearly the same strain. A crack is therefore as wid
 cell has.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What no model can see alone: references, numbers of axes, names, values at the start, idle settings."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator

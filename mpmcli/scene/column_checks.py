@@ -1,7 +1,5 @@
 """What is wrong with the columns of files of points: those that nothing reads, densities and numbers of particles."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The scene's constants: numbers, text with a unit, or expressions of other constants, in any order."""
 
-from __future__ import annotations
-
 import ast
 import math
 import re

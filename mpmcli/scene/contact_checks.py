@@ -1,7 +1,5 @@
 """What a scene says about contact, velocity fields and rigid bodies, held against each other."""
 
-from __future__ import annotations
-
 import difflib
 import itertools
 import math

@@ -1,7 +1,5 @@
 """Choices of a contact that are valid by themselves, but not with each other."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What turns text of a scene into numbers: handed to every model while it reads its values."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any

@@ -1,7 +1,5 @@
 """Cracks held against the rest of a scene: analysis, bodies, grid, symmetry planes, laws of faces."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator

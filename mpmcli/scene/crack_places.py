@@ -1,7 +1,5 @@
 """Where cracks lie among the particles at the start: tips in matter, mouths outside, matter on both sides."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Container, Sequence
 from typing import Any

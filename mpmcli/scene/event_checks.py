@@ -1,7 +1,5 @@
 """Whether events name what can be held and reversed."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.scene.parts import Parts

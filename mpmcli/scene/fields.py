@@ -1,7 +1,5 @@
 """Which velocity field each body moves in, and which contact law holds between two fields."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterable
 from typing import Any

@@ -3,8 +3,6 @@
 Runs and ``validate`` refuse the same scenes by these functions; ``validate`` leaves out large ones and says so.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """What is near the tips of cracks at the start: domains of energy release rates, and materials."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Sequence

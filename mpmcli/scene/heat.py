@@ -1,7 +1,5 @@
 """Heat conduction: how temperatures go to the grid and back, how often, and between which bodies."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, TypeAdapter, ValidationInfo, WithJsonSchema

@@ -1,7 +1,5 @@
 """What a scene says about heat, held against the rest of it."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

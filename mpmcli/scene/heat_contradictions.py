@@ -1,7 +1,5 @@
 """Temperatures that conditions and loads of a scene ask for at one place, held against each other."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any

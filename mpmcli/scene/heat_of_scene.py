@@ -1,7 +1,5 @@
 """What a scene says about heat, as its checks read it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

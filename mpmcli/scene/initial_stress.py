@@ -1,7 +1,5 @@
 """Stress of bodies at the start: given by its components, or by the weight of the ground above."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, Any, Literal
 

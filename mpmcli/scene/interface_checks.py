@@ -1,7 +1,5 @@
 """Interface laws held against the rest of a scene: choices that exclude each other, resolution, gaps at the start."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What particles that lie along their region's own sides do not go with."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

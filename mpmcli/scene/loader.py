@@ -1,7 +1,5 @@
 """From a scene file to a checked scene: every problem at once, with line and column."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import sys

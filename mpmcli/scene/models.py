@@ -3,8 +3,6 @@
 Materials, regions, boundary conditions, loads and shape functions come from the registries of their rooms.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, Literal
 

@@ -1,7 +1,5 @@
 """Whether a specified contact normal points from one body to the other, where the scene's first positions tell."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from typing import Any
 

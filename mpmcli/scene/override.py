@@ -1,7 +1,5 @@
 """Changes to a scene from the command line: ``--set key=value`` and ``-D name=value``."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Numbers of materials, density among them, that particles have from the file of points that fills their body."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from types import NoneType, UnionType
 from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin

@@ -1,7 +1,5 @@
 """What does not go with periodic axes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The plugins that a scene uses, and whether what they bring is complete."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 

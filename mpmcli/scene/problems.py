@@ -1,7 +1,5 @@
 """What is wrong with a scene, collected by its checks."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from mpmcli.core.errors import Problem

@@ -1,7 +1,5 @@
 """Problems of a scene in plain words, with the line and column of each: pydantic's errors translated."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterable, Sequence

@@ -1,7 +1,5 @@
 """The JSON Schema of scenes in draft 7, the dialect that editors understand (pydantic writes 2020-12)."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

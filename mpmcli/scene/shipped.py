@@ -3,8 +3,6 @@
 A scene is a file ``NAME.yaml``. The files that it reads (pictures, meshes) are beside it, with the same stem.
 """
 
-from __future__ import annotations
-
 import re
 from functools import cache
 from importlib.resources import files

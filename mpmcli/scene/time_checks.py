@@ -1,7 +1,5 @@
 """Times of a scene against its end: what begins after it, and how many outputs there are until then."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from mpmcli.core.times import is_reached

@@ -1,7 +1,5 @@
 """Types of values that several parts of a scene share."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Quadratic B-splines averaged over the particle's undeformed box."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from mpmcli.core.compiled.registers import floor

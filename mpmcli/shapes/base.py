@@ -4,8 +4,6 @@ A new shape function is one new file: a NamedTuple class (its type chooses the c
 ``core.transfer.stencil.fill`` registered for it, and an entry here by ``add_shape``.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 

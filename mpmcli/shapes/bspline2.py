@@ -1,7 +1,5 @@
 """Quadratic B-splines of point particles (Steffen, Kirby and Berzins 2008)."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from mpmcli.core.compiled.registers import floor

@@ -6,8 +6,6 @@ values and (−½, ½) for slopes, with q = 3 (corners, edges, faces, middle) th
 (−½, 0, ½); ∇S = (F·diag(size))⁻ᵀ ∇_ξ S (Sadeghirad, Brannon and Burghardt 2011).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

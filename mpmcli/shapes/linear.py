@@ -1,7 +1,5 @@
 """Linear shape functions of point particles (Sulsky, Chen and Schreyer 1994)."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from mpmcli.core.compiled.registers import floor

@@ -1,7 +1,5 @@
 """Uniform GIMP: hats averaged over the particle's undeformed box (Bardenhagen and Kober 2004)."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from mpmcli.core.compiled.registers import floor, positive_part

@@ -5,8 +5,6 @@ remembers something from one step to the next has ``memory()``, which gives arra
 ``recall(memory)``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, Protocol
 

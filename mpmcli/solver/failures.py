@@ -1,7 +1,5 @@
 """What a message says of a run that cannot go on: which particle, where, and what to try."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Feedback damping: a rate that grows while the kinetic energy exceeds its target, as in NairnMPM."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a simulation shows of its grid: nodal fields, computed when somebody reads them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 import numpy as np

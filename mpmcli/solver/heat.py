@@ -1,7 +1,5 @@
 """Heat conduction of a scene: the choices that it makes, and the parts that it needs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Particles of bodies that have stress at the start."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Local damping of a scene: its force at all nodes, and the energy that it takes from matter."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.boundary.grid_conditions import GridConditions

@@ -1,7 +1,5 @@
 """Areas that nodes have of surfaces: the divergence of the shape functions over the matter around them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.boundary.images import Images

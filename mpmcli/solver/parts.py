@@ -70,12 +70,7 @@ class Parts:
             | self.arrays.nodal()
             | self.velocity.nodal_arrays()
         )
-        parts = {
-            "contact": self.contact,
-            "heat": self.heat,
-            "loads": self.loads,
-            "averaging": self.averaging,
-        }
+        parts = {"contact": self.contact, "heat": self.heat, "loads": self.loads, "averaging": self.averaging}
         for name, part in parts.items():
             if part is not None:
                 found |= {f"{name}.{key}": array for key, array in part.nodal_arrays().items()}

@@ -1,7 +1,5 @@
 """Which steps take the transfer that a scene asks for: all, or some, with FLIP between (Nairn 2026, section 3.3)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """From a checked scene to particles and grid at time zero."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any

@@ -1,7 +1,5 @@
 """A running simulation: what a scene became, and its steps."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Mapping
 from dataclasses import replace

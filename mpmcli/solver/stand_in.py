@@ -5,8 +5,6 @@ simulation, with a few of its particles: those of all bodies lie at one place, s
 contact. One step of it, whose kernels are listed and not run, names all that later steps call.
 """
 
-from __future__ import annotations
-
 import itertools
 import logging
 import math

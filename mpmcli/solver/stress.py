@@ -1,7 +1,5 @@
 """Strain, stress and energies of all particles: every material's kernel, one after the other."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """The particles that show faces of bodies, at the start and now."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

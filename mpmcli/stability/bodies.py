@@ -1,7 +1,5 @@
 """What limits of the time step need to know of bodies: where they are, and how fast they and their waves are."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

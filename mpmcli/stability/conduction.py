@@ -5,8 +5,6 @@ DΔt/Δx². Fluxes through faces of bodies act across half a particle, from the 
 face; they lower the limit along each axis that has such faces, which count as held at both ends.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from dataclasses import dataclass, replace

@@ -6,8 +6,6 @@ to the block because it decides: between free nodes of little mass and particles
 unstable at time steps at which an endless row of particles is stable.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from dataclasses import replace

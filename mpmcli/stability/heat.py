@@ -1,7 +1,5 @@
 """What conduction will do in a run, foreseen from its scene: limit of the step, interval, reach, and filtered waves."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

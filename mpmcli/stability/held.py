@@ -1,7 +1,5 @@
 """Axes along which a body has no free face: conditions, walls or rigid bodies hold both faces."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A small elastic block on the grid: stencils of its particles at any position within the cells."""
 
-from __future__ import annotations
-
 import functools
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 What comes from the motion of a particle within a step is left out.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass

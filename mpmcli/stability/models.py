@@ -1,7 +1,5 @@
 """The small blocks and endless rows of particles that stand for the deformable bodies of a scene."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

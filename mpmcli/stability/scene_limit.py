@@ -6,8 +6,6 @@ which no material point crosses more than one cell per step. Courant numbers are
 particles, so that waves have a smaller one where particles are faster.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

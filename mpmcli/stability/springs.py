@@ -10,8 +10,6 @@ The jump of ``jump: extrapolated`` contains the strain of 0.375 cells of each si
 interface has the compliance 1/D − Σ 0.375 Δx/M. Where that is negative, runs may be unstable at any time step.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ model of the scene is listed here. A plugin's model is cited in the same way by 
 attribute ``reference`` with any text.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from functools import cache

@@ -1,7 +1,5 @@
 """Jobs of a study on the machines of a Dask cluster, each still in a process of its own."""
 
-from __future__ import annotations
-
 import threading
 from typing import Any
 

@@ -4,8 +4,6 @@ The total energy does not show an instability where plastic flow, friction or da
 The difference of two runs with nearly the same initial velocities shows it within a few steps.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

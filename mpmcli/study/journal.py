@@ -1,7 +1,5 @@
 """What a study has finished: one line of JSON for each run, on disk before the next one begins."""
 
-from __future__ import annotations
-
 import json
 import os
 import threading

@@ -1,7 +1,5 @@
 """What a stability study leaves behind: ``limits.csv``, ``limits.json`` and ``limits.png``."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import asdict

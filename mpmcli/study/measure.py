@@ -1,7 +1,5 @@
 """One case of a trade-off study: a scene run to its end, timed without compiling, its table handed back."""
 
-from __future__ import annotations
-
 import tempfile
 import time as timer
 from collections.abc import Sequence

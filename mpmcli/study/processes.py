@@ -1,7 +1,5 @@
 """Jobs in processes of their own: whatever happens there is a result here."""
 
-from __future__ import annotations
-
 import json
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """Tables of studies: rows of cells by column name, as text, CSV and JSON; and their pictures."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

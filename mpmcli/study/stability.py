@@ -5,8 +5,6 @@ doubling strides until it has one stable and one unstable number, and halves the
 isolated unstable intervals below. A few numbers among the stable ones are therefore checked, too.
 """
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable, Sequence
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """What a trade-off study leaves behind: ``tradeoff.csv``, ``tradeoff.json`` and ``tradeoff.png``."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

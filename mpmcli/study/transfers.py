@@ -1,7 +1,5 @@
 """Short forms of transfers, ``flip``, ``fmpm:4``, ``xpic:5``, and lists of them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from typing import Any

@@ -4,8 +4,6 @@ Reads the job as one line of JSON from stdin and prints the result as one marked
 closed: then whoever asked is gone.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

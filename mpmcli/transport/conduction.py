@@ -1,7 +1,5 @@
 """Conduction of a quantity that particles carry, as a part of the time step; of heat, the temperature."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, cast

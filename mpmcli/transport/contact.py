@@ -1,7 +1,5 @@
 """Heat between bodies in contact, and the heat of their friction."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple, cast
 

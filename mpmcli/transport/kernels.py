@@ -1,7 +1,5 @@
 """Kernels of a conducted quantity; ``C`` is its capacity, ``T`` its value (of heat the temperature)."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

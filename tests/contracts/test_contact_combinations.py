@@ -4,8 +4,6 @@ All laws act in one scene, each between two blocks of its own, so that a combina
 compiled once.
 """
 
-from __future__ import annotations
-
 import math
 
 import examples

@@ -13,12 +13,7 @@ from mpmcli.core.analysis import ANALYSES, F_COMPONENTS
 from mpmcli.core.particles import Particles
 from mpmcli.core.tensors import IDENTITY
 from mpmcli.materials import MATERIALS
-from mpmcli.materials.base import (
-    bulk_speed_squared,
-    kirchhoff_stress,
-    strain_energy,
-    wave_speed_squared,
-)
+from mpmcli.materials.base import bulk_speed_squared, kirchhoff_stress, strain_energy, wave_speed_squared
 from mpmcli.materials.lateral import lateral_stretch, thickness_stretch
 from mpmcli.materials.strain import block_count, stored_energy, update_strain_and_stress
 

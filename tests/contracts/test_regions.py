@@ -1,7 +1,5 @@
 """Every registered region keeps the promises of its base class."""
 
-from __future__ import annotations
-
 import csv
 from typing import Annotated, Any
 

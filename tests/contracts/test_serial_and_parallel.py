@@ -4,8 +4,6 @@ Scenes choose by their size between the two; here both are made to run the same 
 registries, so that a new one is in.
 """
 
-from __future__ import annotations
-
 import types
 import typing
 from typing import Any

@@ -1,7 +1,5 @@
 """What every shape function promises, in every number of dimensions, for particles anywhere on the grid."""
 
-from __future__ import annotations
-
 from contextlib import nullcontext
 
 import numpy as np

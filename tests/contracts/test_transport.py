@@ -3,8 +3,6 @@
 Loops run as Python: a few particles take a few steps.
 """
 
-from __future__ import annotations
-
 import itertools
 from typing import Any
 

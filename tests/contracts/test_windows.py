@@ -1,7 +1,5 @@
 """Every condition and load acts in the steps of its window, and in no other; kinds come from the registries."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

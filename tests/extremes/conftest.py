@@ -3,8 +3,6 @@
 MPMCLI_EXTREMES=docs/verification/extremes.csv pytest -n 0 -m "slow or not slow" tests/extremes
 """
 
-from __future__ import annotations
-
 import csv
 import os
 from collections.abc import Callable

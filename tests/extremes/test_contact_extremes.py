@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import yaml
 from overlap import find_overlapping
+from particle_sums import ParticleSums
 from scene_problems import with_keys
 
 from mpmcli.scene.loader import load_scene
@@ -50,7 +51,7 @@ def held(name: str, axis: str, at: float, kind: str = "velocity") -> dict:
     }
 
 
-class Run:
+class Run(ParticleSums):
     """A scene that runs, with what is to be conserved."""
 
     def __init__(self, bodies: list[dict], transfer: dict, friction: float = 0.3, **changes: Any):
@@ -65,11 +66,11 @@ class Run:
             "time": {"end": 1000.0, "courant": 0.2},
         }
         text = yaml.safe_dump(with_keys(scene, **changes), sort_keys=False)
-        self.s = Simulation(load_scene(text), threads=1)
+        self.simulation = Simulation(load_scene(text), threads=1)
         self.start = self.energy
         self.highest = self.start
         self.momentum_start = self.momentum
-        self.scale = float((self.s.particles.mass * np.abs(self.s.particles.V).max(axis=0)).sum())
+        self.scale = self.momentum_of_parts
         self.touched = 0
 
     def steps(self, count: int, every: int = 10) -> Run:
@@ -82,22 +83,10 @@ class Run:
         return self
 
     @property
-    def momentum(self) -> np.ndarray:
-        """Σ M V (d,)."""
-        return (self.s.particles.mass * self.s.particles.V).sum(axis=1)
-
-    @property
     def momentum_error(self) -> float:
         """Change of momentum, less what one-sided contacts own up to, over Σ M |V| at the start."""
         change = self.momentum - self.momentum_start - self.s.contact.view.momentum_error
         return float(np.abs(change).max()) / self.scale
-
-    @property
-    def energy(self) -> float:
-        """Kinetic energy and stress work."""
-        p = self.s.particles
-        kinetic = 0.5 * float((p.mass * np.square(p.V).sum(axis=0)).sum())
-        return kinetic + float(p.stress_work.sum())
 
     @property
     def overlapping(self) -> int:
@@ -106,9 +95,7 @@ class Run:
 
     def check(self, energy: float = 1e-3, overlapping: int = 0) -> None:
         """Finite, energy not above the start by more than a share, nothing inside another body."""
-        p = self.s.particles
-        for name in ("X", "V", "F", "tau"):
-            assert np.isfinite(getattr(p, name)).all(), name
+        self.check_finite()
         assert self.touched > 0
         assert self.highest <= self.start * (1.0 + energy)
         assert self.overlapping <= overlapping

@@ -8,6 +8,7 @@ import exact_heat as exact
 import numpy as np
 import pytest
 import yaml
+from particle_sums import ParticleSums
 
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
@@ -30,7 +31,7 @@ def named(transfer: dict) -> str:
     return f"{transfer['kind'].upper()}{order}"
 
 
-class Bar:
+class Bar(ParticleSums):
     """Bodies side by side along x, one after another from ``at`` on; ``gap`` between them."""
 
     def __init__(
@@ -60,16 +61,6 @@ class Bar:
         self.X0 = self.ordered("X")[0]
         self._capacity = np.array([material["heat_capacity"] for material in materials.values()])
         self.heat = self._heat()
-
-    @property
-    def particles(self) -> Any:
-        return self.simulation.particles
-
-    def ordered(self, name: str) -> np.ndarray:
-        array = getattr(self.particles, name)
-        out = np.empty_like(array)
-        out[..., self.particles.id] = array
-        return out
 
     @property
     def mass(self) -> np.ndarray:

@@ -1,7 +1,5 @@
 """Interfaces at their limits: finite, momentum kept, no energy made, and what goes wrong is reported."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -74,10 +72,7 @@ def test_any_stiffness(stiffness, transfer):
 
 @pytest.mark.parametrize("transfer", TRANSFERS, ids=IDS)
 @pytest.mark.parametrize("law", [JOINT, PEEL], ids=["linear", "cohesive"])
-@pytest.mark.parametrize(
-    "share",
-    [0.1, 1e-3, 1e-6, 1e-9],
-)
+@pytest.mark.parametrize("share", [0.1, 1e-3, 1e-6, 1e-9])
 def test_nodes_of_small_mass_ratio(share, law, transfer):
     """The interface lies so near to the next row of nodes that one side hardly reaches it."""
     grid = {"lower": [-12 - share, -12], "upper": [12 - share, 12], "cell": 1}

@@ -1,7 +1,5 @@
 """Many steps, many particles, and a ring that is a whole body in space."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys
@@ -10,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from particle_sums import energy
 
 from mpmcli.scene.loader import load_scene
 from mpmcli.solver.simulation import Simulation
@@ -41,12 +40,6 @@ def bar(transfer: dict, velocity: str | float, courant: float = 0.2) -> Simulati
             "time": {"end": 1e6, "courant": courant},
         }
     )
-
-
-def energy(s: Simulation) -> float:
-    """Kinetic energy and stress work."""
-    p = s.particles
-    return float(0.5 * (p.mass * np.square(p.V).sum(axis=0)).sum() + p.stress_work.sum())
 
 
 def vibrate(s: Simulation, steps: int) -> tuple[float, float, float]:

@@ -4,8 +4,6 @@ Two disks in one velocity field (or in contact) that strain, turn and run into e
 grid line, where round-off may decide which nodes a particle sees.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -6,8 +6,6 @@ Scenes of ``inputs/`` and the corpus of broken scenes are where it starts; all o
 first text that gives anything but a scene or a ``SceneError``, and leaves that text in a file ``crash-…``.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

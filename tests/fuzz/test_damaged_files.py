@@ -5,8 +5,6 @@ the long test, which prints how many ended with which exit code. Damaged is one 
 and bytes changed, parts doubled, dropped or swapped, numbers in it replaced by huge, negative or senseless ones.
 """
 
-from __future__ import annotations
-
 import contextlib
 import faulthandler
 import io

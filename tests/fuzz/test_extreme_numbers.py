@@ -1,7 +1,5 @@
 """Every number of every material takes extreme values: exit codes 0, 3 and 4 only, and no warnings on the screen."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections import Counter

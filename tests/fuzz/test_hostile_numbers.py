@@ -3,8 +3,6 @@
 A sample of those that are valid runs a step in plain Python, in which divisions by zero raise.
 """
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Inputs of CB-Geo changed at random: translated or refused in words, never a fault of ours."""
 
-from __future__ import annotations
-
 import copy
 import json
 import os

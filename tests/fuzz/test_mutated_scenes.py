@@ -5,8 +5,6 @@ test, which prints how many ended with which exit code. Its parts, and the scene
 kept in the folder ``MPMCLI_CAMPAIGN``: what was counted there is not taken again, so that a cut loses one part at most.
 """
 
-from __future__ import annotations
-
 import contextlib
 import copy
 import json

@@ -8,8 +8,6 @@ some of them; all of 10,000 are taken by
 Each part prints its counts. Scenes that ended otherwise are kept in the folder ``MPMCLI_CAMPAIGN``.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 from collections import Counter

@@ -1,7 +1,5 @@
 """Short scenes against tables of earlier runs; MPMCLI_REWRITE_BASELINES=1 writes the tables anew."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A results folder as a run would leave it, without a run."""
 
-from __future__ import annotations
-
 import csv
 import json
 from collections.abc import Callable

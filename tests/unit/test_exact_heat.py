@@ -1,7 +1,5 @@
 """The exact solutions of conduction satisfy their equations and have the printed numbers of the literature."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

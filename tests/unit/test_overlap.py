@@ -1,7 +1,5 @@
 """Particle centres inside the domains of other bodies."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from overlap import find_overlapping

@@ -1,7 +1,5 @@
 """Patch tests: every node follows a given affine motion, so that strains and stresses are exact."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Materials with axes in simulations: off-axis tension, a wooden ring and tube, waves, rotation (materials.md)."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

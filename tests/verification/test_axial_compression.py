@@ -1,7 +1,5 @@
 """Two equal blocks, one on the other, compressed as one (Nairn et al. 2020, section 4.1)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The stretched bar and the vibrating bar of Nairn (2026), sections 3.1 and 3.3, against independent figures."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A bar that softens and breaks at a weak place: what the crack dissipates does not depend on the cells."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -16,11 +14,7 @@ def bar(cell: float, per_cell: int, analysis: str = "uniaxial_stress", softening
     across = 0 if analysis == "uniaxial_stress" else 1
     H, speed = 2 * cell, 0.01
     whole: dict[str, Any] = {"kind": "box", "lower": [0, 0][: 1 + across], "upper": [10, H][: 1 + across]}
-    weak = {
-        "kind": "box",
-        "lower": [5, 0][: 1 + across],
-        "upper": [5 + cell / per_cell, H][: 1 + across],
-    }
+    weak = {"kind": "box", "lower": [5, 0][: 1 + across], "upper": [5 + cell / per_cell, H][: 1 + across]}
     material = {
         "kind": "isotropic_softening", "density": 1.0, "E": 1000.0, "nu": 0.2, "strength": 1.0,
         "toughness": TOUGHNESS, "softening": softening,

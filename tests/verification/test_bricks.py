@@ -1,7 +1,5 @@
 """Walls of bricks pressed together: smooth joints along the axes leave uniform compression as it is."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

@@ -1,7 +1,5 @@
 """Order of bodies, mirror images and turns by 90° change contact by nothing but round-off."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

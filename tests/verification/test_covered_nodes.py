@@ -1,7 +1,5 @@
 """A rigid body that prescribes the velocity of the nodes that it covers, without contact."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

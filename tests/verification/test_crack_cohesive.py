@@ -1,7 +1,5 @@
 """A double cantilever whose crack has a cohesive zone on its chain (L17): beam theory, and G_c while it grows."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Bodies in contact that are cracked, against bodies that no crack cuts, and against rigid ones."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Growth: a double cantilever that is opened and held (L16), an inclined crack that turns (L12)."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

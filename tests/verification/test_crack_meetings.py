@@ -1,7 +1,5 @@
 """Growth to the end of matter, with real particles: into a free edge, another crack, along the border of a body."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from crack_runs import chain

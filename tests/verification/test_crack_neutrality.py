@@ -1,7 +1,5 @@
 """Perfect faces are no crack, and a crack is nothing to a body that it does not touch (L7)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

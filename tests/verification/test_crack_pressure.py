@@ -1,7 +1,5 @@
 """A crack that pressure opens, against the plate of finite width."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from crack_runs import MODULUS, chain, tip

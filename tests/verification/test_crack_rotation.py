@@ -1,7 +1,5 @@
 """A disk with a closed crack spins, and flies (L20)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from crack_runs import chain, largest_openings, places, spin

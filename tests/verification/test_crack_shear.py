@@ -1,7 +1,5 @@
 """Closed cracks in shear: friction on an inclined crack (L13), the end-loaded split (L18)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from crack_runs import chain, tip

@@ -1,7 +1,5 @@
 """A block slides on a crack (L9)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

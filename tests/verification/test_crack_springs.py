@@ -1,7 +1,5 @@
 """Springs between the faces of a crack: impact of two bars across them (L1), and stable Courant numbers."""
 
-from __future__ import annotations
-
 import exact_interfaces as exact
 import numpy as np
 import pytest

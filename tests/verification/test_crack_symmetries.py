@@ -1,7 +1,5 @@
 """What changes nothing about a crack: its way, mirrors, turns, shifts, threads; and where the method ends."""
 
-from __future__ import annotations
-
 import itertools
 from typing import Any
 

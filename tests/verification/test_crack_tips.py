@@ -1,7 +1,5 @@
 """J, K_I and K_II of cracks under load against handbooks (L10, L11, L12, L14, L15)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from crack_runs import CENTRE, CROSS, EDGE, INCLINED, MODULUS, PENNY, tip

@@ -1,7 +1,5 @@
 """Tractions on the points of a crack: strength, energy, unloading and mixed modes of blocks that are pulled apart."""
 
-from __future__ import annotations
-
 import exact_cohesion as exact
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Bars with a crack across: what presses passes, what pulls is felt by nobody (L8)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A wedge splits a block: length of the crack, force and energy against beam theory."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from crack_runs import WEDGE_FRICTION, wedge_force, wedge_opening, wedge_run

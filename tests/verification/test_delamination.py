@@ -1,7 +1,5 @@
 """Double cantilever of two arms joined by a cohesive law: beam theory before growth, G_c while it grows."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

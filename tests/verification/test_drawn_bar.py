@@ -1,7 +1,5 @@
 """A bar drawn to 2.5 times its length: which methods keep its stress, and why the others lose it."""
 
-from __future__ import annotations
-
 import re
 import runpy
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Ellipses pressed together in a box (Nairn et al. 2020, section 4.2): a short, coarse run of the scene."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 

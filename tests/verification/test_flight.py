@@ -1,7 +1,5 @@
 """Bodies that move or oscillate at a large share of the wave speed: perturbations grow far below the usual limits."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

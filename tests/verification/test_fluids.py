@@ -1,7 +1,5 @@
 """Fluids and nearly incompressible solids: the dam break of Martin and Moyce, a cantilever with ν = 0.49."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

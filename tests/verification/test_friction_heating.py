@@ -1,7 +1,5 @@
 """Heat of friction: as much as the work, once; the surface of a half space; shares by effusivity."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Heat, entropy and energy of an isolated body."""
 
-from __future__ import annotations
-
 import exact_heat as exact
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Temperatures held at faces lower the longest stable heat step, the more the more axes have such faces."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

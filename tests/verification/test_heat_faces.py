@@ -1,7 +1,5 @@
 """Faces of bodies that are held, heated by a flux, behind a film, or radiate, against exact solutions."""
 
-from __future__ import annotations
-
 from itertools import pairwise, product
 
 import exact_heat as exact

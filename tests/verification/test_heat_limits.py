@@ -1,7 +1,5 @@
 """The longest stable heat step: by eigenvalues, and of insulated blocks just below and just above it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from heat_runs import table, transfer

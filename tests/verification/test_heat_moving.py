@@ -1,7 +1,5 @@
 """Temperatures that a body carries over the grid: what transfers keep of them, resting and translating."""
 
-from __future__ import annotations
-
 import exact_heat as exact
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Conduction with held surfaces against series: slab, cylinder, sphere, two materials."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import exact_heat as exact

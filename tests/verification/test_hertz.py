@@ -1,7 +1,5 @@
 """Hertz' cylinder at rest on rigid ground: its pressure as force per area over bins of cells."""
 
-from __future__ import annotations
-
 import runpy
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Ground that starts with the stress of its weight stays at rest."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Linear interfaces with every update, transfer, shape function, analysis, wall and neighbour."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -213,7 +211,7 @@ def test_interface_of_one_pair_and_friction_of_another():
     pairs = run.s.contact.view.pairs
     joint = pairs.index(("lower", "upper"))
     assert run.view.numbers.tolist() == [joint]
-    assert run.view.energy[joint] == run.energy
+    assert run.view.energy[joint] == run.joint_energy
     assert run.s.state.work["contact_work"] > 0.1
     force = run.s.contact.view.force[pairs.index(("base", "lower"))]
     assert force[1] <= 0.0  # pushed down, never held
@@ -297,7 +295,7 @@ def test_a_bar_joined_to_a_rigid_plate(d, transfer):
     assert means.jump_normal[0] == pytest.approx(sigma / D, rel=0.01)
     assert means.traction_normal[0] == pytest.approx(sigma, rel=0.01)
     assert run.s.contact.view.force[0, 0] == pytest.approx(sigma * height, rel=0.02)
-    assert run.energy == pytest.approx(0.5 * sigma**2 / D * height, rel=0.02)
+    assert run.joint_energy == pytest.approx(0.5 * sigma**2 / D * height, rel=0.02)
     assert run.last_error < 0.01
 
 
@@ -335,7 +333,7 @@ def test_half_at_a_symmetry_plane_is_half_of_the_whole(normal, transfer):
         )
         assert 2 * half.means.area[0] == pytest.approx(whole.means.area[0], rel=bound)
         assert half.means.jump_normal[0] == pytest.approx(whole.means.jump_normal[0], rel=bound)
-        assert 2 * half.energy == pytest.approx(whole.energy, rel=bound)
+        assert 2 * half.joint_energy == pytest.approx(whole.joint_energy, rel=bound)
     assert whole.stored > 1.0
     half_work, work = (run.s.state.work["interface_work"] for run in (half, whole))
     assert 2 * half_work == pytest.approx(work, rel=bound)

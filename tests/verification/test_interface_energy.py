@@ -1,7 +1,5 @@
 """What interfaces take from a pulse, store and return: traction at the end of the step, and times of the jump."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from interface_runs import CELL_TIME, wave

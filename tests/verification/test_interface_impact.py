@@ -1,7 +1,5 @@
 """Impact of two bars across a linear interface, against the closed form (L1)."""
 
-from __future__ import annotations
-
 import exact_interfaces as exact
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Blocks pulled apart through cohesive joints: strength, energy, unloading, and failure of mixed modes."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import exact_cohesion as exact

@@ -1,7 +1,5 @@
 """An interface with a huge stiffness tends to bodies in perfect contact, wherever it lies in the cells."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

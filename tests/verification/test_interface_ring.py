@@ -1,7 +1,5 @@
 """A disk in a ring, joined by an interface, under pressure (L6)."""
 
-from __future__ import annotations
-
 import exact_interfaces as exact
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Half disks that an interface joins, through a whole turn (L4)."""
 
-from __future__ import annotations
-
 import exact_interfaces as exact
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Surfaces that slide far, or meet only during the run, are in contact: no interface bonds what was not bonded."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

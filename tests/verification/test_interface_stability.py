@@ -1,7 +1,5 @@
 """Courant numbers at which two bars with an interface are stable, against those of the bars alone."""
 
-from __future__ import annotations
-
 import pytest
 from interface_limits import STIFFNESSES, is_stable
 

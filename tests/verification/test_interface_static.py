@@ -1,7 +1,5 @@
 """Two bars in series with the interface that joins them (L3)."""
 
-from __future__ import annotations
-
 import exact_interfaces as exact
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """What changes nothing about an interface: order of bodies, mirrors, turns, boosts, units, threads; and its limits."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

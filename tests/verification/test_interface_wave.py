@@ -1,7 +1,5 @@
 """A pulse that meets a linear interface, against the exact filter (L2)."""
 
-from __future__ import annotations
-
 import exact_interfaces as exact
 import numpy as np
 import pytest

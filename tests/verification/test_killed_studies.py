@@ -1,7 +1,5 @@
 """Studies that are killed in the middle and started again: finished runs stay, and are not repeated."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

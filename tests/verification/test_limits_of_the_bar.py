@@ -3,8 +3,6 @@
 The limits are in ``tests/data/limits_of_the_bar.csv``, those of Nairn (2026), Fig. 12A, among them.
 """
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

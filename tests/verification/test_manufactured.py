@@ -1,7 +1,5 @@
 """Manufactured solutions: known large motions, the body forces that cause them, and the order of convergence."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -249,10 +249,7 @@ def test_time_and_temperature_shift():
 
 BRITTLE = {"kind": "isotropic_softening", "E": 1000.0, "nu": 0.2, "strength": 1.0, "toughness": 0.01}
 BAND = 0.5
-SOFTENING = {
-    "linear": lambda w: max(0.0, 1 - w / 0.02),
-    "exponential": lambda w: math.exp(-w / 0.01),
-}
+SOFTENING = {"linear": lambda w: max(0.0, 1 - w / 0.02), "exponential": lambda w: math.exp(-w / 0.01)}
 """Stress against opening w."""
 RELEASED = {
     "linear": lambda w: w - w**2 / 0.04 if w < 0.02 else 0.01,

@@ -1,7 +1,5 @@
 """The full mass matrix by FMPM increments, against dense matrices."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

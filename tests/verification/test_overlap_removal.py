@@ -1,7 +1,5 @@
 """Bodies that slide along curved joints go into each other; ``overlap_removal`` takes that back."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

@@ -1,7 +1,5 @@
 """Particles that lie along their region's own sides: turned boxes have flat faces and no gaps inside."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

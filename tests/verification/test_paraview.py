@@ -3,8 +3,6 @@
 ``MPMCLI_STORE_PICTURES=1`` stores them anew.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shutil
@@ -161,11 +159,7 @@ def test_the_recipe_of_the_readme(impact, screen, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "options"),
-    [
-        ("script", []),
-        ("script_pressure", ["--color", "pressure", "--time", "0.03"]),
-    ],
+    ("name", "options"), [("script", []), ("script_pressure", ["--color", "pressure", "--time", "0.03"])]
 )
 def test_the_script(impact, screen, tmp_path, name, options):
     script = tmp_path / "open.py"

@@ -1,7 +1,5 @@
 """Two fields with perfect contact are one: every update and transfer method."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Contact across periodic sides: the same scene one part of a period further, in a larger grid, and by hand."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Friction on planes and walls that hold nodes: a block on an incline, by gravity that is turned."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

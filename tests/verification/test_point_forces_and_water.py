@@ -1,7 +1,5 @@
 """Concentrated forces on nodes, and pressures that depend on the present depth of a face."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

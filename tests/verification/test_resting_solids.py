@@ -1,7 +1,5 @@
 """Solids that damping brings to rest under loads: a cantilever, a column under its weight, a plate with a hole."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -65,8 +63,7 @@ def test_weight_at_once_doubles_the_weight(start, transfer):
     run = start("column_under_gravity.yaml", *sets)
     top = run.X0[1] > 19.7
     seen = run.to(
-        period,
-        lambda r: (r.time, r.simulation.state.reactions["floor"][1], (r.X - r.X0)[1][top].mean()),
+        period, lambda r: (r.time, r.simulation.state.reactions["floor"][1], (r.X - r.X0)[1][top].mean())
     )
     t, floor, sunk = np.array(seen).T
     floor /= g * 20 * 2

@@ -1,7 +1,5 @@
 """Rigid bodies that others touch: what they exchange is balanced, and where they go nothing else decides."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

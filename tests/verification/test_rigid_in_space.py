@@ -1,7 +1,5 @@
 """A rigid body in space, from a mesh surface as from a box: a block slides down it (V-11 with gravity tilted)."""
 
-from __future__ import annotations
-
 import meshio
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Motions without strain: translation across many cells, and rotation."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The same scene gives the same bits: with one thread or two, with kernels just compiled or from the cache."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

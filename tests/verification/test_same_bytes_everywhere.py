@@ -1,7 +1,5 @@
 """The same scene gives the same bytes whatever the hash seed, locale, time zone, folder and number of threads."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

@@ -1,7 +1,5 @@
 """A shock crosses the interface of two pieces of one bar (Nairn et al. 2020, section 4.3; Nairn 2026, 3.2.1)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A slope with reduced strength (Griffiths and Lane 1999, example 1: factor of safety 1.4, Bishop 1.38)."""
 
-from __future__ import annotations
-
 import pytest
 
 HEIGHT = 10.0

@@ -1,7 +1,5 @@
 """Small scenes of inputs/ with exact answers, each of a material, condition or load that no other scene shows."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

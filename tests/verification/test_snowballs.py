@@ -1,7 +1,5 @@
 """Two snowballs that meet off their centres: symmetry, momentum, and where the work of the stress goes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

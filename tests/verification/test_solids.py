@@ -1,7 +1,5 @@
 """Solids with exact answers: a beam, a thick-walled cylinder, a sphere, and grains of one shear modulus."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Two equal elastic spheres that collide head-on: Hertz, and what the finite size of the spheres changes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

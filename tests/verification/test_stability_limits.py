@@ -1,7 +1,5 @@
 """``mpmcli stability`` on the vibrating bar: Fig. 12A of Nairn (2026)."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Temperature and mechanics: expansion of whole bodies, heat of compression, of plastic flow and of a shock."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Waves that heat the body that carries them: damping and frequency against exact solutions."""
 
-from __future__ import annotations
-
 import exact_heat as exact
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Uniform tractions behind which every shape function must find uniform stress."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Two disks meet off their centres (Nairn 2026, section 3.2.2), against NairnMPM with the same set-up."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 
@@ -9,11 +7,7 @@ import numpy as np
 import pytest
 
 SUMMARY = Path(__file__).parents[1] / "data" / "two_disks_nairnmpm.csv"
-METHODS = {
-    "FLIP": "{kind: flip}",
-    "FMPM(1)": "{kind: fmpm, order: 1}",
-    "FMPM(4)": "{kind: fmpm, order: 4}",
-}
+METHODS = {"FLIP": "{kind: flip}", "FMPM(1)": "{kind: fmpm, order: 1}", "FMPM(4)": "{kind: fmpm, order: 4}"}
 
 
 def reference(method: str, cell: float, friction: float) -> dict[str, float]:

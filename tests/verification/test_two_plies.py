@@ -1,7 +1,5 @@
 """A sphere hits a plate of two glued plies in space: momentum, energy, and an area that is delaminated in part."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

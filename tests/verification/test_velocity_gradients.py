@@ -1,7 +1,5 @@
 """Velocity gradients in the extrapolations, against figures of independent 1D and 2D codes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Waves in one dimension: impact, step load, a column under its weight, yielding, and a shock."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

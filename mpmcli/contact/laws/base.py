@@ -5,8 +5,6 @@ model registered in ``LAWS``, its parameter tuple, decorated with
 ``impulse.contact_law``, and an implementation of ``impulse.sliding_traction`` registered for the tuple's class.
 """
 
-from __future__ import annotations
-
 from typing import ClassVar, NamedTuple
 
 from mpmcli.core.model import Model

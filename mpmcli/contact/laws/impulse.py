@@ -6,8 +6,6 @@ of mass velocity, n̂ points from α to β, and the result Δp_α is added to α
 rather than tractions wherever a law allows it, so that a contact without area needs no special care.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, TypeVar
 

@@ -5,8 +5,6 @@ is δ(0), with the rate d. Contacts of finite stiffness and interfaces use these
 Stumpff's functions, without differences of near equals.
 """
 
-from __future__ import annotations
-
 import math
 
 from mpmcli.core.compiled.kernel import inline

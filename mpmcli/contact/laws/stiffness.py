@@ -5,8 +5,6 @@ per area softens the change (Nairn 2023, 5.7). It acts in the calculation after 
 sides that press.
 """
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from mpmcli.contact.laws.base import LawModel

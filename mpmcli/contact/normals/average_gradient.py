@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from mpmcli.contact.normals.base import NORMALS, BiasedNormalModel, find_normal
 from mpmcli.contact.normals.gradients import prefer_rigid, take_direction, volume_gradients
@@ -27,9 +27,7 @@ class AverageGradient(NamedTuple):
 
 
 @find_normal.register(AverageGradient)
-def _(
-    normal: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
-) -> Any:
+def _(normal, axes, neighbours, count, rigid, order, guess, out):
     ga, gb, _, _, size = volume_gradients(axes, neighbours, count)
     mean = (0.5 * (ga[0] - gb[0]), 0.5 * (ga[1] - gb[1]), 0.5 * (ga[2] - gb[2]))
     v = prefer_rigid(normal.bias, rigid, mean, ga, gb)

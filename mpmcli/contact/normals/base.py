@@ -5,8 +5,6 @@ model registered in ``NORMALS``, its parameter tuple, and an
 implementation of ``find_normal`` registered for the tuple's class.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 from mpmcli.core.compiled.dispatch import generic

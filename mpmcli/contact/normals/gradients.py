@@ -1,7 +1,5 @@
 """Volume gradients of the two sides of a contact, and the rule for neighbours that give a method no direction."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from mpmcli.contact.normals.base import FOUND, NORMALS, find_normal
 from mpmcli.contact.normals.gradients import fall_back, set_normal
@@ -35,9 +35,7 @@ class LinearPlane(NamedTuple):
 
 
 @find_normal.register(LinearPlane)
-def _(
-    normal: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
-) -> Any:
+def _(normal, axes, neighbours, count, rigid, order, guess, out):
     if take_rigid(normal, axes, neighbours, count, rigid, out):
         return FOUND
     beta, has_direction = linear_plane(normal, axes, neighbours, count, 1.0)

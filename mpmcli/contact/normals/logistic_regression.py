@@ -1,7 +1,5 @@
 """Normal from logistic regression."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar, Literal
 
 from mpmcli.contact.normals.base import NORMALS, find_normal

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from mpmcli.contact.normals.base import NORMALS, BiasedNormalModel, find_normal
 from mpmcli.contact.normals.gradients import (
@@ -35,9 +35,7 @@ class MaximumGradient(NamedTuple):
 
 
 @find_normal.register(MaximumGradient)
-def _(
-    normal: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
-) -> Any:
+def _(normal, axes, neighbours, count, rigid, order, guess, out):
     ga, gb, _, _, size = volume_gradients(axes, neighbours, count)
     a, b = length(ga), length(gb)
     if abs(a - b) <= EQUAL * (a + b):

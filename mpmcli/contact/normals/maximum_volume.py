@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from mpmcli.contact.normals.base import NORMALS, NormalModel, find_normal
 from mpmcli.contact.normals.gradients import EQUAL, difference, negative, take_direction, volume_gradients
@@ -26,9 +26,7 @@ class MaximumVolume(NamedTuple):
 
 
 @find_normal.register(MaximumVolume)
-def _(
-    normal: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
-) -> Any:
+def _(normal, axes, neighbours, count, rigid, order, guess, out):
     ga, gb, a, b, size = volume_gradients(axes, neighbours, count)
     if abs(a - b) <= EQUAL * (a + b):
         v = difference(ga, gb)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 from mpmcli.contact.normals.base import NORMALS, NormalModel, find_normal
 from mpmcli.contact.normals.gradients import take_direction, volume_gradients
@@ -32,8 +32,6 @@ class OwnGradient(NamedTuple):
 
 
 @find_normal.register(OwnGradient)
-def _(
-    normal: Any, axes: Any, neighbours: Any, count: Any, rigid: Any, order: Any, guess: Any, out: Any
-) -> Any:
+def _(normal, axes, neighbours, count, rigid, order, guess, out):
     ga, _, _, _, size = volume_gradients(axes, neighbours, count)
     return take_direction(axes, neighbours, count, order, ga, size, out)

@@ -12,8 +12,6 @@ Lengths are measured in cells where equations are solved, h = (cell volume)^(1/d
 normal, given as a multiple of h², is a plain number there.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, ClassVar, NamedTuple
 

@@ -1,7 +1,5 @@
 """Sums over the neighbours of a node, four side by side."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

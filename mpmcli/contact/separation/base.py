@@ -5,8 +5,6 @@ model registered in ``SEPARATIONS``, its parameter tuple, and an
 implementation of ``find_separation`` registered for the tuple's class.
 """
 
-from __future__ import annotations
-
 from typing import Any, ClassVar, NamedTuple
 
 from mpmcli.core.compiled.dispatch import generic

@@ -1,7 +1,5 @@
 """Separation by extrapolated displacements, for sides that touch at the start and move little."""
 
-from __future__ import annotations
-
 from typing import ClassVar, Literal, NamedTuple
 
 from mpmcli.contact.separation.base import APART, SEPARATIONS, UNKNOWN, SeparationModel, find_separation

@@ -1,7 +1,5 @@
 """Particle vectors extrapolated to a node, side by side: what grid methods see of the separation."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.core.compiled.kernel import inline

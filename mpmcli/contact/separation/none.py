@@ -1,7 +1,5 @@
 """No separation: sides that share a node and approach are in contact."""
 
-from __future__ import annotations
-
 from typing import Literal, NamedTuple
 
 from mpmcli.contact.separation.base import SEPARATIONS, TOUCHING, UNKNOWN, SeparationModel, find_separation

@@ -1,7 +1,5 @@
 """Separation of edges that curves fitted to undeformed bodies infer from extrapolated positions."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import model_validator

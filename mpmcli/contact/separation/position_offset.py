@@ -1,7 +1,5 @@
 """Separation of extrapolated positions less a constant: the contact position method."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal, NamedTuple
 
 from mpmcli.contact.separation.base import APART, SEPARATIONS, UNKNOWN, SeparationModel, find_separation

@@ -1,7 +1,5 @@
 """Separation of the particles' deformed edges: exact for any shape function, particle size and deformation."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, ClassVar, Literal, NamedTuple
 

@@ -4,8 +4,6 @@ At each call numba looks at the type of every array, also of those in tuples, wh
 some hundred particles.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable
 from functools import partial
 from typing import Any

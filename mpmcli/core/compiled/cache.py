@@ -9,8 +9,6 @@ Every process counts from 1: where code of two processes was linked, one of two 
 could take the place of the other, in silence (numba issue 10486). Here the numbers are random ones.
 """
 
-from __future__ import annotations
-
 import secrets
 from contextlib import suppress
 from pathlib import Path

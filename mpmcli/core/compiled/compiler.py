@@ -4,8 +4,6 @@ Numba takes a third of a second to import. What has to be told to it (how a gene
 vector register is) waits here until then.
 """
 
-from __future__ import annotations
-
 import importlib
 import sys
 import threading

@@ -6,8 +6,6 @@ a kernel by the type of the argument, so that a fused kernel is specialised with
 numba's disk cache.
 """
 
-from __future__ import annotations
-
 import functools
 import inspect
 from collections.abc import Callable, Sequence

@@ -5,8 +5,6 @@ optimised, which is optimised and translated again with them; the body of a para
 Here both happen when the address of a function is asked for, which takes a third off the time until a cold start runs.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from numba.core.codegen import JITCodeLibrary

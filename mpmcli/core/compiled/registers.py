@@ -10,8 +10,6 @@ tells the compiler what they are in compiled code. In both, ``+``, ``-``, ``*`` 
 ``abs`` act on all components.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What ``core.compiled.registers`` is in compiled code: a type, and the code of each function."""
 
-from __future__ import annotations
-
 import operator
 from collections.abc import Callable
 from typing import Any

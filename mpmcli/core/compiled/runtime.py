@@ -3,8 +3,6 @@
 Numba reads these settings from the environment when it is first imported; ``core.compiled.compiler`` sets them before.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import hashlib

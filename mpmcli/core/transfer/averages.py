@@ -4,8 +4,6 @@ The average of values q_p with weights Ω_p is q̄_p = Σ_i S_ip Σ_q S_iq Ω_q 
 back with the shape function. It keeps constants, and Ω_p q̄_p is a symmetric function of q.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

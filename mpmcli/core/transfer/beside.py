@@ -1,7 +1,5 @@
 """Other fields in the passes of velocities: what is gathered or scattered with the weights that are there already."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ The values of the shape function are means over the corners, its gradients diffe
 no table of the nodes is needed, and the work does not grow with the cells over which a domain has stretched.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

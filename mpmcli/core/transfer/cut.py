@@ -5,8 +5,6 @@ feeds the degrees of freedom behind the first node of its field, all on side 0. 
 of freedom and of weights, and runs through the same sums after the ordinary particles of its band or chunk.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np

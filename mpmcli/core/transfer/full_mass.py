@@ -1,7 +1,5 @@
 """Task 3.b: nodal values from extensive ones by the FMPM loop, or filtered for XPIC; the same for every nodal field."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 

@@ -9,20 +9,11 @@ nodes; ``across`` has a member per node along an axis, so that m is known when c
 What belongs to one node is handled as one register (``registers``). All indices are unsigned.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 
-from mpmcli.core.analysis import (
-    Axisymmetric,
-    PlaneStrain,
-    PlaneStress,
-    Solid,
-    UniaxialStrain,
-    UniaxialStress,
-)
+from mpmcli.core.analysis import Axisymmetric, PlaneStrain, PlaneStress, Solid, UniaxialStrain, UniaxialStress
 from mpmcli.core.compiled.compiler import compiled_as
 from mpmcli.core.compiled.dispatch import generic
 

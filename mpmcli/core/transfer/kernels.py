@@ -5,8 +5,6 @@ sum belongs to the bands, not to the threads. Gathers run over chunks of particl
 ``gather_scatter``).
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

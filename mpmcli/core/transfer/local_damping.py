@@ -1,7 +1,5 @@
 """Local damping: nodal forces against the velocity, as large as a share of the unbalanced force (Cundall 1987)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.core.chunks import chunk_of_round

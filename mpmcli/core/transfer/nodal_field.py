@@ -1,7 +1,5 @@
 """A nodal field: a quantity that particles carry to the grid and back, such as velocity or temperature."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol

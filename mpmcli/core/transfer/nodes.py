@@ -1,7 +1,5 @@
 """Kernels over active nodes: what happens on the grid between scatter and gather."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.core.chunks import chunk_of_round

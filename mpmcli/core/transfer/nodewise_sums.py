@@ -1,7 +1,5 @@
 """Gathers and scatters with a ``Table``: every node of the stencil has a value and a gradient of its own (CPDI)."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

@@ -4,8 +4,6 @@ A row is the nodes along x. The value at node a of row r is ``x[a] · values[r]`
 rows follow: less arithmetic than a table of all nodes, and no table to write.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Gathers and scatters with ``Rows``: sums along x first, one factor per row after."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

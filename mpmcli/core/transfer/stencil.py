@@ -5,8 +5,6 @@ cache. So every shape function runs through the same transfer kernels, and nothi
 are a ``Table`` of all nodes, or the ``Rows`` of a product of one-dimensional functions (``separable``).
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a scatter adds to the nodes: one tuple of arrays per task. Nodal arrays come flat (see ``gather_scatter``)."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Growth by an empirical law of both modes."""
 
-from __future__ import annotations
-
 from typing import Annotated, ClassVar, Literal
 
 from mpmcli.core.model import Quantity

@@ -1,7 +1,5 @@
 """Growth where the energy release rate reaches a critical value (Griffith 1921)."""
 
-from __future__ import annotations
-
 from typing import ClassVar, Literal
 
 from mpmcli.cracks.criteria.base import CRITERIA, Criterion, Toughness, share, value_of

@@ -1,7 +1,5 @@
 """Growth where the largest hoop stress around a tip is critical (Erdogan and Sih 1963)."""
 
-from __future__ import annotations
-
 import math
 from typing import ClassVar, Literal
 

@@ -1,7 +1,5 @@
 """No growth."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from mpmcli.cracks.criteria.base import CRITERIA, Criterion

@@ -1,7 +1,5 @@
 """Growth where the faces behind a tip are far enough apart."""
 
-from __future__ import annotations
-
 from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import model_validator

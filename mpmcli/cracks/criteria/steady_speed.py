@@ -1,7 +1,5 @@
 """Growth at a given speed."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, ClassVar, Literal
 

@@ -1,7 +1,5 @@
 """Growth where the density of strain energy around a tip is critical (Sih 1974)."""
 
-from __future__ import annotations
-
 import math
 from typing import ClassVar, Literal
 

@@ -1,7 +1,5 @@
 """Growth in a given direction."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Literal
 

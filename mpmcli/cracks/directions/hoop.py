@@ -1,7 +1,5 @@
 """Growth across the largest hoop stress (Erdogan and Sih 1963)."""
 
-from __future__ import annotations
-
 from typing import ClassVar, Literal
 
 from mpmcli.cracks.directions.base import DIRECTIONS, Direction

@@ -1,7 +1,5 @@
 """Growth along the first direction of a tip."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from mpmcli.cracks.directions.base import DIRECTIONS, Direction

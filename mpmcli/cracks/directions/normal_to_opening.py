@@ -1,7 +1,5 @@
 """Growth across the opening of the faces."""
 
-from __future__ import annotations
-
 import math
 from typing import ClassVar, Literal
 

@@ -1,7 +1,5 @@
 """Growth straight ahead."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from mpmcli.cracks.directions.base import DIRECTIONS, Direction

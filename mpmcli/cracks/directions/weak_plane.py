@@ -1,7 +1,5 @@
 """Growth of a tip in a material that is weaker along one plane than across it."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, ClassVar, Literal
 

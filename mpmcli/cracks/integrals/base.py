@@ -1,7 +1,5 @@
 """Matter around a tip in the frame of the tip, and the weight of integrals over it (Nairn 2026, chapter 3)."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 
@@ -102,17 +100,13 @@ EVERYWHERE = 1e300
 class Room:
     """Arrays that matter around tips is written into, used again for each: the matter of the tip before is lost.
 
-    Parameters
-    ----------
-    particles : for which there is room at first
-
     Attributes
     ----------
     near, rows : (n,) places in memory, (14, n) what ``Matter`` holds
     """
 
-    def __init__(self, particles: int = 2000):
-        self.hold(particles)
+    def __init__(self) -> None:
+        self.hold(2000)
 
     def hold(self, particles: int) -> None:
         """Make room for so many particles."""

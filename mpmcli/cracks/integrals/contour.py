@@ -1,7 +1,5 @@
 """Energy release rate by an integral along a rectangle of nodes around a tip, for comparison (Nairn 2003, 4)."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Energy release rate by an integral over the particles around a tip."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Isotropic elastic constants of the plane, and the field of a tip in it."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

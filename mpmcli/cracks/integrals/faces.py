@@ -1,7 +1,5 @@
 """Pieces of crack faces inside a domain, which integrals over the matter around them must count."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Stress intensity factors: by interaction with the field of a tip, or by the opening behind it."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

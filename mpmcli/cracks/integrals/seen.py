@@ -1,7 +1,5 @@
 """Cracks near a tip, in the frame of the tip: which faces count, on which side matter is."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

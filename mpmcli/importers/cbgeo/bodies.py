@@ -1,7 +1,5 @@
 """Bodies: groups of particles of one generator and material, by a region where they fill cells evenly."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

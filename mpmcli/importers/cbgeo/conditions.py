@@ -1,7 +1,5 @@
 """Constraints of nodes as conditions on planes and boxes of the grid."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Constraints of nodes as the source has them: sets and files, axes of their own, the first of several; friction."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Gravity, forces on nodes and tractions of particles."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Materials of the source by the names of mpmcli."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """Regular grids in mesh files: rectangular cells of one size, along the axes or turned with all that lies in them."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Method, time span and archive."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What acts on nodes: concentrated forces, and the dashpots of absorbing constraints."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

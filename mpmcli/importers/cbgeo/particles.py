@@ -1,7 +1,5 @@
 """Particles of the source: where they are, their volumes, materials and sets, and the regions that they fill."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

@@ -3,8 +3,6 @@
 Keys that no model has are kept, so that the importer can tell of each with its line.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from pydantic import AliasChoices, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag

@@ -1,7 +1,5 @@
 """The translation of CB-Geo's main file and of the files that it names."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What all parts of a translation share: the source, its grid, sets and particles, and the scene that is made."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Materials with axes, and the axes of bodies."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

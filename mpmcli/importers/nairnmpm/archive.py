@@ -1,7 +1,5 @@
 """What is archived, custom tasks, and heat."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.importers.nairnmpm.commands import Command

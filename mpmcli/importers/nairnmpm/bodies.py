@@ -1,7 +1,5 @@
 """MaterialPoints: bodies, holes, pictures and lists of points."""
 
-from __future__ import annotations
-
 import math
 from io import BytesIO
 from pathlib import Path

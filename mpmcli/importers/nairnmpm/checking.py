@@ -1,7 +1,5 @@
 """The check of a source against the commands that are known, and what no translation has read."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 

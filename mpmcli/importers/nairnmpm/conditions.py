@@ -1,7 +1,5 @@
 """GridBCs, ParticleBCs and Gravity as conditions and loads."""
 
-from __future__ import annotations
-
 import math
 import re
 from typing import Any

@@ -1,7 +1,5 @@
 """Elastic constants and hardening laws of isotropic materials."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

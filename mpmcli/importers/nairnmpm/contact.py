@@ -1,7 +1,5 @@
 """Contact between materials, rigid materials, and contact laws."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.importers.nairnmpm.bodies import Bodies

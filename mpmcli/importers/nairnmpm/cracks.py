@@ -1,7 +1,5 @@
 """Cracks, their faces, fracture quantities and growth."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Materials that soften, and snow."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.importers.nairnmpm.constants import elastic_constants

@@ -4,8 +4,6 @@ Differences: ``^`` is the power, from left to right; ``sign(a)`` is 1 above 0 an
 and ``sinbox`` have an amplitude and an argument from 0 to 1.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 

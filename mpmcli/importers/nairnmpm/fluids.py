@@ -1,7 +1,5 @@
 """Materials with an equation of state."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.importers.nairnmpm.constants import set_speed

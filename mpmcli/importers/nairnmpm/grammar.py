@@ -5,8 +5,6 @@ Kinds of values: ``n`` number, ``i`` whole number, ``c`` coordinate (also ``min-
 ``~`` have no effect on a scene.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from mpmcli.importers.base import NoteKind

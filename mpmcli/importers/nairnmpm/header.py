@@ -1,7 +1,5 @@
 """Header and MPMHeader: analysis, units, method, time, archives; and the grid."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.importers.nairnmpm.commands import Command

@@ -1,7 +1,5 @@
 """What the parts of a translation share: the source, the scene being made, units, the grid, names, and notes."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, field, replace
 from typing import Any

@@ -3,8 +3,6 @@
 A script is run line by line. What remains are its commands with values instead of expressions.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Materials, by their types in NairnMPM."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Where conditions and loads act: lines, arcs, boxes and shapes as places of a scene."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ NairnMPM adds f(t)·ΔT to the temperature of each particle, f from 0 to 1. The 
 body does that here, also beside conduction.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

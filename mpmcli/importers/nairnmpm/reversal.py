@@ -1,7 +1,5 @@
 """The custom task ReverseLoad: loads and rigid bodies that hold or reverse once a quantity passes a value."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

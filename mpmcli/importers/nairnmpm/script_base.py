@@ -1,7 +1,5 @@
 """The commands of XML that the commands of a script make: tables and tools."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import NoReturn
 

@@ -1,7 +1,5 @@
 """Conditions and cracks of a script."""
 
-from __future__ import annotations
-
 from mpmcli.importers.nairnmpm.commands import Command
 from mpmcli.importers.nairnmpm.language import Line
 from mpmcli.importers.nairnmpm.script_base import AXES, CRITERIA, DIRECTIONS, HISTORIES, PLACES, STYLES, Base

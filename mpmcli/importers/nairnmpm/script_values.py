@@ -1,7 +1,5 @@
 """The values of a script's arguments: numbers, texts, variables and functions."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable

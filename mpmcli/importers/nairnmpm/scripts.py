@@ -1,7 +1,5 @@
 """Scripts of NairnFEAMPM and NairnFEAMPMViz as the XML commands that they make."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Shapes of bodies, holes and conditions as regions."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from mpmcli.importers.nairnmpm.commands import Command

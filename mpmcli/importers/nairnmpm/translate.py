@@ -1,7 +1,5 @@
 """The translation of a command file: each part in the order of the scene, then what no part has read."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Shapes of cohesive laws, one per file, chosen by ``shape``."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from pydantic import Field

@@ -5,8 +5,6 @@ generic functions below. S(δ) is the envelope that a monotone opening follows: 
 zero at the opening at failure δ_c, and is zero from there on; G = ∫S dδ is the toughness.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Any, ClassVar, NamedTuple, Self, TypeVar
 
 from pydantic import model_validator

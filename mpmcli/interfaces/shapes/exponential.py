@@ -6,14 +6,7 @@ import math
 from typing import Annotated, Literal, NamedTuple
 
 from mpmcli.core.model import Quantity
-from mpmcli.interfaces.shapes.base import (
-    PEAK,
-    ShapeModel,
-    envelope,
-    envelope_slope,
-    spent,
-    with_peak,
-)
+from mpmcli.interfaces.shapes.base import PEAK, ShapeModel, envelope, envelope_slope, spent, with_peak
 
 
 class ExponentialShape(ShapeModel):

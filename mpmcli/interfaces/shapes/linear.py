@@ -1,7 +1,5 @@
 """A spring that never fails."""
 
-from __future__ import annotations
-
 from typing import Annotated, ClassVar, Literal
 
 from mpmcli.core.model import Model, Quantity

@@ -5,14 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal, NamedTuple
 
 from mpmcli.core.model import Quantity
-from mpmcli.interfaces.shapes.base import (
-    PEAK,
-    ShapeModel,
-    envelope,
-    envelope_slope,
-    spent,
-    with_peak,
-)
+from mpmcli.interfaces.shapes.base import PEAK, ShapeModel, envelope, envelope_slope, spent, with_peak
 
 
 class TriangularShape(ShapeModel):

@@ -7,14 +7,7 @@ from typing import Annotated, Literal, NamedTuple, Self
 from pydantic import model_validator
 
 from mpmcli.core.model import Quantity
-from mpmcli.interfaces.shapes.base import (
-    PEAK,
-    ShapeModel,
-    envelope,
-    envelope_slope,
-    spent,
-    with_peak,
-)
+from mpmcli.interfaces.shapes.base import PEAK, ShapeModel, envelope, envelope_slope, spent, with_peak
 
 
 class TrilinearShape(ShapeModel):
@@ -54,11 +47,7 @@ class TrilinearShape(ShapeModel):
     def scaled(self, strength: float, opening: float) -> Trilinear:
         """Both tractions and all three openings."""
         return Trilinear(
-            strength,
-            self.kink_strength * strength,
-            self.peak * opening,
-            self.kink_opening * opening,
-            opening,
+            strength, self.kink_strength * strength, self.peak * opening, self.kink_opening * opening, opening
         )
 
 

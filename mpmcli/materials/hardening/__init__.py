@@ -1,7 +1,5 @@
 """Flow stress of metals against plastic strain, rate and temperature, chosen by ``kind``: one file per law."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from pydantic import Field

@@ -4,8 +4,6 @@ A new law is one new file here, and its row in ``hardening/__init__.py``. ``flow
 A law that changes the elastic moduli too registers ``changes_stiffness`` and ``stiffness_ratio``.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Any, NamedTuple, TypeVar
 
 from mpmcli.core.compiled.compiler import compiled_too

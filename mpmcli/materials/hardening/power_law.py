@@ -5,13 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, NamedTuple
 
 from mpmcli.core.model import PositivePressure, Quantity
-from mpmcli.materials.hardening.base import (
-    SMALLEST_STRAIN,
-    RateModel,
-    flow,
-    of_constant_stiffness,
-    with_rate,
-)
+from mpmcli.materials.hardening.base import SMALLEST_STRAIN, RateModel, flow, of_constant_stiffness, with_rate
 
 
 class PowerLawHardening(RateModel):

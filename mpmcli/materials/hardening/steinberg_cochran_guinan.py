@@ -8,12 +8,7 @@ from pydantic import model_validator
 
 from mpmcli.core.exponentials import exponential_1d
 from mpmcli.core.model import PositivePressure, Quantity
-from mpmcli.materials.hardening.base import (
-    HardeningModel,
-    changes_stiffness,
-    flow,
-    stiffness_ratio,
-)
+from mpmcli.materials.hardening.base import HardeningModel, changes_stiffness, flow, stiffness_ratio
 
 
 class SteinbergCochranGuinanHardening(HardeningModel):

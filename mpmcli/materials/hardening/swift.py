@@ -5,12 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, NamedTuple
 
 from mpmcli.core.model import PositivePressure, Quantity
-from mpmcli.materials.hardening.base import (
-    RateModel,
-    flow,
-    of_constant_stiffness,
-    with_rate,
-)
+from mpmcli.materials.hardening.base import RateModel, flow, of_constant_stiffness, with_rate
 
 
 class SwiftHardening(RateModel):

@@ -1,7 +1,5 @@
 """Pictures one after the other: GIF by pillow, MP4 by ffmpeg where that program is installed."""
 
-from __future__ import annotations
-
 import io
 import shutil
 import subprocess

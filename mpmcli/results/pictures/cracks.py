@@ -1,7 +1,5 @@
 """Pictures of cracks: lines over particles, energy release rates over length, openings along cracks."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

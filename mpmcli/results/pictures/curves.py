@@ -1,7 +1,5 @@
 """Columns of tables over time, or over another column: one picture per subject, one panel per quantity."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Figures of matplotlib by its objects, without pyplot: nothing global is touched."""
 
-from __future__ import annotations
-
 import io
 import warnings
 from bisect import bisect_left

@@ -1,7 +1,5 @@
 """A script with which ParaView opens a result, coloured and sized right."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Particles at one time: points along an axis, and deformed domains in the plane."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from operator import itemgetter
 from typing import Any

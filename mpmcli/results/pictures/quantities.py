@@ -1,7 +1,5 @@
 """What particles can be coloured by: every array of an archive, its components, and what follows from them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass

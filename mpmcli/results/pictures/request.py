@@ -1,7 +1,5 @@
 """From a request to files: which pictures, of what, where."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Particles of three dimensions: their deformed domains seen from a side, or cut by a plane."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import Any

@@ -5,8 +5,6 @@ copied: this module writes inputs in the program's format with the same grids, p
 loads, steps and keys. ``BENCHMARKS`` names the folder of each.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 from collections.abc import Callable, Sequence

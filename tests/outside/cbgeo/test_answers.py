@@ -1,7 +1,5 @@
 """Benchmarks of CB-Geo through import, validate, run and plot without an edit; exact and published answers."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

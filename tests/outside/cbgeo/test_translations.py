@@ -1,7 +1,5 @@
 """Every benchmark is translated, or refused in words; broken sources are refused with their line."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Heat through faces and from sources against closed forms; totals, and what happens at the edges."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 from typing import Literal

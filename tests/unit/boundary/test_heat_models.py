@@ -1,7 +1,5 @@
 """Words of heat loads: units, and what is refused."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpmcli.core.errors import SceneError

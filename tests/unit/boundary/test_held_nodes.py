@@ -1,7 +1,5 @@
 """Which nodes a condition holds, when the choice is renewed, and what it reports."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from pydantic import ValidationError

@@ -1,7 +1,5 @@
 """Gravity, body forces and particle forces."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Symmetry planes: half a model with mirrors is the whole model, and its reactions balance momentum."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

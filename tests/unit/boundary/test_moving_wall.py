@@ -1,7 +1,5 @@
 """Moving walls: which nodes they hold, and the velocities that they prescribe (Nairn 2026, section 3.1)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -48,11 +46,7 @@ def test_the_wall_reaches_to_its_depth(normal, position, depth, last):
 def test_nodes_follow_the_wall_and_values_the_field():
     """v_i = v + ∇v (x_i − x_wall), with the values of the start of the step."""
     wall = Wall(
-        name="w",
-        normal=[-1, 0],
-        position="3*(1 + 0.1*t)",
-        velocity="0.3",
-        gradient="0.1/(1 + 0.1*t)",
+        name="w", normal=[-1, 0], position="3*(1 + 0.1*t)", velocity="0.3", gradient="0.1/(1 + 0.1*t)"
     )
     for time in (0.0, 0.7, 1.7):
         (x, _), entries = select(wall, time)

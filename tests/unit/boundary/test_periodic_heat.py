@@ -1,7 +1,5 @@
 """Conduction along periodic axes: against exact decay, and against the same problem along the other axis alone."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Periodic axes: which nodes are one, their sums, particles that enter again, and what is refused."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

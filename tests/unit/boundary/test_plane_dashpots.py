@@ -1,7 +1,5 @@
 """Dashpots on grid planes: forces by area, impedance and velocity, and what scenes may not ask."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

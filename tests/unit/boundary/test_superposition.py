@@ -1,7 +1,5 @@
 """Several conditions at one node: Table 2 of Nairn (2026) and the Gram–Schmidt route."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -21,10 +19,7 @@ DT = 0.1
 def everywhere(name, direction, value):
     d = 3 if len(direction) == 3 else 2
     return Velocity(
-        name=name,
-        on=Place(box=Box(lower=(-9.0,) * d, upper=(9.0,) * d)),
-        direction=direction,
-        value=value,
+        name=name, on=Place(box=Box(lower=(-9.0,) * d, upper=(9.0,) * d)), direction=direction, value=value
     )
 
 

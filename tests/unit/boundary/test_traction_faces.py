@@ -1,7 +1,5 @@
 """Tractions through particle faces: totals, directions, and what happens at nodes without mass."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Windows of time of conditions and loads."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from pydantic import ValidationError

@@ -3,8 +3,6 @@
 Beside each ``NAME.yaml`` stands ``NAME.json``: line, column, path, code and some words of each error.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """What shells offer for a word that is begun."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

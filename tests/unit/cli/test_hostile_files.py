@@ -1,7 +1,5 @@
 """Files that ask for more than they are: every one is validated, or refused, in a second and with less than 1 GB."""
 
-from __future__ import annotations
-
 import io
 import os
 import resource

@@ -1,7 +1,5 @@
 """The commands ``plot`` and ``cite``."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

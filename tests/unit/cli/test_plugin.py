@@ -1,7 +1,5 @@
 """The example plugin, installed as pip would leave it, through the whole command line."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Contact area: cell size along the normal, and areas of plane contacts summed over the nodes."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Contact nodes and what they see, against brute force; contacts listed from them, and their impulses."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

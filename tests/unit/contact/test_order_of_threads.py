@@ -16,11 +16,7 @@ def four_blocks(three_or_more, normal):
     """Blocks around a point, which differ so much that the order of sums matters."""
     places = {"a": ([1, 1], [2, 2]), "b": ([2, 1], [3, 2]), "c": ([1, 2], [2, 3]), "d": ([2, 2], [3, 3])}
     motions = {"a": [0.3, 0.2], "b": [-0.7, 0.1], "c": [0.45, -0.9], "d": [-0.2, -0.63]}
-    contact = {
-        "law": {"kind": "coulomb", "friction": 0.3},
-        "normal": normal,
-        "three_or_more": three_or_more,
-    }
+    contact = {"law": {"kind": "coulomb", "friction": 0.3}, "normal": normal, "three_or_more": three_or_more}
     scene = blocks_in_contact(
         places, motions, [4, 4], contact, time={"end": 10, "courant": 0.2},
         method={"shape": "linear", "transfer": {"kind": "fmpm", "order": 2}},

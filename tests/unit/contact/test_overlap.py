@@ -1,7 +1,5 @@
 """Overlap of bodies: what counts as full."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

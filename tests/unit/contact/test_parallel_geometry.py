@@ -1,7 +1,5 @@
 """Parallel kernels of contact give what the serial ones do, from buffers that hold nothing of an earlier call."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

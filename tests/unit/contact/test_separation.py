@@ -1,7 +1,5 @@
 """Separation methods: closed forms, exact gaps of real particles, the curves of grid methods, and symmetries."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

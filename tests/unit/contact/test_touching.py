@@ -1,7 +1,5 @@
 """Sides that meet exactly begin to touch when they approach, whatever round-off makes of it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

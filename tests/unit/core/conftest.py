@@ -1,7 +1,5 @@
 """A cloud of deformed particles in motion on a small grid, with the transfer kernels bound to it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Sorting by cell: bands that never share a node, nodes in use, chunks."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

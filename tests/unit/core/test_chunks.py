@@ -1,7 +1,5 @@
 """Chunks depend on the lines of the grid in use, not on the particles in them."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

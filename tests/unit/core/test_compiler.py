@@ -1,7 +1,5 @@
 """What waits for the compiler."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpmcli.core.compiled import compiler

@@ -1,7 +1,5 @@
 """What is imported with the compiler."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """Functions that are generic over the class of their first argument, uncompiled and compiled."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import pytest

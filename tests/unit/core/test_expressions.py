@@ -1,7 +1,5 @@
 """Expressions of a scene: values, refusals, and what they may be used for."""
 
-from __future__ import annotations
-
 import copy
 import math
 import pickle

@@ -1,7 +1,5 @@
 """The series behind FMPM(k) and XPIC(m), with the compiled pass S⁺S (verification V-32)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Hats and splines: partitions of unity, their integrals, and the same values for numbers, arrays and registers."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Node numbers and coordinates of the grid with its ghost layers."""
 
-from __future__ import annotations
-
 import mmap
 import re
 from pathlib import Path

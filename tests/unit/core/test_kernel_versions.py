@@ -1,7 +1,5 @@
 """The kernel decorator: serial and parallel versions with names of their own."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mpmcli.core.compiled.kernel import BOUNDS_CHECK, Kernel, inline, kernel, prange

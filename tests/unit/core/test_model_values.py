@@ -1,7 +1,5 @@
 """Values of models: numbers, text with units, whole numbers, yes and no."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import pytest

@@ -1,7 +1,5 @@
 """Which functions become machine code."""
 
-from __future__ import annotations
-
 import numba
 import numpy as np
 import pytest

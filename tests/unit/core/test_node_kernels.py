@@ -1,7 +1,5 @@
 """Kernels over the nodes in use, against numpy."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

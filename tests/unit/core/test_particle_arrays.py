@@ -1,7 +1,5 @@
 """The arrays of particles."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

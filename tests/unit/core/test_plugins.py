@@ -1,7 +1,5 @@
 """Plugins: found by their entry points, registered, refused in words, and known to the compile cache."""
 
-from __future__ import annotations
-
 import importlib
 import sys
 from typing import Literal
@@ -115,10 +113,7 @@ FAULTS = {
         entry("soft_matter", name="own"),
         "the material 'own' already belongs to mpmcli",
     ),
-    "registers an own name too": (
-        entry("twice"),
-        "ValueError: material 'own' is registered twice",
-    ),
+    "registers an own name too": (entry("twice"), "ValueError: material 'own' is registered twice"),
 }
 
 

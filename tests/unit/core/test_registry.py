@@ -1,7 +1,5 @@
 """Registries: a table says which module holds which kind, and a kind is imported when it is named."""
 
-from __future__ import annotations
-
 import importlib
 import sys
 from pathlib import Path

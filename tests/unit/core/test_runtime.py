@@ -1,7 +1,5 @@
 """How compiled code is set up: threads, thread layer, cache folder, numba not imported too early."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

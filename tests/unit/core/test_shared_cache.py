@@ -1,7 +1,5 @@
 """The compile cache between processes: who waits, who compiles."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The nearest name."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpmcli.core.suggest import OTHER_WORDS, did_you_mean, listing, nearest

@@ -1,7 +1,5 @@
 """The transfer kernels as plain Python: the same sums as compiled, to round-off."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

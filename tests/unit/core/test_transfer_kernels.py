@@ -1,7 +1,5 @@
 """Transfer between particles and grid against matrices: m = SᵀM, p = SᵀMV, f = −GᵀΩτ, S⁺S, motion by Eq. 7."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

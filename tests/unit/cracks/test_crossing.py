@@ -1,7 +1,5 @@
 """Lines of sight cross chains or not: against exact fractions, with ties of every kind."""
 
-from __future__ import annotations
-
 import itertools
 from fractions import Fraction
 
@@ -87,10 +85,7 @@ def test_the_direction_of_a_chain_does_not_matter(chain, P, Q):
 
 
 @given(
-    x=st.lists(st.integers(-9, 9), min_size=1, max_size=5, unique=True),
-    P=few,
-    Q=few,
-    turned=st.booleans(),
+    x=st.lists(st.integers(-9, 9), min_size=1, max_size=5, unique=True), P=few, Q=few, turned=st.booleans()
 )
 def test_a_straight_crack_has_two_sides(x, P, Q, turned):
     """Points above and below a long straight chain, however it is divided; those on it are on one side, always."""

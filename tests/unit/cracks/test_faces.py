@@ -191,10 +191,7 @@ def test_a_crack_nearby_that_parts_nothing_changes_nothing():
     """Another crack through a smooth part of the field: its faces add what they take away."""
     plate = Plate(1e-3, 5e-4, STRAIN, tip=(0.0, 0.0))
     across = Chain("other", 1, np.array([[0.35, 0.4, 0.45], [-0.3, 0.0, 0.3]]), (True, True))
-    alone, beside = (
-        tips_of(plate, {"kind": "perfect"}),
-        None,
-    )
+    alone, beside = tips_of(plate, {"kind": "perfect"}), None
     beside = tips_of(plate, {"kind": "perfect"}, across)
     first, second = (tips._find(tips._chains[0], END) for tips in (alone, beside))
     assert second == pytest.approx(first, rel=0.02)

@@ -1,7 +1,5 @@
 """Which sides of a node meet across which crack, for all combinations of sides with matter; normals of cracks."""
 
-from __future__ import annotations
-
 import itertools
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Motion of faces: exact in affine flows, with the tips on nodes or beside them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Where cracks run: points, arcs and files, and what is no path."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any
 

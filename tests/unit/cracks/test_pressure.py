@@ -1,7 +1,5 @@
 """Pressure in cracks: areas of points, ends outside bodies, forces on the sides of nodes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """How far particles see, which says for which of them lines of sight are tested: no node that they feed is farther."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

@@ -1,7 +1,5 @@
 """Respacing of chains: which segments are divided or joined, and what points carry."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Faces: their distance by the jump of displacement, the chain or particles; what they do not move with."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Tractions on the points of a crack: words, areas, laws, releases, histories that grow and are kept."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from pydantic import ValidationError

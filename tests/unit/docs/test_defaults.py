@@ -1,7 +1,5 @@
 """What a scene gets without asking is what the documentation advises."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

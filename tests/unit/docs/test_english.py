@@ -1,7 +1,5 @@
 """The pages speak in words of the field, and a topic fits on one page."""
 
-from __future__ import annotations
-
 import ast
 import re
 import runpy

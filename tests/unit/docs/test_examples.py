@@ -1,7 +1,5 @@
 """The examples of the documentation do what it says of them."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """The page of pictures is what its script makes, and its pictures are there and small."""
 
-from __future__ import annotations
-
 import runpy
 from pathlib import Path
 

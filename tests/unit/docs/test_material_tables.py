@@ -1,7 +1,5 @@
 """The tables of one-element answers and of analyses hold every material and sub-model, and what is computed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import get_args
 

@@ -1,7 +1,5 @@
 """Every figure of a paper has a page, a picture, a table, and commands whose scenes are valid; one is made anew."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os

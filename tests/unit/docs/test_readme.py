@@ -1,7 +1,5 @@
 """The README says what is there: its commands, tables and links."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The generated reference holds every key, kind and quantity; citations lead somewhere."""
 
-from __future__ import annotations
-
 import re
 import runpy
 from pathlib import Path

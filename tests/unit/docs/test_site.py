@@ -1,7 +1,5 @@
 """The pages of the documentation need no network, and its front door shows what is there."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The studies behind the pictures of ``docs/studies`` and the gallery can be run; the pictures are there and small."""
 
-from __future__ import annotations
-
 import re
 import runpy
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The kernels that steps call, to compare with those that ``explain`` names."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpmcli.core.compiled.kernel import Call, Kernel

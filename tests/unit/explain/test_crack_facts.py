@@ -1,7 +1,5 @@
 """What ``explain`` says about cracks: chains, nodes with several sides, cut particles, domains of tips."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

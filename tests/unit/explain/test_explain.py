@@ -1,7 +1,5 @@
 """What ``explain`` says a scene will do is what it does."""
 
-from __future__ import annotations
-
 import json
 from copy import deepcopy
 

@@ -1,7 +1,5 @@
 """What ``explain`` and ``validate`` say about interfaces: springs against the time step, zones, gaps, arrays."""
 
-from __future__ import annotations
-
 import json
 import math
 from copy import deepcopy

@@ -1,7 +1,5 @@
 """Redundant settings: named where they have no effect, and a run without them gives the same state."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Parts of the reader of CB-Geo's input: grids, places of nodes, particles, stresses, functions, materials."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Areas of interfaces: what of a plane belongs to a node, in every direction."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Damage of interfaces as particles show it."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -43,10 +43,7 @@ def bars(order=5, law=SPRINGS, **interface):
             }
             for name, (low, high) in boxes.items()
         ],
-        "contact": {
-            "law": law,
-            "interface": interface,
-        },
+        "contact": {"law": law, "interface": interface},
         "time": {"end": 1, "step": 0.1},
     }
     s = Simulation(load_scene(yaml.safe_dump(scene)), threads=1)

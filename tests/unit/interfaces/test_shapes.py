@@ -8,14 +8,7 @@ from pydantic import TypeAdapter, ValidationError
 from scipy.integrate import quad
 
 from mpmcli.interfaces.shapes import AnyShape
-from mpmcli.interfaces.shapes.base import (
-    elastic_end,
-    envelope,
-    envelope_slope,
-    failure,
-    secant,
-    spent,
-)
+from mpmcli.interfaces.shapes.base import elastic_end, envelope, envelope_slope, failure, secant, spent
 
 SHAPE = TypeAdapter(AnyShape)
 SHAPES = [

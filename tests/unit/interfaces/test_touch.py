@@ -1,7 +1,5 @@
 """Which matter touches at the start: gaps between the boxes of particles, against trying all pairs."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

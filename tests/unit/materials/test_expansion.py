@@ -1,7 +1,5 @@
 """Thermal expansion of every law."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -10,15 +8,7 @@ from thermal_runs import ALPHA, HENCKY, METAL, NU, SOLIDS, T0, E, K, Run
 
 from mpmcli.core.analysis import ANALYSES, F_COMPONENTS
 
-
-@pytest.fixture(autouse=True)
-def in_python(request, plain_python):
-    """All but slow tests run the kernels as Python."""
-    if request.node.get_closest_marker("slow"):
-        yield
-        return
-    with plain_python():
-        yield
+pytestmark = pytest.mark.usefixtures("python_unless_slow")
 
 
 def components(analysis, run):

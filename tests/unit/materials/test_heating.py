@@ -1,7 +1,5 @@
 """Heat that work makes in every law, and what of it is accounted for."""
 
-from __future__ import annotations
-
 import math
 from contextlib import nullcontext
 
@@ -18,16 +16,7 @@ from mpmcli.materials.base import bulk_slope, kirchhoff_stress
 from mpmcli.materials.thermal import thermal_of
 from mpmcli.materials.warmth import LARGEST_SMALL, exponential, magnitude
 
-
-@pytest.fixture(autouse=True)
-def in_python(request, plain_python):
-    """All but slow tests run the kernels as Python."""
-    if request.node.get_closest_marker("slow"):
-        yield
-        return
-    with plain_python():
-        yield
-
+pytestmark = pytest.mark.usefixtures("python_unless_slow")
 
 # ---------------------------------------------------------------------- heating
 
@@ -192,9 +181,7 @@ def test_conducted_heat_softens_a_metal():
 
 
 @pytest.mark.parametrize(
-    ("material", "pressure"),
-    [(GAS, 3.0 * 400 / 300), (NICKEL, 2 * RHO * 0.01 * 100)],
-    ids=["gas", "nickel"],
+    ("material", "pressure"), [(GAS, 3.0 * 400 / 300), (NICKEL, 2 * RHO * 0.01 * 100)], ids=["gas", "nickel"]
 )
 @pytest.mark.parametrize("heating", ["adiabatic", "isothermal"])
 def test_conducted_heat_raises_the_pressure_of_equations_of_state(material, pressure, heating):

@@ -1,7 +1,5 @@
 """The elastic state of bodies that have stress at the start."""
 
-from __future__ import annotations
-
 import examples
 import numpy as np
 import pytest

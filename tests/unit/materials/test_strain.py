@@ -8,10 +8,10 @@ import sys
 import numpy as np
 import pytest
 import scipy.linalg
+from material_point import particles_of
 
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.exponentials import SMALL_INCREMENT, TINY_INCREMENT
-from mpmcli.core.particles import Particles
 from mpmcli.core.tensors import IDENTITY as UNDEFORMED
 from mpmcli.materials import MATERIALS
 from mpmcli.materials.strain import (
@@ -45,21 +45,7 @@ class Run:
         self.model = MATERIALS[material["kind"]].model_validate(material)
         self.analysis = ANALYSES[analysis]()
         self.m = self.model.parameters(analysis, adiabatic)
-        d = self.analysis.dimensions
-        self.p = p = Particles.at_rest(
-            self.analysis,
-            np.zeros((d, count)),
-            np.ones((d, count)),
-            np.full(count, 0.5),
-            np.full(count, 0.5 * RHO),
-            body=np.zeros(count),
-            material=np.zeros(count),
-            velocity_field=np.zeros(count),
-            history_rows=max(1, len(self.model.history)),
-            artificial_viscosity=viscosity is not None,
-        )
-        for name, value in self.model.initial_history().items():
-            p.H[self.model.history.index(name)] = value
+        self.p = p = particles_of(self.model, self.analysis, count, 0.5, viscosity is not None)
         self.viscous = None
         if viscosity is not None:
             self.viscous = ArtificialViscosity(*viscosity, p.viscous_pressure, p.viscous_work)

@@ -1,7 +1,5 @@
 """Tension of a Tait fluid."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

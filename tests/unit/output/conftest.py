@@ -1,7 +1,5 @@
 """A small state, and a scene that asks for output, without a solver."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

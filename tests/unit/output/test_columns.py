@@ -1,7 +1,5 @@
 """From names in a scene to columns: selection, patterns, defaults, errors."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpmcli.core.errors import SceneError

@@ -1,7 +1,5 @@
 """Columns and fields of contact; rigid bodies count in no sum over matter."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

@@ -1,7 +1,5 @@
 """Columns, probes and files of cracks, of a state that is made by hand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

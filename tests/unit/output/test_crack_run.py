@@ -1,7 +1,5 @@
 """What a run with a crack leaves behind: files of cracks and sides, and the same bytes after a checkpoint."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import meshio

@@ -1,7 +1,5 @@
 """Columns of heat: each against the particles, the powers against the heat that they bring, of the full ring."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

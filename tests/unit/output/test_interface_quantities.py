@@ -1,7 +1,5 @@
 """Columns, fields and probes of interfaces: only where a pair has an interface law, of the full ring."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

@@ -1,7 +1,5 @@
 """The manifest is plain JSON whatever it is given, and replaced in one move."""
 
-from __future__ import annotations
-
 import copy
 import json
 import math

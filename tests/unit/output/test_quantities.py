@@ -1,7 +1,5 @@
 """Values of the quantities against direct sums and definitions."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

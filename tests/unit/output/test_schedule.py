@@ -1,7 +1,5 @@
 """Due times: none missed by round-off, none repeated, none that bends the step."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Tables compared as numbers: what counts as a difference, and what the report says."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpmcli.core.errors import ArchiveError

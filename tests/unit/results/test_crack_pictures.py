@@ -1,7 +1,5 @@
 """Pictures of cracks: lines over particles, J over length, openings along a crack."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

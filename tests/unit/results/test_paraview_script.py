@@ -1,7 +1,5 @@
 """The script for ParaView, run with a ParaView that only writes down what it is told."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """A simulation that costs nothing, and a scene that asks for output."""
 
-from __future__ import annotations
-
 import errno
 import os
 from contextlib import nullcontext

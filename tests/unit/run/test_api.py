@@ -1,7 +1,5 @@
 """The library: ``from mpmcli import load, run``."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from types import SimpleNamespace

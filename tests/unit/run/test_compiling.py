@@ -1,7 +1,5 @@
 """What a run compiles is known, and compiled, before its first step."""
 
-from __future__ import annotations
-
 import gc
 import json
 import os

@@ -1,7 +1,5 @@
 """Runs that end by a criterion, and events that hold, reverse and continue conditions: exact paths, the same bytes."""
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Progress: lines without a terminal, a bar on one, nothing when not wanted."""
 
-from __future__ import annotations
-
 import io
 import re
 import sys

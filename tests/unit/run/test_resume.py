@@ -1,7 +1,5 @@
 """Going on from a checkpoint: when they are written, and every way in which resuming is refused."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os

@@ -1,7 +1,5 @@
 """A resumed run gives the same bytes as a straight one, whatever the scene uses and wherever it stopped."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 from typing import Any
@@ -46,10 +44,7 @@ def scene_of(analysis: str, cells: int, transfer: dict[str, Any], **keys: Any) -
     }
 
 
-TWO = [
-    body("left", [-3, -2], [0, 2], [3, "0.5*y"]),
-    body("right", [0, -2], [3, 2], [-3, -1]),
-]
+TWO = [body("left", [-3, -2], [0, 2], [3, "0.5*y"]), body("right", [0, -2], [3, 2], [-3, -1])]
 FLOOR = {"name": "floor", "kind": "symmetry", "plane": {"axis": "y", "at": -2}}
 
 SCENES: dict[str, dict[str, Any]] = {
@@ -181,11 +176,7 @@ SLOW: dict[str, dict[str, Any]] = {
 
 def load(scene: dict[str, Any]):
     """The scene, with a checkpoint after every step and archives after some."""
-    archive = {
-        "particles": {"every": 0.05},
-        "globals": {"every": 0.02},
-        "checkpoint": {"every": 2e-5},
-    }
+    archive = {"particles": {"every": 0.05}, "globals": {"every": 0.02}, "checkpoint": {"every": 2e-5}}
     if "contact" in scene or scene.get("probes"):
         archive["grid"] = {"every": 0.08}
     archive |= scene.get("archive", {})
@@ -245,8 +236,7 @@ def check_resuming(scene: dict[str, Any], tmp_path: Path, monkeypatch: pytest.Mo
 
 
 @pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name == "adhesion")) for name in SCENES],
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "adhesion")) for name in SCENES]
 )
 def test_a_resumed_run_gives_the_same_bytes(name, tmp_path, monkeypatch):
     straight = check_resuming(SCENES[name], tmp_path, monkeypatch)

@@ -1,7 +1,5 @@
 """Runs of a simulation that costs nothing: every way to end, and what each leaves behind."""
 
-from __future__ import annotations
-
 import json
 import logging
 import os

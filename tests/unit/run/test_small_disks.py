@@ -1,7 +1,5 @@
 """A file system that is really full, or really read-only: exit code 5 in words, and the last checkpoint is whole."""
 
-from __future__ import annotations
-
 import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack

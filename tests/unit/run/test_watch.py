@@ -1,7 +1,5 @@
 """The energy watchdog: spurious energy is warned of, and ends a run; losses that nothing accounts for are warned of."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

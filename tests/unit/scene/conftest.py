@@ -1,7 +1,5 @@
 """A small scene, and how to change it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

@@ -1,7 +1,5 @@
 """Constants of a scene, and changes from the command line."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpmcli.core.errors import SceneError

@@ -1,7 +1,5 @@
 """Choices of a contact that change nothing in a scene, or do not go with each other, are named."""
 
-from __future__ import annotations
-
 import pytest
 import scene_problems
 

@@ -1,7 +1,5 @@
 """Contact in scenes: defaults, velocity fields, laws of pairs, rigid bodies, and what changes nothing."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

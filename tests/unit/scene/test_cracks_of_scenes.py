@@ -1,7 +1,5 @@
 """Cracks of a scene that are right, or nearly: the corpus of broken scenes has those that are not."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 from typing import Any

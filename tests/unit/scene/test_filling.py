@@ -1,7 +1,5 @@
 """What a run refuses when it sets up a scene, ``validate`` refuses too, in the same words."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

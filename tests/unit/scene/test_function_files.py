@@ -1,7 +1,5 @@
 """Functions of time in files beside a scene."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """What a scene says about heat: needs, contradictions, and what changes nothing."""
 
-from __future__ import annotations
-
 import pytest
 import scene_problems
 from scene_problems import changed

@@ -1,7 +1,5 @@
 """What interface laws have against the rest of a scene: warnings, gaps at the start, resolution."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

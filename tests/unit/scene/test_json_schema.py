@@ -1,7 +1,5 @@
 """The JSON Schema: draft 7, current, true of every scene that ships."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

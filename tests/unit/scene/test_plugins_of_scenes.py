@@ -1,7 +1,5 @@
 """Plugins in scenes: which ones a scene uses, and whether what they bring is complete."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Scenes as a whole: defaults, values, checks between parts."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

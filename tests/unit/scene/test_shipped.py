@@ -1,7 +1,5 @@
 """Scenes that come with mpmcli: what the wheel holds, what `mpmcli new` writes, what every template shows."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

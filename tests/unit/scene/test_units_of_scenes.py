@@ -1,7 +1,5 @@
 """Consistent units: conversion of text, refusals, labels."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpmcli.scene.units import Dimension, Units, base_unit_size, split_unit

@@ -1,7 +1,5 @@
 """Reading YAML 1.2 core with marks."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """One-dimensional weights of box-shaped and point particles against quadrature of the grid functions."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """CPDI stencils against the definition, written independently with numpy (Sadeghirad, Brannon and Burghardt 2011)."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The list of shape functions."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpmcli.shapes import SHAPES

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import pytest
 import yaml
+from particle_sums import ParticleSums
 from scene_problems import with_keys
 
 from mpmcli.output.global_quantities import EnergyBalance
@@ -62,7 +62,7 @@ BAR: dict[str, Any] = {
 """A quarter period of a freely vibrating bar (Nairn 2026, section 3.3)."""
 
 
-class Run:
+class Run(ParticleSums):
     """A simulation with the bookkeeping of its energies."""
 
     def __init__(self, scene: dict[str, Any], threads: int | None = None):
@@ -93,32 +93,9 @@ class Run:
         return self
 
     @property
-    def particles(self):
-        return self.simulation.particles
-
-    def by_identity(self, name: str) -> np.ndarray:
-        """A particle array in the order of identities."""
-        p = self.particles
-        return getattr(p, name)[..., np.argsort(p.id)]
-
-    @property
-    def momentum(self) -> np.ndarray:
-        return (self.particles.mass * self.particles.V).sum(axis=1)
-
-    @property
     def angular_momentum(self) -> float:
         p = self.particles
         return float((p.mass * (p.X[0] * p.V[1] - p.X[1] * p.V[0])).sum())
-
-    @property
-    def kinetic_energy(self) -> float:
-        p = self.particles
-        return 0.5 * float((p.mass * np.square(p.V).sum(axis=0)).sum())
-
-    @property
-    def energy(self) -> float:
-        """Kinetic energy and stress work."""
-        return self.kinetic_energy + float(self.particles.stress_work.sum())
 
 
 @pytest.fixture(scope="session")

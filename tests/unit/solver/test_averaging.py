@@ -1,7 +1,5 @@
 """Volume averaging: the step against matrices, the balance of energy, symmetry, and what it leaves alone."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -52,10 +50,10 @@ def test_uniform_compression_is_left_alone(block):
     keys = {"bodies__0__velocity": ["-0.3*x", "-0.3*y"]}
     start = {"bodies__0__region": {"kind": "box", "lower": [-4, -4], "upper": [4, 4]}}
     runs = [block(**keys, **start, **more) for more in ({}, AVERAGED)]
-    inside = np.abs(runs[0].by_identity("X")).max(axis=0) < 1.5
+    inside = np.abs(runs[0].ordered("X")).max(axis=0) < 1.5
     for run in runs:
         run.steps(1)
-    local, averaged = (run.by_identity("tau")[:, inside] for run in runs)
+    local, averaged = (run.ordered("tau")[:, inside] for run in runs)
     assert np.abs(local[0]).min() > 0
     np.testing.assert_allclose(averaged, local, rtol=1e-9)
 
@@ -96,9 +94,9 @@ def test_a_quarter_between_symmetry_planes_is_the_whole(block):
 
     whole, quarter = run(-3, ""), run(0, "xy")
     assert quarter.energy == pytest.approx(0.25 * whole.energy, rel=1e-9)
-    X = whole.by_identity("X")
+    X = whole.ordered("X")
     mine = (X > 0).all(axis=0)
-    pressure = [r.by_identity("tau")[:2].mean(axis=0) for r in (whole, quarter)]
+    pressure = [r.ordered("tau")[:2].mean(axis=0) for r in (whole, quarter)]
     np.testing.assert_allclose(pressure[1], pressure[0][mine], rtol=0, atol=1e-9 * np.abs(pressure[0]).max())
 
 

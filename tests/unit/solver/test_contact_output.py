@@ -1,7 +1,5 @@
 """What two bodies in contact show: forces, areas, normals, nodal fields; rigid bodies are no matter."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

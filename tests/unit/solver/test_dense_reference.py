@@ -1,7 +1,5 @@
 """One whole step against matrices: V⁺ and X⁺ of every transfer, from S and G of the particles."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

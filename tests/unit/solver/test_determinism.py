@@ -1,7 +1,5 @@
 """Threads never change a digit, nor does the order in which particles come."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -17,7 +15,7 @@ LARGE = {
 
 
 def state_of(run):
-    return {name: run.by_identity(name) for name in ("X", "V", "F", "tau", "stress_work")}
+    return {name: run.ordered(name) for name in ("X", "V", "F", "tau", "stress_work")}
 
 
 def test_threads_do_not_change_a_bit(block, monkeypatch):
@@ -55,5 +53,5 @@ def test_the_order_of_bodies_matters_only_in_round_off(transfer, block):
     swapped = np.r_[half : 2 * half, 0:half]
     for name, scale in (("X", 3.0), ("V", 1.0), ("tau", 100.0)):
         np.testing.assert_allclose(
-            other.by_identity(name)[:, swapped], one.by_identity(name), rtol=0, atol=1e-12 * scale
+            other.ordered(name)[:, swapped], one.ordered(name), rtol=0, atol=1e-12 * scale
         )

@@ -1,7 +1,5 @@
 """The displacement of a particle follows it through sorting and deletion, and costs nothing where nobody asks."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -28,13 +26,13 @@ def by_identity(run, values: np.ndarray) -> np.ndarray:
 
 def test_it_survives_sorting_and_deletion(block):
     run = block(**FLIES, archive=ARCHIVE)
-    start, sorts = run.by_identity("X").copy(), run.simulation.order.version
+    start, sorts = run.ordered("X").copy(), run.simulation.order.version
     assert not Snapshot(run.simulation.state).displacement.any()
     while run.particles.count == start.shape[1]:
         run.steps(1)
     assert run.simulation.order.version > sorts + 1
     assert not np.array_equal(run.particles.id, np.sort(run.particles.id))
-    expected = run.by_identity("X") - start[:, np.sort(run.particles.id)]
+    expected = run.ordered("X") - start[:, np.sort(run.particles.id)]
     found = by_identity(run, Snapshot(run.simulation.state).displacement)
     np.testing.assert_array_equal(found, expected)
     assert (found[0] > 1.0).all()

@@ -1,7 +1,5 @@
 """The energy balance: K + stress_work + damping_work − boundary_work − external_work stays what it was."""
 
-from __future__ import annotations
-
 import pytest
 
 
@@ -70,15 +68,15 @@ def test_looking_changes_nothing(block):
         for read in watched.simulation.state.grid.fields.values():
             read()
         alone.simulation.step()
-    assert (watched.by_identity("X") == alone.by_identity("X")).all()
-    assert (watched.by_identity("tau") == alone.by_identity("tau")).all()
+    assert (watched.ordered("X") == alone.ordered("X")).all()
+    assert (watched.ordered("tau") == alone.ordered("tau")).all()
 
 
 def test_the_grid_shows_only_what_is_there(block):
     """Nodes that the body has left behind have no mass, momentum, force or velocity any more."""
     run = block(bodies__0__velocity=["30", "-20"], time__courant=0.5)
-    moved = run.by_identity("X").copy()
-    while run.by_identity("X")[0, 0] - moved[0, 0] < 3.0:
+    moved = run.ordered("X").copy()
+    while run.ordered("X")[0, 0] - moved[0, 0] < 3.0:
         run.steps(1)
     fields = run.simulation.state.grid.fields
     assert fields["mass"]().sum() == pytest.approx(run.particles.mass.sum(), rel=1e-12)
@@ -88,12 +86,13 @@ def test_the_grid_shows_only_what_is_there(block):
 
 
 @pytest.mark.slow
-def test_damping_takes_a_quarter_of_the_energy_from_a_quarter(block):
+@pytest.mark.parametrize("damping", [{"grid": 2.0}, {"local": 0.3, "grid": 1.0}], ids=["grid", "local"])
+def test_damping_takes_a_quarter_of_the_energy_from_a_quarter(block, damping):
     """Between symmetry planes the mirrored particles' part is none of the scene's."""
 
     def run(lower, planes):
         return block(
-            method__damping={"grid": 2.0},
+            method__damping=damping,
             method__transfer={"kind": "fmpm", "order": 2},
             bodies__0__region={"kind": "box", "lower": [lower, lower], "upper": [3, 3]},
             bodies__0__velocity=["-0.8*x", "0.5*y"],
@@ -105,6 +104,6 @@ def test_damping_takes_a_quarter_of_the_energy_from_a_quarter(block):
 
     whole, quarter = run(-3, ""), run(0, "xy")
     taken = [run.simulation.state.work["damping_work"] for run in (whole, quarter)]
-    assert taken[0] > 0.1 * whole.kinetic_energy
+    assert taken[0] > 0.05 * whole.kinetic_energy
     assert taken[1] == pytest.approx(0.25 * taken[0], rel=1e-9)
     assert quarter.energy == pytest.approx(0.25 * whole.energy, rel=1e-9)

@@ -1,7 +1,5 @@
 """Runs that fail say what, when and where; particles that leave follow the scene's policy."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
@@ -195,11 +193,7 @@ def test_particles_that_leave_may_be_deleted(block):
 
 @pytest.mark.parametrize(
     "load",
-    [
-        {"kind": "traction", "pressure": 1},
-        {"kind": "traction", "pressure": "x + t"},
-        {"kind": "absorbing"},
-    ],
+    [{"kind": "traction", "pressure": 1}, {"kind": "traction", "pressure": "x + t"}, {"kind": "absorbing"}],
 )
 def test_loaded_faces_of_particles_that_are_gone_carry_nothing(block, load):
     """Those of the highest identities are gone first."""

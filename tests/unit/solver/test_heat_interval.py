@@ -1,7 +1,5 @@
 """How often heat is conducted, and the Fourier limit of the time step."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

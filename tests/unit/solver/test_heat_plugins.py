@@ -1,7 +1,5 @@
 """Conditions and loads of heat that are not ours."""
 
-from __future__ import annotations
-
 from typing import ClassVar, Literal
 
 import numpy as np

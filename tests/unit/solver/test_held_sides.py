@@ -1,7 +1,5 @@
 """Particles close to sides of the grid where a condition holds them; what is said of those that are gone."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

@@ -1,7 +1,5 @@
 """A condition that holds nothing is said, not passed over in silence."""
 
-from __future__ import annotations
-
 import pytest
 
 from mpmcli.explain.facts import explain

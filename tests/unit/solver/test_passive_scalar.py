@@ -1,7 +1,5 @@
 """A scalar that particles carry to the grid runs through the full-mass loop of velocities, on moving bodies."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What a scene does not use costs nothing: no array, no kernel; and nothing is compiled twice."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """A straight line splits a block: particles see the nodes beyond it on a further side (``core.transfer.cut``)."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np
@@ -276,10 +274,10 @@ def test_the_halves_do_not_feel_each_other(line, method, split):
         ids = np.sort(alone.particles.id)
         assert 20 < len(ids) < 60
         for name in ("X", "V", "F", "tau"):
-            expected = alone.by_identity(name)
+            expected = alone.ordered(name)
             scale = np.abs(expected).max()
-            np.testing.assert_allclose(both.by_identity(name)[..., ids], expected, rtol=0, atol=1e-12 * scale)
-        apart = max(apart, np.abs(whole.by_identity("V")[..., ids] - alone.by_identity("V")).max())
+            np.testing.assert_allclose(both.ordered(name)[..., ids], expected, rtol=0, atol=1e-12 * scale)
+        apart = max(apart, np.abs(whole.ordered("V")[..., ids] - alone.ordered("V")).max())
     assert apart > 0.05, "without sights they do"
     grid = both.simulation.grid
     total = grid.sum_of_fields(grid.mp[:, 0])
@@ -299,7 +297,7 @@ def test_serial_and_parallel_kernels_agree_to_the_last_bit(shape, split):
     assert len(one.simulation.order.bands.turn) > 2
     assert len(one.simulation.transfer.cut.particle) > 100
     for name in ("X", "V", "F", "tau"):
-        np.testing.assert_array_equal(one.by_identity(name), other.by_identity(name))
+        np.testing.assert_array_equal(one.ordered(name), other.ordered(name))
     codes = [str(code.type_annotation) for code in scatter[False].overloads.values()]
     assert any(WEIGHTS_OF_CUT in code for code in codes if "Rows(" in code), (
         "what the next test looks for exists"

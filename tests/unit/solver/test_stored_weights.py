@@ -1,7 +1,5 @@
 """Weights that are kept for several passes of full-mass loops are those that each pass would find."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The size of the step: Δt = C Δx_min / max(c, |V|), re-evaluated, or fixed."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

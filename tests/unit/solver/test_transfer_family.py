@@ -1,7 +1,5 @@
 """Periodic, blended, dynamic and affine transfers (Nairn 2026, sections 3.3 and 3.4)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,7 @@ FMPM4 = {"kind": "fmpm", "order": 4}
 
 
 def same_state(a, b):
-    return all(np.array_equal(a.by_identity(name), b.by_identity(name)) for name in ("X", "V", "tau"))
+    return all(np.array_equal(a.ordered(name), b.ordered(name)) for name in ("X", "V", "tau"))
 
 
 @pytest.mark.parametrize("kind", ["fmpm", "xpic"])

@@ -1,7 +1,5 @@
 """Every strain update with every transfer: momentum, free fall, flight, damping."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -36,7 +34,7 @@ def test_updates_agree_to_first_order_in_the_step(update, block):
         run = block(method__update=scheme, time__courant=None, time__step=step)
         for _ in range(round(0.1 / step)):
             run.simulation.step()
-        return run.by_identity("tau")
+        return run.ordered("tau")
 
     coarse, fine = (np.abs(stress(update, step) - stress("usl", step)).max() for step in (0.01, 0.0025))
     assert coarse < 0.1 * np.abs(stress("usl", 0.01)).max()
@@ -48,12 +46,12 @@ def test_free_fall_is_exact(transfer, block):
     """V = V0 + g t and X = X0 + V0 t + g t²/2 for α = ½, without stress, whatever the transfer."""
     flying = ["1.5", "0.7"]
     run = block(method__transfer=TRANSFERS[transfer], bodies__0__velocity=flying, loads=GRAVITY)
-    X = run.by_identity("X")
+    X = run.ordered("X")
     run.steps(15)
     t, g, V0 = run.simulation.time, np.array([0.3, -9.81]), np.array([1.5, 0.7])
     V = V0 + g * t
     np.testing.assert_allclose(run.particles.V, np.broadcast_to(V[:, None], X.shape), rtol=0, atol=1e-12)
-    moved = run.by_identity("X") - X
+    moved = run.ordered("X") - X
     np.testing.assert_allclose(
         moved, np.broadcast_to((V0 * t + g * t**2 / 2)[:, None], X.shape), rtol=0, atol=1e-12
     )
@@ -70,9 +68,9 @@ def test_alpha_weighs_the_acceleration_in_positions(block):
             bodies__0__velocity=["0", "0"],
             loads=GRAVITY,
         )
-        y = run.by_identity("X")[1]
+        y = run.ordered("X")[1]
         run.steps(1)
-        drop[alpha] = (run.by_identity("X")[1] - y)[0] / run.simulation.state.dt**2
+        drop[alpha] = (run.ordered("X")[1] - y)[0] / run.simulation.state.dt**2
     assert drop[0.0] == pytest.approx(0.0, abs=1e-9)
     assert drop[1.0] == pytest.approx(-9.81, rel=1e-9)
 

@@ -1,7 +1,5 @@
 """Particles that stretch over more nodes than their stencil spans: it widens, and nothing is lost."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What is foreseen of heat conduction: stable Fourier numbers, waves that FMPM removes, reach, and warnings."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -13,13 +11,7 @@ from mpmcli.scene.loader import load_scene
 from mpmcli.shapes import SHAPES
 from mpmcli.stability.bodies import largest_wave_speed
 from mpmcli.stability.conduction import LARGEST, Conduction, filter_factor, finest_wave, fourier_limit
-from mpmcli.stability.heat import (
-    chosen_fourier,
-    diffusivities,
-    forecast,
-    stable_fourier,
-    warnings_of_heat,
-)
+from mpmcli.stability.heat import chosen_fourier, diffusivities, forecast, stable_fourier, warnings_of_heat
 from mpmcli.stability.lattice import Lattice
 from mpmcli.stability.scene_limit import SAFETY, warning_of
 

@@ -1,7 +1,5 @@
 """The stable Courant number of a scene, and the matrices that it comes from: those of the solver."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 from time import perf_counter
@@ -29,13 +27,7 @@ from mpmcli.stability.lattice import Lattice, axis_stencils, stencils
 from mpmcli.stability.linear_step import LinearStep, Scheme
 from mpmcli.stability.models import SLOW as SLOWLY
 from mpmcli.stability.models import NoKnownLimit, models_of
-from mpmcli.stability.scene_limit import (
-    SAFETY,
-    chosen_courant,
-    limit_in_motion,
-    stable_courant,
-    warning_of,
-)
+from mpmcli.stability.scene_limit import SAFETY, chosen_courant, limit_in_motion, stable_courant, warning_of
 from mpmcli.study.transfers import transfer_value
 
 SLOW = pytest.mark.slow

@@ -1,7 +1,5 @@
 """What a scene uses is cited, what it does not use is not, and every key leads somewhere."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """Signals stop a study at once, whichever thread the system hands them to."""
 
-from __future__ import annotations
-
 import signal
 import threading
 import time

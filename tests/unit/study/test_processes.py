@@ -1,7 +1,5 @@
 """Jobs in processes of their own: results, crashes, kills and time limits."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

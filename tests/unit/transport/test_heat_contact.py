@@ -1,7 +1,5 @@
 """Heat between bodies that touch, and of friction."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -35,11 +33,7 @@ def scene(heat: dict[str, Any], bodies: list[dict[str, Any]], **keys: Any) -> di
         "grid": {"lower": [-4, -4], "upper": [20, 8], "cell": 1},
         "method": {"shape": "ugimp", "transfer": {"kind": "flip"}, "heating": "isothermal"},
         "heat": heat,
-        "materials": {
-            "warm": SOLID,
-            "good": SOLID | {"conductivity": 4.0},
-            "wall": {"kind": "rigid"},
-        },
+        "materials": {"warm": SOLID, "good": SOLID | {"conductivity": 4.0}, "wall": {"kind": "rigid"}},
         "bodies": bodies,
         "time": {"end": 10.0, "step": 0.05},
         "archive": {"particles": {"every": 10.0, "fields": ["temperature"]}},
@@ -75,8 +69,7 @@ PERFECT = {"contact": {"law": {"kind": "perfect"}}}
 
 
 @pytest.mark.parametrize(
-    "transfer",
-    [pytest.param(t, marks=[] if t is FLIP else pytest.mark.slow) for t in TRANSFERS],
+    "transfer", [pytest.param(t, marks=[] if t is FLIP else pytest.mark.slow) for t in TRANSFERS]
 )
 def test_perfect_contact_is_that_of_one_field(transfer):
     one, _ = after(scene({"transfer": transfer}, TWO))

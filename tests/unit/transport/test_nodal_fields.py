@@ -1,7 +1,5 @@
 """Heat capacity and temperature of the nodes, for archives of the grid and probes at points that ask for them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
