@@ -5,11 +5,6 @@ import numpy as np
 Array = np.ndarray
 
 
-def impact_force(t: Array, D: float, Z: float = 1.0, v: float = 1.0) -> Array:
-    """Force per area between equal bars of impedance ``Z`` after an impact at ``v``, across a stiffness ``D``."""
-    return 0.5 * Z * v * (1.0 - np.exp(-2.0 * D * t / Z))
-
-
 def impact_speed(t: Array, D: float, passage: float, Z: float = 1.0, v: float = 1.0) -> Array:
     """Mean speed of the bar that was at rest; a wave takes ``passage`` along it and back. D may be infinite."""
     if np.isinf(D):

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 import numpy as np
+from particles_at import particles_at
 
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.particles import Particles
@@ -16,19 +17,10 @@ def particles_of(
     model: Any, analysis: Any, count: int = 1, volume: float = 1.0, is_viscous: bool = False
 ) -> Particles:
     """Particles of a material as they are at the start."""
-    d = analysis.dimensions
-    particles = Particles.at_rest(
-        analysis,
-        np.zeros((d, count)),
-        np.ones((d, count)),
-        np.full(count, volume),
-        np.full(count, volume * model.density),
-        body=np.zeros(count),
-        material=np.zeros(count),
-        velocity_field=np.zeros(count),
-        history_rows=max(1, len(model.history)),
-        artificial_viscosity=is_viscous,
-    )
+    particles = particles_at(
+        analysis, np.zeros((analysis.dimensions, count)), 1.0, volume, volume * model.density,
+        history_rows=max(1, len(model.history)), artificial_viscosity=is_viscous,
+    )  # fmt: skip
     particles.H[:] = history_at_start(model, count)
     return particles
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from particles_at import particles_at
 
 from mpmcli.core.analysis import Analysis, PlaneStrain, PlaneStress
 from mpmcli.core.particles import Particles
@@ -83,12 +84,8 @@ class Plate:
         places = (np.arange(-2 * cells, 2 * cells) + 0.5) * 0.5 * self.cell
         X = np.stack([a.ravel() for a in np.meshgrid(places, places)])
         count = X.shape[1]
-        index = np.zeros(count, dtype=np.int32)
-        vol0 = np.full(count, 0.25 * self.cell**2 * self.thickness)
-        p = Particles.at_rest(
-            self.analysis, X, np.full((2, count), 0.25 * self.cell), vol0, 1.3 * vol0,
-            body=index, material=index, velocity_field=index,
-        )  # fmt: skip
+        vol0 = 0.25 * self.cell**2 * self.thickness
+        p = particles_at(self.analysis, X, 0.25 * self.cell, vol0, 1.3 * vol0)
         c, s = np.cos(self.angle), np.sin(self.angle)
         ahead = np.array([[c, s], [-s, c]])
         x = ahead @ (X - np.array(self.tip)[:, None])

@@ -26,10 +26,6 @@ class NodalForces:
         self._loads, self._grid, self._ring = loads, grid, ring
         self._nodes = [_nodes_around(load.nodal_force_at(0.0)[0], grid) for load in loads]
 
-    def __bool__(self) -> bool:
-        """Whether there are any."""
-        return bool(self._loads)
-
     def add(self, time: float, mp: Array, f: Array) -> None:
         """Add the forces to ``f`` (dofs, d), on nodes with mass in ``mp`` (dofs, 1 + d), velocity fields by mass."""
         for load, (nodes, weights) in zip(self._loads, self._nodes, strict=True):

@@ -5,7 +5,15 @@ import math
 import numpy as np
 
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.tensors import Symmetric, Tensor, determinant, eigen_symmetric, multiply, multiply_commuting
+from mpmcli.core.tensors import (
+    Symmetric,
+    Tensor,
+    determinant,
+    eigen_symmetric,
+    from_eigenvalues,
+    multiply,
+    multiply_commuting,
+)
 
 LN2 = math.log(2.0)
 NEXT_WHOLE = 1.5 * 2.0**52
@@ -277,15 +285,7 @@ def _log_near_identity(b: Symmetric) -> Symmetric:
 def _log_by_eigenvalues(b: Symmetric) -> Symmetric:
     """ln b from eigenvalues and eigenvectors."""
     v, Q = eigen_symmetric(b)
-    x, y, z = logarithm(v[0]), logarithm(v[1]), logarithm(v[2])
-    return (
-        x * Q[0] * Q[0] + y * Q[1] * Q[1] + z * Q[2] * Q[2],
-        x * Q[3] * Q[3] + y * Q[4] * Q[4] + z * Q[5] * Q[5],
-        x * Q[6] * Q[6] + y * Q[7] * Q[7] + z * Q[8] * Q[8],
-        x * Q[0] * Q[3] + y * Q[1] * Q[4] + z * Q[2] * Q[5],
-        x * Q[3] * Q[6] + y * Q[4] * Q[7] + z * Q[5] * Q[8],
-        x * Q[0] * Q[6] + y * Q[1] * Q[7] + z * Q[2] * Q[8],
-    )
+    return from_eigenvalues((logarithm(v[0]), logarithm(v[1]), logarithm(v[2])), Q)
 
 
 @inline

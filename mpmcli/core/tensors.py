@@ -154,6 +154,20 @@ def eigen_symmetric(b: Symmetric) -> tuple[Vector, Tensor]:
 
 
 @inline
+def from_eigenvalues(v: Vector, Q: Tensor) -> Symmetric:
+    """The symmetric tensor with these eigenvalues, whose eigenvectors are the columns of Q."""
+    x, y, z = v
+    return (
+        x * Q[0] * Q[0] + y * Q[1] * Q[1] + z * Q[2] * Q[2],
+        x * Q[3] * Q[3] + y * Q[4] * Q[4] + z * Q[5] * Q[5],
+        x * Q[6] * Q[6] + y * Q[7] * Q[7] + z * Q[8] * Q[8],
+        x * Q[0] * Q[3] + y * Q[1] * Q[4] + z * Q[2] * Q[5],
+        x * Q[3] * Q[6] + y * Q[4] * Q[7] + z * Q[5] * Q[8],
+        x * Q[0] * Q[6] + y * Q[1] * Q[7] + z * Q[2] * Q[8],
+    )
+
+
+@inline
 def largest_eigenvalue_bound(b: Symmetric) -> float:
     """An upper bound of the largest eigenvalue (Gershgorin), exact for diagonal tensors."""
     xy, yz, xz = abs(b[3]), abs(b[4]), abs(b[5])

@@ -3,7 +3,7 @@
 import math
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
+from pydantic import BeforeValidator, ValidationInfo
 
 from mpmcli.contact.laws.base import LAWS
 from mpmcli.core.compiled.kernel import inline
@@ -23,7 +23,7 @@ from mpmcli.interfaces.springs import (
     settle,
     stored,
 )
-from mpmcli.interfaces.stiffness import read_stiffness, slope_of, spring_of
+from mpmcli.interfaces.stiffness import NUMBER_OR_WORD, read_stiffness, slope_of, spring_of
 
 ROUNDS = 200
 """Steps of root finding at most; eight are usual."""
@@ -36,13 +36,7 @@ def read_tangential(value: Any, info: ValidationInfo) -> Any:
     return "same" if value == "same" else read_stiffness(value, info)
 
 
-Tangential = Annotated[
-    Any,
-    BeforeValidator(read_tangential),
-    WithJsonSchema(
-        {"anyOf": [{"type": "number", "minimum": 0}, {"type": "string"}], "x-dimension": "pressure/length"}
-    ),
-]
+Tangential = Annotated[Any, BeforeValidator(read_tangential), NUMBER_OR_WORD]
 
 
 @LAWS.register

@@ -22,13 +22,10 @@ def read_stiffness(value: Any, info: ValidationInfo) -> Any:
     return _stiffness.validate_python(value, context=info.context)
 
 
-Stiffness = Annotated[
-    Any,
-    BeforeValidator(read_stiffness),
-    WithJsonSchema(
-        {"anyOf": [{"type": "number", "minimum": 0}, {"type": "string"}], "x-dimension": "pressure/length"}
-    ),
-]
+NUMBER_OR_WORD = WithJsonSchema(
+    {"anyOf": [{"type": "number", "minimum": 0}, {"type": "string"}], "x-dimension": "pressure/length"}
+)
+Stiffness = Annotated[Any, BeforeValidator(read_stiffness), NUMBER_OR_WORD]
 
 
 def spring_of(stiffness: Any) -> Rigid | Elastic:

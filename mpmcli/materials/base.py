@@ -158,6 +158,16 @@ class MaterialModel(Matter):
         """Whether its history has the temperature."""
         return "temperature" in self.history
 
+    def initial_history(self) -> dict[str, float]:
+        """The temperature starts at T0."""
+        return {"temperature": self.T0} if self.tracks_temperature else {}
+
+    def heating(self, adiabatic: bool) -> float:
+        """Rise of the temperature by heat per initial volume, 0 where it is held [temperature/pressure]."""
+        return (
+            1 / (self.density * self.heat_capacity) if adiabatic and self.heat_capacity is not None else 0.0
+        )
+
 
 @generic
 def kirchhoff_stress(m: Any, F: Any, dF: Any, H: Any, p: Any, dt: Any, commit: Any) -> Any:

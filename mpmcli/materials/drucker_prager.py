@@ -4,7 +4,7 @@ import math
 from typing import Any, Literal, NamedTuple
 
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.exponentials import exponential, exponential_symmetric, log_symmetric
+from mpmcli.core.exponentials import exponential, log_symmetric
 from mpmcli.materials.base import MATERIALS, kirchhoff_stress
 from mpmcli.materials.friction_angle import FrictionalModel, FrictionalPart, strength_at
 from mpmcli.materials.hencky import (
@@ -15,6 +15,7 @@ from mpmcli.materials.hencky import (
     keep_tensor,
     split_logarithm,
     split_strain,
+    tensor_of_strain,
     trial_tensor,
 )
 from mpmcli.materials.lateral import (
@@ -113,12 +114,7 @@ def settled_stress(m: Any, surface: Any, b: Any, trace: float, e: Any, H: Any, p
             strain = (trial - shear) / (math.sqrt(3.0) * G)
             work = shear * (trial - shear) / G + normal * (mean - normal) / K
             third = normal / (3.0 * K)
-            b = exponential_symmetric(
-                (
-                    2.0 * (scale * e[0] + third), 2.0 * (scale * e[1] + third), 2.0 * (scale * e[2] + third),
-                    2.0 * scale * e[3], 2.0 * scale * e[4], 2.0 * scale * e[5],
-                )
-            )  # fmt: skip
+            b = tensor_of_strain(scale, e, third)
         keep_plastic(H, p, strain, work)
         keep_tensor(m, H, p, b)
     g = 2.0 * G * scale

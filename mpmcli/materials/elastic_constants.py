@@ -1,6 +1,6 @@
 """Isotropic elastic constants, given as one pair, and the wave speeds that follow from them."""
 
-from typing import Annotated, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
@@ -60,6 +60,12 @@ class ElasticModel(MaterialModel):
         if self.E is None or self.nu is None:
             raise TypeError("E and nu are not the pair that was given")
         return self.E, self.nu
+
+    def elastic_numbers(self, analysis: str) -> dict[str, Any]:
+        """K, G, the density, and the wave stiffness of the analysis over that of uniaxial strain, by name."""
+        lateral = lateral_factor(self.lame_modulus, self.shear_modulus, analysis)
+        moduli = {"bulk": self.bulk_modulus, "shear": self.shear_modulus}
+        return moduli | {"density": self.density, "lateral": lateral}
 
     def initial_wave_speed(self, analysis: str) -> float:
         """√((K+4G/3)/ρ); √(E/(ρ(1−ν²))) in plane stress; √(E/ρ) in uniaxial stress [velocity]."""

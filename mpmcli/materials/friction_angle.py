@@ -11,7 +11,7 @@ from mpmcli.core.angles import Angle
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.model import Quantity
 from mpmcli.core.rows import radians, sin
-from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
+from mpmcli.materials.elastic_constants import ElasticModel
 from mpmcli.materials.hencky import HISTORY
 
 Strength = Annotated[float, Quantity("pressure", ge=0, lt=1e30)]
@@ -81,10 +81,7 @@ class FrictionalModel(ElasticModel):
         start, end = self.softening_start or 0.0, self.softening_end
         phi, psi = radians(self.friction), radians(self.dilation)
         return FrictionalPart(
-            bulk=self.bulk_modulus,
-            shear=self.shear_modulus,
-            density=self.density,
-            lateral=lateral_factor(self.lame_modulus, self.shear_modulus, analysis),
+            **self.elastic_numbers(analysis),
             cohesion=self.cohesion,
             friction=phi,
             dilation=psi,

@@ -5,11 +5,10 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import model_validator
 
-from mpmcli.core.exponentials import exponential_symmetric
 from mpmcli.core.model import Density, Quantity
 from mpmcli.core.rows import log, sqrt
 from mpmcli.materials.base import MATERIALS, bulk_speed_squared, kirchhoff_stress
-from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
+from mpmcli.materials.elastic_constants import ElasticModel
 from mpmcli.materials.hencky import (
     HISTORY,
     double_contraction,
@@ -18,6 +17,7 @@ from mpmcli.materials.hencky import (
     keep_plastic,
     keep_tensor,
     split_strain,
+    tensor_of_strain,
     trial_tensor,
 )
 
@@ -64,10 +64,7 @@ class Granular(ElasticModel):
     def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
         """Moduli and friction."""
         return GRAINS[analysis != "3d"](
-            bulk=self.bulk_modulus,
-            shear=self.shear_modulus,
-            density=self.density,
-            lateral=lateral_factor(self.lame_modulus, self.shear_modulus, analysis),
+            **self.elastic_numbers(analysis),
             mu_s=self.mu_s,
             mu_2=self.mu_2,
             fluidity=self.I0 / (self.grain_diameter * sqrt(self.grain_density)),
@@ -123,12 +120,7 @@ for _Grains in GRAINS.values():
         if commit:
             if scale < 1.0 or H[OPENING, p] > 0.0:
                 third = volume / 3.0
-                b = exponential_symmetric(
-                    (
-                        2.0 * (scale * e[0] + third), 2.0 * (scale * e[1] + third), 2.0 * (scale * e[2] + third),
-                        2.0 * scale * e[3], 2.0 * scale * e[4], 2.0 * scale * e[5],
-                    )
-                )  # fmt: skip
+                b = tensor_of_strain(scale, e, third)
             keep_tensor(m, H, p, b)
             keep_plastic(H, p, (trial - shear) / (math.sqrt(3.0) * G), shear * (trial - shear) / G)
             H[OPENING, p] = 0.0

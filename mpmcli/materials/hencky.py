@@ -7,7 +7,7 @@ count plastic strain and work.
 from typing import Any
 
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.exponentials import log_symmetric, logarithm_1p
+from mpmcli.core.exponentials import exponential_symmetric, log_symmetric, logarithm_1p
 from mpmcli.core.tensors import push_forward
 from mpmcli.materials.base import bulk_speed_squared, dissipated_heat, strain_energy, wave_speed_squared
 from mpmcli.materials.planar import in_space_and_plane, is_planar
@@ -58,6 +58,17 @@ def split_logarithm(e: Any) -> Any:
         0.5 * (e[0] - mean), 0.5 * (e[1] - mean), 0.5 * (e[2] - mean), 0.5 * e[3], 0.5 * e[4], 0.5 * e[5]
     )  # fmt: skip
     return 1.5 * mean, deviator
+
+
+@inline
+def tensor_of_strain(scale: float, e: Any, third: float) -> Any:
+    """b of ε with the deviator ``scale`` e, and ``third`` of the trace."""
+    return exponential_symmetric(
+        (
+            2.0 * (scale * e[0] + third), 2.0 * (scale * e[1] + third), 2.0 * (scale * e[2] + third),
+            2.0 * scale * e[3], 2.0 * scale * e[4], 2.0 * scale * e[5],
+        )
+    )  # fmt: skip
 
 
 @inline

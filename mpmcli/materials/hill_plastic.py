@@ -99,9 +99,7 @@ class HillPlastic(OrthotropicConstants):
         """Stiffness, Hill's coefficients and modes, what heating needs, and the hardening law's numbers."""
         C, hill = self.stiffness, self.anisotropy.coefficients
         thin_1, thin_2 = -self.nu13 / self.E1, -self.nu23 / self.E2
-        heating = 0.0
-        if adiabatic and self.heat_capacity is not None:
-            heating = 1 / (self.density * self.heat_capacity)
+        heating = self.heating(adiabatic)
         bulk = (C.C11 + C.C22 + C.C33 + 2.0 * (C.C12 + C.C13 + C.C23)) / 9.0
         others = Others(
             self.density, wave_modulus(C, analysis), bulk, heating, self.taylor_quinney, thin_1, thin_2

@@ -74,10 +74,6 @@ class IdealGas(MaterialModel):
             capacity=self.pressure / ((self.gamma - 1) * self.T0),
         )
 
-    def initial_history(self) -> dict[str, float]:
-        """The temperature starts at T0."""
-        return {"temperature": self.T0}
-
     def initial_wave_speed(self, analysis: str) -> float:
         """√(γ p0/ρ₀), the adiabatic speed [velocity]."""
         return math.sqrt(self.gamma * self.pressure / self.density)

@@ -17,7 +17,7 @@ from mpmcli.materials.base import (
     strain_energy,
     wave_speed_squared,
 )
-from mpmcli.materials.elastic_constants import ElasticModel, lateral_factor
+from mpmcli.materials.elastic_constants import ElasticModel
 from mpmcli.materials.hardening import LAWS, Hardening, changes_stiffness, flow, flow_stress, stiffness_ratio
 from mpmcli.materials.hencky import double_contraction, elastic_tensor, keep_tensor, trial_tensor
 from mpmcli.materials.lateral import (
@@ -77,23 +77,13 @@ class J2Plastic(ElasticModel):
 
     def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
         """Moduli, what heating needs, and the hardening law's numbers."""
-        heating = 0.0
-        if adiabatic and self.heat_capacity is not None:
-            heating = 1 / (self.density * self.heat_capacity)
         elastic = ElasticPart(
-            bulk=self.bulk_modulus,
-            shear=self.shear_modulus,
-            density=self.density,
-            lateral=lateral_factor(self.lame_modulus, self.shear_modulus, analysis),
-            heating=heating,
+            **self.elastic_numbers(analysis),
+            heating=self.heating(adiabatic),
             chi=self.taylor_quinney,
         )
         law = self.hardening.parameters()
         return J2_WITH[type(law), analysis != "3d"](*elastic, *law)
-
-    def initial_history(self) -> dict[str, float]:
-        """The temperature starts at T0."""
-        return {"temperature": self.T0}
 
 
 class ElasticPart(NamedTuple):

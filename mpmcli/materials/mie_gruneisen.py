@@ -99,10 +99,6 @@ class MieGruneisen(MaterialModel):
             adiabatic=float(adiabatic),
         )
 
-    def initial_history(self) -> dict[str, float]:
-        """The temperature starts at T0."""
-        return {"temperature": self.T0}
-
     def initial_wave_speed(self, analysis: str) -> float:
         """√((K + 4G/3)/ρ) [velocity]."""
         return math.sqrt((self.bulk_modulus + 4 * self.G / 3) / self.density)

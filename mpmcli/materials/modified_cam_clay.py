@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 from pydantic import Field, model_validator
 
 from mpmcli.core.compiled.kernel import inline
-from mpmcli.core.exponentials import exponential_1d, exponential_symmetric, logarithm
+from mpmcli.core.exponentials import exponential_1d, logarithm
 from mpmcli.core.model import PositivePressure, Quantity
 from mpmcli.core.rows import sqrt
 from mpmcli.materials.base import (
@@ -27,6 +27,7 @@ from mpmcli.materials.hencky import (
     keep_plastic,
     keep_tensor,
     split_strain,
+    tensor_of_strain,
     trial_tensor,
 )
 from mpmcli.materials.planar import in_space_and_plane
@@ -184,12 +185,7 @@ for _Clay in CLAY.values():
             work = 0.0
             if u != 0.0 or scale < 1.0:
                 third = (trace + m.swelling * u) / 3.0
-                b = exponential_symmetric(
-                    (
-                        2.0 * (scale * e[0] + third), 2.0 * (scale * e[1] + third), 2.0 * (scale * e[2] + third),
-                        2.0 * scale * e[3], 2.0 * scale * e[4], 2.0 * scale * e[5],
-                    )
-                )  # fmt: skip
+                b = tensor_of_strain(scale, e, third)
                 work = pressure * (m.swelling * u + scale * eta * (1.0 - scale) * n / 3.0)
             keep_tensor(m, H, p, b)
             keep_plastic(H, p, (1.0 - scale) * n / 3.0, work)

@@ -6,7 +6,7 @@ from typing import Any
 from mpmcli.core.compiled.dispatch import generic
 from mpmcli.core.compiled.kernel import inline
 from mpmcli.core.exponentials import logarithm_1p
-from mpmcli.core.tensors import eigen_symmetric
+from mpmcli.core.tensors import eigen_symmetric, from_eigenvalues
 
 
 @generic
@@ -40,15 +40,7 @@ def strains_in_space(m: Any, b: Any) -> Any:
 
 def tensor_of_space(m: Any, v: Any, axes: Any) -> Any:
     """``from_principal`` by the columns of a 9-tuple."""
-    (x, y, z), Q = v, axes
-    return (
-        x * Q[0] * Q[0] + y * Q[1] * Q[1] + z * Q[2] * Q[2],
-        x * Q[3] * Q[3] + y * Q[4] * Q[4] + z * Q[5] * Q[5],
-        x * Q[6] * Q[6] + y * Q[7] * Q[7] + z * Q[8] * Q[8],
-        x * Q[0] * Q[3] + y * Q[1] * Q[4] + z * Q[2] * Q[5],
-        x * Q[3] * Q[6] + y * Q[4] * Q[7] + z * Q[5] * Q[8],
-        x * Q[0] * Q[6] + y * Q[1] * Q[7] + z * Q[2] * Q[8],
-    )
+    return from_eigenvalues(v, axes)
 
 
 @inline

@@ -148,9 +148,6 @@ class Viscoelastic(MaterialModel):
 
     def parameters(self, analysis: str, adiabatic: bool) -> NamedTuple:
         """Moduli, what heating needs, the shift, and the numbers of the terms."""
-        heating = 0.0
-        if adiabatic and self.heat_capacity is not None:
-            heating = 1 / (self.density * self.heat_capacity)
         shift = () if self.wlf is None else (self.wlf.C1, self.wlf.C2, self.wlf.T_ref)
         numbers = Network(
             float(FORMS[self.volumetric]),
@@ -159,15 +156,11 @@ class Viscoelastic(MaterialModel):
             self.density,
             self.initial_wave_speed(analysis) ** 2,
             lateral_factor(self._lame, self.shear_modulus, analysis),
-            heating,
+            self.heating(adiabatic),
         )
         terms = (getattr(term, word) for word in ("time", "G", "K") for term in self.terms)
         made = (MAXWELL if self.wlf is None else SHIFTED)[len(self.terms), analysis != "3d"]
         return made(*numbers, *terms, *shift)  # type: ignore[no-any-return]
-
-    def initial_history(self) -> dict[str, float]:
-        """The temperature starts at T0."""
-        return {"temperature": self.T0}
 
     def initial_wave_speed(self, analysis: str) -> float:
         """That of isotropic elasticity with the moduli of fast deformation [velocity]."""

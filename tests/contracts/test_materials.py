@@ -6,11 +6,10 @@ from contextlib import nullcontext
 import examples
 import numpy as np
 import pytest
-from material_point import MaterialPoint
+from material_point import MaterialPoint, particles_of
 from scipy.spatial.transform import Rotation
 
 from mpmcli.core.analysis import ANALYSES, F_COMPONENTS
-from mpmcli.core.particles import Particles
 from mpmcli.core.tensors import IDENTITY
 from mpmcli.materials import MATERIALS
 from mpmcli.materials.base import bulk_speed_squared, kirchhoff_stress, strain_energy, wave_speed_squared
@@ -242,21 +241,9 @@ def test_lateral_stress_vanishes_where_the_analysis_says_so(model):
         assert abs(tau[2, 2]) < 1e-12
 
 
-def particles_of(model, name, count=5):
+def deforming(model, name, count=5):
     analysis = ANALYSES[name]()
-    d = analysis.dimensions
-    p = Particles.at_rest(
-        analysis,
-        np.zeros((d, count)),
-        np.ones((d, count)),
-        np.full(count, 0.5),
-        np.full(count, 0.5 * model.density),
-        body=np.zeros(count),
-        material=np.zeros(count),
-        velocity_field=np.zeros(count),
-        history_rows=max(1, len(model.history)),
-    )
-    p.H[:] = start(model)
+    p = particles_of(model, analysis, count, 0.5)
     p.L[:] = np.random.default_rng(3).uniform(-1, 1, p.L.shape)
     return analysis, p
 
@@ -273,7 +260,7 @@ def test_compiled_and_plain_python_agree_and_every_row_is_written(kind, plain_py
     m = model.parameters("plane_strain", True)
     results = []
     for way in (nullcontext, plain_python):
-        analysis, p = particles_of(model, "plane_strain")
+        analysis, p = deforming(model, "plane_strain")
         blocks = block_count(p.count)
         speed2, bad, out = np.zeros(blocks), np.zeros(blocks, dtype=np.int64), np.zeros(p.count)
         with way():

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from particles_at import particles_at
 
 from mpmcli.boundary.faces import TractionFaces
 from mpmcli.boundary.traction import Traction
 from mpmcli.core.analysis import ANALYSES
-from mpmcli.core.particles import Particles
 from mpmcli.core.transfer.stencil import DOMAIN_TOO_WIDE, OUTSIDE_GRID
 from mpmcli.shapes import SHAPES
 
@@ -232,10 +232,7 @@ def loaded_block(name, kind, grid, G, shift, way):
     size = np.broadcast_to(grid.cell[:, None] / 4, first.shape)
     count = first.shape[1]
     volume = np.prod(2 * size, axis=0) * (first[0] if kind == "axisymmetric" else 1.0)
-    nothing = np.zeros(count, dtype=np.int32)
-    particles = Particles.at_rest(
-        analysis, first, size, volume, volume, body=nothing, material=nothing, velocity_field=nothing
-    )
+    particles = particles_at(analysis, first, grid.cell / 4, volume, volume)
     loads = []
     for axis in range(d):
         for side, end in (("lower", cells[axis].min()), ("upper", cells[axis].max())):

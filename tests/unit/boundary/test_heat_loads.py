@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from particles_at import particles_at
 
 from mpmcli.boundary.base import LOADS, LoadModel
 from mpmcli.boundary.face_heat import FaceHeat
@@ -21,7 +22,6 @@ from mpmcli.boundary.temperature import Temperature
 from mpmcli.core.analysis import ANALYSES, F_COMPONENTS
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
-from mpmcli.core.particles import Particles
 from mpmcli.core.step import Step
 
 pytestmark = pytest.mark.usefixtures("python_and_compiled")
@@ -42,12 +42,7 @@ class Bodies:
         self.grid = grid = Grid(np.zeros(d), np.full(d, 8.0), np.ones(d), 2, 2, fields=fields)
         line = 2.0 + (np.arange(4) + 0.5) / 2
         X = np.stack([x.ravel() for x in np.meshgrid(*[line] * d, indexing="ij")])
-        n = X.shape[1]
-        body = np.zeros(n, dtype=np.int32)
-        self.particles = p = Particles.at_rest(
-            ANALYSES[kind or KIND[d]](), X, np.full((d, n), HALF), np.full(n, 0.5**d), np.full(n, 2.0 * 0.5**d),
-            body=body, material=body, velocity_field=body,
-        )  # fmt: skip
+        self.particles = p = particles_at(ANALYSES[kind or KIND[d]](), X, HALF, 0.5**d, 2.0 * 0.5**d)
         nodes = grid.node_count * (fields if by_field else 1)
         self.theta, self.q = np.full((nodes, 1), INNER), np.zeros((nodes, 1))
         self.field = SimpleNamespace(mp=np.ones((nodes, 2)), nodes=SimpleNamespace(by_field=by_field))

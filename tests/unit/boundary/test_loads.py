@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 import pytest
+from particles_at import particles_at
 from pydantic import ValidationError
 
 from mpmcli.boundary import CONDITIONS, LOADS, ConditionModel, LoadModel
@@ -21,17 +22,8 @@ from mpmcli.core.particles import Particles
 
 def particles(count=10, seed=0):
     rng = np.random.default_rng(seed)
-    body = (np.arange(count) % 2).astype(np.int32)
-    return Particles.at_rest(
-        PlaneStrain(),
-        rng.uniform(0, 4, (2, count)),
-        np.full((2, count), 0.25),
-        np.ones(count),
-        rng.uniform(1, 2, count),
-        body=body,
-        material=body,
-        velocity_field=body,
-    )
+    X, mass = rng.uniform(0, 4, (2, count)), rng.uniform(1, 2, count)
+    return particles_at(PlaneStrain(), X, 0.25, mass=mass, owner=np.arange(count) % 2)
 
 
 def loads(*models, analysis=PlaneStrain(), p=None):

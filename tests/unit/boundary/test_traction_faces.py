@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from particles_at import particles_at
 
 from mpmcli.boundary.faces import TractionFaces
 from mpmcli.boundary.traction import Traction
 from mpmcli.core.analysis import ANALYSES, F_COMPONENTS
 from mpmcli.core.errors import SimulationError
 from mpmcli.core.grid import Grid
-from mpmcli.core.particles import Particles
 
 pytestmark = pytest.mark.usefixtures("python_and_compiled")
 
@@ -24,18 +24,7 @@ def block(d, kind=None, n=2, start=2.0):
     grid = Grid(np.zeros(d), np.full(d, 8.0), np.ones(d), 2, 2)
     line = start + (np.arange(2 * n) + 0.5) / 2
     X = np.stack([x.ravel() for x in np.meshgrid(*[line] * d, indexing="ij")])
-    count = X.shape[1]
-    body = np.zeros(count, dtype=np.int32)
-    particles = Particles.at_rest(
-        ANALYSES[kind or KIND[d]](),
-        X,
-        np.full((d, count), 0.25),
-        np.full(count, 0.5**d),
-        np.full(count, 0.5**d),
-        body=body,
-        material=body,
-        velocity_field=body,
-    )
+    particles = particles_at(ANALYSES[kind or KIND[d]](), X, 0.25, 0.5**d, 0.5**d)
     grid.mp[:, 0] = 1.0
     return grid, particles
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from particles_at import particles_at
 
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.chunks import CHUNKS
 from mpmcli.core.grid import Grid
 from mpmcli.core.order import CellOrder
-from mpmcli.core.particles import Particles
 from mpmcli.core.transfer import kernels as transfer
 from mpmcli.core.transfer.stencil import across_of, allocate_stencil, kept_as
 from mpmcli.shapes import SHAPES
@@ -31,16 +31,7 @@ class Cloud:
         self.grid = Grid(lower, upper, cell, self.shape.pad, self.shape.width)
         X = lower[:, None] + (0.02 + 0.96 * rng.random((d, count))) * (upper - lower)[:, None]
         vol0 = rng.uniform(0.5, 1.5, count) * np.prod(cell) / 4
-        self.particles = p = Particles.at_rest(
-            self.analysis,
-            X,
-            np.repeat(0.25 * cell[:, None], count, axis=1),
-            vol0,
-            rng.uniform(0.5, 2.0, count),
-            body=np.zeros(count),
-            material=np.zeros(count),
-            velocity_field=np.zeros(count),
-        )
+        self.particles = p = particles_at(self.analysis, X, 0.25 * cell, vol0, rng.uniform(0.5, 2.0, count))
         p.V[:] = rng.standard_normal(p.V.shape)
         p.tau[:] = rng.standard_normal(p.tau.shape)
         p.F[: d * d] += rng.uniform(-0.15, 0.15, (d * d, count))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from particles_at import particles_at
 
 from mpmcli.core.analysis import PlaneStrain, Solid, UniaxialStress
 from mpmcli.core.grid import Grid
@@ -35,16 +36,7 @@ def scattered(shape: str, d: int, count: int, seed: int, cells) -> tuple[Particl
     X = rng.random((d, count)) * np.array(cells)[:d, None]
     snapped = rng.random((d, count)) < 0.2
     X = lower[:, None] + np.where(snapped, np.rint(X), X) * cell[:, None]
-    particles = Particles.at_rest(
-        ANALYSES[d],
-        X,
-        np.repeat(0.5 * cell[:, None], count, axis=1),
-        np.ones(count),
-        np.ones(count),
-        body=np.zeros(count),
-        material=np.zeros(count),
-        velocity_field=np.zeros(count),
-    )
+    particles = particles_at(ANALYSES[d], X, 0.5 * cell)
     if entry.follows_deformation:
         particles.F[: d * d] *= rng.uniform(0.3, 0.99, count)
     return particles, grid

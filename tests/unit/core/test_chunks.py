@@ -4,12 +4,12 @@ import itertools
 
 import numpy as np
 import pytest
+from particles_at import particles_at
 
 from mpmcli.core.analysis import ANALYSES
 from mpmcli.core.chunks import CHUNKS, chunk_of_round, chunks_of_lines, chunks_of_nodes, sums_of_chunks
 from mpmcli.core.grid import Grid
 from mpmcli.core.order import CellOrder
-from mpmcli.core.particles import Particles
 
 KIND = {1: "uniaxial_strain", 2: "plane_strain", 3: "3d"}
 
@@ -20,11 +20,7 @@ def block(cells, per_cell, seed=0):
     cells = np.repeat(np.asarray(cells), per_cell, axis=0)
     d = cells.shape[1]
     X = (cells + rng.uniform(0.01, 0.99, cells.shape))[rng.permutation(len(cells))].T
-    one = np.ones(X.shape[1])
-    p = Particles.at_rest(
-        ANALYSES[KIND[d]](), X, 0.25 * np.ones(X.shape), one, one, body=0 * one, material=0 * one,
-        velocity_field=0 * one,
-    )  # fmt: skip
+    p = particles_at(ANALYSES[KIND[d]](), X, 0.25)
     grid = Grid(np.zeros(d), np.full(d, 90.0 if d == 1 else 12.0), np.ones(d), 3, 3)
     order = CellOrder(p, grid)
     order.sort(False)

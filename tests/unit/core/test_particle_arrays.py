@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from particles_at import particles_at
 
 from mpmcli.core.analysis import ANALYSES, F_COMPONENTS, STRESS_COMPONENTS, gradient_rows
 from mpmcli.core.particles import Particles
@@ -9,19 +10,9 @@ from mpmcli.core.particles import Particles
 
 def some(kind: str, count: int = 4, **options) -> Particles:
     analysis = ANALYSES[kind]()
-    d = analysis.dimensions
     rng = np.random.default_rng(3)
-    return Particles.at_rest(
-        analysis,
-        rng.random((d, count)),
-        np.full((d, count), 0.25),
-        rng.random(count),
-        rng.random(count),
-        body=np.zeros(count),
-        material=np.zeros(count),
-        velocity_field=np.zeros(count),
-        **options,
-    )
+    X = rng.random((analysis.dimensions, count))
+    return particles_at(analysis, X, 0.25, rng.random(count), rng.random(count), **options)
 
 
 @pytest.mark.parametrize("kind", ANALYSES)

@@ -4,11 +4,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from particles_at import particles_at
 from pydantic import ValidationError
 
 from mpmcli.core.analysis import PlaneStrain
 from mpmcli.core.errors import SimulationError
-from mpmcli.core.particles import Particles
 from mpmcli.core.state import CracksView, State, TipValues
 from mpmcli.cracks.chain import END, START, Chain, divide
 from mpmcli.cracks.fracture import Fracture
@@ -29,18 +29,7 @@ def block(size=(4.0, 2.0)):
     """Particles, four per cell, in [0, 4] × [0, 2]."""
     axes = [np.arange(0.25 * CELL, length, 0.5 * CELL) for length in size]
     X = np.stack([a.ravel() for a in np.meshgrid(*axes)])
-    n = X.shape[1]
-    index, vol0 = np.zeros(n, dtype=np.int32), np.full(n, 0.25 * CELL**2)
-    return Particles.at_rest(
-        PlaneStrain(),
-        X,
-        np.full((2, n), 0.25 * CELL),
-        vol0,
-        vol0,
-        body=index,
-        material=index,
-        velocity_field=index,
-    )
+    return particles_at(PlaneStrain(), X, 0.25 * CELL, 0.25 * CELL**2, 0.25 * CELL**2)
 
 
 class World:

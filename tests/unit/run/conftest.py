@@ -7,10 +7,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from particles_at import particles_at
 
 from mpmcli.core.analysis import PlaneStrain
 from mpmcli.core.errors import ArchiveError
-from mpmcli.core.particles import Particles
 from mpmcli.core.state import State
 from mpmcli.output.tables import Table
 from mpmcli.scene.archive import Archive
@@ -26,16 +26,7 @@ class FakeSimulation:
     dt = 0.01
 
     def __init__(self, loaded, threads=None):
-        particles = Particles.at_rest(
-            PlaneStrain(),
-            X=np.array([[0.0, 1.0], [0.0, 0.0]]),
-            size=np.full((2, 2), 0.25),
-            vol0=np.ones(2),
-            mass=np.ones(2),
-            body=np.zeros(2),
-            material=np.zeros(2),
-            velocity_field=np.zeros(2),
-        )
+        particles = particles_at(PlaneStrain(), np.array([[0.0, 1.0], [0.0, 0.0]]), 0.25)
         particles.V[0] = 1.0
         self.state = State(
             analysis=PlaneStrain(),

@@ -69,13 +69,6 @@ SCENES: dict[str, dict[str, Any]] = {
         loads=[{"name": "weight", "kind": "gravity", "acceleration": [0, "-9.81*t"]}],
         probes=[{"name": "joint", "kind": "point", "at": [0, 0], "columns": ["velocity", "contact_normal"]}],
     ),
-    "adhesion": scene_of(
-        "plane_strain", 6, {"kind": "xpic", "order": 2, "every_steps": 3},
-        bodies=[body("left", [-3, -2], [0, 2], [-2, "0.5*y"]), body("right", [0, -2], [3, 2], [2, 0])],
-        contact={"law": {"kind": "adhesion_friction", "normal_strength": 9, "shear_strength": 5, "friction": 0.2},
-                 "separation": {"kind": "displacement"}},
-        archive={"particles": {"every": 0.02}},
-    ),
     "lost": scene_of(
         "plane_strain", 6, {"kind": "flip"},
         bodies=[body("flying", [-2, -1], [5, 2], ["20 + 5*x", "y"])],
@@ -85,6 +78,13 @@ SCENES: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 SLOW: dict[str, dict[str, Any]] = {
+    "adhesion": scene_of(
+        "plane_strain", 6, {"kind": "xpic", "order": 2, "every_steps": 3},
+        bodies=[body("left", [-3, -2], [0, 2], [-2, "0.5*y"]), body("right", [0, -2], [3, 2], [2, 0])],
+        contact={"law": {"kind": "adhesion_friction", "normal_strength": 9, "shear_strength": 5, "friction": 0.2},
+                 "separation": {"kind": "displacement"}},
+        archive={"particles": {"every": 0.02}},
+    ),
     "ring": scene_of(
         "axisymmetric", 6, {"kind": "fmpm", "order": 3, "dynamic": {"metric": "means", "tolerance": 0.02}},
         bodies=[body("ring", [0, 1], [3, 4], ["-0.5*x", "1 - x"])],
@@ -235,11 +235,9 @@ def check_resuming(scene: dict[str, Any], tmp_path: Path, monkeypatch: pytest.Mo
     return straight
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "adhesion")) for name in SCENES]
-)
+@pytest.mark.parametrize("name", [*SCENES, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)])
 def test_a_resumed_run_gives_the_same_bytes(name, tmp_path, monkeypatch):
-    straight = check_resuming(SCENES[name], tmp_path, monkeypatch)
+    straight = check_resuming((SCENES | SLOW)[name], tmp_path, monkeypatch)
     arrays = read_checkpoint(straight.directory / "checkpoint.npz").arrays
     if name == "contact":
         assert arrays["simulation.order.version"] > 1
@@ -248,13 +246,6 @@ def test_a_resumed_run_gives_the_same_bytes(name, tmp_path, monkeypatch):
         assert 0.0 < bond.mean() < 1.0
     if name == "lost":
         assert arrays["simulation.state.extra.deleted_particles"] > 0
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SLOW)
-def test_a_resumed_run_gives_the_same_bytes_in_large(name, tmp_path, monkeypatch):
-    straight = check_resuming(SLOW[name], tmp_path, monkeypatch)
-    arrays = read_checkpoint(straight.directory / "checkpoint.npz").arrays
     if name == "space":
         assert len(arrays["simulation.contact.guesses"]) > 0
     if name == "hot metal":
