@@ -31,7 +31,6 @@ class PlaneDashpots:
         self._grid, self._areas, self._complete = grid, areas, complete
         self._planes = [(load, load.loaded_plane(), _different(Z)) for load, Z in loads]
         self._dofs: list[Array] = []
-        self._sums = np.zeros((0 if complete is None else grid.dof_count, 1))
         self._version = -1
 
     def add(self, time: float, mp: Array, f: Array, dt: float) -> None:
@@ -59,8 +58,7 @@ class PlaneDashpots:
         """Return what nodes (n,) of real particles have, with that of those that they are one with or mirror."""
         if self._complete is None:
             return drag
-        sums = self._sums  # only active nodes are read and written
-        sums[self._grid.active] = 0.0
+        sums = np.zeros((self._grid.dof_count, 1))
         sums[dofs, 0] = drag
         self._complete(sums)
         return sums[dofs, 0]
