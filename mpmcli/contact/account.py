@@ -47,6 +47,7 @@ class ContactAccount:
         self._work = work
         self._rigid = rigid = np.array(choice.rigid_fields, dtype=bool)
         self._has_geometry = choice.knows_normals
+        self._bonds = np.array([law.bonds for law in choice.laws])
         names = choice.fields
         n, d = len(names), grid.dimensions
         pairs = [(i, j) for i in range(n) for j in range(i + 1, n) if not (rigid[i] and rigid[j])]
@@ -84,7 +85,8 @@ class ContactAccount:
         """Sum up forces, areas and friction work of a step from its final impulses.
 
         ``after`` (k, d) are the relative velocities after these impulses acted, those before are in the rows.
-        ``bonded`` (k,) says which contacts are interfaces, without friction; None: none is.
+        ``bonded`` (k,) says which contacts are interfaces; None: none is. These, and sides that are bonded for good,
+        have no friction.
         """
         c, view, grid = self._contacts, self.view, self._grid
         nodes, alpha = c.nodes.node, c.fields.alpha[: c.count]
@@ -105,6 +107,9 @@ class ContactAccount:
             of_partner = self._shares(c.fields.partner[: c.count])
             excess = np.where(c.fields.both[: c.count], self.shares - of_partner, 0.0)
             self._mirror.add_momentum(alpha, excess[:, None] * c.rows.net[: c.count])
+        if self._bonds.any():
+            for_good = self._bonds[c.fields.law[: c.count]]
+            bonded = for_good if bonded is None else bonded | for_good
         sums = impulses.Tallies(
             self._pair, self.shares, view.force, view.area, view.momentum_error,
             self._rigid_work,

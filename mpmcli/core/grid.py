@@ -138,6 +138,10 @@ class Grid:
     sides : sides that a node may have; 1 unless something cuts bodies
     periodic : numbers of the axes along which nodes one period, the length of the grid, apart are one node
 
+    Attributes
+    ----------
+    mirrors : axis, index of its line of nodes, and whether images lie below it, of each symmetry plane
+
     A degree of freedom is velocity field × node on a side of it (``core.dofs``), and all arrays and ``active`` run over
     degrees of freedom: side after side, field after field. ``active`` lists further sides only at the nodes that
     ``add_sides`` names.
@@ -169,6 +173,7 @@ class Grid:
         self.by_field = True
         self.sides = sides
         self.periodic = periodic
+        self.mirrors: tuple[tuple[int, int, bool], ...] = ()
         self.dof_count = sides * fields * self.node_count
         self.mp = np.zeros((self.dof_count, 1 + d))
         self.f = np.zeros((self.dof_count, d))
@@ -270,6 +275,21 @@ class Grid:
                 copies.append(found[there] + turns * cells * self.stride[a])
             found = np.concatenate(copies)
         return np.sort(found)
+
+    def with_images(self, dofs: np.ndarray) -> np.ndarray:
+        """Return degrees of freedom (m,), ascending: ``dofs`` (n,) and their images beyond symmetry planes.
+
+        Of the images those at nodes that some field is at: it meets the image of the other field there.
+        """
+        found, there = dofs, np.unique(self.node_of(dofs))
+        for axis, line, is_lower in self.mirrors:
+            stride, count = self.stride[axis], self.shape[axis]
+            index = found // stride % count
+            image = 2 * line - index
+            beyond = (image < line if is_lower else image > line) & (image >= 0) & (image < count)
+            images = found[beyond] + (image - index)[beyond] * stride
+            found = np.concatenate([found, images[np.isin(self.node_of(images), there)]])
+        return np.unique(found)
 
     @property
     def used_dofs(self) -> int:

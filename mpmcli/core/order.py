@@ -102,6 +102,8 @@ class CellOrder:
             grid.active = self._reach(tiling.by_cell(starts[1:] > starts[:-1]), low, extent)
         else:
             grid.active = self._reach_of_fields(cell, field)
+            if grid.mirrors:
+                grid.active = grid.with_images(grid.active)
         if grid.periodic:
             grid.active = grid.with_periods(grid.active)
         grid.active_version += 1

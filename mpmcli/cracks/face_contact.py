@@ -60,12 +60,12 @@ def correct_at_once(law, axes, count, blocks, first, dof, rigid, node_count, mp,
 
 @called_once
 def close_step(
-    axes, count, blocks, first, dof, rigid, node_count, mp, v, dt, keeps_start, weight, springs, force
+    axes, count, blocks, first, dof, rigid, node_count, mp, v, dt, keeps_start, weight, smooth, force
 ):
     """Complete ``rows.net`` and sum up a step: writes the forces on the matter above into ``force`` (cracks, 2).
 
     Returns the friction work. ``rows.prior`` receives the relative velocities that the impulses leave, ``weight`` (k,)
-    are shares of real particles, ``springs`` (laws,) laws without friction. ``rows.start`` is part of the impulses if
+    are shares of real particles, ``smooth`` (laws,) laws without friction. ``rows.start`` is part of the impulses if
     the step ``keeps_start``; see ``ContactImpulses``.
     """
     fields, faces, geometry, rows = tables_in(blocks)
@@ -80,7 +80,7 @@ def close_step(
             for a in range(len(axes)):
                 rows.net[k, a] += rows.start[k, a]
         rows.friction[k] = 0.0
-        if not springs[fields.law[k]]:
+        if not smooth[fields.law[k]]:
             rows.friction[k] = slip_work(axes, geometry.normal[k], rows.net[k], rows.slip[k], rows.prior[k])
         work += weight[k] * rows.friction[k]
         for a in range(len(axes)):
@@ -120,10 +120,10 @@ class FaceContact(ContactImpulses):
         super().__init__(self.contacts, models, range(len(models)), Ways(), grid, conditions)
         self._particles, self._mirror, self._work = particles, mirror, work
         self._view = view
-        self._springs = np.array([model.is_interface for model in models])
+        self._smooth = np.array([model.is_interface or model.bonds for model in models])
         self._alone = len(models) == 1 and not (models[0].is_interface or models[0].skipped)
         work.setdefault("contact_work", 0.0)
-        if self._springs.any():
+        if any(model.is_interface for model in models):
             from mpmcli.cracks.face_interfaces import FaceInterfaces
 
             self.interfaces = FaceInterfaces(models, self.contacts, grid, work, update, view)
@@ -186,7 +186,7 @@ class FaceContact(ContactImpulses):
         weight = c.whole if mirror is None else mirror.share_of(c.fields.alpha[: c.count])
         self._work["contact_work"] += self._call(
             close_step, self._axes, c.count, c.blocks, c.first, c.dof, c.rigid, self._grid.node_count, self._grid.mp,
-            v, step.dt, keeps_start_impulses(step.plan), weight, self._springs, view.force,
+            v, step.dt, keeps_start_impulses(step.plan), weight, self._smooth, view.force,
         )  # fmt: skip
         if self.interfaces is not None:
             self.interfaces.close(c.rows.prior, weight[: c.count], step.dt)

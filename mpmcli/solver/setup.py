@@ -8,6 +8,7 @@ import numpy as np
 
 from mpmcli.boundary.clocks import Clock, ClockedLoad, ClockedVelocity, Clocks
 from mpmcli.boundary.grid_conditions import GridConditions
+from mpmcli.boundary.symmetry import symmetry_line
 from mpmcli.contact.choice import ContactChoice
 from mpmcli.core.errors import SceneError
 from mpmcli.core.grid import Grid
@@ -43,7 +44,7 @@ def make_grid(scene: Any, plan: Plan) -> Grid:
     """The scene's grid, with the ghost layers that its shape function needs."""
     grid = scene.grid
     check_memory(scene)
-    return Grid(
+    found = Grid(
         np.array(grid.lower),
         np.array(grid.upper),
         np.array(grid.cell),
@@ -53,6 +54,16 @@ def make_grid(scene: Any, plan: Plan) -> Grid:
         sides=plan.sides,
         periodic=tuple("xyz".index(axis) for axis in grid.periodic or ()),
     )
+    found.mirrors = tuple(
+        (
+            condition.plane.index,
+            symmetry_line(condition.plane, found),
+            condition.plane.side_on(found) == "lower",
+        )
+        for condition in scene.conditions_on("velocity")
+        if condition.kind == "symmetry"
+    )
+    return found
 
 
 @np.errstate(all="ignore")
