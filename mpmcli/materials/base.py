@@ -84,6 +84,10 @@ class Matter(Model):
         """Speed of the fastest wave at rest [velocity]: see the Courant number in the reference."""
         raise TypeError(f"{type(self).__name__} gives no wave speed")
 
+    def explicit_viscosity(self) -> float:
+        """Viscosity of a stress in proportion to the rate of the step before, which bounds the step [viscosity]."""
+        return 0.0
+
 
 def keeps_strain(model: Matter) -> bool:
     """Return whether the history of a material has its elastic strain, so that F may start at the identity."""

@@ -69,6 +69,10 @@ class TaitFluid(TaitModel):
         """√(K/ρ) [velocity]."""
         return sqrt(self.K / self.density)
 
+    def explicit_viscosity(self) -> float:
+        """μ [viscosity]."""
+        return self.viscosity
+
 
 @with_defaults
 class Tait(NamedTuple):

@@ -47,6 +47,7 @@ class Model:
         ``SPACE`` for three axes
     body : name of the body
     because : what the lattice does, in words
+    viscosity : of a viscous fluid, stress per rate of extension over ρch
     """
 
     lattice: Lattice
@@ -54,6 +55,7 @@ class Model:
     scale: float
     body: str
     because: str
+    viscosity: float = 0.0
 
 
 def scheme_of(scene: Any) -> Scheme:
@@ -91,7 +93,9 @@ def models_of(scene: Any) -> list[Model]:
         raise NoKnownLimit("all bodies are rigid")
     kinds: dict[Model, Model] = {}
     for body, material in bodies:
+        viscosity = _viscosity_of(scene, body, material)
         for model in _models_of_body(scene, particle, body, material, held[body.name], fastest):
+            model = replace(model, viscosity=viscosity)
             kinds.setdefault(replace(model, body=""), model)
     return sorted(kinds.values(), key=lambda model: model.speed)
 
@@ -138,6 +142,15 @@ def _models_of_body(
         while speed >= FAST:
             yield Model(row, speed, fastest / wave, body.name, words)
             speed *= SLOWER
+
+
+def _viscosity_of(scene: Any, body: Any, material: Any) -> float:
+    """Return 4μ/3 over ρch of a viscous fluid, which damps extension more than it damps shear; else 0."""
+    mu = values_of_particles(body, material, lambda model: (model.explicit_viscosity(),)).max()
+    if mu == 0.0:
+        return 0.0
+    impedance = lightest_density(body, material) * wave_speed_of(scene, body, material)
+    return float(4.0 / 3.0 * mu / (impedance * min(scene.grid.cell)))
 
 
 def _impedances(scene: Any, body: Any, material: Any) -> dict[int, np.ndarray]:

@@ -1,12 +1,13 @@
 """The stable Courant number of a scene: ``courant: auto``, and what ``validate``, ``explain`` and ``stability`` tell.
 
 It is ``SAFETY`` times the least limit that is known: of a block at rest at its worst position within a cell, of a block
-that moves slowly, of endless rows for axes along which both faces are held or the body is fast (``models``), and 1, at
-which no material point crosses more than one cell per step. Courant numbers are those of the faster of waves and
-particles, so that waves have a smaller one where particles are faster.
+that moves slowly, of endless rows for axes along which both faces are held or the body is fast (``models``), all with
+the viscosity of a fluid, and 1, at which no material point crosses more than one cell per step. Courant numbers are
+those of the faster of waves and particles, so that waves have a smaller one where particles are faster.
 """
 
 import math
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from threadpoolctl import threadpool_limits
@@ -16,6 +17,7 @@ from mpmcli.core.errors import Problem, SceneError
 from mpmcli.scene.method import MAX_COURANT
 from mpmcli.stability.bodies import largest_speed, largest_wave_speed
 from mpmcli.stability.growth import is_stable
+from mpmcli.stability.linear_step import Scheme
 from mpmcli.stability.models import Model, NoKnownLimit, models_of, scheme_of
 from mpmcli.stability.springs import springs_of, tractions_of
 
@@ -27,8 +29,14 @@ DIGITS = 3
 """Of the stable Courant number, rounded down: what is shown is what counts."""
 LOWEST = 0.02
 """Smallest limit that is searched for; a body much slower than the fastest one is stable below it."""
+NOTABLE = 0.01
+"""Viscosity, as of ``Model``, from which it is named with a limit."""
 START = round(0.5 / RESOLUTION)
 """Where searches begin."""
+
+
+class NeverStable(NoKnownLimit):
+    """A scene that is unstable at the smallest Courant number that is tried."""
 
 
 class StableCourant(NamedTuple):
@@ -50,8 +58,10 @@ def stable_courant(scene: Any) -> StableCourant:
     because = "no particle crosses more than one cell per step"
     if model is not None:
         because = f"body '{model.body}', {model.because}"
-    if limit < LOWEST:
-        raise NoKnownLimit(f"{because}, is unstable at {LOWEST:g} already")
+        if model.viscosity > NOTABLE:
+            because += ", with its viscosity"
+        if limit == 0.0:
+            raise NeverStable(f"{because}, is unstable at {_lowest(model) * RESOLUTION:g} already")
     has_oscillators = scene.contact is not None and scene.contact.interface.step == "oscillator"
     for spring in [*tractions_of(scene), *(springs_of(scene) if has_oscillators else ())]:
         allowed = courant_of_step(scene, spring.longest_step) / SAFETY
@@ -75,18 +85,26 @@ def limit_in_motion(scene: Any) -> float | None:
 def _least_limit(scene: Any, models: list[Model], most: float) -> tuple[float, Model | None]:
     """Return the least limit of the models, ``most`` at most, and whose it is."""
     scheme, found = scheme_of(scene), None
-    lowest, least = round(LOWEST / RESOLUTION), round(most / RESOLUTION)
+    least = round(most / RESOLUTION)
     with threadpool_limits(1, user_api="blas"):  # the matrices are small, and threads that wait burn time
         for model in models:
+            lowest = _lowest(model)
+            viscous = replace(scheme, viscosity=scheme.viscosity + model.viscosity)
 
-            def holds(number: int, model: Model = model) -> bool:
+            def holds(number: int, model: Model = model, scheme: Scheme = viscous) -> bool:
                 courant = number * RESOLUTION / model.scale
-                return courant < LOWEST or is_stable(model.lattice, scheme, courant, model.speed)
+                slow = courant < LOWEST and model.viscosity == 0.0
+                return slow or is_stable(model.lattice, scheme, courant, model.speed)
 
             if least >= lowest and not holds(least):
                 found = model
                 least = bisect_limit(holds, min(START, least), lowest, least)[0] or 0
     return least * RESOLUTION, found
+
+
+def _lowest(model: Model) -> int:
+    """Return the smallest multiple of ``RESOLUTION`` that is tried: steps of viscous fluids may be much shorter."""
+    return 1 if model.viscosity > 0.0 else round(LOWEST / RESOLUTION)
 
 
 def chosen_courant(scene: Any) -> float | None:
@@ -114,11 +132,14 @@ def warning_of(scene: Any) -> Problem | None:
     asked = courant_of_step(scene, span.step) if span.courant is None else float(span.courant)
     try:
         stable = stable_courant(scene)
+    except NeverStable as reason:
+        above = f"above the stable Courant number: {reason}; the run may fail"
     except NoKnownLimit:
         return None
-    if asked <= stable.courant * (1.0 + 1e-9):
-        return None
-    above = f"above the stable Courant number {stable.courant:.3g} ({stable.because}); the run may fail"
+    else:
+        if asked <= stable.courant * (1.0 + 1e-9):
+            return None
+        above = f"above the stable Courant number {stable.courant:.3g} ({stable.because}); the run may fail"
     if span.courant is None:
         path, words = "time.step", f"this is the Courant number {asked:.3g}, which is {above}"
     else:

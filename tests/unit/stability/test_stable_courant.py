@@ -266,6 +266,52 @@ def test_artificial_viscosity_lowers_the_limit():
     assert limit(0.8) < limit(0.4) < limit(0.0)
 
 
+OIL = """
+version: 1
+analysis: {kind: plane_strain}
+grid: {lower: [0, 0], upper: [0.4, 1], cell: 0.1, periodic: [x]}
+method: {shape: ugimp, transfer: TRANSFER}
+materials: {oil: {kind: tait_fluid, density: 1, K: 1000, viscosity: MU}}
+bodies: [{name: film, material: oil, region: {kind: box, lower: [0, 0], upper: [0.4, 1]}, velocity: [y, 0.01*sin(9*y)]}]
+boundary:
+  - {name: still, kind: velocity, on: {plane: {axis: y, at: 0}}, direction: x, value: 0}
+  - {name: drawn, kind: velocity, on: {plane: {axis: y, at: 1}}, direction: x, value: 1}
+  - {name: floor, kind: velocity, on: {plane: {axis: y, at: 0}}, direction: y, value: 0}
+  - {name: lid, kind: velocity, on: {plane: {axis: y, at: 1}}, direction: y, value: 0}
+time: {end: 0.2, courant: COURANT}
+archive: {globals: {every: 0.01}}
+"""
+
+
+def oil(mu: float, courant: float | str = "auto", transfer: str = "{kind: fmpm, order: 4}"):
+    text = OIL.replace("MU", str(mu)).replace("COURANT", str(courant)).replace("TRANSFER", transfer)
+    return load_scene(text)
+
+
+def test_the_viscosity_of_a_fluid_lowers_the_limit_and_is_named_with_it():
+    inviscid, thin, thick, thicker = (stable_courant(oil(mu).scene) for mu in (0.0, 0.001, 1.0, 5.0))
+    assert inviscid == thin
+    assert thick.courant < 0.5 * thin.courant
+    assert thicker.courant == pytest.approx(thick.courant / 5.0, rel=0.1)  # a share of ρ Δx²/μ
+    words = "0.109 (body 'film', at rest at its worst position, with its viscosity)"
+    assert f"0.3 is above the stable Courant number {words}" in warning_of(oil(1.0, 0.3).scene).message
+
+
+def test_a_fluid_too_viscous_for_every_courant_number_has_a_warning():
+    assert "is unstable at 0.0025 already" in warning_of(oil(1000.0, 0.3).scene).message
+    with pytest.raises(SceneError, match="with its viscosity, is unstable at"):
+        chosen_courant(oil(1000.0).scene)
+
+
+@SLOW
+@pytest.mark.parametrize("transfer", ["{kind: flip}", "{kind: fmpm, order: 4}"])
+@pytest.mark.parametrize("mu", [0.3, 2.0])
+def test_a_viscous_fluid_runs_at_auto(mu, transfer, tmp_path):
+    outcome = run(oil(mu, transfer=transfer), tmp_path / "film", progress=False)
+    assert np.abs(outcome.results["energy_error"]).max() < 0.02
+    assert outcome.results["kinetic_energy"][-1] == pytest.approx(0.4 / 6.0, rel=0.02)
+
+
 @pytest.fixture
 def any_number(monkeypatch):
     """Let materials have numbers that no scene may have, to reach what guards against them."""
