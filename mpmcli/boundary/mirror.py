@@ -57,11 +57,11 @@ class Mirror:
         self._grid = grid
         self.owner = np.array([owner for owner, _ in self._planes], dtype=np.int64)
         self.impulse = np.zeros(len(self._planes))
-        self.pairs = self._find_pairs(np.empty(0, dtype=np.int64))
+        self.pairs = self.find_pairs(np.empty(0, dtype=np.int64))
 
     def renew(self, active: Array) -> None:
         """Find the ghosts among the sorted node indices ``active``."""
-        self.pairs = self._find_pairs(active)
+        self.pairs = self.find_pairs(active)
 
     def lines(self) -> list[tuple[int, int]]:
         """Normal axis of each plane and the index of its nodes along that axis."""
@@ -170,7 +170,8 @@ class Mirror:
         """Fold sums of scalars ``q`` (n, c), which have the same sign beyond a plane."""
         fold_scalars(self.pairs, q)
 
-    def _find_pairs(self, active: Array) -> Pairs:
+    def find_pairs(self, active: Array) -> Pairs:
+        """Return the ghosts among the sorted node indices ``active``, with their images."""
         ghosts, images, own = [], [], []
         for _, plane in self._planes:
             index = axis_index(self._grid, active, plane.axis)

@@ -44,6 +44,8 @@ class RigidBodies:
         self._version = self._dofs_version = self._nodes_version = -1
         self._places: list[Array] = []
         self._nodes: list[tuple[str, Array, Array, Any]] = []
+        self._on_nodes = self.held
+        self._pairs: Any = None
 
     @property
     def dofs(self) -> Array:
@@ -83,28 +85,49 @@ class RigidBodies:
 
         Particles near a surface lie to one side of its nodes, so that what they extrapolate is the velocity of a
         place inside. Where bodies that move differently share a velocity field that has to do, and on symmetry planes.
+        What deformable bodies meet at a node they meet at its image beyond a symmetry plane.
         """
         if self._grid.active_version != self._nodes_version:
             self._nodes_version = self._grid.active_version
             self._find_nodes()
         for name, dof, X, velocity in self._nodes:
             mp[dof, 1:] = mp[dof, :1] * velocity_at(velocity, X, step.time, name).T
+        if self._pairs is not None:
+            self.held = np.concatenate([self._on_nodes, *_fill_images(self._pairs, mp)])
 
     def _find_nodes(self) -> None:
         grid, mirror, dofs = self._grid, self._mirror, self.dofs
         if mirror is not None:
+            self._pairs = mirror.find_pairs(dofs)
             nodes = grid.node_of(dofs)
             dofs = dofs[~(mirror.beyond(nodes) | np.isin(nodes, mirror.pairs.own))]
         self._nodes = []
         for field, velocity in self._of_fields:
             mine = dofs[grid.field_of(dofs) == field]
             self._nodes.append((self._fields[field], mine, grid.coordinates(mine), velocity))
-        self.held = np.concatenate([self.held[:0], *(dof for _, dof, _, _ in self._nodes)])
+        self.held = self._on_nodes = np.concatenate([self.held[:0], *(dof for _, dof, _, _ in self._nodes)])
 
     def move(self, X: Array) -> None:
         """Put positions ``X`` (d, N) and velocities of rigid particles to the end of the step."""
         V = self._particles.V
         self._order.drift += put_back(self._still, self._X, self._V, X, V, 1.0 / self._grid.cell)
+
+
+def _fill_images(pairs: Any, mp: Array) -> list[Array]:
+    """Give nodes beyond symmetry planes that see no rigid body the mirrored mass and momentum of their images.
+
+    Returns these nodes, plane by plane.
+    """
+    filled = []
+    for plane in range(len(pairs.axis) - 1, -1, -1):
+        ends = slice(pairs.start[plane], pairs.start[plane + 1])
+        ghost, image = pairs.ghost[ends], pairs.image[ends]
+        empty = (mp[ghost, 0] == 0.0) & (mp[image, 0] > 0.0)
+        ghost = ghost[empty]
+        mp[ghost] = mp[image[empty]]
+        mp[ghost, 1 + pairs.axis[plane]] *= -1.0
+        filled.append(ghost)
+    return filled
 
 
 @inline

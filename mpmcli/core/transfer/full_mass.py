@@ -44,8 +44,9 @@ def add_full_mass_increments(
     increment, order = field.v, 1
     while order < rule.largest:
         order += 1
-        transfer.project(field, increment, field.out, -1.0 if counts_reactions else 0.0, first=order == 2)
-        nodes.next_increment[parallel](active, field.mp, field.out, rule.scale(order), increment, field.dv)
+        scale = rule.scale(order)
+        transfer.project(field, increment, field.out, -scale if counts_reactions else 0.0, first=order == 2)
+        nodes.next_increment[parallel](active, field.mp, field.out, scale, increment, field.dv)
         increment = field.dv
         field.correct(step, counts_reactions)  # (1), (2)
         nodes.add_nodal[parallel](active, field.dv, field.v)

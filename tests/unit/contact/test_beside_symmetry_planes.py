@@ -36,3 +36,40 @@ def test_bonded_bodies_are_one_beside_a_symmetry_plane(shape, transfer, plain_py
     V = [each.particles.V[:, np.argsort(each.particles.id)] for each in (one, two)]
     assert np.abs(V[1] - V[0]).max() < 1e-13
     assert two.state.reactions["floor"] == pytest.approx(one.state.reactions["floor"], abs=1e-12)
+
+
+PRESSED = """
+version: 1
+analysis: {{kind: plane_strain}}
+grid: {{lower: [0, {lower}], upper: [4, 5], cell: 1}}
+method: {{shape: b2gimp, transfer: {{kind: {transfer}}}}}
+materials: {{soft: {{kind: neo_hookean, density: 1, E: 10, nu: 0.3}}, steel: {{kind: rigid}}}}
+bodies:
+  - {{name: layer, material: soft, region: {{kind: box, lower: [1, {bottom}], upper: [3, 2]}}}}
+  - {{name: tool, material: steel, region: {{kind: box, lower: [1, 2], upper: [3, 3]}}, velocity: [0.3, -1]}}
+  {more}
+contact: {{law: {{kind: stick}}}}
+time: {{end: 10, step: 0.02}}
+"""
+LOWER_TOOL = "- {name: other, material: steel, region: {kind: box, lower: [1, -3], upper: [3, -2]}, velocity: [0.3, 1]}"
+PLANE = "boundary: [{name: middle, kind: symmetry, plane: {axis: y, at: 0}}]\n"
+
+
+@pytest.mark.parametrize("transfer", ["flip", "fmpm, order: 2"])
+def test_half_of_a_pressed_layer_is_half_of_the_whole(transfer, plain_python):
+    """The tool reaches the first layer of nodes, but not the images of these nodes."""
+    with plain_python():
+        half = Simulation(load_scene(PRESSED.format(lower=0, bottom=0, more="", transfer=transfer) + PLANE))
+        whole = Simulation(
+            load_scene(PRESSED.format(lower=-5, bottom=-2, more=LOWER_TOOL, transfer=transfer))
+        )
+        for _ in range(2):
+            half.step()
+            whole.step()
+    V = []
+    for p in (half.particles, whole.particles):
+        mine = np.flatnonzero((p.body == 0) & (p.X[1] > 0.0))
+        X = p.X[:, mine].round(6)
+        V.append(p.V[:, mine[np.lexsort(X)]])
+    assert np.abs(V[0]).max() > 0.01
+    assert np.abs(V[1] - V[0]).max() < 1e-13

@@ -51,6 +51,13 @@ def test_symmetry_planes_react_to_contact_beside_them(shape, transfer, plain_pyt
         check(SCENE.format(update="usl", transfer=transfer, shape=shape, middle=2))
 
 
+def test_symmetry_planes_react_to_blended_increments(plain_python):
+    """Of the passes of blended FMPM particles get what the blend leaves."""
+    with plain_python():
+        blended = "fmpm, order: 3, blend: {order: 2, fraction: 0.5}"
+        check(SCENE.format(update="usl", transfer=blended, shape="ugimp", middle=4))
+
+
 TOOL = """
 version: 1
 analysis: {{kind: plane_strain}}
